@@ -4,11 +4,13 @@ The duty limit of `condition` treats each hinge alone, with its worst load. Load
 the motion: if inverse dynamics finds a drive above full duty, its limit is tightened.
 """
 
+from collections.abc import Callable
 from functools import partial
 
 import numpy as np
 
 from kinesic.body.arrays import Floats, Indices, find_distinct_rows
+from kinesic.body.limits import Limits
 from kinesic.motion.budget import UNLIMITED_BUDGET, Budget
 from kinesic.motion.condition import LEAD_IN, Conditioned, condition
 from kinesic.motion.keys import Bond, KeyPosture
@@ -56,6 +58,18 @@ def certify(
         budget=budget,
         memory=memory or PlaneMemory(),
     )
+    return keep_duties(search, setup)
+
+
+def keep_duties(search: Callable[[Limits], Conditioned], setup: Setup) -> Conditioned:
+    """Plan a motion with lower duty limits until no servo is overloaded.
+
+    After `MAX_TIGHTENINGS` attempts the last motion is returned, even if it still overloads a servo.
+
+    Args:
+        search: plans the motion within given limits.
+        setup: limits and dynamics.
+    """
     motion = search(setup.limits)
     factors = np.ones(len(setup.limits.duty))
     for attempt in range(MAX_TIGHTENINGS):

@@ -80,7 +80,7 @@ def _keys(frames: BapFrames, setup: Setup) -> tuple[KeyPosture, ...]:
     keyed = np.stack([_flag_keys(times, even_times, times_of_hinge) for times_of_hinge in reversals], axis=1)
     rest = setup.robot.skeleton.rest
     approach_time, return_time = (
-        _compute_comfortable_duration(setup, rest, posture) for posture in (angles[0], angles[-1])
+        compute_comfortable_duration(setup, rest, posture) for posture in (angles[0], angles[-1])
     )
     all_hinges = (True,) * len(rest)
     inner = [
@@ -133,7 +133,7 @@ def _flag_keys(times: Floats, even_times: Floats, reversals: Floats) -> Flags:
     return keyed
 
 
-def _compute_comfortable_duration(setup: Setup, start: Floats, end: Floats) -> float:
+def compute_comfortable_duration(setup: Setup, start: Floats, end: Floats) -> float:
     """Return a comfortable duration [s] for a movement between two postures."""
     return max(MIN_APPROACH_TIME, COMFORT_FACTOR * float(least_rest_times(end - start, setup.limits).max()))
 

@@ -1,0 +1,109 @@
+"""Arm postures that follow captured wrists and elbows."""
+
+import numpy as np
+
+from kinesic.body.arrays import Flags, Floats, find_runs, sealed
+from kinesic.body.chain import Chain
+from kinesic.body.reach import Reach
+from kinesic.capture.clip import ArmPath
+from kinesic.capture.resampling import low_pass
+from kinesic.capture.robot_motion import SAMPLE_RATE
+from kinesic.ik.arm.linkage import linkage_of
+from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_place
+from kinesic.ik.arm.swivel import swivel_of
+from kinesic.ik.scalar3 import vector
+from kinesic.ik.solve import solve
+
+SWIVEL_CUTOFF = 3.0  # [Hz] cut-off frequency of the elbow's swivel, which is noisy on straight arms
+MIN_ELBOW_OFFSET = 0.04  # [arm lengths] elbow distance from the line shoulder-wrist, below which it has no swivel
+SETTLING_STEPS = 20  # number of solutions for the first target, from the rest posture
+MAX_STEP = 0.35  # [rad] largest rotation of a hinge between two samples; above, the arm leaps to another posture
+BRIDGE_TIME = 0.08  # [s] time before and after a leap that is bridged
+
+
+def track_arm(chain: Chain, path: ArmPath, length: float) -> tuple[Floats, int]:
+    """Return arm angles (m, k) [rad] that follow a path at `SAMPLE_RATE`, and the number of bridged leaps.
+
+    The path is solved forward and backward in time. The solution with fewer leaps is taken, and the leaps that remain
+    are bridged by a smooth rotation of all hinges.
+
+    Args:
+        chain: the arm.
+        path: (m, 3) elbows and wrists [arm lengths].
+        length: [m] of the arm.
+    """
+    shoulder = chain.frames(chain.rest)[1][-4]
+    targets = shoulder + length * path.wrist
+    swivels = low_pass(find_swivels(chain, path)[:, None], SWIVEL_CUTOFF)[:, 0]
+    forward = _solve_all(chain, targets, swivels)
+    if not find_leaps(forward).any():
+        return forward, 0
+    backward = _solve_all(chain, targets[::-1], swivels[::-1])[::-1]
+    angles = min((forward, backward), key=lambda solution: int(find_leaps(solution).sum()))
+    return bridge_leaps(angles)
+
+
+def find_swivels(chain: Chain, path: ArmPath) -> Floats:
+    """Return the swivel (m,) [rad] of each frame, continuous over time.
+
+    Straight arms take the swivel of the frames before and after; an arm that is always straight has none, 0.
+    """
+    linkage = linkage_of(mirror_chain(chain) if is_right(chain) else chain)
+    is_mirrored = is_right(chain)
+    swivels = np.full(len(path.wrist), np.nan)
+    lines = path.wrist / np.maximum(np.linalg.norm(path.wrist, axis=1, keepdims=True), 1e-9)
+    offsets = np.linalg.norm(np.cross(path.elbow, lines), axis=1)
+    for k in np.flatnonzero(offsets > MIN_ELBOW_OFFSET):
+        places = [np.zeros(3), path.elbow[k], path.wrist[k]]
+        points = [vector(mirror_place(place) if is_mirrored else place) for place in places]
+        swivel = swivel_of(linkage, points)
+        if swivel is not None:
+            swivels[k] = swivel
+    is_known = np.isfinite(swivels)
+    if not is_known.any():
+        return np.zeros(len(swivels))
+    frames = np.arange(len(swivels))
+    continuous: Floats = np.interp(frames, frames[is_known], np.unwrap(swivels[is_known]))
+    return continuous
+
+
+def find_leaps(angles: Floats) -> Flags:
+    """Return whether a hinge leaps to the next sample, (m - 1,)."""
+    leaps: Flags = np.abs(np.diff(angles, axis=0)).max(axis=1) > MAX_STEP
+    return leaps
+
+
+def bridge_leaps(angles: Floats) -> tuple[Floats, int]:
+    """Replace leaps of angles (m, k) by smooth rotations, and count them.
+
+    The samples up to `BRIDGE_TIME` before and after a leap are interpolated between both sides.
+    """
+    margin = round(BRIDGE_TIME * SAMPLE_RATE)
+    is_bridged = np.zeros(len(angles), dtype=np.bool_)
+    for k in np.flatnonzero(find_leaps(angles)):
+        is_bridged[max(0, k - margin) : k + 2 + margin] = True
+    runs, bridged = find_runs(is_bridged), angles.copy()
+    for begin, end in runs:
+        before, after = angles[max(0, begin - 1)], angles[min(len(angles) - 1, end)]
+        if begin == 0:
+            before = after
+        elif end == len(angles):
+            after = before
+        u = (np.arange(begin, end) - begin + 1.0)[:, None] / (end - begin + 1.0)
+        bridged[begin:end] = before + (after - before) * (u**3 * (10.0 - 15.0 * u + 6.0 * u**2))
+    return bridged, len(runs)
+
+
+def _solve_all(chain: Chain, targets: Floats, swivels: Floats) -> Floats:
+    angles = np.empty((len(targets), len(chain.rest)))
+    posture = chain.rest
+    reaches = [
+        Reach(sealed(target), swivel=float(np.remainder(swivel + np.pi, 2.0 * np.pi) - np.pi))
+        for target, swivel in zip(targets, swivels, strict=True)
+    ]
+    for _ in range(SETTLING_STEPS):
+        posture = solve(chain, reaches[0], start=posture).angles
+    for k, reach in enumerate(reaches):
+        posture = solve(chain, reach, start=posture).angles
+        angles[k] = posture
+    return angles

@@ -1,0 +1,157 @@
+"""Certification of captured motion: violations of limits, and the nearest motion without any."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Side
+from kinesic.capture.clear_path import clear_path
+from kinesic.capture.clip import ArmPath, Clip
+from kinesic.capture.nearest import NearestMotion, find_nearest
+from kinesic.capture.retarget import retarget
+from kinesic.capture.robot_motion import RobotMotion, arm_paths
+from kinesic.capture.violations import MAX_RATIO, Violation, find_violations
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
+from kinesic.planning.certify import compute_peak_duties
+from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
+from kinesic.planning.setup import Setup
+
+MAX_DETOURS = 4  # largest number of rounds of detours with increasing clearance
+DETOUR_MARGIN = 0.002  # [m] added to the missing clearance in the next round
+MIN_PATH = 0.1  # [arm lengths] largest extent of a wrist path below which it has no correlation
+
+
+@dataclass(frozen=True)
+class PathDistance:
+    """Distance of a certified motion from the motion in the file."""
+
+    wrist_rms: float  # [arm lengths]
+    wrist_max: float  # [arm lengths]
+    elbow_rms: float  # [arm lengths]
+    elbow_max: float  # [arm lengths]
+    elbow_direction: float  # [deg] 95th percentile of the angle between upper arms
+    correlation: float  # smallest correlation of the wrist paths of moving hands; 1 if no hand moves
+
+
+@dataclass(frozen=True, eq=False)
+class Certification:
+    """Result of certifying a motion file for one robot."""
+
+    source: str  # name of the file
+    robot: str  # name of the robot
+    desired: RobotMotion  # motion of the file, retargeted
+    violations: tuple[Violation, ...]  # limits that the retargeted motion violates
+    nearest: NearestMotion  # motion within the limits
+    limit_ratio: float  # largest value / limit of the nearest motion
+    torque_ratio: float  # largest drive duty of the nearest motion by inverse dynamics
+    clearance: float  # [m] smallest distance of the nearest motion
+    min_clearance: float  # [m] required distance
+    distance: PathDistance
+
+    @property
+    def is_certified(self) -> bool:
+        """Whether the nearest motion satisfies all limits."""
+        is_within = self.limit_ratio <= MAX_RATIO and self.torque_ratio <= MAX_RATIO
+        return is_within and self.clearance >= self.min_clearance
+
+    @property
+    def trajectory(self) -> Trajectory:
+        """Nearest motion within the limits, from rest to rest."""
+        return self.nearest.motion.trajectory
+
+
+def certify_clip(clip: Clip, setup: Setup, source: str) -> Certification:
+    """Find what a clip violates on a robot, and the nearest motion that satisfies all limits.
+
+    Args:
+        clip: of a body or of the robot's own joints.
+        setup: robot, limits, dynamics and distances.
+        source: name of the file.
+
+    Raises:
+        CaptureError: the clip is too long, or has no joint of the robot.
+    """
+    desired = retarget(clip, setup.robot, source)
+    violations = find_violations(desired.requested, setup)
+    nearest, clearance = _find_clear(desired, setup)
+    return Certification(
+        source=source,
+        robot=setup.robot.name,
+        desired=desired,
+        violations=violations,
+        nearest=nearest,
+        limit_ratio=largest_limit_ratio(nearest.motion.trajectory, setup),
+        torque_ratio=float(compute_peak_duties(nearest.motion.trajectory, setup).max()),
+        clearance=clearance,
+        min_clearance=setup.robot.min_clearance,
+        distance=measure_distance(desired.arms or arm_paths(setup.robot, desired.angles), nearest, setup),
+    )
+
+
+def _find_clear(desired: RobotMotion, setup: Setup) -> tuple[NearestMotion, float]:
+    """Return the nearest motion with detours around the body, and its smallest distance [m]."""
+    required = setup.robot.min_clearance + LAG_RESERVE
+    best: tuple[NearestMotion, float] | None = None
+    for _ in range(MAX_DETOURS):
+        angles = clear_path(desired.angles, setup, min_clearance=required)
+        nearest = find_nearest(replace(desired, angles=angles), setup, best[0].stretch if best else None)
+        clearance = float(scan_clearance(nearest.motion.trajectory, setup.distances)[1].distances.min())
+        if best is None or clearance > best[1]:
+            best = nearest, clearance
+        if clearance >= setup.robot.min_clearance:
+            break
+        required += setup.robot.min_clearance - clearance + DETOUR_MARGIN
+    assert best is not None
+    return best
+
+
+def largest_limit_ratio(trajectory: Trajectory, setup: Setup) -> float:
+    """Return the largest value / limit of a trajectory, at all knots and between them."""
+    limits = setup.limits
+    times = trajectory.start + np.arange(0.0, trajectory.duration, KNOT_INTERVAL / 4.0)
+    angles, velocities, accelerations = trajectory.sample(times)
+    middle, half = (limits.upper + limits.lower) / 2.0, (limits.upper - limits.lower) / 2.0
+    ratios = (
+        np.abs(angles - middle) / np.maximum(half, 1e-9),
+        np.abs(velocities) / limits.speed,
+        np.abs(accelerations) / limits.acceleration,
+        np.abs(trajectory.jerks(times)) / limits.jerk,
+        np.abs(limits.inertial * accelerations + limits.viscous * velocities) / limits.duty,
+    )
+    return max(float(values.max()) for values in ratios)
+
+
+def measure_distance(arms: Mapping[Side, ArmPath], nearest: NearestMotion, setup: Setup) -> PathDistance:
+    """Compare the arms of a motion with those of the file at corresponding times."""
+    reached = arm_paths(setup.robot, nearest.angles)
+    wrists = np.concatenate([np.linalg.norm(reached[side].wrist - arm.wrist, axis=1) for side, arm in arms.items()])
+    elbows = np.concatenate([np.linalg.norm(reached[side].elbow - arm.elbow, axis=1) for side, arm in arms.items()])
+    directions = np.concatenate([_angles_between(reached[side].elbow, arm.elbow) for side, arm in arms.items()])
+    correlations = [
+        correlate(arm.wrist, reached[side].wrist)
+        for side, arm in arms.items()
+        if float(np.ptp(arm.wrist, axis=0).max()) > MIN_PATH
+    ]
+    return PathDistance(
+        wrist_rms=float(np.sqrt(np.mean(wrists**2))),
+        wrist_max=float(wrists.max()),
+        elbow_rms=float(np.sqrt(np.mean(elbows**2))),
+        elbow_max=float(elbows.max()),
+        elbow_direction=float(np.degrees(np.percentile(directions, 95.0))),
+        correlation=min(correlations, default=1.0),
+    )
+
+
+def correlate(first: Floats, second: Floats) -> float:
+    """Return the correlation of two paths (m, 3) about their means."""
+    a, b = first - first.mean(axis=0), second - second.mean(axis=0)
+    return float(np.sum(a * b) / np.sqrt(np.sum(a * a) * np.sum(b * b)))
+
+
+def _angles_between(first: Floats, second: Floats) -> Floats:
+    """Return the angles (m,) [rad] between vectors (m, 3)."""
+    sines = np.linalg.norm(np.cross(first, second), axis=1)
+    angles: Floats = np.arctan2(sines, np.sum(first * second, axis=1))
+    return angles

@@ -1,0 +1,205 @@
+"""Nearest motion to a desired one that satisfies all limits of a robot."""
+
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.ndimage import gaussian_filter1d, maximum_filter1d
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.limits import Limits
+from kinesic.body.robot import Robot
+from kinesic.capture.robot_motion import SAMPLE_RATE, RobotMotion, arm_paths
+from kinesic.motion.condition import Conditioned, condition
+from kinesic.motion.desired import DesiredMotion
+from kinesic.motion.easing import minimum_jerk
+from kinesic.motion.keys import KeyPosture, Keys
+from kinesic.motion.piecewise import QuinticSpline
+from kinesic.planning.certify import keep_duties
+from kinesic.planning.files.imported_motion import compute_comfortable_duration
+from kinesic.planning.setup import Setup
+
+PATH_KEY_INTERVAL = 0.1  # [s] time between keys that keep the shape of the path
+MAX_WRIST_DISTANCE = 0.05  # [arm lengths] wrist distance from the desired path above which time is stretched
+MAX_TIME_RATIO = 4.0  # largest ratio of required to available time that the stretch considers
+RATIO_WINDOW = 0.2  # [s] window of the largest required time ratio
+RATIO_SMOOTHING = 0.05  # [s] standard deviation that smooths the stretch
+STRETCH_AMOUNTS = (0.5, 1.0, 2.0, 4.0)  # amounts of stretch tried, as multiples of the missing time
+BISECTION_STEPS = 3  # number of steps that reduce the amount of stretch
+MAX_FIRST_RATIO = 0.95  # distance with / without the first stretch above which time does not help
+MAX_LAST_RATIO = 0.7  # distance with / without the largest stretch above which it is not worth its time
+REST_TOLERANCE = 2e-3  # [rad] distance from the rest posture below which a clip begins or ends at rest
+
+
+@dataclass(frozen=True, eq=False)
+class NearestMotion:
+    """Motion within all limits, and its correspondence to the clip."""
+
+    motion: Conditioned
+    clip_times: Floats  # (m,) [s] performance times of the desired samples
+    stretch: Floats  # (m,) local time stretch that was requested, 1 without
+
+    @property
+    def angles(self) -> Floats:
+        """Joint angles (m, n) [rad] that correspond to the desired samples."""
+        return self.motion.trajectory.angles(self.clip_times)
+
+    @property
+    def total_stretch(self) -> float:
+        """Duration of the clip in the motion / its original duration."""
+        return float((self.clip_times[-1] - self.clip_times[0]) * SAMPLE_RATE / (len(self.clip_times) - 1))
+
+
+def find_nearest(desired: RobotMotion, setup: Setup, stretch: Floats | None = None) -> NearestMotion:
+    """Return the nearest motion within limits, from rest to rest.
+
+    Position, velocity, acceleration, jerk and duty limits hold at every instant. Time is stretched only where the
+    limits keep a wrist more than `MAX_WRIST_DISTANCE` from its path.
+
+    Args:
+        desired: angles within the joint ranges.
+        setup: robot, limits and dynamics.
+        stretch: (m,) local time stretch; searched by default.
+    """
+    stretch = _find_stretch(desired, setup) if stretch is None else stretch
+    requested, search = _make_search(desired, stretch, setup)
+    return _match(keep_duties(search, setup), requested, stretch)
+
+
+def required_time_ratios(angles: Floats, limits: Limits) -> Floats:
+    """Return the time ratio (m,) that each sample needs to satisfy the limits, at least 1."""
+    velocity, acceleration, jerk = (np.abs(values) for values in differentiate(angles))
+    viscous = limits.viscous * velocity
+    duty = (viscous + np.sqrt(viscous**2 + 4.0 * limits.duty * limits.inertial * acceleration)) / (2.0 * limits.duty)
+    ratios = (
+        velocity / limits.speed,
+        np.sqrt(acceleration / limits.acceleration),
+        np.cbrt(jerk / limits.jerk),
+        duty,
+    )
+    required: Floats = np.maximum(1.0, np.max(ratios, axis=(0, 2)))
+    return required
+
+
+def differentiate(angles: Floats) -> tuple[Floats, Floats, Floats]:
+    """Return velocities, accelerations and jerks (m, n) of samples at `SAMPLE_RATE`.
+
+    They are differences over one, two and three intervals, centred as far as possible; zero at the ends.
+    """
+    derivatives = []
+    difference = angles
+    for order in range(1, 4):
+        difference = np.diff(difference, axis=0) * SAMPLE_RATE if len(difference) > 1 else np.zeros_like(angles[:0])
+        missing = len(angles) - len(difference)
+        before = min(missing, (order + 1) // 2)
+        derivatives.append(np.pad(difference, ((before, missing - before), (0, 0))))
+    velocity, acceleration, jerk = derivatives
+    return velocity, acceleration, jerk
+
+
+def _find_stretch(desired: RobotMotion, setup: Setup) -> Floats:
+    """Return the local stretch (m,) that brings wrists near to their paths."""
+    none = np.ones(len(desired.times))
+    distance = _distance_with(desired, none, setup)
+    if distance <= MAX_WRIST_DISTANCE:
+        return none
+    ratios = np.minimum(required_time_ratios(desired.angles, setup.limits), MAX_TIME_RATIO)
+    widest = maximum_filter1d(ratios, max(1, round(RATIO_WINDOW * SAMPLE_RATE)))
+    excess = gaussian_filter1d(widest, RATIO_SMOOTHING * SAMPLE_RATE) - 1.0
+    lower, upper = 0.0, 0.0
+    for amount in STRETCH_AMOUNTS:
+        lower, upper = upper, amount
+        reached = _distance_with(desired, _stretch_by(amount, excess), setup)
+        if lower == 0.0 and reached > MAX_FIRST_RATIO * distance:
+            return none
+        if reached <= MAX_WRIST_DISTANCE:
+            break
+    else:
+        return none if reached > MAX_LAST_RATIO * distance else _stretch_by(upper, excess)
+    for _ in range(BISECTION_STEPS):
+        middle = (lower + upper) / 2.0
+        if _distance_with(desired, _stretch_by(middle, excess), setup) > MAX_WRIST_DISTANCE:
+            lower = middle
+        else:
+            upper = middle
+    return _stretch_by(upper, excess)
+
+
+def _stretch_by(amount: float, excess: Floats) -> Floats:
+    """Return the local stretch (m,) by a multiple of the missing time."""
+    stretch: Floats = 1.0 + amount * excess
+    return stretch
+
+
+def _distance_with(desired: RobotMotion, stretch: Floats, setup: Setup) -> float:
+    """Return the largest wrist distance [arm lengths] from the desired path at a stretch."""
+    requested, search = _make_search(desired, stretch, setup)
+    nearest = _match(search(setup.limits), requested, stretch)
+    return largest_wrist_distance(setup.robot, desired.angles, nearest.angles)
+
+
+def largest_wrist_distance(robot: Robot, first: Floats, second: Floats) -> float:
+    """Return the largest wrist distance [arm lengths] between postures (m, n)."""
+    paths = zip(arm_paths(robot, first).values(), arm_paths(robot, second).values(), strict=True)
+    return max(float(np.linalg.norm(a.wrist - b.wrist, axis=1).max()) for a, b in paths)
+
+
+def _make_search(desired: RobotMotion, stretch: Floats, setup: Setup) -> tuple[Floats, "partial[Conditioned]"]:
+    """Return the requested times (m,) [s] of the samples, and the search for the motion.
+
+    Only rest, the first and the last posture are exact keys. Further keys keep the path without binding it.
+    """
+    rest, angles = setup.robot.skeleton.rest, desired.angles.copy()
+    times = np.concatenate([[0.0], np.cumsum((stretch[1:] + stretch[:-1]) / 2.0)]) / SAMPLE_RATE
+    lead, trail = (_approach_time(setup, rest, posture) for posture in (angles[0], angles[-1]))
+    angles[0 : 1 if lead == 0.0 else 0] = rest
+    angles[len(angles) - (trail == 0.0) :] = rest
+    end = float(times[-1])
+    count = max(1, round(end / PATH_KEY_INTERVAL))
+    path_times = end * np.arange(count + 1) / count
+    all_hinges = (True,) * len(rest)
+    curve = CubicSpline(times, angles)
+    keys = [
+        KeyPosture(float(time), sealed(curve(time)), all_hinges, is_exact=k in (0, count))
+        for k, time in enumerate(path_times)
+    ]
+    lead_times, lead_angles = _ease(rest, angles[0], -lead, 0.0)
+    trail_times, trail_angles = _ease(angles[-1], rest, end, end + trail)
+    course_times = np.concatenate([lead_times[:-1], times, trail_times[1:]])
+    course = np.concatenate([lead_angles[:-1], angles, trail_angles[1:]])
+    if lead > 0.0:
+        keys.insert(0, KeyPosture(-lead, rest, all_hinges))
+    if trail > 0.0:
+        keys.append(KeyPosture(end + trail, rest, all_hinges))
+    make_desired = partial(_warp, course_times=course_times, course=course)
+    return times, partial(condition, tuple(keys), make_desired=make_desired)
+
+
+def _approach_time(setup: Setup, rest: Floats, posture: Floats) -> float:
+    """Return the time [s] between rest and an end of the clip, zero if it is at rest."""
+    if float(np.abs(posture - rest).max()) < REST_TOLERANCE:
+        return 0.0
+    return compute_comfortable_duration(setup, rest, posture)
+
+
+def _ease(start: Floats, end: Floats, begin: float, finish: float) -> tuple[Floats, Floats]:
+    """Return times and angles of a smooth movement between two postures."""
+    count = round((finish - begin) * SAMPLE_RATE)
+    times = np.linspace(begin, finish, count + 1) if count else np.array([begin])
+    fractions = minimum_jerk(np.linspace(0.0, 1.0, count + 1)) if count else np.ones(1)
+    return times, start + fractions[:, None] * (end - start)
+
+
+def _warp(times: Floats, keys: Keys, *, course_times: Floats, course: Floats) -> DesiredMotion:
+    """Return the desired motion at shifted key times (m,) [s]."""
+    performance = np.interp(course_times, keys.requested_times, times) - times[0]
+    curve = CubicSpline(performance, course, bc_type="clamped")
+    states = sealed([course, curve(performance, 1), curve(performance, 2)])
+    hinges = tuple(range(course.shape[1]))
+    return DesiredMotion({hinges: QuinticSpline(sealed(performance), states)}, -float(times[0]))
+
+
+def _match(motion: Conditioned, requested: Floats, stretch: Floats) -> NearestMotion:
+    planned = np.interp(requested, motion.requested_times, motion.planned)
+    return NearestMotion(motion, sealed(planned + motion.trajectory.zero), sealed(stretch))

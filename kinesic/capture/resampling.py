@@ -1,0 +1,39 @@
+"""Resampling and low-pass filtering of captured samples."""
+
+import numpy as np
+from scipy.interpolate import CubicSpline
+from scipy.signal import butter, sosfiltfilt
+
+from kinesic.body.arrays import Floats
+from kinesic.capture.robot_motion import SAMPLE_RATE
+
+CUTOFF_FREQUENCY = 6.0  # [Hz] cut-off frequency of captured paths, above that of gestures
+FILTER_ORDER = 2  # order of the Butterworth filter, applied forward and backward
+MAX_PADDING = 1.0  # [s] longest extension of both ends of a signal while it is filtered
+
+
+def resample_times(times: Floats) -> Floats:
+    """Return times at `SAMPLE_RATE` from 0 to the end of samples (m,) [s]."""
+    count = int(np.floor((times[-1] - times[0]) * SAMPLE_RATE + 1e-6)) + 1
+    resampled: Floats = np.arange(max(count, 2)) / SAMPLE_RATE
+    return resampled
+
+
+def resample(times: Floats, values: Floats, new_times: Floats) -> Floats:
+    """Interpolate samples (m, k) by cubic splines, held after their end."""
+    curve = CubicSpline(times, values)
+    sampled: Floats = curve(np.minimum(new_times, times[-1]))
+    return sampled
+
+
+def low_pass(values: Floats, cutoff: float = CUTOFF_FREQUENCY) -> Floats:
+    """Filter samples (m, k) at `SAMPLE_RATE` without phase shift.
+
+    Args:
+        values: samples.
+        cutoff: [Hz] frequency of half power, in each of both directions.
+    """
+    sections = butter(FILTER_ORDER, cutoff, fs=SAMPLE_RATE, output="sos")
+    padding = min(len(values) - 1, round(MAX_PADDING * SAMPLE_RATE))
+    filtered: Floats = sosfiltfilt(sections, values, axis=0, padlen=padding)
+    return filtered

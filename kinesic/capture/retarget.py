@@ -1,0 +1,103 @@
+"""Retargeting of captured clips to a robot's joints, before its limits are considered."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.spatial.transform import Rotation
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.robot import SIDE_NAMES, Robot
+from kinesic.capture.arm_tracking import track_arm
+from kinesic.capture.clip import ArmPath, BodyClip, Clip, JointClip
+from kinesic.capture.reading.text import CaptureError
+from kinesic.capture.resampling import low_pass, resample, resample_times
+from kinesic.capture.robot_motion import RobotMotion, arm_paths
+from kinesic.motion.keys import RANGE_MARGIN
+from kinesic.planning.torso import compute_torso_turn, set_turn
+
+MAX_DURATION = 300.0  # [s] longest clip that is retargeted
+JOINT_CUTOFF = 8.0  # [Hz] cut-off frequency of retargeted joints, which change abruptly at the end of an arm's reach
+HEAD_AXES = "ZYX"  # rotations of the neck, from the trunk: torsion, tilt and roll
+MAX_LISTED_NAMES = 5  # largest number of unknown joints that a message lists
+
+
+def retarget(clip: Clip, robot: Robot, source: str) -> RobotMotion:
+    """Return a robot's joint angles that imitate a clip.
+
+    A body's wrists and elbows are followed by inverse kinematics, in arm lengths; the head by the neck. Joint angles
+    are taken by name.
+
+    Args:
+        clip: of a body or of the robot's own joints.
+        robot: the robot.
+        source: name of the file, for messages.
+
+    Raises:
+        CaptureError: the clip is too long, or has no joint of the robot.
+    """
+    if clip.times[-1] > MAX_DURATION:
+        raise CaptureError(f"{source}: it lasts {clip.times[-1]:.0f} s, at most {MAX_DURATION:.0f} s; cut it")
+    times = resample_times(clip.times)
+    if isinstance(clip, JointClip):
+        return _take_joints(clip, times, robot, source)
+    return _follow_body(clip, times, robot)
+
+
+def _follow_body(clip: BodyClip, times: Floats, robot: Robot) -> RobotMotion:
+    angles = np.tile(robot.skeleton.rest, (len(times), 1))
+    notes = list(clip.guesses)
+    arms = {}
+    for side, arm in clip.arms.items():
+        elbow, wrist = (low_pass(resample(clip.times, path, times)) for path in (arm.elbow, arm.wrist))
+        arms[side] = ArmPath(sealed(elbow), sealed(wrist))
+        chain = robot.arms[side]
+        angles[:, list(chain.indices)], leaps = track_arm(chain, arms[side], robot.arm_length)
+        if leaps:
+            notes.append(f"{leaps} leaps of the {SIDE_NAMES[side]} arm bridged, where it cannot follow")
+    heads = low_pass(resample(clip.times, _unwrap_vectors(clip.head), times))
+    turns = Rotation.from_rotvec(heads).as_euler(HEAD_AXES)
+    for row, turn in zip(angles, turns, strict=True):
+        set_turn(robot, "neck", turn - compute_torso_turn(robot, "torso", row), row)
+    angles = low_pass(angles, JOINT_CUTOFF)
+    return RobotMotion(sealed(times), sealed(angles), _inside(angles, robot), arms, clip.syncs, tuple(notes))
+
+
+def _take_joints(clip: JointClip, times: Floats, robot: Robot, source: str) -> RobotMotion:
+    names = robot.skeleton.names
+    columns = {name: k for k, name in enumerate(clip.names)}
+    known = [name for name in names if name in columns]
+    if not known:
+        raise CaptureError(
+            f"{source}: no joint of {robot.name}; it has {_list_names(clip.names)}, the robot {_list_names(names)}"
+        )
+    angles = np.tile(robot.skeleton.rest, (len(times), 1))
+    given = [columns[name] for name in known]
+    angles[:, [names.index(name) for name in known]] = resample(clip.times, clip.angles[:, given], times)
+    unknown = [name for name in clip.names if name not in names]
+    notes = (*clip.guesses, *([f"unknown joints: {_list_names(unknown)}"] if unknown else ()))
+    return RobotMotion(sealed(times), sealed(angles), _inside(angles, robot), arm_paths(robot, angles), {}, notes)
+
+
+def _inside(angles: Floats, robot: Robot) -> Floats:
+    """Clip angles (m, n) into the joint ranges, with the margin of keys."""
+    lower, upper = robot.skeleton.lower, robot.skeleton.upper
+    margin = np.minimum(RANGE_MARGIN, (upper - lower) / 2.0)
+    return sealed(np.clip(angles, lower + margin, upper - margin))
+
+
+def _unwrap_vectors(vectors: Floats) -> Floats:
+    """Make rotation vectors (m, 3) continuous over time."""
+    rotations = Rotation.from_rotvec(vectors.copy())
+    quaternions = rotations.as_quat()
+    signs = np.where(np.sum(quaternions[1:] * quaternions[:-1], axis=1) < 0.0, -1.0, 1.0)
+    quaternions[1:] *= np.cumprod(signs)[:, None]
+    sines = np.linalg.norm(quaternions[:, :3], axis=1)
+    half_angles = np.arctan2(sines, quaternions[:, 3])
+    scale = np.where(sines > 1e-9, 2.0 * half_angles / np.maximum(sines, 1e-9), 2.0)
+    unwrapped: Floats = quaternions[:, :3] * scale[:, None]
+    return unwrapped
+
+
+def _list_names(names: Sequence[str]) -> str:
+    listed = ", ".join(name[:40] for name in names[:MAX_LISTED_NAMES])
+    return f"{listed} ..." if len(names) > MAX_LISTED_NAMES else listed

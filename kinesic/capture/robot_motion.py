@@ -1,0 +1,49 @@
+"""Motion of a robot at a fixed rate that need not satisfy its limits."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
+from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.capture.clip import ArmPath
+
+SAMPLE_RATE = 100.0  # [Hz] rate of desired motions
+
+
+@dataclass(frozen=True, eq=False)
+class RobotMotion:
+    """Desired joint angles at `SAMPLE_RATE`, with the directions they imitate."""
+
+    times: Floats  # (m,) [s] from 0
+    requested: Floats  # (m, n) [rad] possibly beyond the joint ranges
+    angles: Floats  # (m, n) [rad] within the joint ranges
+    arms: Mapping[Side, ArmPath]  # directions of the source at the same times
+    syncs: Mapping[str, float]  # [s] BML sync points
+    notes: tuple[str, ...] = ()  # guesses about the source and parts that the robot lacks
+
+    @property
+    def duration(self) -> float:
+        """Duration of the motion [s]."""
+        return float(self.times[-1])
+
+
+def arm_paths(robot: Robot, angles: Floats) -> Mapping[Side, ArmPath]:
+    """Compute elbow and wrist from the shoulder, in the trunk's frame.
+
+    Args:
+        robot: the robot.
+        angles: (m, n) [rad].
+    """
+    frames, paths = robot.body_frames(angles), {}
+    for side in SIDES:
+        arm = robot.arm(side)
+        base = robot.skeleton.segments[robot.skeleton.segment(arm.segments[0])].parent
+        rotation = frames.rotations[:, robot.skeleton.segment(base)] if base else np.eye(3)[None]
+        shoulder, elbow, wrist = (frames.origins[:, k] for k in (arm.shoulder, arm.elbow, arm.wrist))
+        elbows, wrists = (
+            np.einsum("...ji,...j->...i", rotation, place - shoulder) / robot.arm_length for place in (elbow, wrist)
+        )
+        paths[side] = ArmPath(sealed(elbows), sealed(wrists))
+    return paths

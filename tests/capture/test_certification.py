@@ -1,0 +1,206 @@
+"""Certified motions satisfy all limits by independent code, near to the motion of the file."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from kinesic.bench.blocks import find_corpus
+from kinesic.body.arrays import sealed
+from kinesic.capture.certification import certify_clip, correlate, largest_limit_ratio
+from kinesic.capture.clear_path import clear_path
+from kinesic.capture.clip import ArmPath, BodyClip, JointClip
+from kinesic.capture.nearest import differentiate, find_nearest, required_time_ratios
+from kinesic.capture.read import read_clip
+from kinesic.capture.retarget import retarget
+from kinesic.capture.violations import find_violations
+from kinesic.session.plan import plan
+from kinesic.session.setup import set_up
+
+from ..performances import CALM_BML
+from .clips import reach
+from .independent_limits import assert_within_limits
+from .test_retarget import clip_of
+
+CORPUS = find_corpus()
+FOLDER = CORPUS / "capture" if CORPUS is not None else None
+HAS_CLIPS = FOLDER is not None and FOLDER.is_dir()
+
+
+def own_clip(known, *, speed=1.0, names=None) -> JointClip:
+    """Return the exported joint angles of a planned gesture, faster by a factor."""
+    trajectory = plan(CALM_BML, known).trajectory
+    times = np.arange(0.0, trajectory.duration + 0.005, 0.01)
+    return JointClip(sealed(times / speed), names or known.robot.skeleton.names, sealed(trajectory.angles(times)))
+
+
+def test_feasible_file_is_returned_as_it_is(known):
+    clip = own_clip(known)
+    result = certify_clip(clip, known, "own.csv")
+    assert result.violations == ()
+    assert result.is_certified
+    assert result.nearest.total_stretch == pytest.approx(1.0, abs=1e-3)
+    assert np.degrees(np.abs(result.nearest.angles - result.desired.angles).max()) < 0.5
+    assert result.distance.wrist_max < 0.005
+    assert result.distance.correlation > 0.9999
+
+
+def test_too_fast_file_names_the_limit_and_is_stretched(known):
+    result = certify_clip(own_clip(known, speed=2.5), known, "own.csv")
+    assert {violation.limit for violation in result.violations} >= {"velocity", "acceleration", "jerk"}
+    assert result.is_certified
+    assert result.nearest.total_stretch > 1.2
+    assert result.distance.wrist_max < 0.08
+    assert result.distance.correlation > 0.99
+    assert_within_limits(result.trajectory, known.limits)
+
+
+def test_captured_reach_is_certified_from_rest_to_rest(known):
+    result = certify_clip(clip_of(reach(60)), known, "a.bvh")
+    assert result.is_certified
+    assert_within_limits(result.trajectory, known.limits)
+    ends = result.trajectory.angles(np.array([0.0, result.trajectory.duration]))
+    assert ends == pytest.approx(np.tile(known.robot.skeleton.rest, (2, 1)), abs=2e-3)
+    assert result.distance.correlation > 0.99
+
+
+def test_clip_that_ends_where_it_began_is_not_still(known):
+    result = certify_clip(clip_of(reach(60)), known, "a.bvh")
+    extent = np.ptp(result.nearest.angles, axis=0).max()
+    assert extent > 0.8 * np.ptp(result.desired.angles, axis=0).max()
+
+
+def test_time_is_stretched_only_around_the_fast_part(known):
+    """A fast swing between two slow halves."""
+    times = np.linspace(0.0, 6.0, 601)
+    swing = 0.6 * np.exp(-(((times - 3.0) / 0.06) ** 2))
+    column = known.robot.skeleton.names.index("r_shoulder_flexion")
+    lower, upper = known.robot.skeleton.lower[column], known.robot.skeleton.upper[column]
+    rest = known.robot.skeleton.rest[column]
+    sign = 1.0 if upper - rest > rest - lower else -1.0
+    clip = JointClip(sealed(times), ("r_shoulder_flexion",), sealed((rest + sign * swing)[:, None]))
+    result = certify_clip(clip, known, "a.csv")
+    stretch = result.nearest.stretch
+    assert result.is_certified
+    assert stretch[280:320].max() > 1.2
+    assert stretch[:200].max() == pytest.approx(1.0)
+    assert stretch[400:].max() == pytest.approx(1.0)
+
+
+def test_hand_in_the_body_is_led_around_it(known):
+    """The right wrist goes from the side through the belly and back."""
+    u = np.linspace(0.0, 1.0, 120)[:, None]
+    blend = np.sin(np.pi * u) ** 2
+    wrist = (1.0 - blend) * [0.1, -0.1, -0.95] + blend * [0.05, 0.45, -0.5]
+    elbow = (1.0 - blend) * [0.0, 0.0, -0.52] + blend * [0.0, -0.1, -0.5]
+    path = ArmPath(sealed(elbow), sealed(wrist))
+    clip = BodyClip(sealed(np.arange(120) / 30), {"r": path}, sealed(np.zeros((120, 3))))
+    result = certify_clip(clip, known, "a.bvh")
+    before = known.distances.clearance(result.desired.requested).distances.min()
+    assert before < 0.0
+    assert any(violation.limit == "clearance" and violation.ratio > 2.0 for violation in result.violations)
+    assert result.clearance >= known.robot.min_clearance
+    assert result.distance.correlation > 0.8
+    times = np.arange(0.0, result.trajectory.duration, 0.005)
+    assert known.distances.clearance(result.trajectory.angles(times)).distances.min() > known.robot.min_clearance - 1e-3
+
+
+def test_clear_motion_gets_no_detour(known):
+    angles = retarget(clip_of(reach(60)), known.robot, "a").angles
+    assert known.distances.clearance(angles).distances.min() > 0.012
+    np.testing.assert_array_equal(clear_path(angles, known, min_clearance=0.012), angles)
+
+
+def test_motion_that_overloads_a_drive_by_coupled_loads_is_slowed(known):
+    """Torques twice as large as those of the robot's dynamics are avoided by lower limits."""
+
+    class Heavier:
+        load = known.dynamics.load
+
+        def torques(self, angles, velocities, accelerations):
+            still = known.dynamics.torques(angles, 0.0 * velocities, 0.0 * accelerations)
+            return still + 3.0 * (known.dynamics.torques(angles, velocities, accelerations) - still)
+
+    heavier = replace(known, dynamics=Heavier(), shared_limits=known.limits)
+    desired = retarget(own_clip(known, speed=1.5), known.robot, "a")
+    light = certify_clip(own_clip(known, speed=1.5), known, "a")
+    result = certify_clip(own_clip(known, speed=1.5), heavier, "a")
+    assert find_nearest(desired, known).total_stretch == pytest.approx(light.nearest.total_stretch)
+    assert result.torque_ratio <= 1.001
+    peak = np.abs(result.trajectory.sample(np.arange(0, 3, 0.01))[2]).max()
+    assert peak < np.abs(light.trajectory.sample(np.arange(0, 3, 0.01))[2]).max()
+
+
+def test_differences_are_exact_for_cubic_motion():
+    times = np.arange(50) / 100.0
+    velocity, acceleration, jerk = differentiate((times**3)[:, None])
+    assert jerk[5:45, 0] == pytest.approx(6.0)
+    assert acceleration[20, 0] == pytest.approx(6.0 * times[20], rel=1e-6)
+    assert velocity[20, 0] == pytest.approx(3 * times[20] ** 2, abs=0.02)
+
+
+def test_required_time_ratio_is_that_of_the_slowest_joint(known):
+    limits = known.limits
+    times = np.arange(100) / 100.0
+    angles = np.outer(times, 2.0 * limits.speed * (np.arange(len(limits.speed)) == 4))
+    assert required_time_ratios(angles, limits)[50] >= 2.0
+
+
+def test_violations_name_joint_time_and_ratio(known):
+    names, limits = known.robot.skeleton.names, known.limits
+    angles = np.tile(known.robot.skeleton.rest, (200, 1))
+    angles[100:110, 5] += 3.0 * limits.speed[5] / 100.0 * np.arange(1, 11)
+    angles[110:, 5] = angles[109, 5]
+    found = find_violations(angles, known)
+    velocity = next(violation for violation in found if violation.limit == "velocity")
+    assert velocity.part == names[5]
+    assert velocity.ratio == pytest.approx(3.0, rel=1e-6)
+    assert velocity.time == pytest.approx(1.0, abs=0.12)
+    assert velocity.fraction == pytest.approx(10 / 200, abs=0.01)
+    assert list(found) == sorted(found, key=lambda violation: -violation.ratio)
+
+
+def test_correlation_of_opposite_paths_is_minus_one():
+    path = np.random.default_rng(3).normal(size=(50, 3))
+    assert correlate(path, path + 1.0) == pytest.approx(1.0)
+    assert correlate(path, -path) == pytest.approx(-1.0)
+
+
+def hostile_clips(known):
+    """Yield names and clips that no robot can follow."""
+    rng = np.random.default_rng(5)
+    names, lower, upper = known.robot.skeleton.names, known.robot.skeleton.lower, known.robot.skeleton.upper
+    for rate in (1.0, 30.0, 1000.0):
+        count = max(4, int(rate))
+        times = np.arange(count) / rate
+        yield (
+            f"noise at {rate:g} Hz",
+            JointClip(sealed(times), names, sealed(rng.uniform(lower, upper, (count, len(names))))),
+        )
+    jumps = np.where(np.arange(100)[:, None] % 20 < 10, lower, upper)
+    yield "jumps", JointClip(sealed(np.arange(100) / 50), names, sealed(jumps))
+    far = {
+        side: type(path)(sealed(5.0 * path.elbow), sealed(5.0 * path.wrist))
+        for side, path in clip_of(reach(40)).arms.items()
+    }
+    yield "out of reach", BodyClip(sealed(np.arange(40) / 30), far, sealed(np.zeros((40, 3))))
+
+
+@pytest.mark.parametrize("kind", [0, 2, 4, *(pytest.param(kind, marks=pytest.mark.soak) for kind in (1, 3))])
+def test_hostile_motion_stays_within_limits(known, kind):
+    _, clip = list(hostile_clips(known))[kind]
+    result = certify_clip(clip, known, "hostile")
+    assert_within_limits(result.trajectory, known.limits)
+    assert largest_limit_ratio(result.trajectory, known) <= 1.001
+
+
+@pytest.mark.skipif(not HAS_CLIPS, reason="no captured clips (KINESIC_CORPUS)")
+@pytest.mark.parametrize("robot", ["upper22", "upper36", "human"])
+@pytest.mark.parametrize("step", [48, pytest.param(1, marks=pytest.mark.soak)])
+def test_clips_of_the_corpus_are_certified(robot, step):
+    setup = set_up(robot)
+    for path in sorted([*FOLDER.rglob("*.skm"), *FOLDER.rglob("*.bvh")])[::step]:
+        result = certify_clip(read_clip(path), setup, path.name)
+        assert result.is_certified, (path.name, result.clearance, result.torque_ratio)
+        assert_within_limits(result.trajectory, setup.limits)
+        assert result.distance.correlation > 0.9, path.name

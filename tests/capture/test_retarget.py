@@ -1,0 +1,110 @@
+import numpy as np
+import pytest
+
+from kinesic.body.arrays import sealed
+from kinesic.body.robot import Robot
+from kinesic.capture.arm_tracking import bridge_leaps, find_leaps, find_swivels
+from kinesic.capture.body_directions import clip_of_skeleton
+from kinesic.capture.clip import ArmPath, BodyClip, JointClip
+from kinesic.capture.reading.bvh import read_bvh
+from kinesic.capture.reading.text import CaptureError
+from kinesic.capture.resampling import low_pass, resample_times
+from kinesic.capture.retarget import MAX_DURATION, retarget
+from kinesic.capture.robot_motion import arm_paths
+from kinesic.ik.arm.swivel import swivel
+
+from .clips import bvh, reach
+
+TIMES = np.arange(0.0, 2.0, 1 / 30)
+
+
+@pytest.fixture(scope="module")
+def robot(known) -> Robot:
+    return known.robot
+
+
+def clip_of(rotations, **options) -> BodyClip:
+    return clip_of_skeleton(*read_bvh(bvh(rotations, **options), "a.bvh"), "a.bvh")
+
+
+def test_wrists_and_elbows_of_the_robot_follow_those_of_the_actor(robot):
+    motion = retarget(clip_of(reach(60)), robot, "a.bvh")
+    reached = arm_paths(robot, motion.angles)
+    for side, arm in motion.arms.items():
+        assert np.linalg.norm(reached[side].wrist - arm.wrist, axis=1).max() < 0.05
+        cosines = np.sum(reached[side].elbow * arm.elbow, axis=1)
+        cosines /= np.linalg.norm(reached[side].elbow, axis=1) * np.linalg.norm(arm.elbow, axis=1)
+        assert np.degrees(np.arccos(cosines)).max() < 15.0
+
+
+def test_head_moves_the_neck_about_the_same_axes(robot):
+    turn = np.zeros((60, 3))
+    turn[:, 2] = 30.0 * np.sin(np.linspace(0, 3, 60))  # to the left
+    motion = retarget(clip_of({"Head": turn}), robot, "a.bvh")
+    torsion = robot.skeleton.names.index("skullbase_torsion")
+    assert np.degrees(motion.angles[:, torsion].max()) == pytest.approx(30.0, abs=1.0)
+
+
+def test_raised_elbow_is_imitated_by_the_swivel(robot):
+    """The same wrist path with raised elbows gives another posture with the same wrist."""
+    count, wrist = 60, np.tile([0.7, 0.0, 0.0], (60, 1))
+    angles = []
+    for elbow in ([0.35, 0.0, -0.36], [0.35, -0.36, 0.0]):
+        path = ArmPath(sealed(np.tile(elbow, (count, 1))), sealed(wrist))
+        clip = BodyClip(sealed(np.arange(count) / 30), {"r": path}, sealed(np.zeros((count, 3))))
+        motion = retarget(clip, robot, "a")
+        reached = arm_paths(robot, motion.angles)["r"]
+        assert np.linalg.norm(reached.wrist[30] - wrist[30]) < 0.02
+        angles.append(swivel(robot.arms["r"], motion.angles[30, list(robot.arms["r"].indices)]))
+    assert np.degrees(angles[1] - angles[0]) == pytest.approx(90.0, abs=10.0)
+
+
+def test_straight_arm_takes_the_swivel_of_its_neighbours(robot):
+    elbow = np.tile([0.35, 0.0, -0.36], (30, 1))
+    wrist = np.tile([0.7, 0.0, 0.0], (30, 1))
+    elbow[10:20], wrist[10:20] = [0.5, 0.0, 0.0], [1.0, 0.0, 0.0]
+    swivels = find_swivels(robot.arms["l"], ArmPath(sealed(elbow), sealed(wrist)))
+    assert swivels == pytest.approx(np.zeros(30), abs=1e-6)
+
+
+def test_leap_is_bridged_without_a_step():
+    angles = np.zeros((100, 2))
+    angles[50:, 1] = 2.0
+    bridged, leaps = bridge_leaps(angles)
+    assert leaps == 1
+    assert not find_leaps(bridged).any()
+    assert bridged[[0, 99], 1].tolist() == [0.0, 2.0]
+    assert bridge_leaps(bridged)[1] == 0
+
+
+def test_joint_files_are_taken_by_name_and_unknown_joints_are_noted(robot):
+    name = robot.skeleton.names[3]
+    wave = 0.1 * np.sin(2 * TIMES)
+    clip = JointClip(sealed(TIMES), (name, "tail"), sealed(np.stack([wave, wave], axis=1)))
+    motion = retarget(clip, robot, "a.csv")
+    column = robot.skeleton.names.index(name)
+    assert motion.requested[100, column] == pytest.approx(0.1 * np.sin(2.0), abs=1e-4)
+    assert motion.notes == ("unknown joints: tail",)
+    with pytest.raises(CaptureError, match="no joint of upper22"):
+        retarget(JointClip(sealed(TIMES), ("tail",), sealed(wave[:, None])), robot, "a.csv")
+
+
+def test_angles_beyond_the_range_are_kept_as_requested_and_clipped_as_desired(robot):
+    upper = robot.skeleton.upper[0]
+    clip = JointClip(sealed(TIMES), robot.skeleton.names[:1], sealed(np.full((len(TIMES), 1), upper + 0.5)))
+    motion = retarget(clip, robot, "a.csv")
+    assert motion.requested[:, 0] == pytest.approx(upper + 0.5)
+    assert (motion.angles[:, 0] < upper).all()
+
+
+def test_too_long_clip_is_rejected(robot):
+    times = np.array([0.0, MAX_DURATION + 1.0])
+    clip = JointClip(sealed(times), robot.skeleton.names[:1], sealed(np.zeros((2, 1))))
+    with pytest.raises(CaptureError, match="at most 300 s"):
+        retarget(clip, robot, "a.csv")
+
+
+def test_low_pass_keeps_gestures_and_removes_noise():
+    times = resample_times(np.array([0.0, 3.0]))
+    slow, fast = np.sin(2 * np.pi * times)[:, None], np.sin(2 * np.pi * 25 * times)[:, None]
+    assert low_pass(slow + 0.1 * fast)[50:250] == pytest.approx(slow[50:250], abs=0.01)
