@@ -23,7 +23,7 @@ from kinesic.body.arrays import Floats
 from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.lips import find_lips, measure_jaw_following
 from kinesic.face.assets.mesh import DELTA_STEP, FACE_VARIANTS, HEAD_FILE, MESH_PARTS, POSITION_STEP, Mesh, load_head
-from kinesic.face.assets.sculpt import SHAPE_GAINS, compute_bulge, even_out, settle_lips
+from kinesic.face.assets.sculpt import SHAPE_GAINS, compute_bulge, even_out, round_lips, settle_lips
 
 Integers = NDArray[np.int64]
 
@@ -121,7 +121,9 @@ def _sculpt_shape(shape: ShapeDeltas, head: Mesh) -> ShapeDeltas:
     skin = head.vertices("skin")
     unit = head.eyes[0, 1] - head.eyes[1, 1]
     whole[skin] += compute_bulge(shape.name, head.positions[skin] / unit, head.normals(head.positions)[skin])
-    whole = settle_lips(shape.name, even_out(shape.name, whole, head), head, measure_jaw_following(head))
+    falls = measure_jaw_following(head)
+    whole = settle_lips(shape.name, even_out(shape.name, whole, head), head, falls)
+    whole = round_lips(shape.name, whole, head, falls)
     places = np.flatnonzero(np.abs(whole).max(axis=1) > DELTA_STEP / 2)
     return ShapeDeltas(shape.name, places, whole[places])
 

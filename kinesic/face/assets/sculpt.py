@@ -2,12 +2,13 @@
 
 Cheeks bulge, and brows and rounded lips move as far as those of people. Skin next to a smiling mouth is evened out,
 since the source presses a dent into it. A smile draws the lips back to the teeth, and shapes that lift the upper lip
-lift its middle as well.
+lift its middle as well. Rounded lips open as arcs.
 """
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
+from typing import Literal
 
 import numpy as np
 
@@ -57,6 +58,52 @@ LIP_SHIFTS: Mapping[str, tuple[float, float, float]] = MappingProxyType(
     {
         "mouthSmile": (-0.0018, 0.0, 0.38),
         "mouthUpperUp": (0.0, 0.0012, 0.32),
+    }
+)
+
+
+@dataclass(frozen=True)
+class LipArc:
+    """Displacement of a lip that varies from the middle to the corners of the mouth."""
+
+    lip: Literal["upper", "lower", "both"]
+    axis: Literal["forward", "outward", "up"]
+    asides: tuple[float, ...]  # distances from the midline, in distances between the eyes
+    shifts: tuple[float, ...]  # [mm] displacement at these distances
+
+
+# Rounded lips form cones in the source, with a fold in the middle of each lip; an arc replaces each cone.
+LIP_ARCS: Mapping[str, tuple[LipArc, ...]] = MappingProxyType(
+    {
+        "mouthFunnel": (
+            LipArc(
+                "upper",
+                "up",
+                (0.0, 0.05, 0.09, 0.135, 0.18, 0.25, 0.32, 0.40),
+                (-0.6, -0.3, 0.5, 2.2, 3.2, 2.9, 0.9, 0.0),
+            ),
+            LipArc(
+                "lower",
+                "up",
+                (0.0, 0.05, 0.09, 0.135, 0.18, 0.25, 0.32, 0.40),
+                (1.4, 0.6, -0.4, -1.7, -2.6, -2.7, -0.5, 0.0),
+            ),
+            LipArc(
+                "both",
+                "outward",
+                (0.0, 0.09, 0.18, 0.25, 0.32, 0.40, 0.55, 0.70),
+                (0.0, -0.3, -1.0, -1.6, -2.0, -2.0, -0.8, 0.0),
+            ),
+        ),
+        "mouthPucker": (
+            LipArc("both", "up", (0.0, 0.05, 0.10), (0.6, 0.4, 0.0)),
+            LipArc(
+                "lower",
+                "forward",
+                (0.0, 0.05, 0.09, 0.18, 0.25, 0.32, 0.40, 0.50),
+                (-0.6, -0.2, 0.4, 1.8, 1.8, 1.2, 0.6, 0.0),
+            ),
+        ),
     }
 )
 LIP_LINE_HEIGHT = -1.09  # height at which the lips meet, in distances between the eyes
@@ -124,12 +171,38 @@ def settle_lips(shape: str, moves: Floats, head: Mesh, falls: Floats) -> Floats:
         return moves
     forward, up, aside = LIP_SHIFTS[kind]
     rest = head.positions / (head.eyes[0, 1] - head.eyes[1, 1])
-    away = np.abs(rest[:, 2] - LIP_LINE_HEIGHT)
-    weight = np.maximum(1.0 - (rest[:, 1] / aside) ** 2, 0.0) ** 2
-    weight *= np.clip((LIP_RAMP[1] - away) / (LIP_RAMP[1] - LIP_RAMP[0]), 0.0, 1.0)
-    weight *= (head.parts == MESH_PARTS.index("skin")) & (rest[:, 0] > TEETH_FORWARD)
+    weight = np.maximum(1.0 - (rest[:, 1] / aside) ** 2, 0.0) ** 2 * _weight_lips(head, rest)
     upper = np.clip(1.0 - falls / LOWER, 0.0, 1.0)
     return np.asarray(moves + np.stack([forward * weight, np.zeros(len(rest)), up * upper * weight], axis=1))
+
+
+def round_lips(shape: str, moves: Floats, head: Mesh, falls: Floats) -> Floats:
+    """Return a shape's (v, 3) displacement [m] with the corrections `LIP_ARCS` added.
+
+    Args:
+        shape: name of the shape.
+        moves: (v, 3) [m] displacement before the correction.
+        head: head at rest.
+        falls: (v,) 0..1 displacement by a dropping jaw, relative to the largest.
+    """
+    rest = head.positions / (head.eyes[0, 1] - head.eyes[1, 1])
+    upper = np.clip(1.0 - falls / LOWER, 0.0, 1.0)
+    parts = {"upper": upper, "lower": 1.0 - upper, "both": np.ones(len(rest))}
+    side = np.sign(rest[:, 1])
+    directions = {"forward": (1.0, 0.0, 0.0), "outward": (0.0, 1.0, 0.0), "up": (0.0, 0.0, 1.0)}
+    weight = _weight_lips(head, rest)
+    moves = moves.copy()
+    for arc in LIP_ARCS.get(shape, ()):
+        shift = 1e-3 * np.interp(np.abs(rest[:, 1]), arc.asides, arc.shifts) * parts[arc.lip] * weight
+        moves += (shift * (side if arc.axis == "outward" else 1.0))[:, None] * directions[arc.axis]
+    return moves
+
+
+def _weight_lips(head: Mesh, rest: Floats) -> Floats:
+    """Return the (v,) weight 0..1 of lip corrections, which fades above and below the lips."""
+    away = np.abs(rest[:, 2] - LIP_LINE_HEIGHT)
+    on_lips = (head.parts == MESH_PARTS.index("skin")) & (rest[:, 0] > TEETH_FORWARD)
+    return np.asarray(np.clip((LIP_RAMP[1] - away) / (LIP_RAMP[1] - LIP_RAMP[0]), 0.0, 1.0) * on_lips)
 
 
 def _build_neighbour_mean(mesh: Mesh) -> "scipy.sparse.csr_array":

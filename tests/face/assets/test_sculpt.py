@@ -73,3 +73,18 @@ def test_smiling_lips_rest_on_the_teeth_without_sagging(variant: Variant):
     points = actual.points[: actual.starts[1]] @ deform(mesh, {"6": 0.8, "12": 0.9, "25": 0.8})
     edge = [points[np.abs(points[:, 1] - at) < 0.001, 2].min() for at in actual.middles[8:17]]
     assert max(edge) - edge[4] < 0.0010
+
+
+@pytest.mark.parametrize("variant", FACE_VARIANTS)
+@pytest.mark.parametrize("units", [{"22": 1.0}, {"22": 1.0, "25": 1.0}], ids=["22", "22+25"])
+def test_rounded_lips_open_as_arcs(variant: Variant, units: dict[str, float]):
+    """In the source, both lips form a V, whose sides are straight."""
+    mesh = load_head(variant)
+    lips, unit = find_lips(mesh), float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
+    points = lips.points @ deform(mesh, units)
+    for lip, innermost in ((points[: lips.starts[1]], np.min), (points[lips.starts[1] :], np.max)):
+        middle, halfway, aside = (
+            innermost(lip[np.abs(np.abs(lip[:, 1]) - at * unit) < 0.001, 2]) for at in (0.0, 0.09, 0.2)
+        )
+        assert abs(aside - middle) > 0.003
+        assert abs(halfway - middle) < 0.33 * abs(aside - middle)
