@@ -119,7 +119,7 @@ def make_and_perform(person: Person) -> None:
     stroke = person.middle("[data-stroke='my_balance']")
     person.drag(stroke, (onto[0] - 9, onto[1] + 3), onto, what="drag its stroke onto the word: versus")
     person.sees("s.text.includes('stroke=\"s:')")
-    person.click("[data-row='my_balance'] .name", "select the gesture")
+    person.click("[data-block='my_balance']", "select the gesture")
     person.write("#own-style", "shy", "make it shy")
     person.sees(
         "s.text.includes('kinesic:style=\"shy\"') && s.draft.behaviours.every(each => each.outcome === 'realised')"

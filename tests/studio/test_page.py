@@ -48,7 +48,7 @@ def status(client: ClientConnection) -> str:
 
 def test_page_opens_with_the_welcome_example(studio: Studio):
     studio.until("s.connection === 'open' && s.drawn > 0 && !s.flat")
-    rows = "[...document.querySelectorAll('[data-row]')].map(row => row.dataset.row)"
+    rows = "[...document.querySelectorAll('[data-block]')].map(block => block.dataset.block)"
     draft = studio.state("draft")
     moving = {item["behaviour"] for item in draft["syncs"]}
     assert moving <= set(studio.page.value(rows))
@@ -85,9 +85,9 @@ def test_dragging_a_stroke_onto_a_word_synchronises_it_and_can_be_undone(studio:
 
 def test_speech_waveform_is_shown_and_its_clock_drives_playback(studio: Studio):
     studio.write(WORDS)
-    if not studio.page.value("document.querySelector('.voice svg') !== null"):
+    if not studio.page.value("document.querySelector('.sound svg') !== null"):
         pytest.skip("no voice is heard here: espeak is not installed")
-    outline = studio.page.value("document.querySelector('.voice path').getAttribute('d')")
+    outline = studio.page.value("document.querySelector('.sound path').getAttribute('d')")
     assert len(outline.split("L")) > 2 * 50 * 0.9 * studio.state("draft")["words"][-1]["end"]
     studio.page.click("#play")
     studio.until("s.heard !== null && s.heard > 0 && Math.abs(s.time - s.heard) < 0.25")
@@ -145,14 +145,14 @@ def test_hostile_document_id_writes_only_to_the_downloads(studio: Studio, tmp_pa
 
 def test_expressivity_of_the_selected_behaviour_can_be_set(studio: Studio):
     studio.write(WORDS)
-    studio.page.click('[data-row="g"] .name')
+    studio.page.click('[data-block="g"]')
     planned, slider = studio.state("planned"), "document.querySelector('[aria-label=spatial]')"
     studio.page.value(f"{slider}.value = '0.5', {slider}.dispatchEvent(new Event('change'))")
     studio.until(f"s.planned > {planned}")
     assert studio.state("text") == WORDS.replace('"s:m1"', '"s:m1" kinesic:spatial="0.5"').replace(
         'id="doc"', f'id="doc"{DECLARED}'
     )
-    studio.page.click('[data-row="g"] .name')
+    studio.page.click('[data-block="g"]')
     assert studio.page.value("document.querySelector('#inspector').hidden")
 
 

@@ -2,7 +2,7 @@
 import { listen } from "./controls.ts";
 import { byId, say } from "./dom.ts";
 import { Drafting } from "./drafting.ts";
-import { addGesture, alone, mark, remove, setAttribute, setManner, shift, tie } from "./edits.ts";
+import { addGesture, alone, setAttribute, setManner } from "./edits.ts";
 import { Exports } from "./exports.ts";
 import { Files } from "./files.ts";
 import { GestureEditing } from "./gesture_editing.ts";
@@ -11,15 +11,18 @@ import { Inspector } from "./inspector.ts";
 import { Motion } from "./motion.ts";
 import { listenToPalette } from "./palette.ts";
 import { fillMenus, showClock, showNotices } from "./panels.ts";
+import { Performing } from "./performing.ts";
 import { Playback } from "./playback.ts";
 import { Robot } from "./robot.ts";
 import { TextPane } from "./text.ts";
 import { TextMode } from "./text_mode/text_mode.ts";
-import { type Moved, Timeline, wordAnchor } from "./timeline.ts";
+import { Timeline } from "./timeline.ts";
+import { listenToTracks } from "./tracks/commands.ts";
+import { TrackEditing } from "./tracks/editing.ts";
 import type { About, Draft, GestureDraft } from "./types.ts";
 import { StageView } from "./view.ts";
 import type { Answer } from "./wire.ts";
-import { BLOCK } from "./xml.ts";
+import { BLOCK, findAttribute, tagWithId } from "./xml.ts";
 
 const GESTURE_ID = "g"; // id of the behaviour that performs a gesture under edit
 
@@ -28,6 +31,8 @@ class App {
   private readonly robot: Robot;
   private readonly text: TextPane;
   private readonly timeline: Timeline;
+  private readonly tracks: TrackEditing;
+  private readonly performing = new Performing((time) => this.playback.player.follow(time));
   private readonly playback: Playback;
   private readonly drafting: Drafting;
   private readonly inspector: Inspector;
@@ -36,21 +41,39 @@ class App {
   private readonly textMode: TextMode;
   private history: History<string> = begin("");
   private draft: Draft | null = null;
-  private chosen: string | null = null;
   private planned = 0; // number of shown drafts
+  private asked = ""; // text of the last request for a plan
+  private plannedText = ""; // text of the shown draft
   private performances = 0; // number of performances of single gestures
 
   constructor(private readonly about: About) {
     this.text = new TextPane((text) => this.edit(text, true));
+    this.tracks = new TrackEditing({
+      text: () => this.document,
+      edit: (text) => this.edit(text),
+      draft: () => this.draft,
+      locked: () => this.isGesture,
+      time: () => this.playback.player.time,
+      chosen: () => this.showChosen(),
+      say: (text) => say(byId("track-status"), text),
+    });
     this.timeline = new Timeline(byId("rows"), {
-      moved: (moved) => this.move(moved),
+      moved: (move) => this.tracks.move(move),
       seek: (time) => this.playback.player.seek(time),
-      choose: (id) => this.choose(id),
+      choose: (id, isExtended) => this.tracks.choose(id, isExtended),
+      chooseAll: (ids, isExtended) => this.tracks.chooseAll(ids, isExtended),
     });
     this.robot = new Robot(about.robot, {
       opened: () => void this.connected(),
-      changed: () => this.enable(),
-      moved: () => this.view.follow(),
+      changed: () => {
+        if (this.robot?.stopped) this.performing.end();
+        this.enable();
+      },
+      moved: () => {
+        if (this.robot.report) this.performing.reported(this.robot.report.time);
+        this.view.follow();
+      },
+      heard: (feedback) => this.performing.hear(feedback),
     });
     const exports = new Exports(this.robot.wire, (text) => this.robot.live.say(text));
     exports.listen(() => this.document);
@@ -100,10 +123,11 @@ class App {
       open: (name, text) => this.files.open(name, text),
       select: (id, time) => {
         this.playback.player.seek(time);
-        if (id !== null && id !== this.chosen) this.choose(id);
+        if (id !== null && id !== this.chosen) this.tracks.choose(id, false);
       },
     });
     this.listen();
+    listenToTracks(this.tracks, this.timeline);
     listenToPalette((edit) => this.add(edit));
     fillMenus(this.about);
     this.files.begin();
@@ -115,6 +139,11 @@ class App {
     return this.history.present;
   }
 
+  /** The only selected behaviour, or the gesture under edit. */
+  private get chosen(): string | null {
+    return this.isGesture ? GESTURE_ID : this.tracks.selection.single;
+  }
+
   private get isGesture(): boolean {
     return this.files.saving.name.endsWith(".toml");
   }
@@ -122,7 +151,7 @@ class App {
   /** Show another document from its beginning. */
   private show(text: string): void {
     this.history = begin(text);
-    this.chosen = this.isGesture ? GESTURE_ID : null;
+    this.tracks.selection.set([]);
     this.editing.begin(this.isGesture);
     this.textMode.begin(this.isGesture);
     this.text.show(text);
@@ -147,6 +176,7 @@ class App {
 
   private ask(): Promise<Answer | null> {
     this.enable();
+    this.asked = this.document;
     if (!this.isGesture) return this.robot.wire.ask("plan", { bml: this.document });
     const set = [...this.editing.manner].map(([name, value]) => `${name}=${value}`);
     return this.robot.wire.ask("gesture", { toml: this.document, set });
@@ -158,7 +188,9 @@ class App {
     this.view.motion = new Motion(draft, this.about.robot.hinges.length);
     this.playback.player.duration = draft.duration;
     this.planned += 1;
-    this.timeline.show(draft, this.chosen);
+    this.plannedText = this.asked;
+    this.tracks.drafted(draft);
+    this.timeline.show(draft, this.tracks.selection.all);
     showNotices(draft.notices);
     this.textMode.show(draft);
     this.playback.player.seek(Math.min(this.playback.player.time, draft.duration));
@@ -166,21 +198,9 @@ class App {
     this.inspect();
   }
 
-  private move({ behaviour, point, onto }: Moved): void {
-    if (this.isGesture) return;
-    if ("by" in onto) {
-      this.edit(shift(this.document, behaviour, point, onto.by, onto.asked - (this.draft?.zero ?? 0)));
-      return;
-    }
-    const marked = mark(this.document, onto.speech, onto.mark, onto.index);
-    this.edit(tie(marked.text, behaviour, point, wordAnchor({ ...onto, mark: marked.mark })));
-  }
-
-  private choose(id: string): void {
-    if (this.isGesture) return;
-    this.chosen = this.chosen === id ? null : id;
-    if (this.draft) this.timeline.show(this.draft, this.chosen);
-    if (this.chosen) this.text.find(this.chosen);
+  private showChosen(): void {
+    if (this.draft) this.timeline.show(this.draft, this.tracks.selection.all);
+    if (this.tracks.selection.single) this.text.find(this.tracks.selection.single);
     this.timeline.at(this.playback.player.time);
     this.inspect();
   }
@@ -194,7 +214,7 @@ class App {
     const time = Math.max(0, this.playback.player.time - (this.draft?.zero ?? 0));
     if (this.isGesture) this.robot.live.say("open a document first; this is a gesture");
     const added = this.isGesture ? null : edit(this.document, time);
-    if (added?.id) this.chosen = added.id;
+    if (added?.id) this.tracks.expect([added.id]);
     if (added) this.edit(added.text);
   }
 
@@ -238,7 +258,13 @@ class App {
     this.playback.player.play(false);
     if (this.isGesture && !this.files.saving.isStored)
       this.robot.live.say("save the gesture first, so that the robot can use it");
-    else if (this.robot.ready && this.robot.wire.perform(this.performed)) this.view.setMode("robot");
+    else if (this.robot.ready) this.send(this.performed);
+  }
+
+  private send(bml: string): void {
+    const block = tagWithId(bml, BLOCK);
+    this.performing.begin((block && findAttribute(block, "id")?.value) ?? "", this.draft?.zero ?? 0);
+    if (this.robot.wire.perform(bml)) this.view.setMode("robot");
   }
 
   // ---- the page -----------------------------------------------------------------------------------------------
@@ -261,10 +287,10 @@ class App {
       redo: () => this.step(redo(this.history)),
       save: () => void this.files.saving.save(false),
       saveAs: () => void this.files.saving.save(true),
-      remove: () => this.chosen && this.edit(remove(this.document, this.chosen)),
+      remove: () => this.tracks.remove(),
       show: (mode) => this.view.setMode(mode),
       view: (view) => this.view.stage.view(view),
-      chooseBlock: () => this.choose(BLOCK),
+      chooseBlock: () => this.tracks.choose(BLOCK, false),
       sectors: (on) => this.view.showSectors(on),
       seek: (time) => this.playback.player.seek(time),
       style: (style) => this.robot.wire.tell("style", { style }),
@@ -289,7 +315,10 @@ class App {
       unsaved: this.files.saving.unsaved,
       place: this.files.saving.place,
       planned: this.planned,
+      plannedText: this.plannedText,
       time: this.playback.player.time,
+      performs: this.performing.runs,
+      selected: [...this.tracks.selection.all],
       heard: this.playback.voice.time,
       stopped: this.robot.stopped,
       draft: this.draft && { ...this.draft, angles: this.draft.angles.length },

@@ -1,5 +1,6 @@
 // Backups of unsaved documents, in the browser's storage and in the server's folder. The browser writes its storage to
 // the disk some seconds later, and may be cleared; the folder outlives both.
+import { openStorage } from "./remembered.ts";
 import type { Wire } from "./wire.ts";
 
 /** Unsaved document. */
@@ -19,15 +20,6 @@ export interface Backup {
 }
 
 const PREFIX = "kinesic.backup.";
-
-/** Return the browser's storage, or null where the browser denies it. */
-function openStorage(): Storage | null {
-  try {
-    return localStorage;
-  } catch {
-    return null;
-  }
-}
 
 /** Return a new key of an edited document. */
 export const newKey = (): string => [...crypto.getRandomValues(new Uint8Array(8))].map(byteText).join("");

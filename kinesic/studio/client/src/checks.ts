@@ -26,12 +26,14 @@ const areServos = ({ celsius, load, volts, errors, torque }: Message): boolean =
   Array.isArray(celsius) &&
   [celsius, load, volts, errors, torque].every((each) => areNumbers(each, celsius.length, [null]));
 
-const LISTS = ["behaviours", "syncs", "words", "phonemes", "notices"] as const;
+const LISTS = ["behaviours", "syncs", "words", "phonemes", "accents", "notices"] as const;
+const isBehaviour = ({ id, label, tracks }: Message): boolean => areStrings([id, label]) && areStrings(tracks);
 
 /** Return the draft of a document, or null if the answer is invalid. */
 export function readDraft(told: Message): Draft | null {
   const lists = LISTS.every((name) => Array.isArray(told[name]));
   const texts = ["block", "angles", "loudness"].every((name) => typeof told[name] === "string");
   const timed = [told.zero, told.rate, told.duration].every(isNumber) && Number(told.rate) > 0;
-  return lists && texts && timed ? (told as unknown as Draft) : null;
+  const named = lists && (told.behaviours as Message[]).every(isBehaviour);
+  return named && texts && timed ? (told as unknown as Draft) : null;
 }

@@ -1,11 +1,21 @@
 // Edits of a document: pure functions from text to text that preserve all other bytes.
 import { unusedId } from "./ids.ts";
 import { withKinesicPrefix } from "./namespaces.ts";
-import { escapeXml, findAttribute, findTags, isMark, opensBehaviour, tagWithId, withAttribute } from "./xml.ts";
+import {
+  elementSpan,
+  escapeXml,
+  findAttribute,
+  findTags,
+  isMark,
+  opensBehaviour,
+  tagWithId,
+  withAttribute,
+} from "./xml.ts";
 
 /** Sync points in chronological order. */
 export const POINTS = ["start", "ready", "strokeStart", "attackPeak", "stroke", "strokeEnd", "relax", "end"] as const;
-const PINNING: readonly string[] = ["start", "ready", "strokeStart", "attackPeak", "stroke", "strokeEnd"];
+/** Points of which one alone places a behaviour. */
+export const PINNING: readonly string[] = ["start", "ready", "strokeStart", "attackPeak", "stroke", "strokeEnd"];
 
 const WORD_OR_MARKUP = /<!--[\s\S]*?-->|<!\[CDATA\[[\s\S]*?\]\]>|<\?[\s\S]*?\?>|<[^>]*>|[^\s<]+/g;
 
@@ -90,14 +100,10 @@ function wordAt(text: string, from: number, to: number, count: number): number {
 
 /** Remove a behaviour with its line. */
 export function remove(text: string, behaviour: string): string {
-  const tags = findTags(text);
-  const first = tags.findIndex((tag) => opensBehaviour(tag, behaviour));
-  const tag = tags[first];
-  if (!tag) return text;
-  const last = tag.empty ? tag : tags.slice(first).find((each) => each.closing && each.name === tag.name);
-  if (!last) return text;
-  const blank = text.slice(0, tag.from).match(/\n[ \t]*$/)?.[0].length ?? 0;
-  return text.slice(0, tag.from - blank) + text.slice(last.to);
+  const span = elementSpan(text, behaviour);
+  if (!span) return text;
+  const blank = text.slice(0, span.from).match(/\n[ \t]*$/)?.[0].length ?? 0;
+  return text.slice(0, span.from - blank) + text.slice(span.to);
 }
 
 /** Return a document that performs one gesture in a manner; its id is unique, as the server requires. */

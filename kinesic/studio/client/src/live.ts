@@ -1,5 +1,6 @@
 // Live state of the robot and messages of the server.
 import { byId, make, say } from "./dom.ts";
+import type { Feedback } from "./feedback.ts";
 import { Strips } from "./telemetry.ts";
 import type { Body, BodyReport, ServoPlace } from "./types.ts";
 
@@ -31,12 +32,9 @@ export class Live {
   }
 
   /** Log BML feedback in short form. */
-  feedback(xml: string): void {
-    const root = new DOMParser().parseFromString(xml, "text/xml").documentElement;
-    const about = root.getAttribute("id") ?? root.getAttribute("characterId") ?? "";
-    const time = root.getAttribute("globalTime");
-    const what = root.localName === "warningFeedback" ? `: ${root.textContent?.trim()}` : "";
-    this.say(`${root.localName}${about ? ` ${about}` : ""}${time ? ` ${Number(time).toFixed(2)} s` : ""}${what}`, xml);
+  feedback({ kind, about, time, text }: Feedback, xml: string): void {
+    const what = kind === "warningFeedback" ? `: ${text}` : "";
+    this.say(`${kind}${about ? ` ${about}` : ""}${time === null ? "" : ` ${time.toFixed(2)} s`}${what}`, xml);
   }
 
   say(text: string, title = ""): void {

@@ -4,15 +4,23 @@ import { findTags, type Tag, withAttribute } from "./xml.ts";
 export const KINESIC_NAMESPACE = "urn:kinesic";
 const DEFAULT_PREFIX = "kinesic";
 
-/** Return the outermost element around a tag, or the tag itself. */
-function rootOf(tags: readonly Tag[], tag: Tag): Tag {
+/** Return the elements around a tag, the outermost first. */
+function ancestorsOf(tags: readonly Tag[], tag: Tag): Tag[] {
   const open: Tag[] = [];
   for (const each of tags) {
     if (each.from >= tag.from) break;
     if (each.closing) open.pop();
     else if (!each.empty) open.push(each);
   }
-  return open[0] ?? tag;
+  return open;
+}
+
+/** Return the namespaces that are declared at a tag by their prefixes; the default one has an empty prefix. */
+export function scopeOf(tags: readonly Tag[], tag: Tag): Map<string, string> {
+  const found = new Map<string, string>();
+  for (const { name, value } of [...ancestorsOf(tags, tag), tag].flatMap((each) => each.attributes))
+    if (name === "xmlns" || name.startsWith("xmlns:")) found.set(name.slice("xmlns:".length), value);
+  return found;
 }
 
 /** Return all declared prefixes with their namespaces; null for a prefix with several. */
@@ -30,7 +38,7 @@ function declarations(tags: readonly Tag[]): Map<string, string | null> {
 export function withKinesicPrefix(text: string, tag: Tag): { text: string; prefix: string } {
   const tags = findTags(text);
   const declared = declarations(tags);
-  const root = rootOf(tags, tag);
+  const root = ancestorsOf(tags, tag)[0] ?? tag;
   const here = [...root.attributes, ...tag.attributes].find(
     ({ name, value }) =>
       name.startsWith("xmlns:") &&

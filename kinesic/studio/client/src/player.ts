@@ -29,6 +29,12 @@ export class Player {
     this.show(this.time);
   }
 
+  /** Show a time [s] that another clock tells, without sound. */
+  follow(time: number): void {
+    this.time = Math.min(Math.max(time, 0), this.duration);
+    this.show(this.time);
+  }
+
   play(on: boolean): void {
     const begins = on && !this.playing;
     this.playing = on;

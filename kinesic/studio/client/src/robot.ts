@@ -2,6 +2,7 @@
 import { Arming } from "./arming.ts";
 import { readReport } from "./checks.ts";
 import { byId } from "./dom.ts";
+import { type Feedback, readFeedback } from "./feedback.ts";
 import { Live } from "./live.ts";
 import type { Body, BodyReport, ServoPlace } from "./types.ts";
 import { type Answer, Wire } from "./wire.ts";
@@ -21,14 +22,18 @@ export class Robot {
 
   constructor(
     private readonly body: Body,
-    private readonly listener: { opened(): void; changed(): void; moved(): void },
+    private readonly listener: { opened(): void; changed(): void; moved(): void; heard(feedback: Feedback): void },
   ) {
     this.live = new Live(body);
     this.wire = new Wire(
       {
         state: () => this.connected(),
         told: (answer) => this.told(answer),
-        feedback: (xml) => this.live.feedback(xml),
+        feedback: (xml) => {
+          const feedback = readFeedback(xml);
+          this.live.feedback(feedback, xml);
+          this.listener.heard(feedback);
+        },
       },
       sessionStorage.getItem(TOKEN_KEY),
     );

@@ -68,14 +68,27 @@ export interface Piece {
   end: number;
 }
 
+export interface Behaviour {
+  id: string;
+  type: string;
+  /** Lexeme, target or spoken text. */
+  label: string;
+  /** Moved body parts, the main one first. */
+  tracks: string[];
+  outcome: string;
+  why: string;
+}
+
 export interface Draft {
   block: string;
   duration: number;
   zero: number;
-  behaviours: { id: string; type: string; outcome: string; why: string }[];
+  behaviours: Behaviour[];
   syncs: Sync[];
   words: Piece[];
   phonemes: [string, number][];
+  /** Times of the accents of the voice [s]. */
+  accents: number[];
   /** Peaks of the voice, one byte per row of the motion, in base64; empty without a voice. */
   loudness: string;
   notices: { type: string; id: string; text: string }[];

@@ -87,6 +87,16 @@ export const opensBehaviour = (tag: Tag, id: string): boolean =>
   tag.name !== ROOT_TAG &&
   tag.attributes.some((each) => each.name === "id" && each.value === id);
 
+/** Return the range of a behaviour's element, or null. */
+export function elementSpan(text: string, id: string): { from: number; to: number } | null {
+  const tags = findTags(text);
+  const first = tags.findIndex((tag) => opensBehaviour(tag, id));
+  const tag = tags[first];
+  if (!tag) return null;
+  const last = tag.empty ? tag : tags.slice(first).find((each) => each.closing && each.name === tag.name);
+  return last ? { from: tag.from, to: last.to } : null;
+}
+
 export function findAttribute(tag: Tag, name: string): Attribute | undefined {
   return tag.attributes.find((each) => each.name === name || each.name.endsWith(`:${name}`));
 }

@@ -9,7 +9,7 @@ const report = { angles: [0.1, null], planned: [0, 0.2], servos };
 const reached = { angles: [0.1, 0.2], residual: 0, limits: ["l_elbow"], contact: null };
 const draft = {
   ...{ block: "b", angles: "", loudness: "", duration: 1, zero: 0, rate: 50 },
-  ...{ behaviours: [], syncs: [], words: [], phonemes: [], notices: [] },
+  ...{ behaviours: [], syncs: [], words: [], phonemes: [], accents: [], notices: [] },
 };
 
 test("complete answers are accepted unchanged", () => {

@@ -2,6 +2,8 @@
 import { readdirSync, readFileSync } from "node:fs";
 import { addGesture, mark, remove, setAttribute, setManner, shift, tie } from "../src/edits.ts";
 import { addEntry, addSpeech, PALETTE } from "../src/palette.ts";
+import { copyAll, paste } from "../src/tracks/clipboard.ts";
+import { moveAll, moveOnto, stretch } from "../src/tracks/group_edits.ts";
 import { BLOCK, findTags } from "../src/xml.ts";
 
 export const welcome = readFileSync("../../configs/bml/welcome.bml", "utf8");
@@ -32,7 +34,15 @@ export function edited(text: string, random: () => number): string {
   const ids = findTags(text).flatMap((tag) => tag.attributes.filter((a) => a.name === "id").map((a) => a.value));
   const id = ids.length > 1 ? one(ids.slice(1)) : "none"; // not the document itself
   const time = random() * 9;
-  switch (Math.floor(random() * 11)) {
+  const times = new Map([
+    ["start", time],
+    ["stroke", time + 1],
+    ["end", time + 2],
+  ]);
+  const point = one(["start", "stroke", "relax", "end"]);
+  const other = one(ids.length ? ids : ["none"]);
+  const reference = one([null, "s:m1", `${id}:end`]);
+  switch (Math.floor(random() * 15)) {
     case 0:
       return tie(text, id, "stroke", { time });
     case 1:
@@ -52,6 +62,14 @@ export function edited(text: string, random: () => number): string {
     case 8:
       return addSpeech(text, one(VALUES), time)?.text ?? text;
     case 9:
+      return moveAll(text, new Map([id, other].map((each) => [each, time])), time - 4.5);
+    case 10:
+      return moveOnto(text, id, point, { reference, offset: time - 4.5 }, times);
+    case 11:
+      return stretch(text, id, point, time - 4.5, times, "stroke");
+    case 12:
+      return paste(text, copyAll(text, [id, other], new Map([[id, times]])), time).text;
+    case 13:
       return addEntry(text, one(ENTRIES), time)?.text ?? text;
     default:
       return mark(text, one([id, "s"]), "start", Math.floor(random() * 5)).text;

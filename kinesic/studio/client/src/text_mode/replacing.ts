@@ -1,6 +1,6 @@
 // Edits of text mode: another gesture at a word, or a first one.
 import { append, mark, remove, setAttribute, setManner } from "../edits.ts";
-import type { Word } from "../timeline.ts";
+import type { Word } from "../tracks/words.ts";
 import { BLOCK, escapeXml, findAttribute, tagWithId } from "../xml.ts";
 import type { ShownGesture } from "./spoken.ts";
 

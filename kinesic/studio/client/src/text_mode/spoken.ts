@@ -1,5 +1,5 @@
 // Spoken words of a document, each with the gestures whose strokes fall on it.
-import { listWords, type Word } from "../timeline.ts";
+import { listWords, type Word } from "../tracks/words.ts";
 import type { Draft } from "../types.ts";
 import { findAttribute, tagWithId } from "../xml.ts";
 

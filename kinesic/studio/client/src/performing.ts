@@ -1,0 +1,60 @@
+// Clock of the running performance: feedback tells its start, reports of the robot its time.
+import type { Feedback } from "./feedback.ts";
+
+const MAX_AHEAD = 0.2; // [s] longest time that the clock runs on without a report
+
+export class Performing {
+  private block = ""; // empty: nothing is performed
+  private zero = 0; // [s] time of the plan at the block's start
+  private begun: number | null = null; // [s] server time of the block's start
+  private report = { time: 0, at: 0 }; // [s] server time and [ms] page time of the last report
+  private ticks = false;
+
+  constructor(private readonly show: (time: number) => void) {}
+
+  /** Whether the block moves the robot. */
+  get runs(): boolean {
+    return this.begun !== null;
+  }
+
+  /** Wait for the start of a block whose plan has its block time 0 at `zero` [s]. */
+  begin(block: string, zero: number): void {
+    this.block = block;
+    this.zero = zero;
+    this.begun = null;
+  }
+
+  end(): void {
+    this.block = "";
+    this.begun = null;
+  }
+
+  /** Take the start and the end of the block from the feedback. */
+  hear({ kind, about, time }: Feedback): void {
+    if (kind !== "blockProgress" || !this.block || time === null) return;
+    if (about === `${this.block}:start`) {
+      this.begun = time;
+      this.report = { time, at: performance.now() };
+      this.run();
+    } else if (about === `${this.block}:end`) this.end();
+  }
+
+  /** Take the server time [s] of a report. */
+  reported(time: number): void {
+    this.report = { time, at: performance.now() };
+  }
+
+  private run(): void {
+    if (this.ticks) return;
+    this.ticks = true;
+    requestAnimationFrame(() => this.tick());
+  }
+
+  private tick(): void {
+    this.ticks = false;
+    if (this.begun === null) return;
+    const ahead = Math.min((performance.now() - this.report.at) / 1000, MAX_AHEAD);
+    this.show(Math.max(this.zero, this.zero + this.report.time + ahead - this.begun));
+    this.run();
+  }
+}
