@@ -32,7 +32,7 @@ def test_python_interpreter_without_headers_is_not_used_for_wheels(tmp_path):
     assert wheels.read_version(sys.executable) in (sys.version_info[:2], None)  # Debian has headers apart
 
 
-def test_wheel_for_one_distribution_alone_is_refused():
+def test_wheel_with_a_plain_linux_tag_is_refused():
     import wheels  # noqa: PLC0415 - no part of the package
 
     shown = 'x.whl is consistent with the\nfollowing platform tag: "manylinux_2_28_aarch64".\n'

@@ -86,7 +86,7 @@ def test_dry_run_progress_increases_over_all_twins(calm):
     assert 0.5 < shares[-1] < 1.0
 
 
-def test_exception_in_progress_callback_stops_loop(calm):
+def test_exception_in_the_progress_callback_ends_the_dry_run(calm):
     def interrupt(share: float) -> None:
         raise KeyboardInterrupt
 

@@ -178,7 +178,7 @@ def test_head_accompanying_a_gesture_turns_once_and_holds_until_relax(gesture, p
     assert not any(key.turn.tilt or key.turn.torsion for key in body_motion.head)
 
 
-def test_head_rises_before_the_first_stroke_and_nods_at_each(gesture, pace):
+def test_head_rises_before_the_stroke_and_nods_at_it(gesture, pace):
     body_motion = accompany_gestures([gesture(BodyForm(nod=NOD_ANGLE))], BodyDemands(), pace)
     tilts = {key.time: key.turn.tilt for key in body_motion.head}
     assert tilts[1.0] < 0.0

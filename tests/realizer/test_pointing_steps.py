@@ -114,7 +114,7 @@ def test_correction_stays_between_the_other_behaviours_of_the_hand(known, correc
     assert corrections[0][0][1:3] == knots
 
 
-def test_correction_beyond_the_end_of_the_motion_extends_it(known, corrections):
+def test_pointing_correction_beyond_the_end_of_the_motion_extends_it(known, corrections):
     correct(known, count=70)
     ((controls, *_),) = corrections[1]
     assert len(controls) == 89

@@ -258,7 +258,7 @@ def test_returning_hinge_is_corrected_only_after_the_cut(known, checks, knot, co
     np.testing.assert_array_equal(seen[0], released.controls[max(0, min(knot, len(released.controls) - 7)) :])
 
 
-def test_return_that_cannot_be_corrected_is_rejected(known, checks, monkeypatch):
+def test_return_to_rest_that_cannot_be_corrected_is_rejected(known, checks, monkeypatch):
     monkeypatch.setattr(module, "keep_limits", lambda *_: None)
     controls = np.tile(known.robot.skeleton.rest, (60, 1))
     controls[25:, NECK] = 0.5
@@ -266,7 +266,7 @@ def test_return_that_cannot_be_corrected_is_rejected(known, checks, monkeypatch)
 
 
 @pytest.mark.parametrize(("spare", "is_rejected"), [(0.0, False), (-1e-9, True), (-1.0, True)])
-def test_return_that_comes_too_near_is_rejected(known, checks, spare, is_rejected):
+def test_return_to_rest_that_comes_too_near_is_rejected(known, checks, spare, is_rejected):
     checks[1][0] = known.robot.min_clearance + MIN_LAG_RESERVE + spare
     controls = np.tile(known.robot.skeleton.rest, (60, 1))
     assert (_certified_motion(controls, motion(9), 0, known) is None) is is_rejected

@@ -13,11 +13,11 @@ def without_scipy(monkeypatch):
     monkeypatch.setitem(sys.modules, "scipy", None)
 
 
-def test_skin_is_drawn_with_scipy():
+def test_robot_with_skin_keeps_its_skin_if_scipy_is_installed():
     assert drawable(HUMAN) is HUMAN
 
 
-def test_without_scipy_capsules_and_a_screen_replace_the_skin(without_scipy):
+def test_capsules_and_a_face_screen_replace_the_skin_without_scipy(without_scipy):
     assert drawable(HUMAN).skin is None
     drawn = scene_data(HUMAN)
     assert "skin" not in drawn

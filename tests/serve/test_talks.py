@@ -118,7 +118,7 @@ def test_phrases_of_two_streamed_texts_alternate_without_overlap(server):
     assert spans[0][1] <= spans[1][0]
 
 
-def test_plain_text_is_spoken_if_allowed_or_refused(server):
+def test_plain_text_is_refused_by_default(server):
     with connect(f"ws://127.0.0.1:{server.port}") as web:
         web.send("Hello there!")
         assert "PARSING_FAILURE" in web.recv(MAX_WAIT)

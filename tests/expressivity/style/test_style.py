@@ -24,7 +24,7 @@ PRESET_NAMES = sorted(file.stem for file in (CONFIGS / "styles").glob("*.toml"))
 PHASE_NAMES = ("preparation", "stroke", "hold", "retraction")
 
 
-def test_style_preset_files_are_complete():
+def test_style_presets_include_neutral_and_six_emotional_styles():
     assert set(PRESET_NAMES) >= FIRST_STYLES
 
 

@@ -67,7 +67,7 @@ def test_left_half_of_the_body_mesh_mirrors_the_right_half():
     )
 
 
-def test_subdivided_figure_moves_equally():
+def test_subdivided_figure_has_four_times_the_faces_and_normalised_weights():
     finer = DRESSED_FIGURE.subdivided()
     assert len(finer.mesh.faces) == 4 * len(DRESSED_FIGURE.mesh.faces)
     np.testing.assert_allclose(finer.weights.sum(axis=1), 1.0, atol=1e-9)

@@ -124,7 +124,7 @@ def test_approach_ends_at_the_first_setpoint():
     assert player.time_scale.time == 0.0
 
 
-def test_late_or_non_finite_command_is_refused():
+def test_command_before_the_current_time_or_with_infinite_angles_is_refused():
     player = player_with(np.arange(0.0, 2.0, STEP))
     player.follow()
     play(player, 1.0)

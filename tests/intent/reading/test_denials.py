@@ -25,7 +25,7 @@ def shown(text: str, language: str, channel: str) -> set[str]:
      ("nl", "Geen idee waar hij is."),
      ("ja", "すみません、おくれました。"), ("ja", "もんだいありません。")],
 )  # fmt: skip
-def test_idioms_with_negative_words_are_not_refused(language: str, text: str):
+def test_idioms_with_negative_words_get_no_head_shake_and_no_refusal_gesture(language: str, text: str):
     assert "SHAKE" not in shown(text, language, "head")
     assert not shown(text, language, "gesture") & REFUSALS
 

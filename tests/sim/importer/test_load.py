@@ -17,7 +17,7 @@ def test_model_loads_without_its_mesh_files(tee, hanging):
     assert len(hanging.joints) == 1 + 2 * 7
 
 
-def test_free_joint_is_fixed_and_mimic_joints_are_read(tee, hanging):
+def test_free_joint_gives_no_hinge_and_mimic_joints_are_read(tee, hanging):
     assert {joint.name for joint in hanging.joints if joint.follows} == {"left_mimic_joint", "right_mimic_joint"}
     assert all(joint.name for joint in tee.joints)
 

@@ -147,7 +147,7 @@ def test_analyse_command_prints_gesture_tables_and_json(tmp_path: Path):
     assert list(data["choose_by_place"]) == ["[red]x\x1b[2J"]
 
 
-def test_mixed_answers_of_two_studies_are_refused(tmp_path: Path):
+def test_answers_of_different_studies_together_are_refused(tmp_path: Path):
     gestures, faces = write_answers(tmp_path / "gestures.csv", [guess]), tmp_path / "faces.csv"
     faces.write_text("participant,place,action\np,1,4\n")
     for files in ([gestures, faces], [faces, gestures]):

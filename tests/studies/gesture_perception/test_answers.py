@@ -62,7 +62,7 @@ def test_answer_file_with_a_missing_column_is_refused(tmp_path: Path):
         read_gesture_answers([path])
 
 
-def test_duplicate_answer_files_count_once(tmp_path: Path):
+def test_duplicate_answer_files_are_refused(tmp_path: Path):
     file = download_answers(tmp_path / "answers.csv", ROW)
     again = download_answers(tmp_path / "again.csv", ROW)
     with pytest.raises(ConfigError, match="give each file once"):
