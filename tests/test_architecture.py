@@ -55,7 +55,7 @@ def test_files_do_not_exceed_the_line_limit():
     assert {name: lines for name, lines in long.items() if lines > MAX_FILE_LINES} == {}
 
 
-def test_package_folders_match_the_expected_list():
+def test_package_folders_are_exactly_those_of_the_layer_list():
     folders = {path.name for path in PACKAGE.iterdir() if path.is_dir() and path.name != "__pycache__"}
     assert folders == set(PACKAGES)
 

@@ -39,7 +39,7 @@ def server() -> Iterator[Server]:
         yield result
 
 
-def test_example_in_the_docstring_of_the_client_module_works(server, capsys, monkeypatch):
+def test_example_in_the_docstring_of_the_client_module_runs(server, capsys, monkeypatch):
     code = dedent(re.search(r"```python\n(.*?)```", kinesic.client.__doc__, re.DOTALL)[1])
     monkeypatch.setattr(kinesic.client.Client.__init__, "__defaults__", ("127.0.0.1", server.port))
     exec(compile(code, "docstring", "exec"), {})
@@ -96,7 +96,7 @@ def test_client_sends_stop_resume_and_ping_messages(server):
         assert json.loads(client.receive(MAX_WAIT)) == {"told": "pong", "id": "x"}
 
 
-def test_client_example_program_works(server):
+def test_client_example_program_performs_blocks_and_prints_feedback(server):
     done = subprocess.run(
         [sys.executable, EXAMPLES / "06_live.py", str(server.port)], capture_output=True, text=True, check=True
     )
@@ -198,7 +198,7 @@ def test_greta_stomp_example_forwards_bml_and_feedback(server, broker):
 
 
 @pytest.mark.parametrize("encoded", [False, True])
-def test_smartbody_messages_example_program_works(toolkit, broker, encoded):
+def test_smartbody_example_program_answers_a_request_with_start_and_end(toolkit, broker, encoded):
     name = f"sbm_test_{int(encoded)}_{broker}"
     xml = f'<?xml version="1.0" encoding="UTF-8"?>\n<act><bml>{NOD}</bml></act>'
     rest = f"ChrBrad ALL {name} {xml}"

@@ -141,7 +141,7 @@ def test_missing_host_feature_error_names_the_required_system():
     ],
     ids=lambda line: line[0],
 )
-def test_verbs_with_child_processes_work_on_windows(tmp_path, line):
+def test_commands_with_child_processes_succeed_on_simulated_windows(tmp_path, line):
     (tmp_path / "nod.bml").write_text(NOD)
     done = windows(tmp_path, "-m", "kinesic", *line)
     assert done.returncode == 0, done.stderr

@@ -91,7 +91,7 @@ def test_missing_package_is_one_line_that_names_the_extra(package, command, extr
     assert f'kinesic[{extra}]"' in ended.stderr
 
 
-def test_performance_without_pillow_has_a_report_and_says_why_it_has_no_film(tmp_path):
+def test_report_without_pillow_gives_the_reason_for_the_missing_film(tmp_path):
     (tmp_path / "beat.bml").write_text('<bml id="b"><gesture id="g" lexeme="beat" stroke="0.6"/></bml>')
     ended = run_without("PIL", tmp_path, ("perform", "beat.bml", "--out", "beat"))
     assert ended.returncode == 0, ended.stderr

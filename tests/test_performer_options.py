@@ -136,7 +136,7 @@ def test_speech_of_other_characters_is_ignored_silently():
     ]
 
 
-def test_text_starting_like_a_document_is_parsed_as_one(performer):
+def test_text_is_parsed_as_a_document_only_if_it_begins_like_one(performer):
     for text in (NOD, "\ufeff \n" + NOD, NOD.encode()):
         assert performer.plan(text).timeline.block.source == "<text>"
     with pytest.raises(kinesic.BmlError, match="give a path"):

@@ -123,7 +123,7 @@ class _Scan:
         return cls(angles, np.maximum(min_clearance - distances.clearance(angles).distances, 0.0))
 
     def after(self, change: PostureCourse, distances: Distances, min_clearance: float) -> "_Scan":
-        """Return the scan of a changed course.
+        """Return the collision scan of a changed posture course.
 
         Only samples with a changed posture are measured again.
         """

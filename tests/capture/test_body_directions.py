@@ -77,7 +77,7 @@ def test_arms_without_sides_in_their_names_are_rejected():
         read(bvh(rename=rename))
 
 
-def test_legs_are_no_arms():
+def test_body_without_named_arms_is_rejected_although_it_has_legs():
     data = bvh(rename=lambda name: OTHER_NAMES.get(name, name.replace("Arm", "X").replace("Right", "Q")))
     with pytest.raises(CaptureError, match="left from right"):
         read(data)

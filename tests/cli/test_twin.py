@@ -38,7 +38,7 @@ def test_perform_uses_the_servo_factors_fitted_to_a_log(kinesic, log, tmp_path):
     assert kinesic("twin", "fit", log, "--free", "stall", "--out", "mine.toml", "--force").code == 0
 
 
-def test_twin_fit_reports_why_a_servo_factor_is_undetermined(kinesic, log, tmp_path):
+def test_twin_fit_gives_the_reason_for_an_undetermined_servo_factor(kinesic, log, tmp_path):
     ended = kinesic("twin", "fit", log, "--free", "armature", "--out", "mine.toml", "--json")
     rows = {row["servo"]: row for row in json.loads(ended.out)["estimates"]}
     assert rows["xm540_w270"]["why"] == "the log hardly depends on it"

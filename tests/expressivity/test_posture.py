@@ -37,7 +37,7 @@ def test_stance_that_needs_legs_is_dropped(perform):
     assert "LYING" in outcome.why
 
 
-def test_impossible_posture_is_dropped(perform):
+def test_posture_that_needs_crossed_legs_is_dropped(perform):
     outcome = perform(("p", Posture(poses=(("LEGS", "LEGS_CROSSED"),)), posture_times(0, 1, 2, 3))).outcomes["p"]
     assert outcome.kind == "dropped"
     assert "LEGS_CROSSED" in outcome.why

@@ -22,7 +22,7 @@ def test_limit_matrix_rows_give_the_limit_ratios():
     np.testing.assert_allclose(shares[0], np.abs(CONTROLS[:, 0]) / 2)
 
 
-def test_limits_on_control_points_hold_between_knots():
+def test_limit_ratios_of_control_points_bound_the_motion_between_knots():
     _, speeds, accelerations = MOTION.sample(TIMES)
     duty = LIMITS.inertial * accelerations + LIMITS.viscous * speeds
     jerks = MOTION.jerks(TIMES)

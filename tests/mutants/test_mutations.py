@@ -49,7 +49,7 @@ def changes_of(source: str) -> set[tuple[str, str]]:
         ("a.x, b = z", set()),
     ],
 )
-def test_mutation_of_each_source_line_gives_the_expected_mutants(was: str, now: set[str]):
+def test_each_sample_source_line_gives_its_listed_mutants(was: str, now: set[str]):
     assert changes_of(was) == {(was, item) for item in now}
 
 

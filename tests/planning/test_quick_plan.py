@@ -78,7 +78,7 @@ def test_quick_plan_stops_at_every_key(slow):
         assert np.abs(speeds[row, list(posture.keyed)]).max(initial=0.0) < 0.05
 
 
-def test_quick_plan_reports_correct_times(slow):
+def test_quick_plan_reaches_its_keys_at_the_planned_times(slow):
     reached = slow.trajectory.sample(slow.motion.planned + slow.trajectory.zero)[0]
     for row, posture in enumerate(slow.postures.postures):
         keyed = list(posture.keyed)

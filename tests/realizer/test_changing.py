@@ -89,7 +89,7 @@ def test_style_for_one_block_does_not_change_others(nodding: Scene) -> None:
     assert scene.setup.style is nodding.setup.style
 
 
-def test_successive_style_changes_accumulate(nodding: Scene) -> None:
+def test_style_change_of_a_block_keeps_an_earlier_movement_amount(nodding: Scene) -> None:
     scene = change_style(nodding, 0.2, amount=0.4)
     scene = change_style(scene, 0.2, style="neutral", block="a")
     (request,) = scene.replans
@@ -215,7 +215,7 @@ def test_warnings_that_remain_after_a_refinement_are_sent_once(play, delay: floa
     assert len(play.warnings()) == len(coming.plan.notices) > 0
 
 
-def test_waiting_block_is_refined(play):
+def test_waiting_block_takes_its_refined_plan(play):
     play.send("w", '<wait id="w" duration="1"/>').send("a", HURRIED, 'composition="APPEND"')
     play.scene, (request,) = take_replans(play.scene)
     after = improve_block(play.scene, "a", prepare_block(request, play.scene.setup).plan, play.now)

@@ -80,7 +80,7 @@ def test_block_with_a_decided_plan_is_planned_fully_with_its_speech(known, plann
     assert options["conditioned"].keywords == {"lead_in": 0.0}
 
 
-def test_scheduled_timeline_is_reused(known, planners):
+def test_planner_reuses_the_timeline_of_a_scheduled_block(known, planners):
     request = timed((0.0, 1.0))
     prepare_block(request, known, is_scheduled=True)
     assert planners[0][2]["timeline"] is request.timeline

@@ -123,7 +123,7 @@ def test_motion_without_the_block_lacks_only_its_offsets_of_the_trunk(switch, kn
     np.testing.assert_allclose(base, np.tile(expected, (120, 1)), atol=1e-12)
 
 
-def test_motion_without_the_block_ends_in_the_posture_that_others_hold(switch, known):
+def test_motion_without_the_block_ends_in_the_posture_held_by_other_blocks(switch, known):
     turn = 0.4 * np.eye(HINGE_COUNT)[NECK]
     running = replace(motion(), controls=np.tile(known.robot.skeleton.rest, (100, 1)))
     others = [use("look", "look", begin=0.0, ready=0.8, offset=turn)]

@@ -121,7 +121,7 @@ def test_pointing_correction_beyond_the_end_of_the_motion_extends_it(known, corr
 
 
 @pytest.mark.parametrize(("time", "is_tried"), [(0.8, True), (0.81, False)])
-def test_correction_needs_three_knots(known, corrections, time, is_tried):
+def test_pointing_correction_needs_three_knots_before_the_stroke_ends(known, corrections, time, is_tried):
     result = correct(known, time=time)
     assert (result is not None) is is_tried
     assert bool(corrections[1]) is is_tried

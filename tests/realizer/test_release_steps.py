@@ -168,7 +168,7 @@ def test_motion_without_a_block_lacks_its_offsets_and_rests_its_arms(known, coun
     np.testing.assert_allclose(after[:, 0], current[:, 0])
 
 
-def test_motion_without_a_block_ends_in_the_posture_that_others_hold(known):
+def test_motion_without_a_block_ends_in_the_posture_held_by_other_blocks(known):
     current, layer = motion(30).controls, motion(30)
     held = [use("o", "look", offset=0.2 * np.eye(22)[NECK])]
     after = _motion_without_block(current, layer, held, known.robot)

@@ -38,7 +38,7 @@ def test_long_behaviour_label_is_truncated():
     assert label(behaviour).endswith("\u2026")
 
 
-def test_behaviour_label_is_followed_by_the_behaviour_id_if_they_differ():
+def test_behaviour_label_is_followed_by_the_behaviour_id_if_it_differs():
     block = parse('<bml id="b"><gesture id="g9" lexeme="offer"/><head id="nod" lexeme="NOD"/></bml>')
     assert [label_with_id(id, block) for id in ("g9", "nod", "gone")] == ["offer (g9)", "NOD", "gone"]
     assert label_sync(SyncTime("g9", "stroke", 0.0, 0.0), block) == "stroke of offer (g9)"

@@ -67,7 +67,7 @@ def answer(port: int, said: bytes, *, ends: bool = True) -> bytes:
         ("localhost", ("Authorization: Bearer \xff",), 101),
     ],
 )
-def test_handshake_requests_get_the_expected_status(server, host, lines, status):
+def test_websocket_handshake_status_depends_on_host_origin_and_headers(server, host, lines, status):
     assert handshake(server.port, host, *lines).startswith(b"HTTP/1.1 %d" % status)
 
 

@@ -287,7 +287,7 @@ def test_planner_that_starts_after_an_emergency_stop_knows_of_it(simulation: Sim
     assert loop.is_stopped
 
 
-def test_emergency_stop_works_with_a_dead_planner(simulation: Simulation):
+def test_emergency_stop_stops_the_robot_although_the_planner_is_dead(simulation: Simulation):
     loop = simulation.make()
     planner = simulation.link()
 

@@ -26,7 +26,7 @@ def test_finger_positions_equal_full_forward_kinematics(side, still):
                 np.testing.assert_allclose(result.T, true, atol=1e-12)
 
 
-def test_finger_cache_distinguishes_bendings():
+def test_cached_finger_positions_depend_on_the_finger_posture():
     places = FingerPlaces(ROBOT, "l")
     one, other = random_postures(ROBOT.skeleton, 2, seed=4)[:, None]
     first, _ = places.ends(one, body_frames(ROBOT, one))

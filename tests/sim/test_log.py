@@ -49,7 +49,7 @@ def test_log_accepts_hinges_in_any_order(tmp_path):
         ({"times": LOG_TIMES[[0, 0, 1]]}, "times must be at least two, and increase"),
     ],
 )
-def test_invalid_log_is_rejected_with_the_expected_format(tmp_path, change, message):
+def test_invalid_servo_log_is_rejected_with_its_fault(tmp_path, change, message):
     data = {name: values for name, values in {**COMPLETE_ARRAYS, **change}.items() if values is not None}
     np.savez(tmp_path / "log.npz", **data)
     with pytest.raises(ConfigError, match=message):

@@ -48,7 +48,7 @@ def test_phonemes_of_a_number_are_those_of_its_digits():
     assert number_sounds("4.2") == number_sounds("42")
 
 
-def test_syllabic_characters_have_sounds():
+def test_kana_and_hangul_give_their_sounds_and_kanji_a_neutral_vowel():
     assert mora_sounds("か") == ("k", "a")
     assert mora_sounds("カ") == ("k", "a")
     assert mora_sounds("한") == ("h", "a", "n")

@@ -40,7 +40,7 @@ def choose(studio: Studio, word: str) -> list[list[str]]:
     return [list(pair) for pair in zip(ids, reasons, strict=True)]
 
 
-def test_typed_text_becomes_the_document_that_say_writes(studio: Studio):
+def test_text_typed_in_the_studio_becomes_the_document_of_the_say_command(studio: Studio):
     perform(studio, TEXT)
     assert studio.state("text") == write_bml(TEXT, set_up())
     assert studio.state("name") == "talk.bml"

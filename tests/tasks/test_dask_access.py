@@ -83,7 +83,7 @@ def test_cluster_without_certificates_admits_other_users():
         assert intrude("plain", ports) == [str(os.getuid())] * 3, "scheduler, nanny and worker"
 
 
-def test_http_ports_of_a_local_cluster_serve_nothing(local):
+def test_http_ports_of_a_local_cluster_serve_no_pages(local):
     _, ports = local
     for port in ports:
         for path in (

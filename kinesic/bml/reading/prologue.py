@@ -6,7 +6,7 @@ _PROLOGUE_DELIMITERS = {
     "<?": "?>",
     "<!--": "-->",
     "<!DOCTYPE": ">",
-}  # start -> end of items before a root
+}  # start -> end of items before the root element
 _PROLOGUE_PATTERN = re.compile(r"\s*(<\?|<!--|<!DOCTYPE|)", re.IGNORECASE)
 _TAG_PATTERN = re.compile(r"<(?:[\w.-]+:)?([\w.-]+)[\s/>]")
 

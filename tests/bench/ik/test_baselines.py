@@ -54,7 +54,7 @@ def test_ik_kernel_and_python_have_the_same_method_names() -> None:
 
 
 @with_every_method
-def test_ik_method_solves_its_expected_fraction_of_targets(method: Method) -> None:
+def test_ik_method_solves_its_recorded_fraction_of_targets(method: Method) -> None:
     for bones in (6, 10, 20, 32):
         rest = make_curved_chain(bones, bend=min(np.pi / 18.0, np.pi / (2 * bones)))
         runs = run_chain(method, rest, draw_targets(200, 0.1, 0.97, 71))

@@ -136,7 +136,7 @@ def test_servo_with_reset_ram_is_recognised_as_the_same_servo(bench: Bench):
 
 
 @pytest.mark.parametrize("register", [r for r in Register if r.field.address < 64], ids=lambda r: r.name)
-def test_persistent_registers_identify_servos(bench: Bench, register: Register):
+def test_each_changed_persistent_register_is_reported_as_a_difference(bench: Bench, register: Register):
     assert register in PERSISTENT_REGISTERS
     before = bench.tables[0]
     other = before[register] ^ 1

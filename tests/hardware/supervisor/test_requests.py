@@ -28,7 +28,7 @@ def asked() -> Asked:
     return Asked()
 
 
-def test_no_request_exists_initially(asked: Asked):
+def test_supervisor_has_no_requests_before_the_first(asked: Asked):
     requests = asked.requests
     for _ in range(2):
         assert (requests.alone, requests.ended, requests.release, requests.confirmed) == (False,) * 4

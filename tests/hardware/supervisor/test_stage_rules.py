@@ -117,7 +117,7 @@ RULES = [  # stage, what it remembers, event, what is known; the next stage, wha
 
 
 @pytest.mark.parametrize(("stage", "before", "event", "facts", "after", "actions", "remembered"), RULES)
-def test_each_event_leads_to_the_expected_stage_actions_and_flags(
+def test_each_event_leads_to_the_stage_actions_and_flags_of_the_rule_table(
     stage, before, event, facts, after, actions, remembered
 ):
     state, begun = step(at(stage, **before), event, replace(CALM, **facts))
@@ -147,7 +147,7 @@ def test_faults_pauses_and_missing_commands_slow_the_performance_to_a_stop(stage
 @pytest.mark.parametrize("policy", ["hold", "limp"])
 @pytest.mark.parametrize("raised", [False, True])
 @pytest.mark.parametrize("stage", Stage)
-def test_emergency_stop_acts_as_expected_in_every_stage(stage: Stage, policy: str, raised: bool):
+def test_emergency_stop_holds_releases_or_waits_depending_on_stage_and_policy(stage: Stage, policy: str, raised: bool):
     state, begun = step(at(stage), "estop", replace(CALM, policy=policy, raised=raised))
     ended = {Stage.CLOSED, Stage.RELEASE}
     waiting = {Stage.LOST, Stage.IDENTIFY, Stage.ADOPT} | ({Stage.ARM} if raised else set())

@@ -57,7 +57,7 @@ def _rests(way: str, joints: int, count: int = REACHABLE, **given) -> list[tuple
         ("direct", 32, 60, 0.97),
     ],
 )
-def test_mass_spring_methods_reach_targets_in_the_expected_number_of_iterations(way, joints, median, least):
+def test_mass_spring_methods_reach_most_targets_in_the_recorded_number_of_iterations(way, joints, median, least):
     rests = _rests(way, joints)
     assert 0.67 * median <= np.median([rest.iterations for _, rest in rests]) <= 1.34 * median
     assert np.mean([task.arrived(rest.points) for task, rest in rests]) >= least

@@ -27,7 +27,7 @@ def raised(hold, *, hinge=ELBOW):
     return Trajectory(sealed(controls), 0.0)
 
 
-def test_arm_standing_still_away_from_rest_is_a_hold():
+def test_arm_standing_still_away_from_rest_counts_as_a_hold():
     ((begin, end),) = find_held_spans(raised(2.0), "l", ROBOT)
     assert begin == pytest.approx(1.5, abs=0.1)
     assert end == pytest.approx(3.5, abs=0.1)

@@ -136,7 +136,7 @@ def test_hand_with_four_fingers_has_no_little_finger_and_spreads(robots):
     assert not {"fist", "index", "two", "thumb", "ring", "spread"} & set(lacking)
 
 
-def test_spreading_moves_fingers_apart(robots):
+def test_spread_hand_shape_moves_fingertips_apart(robots):
     _, robot = robots["four"]
     roots = {}
     for shape in ("flat", "spread"):

@@ -47,7 +47,7 @@ def test_program_reports_phonemes_with_their_mouth_shapes():
     assert phoneme == Phoneme("b", 0.1, pytest.approx(0.2), 0.04, 0.1)
 
 
-def test_program_is_started_once():
+def test_speech_program_is_started_once_for_two_phrases():
     engine = start()
     engine.speak(Phrase("one"))
     (process,) = module._running.values()

@@ -115,7 +115,7 @@ def test_file_of_words_outside_the_folder_is_not_read(espeak: Espeak, tmp_path: 
     assert "is outside of the folder" in remark
 
 
-def test_recording_without_text_has_lips_and_says_that_they_follow_the_sound_alone(espeak: Espeak, tmp_path: Path):
+def test_recording_without_text_moves_the_lips_by_its_sound_with_a_remark(espeak: Espeak, tmp_path: Path):
     spoken = speak(espeak)
     recording = Recording(write(spoken.sound, tmp_path / "r.wav"), (("bell", 99.0),))
     for voice in (espeak, DurationModel()):

@@ -58,7 +58,7 @@ def test_rate_that_changes_within_the_recording_is_followed():
     assert found.word_frames == pytest.approx(starts, abs=3)
 
 
-def test_silence_has_no_warp():
+def test_silent_recording_or_rendition_gives_no_warping():
     rendition = make_rendition()
     silent = FrameSequence(np.zeros((50, 18)), np.zeros(50, dtype=bool))
     assert warp(silent, rendition, WORDS) is None
@@ -146,7 +146,7 @@ def test_silence_between_words_takes_the_gap_of_the_next_word():
 
 
 @pytest.mark.parametrize(("recorded", "spoken"), [(1, 9), (9, 1)])
-def test_one_frame_of_speech_has_no_warp(recorded: int, spoken: int):
+def test_one_frame_of_speech_gives_no_warping(recorded: int, spoken: int):
     recording, rendition = (FrameSequence(np.ones((10, 2)), np.arange(10) < count) for count in (recorded, spoken))
     assert warp(recording, rendition, np.array([0])) is None
 

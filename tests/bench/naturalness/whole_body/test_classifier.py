@@ -36,7 +36,7 @@ def test_equal_distributions_cannot_be_separated(scorer):
 
 
 @pytest.mark.parametrize("scorer", SCORERS)
-def test_shift_of_one_feature_gives_the_expected_separation(scorer):
+def test_shift_of_one_feature_separates_the_classes_as_predicted_by_theory(scorer):
     generator = np.random.default_rng(2)
     ours, others = make_sample(generator, 400, shift=1.5), make_sample(generator, 400, name="b")
     result = separate_samples(ours, others, scorer)

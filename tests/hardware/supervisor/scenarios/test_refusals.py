@@ -26,9 +26,7 @@ TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Registe
     ],
     ids=lambda value: value.kind if isinstance(value, PlannedFault) else None,
 )
-def test_wrong_servos_are_refused_in_one_clear_line_and_nothing_is_energised(
-    desk: Make, fault: PlannedFault, message: str
-):
+def test_wrong_servos_are_refused_in_one_line_and_no_servo_gets_torque(desk: Make, fault: PlannedFault, message: str):
     made = desk(faults=FaultPlan((fault,)))
     made.open()
     assert made.stage is Stage.CLOSED
