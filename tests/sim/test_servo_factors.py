@@ -4,7 +4,14 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.sim.servo_factors import NOMINAL_FACTORS, PESSIMISTIC_FACTORS, DriveFactors, Factors
+from kinesic.sim.servo_factors import (
+    NOMINAL_FACTORS,
+    PESSIMISTIC_FACTORS,
+    DriveFactors,
+    Factors,
+    join_factors,
+    read_twins,
+)
 
 ROBOT = Robot.load()
 
@@ -145,3 +152,25 @@ def test_robot_with_applied_servo_factors_is_cached_per_robot():
 def test_equal_servo_factors_return_the_same_object():
     assert NOMINAL_FACTORS.applied(ROBOT) is ROBOT
     assert PESSIMISTIC_FACTORS.applied(ROBOT) is PESSIMISTIC_FACTORS.applied(ROBOT)
+
+
+@pytest.mark.parametrize("factors", [PESSIMISTIC_FACTORS, Factors(gain=0.9, servos={"a": DriveFactors(stall=0.5)})])
+def test_neutral_factors_change_nothing_on_either_side_of_a_join(factors):
+    assert join_factors(factors, NOMINAL_FACTORS) == join_factors(NOMINAL_FACTORS, factors) == factors
+
+
+def test_joined_factors_take_the_second_value_where_both_differ_from_neutral():
+    first, second = Factors(stall=0.8, friction=1.5, latency=0.01), Factors(stall=0.7, mass=1.2)
+    assert join_factors(first, second) == Factors(stall=0.7, friction=1.5, latency=0.01, mass=1.2)
+    assert join_factors(second, first) == Factors(stall=0.8, friction=1.5, latency=0.01, mass=1.2)
+
+
+def test_twins_are_read_by_name_or_from_a_file_in_the_order_of_their_checks(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text("stall = 0.7\n")
+    assert read_twins("nominal") == (NOMINAL_FACTORS,)
+    assert read_twins("pessimistic") == (PESSIMISTIC_FACTORS,)
+    assert read_twins("both") == (NOMINAL_FACTORS, PESSIMISTIC_FACTORS)
+    assert read_twins(str(path)) == (Factors(stall=0.7),)
+    with pytest.raises(ConfigError, match="absent"):
+        read_twins(str(tmp_path / "absent.toml"))
