@@ -11,7 +11,7 @@ from kinesic.expressivity.keyframes import Hand
 from kinesic.ik.arm.swivel import swivel
 from kinesic.planning import arm_postures
 from kinesic.planning import plan as planning
-from kinesic.planning.arm_postures import OPEN_SWIVEL, with_arms
+from kinesic.planning.arm_postures import OPEN_SWIVEL, ArmKey, solve_keys, with_arms
 from kinesic.planning.postures import solve_postures
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
@@ -179,10 +179,36 @@ def test_ik_solves_at_most_twice_as_many_keys_if_hands_collide(frames_of, calls)
     assert asked <= sum(calls) <= 4 * len(frames.frames) + arm_postures.MAX_KEYS_PER_CALL
 
 
+def with_offset_axes(robot):
+    hinges = tuple(replace(hinge, at=sealed([0.004, 0.003, -0.005])) for hinge in robot.skeleton.hinges)
+    return replace(robot, skeleton=replace(robot.skeleton, hinges=hinges))
+
+
+@pytest.mark.parametrize("robot", [ROBOT, with_offset_axes(ROBOT)], ids=["intersecting axes", "offset axes"])
+@pytest.mark.parametrize("passing", [True, False])
+def test_only_a_passing_key_continues_the_current_hand_path(robot, passing):
+    reach = Reach(sealed(HAND_POSITIONS[1]))
+    hand = Hand(reach, passing=passing)
+    key = ArmKey.of(robot, "l", hand, reach, robot.body_frames(REST))
+    path_start = with_arms(REST, {"l": hand}, {"l": Reach(sealed(HAND_POSITIONS[0]))}, robot)[
+        list(robot.arms["l"].indices)
+    ]
+    angles, beginnings = solve_keys(robot, "l", [key], REST[None], path_start=path_start)
+    solved_arm = angles[0, list(robot.arms["l"].indices)]
+    np.testing.assert_array_equal(beginnings[0], path_start if passing else solved_arm)
+    assert np.abs(solved_arm - path_start).max() > 0.05
+
+
+@pytest.mark.parametrize("robot", [ROBOT, with_offset_axes(ROBOT)], ids=["intersecting axes", "offset axes"])
+def test_passing_key_without_a_current_path_starts_one(robot):
+    reach = Reach(sealed(HAND_POSITIONS[1]))
+    key = ArmKey.of(robot, "l", Hand(reach, passing=True), reach, robot.body_frames(REST))
+    angles, beginnings = solve_keys(robot, "l", [key], REST[None], path_start=None)
+    np.testing.assert_array_equal(beginnings[0], angles[0, list(robot.arms["l"].indices)])
+
+
 def test_arms_with_offset_joint_axes_are_solved_key_by_key(frames_of, calls):
-    skeleton = KNOWN.robot.skeleton
-    hinges = tuple(replace(h, at=sealed([0.004, 0.003, -0.005])) for h in skeleton.hinges)
-    foreign = replace(KNOWN.robot, skeleton=replace(skeleton, hinges=hinges))
+    foreign = with_offset_axes(KNOWN.robot)
     frames = frames_of(write_passage(2))
     postures = solve_postures(frames, foreign, KNOWN.distances)
     assert set(calls) == {1}

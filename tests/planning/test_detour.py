@@ -198,3 +198,20 @@ def test_detour_moves_a_key_only_for_arms_that_are_not_at_rest():
         assert joints == tuple(LEFT)
         assert spacing.min_distance == pytest.approx(max(gap, MIN_CLEARANCE) + more)
     assert list(detour._move_key_candidates(before, 0, [tuple(LEFT)], room, MIN_CLEARANCE)) == []
+
+
+@pytest.mark.parametrize("side", ["left", "right"])
+@pytest.mark.parametrize("has_rest_key", [False, True])
+def test_detours_turn_only_the_arm_that_is_too_close(side, has_rest_key):
+    at_the_head = np.radians([20, 131, 23, -6, 111, 31, 40, 15])
+    close_arm, other_arm = (LEFT, RIGHT) if side == "left" else (RIGHT, LEFT)
+    other_side = {"left": "right", "right": "left"}[side]
+    rest_key = {other_side: IN_FRONT} if has_rest_key else {}
+    made = course(key(0.0), key(1.0, **{side: at_the_head}, **rest_key), key(3.0))
+    clear_postures = Asked()
+    changes = list(detour._propose_detours(made, 1.0, clear_postures, MIN_CLEARANCE))
+    assert changes
+    assert {joints for _, joints, _ in clear_postures.near_to} == {tuple(close_arm)}
+    for change in changes:
+        added = set(change.postures) - set(made.postures)
+        assert all(posture.angles[other_arm] == pytest.approx(made.at(1.0)[other_arm]) for posture in added)

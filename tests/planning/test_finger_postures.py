@@ -49,6 +49,13 @@ def test_finger_angles_of_a_posture_are_interpolated_at_its_time():
     np.testing.assert_array_equal(angles[others], ROBOT.skeleton.rest[others])
 
 
+@pytest.mark.parametrize(("time", "key"), [(0.0, FIST), (0.5, FIST), (1.0, OPEN), (9.0, OPEN)])
+def test_first_and_last_finger_key_hold_outside_their_times(time, key):
+    angles = ROBOT.skeleton.rest.copy()
+    set_fingers(angles, time, {"l": (FIST, OPEN)}, ROBOT)
+    np.testing.assert_array_equal(angles[list(finger_joints(ROBOT, "l"))], key.angles)
+
+
 def test_hand_shape_is_complete_at_stroke_start_within_limits(counted):
     two = shape_angles(hand_shapes()["two"], ROBOT, "r")
     angles = counted.at("g:stroke").angles[list(finger_joints(ROBOT, "r"))]

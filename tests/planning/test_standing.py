@@ -53,6 +53,14 @@ def test_standing_posture_is_within_joint_ranges_and_clear(name, style, lexicon)
     assert (standing is robot) == (style == "neutral")
 
 
+@pytest.mark.parametrize("style", ["sad", "angry"])
+def test_body_that_is_clear_in_no_standing_posture_keeps_its_own(style, lexicon, monkeypatch):
+    monkeypatch.setattr(standing_module, "_is_clear", lambda *_: False)
+    robot = ROBOTS["upper22"]
+    without_gesture = replace(Style.load(style), standing=replace(Style.load(style).standing, rest=""))
+    assert standing_robot(robot, without_gesture, lexicon, CapsuleDistances(robot)) is robot
+
+
 @pytest.mark.parametrize("name", ROBOTS)
 def test_standing_postures_of_emotional_styles_differ_as_in_people(name, lexicon):
     robot = ROBOTS[name]

@@ -6,6 +6,7 @@ import pytest
 from kinesic.bml.block import TimedBehaviour
 from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
+from kinesic.expressivity.keyframes import Outcome
 from kinesic.metrics.dry_run import DryRun
 from kinesic.motion.infeasibility import Bottleneck
 from kinesic.motion.keys import Bond, KeyPosture
@@ -19,6 +20,7 @@ from kinesic.planning.syncs import (
     find_bonds,
     find_limit_met,
     find_planned_spans,
+    list_sync_times,
 )
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
@@ -134,6 +136,18 @@ def test_sync_points_with_equal_times_have_precedences_in_both_directions():
     }
     assert Bond(("one", "end"), ("three", "start"), 0.0) in bonds
     assert not [bond for bond in bonds if bond.earlier[0] == bond.later[0]]
+
+
+def test_each_sync_point_of_a_performed_behaviour_is_listed_once_in_planned_order():
+    speech = '<speech id="s" start="0.5"><text>Good morning.</text></speech>'
+    made = plan(ROOT.format(f'{speech}<gesture id="g" lexeme="BEAT" start="0"/>'), SETUP)
+    syncs = list_sync_times(made.keyframes, made.motion)
+    assert len({sync.name for sync in syncs}) == len(syncs)
+    assert {sync.behaviour for sync in syncs} == {"s", "g"}
+    assert [sync.planned for sync in syncs] == sorted(sync.planned for sync in syncs)
+    assert all(sync.planned == sync.requested for sync in syncs if sync.behaviour == "s")
+    silent = replace(made.keyframes, outcomes={**made.keyframes.outcomes, "s": Outcome("dropped")})
+    assert {sync.behaviour for sync in list_sync_times(silent, made.motion)} == {"g"}
 
 
 def test_unknown_sync_point_error_suggests_points_of_its_behaviour(known) -> None:

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from kinesic.bml.block import Notice, NoticeType
 from kinesic.body.arrays import sealed
 from kinesic.body.config import ConfigError
 from kinesic.controller.dry_run import dry_run
@@ -85,7 +86,9 @@ def test_imported_motion_with_a_single_frame_is_a_posture(known):
 def test_parameters_without_hinge_are_reported(known, wave):
     legs = BapFrames(wave.times, wave.angles, wave.given, (4, 5))
     (notice,) = plan_imported(legs, known, source="legs.bap").notices
-    assert notice.text == "the robot has no hinge for the parameters 4, 5"
+    assert notice == Notice(
+        NoticeType.IMPOSSIBLE_TO_SCHEDULE, "motion", "the robot has no hinge for the parameters 4, 5"
+    )
     with pytest.raises(ConfigError, match=r"legs\.bap: sets no parameter that upper22 has a hinge for"):
         plan_imported(BapFrames(wave.times, wave.angles, (), (4, 5)), known, source="legs.bap")
 

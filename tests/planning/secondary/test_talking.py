@@ -2,7 +2,16 @@ import numpy as np
 import pytest
 
 from kinesic.expressivity.prosody import NOD_SPACING, Prosody
-from kinesic.planning.secondary.talking import DIP_ANGLES, MAX_HEAD_DRIFT, MAX_TRUNK_DRIFT, make_speech_motion
+from kinesic.planning.secondary.talking import (
+    DIP_ANGLES,
+    DRIFT_PERIODS,
+    MAX_HEAD_DRIFT,
+    MAX_TRUNK_DRIFT,
+    MIN_DRIFT_TIME,
+    PEAK_FRACTIONS,
+    _straying,
+    make_speech_motion,
+)
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
@@ -93,3 +102,27 @@ def test_emphasised_word_has_a_nod_above_the_usual_size(known):
 
 def test_block_without_speech_has_no_speech_motion(known):
     assert not swells(known, '<wait id="w" duration="8"/>')[1]
+
+
+@pytest.mark.parametrize("begin", [0.0, 100.0])
+@pytest.mark.parametrize("duration", [MIN_DRIFT_TIME, 1.9, DRIFT_PERIODS[0], 7.3, 60.0])
+def test_sways_fill_a_pause_and_short_ones_are_smaller(known, begin, duration):
+    sways = [[*_straying((begin, begin + duration), 1.0, known.robot, np.random.default_rng(k))] for k in range(40)]
+    largest = max(*MAX_HEAD_DRIFT, *MAX_TRUNK_DRIFT)
+    for result in sways:
+        neck = result[::2]
+        assert neck[0].begin == begin
+        assert neck[-1].end == pytest.approx(begin + duration)
+        assert [sway.begin for sway in neck[1:]] == [sway.end for sway in neck[:-1]]
+        for sway in result:
+            lasts = sway.end - sway.begin
+            assert MIN_DRIFT_TIME - 1e-9 <= lasts <= DRIFT_PERIODS[1] + MIN_DRIFT_TIME
+            assert PEAK_FRACTIONS[0] <= (sway.peak - sway.begin) / lasts <= PEAK_FRACTIONS[1]
+            assert np.abs(sway.away).max() <= largest * min(1.0, lasts / DRIFT_PERIODS[0]) + 1e-12
+    peaks = [np.abs(sway.away).max() for result in sways for sway in result]
+    assert max(peaks) > 0.8 * largest * min(1.0, duration / DRIFT_PERIODS[0])
+
+
+def test_pause_shorter_than_a_sway_stays_still(known):
+    span = (5.0, 5.0 + 0.99 * MIN_DRIFT_TIME)
+    assert not [*_straying(span, 1.0, known.robot, np.random.default_rng(1))]
