@@ -10,6 +10,9 @@ from kinesic.intent.reading.language import Language
 from kinesic.intent.reading.passage import Passage
 
 NEGATION_REACH = 5  # [words] largest distance of a denied word after the negating word
+REPORT_DISTANCE = 3  # [words] largest distance of a reporting verb from its quotation
+OPENING_QUOTES = frozenset('"\u201c\u201e\xab')
+CLOSING_QUOTES = frozenset('"\u201d\u201c\xbb')
 FRAGMENT_LENGTH = 4  # [words] length up to which a sentence is an exclamation rather than a report
 NUMBER_DIGITS = frozenset("0123456789")  # characters with which a number in digits begins
 
@@ -97,15 +100,39 @@ class Context:
         return any(self.language.has("wish", self.plain[j]) for j in self.sentence(k) if j < k)
 
     def is_reported(self, k: int) -> bool:
-        """Return whether a reporting verb about others precedes a word.
+        """Return whether a word quotes somebody, or a reporting verb about others precedes it.
 
         The verb stands earlier in the sentence and does not follow `I` or `we`.
         """
+        if k in self._quoted:
+            return True
         before = [j for j in self.sentence(k) if j < k]
         others = any(self.plain[j] in ("he", "she", "they") or self.passage.words[j].is_content for j in before)
         return others and any(
             self.language.has("report", self.plain[j]) and not (j and self.plain[j - 1] in ("i", "we")) for j in before
         )
+
+    @cached_property
+    def _quoted(self) -> frozenset[int]:
+        """Words between quotation marks, next to a reporting verb."""
+        quotations, opening = list[range](), -1
+        for k, word in enumerate(self.passage.words):
+            is_closed = opening >= 0 and not CLOSING_QUOTES.isdisjoint(word.before)
+            if is_closed:
+                quotations.append(range(opening, k))
+            if OPENING_QUOTES.isdisjoint(word.before.rpartition(" ")[2]):
+                opening = -1 if is_closed else opening
+            else:
+                opening = k if opening < 0 or is_closed or "\u201c" in word.before else -1
+        if opening >= 0 and not CLOSING_QUOTES.isdisjoint(self.passage.tail):
+            quotations.append(range(opening, len(self.plain)))
+        return frozenset(k for quotation in quotations if self._is_attributed(quotation) for k in quotation)
+
+    def _is_attributed(self, quotation: range) -> bool:
+        """Return whether a reporting verb stands just before or after a quotation."""
+        before = range(max(quotation.start - REPORT_DISTANCE, 0), quotation.start)
+        after = range(quotation.stop, min(quotation.stop + REPORT_DISTANCE, len(self.plain)))
+        return any(self.language.has("report", self.plain[j]) for j in (*before, *after))
 
     def is_felt(self, k: int) -> bool:
         """Return whether the speaker feels the emotion that a word names.
@@ -147,6 +174,11 @@ class Context:
         clause = self.clause_words(k)
         first = next((j for j in clause if not self.language.has("opener", self.plain[j])), clause.start)
         return first < k and self.language.has("fact_auxiliary", self.plain[first])
+
+    def is_request(self, k: int) -> bool:
+        """Return whether a word's sentence asks the listener to do something (`could you`)."""
+        words = [self.plain[j] for j in self.sentence(k) if not self.language.has("opener", self.plain[j])]
+        return len(words) > 1 and self.language.has("request", words[0]) and self.language.has("listener", words[1])
 
     def is_talk(self, k: int) -> bool:
         """Return whether the sentence of word k addresses the listener.

@@ -11,7 +11,7 @@ import msgspec
 from kinesic.body.config import CONFIGS, ConfigError, read_toml
 from kinesic.expressivity.lexicon.word_stems import word_stem
 from kinesic.intent.intents import ChosenHand
-from kinesic.intent.meaning.patterns import Pattern, read_pattern
+from kinesic.intent.meaning.patterns import Pattern, read_pattern, spell_out
 
 CueKind = Literal[
     "idiom", "word", "feeling", "question"
@@ -105,12 +105,12 @@ def _read_cue(entry: _Cue, path: Path) -> Cue:
     if not 0.0 <= certainty <= 1.0:
         raise ConfigError(f"{path}: certainty of the cue that {entry.says} is {certainty}; 0 to 1 is possible")
     try:
-        patterns = tuple(read_pattern(line) for line in entry.words.splitlines() if line.strip())
+        written = [read_pattern(line) for line in entry.words.splitlines() if line.strip()]
     except ValueError as fault:
         raise ConfigError(f"{path}: {fault}") from fault
     return Cue(
         says=entry.says,
-        patterns=patterns,
+        patterns=(*written, *filter(None, map(spell_out, written))),
         shows=tuple(entry.shows.split()),
         kind=entry.kind,
         certainty=certainty,

@@ -1,7 +1,7 @@
 """Patterns of words: alternatives, optional words, inflections, places in a clause."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 from kinesic.expressivity.lexicon.word_stems import word_stem
@@ -11,6 +11,25 @@ END_SIGN = "$"  # sign after a pattern that matches only at the end of a clause
 STROKE_SIGN = "*"  # sign before the word of a pattern on which the stroke falls
 STEM_SIGN = "~"  # sign after a word of a pattern that matches with any inflection
 ANY_WORD = "_"  # sign in a pattern that matches any one word
+NEGATING_WORDS = frozenset({"not"})  # second words of English contractions
+FULL_FORMS: Mapping[str, str] = {
+    "don't": "do",
+    "doesn't": "does",
+    "didn't": "did",
+    "can't": "can",
+    "couldn't": "could",
+    "won't": "will",
+    "wouldn't": "would",
+    "shouldn't": "should",
+    "isn't": "is",
+    "aren't": "are",
+    "wasn't": "was",
+    "weren't": "were",
+    "haven't": "have",
+    "hasn't": "has",
+    "hadn't": "had",
+    "mustn't": "must",
+}  # negative contraction -> its first word in full
 ANY_NUMBER = "#"  # sign in a pattern that matches a number word
 
 
@@ -126,6 +145,23 @@ def read_pattern(text: str) -> Pattern:
     if not any(not slot.is_optional and not slot.is_any for slot in slots):
         raise ValueError(f"the pattern {text!r} has no required word")
     return Pattern(tuple(slots), at_start, at_end)
+
+
+def spell_out(pattern: Pattern) -> Pattern | None:
+    """Return a pattern with the full forms of its contractions (`do not`).
+
+    Returns:
+        None for a pattern without contractions.
+    """
+    slots = list[Slot]()
+    for slot in pattern.slots:
+        negated = frozenset(FULL_FORMS[word] for word in slot.words if word in FULL_FORMS)
+        if not negated:
+            slots.append(slot)
+            continue
+        slots.append(Slot(negated, is_optional=slot.is_optional))
+        slots.append(Slot(NEGATING_WORDS, is_optional=slot.is_optional, is_stroke=slot.is_stroke))
+    return replace(pattern, slots=tuple(slots)) if len(slots) > len(pattern.slots) else None
 
 
 def _read_slot(part: str, *, is_optional: bool) -> Slot:

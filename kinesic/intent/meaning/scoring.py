@@ -16,7 +16,7 @@ class Penalties:
     """Score penalties for unsuitable contexts of a candidate gesture."""
 
     negated: float = 0.4  # denied literal word or feeling
-    asked_word: float = 0.1  # literal word in a question
+    asked_word: float = 0.1  # literal word in a question that is no request
     asked_feeling: float = 0.5  # feeling in a question
     wished: float = 0.4  # feeling in a wish
     wished_word: float = 0.05  # literal word in a wish
@@ -110,8 +110,9 @@ def score(
         value -= DEFAULT_PENALTIES.asked_feeling * context.is_question(at)
         value -= DEFAULT_PENALTIES.wished * context.is_wished(at)
         value -= DEFAULT_PENALTIES.not_felt * (not context.is_felt(at))
+        value -= DEFAULT_PENALTIES.reported * (not is_sensitive and context.is_reported(at))
     elif cue.kind == "word":
-        value -= DEFAULT_PENALTIES.asked_word * context.is_question(at)
+        value -= DEFAULT_PENALTIES.asked_word * (context.is_question(at) and not context.is_request(at))
         value -= DEFAULT_PENALTIES.wished_word * context.is_wished(at)
     if cue.kind == "word" and not is_sensitive and not context.is_talk(at):
         is_picture = any(categories.get(shown, "") in REPORT_CATEGORIES for shown in cue.shows)

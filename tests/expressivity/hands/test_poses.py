@@ -219,10 +219,10 @@ def test_wide_style_does_not_enlarge_a_shown_gap(robot, name, axis):
     assert gaps[0] < 0.2
 
 
-@pytest.mark.parametrize("name", ["small_pinch", "tiny_low"])
-def test_wide_style_does_not_raise_a_pinch(robot, name):
+@pytest.mark.parametrize(("name", "extent"), [("small_pinch", 0.9), ("tiny_low", 0.9), ("tall", 0.9), ("tall", -0.9)])
+def test_style_does_not_move_a_pinch_or_a_shown_height(robot, name, extent):
     neutral, wide = (
         poses(Lexicon.load().forms_by_id[name], robot, replace(NEUTRAL_EXPRESSIVITY, spatial=spatial)).hands["r"][-1]
-        for spatial in (0.0, 0.9)
+        for spatial in (0.0, extent)
     )
     assert neutral.reach.position[2] == pytest.approx(wide.reach.position[2])

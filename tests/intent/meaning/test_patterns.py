@@ -2,7 +2,7 @@
 
 import pytest
 
-from kinesic.intent.meaning.patterns import Span, read_pattern
+from kinesic.intent.meaning.patterns import Pattern, Span, read_pattern, spell_out
 
 
 def matched(pattern: str, text: str) -> Span | None:
@@ -37,3 +37,20 @@ def test_stroke_falls_on_the_marked_word_of_a_pattern():
 def test_cue_pattern_without_a_required_word_is_refused():
     with pytest.raises(ValueError, match="no required word"):
         read_pattern("(so) _")
+
+
+@pytest.mark.parametrize(
+    ("pattern", "text", "stroke"),
+    [
+        ("^don't touch", "do not touch", -1),
+        ("*can't/won't (really) say", "will not say", 1),
+        ("(don't) move it", "move it", -1),
+        ("can't see *it", "can not see it", 3),
+    ],
+)
+def test_pattern_with_a_contraction_also_matches_its_full_form(pattern: str, text: str, stroke: int):
+    full = spell_out(read_pattern(pattern))
+    assert isinstance(full, Pattern)
+    words = text.split()
+    assert full.match(words, 0, len(words), str.isdigit) == Span(0, len(words) - 1, stroke)
+    assert spell_out(read_pattern("not bad")) is None

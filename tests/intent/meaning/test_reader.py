@@ -91,6 +91,18 @@ def test_two_sides_of_an_argument_are_shown_by_one_hand_each():
         ("He is a big shot there.", set()),
         ("It was a small mistake.", set()),
         ("We made small talk.", set()),
+        ("If you look up, it is there.", {"up"}),
+        ("Look up the word.", set()),
+        ("Please do not touch it.", {"stop", "stop_low"}),
+        ("I do not know.", {"doubt_shrug", "shrug_small"}),
+        ("The tower collapsed.", {"fall"}),
+        ("And then it popped.", {"explode"}),
+        ("Could you put it over there, please?", {"that_far"}),
+        ("Is it over there?", {"ask_open", "that_far"}),
+        ("I wish I could say that.", set()),
+        ("I wish I could help.", {"heart"}),
+        ("In my opinion, we should wait.", {"me_low", "me"}),
+        ("Everybody out, now!", {"go_away"}),
     ],
 )
 def test_contrasts_refusals_and_sizes_have_their_gestures(text: str, gestures: set[str]):

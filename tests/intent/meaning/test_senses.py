@@ -132,3 +132,23 @@ def test_denied_feeling_is_not_shown_on_the_face():
 @pytest.mark.parametrize("text", ["I nearly died laughing.", "This cake is to die for."])
 def test_exaggerations_do_not_show_sadness(text: str):
     assert "sadness" not in shown(text, "face")
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        '"I hate you," she read aloud, and closed the door.',
+        "\u201cI hate you!\u201d he shouted.",
+        'She said, "I hate you," and left.',
+        'He whispered: "I hate you."',
+    ],
+)
+def test_feelings_in_quotations_of_others_are_not_shown(text: str):
+    assert "anger" not in shown(text) | shown(text, "face")
+
+
+def test_feelings_in_quotation_marks_without_a_reporting_verb_are_shown():
+    assert "anger" in shown('"I hate you."')
+    assert "heart" in shown('"I love you so much." That is what matters.')
+    assert "heart" not in shown('"I love you so much," he said.')
+    assert "anger" in shown('He said: "Go." I hate you.')
