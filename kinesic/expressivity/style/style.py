@@ -9,7 +9,7 @@ from typing import get_args
 import msgspec
 
 from kinesic.bml.block import EXPRESSIVITY_RANGES, Modality
-from kinesic.body.config import ConfigError, locate_config, names_of, read_toml, suggestion
+from kinesic.body.config import ConfigError, fit_schema, locate_config, names_of, parse_tables, read_toml, suggestion
 from kinesic.body.html_view import NotebookView
 from kinesic.expressivity.style.parameters import StyleParameter, list_parameters
 from kinesic.expressivity.style.standing import NEUTRAL_STANDING, Standing, StandingTable
@@ -151,7 +151,28 @@ class Style(NotebookView):
             ConfigError: no such style exists, or its file is invalid.
         """
         path = locate_config("style", name)
-        table = read_toml(path, StyleTable)
+        return cls._of(read_toml(path, StyleTable), path)
+
+    @classmethod
+    def parse(cls, text: str, path: Path) -> "Style":
+        """Read a style from the text of its file.
+
+        Args:
+            text: contents of the file.
+            path: path of the file, for messages and for the name of the style.
+
+        Raises:
+            ConfigError: the text is invalid.
+        """
+        return cls._of(fit_schema(parse_tables(text, path), StyleTable, path), path)
+
+    @classmethod
+    def _of(cls, table: StyleTable, path: Path) -> "Style":
+        """Return the style of a file's table.
+
+        Raises:
+            ConfigError: a value is out of range.
+        """
         parameters: dict[Modality, Expressivity] = {}
         for modality in MODALITIES:
             try:

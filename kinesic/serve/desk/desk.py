@@ -31,6 +31,7 @@ from kinesic.serve.wire.questions import (
     ReachQuestion,
     SaveRequest,
     ServosQuestion,
+    StylesRequest,
     VersionsRequest,
     WatchRequest,
 )
@@ -105,7 +106,9 @@ class Desk:
             case ServosQuestion(id):
                 servos = self._loop.servos
                 requester.send(json_answer("servos", id=id, servos=() if servos is None else servos.members))
-            case SaveRequest() | OpenRequest() | VersionsRequest() | BackupRequest() | BackupsRequest():
+            case (
+                SaveRequest() | OpenRequest() | VersionsRequest() | BackupRequest() | BackupsRequest() | StylesRequest()
+            ):
                 self._keeper.take(requester, question)
 
     def close(self) -> None:

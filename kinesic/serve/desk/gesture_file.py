@@ -1,6 +1,6 @@
-"""Validation of gesture files before they are saved.
+"""Validation of gesture and style files before they are saved.
 
-A valid file contains only gestures, all of which can be planned.
+A valid gesture file contains only gestures, all of which can be planned.
 """
 
 from dataclasses import replace
@@ -11,6 +11,7 @@ from kinesic.body.config import ConfigError, fit_schema, parse_tables
 from kinesic.expressivity.lexicon.toml_file import GestureFile
 from kinesic.planning.setup import Setup
 from kinesic.serve.desk.gesture import plan_alone, read_gesture_file
+from kinesic.serve.desk.style_file import find_style_fault, is_style
 
 UNNAMED_PATH = Path("the file")  # path that stands for the client's file in error messages
 ALLOWED_KEYS = {"category", "gesture"}  # top-level keys that a gesture file may have
@@ -18,13 +19,15 @@ MAX_GESTURE_FILE_SIZE = 200_000  # [bytes] largest gesture file; about the size 
 
 
 def find_fault(text: str, present: str | None, setup: Setup) -> str:
-    """Return the reason against saving a gesture file, empty if none.
+    """Return the reason against saving a gesture or style file, empty if none.
 
     Args:
         text: text of the file.
         present: text of the file that would be overwritten, or None.
         setup: setup for planning its gestures.
     """
+    if is_style(text):
+        return find_style_fault(text, present)
     if present is not None and not _holds_gestures(present):
         return "a file of this name exists and contains other data than gestures; choose another name"
     if (size := len(text.encode("utf-8", "surrogatepass"))) > MAX_GESTURE_FILE_SIZE:

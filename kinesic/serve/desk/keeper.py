@@ -7,6 +7,7 @@ Backups do not wait for validations.
 from asyncio import Future, Lock, Task, create_task, get_running_loop
 from collections.abc import Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import suppress
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import TypeVar
@@ -19,6 +20,7 @@ from kinesic.serve.desk.documents import GESTURE_SUFFIX, DocumentFolder, Revisio
 from kinesic.serve.desk.drafter import NO_FAULT, DraftQuestion, FileQuestion, timeout_message
 from kinesic.serve.desk.helper import Helper, Unanswered
 from kinesic.serve.desk.requester import Requester
+from kinesic.serve.desk.style_file import MAX_STYLE_SIZE, StyleEntry, is_style, list_builtin_styles
 from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.questions import (
     BackupRequest,
@@ -26,10 +28,12 @@ from kinesic.serve.wire.questions import (
     OpenRequest,
     SaveRequest,
     StorageRequest,
+    StylesRequest,
     VersionsRequest,
 )
 from kinesic.serve.wire.quotas import Quotas
 
+MAX_STYLE_FILES = 200  # largest number of files that are searched for styles
 MAX_WAITING_REQUESTS = 16  # largest number of pending document requests, and of pending backups, of one client
 
 T = TypeVar("T")
@@ -114,6 +118,8 @@ class DocumentKeeper:
                 return await self._in_thread(lambda: self._open(request))
             case VersionsRequest():
                 return await self._in_thread(lambda: self._open_version(request))
+            case StylesRequest():
+                return await self._in_thread(lambda: self._list_styles(request))
             case BackupRequest():
                 return await self._in_thread(lambda: self._back_up(request))
             case BackupsRequest():
@@ -177,6 +183,17 @@ class DocumentKeeper:
             return json_answer("backups", id=request.id, backups=self._backups.list())
         backup = self._backups.read(request.key)
         return json_answer("backup", id=request.id, **msgspec.structs.asdict(backup.header), text=backup.text)
+
+    def _list_styles(self, request: StylesRequest) -> str:
+        """Answer with the built-in styles and the valid style files of the folder."""
+        names = [name for name in self._folder.list().names if name.endswith(GESTURE_SUFFIX)]
+        styles = [entry.as_json() for entry in list_builtin_styles()]
+        for name in names[:MAX_STYLE_FILES]:
+            with suppress(ConfigError):  # a file that another program has changed may be invalid
+                text = self._folder.read(name).text
+                if len(text) <= MAX_STYLE_SIZE and is_style(text):
+                    styles.append(StyleEntry(name.removesuffix(GESTURE_SUFFIX), text, is_own=True).as_json())
+        return json_answer("styles", id=request.id, styles=styles)
 
     async def _in_thread(self, action: Callable[[], T]) -> T:
         return await get_running_loop().run_in_executor(self._thread, action)

@@ -129,8 +129,14 @@ class BackupsRequest(Struct, tag="backups", tag_field="do", forbid_unknown_field
     id: int = 0  # repeated in the answer; 0: no id
 
 
+class StylesRequest(Struct, tag="styles", tag_field="do", forbid_unknown_fields=True):
+    """Request for all styles: built-in ones and those of the folder."""
+
+    id: int = 0  # repeated in the answer; 0: no id
+
+
 BodyQuestion = ReachQuestion | WatchRequest | ServosQuestion
-StorageRequest = SaveRequest | OpenRequest | VersionsRequest | BackupRequest | BackupsRequest
+StorageRequest = SaveRequest | OpenRequest | VersionsRequest | BackupRequest | BackupsRequest | StylesRequest
 TextQuestion = AuthorQuestion | AlternativesQuestion
 DocumentQuestion = PlanQuestion | ExportQuestion | GestureQuestion | FindQuestion | TextQuestion | StorageRequest
 Question = BodyQuestion | DocumentQuestion

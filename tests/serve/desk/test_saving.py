@@ -47,7 +47,7 @@ def saved(client, name: str, text: str) -> str:
         ("mine.toml", GESTURE.format("mine", 0.3), "other data than gestures"),
         ("names.toml", GESTURE.format("mine", 0.3), "other data than gestures"),
         ("robot.toml", ROBOT, "it has robot"),
-        ("style.toml", "spatial = 0.5\n", "it has spatial"),
+        ("style.toml", "spatial = 0.5\n", "missing required field `temporal`"),
         ("targets.toml", "cup = [0.0, 0.0, 0.0]\n", "it has cup"),
         ("names2.toml", GESTURE.format("mine", 0.3) + '[synonyms]\nmine = ["yes"]\n', "it has synonyms"),
         ("empty.toml", "# nothing\n", "no gesture"),

@@ -14,6 +14,7 @@ import { fillMenus, showClock, showNotices } from "./panels.ts";
 import { Performing } from "./performing.ts";
 import { Playback } from "./playback.ts";
 import { Robot } from "./robot.ts";
+import { StylesPanel } from "./styles/styles_panel.ts";
 import { TextPane } from "./text.ts";
 import { TextMode } from "./text_mode/text_mode.ts";
 import { Timeline } from "./timeline.ts";
@@ -39,6 +40,7 @@ class App {
   private readonly editing: GestureEditing;
   private readonly files: Files;
   private readonly textMode: TextMode;
+  private readonly styles: StylesPanel;
   private history: History<string> = begin("");
   private draft: Draft | null = null;
   private planned = 0; // number of shown drafts
@@ -98,8 +100,11 @@ class App {
     );
     this.inspector = new Inspector({
       attribute: (name, value) => this.chosen && this.edit(setAttribute(this.document, this.chosen, name, value)),
-      manner: (name, value) => this.setManner(name, value),
-      style: (name) => this.chosen && this.edit(setManner(this.document, this.chosen, "style", name)),
+      manner: (name, value) => {
+        this.styles.preview.expect();
+        this.setManner(name, value);
+      },
+      style: (name) => this.chosen && this.edit(this.styles.choose(this.document, this.chosen, name)),
     });
     this.editing = new GestureEditing(about, this.robot.wire, {
       text: () => this.document,
@@ -125,6 +130,10 @@ class App {
         this.playback.player.seek(time);
         if (id !== null && id !== this.chosen) this.tracks.choose(id, false);
       },
+    });
+    this.styles = new StylesPanel(this.robot.wire, this.view, this.playback.player, {
+      numbers: () => this.inspector.manners.numbers,
+      loaded: () => this.inspect(),
     });
     this.listen();
     listenToTracks(this.tracks, this.timeline);
@@ -193,6 +202,7 @@ class App {
     this.timeline.show(draft, this.tracks.selection.all);
     showNotices(draft.notices);
     this.textMode.show(draft);
+    this.styles.preview.drafted(draft, this.isGesture ? GESTURE_ID : this.chosen);
     this.playback.player.seek(Math.min(this.playback.player.time, draft.duration));
     if ("keys" in draft) this.editing.show(draft as GestureDraft);
     this.inspect();
@@ -232,6 +242,7 @@ class App {
     showClock(time, this.playback.player.duration, this.playback.player.playing);
     this.timeline.at(time);
     this.view.move();
+    this.styles.preview.at(time);
   }
 
   private inspect(): void {
@@ -239,12 +250,14 @@ class App {
     const about = this.draft?.behaviours.find((each) => each.id === this.chosen) ?? whole;
     const read = (name: string) =>
       this.isGesture ? this.editing.manner.get(name)?.toString() : this.text.attribute(about?.id ?? "", name);
-    this.inspector.show(about ? { id: about.id, type: about.type, read, alone: this.isGesture } : null);
+    const inherited = this.styles.inherited(this.document, about?.id ?? "");
+    this.inspector.show(about ? { id: about.id, type: about.type, read, inherited, alone: this.isGesture } : null);
   }
 
   // ---- the server ---------------------------------------------------------------------------------------------
 
   private async connected(): Promise<void> {
+    void this.styles.load();
     if (!(await this.files.connected())) void this.drafting.now();
   }
 

@@ -1,6 +1,7 @@
 // Editable attributes of the selected behaviour.
 import { byId } from "./dom.ts";
 import { Manners } from "./manners.ts";
+import type { Numbers } from "./styles/numbers.ts";
 import { BLOCK } from "./xml.ts";
 
 const ATTRIBUTES = ["lexeme", "mode"] as const;
@@ -10,12 +11,14 @@ export interface Chosen {
   type: string;
   /** Value in the document, or undefined. */
   read(name: string): string | undefined;
+  /** Numbers of its style. */
+  inherited: Numbers;
   /** Whether it is a gesture under edit, where only the manner can be changed. */
   alone: boolean;
 }
 
 export class Inspector {
-  private readonly manners: Manners;
+  readonly manners: Manners;
   private readonly style = byId<HTMLSelectElement>("own-style");
 
   constructor(listener: {
@@ -45,6 +48,6 @@ export class Inspector {
     for (const name of ATTRIBUTES) byId<HTMLInputElement>(name).value = chosen.read(name) ?? "";
     byId("style-line").hidden = chosen.alone;
     this.style.value = chosen.read("style") ?? "";
-    this.manners.show((name) => chosen.read(name));
+    this.manners.show((name) => chosen.read(name), chosen.inherited);
   }
 }

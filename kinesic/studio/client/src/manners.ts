@@ -1,46 +1,66 @@
 // Sliders for the manner of the selected behaviour; each number is set in the document or left to the style.
 import { byId, make } from "./dom.ts";
+import { NAMES, NEUTRAL, type Numbers, RANGES, type Shown, showNumbers } from "./styles/numbers.ts";
 
-const EXPRESSIVITY_RANGES: Record<string, number> = {
-  spatial: -1,
-  temporal: -1,
-  fluidity: -1,
-  power: -1,
-  tension: -1,
-  repetition: -1,
-  activation: -1,
-  openness: 0,
-};
-const AS_STYLE = "as style";
+interface Row {
+  line: HTMLElement;
+  slider: HTMLInputElement;
+  output: HTMLOutputElement;
+  reset: HTMLButtonElement;
+}
 
 export class Manners {
-  private readonly sliders = new Map<string, { slider: HTMLInputElement; shown: HTMLOutputElement }>();
+  private readonly rows = new Map<string, Row>();
+  private shown: Record<string, Shown> = {};
 
   constructor(changed: (name: string, value: number | null) => void) {
-    for (const [name, least] of Object.entries(EXPRESSIVITY_RANGES)) {
-      const slider = make("input", { type: "range", min: String(least), max: "1", step: "0.05", "aria-label": name });
-      const shown = make("output");
-      slider.title = "Double-click for the value of the style";
-      slider.addEventListener("input", () => this.say(name, slider.value));
+    for (const name of NAMES) {
+      const [least, most] = RANGES[name]!;
+      const slider = make("input", {
+        type: "range",
+        min: `${least}`,
+        max: `${most}`,
+        step: "0.05",
+        "aria-label": name,
+      });
+      const output = make("output");
+      const reset = make("button", { type: "button", class: "reset", "aria-label": `${name} as the style` }, "×");
+      slider.addEventListener("input", () => {
+        output.textContent = format(Number(slider.value));
+      });
       slider.addEventListener("change", () => changed(name, Number(slider.value)));
       slider.addEventListener("dblclick", () => changed(name, null));
-      byId("manners").append(make("label", { class: "manner" }, name, slider, shown));
-      this.sliders.set(name, { slider, shown });
+      reset.addEventListener("click", () => changed(name, null));
+      const line = make("label", { class: "manner" }, name, slider, output, reset);
+      byId("sliders").append(line);
+      this.rows.set(name, { line, slider, output, reset });
     }
   }
 
-  /** Show the values in the document; undefined: left to the style. */
-  show(read: (name: string) => string | undefined): void {
-    for (const [name, { slider }] of this.sliders) {
-      const value = read(name);
-      slider.value = value ?? "0";
-      this.say(name, value);
-    }
+  /** Present numbers of the behaviour: its own over those of the style. */
+  get numbers(): Numbers {
+    return Object.fromEntries(NAMES.map((name) => [name, this.shown[name]?.value ?? 0]));
   }
 
-  private say(name: string, value: string | undefined): void {
-    const shown = this.sliders.get(name)?.shown;
-    if (shown) shown.textContent = value === undefined ? "–" : Number(value).toFixed(2);
-    if (shown) shown.title = value === undefined ? AS_STYLE : "";
+  /** Show the values in the document over the inherited ones; undefined: left to the style. */
+  show(read: (name: string) => string | undefined, inherited: Numbers = NEUTRAL): void {
+    this.shown = showNumbers(read, inherited);
+    for (const [name, { line, slider, output, reset }] of this.rows) {
+      const number = this.shown[name]!;
+      slider.value = String(number.value);
+      output.textContent = format(number.value);
+      line.classList.toggle("differs", number.differs);
+      line.classList.toggle("set", number.isSet);
+      reset.hidden = !number.isSet;
+      const words = number.isSet ? `set here; the style has ${format(number.inherited)}` : "as the style";
+      line.title = words;
+      slider.setAttribute("aria-valuetext", `${format(number.value)}, ${words}`);
+    }
   }
 }
+
+/** Format a number with its sign; neutral has none. */
+const format = (value: number): string => {
+  const text = Math.abs(value).toFixed(2);
+  return Number(text) === 0 ? "0" : `${value < 0 ? "−" : "+"}${text}`;
+};

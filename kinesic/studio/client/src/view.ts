@@ -11,6 +11,8 @@ export class StageView {
   readonly stage: Stage;
   mode: "plan" | "robot" = "plan";
   motion: Motion | null = null;
+  /** Motion before a change, shown as a ghost while the change is played. */
+  before: Motion | null = null;
   private readonly reaching: Reaching;
 
   constructor(
@@ -67,7 +69,13 @@ export class StageView {
     const { lit, shown } = this.reaching;
     const angles = shown ?? this.posture();
     if (report && !shown) this.stage.show({ angles, ghost: report.planned, lit, strain: this.strain(report) });
-    else this.stage.show({ angles, ghost: undefined, lit, ...(asked !== undefined && { asked }) });
+    else
+      this.stage.show({
+        angles,
+        ghost: shown ? undefined : this.before?.at(this.time()),
+        lit,
+        ...(asked !== undefined && { asked }),
+      });
   }
 
   private get report(): BodyReport | null {

@@ -1,0 +1,56 @@
+// Plays the selected behaviour once after its manner was changed, with the former plan as a ghost.
+import { byId } from "../dom.ts";
+import type { Motion } from "../motion.ts";
+import type { Player } from "../player.ts";
+import type { Draft } from "../types.ts";
+import type { StageView } from "../view.ts";
+import { BLOCK } from "../xml.ts";
+
+const MARGIN = 0.2; // [s] before the start and after the end of a behaviour
+
+export class Preview {
+  private readonly on = byId<HTMLInputElement>("play-changes");
+  private before: Motion | null = null; // motion before the change that is not drafted yet
+  private end: number | null = null; // [s] at which the playback of a change ends
+
+  constructor(
+    private readonly view: StageView,
+    private readonly player: Player,
+  ) {
+    this.on.checked = !matchMedia("(prefers-reduced-motion: reduce)").matches;
+  }
+
+  /** Expect the draft of a changed manner. */
+  expect(): void {
+    if (this.on.checked) this.before = this.view.motion;
+  }
+
+  /** Play the behaviour, if this draft has its change. */
+  drafted(draft: Draft, chosen: string | null): void {
+    const { before } = this;
+    this.view.before = this.before = null;
+    this.end = null;
+    const span = before && spanOf(draft, chosen);
+    if (!span) return;
+    this.view.setMode("plan");
+    this.view.before = before;
+    this.player.seek(Math.max(0, span.start - MARGIN));
+    this.end = Math.min(span.end + MARGIN, draft.duration);
+    this.player.play(true);
+  }
+
+  /** End the playback of a change at the end of its behaviour. */
+  at(time: number): void {
+    if (this.end === null || (this.player.playing && time < this.end)) return;
+    this.end = null;
+    this.view.before = null;
+    if (this.player.playing) this.player.play(false);
+  }
+}
+
+/** Return the planned start and end [s] of a behaviour or of the whole block; null without times. */
+function spanOf(draft: Draft, chosen: string | null): { start: number; end: number } | null {
+  if (chosen === BLOCK) return { start: 0, end: draft.duration };
+  const times = draft.syncs.filter(({ behaviour }) => behaviour === chosen).map(({ planned }) => planned);
+  return times.length ? { start: Math.min(...times), end: Math.max(...times) } : null;
+}
