@@ -12,7 +12,7 @@ of 0.1 mm as in the source, without loss.
 import gzip
 import sys
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from zipfile import ZipFile
 
@@ -23,7 +23,14 @@ from kinesic.body.arrays import Floats
 from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.lips import find_lips, measure_jaw_following
 from kinesic.face.assets.mesh import DELTA_STEP, FACE_VARIANTS, HEAD_FILE, MESH_PARTS, POSITION_STEP, Mesh, load_head
-from kinesic.face.assets.sculpt import SHAPE_GAINS, compute_bulge, even_out, round_lips, settle_lips
+from kinesic.face.assets.sculpt import (
+    SHAPE_GAINS,
+    compute_bulge,
+    even_out,
+    round_lips,
+    settle_lips,
+    smooth_corners,
+)
 
 Integers = NDArray[np.int64]
 
@@ -32,6 +39,7 @@ SOURCE_AXES = (2, 0, 1)  # index of kinesic's x, y and z among the axes of the s
 REST_SHAPES = {"mouthClose": 0.1}  # weights of expression shapes at rest, because the lips of the source are parted
 LASH_ROOT = 0.0004  # [m] distance of the root of a lash from the nearest lid vertex
 LASH_LENGTH = 0.0024  # [m] full length of a lash
+RECLOSED_RANGE = (0.26, 0.36)  # [eye distances] distance from the midline over which a second closing of the lips fades
 CLOSING_PASSES = 4  # number of passes that move the lips together until they touch
 NECK_CUT_RATIO = 1.75  # depth of the neck cut below the eyes, relative to the skull height above them
 AGE_WEIGHTS = {"young": 0.8, "old": 0.2}  # weight of each source figure by age
@@ -110,7 +118,10 @@ def bake_head(wheel: Path, out: Path = HEAD_FILE) -> None:
 
     write(rest, shapes)
     heads = [load_head(sex, path=out) for sex in FACE_VARIANTS]
-    write(np.array([_close_lips(head) for head in heads]), [_sculpt_shape(moves, heads[0]) for moves in shapes])
+    write(
+        np.array([_shape_rest_lips(head, heads[0]) for head in heads]),
+        [_sculpt_shape(moves, heads[0]) for moves in shapes],
+    )
     sys.stdout.write(f"{out}: {len(vertices)} vertices, {len(faces)} faces, {len(shapes)} shapes\n")
 
 
@@ -123,9 +134,22 @@ def _sculpt_shape(shape: ShapeDeltas, head: Mesh) -> ShapeDeltas:
     whole[skin] += compute_bulge(shape.name, head.positions[skin] / unit, head.normals(head.positions)[skin])
     falls = measure_jaw_following(head)
     whole = settle_lips(shape.name, even_out(shape.name, whole, head), head, falls)
-    whole = round_lips(shape.name, whole, head, falls)
+    whole = smooth_corners(round_lips(shape.name, whole, head, falls), head)
     places = np.flatnonzero(np.abs(whole).max(axis=1) > DELTA_STEP / 2)
     return ShapeDeltas(shape.name, places, whole[places])
+
+
+def _shape_rest_lips(head: Mesh, reference: Mesh) -> Floats:
+    """Return (v, 3) positions [m] of a head with closed lips and smooth corners of the mouth.
+
+    Args:
+        head: head to change.
+        reference: corresponding head, on which the corners are found.
+    """
+    smooth = smooth_corners(_close_lips(head), reference)
+    again = _close_lips(replace(head, positions=smooth))
+    aside = np.abs(reference.positions[:, 1]) / (reference.eyes[0, 1] - reference.eyes[1, 1])
+    return smooth + np.interp(aside, RECLOSED_RANGE, (1.0, 0.0))[:, None] * (again - smooth)
 
 
 def _close_lips(head: Mesh) -> Floats:

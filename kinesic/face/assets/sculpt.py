@@ -2,7 +2,8 @@
 
 Cheeks bulge, and brows and rounded lips move as far as those of people. Skin next to a smiling mouth is evened out,
 since the source presses a dent into it. A smile draws the lips back to the teeth, and shapes that lift the upper lip
-lift its middle as well. Rounded lips open as arcs.
+lift its middle as well. Rounded lips open as arcs, and the
+corners of the mouth are smooth.
 """
 
 from collections.abc import Mapping
@@ -109,6 +110,9 @@ LIP_ARCS: Mapping[str, tuple[LipArc, ...]] = MappingProxyType(
 LIP_LINE_HEIGHT = -1.09  # height at which the lips meet, in distances between the eyes
 LIP_RAMP = (0.12, 0.36)  # [eye distances] vertical distances from the lip line between which its correction fades
 TEETH_FORWARD = 0.25  # [eye distances] forward position of the teeth
+CORNER_CENTRE = (0.40, -1.09)  # [eye distances] corner of the mouth, aside and up
+CORNER_RADIUS = 0.12  # [eye distances] radius of the smoothing at the corners of the mouth
+CORNER_PASSES = 6  # averaging passes at the corners of the mouth
 SMOOTHING_PASSES = 24  # averaging passes over neighbouring vertices
 SIDE_SIGNS = {"Left": 1.0, "Right": -1.0}
 
@@ -196,6 +200,30 @@ def round_lips(shape: str, moves: Floats, head: Mesh, falls: Floats) -> Floats:
         shift = 1e-3 * np.interp(np.abs(rest[:, 1]), arc.asides, arc.shifts) * parts[arc.lip] * weight
         moves += (shift * (side if arc.axis == "outward" else 1.0))[:, None] * directions[arc.axis]
     return moves
+
+
+def smooth_corners(values: Floats, head: Mesh) -> Floats:
+    """Return (v, 3) positions or displacements [m], smoothed at the corners of the mouth.
+
+    In the source, the ends of the lower lip are flat triangles.
+
+    Args:
+        values: (v, 3) positions or displacements of corresponding vertices.
+        head: head at rest, on which the corners are found.
+    """
+    weight = _weight_corners(head)
+    mean = _build_neighbour_mean(head)
+    for _ in range(CORNER_PASSES):
+        values = values + weight[:, None] * (mean @ values - values)
+    return np.asarray(values)
+
+
+def _weight_corners(head: Mesh) -> Floats:
+    """Return the (v,) weight 0..1 of the smoothing at the corners of the mouth."""
+    rest = head.positions / (head.eyes[0, 1] - head.eyes[1, 1])
+    away = np.hypot(np.abs(rest[:, 1]) - CORNER_CENTRE[0], rest[:, 2] - CORNER_CENTRE[1]) / CORNER_RADIUS
+    on_lips = (head.parts == MESH_PARTS.index("skin")) & (rest[:, 0] > TEETH_FORWARD)
+    return np.asarray(np.clip(1.5 * (1.0 - away), 0.0, 1.0) * on_lips)
 
 
 def _weight_lips(head: Mesh, rest: Floats) -> Floats:

@@ -88,3 +88,19 @@ def test_rounded_lips_open_as_arcs(variant: Variant, units: dict[str, float]):
         )
         assert abs(aside - middle) > 0.003
         assert abs(halfway - middle) < 0.33 * abs(aside - middle)
+
+
+@pytest.mark.parametrize("variant", FACE_VARIANTS)
+def test_corners_of_an_open_mouth_are_smooth(variant: Variant):
+    """In the source, the lower lip ends in flat triangles, which stand out by up to 170 degrees."""
+    mesh, woman = load_head(variant), load_head()
+    rest = woman.positions / (woman.eyes[0, 1] - woman.eyes[1, 1])
+    near = (mesh.parts == 0) & (np.hypot(np.abs(rest[:, 1]) - 0.40, rest[:, 2] + 1.09) < 0.06) & (rest[:, 0] > 0.33)
+    faces = mesh.faces[near[mesh.faces].all(axis=1)]
+    opened = deform(mesh, {"26": 1.0, "25": 1.0})
+    a, b, c, d = opened[faces].transpose(1, 0, 2)
+    normals = np.cross(c - a, d - b)
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    cosines = np.einsum("fi,fvi->fv", normals, mesh.normals(opened)[faces])
+    assert len(faces) > 40
+    assert np.degrees(np.arccos(cosines.min())) < 45.0
