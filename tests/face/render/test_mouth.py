@@ -103,3 +103,17 @@ def test_occlusion_hardly_changes_direct_light(drawable: None):
         with Portrait("male", size=(192, 192), preset=preset, lights=lamps_alone) as portrait:
             pictures.append(brightness(portrait, {})[90:150, 60:132])
     assert np.abs(pictures[1] - pictures[0]).mean() < 1.0  # gloss alone is occluded
+
+
+def test_teeth_differ_in_tone_and_darken_towards_the_corners(close: Portrait):
+    """Equally bright teeth looked like one white bar."""
+    picture = brightness(close, dict(read_emotion("laugh", 1.0)))
+    with close.pipeline.geometry.context:
+        teeth = close.pipeline.geometry.parts() == MESH_PARTS.index("teeth") + 1
+    columns = np.nonzero(teeth)[1]
+    middle = 0.5 * (columns.min() + columns.max())
+    aside = np.abs(np.arange(picture.shape[1])[None, :] - middle) / (0.5 * np.ptp(columns))
+    front, outer = (
+        np.median(picture[teeth & (aside > low) & (aside < high)]) for low, high in ((0.0, 0.3), (0.75, 1.0))
+    )
+    assert outer < 0.8 * front

@@ -25,8 +25,12 @@ const float INNER = 3.0;  // [mm] by which a crown is shorter on the tongue's si
 const int TEETH_ON_A_SIDE = 7;
 const float UPPER[TEETH_ON_A_SIDE] = float[](8.6, 6.6, 7.6, 7.0, 7.0, 10.0, 10.0);  // [mm] widths of the upper teeth
 const float LOWER[TEETH_ON_A_SIDE] = float[](5.4, 5.9, 6.8, 7.0, 7.0, 11.0, 11.0);
-const float CROWN[TEETH_ON_A_SIDE] = float[](10.4, 9.4, 10.4, 9.0, 8.4, 8.0, 7.5);  // [mm] heights of the crowns
+const float CROWN[TEETH_ON_A_SIDE] = float[](10.4, 9.6, 10.8, 10.0, 9.4, 8.6, 8.0);  // [mm] heights of the crowns
 const float WORN[TEETH_ON_A_SIDE] = float[](0.0, 0.8, 0.1, 0.7, 0.9, 1.0, 1.0);     // [mm] distance of a tooth from the edge of the row
+const float TONE[TEETH_ON_A_SIDE] = float[](1.0, 0.97, 0.88, 0.92, 0.90, 0.87, 0.87);  // brightness; canines are darker
+const vec3 ROOT = vec3(0.90, 0.78, 0.62);   // tint of a tooth near the gums, where dentine shines through
+const vec3 EDGE = vec3(0.80, 0.86, 0.92);   // tint of the translucent enamel at the cutting edge
+const vec3 GAP = vec3(0.24, 0.11, 0.08);    // colour between two teeth
 
 layout(location = 0) out vec4 form;
 layout(location = 1) out vec4 place;  // square root of the linear colour; gloss
@@ -60,16 +64,16 @@ vec4 teeth(inout vec3 n) {
     int k = 0;
     for (; k + 1 < TEETH_ON_A_SIDE && from >= (upper ? UPPER[k] : LOWER[k]); ++k) from -= upper ? UPPER[k] : LOWER[k];
     float wide = upper ? UPPER[k] : LOWER[k], crown = CROWN[k] - (upper ? 0.0 : 1.0);
-    float u = clamp(2.0 * from / wide - 1.0, -1.0, 1.0), round_off = u * u * u * u;
+    float u = clamp(2.0 * from / wide - 1.0, -1.0, 1.0), round_off = 1.5 * u * u * u * u;
     if (placed.y >= 0.0 && placed.y < 0.5 * WORN[k] + round_off) discard;
     float gum = smoothstep(-0.35, 0.35, (placed.y < 0.0 ? INNER - placed.y : placed.y) - crown + 1.3 * u * u);
     float between = smoothstep(0.78, 1.0, abs(u)) * (1.0 - gum);
     vec3 up = mat3(view)[2], aside = normalize(cross(up, n)) * sign(placed.x);
     n -= LEVEL * dot(n, up) * up;
     n = normalize(n + (1.0 - gum) * (0.5 * u * abs(u) * aside - 0.25 * sign(placed.w) * (placed.y / crown - 0.5) * up));
-    vec3 ivory = IVORY * mix(vec3(1.0), vec3(0.93, 0.84, 0.70), smoothstep(0.3, 1.0, placed.y / crown));
-    vec3 colour = mix(ivory * (1.0 - 0.5 * between), GUMS * (1.0 - 0.35 * smoothstep(2.0, 6.0, placed.y - crown)), gum);
-    float light = smoothstep(-0.25, 0.36, placed.z) * (placed.y < 0.0 ? 0.55 : 1.0);
+    vec3 ivory = IVORY * TONE[k] * mix(vec3(1.0), ROOT, smoothstep(0.25, 1.0, placed.y / crown)) * mix(EDGE, vec3(1.0), smoothstep(0.3, 2.4, placed.y));
+    vec3 colour = mix(mix(ivory, GAP, 0.6 * between), GUMS * (1.0 - 0.35 * smoothstep(2.0, 6.0, placed.y - crown)), gum);
+    float light = smoothstep(-0.15, 0.44, placed.z) * (placed.y < 0.0 ? 0.55 : 1.0);
     return vec4(mix(THROAT, colour * mix(WALLS, vec3(1.0), light), light), (1.0 - gum * 0.4) * light);
 }
 

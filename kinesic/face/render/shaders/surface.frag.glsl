@@ -7,7 +7,7 @@ uniform float level;     // mipmap level whose pixels match the screen
 
 const vec3 CHEEKS = vec3(0.20, 0.055, 0.048);  // the inside of the lips
 const vec3 THROAT = vec3(0.032, 0.008, 0.007);  // deep in the mouth
-const float DEEP = 28.0;  // depth of full darkness, in the chart's depth unit
+const float DEEP = 24.0;  // depth of full darkness, in the chart's depth unit
 const float DULL = 0.8;   // fraction of gloss removed inside the mouth
 const float LOCK = 3.0;  // [strands]
 const vec2 STRANDS = vec2(150.0, 9.0);  // per unit of the chart
