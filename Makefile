@@ -4,7 +4,8 @@
 
 PYTHON ?= python3
 BIN := .venv/bin
-INSTALL := $(BIN)/python -m pip install --quiet --disable-pip-version-check
+RELEASE := build/release
+INSTALL = $(BIN)/python -m pip install --quiet --disable-pip-version-check
 # Installs the tested files of a list, each by its hash, and writes to a log why it cannot.
 TESTED = $(INSTALL) --require-hashes --requirement $(1) >$(2) 2>&1
 # Ends everything where a file is there but differs from the tested one: somebody may have exchanged it.
@@ -82,11 +83,11 @@ tutorials: .venv/.stamp-test
 	@$(BIN)/python -m pytest -m tutorial tests/tutorials -n 2 --dist loadfile --reruns 1 -rR
 
 # The source archive and the wheels for Linux in dist, checked: CPython 3.11, and the stable ABI of 3.12 and later.
-wheels: .venv/.stamp-release
-	@$(BIN)/python release/wheels.py
+wheels: $(RELEASE)/.stamp
+	@$(RELEASE)/bin/python release/wheels.py
 
 # The wheel for aarch64 under emulation, against this processor: ten minutes at most (Debian 12 or later).
-wheels-smoke: .venv/.stamp-release
+wheels-smoke: .venv/.stamp-demo
 	@$(BIN)/python release/emulated.py dist/kinesic-*-cp311-cp311-manylinux*_aarch64.whl
 
 bench: .venv/.stamp-test
@@ -117,10 +118,12 @@ bench: .venv/.stamp-test
 		echo "the tools of the documentation site are not installed (why: .venv/docs.log)"; exit 1; }
 	@touch $@
 
-# What builds and checks wheels, and nothing else needs.
-.venv/.stamp-release: .venv/.stamp-demo requirements-release.lock
-	@$(call TESTED,requirements-release.lock,.venv/release.log) || { $(call UNCHANGED,.venv/release.log); \
-		echo "the tools that build wheels are not installed (why: .venv/release.log)"; exit 1; }
+# What builds and checks wheels, in an environment of its own, so that .venv keeps exactly the tested packages.
+$(RELEASE)/.stamp: BIN := $(RELEASE)/bin
+$(RELEASE)/.stamp: requirements-release.lock
+	@$(PYTHON) -m venv --clear $(RELEASE)
+	@$(call TESTED,requirements-release.lock,$(RELEASE)/install.log) || { $(call UNCHANGED,$(RELEASE)/install.log); \
+		echo "the tools that build wheels are not installed (why: $(RELEASE)/install.log)"; exit 1; }
 	@touch $@
 
 # The newest versions that the oldest Python takes, so that all take them; `make test` then says whether they are good.
