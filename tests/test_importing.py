@@ -48,7 +48,7 @@ BLOCK = '<bml id="b"><gesture id="g" lexeme="beat" stroke="1"/></bml>'
         ),
         (
             "import kinesic.cli.live.serve",
-            "scipy.interpolate scipy.optimize scipy.sparse highspy jinja2 PIL.Image rich kinesic.face.render.portrait",
+            "scipy.interpolate scipy.optimize scipy.sparse highspy jinja2 PIL.Image kinesic.face.render.portrait",
         ),
         ("import kinesic.face.render.portrait", "scipy.sparse scipy.spatial scipy.optimize"),
         ("import kinesic.cli.servos.simulate", "mujoco OpenGL kinesic.face.gl"),

@@ -9,8 +9,6 @@ from shutil import copyfile
 from tempfile import TemporaryDirectory
 
 import click
-from rich.table import Table
-from rich.text import Text
 
 from kinesic.bench import BENCH_PARTS
 from kinesic.bench.metric import Metric
@@ -18,6 +16,8 @@ from kinesic.body.config import names_of
 from kinesic.cli.many.workers import Workers
 from kinesic.cli.option_values import MetricsOutput
 from kinesic.cli.progress import Stage, ignore_stage, show_stages
+from kinesic.cli.screen.table import Table
+from kinesic.cli.screen.text import Text
 from kinesic.cli.terminal import console, quote_text
 from kinesic.files.held_folder import name_failures
 from kinesic.files.output_file import new_file
@@ -99,7 +99,7 @@ def print_metrics(
     if output.as_json:
         click.echo(text)
         return 0
-    table = Table("name", "value", "unit", "goal", "", "", box=None)
+    table = Table("name", "value", "unit", "goal", "", "")
     goal_marks = {True: Text("met", "green"), False: Text("missed", "red"), None: Text()}
     for metric in metrics:
         value = metric.why if metric.value is None else f"{metric.value:.4g}"

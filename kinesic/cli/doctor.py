@@ -4,9 +4,9 @@ import platform
 from collections.abc import Callable, Mapping
 
 import click
-from rich.table import Table
 
 from kinesic.cli.progress import show_stages
+from kinesic.cli.screen.table import Table
 from kinesic.cli.servos.ports import read_ports
 from kinesic.cli.terminal import console, quote_text
 from kinesic.face import display
@@ -33,7 +33,7 @@ CHECK_FAILED_EXIT_CODE = 1  # exit code if a component does not work
 
 def examine_machine() -> int:
     """Print whether each optional component works, or how to install it."""
-    table = Table("component", "state", box=None)
+    table = Table("component", "state")
     table.add_row("kinesic", f"{__version__}, Python {platform.python_version()}, {platform.machine()}")
     with show_stages() as stage:
         for component, examine in COMPONENT_CHECKS.items():

@@ -8,10 +8,10 @@ from dataclasses import asdict
 from pathlib import Path
 
 import click
-from rich.table import Table
 
 from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError, suggestion
+from kinesic.cli.screen.table import Table
 from kinesic.cli.terminal import console, quote_text
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.names import shorten_name
@@ -31,7 +31,7 @@ def search_gestures(words: tuple[str, ...], count: int, category: str, lexicon: 
         raise BmlError(
             f"no gesture{where} for {shorten_name(query)!r}; try other words, or list all: kinesic gestures list"
         )
-    table = Table("gesture", "category", "match", "score", "description", box=None)
+    table = Table("gesture", "category", "match", "score", "description")
     for hit in hits:
         cells = (hit.id, hit.category, hit.kind, f"{hit.score:.2f}", hit.says)
         table.add_row(*map(quote_text, cells))

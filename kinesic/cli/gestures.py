@@ -6,7 +6,6 @@ from dataclasses import asdict
 from pathlib import Path
 
 import click
-from rich.table import Table
 
 from kinesic.bml.block import BmlError
 from kinesic.body.config import ConfigError
@@ -15,6 +14,7 @@ from kinesic.cli.gesture_search import check_category
 from kinesic.cli.option_values import GesturePicture
 from kinesic.cli.plain_words import printable
 from kinesic.cli.progress import show_stages, stage_progress
+from kinesic.cli.screen.table import Table
 from kinesic.cli.terminal import console, quote_text
 from kinesic.expressivity.lexicon.body_form import NO_BODY
 from kinesic.expressivity.lexicon.directions import FILE_ORDER, format_direction
@@ -47,7 +47,7 @@ def list_gestures(lexicon: Path | None, robot: str, category: str | None, as_jso
     if as_json:
         click.echo(json.dumps([asdict(entry) for entry in entries], indent=1))
         return 0
-    table = Table("gesture", "category", "hands", "tempo", "stroke s", "body", "description", box=None)
+    table = Table("gesture", "category", "hands", "tempo", "stroke s", "body", "description")
     for entry in entries:
         tempo = "" if entry.tempo == "neutral" else entry.tempo
         cells = (
@@ -80,7 +80,7 @@ def show_gesture(lexeme: str, lexicon: Path | None) -> int:
         click.echo(printable(f"synonyms: {', '.join(names)}"))
     click.echo(f"body: {form.body if form.body != NO_BODY else 'hands only'}")
     headings = ("key", "hand", "outward", "up", "forward", "palm", "pointing", "shape", "openness", "touches", "path")
-    table = Table(*headings, box=None)
+    table = Table(*headings)
     for number, key in enumerate(form.keys, start=1):
         for side, pose in sorted(key.hands.items()):
             position = [f"{value:.2f}" for value in pose.position[list(FILE_ORDER)]]

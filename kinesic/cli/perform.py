@@ -212,7 +212,7 @@ def _print_report(performances: tuple[DryRun, ...], servo_run: ServoRun | None, 
     if len(performances) > 1:
         print_tracking_errors(performances, screen)
     print_notices(performances[0].plan, screen, max_lines=MAX_PRINTED_WARNINGS)
-    screen.print(printable(verdict(data)), highlight=False, markup=False, soft_wrap=True)
+    screen.print(printable(verdict(data)))
 
 
 def _identify_run(servo_run: ServoRun, memory: ServoMemory) -> Identification | None:

@@ -7,8 +7,6 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 
 import click
-from rich.console import Console
-from rich.table import Table
 
 from kinesic.bml.block import Behaviour, BmlError, Gesture, Speech
 from kinesic.bml.reading.wrapping import OpenedDocument, open_document
@@ -17,6 +15,8 @@ from kinesic.body.robot import SIDES, Side
 from kinesic.cli.options import Planning, read_input
 from kinesic.cli.plain_words import printable, printable_xml
 from kinesic.cli.progress import show_stages
+from kinesic.cli.screen.console import Console
+from kinesic.cli.screen.table import Table
 from kinesic.cli.summary import print_notices
 from kinesic.cli.terminal import console, error_console, quote_text
 from kinesic.files.output_file import check_file
@@ -169,7 +169,7 @@ def print_timeline(planned: Plan, lags: Sequence[StrokeLag], screen: Console) ->
         lags: lags of the strokes that are tied to words.
         screen: console to print on.
     """
-    table = Table(box=None, header_style="bold")
+    table = Table()
     for name in ("from", "to"):
         table.add_column(name, justify="right", no_wrap=True)
     for name in ("behaviour", "action", "sync points"):

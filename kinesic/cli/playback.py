@@ -6,12 +6,12 @@ from pathlib import Path
 from time import monotonic
 
 import click
-from rich.live import Live as Display
 
 from kinesic.body.command import COMMAND_RATE
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.cli.ending_signals import detach_closed_terminal
+from kinesic.cli.screen.live import LiveLines
 from kinesic.cli.servos.summary import warn_of_lost_events
 from kinesic.cli.terminal import error_console, pressed_keys
 from kinesic.controller.learned_gains import Identification
@@ -38,6 +38,7 @@ from kinesic.report.servo_report import live_log, with_live
 from kinesic.sim.log import write_log
 
 SERVO_KEY_HELP = "space: stop and hold; Enter: resume; Ctrl-C: fold to rest and switch torque off."
+STATUS_LINE_RATE = 8.0  # [Hz] redraws of the servos' status line
 WAIT_MESSAGES: Mapping[Awaited, str] = {
     "consent": "the servos hold: Enter resumes, Ctrl-C folds to rest and ends",
     "confirmation": "a limb cannot fold and is held: `kinesic servos release` lets it fall",
@@ -194,8 +195,14 @@ def _open_status_line(quiet: bool) -> Iterator[Callable[[Status], None]]:
     if quiet or not screen.is_terminal:
         yield lambda status: None
         return
-    with Display(console=screen, transient=True) as display:
-        yield lambda status: display.update(_format_status(status))
+    line = ""
+
+    def show(status: Status) -> None:
+        nonlocal line
+        line = _format_status(status)
+
+    with LiveLines(screen, lambda: (line,), rate=STATUS_LINE_RATE).shown():
+        yield show
 
 
 def _format_status(status: Status) -> str:

@@ -4,11 +4,11 @@ from pathlib import Path
 
 import click
 import numpy as np
-from rich.table import Table
 
 from kinesic.body.config import CONFIGS
 from kinesic.body.robot import Robot
 from kinesic.cli.progress import show_stages
+from kinesic.cli.screen.table import Table
 from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_file import check_file, new_file, write_text
 from kinesic.hardware.protocol.servo_map import load_robot
@@ -32,7 +32,7 @@ def list_robots() -> int:
 def show_robot(robot: str) -> int:
     """Print range, servo and limits of every hinge of a robot."""
     robot_model = load_robot(robot)
-    table = Table("hinge", "range deg", "rest deg", "servo", "reduction", "stall Nm", "speed limit rad/s", box=None)
+    table = Table("hinge", "range deg", "rest deg", "servo", "reduction", "stall Nm", "speed limit rad/s")
     for hinge, drive, velocity in zip(
         robot_model.skeleton.hinges, robot_model.drives, robot_model.velocity_limits, strict=True
     ):
@@ -70,7 +70,7 @@ def assess_robot(robot: str) -> int:
         checked = check_robot(robot_model)
         stage("computing the workspace")
         reach = find_workspace(robot_model)
-    table = Table("hinge", "at rest", "worst", "", box=None, title="static torque / stall")
+    table = Table("hinge", "at rest", "worst", "", title="static torque / stall")
     failed = False
     for name, rest, worst in zip(robot_model.skeleton.names, checked.rest_ratios, checked.worst_ratios, strict=True):
         failed |= bool(worst > FAIL_TORQUE_RATIO)
@@ -117,7 +117,7 @@ def import_robot(file: Path, out: Path | None, force: bool) -> int:
 
 def _tabulate_mapping(imported: ImportedRobot) -> Table:
     """Tabulate the imported file's joint for each hinge."""
-    table = Table("hinge", "joint in the file", "range deg", "rest deg", box=None)
+    table = Table("hinge", "joint in the file", "range deg", "rest deg")
     for name, joint, *degrees in imported.mapping:
         table.add_row(name, quote_text(joint), *degrees)
     return table

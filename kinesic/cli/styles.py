@@ -5,10 +5,10 @@ from collections.abc import Iterable
 from dataclasses import asdict
 
 import click
-from rich.table import Table
 
 from kinesic.bml.block import EXPRESSIVITY_RANGES
 from kinesic.body.config import names_of
+from kinesic.cli.screen.table import Table
 from kinesic.cli.terminal import console, quote_text
 from kinesic.expressivity.style.style import Style
 
@@ -21,7 +21,7 @@ def list_styles(as_json: bool) -> int:
     if as_json:
         click.echo(json.dumps([_as_json(style) for style in styles], indent=1))
         return 0
-    table = Table("style", *EXPRESSIVITY_RANGES, "whole_body", box=None)
+    table = Table("style", *EXPRESSIVITY_RANGES, "whole_body")
     for style in styles:
         numbers = [*asdict(style.gesture).values(), style.whole_body]
         table.add_row(style.name, *(f"{number:g}" for number in numbers))
@@ -35,7 +35,7 @@ def show_style(style: str, settings: Iterable[str], as_json: bool) -> int:
     if as_json:
         click.echo(json.dumps(_as_json(shown), indent=1))
         return 0
-    table = Table("key", "value", "unit", "effect", box=None)
+    table = Table("key", "value", "unit", "effect")
     for parameter in shown.parameters:
         value = parameter.value if isinstance(parameter.value, str) else f"{parameter.value:g}"
         table.add_row(*map(quote_text, (parameter.key, value, parameter.unit, parameter.effect)))

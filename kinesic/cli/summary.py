@@ -3,12 +3,11 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
 
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
-
 from kinesic.bml.block import Notice
 from kinesic.cli.plain_words import printable
+from kinesic.cli.screen.console import Console
+from kinesic.cli.screen.table import Table
+from kinesic.cli.screen.text import Text
 from kinesic.cli.terminal import quote_text
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.metrics.dry_run import DryRun
@@ -38,9 +37,7 @@ def print_checks(checks: Sequence[Check], screen: Console) -> None:
     if not_passed:
         screen.print(_tabulate(not_passed))
     passed = len(checks) - len(not_passed)
-    screen.print(
-        f"{passed} of {len(checks)} checks pass" if not_passed else f"all {passed} checks pass", highlight=False
-    )
+    screen.print(f"{passed} of {len(checks)} checks pass" if not_passed else f"all {passed} checks pass")
 
 
 def print_notices(plan: Plan, screen: Console, *, max_lines: int | None = None) -> None:
@@ -56,10 +53,10 @@ def print_notices(plan: Plan, screen: Console, *, max_lines: int | None = None) 
         behaviour_id = notice.id.removeprefix(f"{block.id}:")
         name = notice.id if behaviour_id == notice.id else label_with_id(behaviour_id, block)
         text = f"{name}: {notice.text.removeprefix(f'{category}: ')}"
-        line = Text.assemble((f"{category:11}", CATEGORY_COLOURS[category]), f" {printable(text)}")
-        screen.print(line, soft_wrap=True)
+        line = Text(f"{category:11}", CATEGORY_COLOURS[category]) + f" {printable(text)}"
+        screen.print(line)
     if max_lines is not None and len(ranked) > max_lines:
-        screen.print(f"and {len(ranked) - max_lines} more warnings: report.json lists all", highlight=False)
+        screen.print(f"and {len(ranked) - max_lines} more warnings: report.json lists all")
 
 
 def rank_notices(plan: Plan) -> list[tuple[str, Notice]]:
@@ -84,7 +81,7 @@ def _categorise(notice: Notice, outcome: Outcome | None) -> str:
 
 def print_tracking_errors(performances: Sequence[DryRun], screen: Console) -> None:
     """Print the tracking errors of several twins that followed one plan."""
-    table = Table("error", *(run.twin_name for run in performances), box=None, header_style="bold")
+    table = Table("error", *(run.twin_name for run in performances))
     rows = [asdict(measure_tracking(run)) for run in performances]
     for metric in rows[0]:
         table.add_row(metric, *("-" if row[metric] is None else f"{row[metric]:.4g}" for row in rows))
@@ -92,7 +89,7 @@ def print_tracking_errors(performances: Sequence[DryRun], screen: Console) -> No
 
 
 def _tabulate(checks: Iterable[Check]) -> Table:
-    table = Table("check", "status", "value", "limit", "unit", "where", box=None, header_style="bold")
+    table = Table("check", "status", "value", "limit", "unit", "where")
     for check in checks:
         status = quote_text(check.status, style=STATUS_COLOURS[check.status])
         table.add_row(

@@ -6,13 +6,13 @@ from dataclasses import asdict
 from pathlib import Path
 
 import click
-from rich.table import Table
-from rich.text import Text
 
 from kinesic.body.config import ConfigError
 from kinesic.cli.many.workers import Workers
 from kinesic.cli.options import Output, Planning
 from kinesic.cli.progress import show_stages
+from kinesic.cli.screen.table import Table
+from kinesic.cli.screen.text import Text
 from kinesic.cli.terminal import console, quote_text
 from kinesic.expressivity.style.style import EXPRESSIVITY_RANGES
 from kinesic.files.output_folder import check_folder, new_folder
@@ -112,10 +112,10 @@ def _tabulate_series(series: Series) -> Table:
     measure = MEASURE_OF[series.parameter]
     names = (measure.name, *(name for name in MEASURE_COLUMNS if name != measure.name))
     title = Text(f"{series.gesture}: {series.parameter} (")
-    title.append(*(("monotone", "green") if series.monotone else ("not monotone", "red")))
+    title += Text("monotone", "green") if series.monotone else Text("not monotone", "red")
     if not series.in_time:
-        title.append(", ").append(f"a stroke error is above {1000 * MAX_STROKE_ERROR:.0f} ms", "red")
-    table = _start_table(title.append(")"), series.parameter, names)
+        title += Text(", ") + Text(f"a stroke error is above {1000 * MAX_STROKE_ERROR:.0f} ms", "red")
+    table = _start_table(title + ")", series.parameter, names)
     for sample in series.played:
         table.add_row(f"{sample.value:g}", *_format_measures(sample.measures, names))
     return table
@@ -132,7 +132,7 @@ def _tabulate_presets(styles: Mapping[str, Played]) -> Table:
 
 def _start_table(title: Text, first: str, names: Sequence[str]) -> Table:
     heads = [f"{MEASURE_FORMATS[name].words}\n{MEASURE_FORMATS[name].unit}" for name in names]
-    table = Table(first, title=title, title_justify="left", box=None)
+    table = Table(first, title=title)
     for head in heads:
         table.add_column(head, justify="right")
     return table

@@ -6,10 +6,9 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 
-from rich.console import Console
-from rich.text import Text
-
 from kinesic.cli.plain_words import printable
+from kinesic.cli.screen.console import Console
+from kinesic.cli.screen.text import Text
 
 if sys.platform != "win32":
     import termios
@@ -20,16 +19,13 @@ MAX_KEY_BYTES = 64  # [bytes] largest key input per read
 
 
 def console() -> Console:
-    """Return a console for standard output, `FILE_WIDTH` wide without a terminal.
-
-    Neither console reads markup or emoji codes in strings, which may come from files; colours are those of `Text`.
-    """
-    return Console(width=None if sys.stdout.isatty() else FILE_WIDTH, markup=False, emoji=False)
+    """Return a console for standard output, `FILE_WIDTH` wide without a terminal."""
+    return Console.on(sys.stdout, file_width=FILE_WIDTH)
 
 
 def error_console() -> Console:
     """Return a console for standard error, in colour only on a terminal."""
-    return Console(stderr=True, width=None if sys.stderr.isatty() else FILE_WIDTH, markup=False, emoji=False)
+    return Console.on(sys.stderr, file_width=FILE_WIDTH)
 
 
 def quote_text(text: str, *, style: str = "") -> Text:
@@ -39,7 +35,7 @@ def quote_text(text: str, *, style: str = "") -> Text:
         text: text of a file, a device or the user.
         style: colour or weight, such as `red` or `bold`.
     """
-    return Text(printable(text), style=style)
+    return Text(printable(text), style)
 
 
 @contextmanager

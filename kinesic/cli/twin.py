@@ -7,10 +7,10 @@ from typing import cast
 
 import click
 import numpy as np
-from rich.table import Table
 
 from kinesic.body.config import ConfigError
 from kinesic.cli.progress import show_stages
+from kinesic.cli.screen.table import Table
 from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_file import check_file, write_text
 from kinesic.hardware.protocol.servo_map import load_robot
@@ -47,7 +47,7 @@ def fit_twin(log: Path, robot: str, free: tuple[str, ...], out: Path | None, for
 
 
 def _tabulate(fit: Fit) -> Table:
-    table = Table("parameter", "factor or s", "+-", "", box=None, header_style="bold")
+    table = Table("parameter", "factor or s", "+-", "")
     for estimate in fit.estimates:
         cells = ("as in the data sheet", "") if estimate.why else (f"{estimate.value:.4f}", f"{estimate.deviation:.4f}")
         table.add_row(*map(quote_text, (str(estimate.unknown), *cells, estimate.why)))

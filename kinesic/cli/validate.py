@@ -7,7 +7,6 @@ from contextlib import closing
 from pathlib import Path
 
 import click
-from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeRemainingColumn
 
 from kinesic.body.calibration import calibration_path
 from kinesic.body.config import ConfigError, locate_config
@@ -15,8 +14,8 @@ from kinesic.cli.ending_signals import INTERRUPTED_EXIT_CODE
 from kinesic.cli.many.table import summarise
 from kinesic.cli.many.workers import Workers
 from kinesic.cli.options import Output, Planning
-from kinesic.cli.progress import show_stages
-from kinesic.cli.terminal import console, error_console
+from kinesic.cli.progress import show_stages, show_steps
+from kinesic.cli.terminal import console
 from kinesic.files.output_file import write_text
 from kinesic.files.output_folder import check_folder, is_made, new_folder
 from kinesic.report.batch import DocumentVerdict, documents, validate_documents
@@ -128,20 +127,12 @@ def _collect_verdicts(
         The verdicts, and whether the run finished.
     """
     verdicts: list[DocumentVerdict] = []
-    columns = (
-        TextColumn("dry-running"),
-        BarColumn(),
-        MofNCompleteColumn(),
-        TimeRemainingColumn(),
-        TextColumn("{task.description}", style="red", markup=False),
-    )
-    with closing(results), Progress(*columns, console=error_console(), transient=True) as progress:
-        task = progress.add_task("", total=count)
+    with closing(results), show_steps("dry-running", count) as step:
         try:
             for verdict in results:
                 verdicts.append(verdict)
                 failure_count = sum(verdict.exit > 0 for verdict in verdicts)
-                progress.update(task, advance=1, description=f"{failure_count} failed" if failure_count else "")
+                step(f"{failure_count} failed" if failure_count else "")
         except KeyboardInterrupt:
             return verdicts, False
     return verdicts, True

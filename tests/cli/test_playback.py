@@ -1,6 +1,7 @@
 """Speech and messages during a performance on servos."""
 
 import io
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -8,11 +9,11 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 from kinesic.body.config import ConfigError
 from kinesic.body.utterance import Sound
 from kinesic.cli import playback
+from kinesic.cli.screen.console import Console
 from kinesic.controller import soundtrack
 from kinesic.face.display import DisplayError
 from kinesic.hardware.supervisor.channel import Status
@@ -255,11 +256,12 @@ def test_report_and_log_of_a_servo_run_replace_those_of_the_twin(monkeypatch, tm
 )
 def test_status_line_is_shown_on_terminals_only_and_disappears(monkeypatch, quiet, terminal, shows):
     screen = io.StringIO()
-    monkeypatch.setattr(
-        playback, "error_console", lambda: Console(file=screen, force_terminal=terminal, width=100, color_system=None)
-    )
+    monkeypatch.setattr(playback, "error_console", lambda: Console(screen, 100, is_terminal=terminal))
     with playback._open_status_line(quiet) as show:
         show(Status(Stage.HOLD, time=1.5, volts=12.0))
+        deadline = time.monotonic() + 10.0
+        while shows and "1.50 s" not in screen.getvalue() and time.monotonic() < deadline:
+            time.sleep(0.01)
     assert ("1.50 s" in screen.getvalue()) is shows
     assert ("\x1b[2K" in screen.getvalue()) is shows  # the line is erased
 

@@ -12,7 +12,7 @@ from types import ModuleType
 import pytest
 
 from kinesic.cli import gestures, plan, validate
-from kinesic.cli.progress import Stage, show_stages, stage_progress
+from kinesic.cli.progress import Progress, Stage, show_stages, show_steps, stage_progress
 
 TERMINAL_TIMEOUT = 10.0  # [s]
 
@@ -33,12 +33,35 @@ def test_terminal_shows_each_stage_with_its_progress(monkeypatch: pytest.MonkeyP
         patch.setattr(sys, "stderr", stderr)
         with show_stages() as stage:
             stage("plan[b]ning")
-            assert appears(ours, "plan[b]ning")
+            assert appears(ours, r"plan\[b\]ning")
             drawing = stage_progress(stage, "drawing")
             drawing(0.5)
-            assert appears(ours, "drawing \u2501{20} ")
+            assert appears(ours, r"drawing \[#{15}\.{15}\] 0:00:0")
             drawing(1.0)
-            assert appears(ours, "drawing \u2501{40}")
+            assert appears(ours, r"drawing \[#{30}\]")
+    os.close(ours)
+
+
+def test_steps_are_counted_with_a_note_behind_the_bar():
+    progress = Progress("faces", fraction=0.25, count="3/12", note="1 failed", start=100.0)
+    assert progress.line(3825.9) == f"faces [{'#' * 8}{'.' * 22}] 3/12 1:02:05 1 failed"
+
+
+def test_block_moves_through_the_bar_if_the_end_is_unknown():
+    bars = [Progress("planning", start=0.0).line(time).split()[1] for time in (0.0, 1.0, 2.4, 2.5)]
+    assert [bar.index("#") - 1 for bar in bars] == [0, 10, 24, 0]
+    assert {bar.count("#") for bar in bars} == {6}
+
+
+def test_terminal_shows_the_number_of_completed_steps(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("COLUMNS", "80")
+    ours, theirs = pty.openpty()
+    os.set_blocking(ours, False)
+    with os.fdopen(theirs, "w", buffering=1) as stderr, monkeypatch.context() as patch:
+        patch.setattr(sys, "stderr", stderr)
+        with show_steps("scanning", 2) as step:
+            step("one note")
+            assert appears(ours, r"scanning \[#{15}\.{15}\] 1/2 0:00:0. one note")
     os.close(ours)
 
 
@@ -50,7 +73,7 @@ def appears(terminal: int, pattern: str) -> bool:
             shown += os.read(terminal, 65536)
         except BlockingIOError:
             time.sleep(0.01)
-        if re.search(pattern.replace("[b]", r"\[b\]"), shown.decode(errors="replace")):
+        if re.search(pattern, shown.decode(errors="replace")):
             return True
     return False
 

@@ -3,9 +3,9 @@
 import io
 
 import pytest
-from rich.console import Console
 
 from kinesic.bml.block import Notice, NoticeType
+from kinesic.cli.screen.console import Console
 from kinesic.cli.summary import print_checks, print_notices, rank_notices
 from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.setup import Setup
@@ -20,7 +20,7 @@ FAILED_CHECK = Check.of("collision.plan", 0.004, 0.01, "head and l_hand at 0.50 
 
 @pytest.fixture
 def screen() -> Console:
-    return Console(file=io.StringIO(), width=160)
+    return Console(io.StringIO(), 160)
 
 
 def lines(screen: Console) -> list[str]:

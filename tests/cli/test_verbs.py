@@ -15,7 +15,7 @@ from kinesic.cli import options
 NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
 WALK = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><locomotion id="w" target="door"/></bml>'
 SLOW_MODULES = {
-    *("casadi", "glfw", "matplotlib", "mujoco", "OpenGL", "PIL", "rich", "scipy", "serial"),
+    *("casadi", "glfw", "matplotlib", "mujoco", "OpenGL", "PIL", "scipy", "serial"),
     *(
         f"kinesic.{room}"
         for room in ("expressivity", "ik", "motion", "planning", "realizer", "report", "speech", "studies")

@@ -5,9 +5,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import click
-from rich.table import Table
 
 from kinesic.cli.plain_words import printable
+from kinesic.cli.screen.table import Table
 from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_file import new_file
 from kinesic.tasks.store import QueryResult, open_store
@@ -60,7 +60,7 @@ def ask_results(query: str, folder: Path, as_json: bool, out: Path | None, force
 
 
 def _tabulate(answer: QueryResult) -> Table:
-    table = Table(*map(printable, answer.columns), box=None)
+    table = Table(*map(printable, answer.columns))
     for row in answer.rows:
         table.add_row(*(quote_text(_format_cell(value)) for value in row))
     return table

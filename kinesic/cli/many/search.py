@@ -9,8 +9,6 @@ from shutil import copyfile
 
 import click
 import numpy as np
-from rich.table import Table
-from rich.text import Text
 
 from kinesic.body.config import ConfigError, locate_config, names_of
 from kinesic.body.robot_extension import read_robot
@@ -19,6 +17,8 @@ from kinesic.cli.many.workers import Workers
 from kinesic.cli.options import Output, Planning
 from kinesic.cli.plain_words import printable
 from kinesic.cli.progress import show_stages
+from kinesic.cli.screen.table import Table
+from kinesic.cli.screen.text import Text
 from kinesic.cli.terminal import console, quote_text
 from kinesic.cli.validate import fingerprint_inputs
 from kinesic.files.output_file import new_file, write_text
@@ -166,7 +166,7 @@ def _print_result(result: SearchResult, pareto_designs: Sequence[Trial]) -> None
     for number, search_round in enumerate(result.rounds, 1):
         screen.print(f"round {number}: {search_round.designs} designs, {search_round.documents} documents")
     base = next(trial for trial in result.finished if trial.design == BASE_DESIGN)
-    table = Table("design", box=None, title="Pareto-optimal designs", title_justify="left")
+    table = Table("design", title="Pareto-optimal designs")
     for goal in DESIGN_CRITERIA.values():
         table.add_column(f"{goal.head}\n{goal.unit}", justify="right")
     table.add_column("worst\nms", justify="right")

@@ -3,11 +3,10 @@
 from os.path import commonpath
 from pathlib import Path
 
-from rich.console import Console
-from rich.table import Table
-from rich.text import Text
-
 from kinesic.cli.plain_words import printable
+from kinesic.cli.screen.console import Console
+from kinesic.cli.screen.table import Table
+from kinesic.cli.screen.text import Text
 from kinesic.cli.summary import STATUS_COLOURS
 from kinesic.cli.terminal import quote_text
 from kinesic.report.batch import DocumentVerdict
@@ -42,7 +41,7 @@ def _print_failures(verdicts: list[DocumentVerdict], screen: Console) -> None:
         if check.status in FAILURE_LABELS
     ]
     for line in lines:
-        screen.print(printable(line), highlight=False, markup=False, soft_wrap=True)
+        screen.print(printable(line))
     if lines:
         screen.print()
 
@@ -50,7 +49,7 @@ def _print_failures(verdicts: list[DocumentVerdict], screen: Console) -> None:
 def _tabulate_folders(verdicts: list[DocumentVerdict]) -> Table:
     columns = ("documents", *DOCUMENT_OUTCOMES, "failed", "poor", *BEHAVIOUR_OUTCOMES)
     shown_columns = [column for column in columns if column != "crashed" or counts(verdicts)[column]]
-    table = Table("folder", box=None, header_style="bold")
+    table = Table("folder")
     for column in shown_columns:
         table.add_column(column, justify="right")
     groups: dict[str, list[DocumentVerdict]] = {}
@@ -109,7 +108,7 @@ def _tabulate_checks(verdicts: list[DocumentVerdict], width: int) -> Table:
     place_width = min(widths[-2], left // 2) if has_places else -COLUMN_GAP
     widths[-2:] = place_width, min(widths[-1], left - place_width)
     shown = [k for k in range(len(headings)) if has_places or headings[k] != "worst where"]
-    table = Table(box=None, header_style="bold")
+    table = Table()
     for k in shown:
         is_text = k == 0 or k >= len(headings) - TEXT_COLUMNS
         table.add_column(
@@ -117,11 +116,8 @@ def _tabulate_checks(verdicts: list[DocumentVerdict], width: int) -> Table:
             justify="left" if is_text else "right",
             no_wrap=True,
             width=max(widths[k], 1),
-            overflow="ellipsis",
         )
     for row in rows:
-        cells = [Text(cell) for cell in row]
-        for status, cell in zip(reversed(SEVERITY_RANKS), cells[1:], strict=False):
-            cell.style = STATUS_COLOURS[status] if cell.plain != "0" else ""
-        table.add_row(*(cells[k] for k in shown))
+        colours = ["", *(STATUS_COLOURS[status] for status in reversed(SEVERITY_RANKS)), *("" for _ in row)]
+        table.add_row(*(Text(row[k], colours[k] if row[k] != "0" else "") for k in shown))
     return table

@@ -10,15 +10,15 @@ from pathlib import Path
 
 import click
 import numpy as np
-from rich.console import Group
-from rich.live import Live
-from rich.table import Table
-from rich.text import Text
 
 from kinesic.body.calibration import Calibration, calibration_path, read_calibration
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN
+from kinesic.cli.screen.console import Content
+from kinesic.cli.screen.live import LiveLines
+from kinesic.cli.screen.table import Table
+from kinesic.cli.screen.text import Text
 from kinesic.cli.servos.ports import open_ports, read_all_ports
 from kinesic.cli.terminal import console, pressed_keys, quote_text
 from kinesic.files.held_folder import name_failures
@@ -41,6 +41,7 @@ from kinesic.hardware.tools.calibration import (
 )
 
 PROMPT_LINES = 6  # lines of the terminal that the prompt and the heading take
+DISPLAY_RATE = 8.0  # [Hz] redraws of the table
 POLL_PERIOD = 0.05  # [s] between two snapshots of the servos
 FIRST_ANSWER_TIMEOUT = 2.0  # [s] time limit for the first answer of every servo
 ZERO_POSTURE_PROMPT = (
@@ -142,16 +143,15 @@ def watch_hands(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, key
     output = console()
     if not output.is_terminal:
         click.echo(f"{TURN_HINGES_PROMPT} Enter ends.")
-    with Live(console=output, refresh_per_second=8) as live:
+    contents: tuple[Content, ...] = ()
+    with LiveLines(output, lambda: contents, rate=DISPLAY_RATE).shown():
         for snapshot in _poll_servos(axes, seconds):
             travel = travel.with_positions(count_ticks(snapshot), manifest)
             hinges = measure_hinges(travel, manifest, robot)
-            live.update(show_progress(hinges, robot, height=output.height))
+            contents = show_progress(hinges, robot, height=output.height)
             if ENTER_KEYS & set(keys()) or all(hinge.is_whole for hinge in hinges):
                 break
-        live.update(_tabulate(hinges, robot))
-    if not sys.stdout.isatty():
-        click.echo()  # Live does not end its last line in a file.
+    output.print(_tabulate(hinges, robot))
     return travel
 
 
@@ -172,33 +172,31 @@ def _poll_servos(axes: Axes, seconds: float) -> Iterator[Snapshot]:
         axes.sleep(snapshot.time + POLL_PERIOD)
 
 
-def show_progress(hinges: tuple[HingeCalibration, ...], robot: Robot, *, height: int) -> Group:
+def show_progress(hinges: tuple[HingeCalibration, ...], robot: Robot, *, height: int) -> tuple[Table, Text]:
     """Return the table of hinges with a prompt, shortened on low terminals."""
     finished_count = sum(hinge.is_whole for hinge in hinges)
     whole = f" {finished_count} of {len(hinges)} hinges are whole." if finished_count else ""
-    prompt = Text(f"{TURN_HINGES_PROMPT} Enter ends.{whole}", style="bold")
+    prompt = Text(f"{TURN_HINGES_PROMPT} Enter ends.{whole}", "bold")
     is_low = len(hinges) + PROMPT_LINES > height
-    return Group(
-        _tabulate_pending(hinges, robot, height - PROMPT_LINES) if is_low else _tabulate(hinges, robot), prompt
-    )
+    return _tabulate_pending(hinges, robot, height - PROMPT_LINES) if is_low else _tabulate(hinges, robot), prompt
 
 
 def _tabulate_pending(hinges: tuple[HingeCalibration, ...], robot: Robot, count: int) -> Table:
     """Tabulate the first `count` hinges whose whole range is not covered yet."""
     titles = ("hinge", "first turn it so that", "moved/range deg")
-    table = Table(*titles, box=None, header_style="bold", padding=(0, 1, 0, 0), pad_edge=False)
+    table = Table(is_compact=True)
+    for title in titles:
+        table.add_column(title, no_wrap=True)
     pending = [(joint, mark) for joint, mark in enumerate(hinges) if not mark.is_whole]
     for joint, mark in pending[: max(count, 1)]:
         moved = f"{mark.lowest:.0f}..{mark.highest:.0f}/{mark.lower:.0f}..{mark.upper:.0f}"
-        table.add_row(
-            *(Text(text, no_wrap=True) for text in (mark.hinge, describe_positive_direction(robot, joint), moved))
-        )
+        table.add_row(mark.hinge, describe_positive_direction(robot, joint), moved)
     return table
 
 
 def _tabulate(hinges: tuple[HingeCalibration, ...], robot: Robot) -> Table:
     names = ("hinge", "id", "zero", "deg", "first turn it so that", "direction", "moved deg", "range deg", "")
-    table = Table(*names, box=None, header_style="bold")
+    table = Table(*names)
     direction_labels = {1: "as its servo", -1: "inverted", 0: "?"}
     for joint, mark in enumerate(hinges):
         table.add_row(

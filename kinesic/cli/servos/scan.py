@@ -1,16 +1,15 @@
 """Verb `kinesic servos scan`: find the servos on serial ports."""
 
 import json
-import sys
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import click
-from rich.progress import Progress
-from rich.table import Table
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.terminal import console, error_console, quote_text
+from kinesic.cli.progress import show_steps
+from kinesic.cli.screen.table import Table
+from kinesic.cli.terminal import console, quote_text
 from kinesic.hardware.bus.host import list_ports as ports_here
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.registers import BAUD_RATES
@@ -36,10 +35,9 @@ def scan_ports(robot: str, ports: tuple[str, ...], bauds: tuple[int, ...], thoro
     rates = sorted(bauds or BAUD_RATES, key=lambda rate: (rate not in COMMON_BAUD_RATES, rate))
     found_servos: list[tuple[Path, FoundServo]] = []
     notes: list[str] = []
-    with Progress(console=error_console(), transient=True, disable=not sys.stderr.isatty()) as progress:
-        task = progress.add_task("scanning", total=len(paths) * len(rates))
+    with show_steps("scanning", len(paths) * len(rates)) as step:
         for path in paths:
-            for found_servo in _scan_port(path, rates, thorough, notes, lambda: progress.advance(task)):
+            for found_servo in _scan_port(path, rates, thorough, notes, step):
                 found_servos.append((path, found_servo))
     if as_json:
         click.echo(json.dumps([_to_json(path, found_servo) for path, found_servo in found_servos], indent=1))
@@ -73,7 +71,7 @@ def _scan_port(
 
 
 def _tabulate(found_servos: Sequence[tuple[Path, FoundServo]], hinges: dict[int, str]) -> Table:
-    table = Table("port", "baud", "id", "model", "firmware", "hinge", "", box=None, header_style="bold")
+    table = Table("port", "baud", "id", "model", "firmware", "hinge", "")
     for path, found_servo in found_servos:
         servo = found_servo.servo
         note = quote_text("several servos have this id" if found_servo.shared else "", style="red")

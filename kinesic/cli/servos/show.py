@@ -5,8 +5,8 @@ from dataclasses import asdict
 from math import isnan
 
 import click
-from rich.table import Table
 
+from kinesic.cli.screen.table import Table
 from kinesic.cli.servos.ports import open_ports, read_ports
 from kinesic.cli.terminal import console, quote_text
 from kinesic.hardware.protocol.servo_map import load_robot
@@ -33,7 +33,7 @@ def show_servos(robot: str, ports: tuple[str, ...], as_json: bool) -> int:
 
 def _tabulate(servos: tuple[SurveyedServo, ...]) -> Table:
     names = ("hinge", "id", "model", "firmware", "deg", "C", "V", "torque", "errors", "differs from the robot's file")
-    table = Table(*names, box=None, header_style="bold")
+    table = Table(*names)
     for servo in servos:
         labels = (servo.member.hinge, str(servo.member.id))
         if not servo.model_name:

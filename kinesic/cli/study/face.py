@@ -6,12 +6,12 @@ from pathlib import Path
 from statistics import median
 
 import click
-from rich.progress import Progress
-from rich.table import Table
-from rich.text import Text
 
 from kinesic.body.config import ConfigError
-from kinesic.cli.terminal import console, error_console, quote_text
+from kinesic.cli.progress import show_steps
+from kinesic.cli.screen.table import Table
+from kinesic.cli.screen.text import Text
+from kinesic.cli.terminal import console, quote_text
 from kinesic.face.display import DisplayError
 from kinesic.face.render.presets import QUALITY_PRESETS
 from kinesic.files.output_folder import check_folder, new_folder
@@ -51,11 +51,10 @@ def make_study(out: Path | None, force: bool, size: int, preset: str, post_to: s
     try:
         with (
             new_folder(folder, force=force) as temporary,
-            Progress(console=error_console(), transient=True) as progress,
+            show_steps("faces", len(stimuli)) as step,
         ):
-            task = progress.add_task("faces", total=len(stimuli))
             for _ in draw_stimuli(stimuli, temporary / "stimuli", size=size, preset=QUALITY_PRESETS[preset]):
-                progress.advance(task)
+                step()
             write_study_page(temporary / "index.html", post_to=post_to)
     except DisplayError as error:
         raise ConfigError(str(error)) from None
@@ -106,7 +105,7 @@ def _describe_participants(people: People) -> str:
 def _tabulate(name: str, effect: Comparison) -> Table:
     """Tabulate means and p values of both conditions (thesis Tables 4.3, 4.4)."""
     heads = [f"{side}\n{measure}" for side in effect.sides for measure in RATING_MEASURES]
-    table = Table("AU", title=f"effect of {name}", title_justify="left", box=None)
+    table = Table("AU", title=f"effect of {name}")
     for head in (*heads, *(f"p\n{measure}" for measure in RATING_MEASURES)):
         table.add_column(head, justify="right")
     for action in (*ACTION_NAMES, ALL_ACTIONS):
@@ -124,7 +123,7 @@ def _tabulate_sizes(name: str, effect: Comparison) -> Table:
 
     The p values within participants are of the Wilcoxon test, corrected by Holm.
     """
-    table = Table("AU", title=f"size of the effect of {name}, and within participants", title_justify="left", box=None)
+    table = Table("AU", title=f"size of the effect of {name}, and within participants")
     for head in ("people", *(f"{value}\n{measure}" for measure in RATING_MEASURES for value in ("delta", "r", "p"))):
         table.add_column(head, justify="right")
     for action in (*ACTION_NAMES, ALL_ACTIONS):
@@ -151,7 +150,7 @@ def _format_p(p: float) -> str:
 
 
 def _tabulate_choices(choices: FirstChoices) -> Table:
-    table = Table("wrinkles", *ACTION_NAMES, title="first choice", title_justify="left", box=None)
+    table = Table("wrinkles", *ACTION_NAMES, title="first choice")
     for side in ("with", "without"):
         fractions = [choices.shares[action, side] for action in ACTION_NAMES]
         table.add_row(side, *("-" if isnan(fraction) else f"{fraction:.2f}" for fraction in fractions))

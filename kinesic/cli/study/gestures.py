@@ -4,13 +4,13 @@ import json
 from pathlib import Path
 
 import click
-from rich.console import Console
-from rich.table import Table
 
 from kinesic.body.config import ConfigError
 from kinesic.cli.options import Planning, read_input
 from kinesic.cli.plain_words import printable
 from kinesic.cli.progress import show_stages
+from kinesic.cli.screen.console import Console
+from kinesic.cli.screen.table import Table
 from kinesic.cli.study.fractions import format_cells, format_rate, fraction_to_json, fractions_to_json
 from kinesic.cli.study.options import GestureStudyContent, StudyOutput
 from kinesic.cli.study.systems import matches_to_json, print_matches, print_ratings, ratings_to_json
@@ -131,7 +131,7 @@ def _print_recognition(result: RecognitionResult, screen: Console) -> None:
     screen.print(
         f"recognised: {overall}; interval: {CONFIDENCE_LEVEL:.0%} (Wilson); p: probability by guessing (binomial)"
     )
-    table = Table("gesture", "answers", "recognised", "interval", "p", "confused with", box=None)
+    table = Table("gesture", "answers", "recognised", "interval", "p", "confused with")
     for gesture, fraction in result.gestures.items():
         confusions = [confusion for confusion in result.confusions if confusion.shown == gesture]
         confused = ", ".join(f"{confusion.chosen} {confusion.count} of {confusion.offered}" for confusion in confusions)
@@ -143,7 +143,7 @@ def _print_preference(result: PreferenceResult, screen: Console) -> None:
     screen.print(
         "fraction that finds the unchanged gesture more natural; p: deviation from one half by chance (binomial)"
     )
-    table = Table("changed", "answers", "unchanged", "interval", "p", box=None)
+    table = Table("changed", "answers", "unchanged", "interval", "p")
     for condition, fraction in result.conditions.items():
         table.add_row(quote_text(condition), *format_cells(fraction))
     screen.print(table)

@@ -2,9 +2,8 @@
 
 from math import isnan
 
-from rich.console import Console
-from rich.table import Table
-
+from kinesic.cli.screen.console import Console
+from kinesic.cli.screen.table import Table
 from kinesic.cli.study.fractions import format_cells, format_rate, fraction_to_json, fractions_to_json
 from kinesic.cli.terminal import quote_text
 from kinesic.report.report import Json
@@ -15,7 +14,7 @@ from kinesic.studies.gesture_perception.elo import RatingResult
 def print_matches(result: MatchResult, screen: Console) -> None:
     """Print how often participants matched a motion with its speech, by system."""
     screen.print("speech of the motion found (guessing: 0.50); detectable: smallest rate shown with a power of 80 %")
-    table = Table("system", "answers", "found", "interval", "p", "detectable", box=None)
+    table = Table("system", "answers", "found", "interval", "p", "detectable")
     for system, fraction in result.systems.items():
         table.add_row(quote_text(system), *format_cells(fraction), _format_number(result.detectable[system], ".2f"))
     screen.print(table)
@@ -25,7 +24,7 @@ def print_matches(result: MatchResult, screen: Console) -> None:
 def print_ratings(result: RatingResult, screen: Console) -> None:
     """Print the ratings of systems by pairwise choices."""
     screen.print("rating of systems (Elo: a lead of 200 points is 76 %); interval: participants resampled")
-    table = Table("system", "answers", "preferred", "rating", "interval", box=None)
+    table = Table("system", "answers", "preferred", "rating", "interval")
     for system, rating in result.ratings.items():
         low, high = (_format_number(bound, ".0f") for bound in rating.interval)
         table.add_row(

@@ -2,9 +2,9 @@ import io
 from pathlib import Path
 
 import pytest
-from rich.console import Console
 
 from kinesic.cli.many.table import MAX_FOLDER_ROWS, _group_folders, summarise
+from kinesic.cli.screen.console import Console
 from kinesic.report.batch import DocumentVerdict
 from kinesic.report.checks import Check
 
@@ -24,7 +24,7 @@ def summary(verdicts: list[DocumentVerdict], width: int, *, colour: bool = False
     text = io.StringIO()
     summarise(
         verdicts,
-        Console(file=text, width=width, force_terminal=colour, color_system="standard" if colour else None),
+        Console(text, width, is_terminal=colour),
     )
     return [line.rstrip() for line in text.getvalue().splitlines()]
 
@@ -97,8 +97,8 @@ def test_check_counts_are_coloured_by_status_unless_they_are_zero():
     lines = summary([FAILED, PASSED, REFUSED], 120, colour=True)
     assert lines[0] == f"refused  {REFUSED.error}"  # no word of an error is highlighted
     fast, late = lines[-2:]
-    assert fast.startswith(" limits.speed  \x1b[32m   1\x1b[0m     0     0  \x1b[31m   1\x1b[0m    1.5")
-    assert late.startswith(" timing.lag       0     0  \x1b[35m   1\x1b[0m     0   0.02")
+    assert fast.startswith(" limits.speed     \x1b[32m1\x1b[0m     0     0     \x1b[31m1\x1b[0m    1.5")
+    assert late.startswith(" timing.lag       0     0     \x1b[35m1\x1b[0m     0   0.02")
 
 
 def test_only_the_total_row_of_all_folders_is_bold():

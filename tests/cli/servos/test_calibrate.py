@@ -9,9 +9,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from rich.console import Console
 
 from kinesic.body.robot import Robot
+from kinesic.cli.screen.console import Console
 from kinesic.cli.servos import calibrate
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.manifest import Manifest
@@ -169,8 +169,8 @@ def test_progress_fits_the_terminal_with_prompt_and_whole_names(height: int):
     robot = Robot.load()
     manifest = Manifest.of(robot)
     hinges = measure_hinges(Travel.begin(np.full(len(manifest.members), 2048)), manifest, robot)
-    terminal = Console(width=80 if height < 60 else 140, height=height, file=StringIO(), force_terminal=False)
-    terminal.print(calibrate.show_progress(hinges, robot, height=height))
+    terminal = Console(StringIO(), 80 if height < 60 else 140, height)
+    terminal.print(*calibrate.show_progress(hinges, robot, height=height))
     lines = terminal.file.getvalue().splitlines()
     assert len(lines) <= height
     assert "Enter ends." in " ".join(line.strip() for line in lines[-3:])

@@ -1,0 +1,1 @@
+"""Coloured text, tables and live lines for the terminal."""

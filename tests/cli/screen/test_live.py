@@ -1,0 +1,87 @@
+"""Lines that are redrawn at the end of a terminal, and output printed above them."""
+
+import io
+import sys
+
+import click
+import pytest
+
+from kinesic.cli.screen.console import Console
+from kinesic.cli.screen.live import LiveLines
+
+SLOW = 1e-3  # [Hz] rate at which the thread draws only once
+
+
+class Terminal(io.StringIO):
+    """Text that acts as a terminal."""
+
+    def isatty(self) -> bool:
+        return True
+
+
+def screen_of(output: str) -> list[str]:
+    """Return the lines that a terminal shows after some output."""
+    lines = [""]
+    for piece in output.replace("\x1b[1A\x1b[2K", "\0").splitlines(keepends=True):
+        for part in piece.split("\0")[:-1]:
+            assert part == ""
+            assert lines[-1] == ""
+            lines[-2:] = [""]
+        text = piece.rpartition("\0")[2]
+        lines[-1] += text.rstrip("\n")
+        lines += [""] if text.endswith("\n") else []
+    return lines
+
+
+@pytest.fixture
+def terminal(monkeypatch: pytest.MonkeyPatch) -> Terminal:
+    """Terminal with colours."""
+    monkeypatch.delenv("NO_COLOR", raising=False)
+    return Terminal()
+
+
+def test_output_appears_above_the_lines_and_the_lines_disappear(terminal: Terminal, monkeypatch):
+    monkeypatch.setattr(sys, "stderr", terminal)
+    monkeypatch.setattr(sys, "stdout", terminal)
+    lines = LiveLines(Console(terminal, 40, is_terminal=True), lambda: ("first", "second"), rate=SLOW)
+    with lines.shown():
+        lines.redraw()
+        assert screen_of(terminal.getvalue()) == ["first", "second", ""]
+        click.echo(click.style("warning", fg="red"), err=True)
+        click.echo("no end", nl=False)
+        assert screen_of(terminal.getvalue()) == ["\x1b[31mwarning\x1b[0m", "first", "second", ""]
+    assert screen_of(terminal.getvalue()) == ["\x1b[31mwarning\x1b[0m", "no end"]
+    assert sys.stderr is terminal
+
+
+def test_lines_that_are_too_long_are_wrapped_and_cut_to_the_window(terminal: Terminal):
+    lines = LiveLines(Console(terminal, 5, height=3, is_terminal=True), lambda: ("one two three",), rate=SLOW)
+    with lines.shown():
+        lines.redraw()
+        assert screen_of(terminal.getvalue()) == ["one", "two", ""]
+
+
+def test_output_to_a_pipe_does_not_move_to_the_terminal(terminal: Terminal, monkeypatch: pytest.MonkeyPatch):
+    pipe = io.StringIO()
+    monkeypatch.setattr(sys, "stdout", pipe)
+    with LiveLines(Console(terminal, 40, is_terminal=True), lambda: ("line",), rate=SLOW).shown():
+        click.echo("result")
+    assert pipe.getvalue() == "result\n"
+    assert "result" not in terminal.getvalue()
+
+
+def test_nothing_is_drawn_without_a_terminal():
+    pipe = io.StringIO()
+    with LiveLines(Console(pipe, 40), lambda: ("line",), rate=SLOW).shown():
+        pass
+    assert pipe.getvalue() == ""
+
+
+def test_only_terminals_get_colours_and_no_color_switches_them_off(terminal: Terminal, monkeypatch):
+    monkeypatch.setenv("NO_COLOR", "1")
+    assert not Console.on(terminal, file_width=160).has_colour
+    monkeypatch.delenv("NO_COLOR")
+    monkeypatch.setenv("COLUMNS", "70")
+    for stream, width, has_colour in ((terminal, 70, True), (io.StringIO(), 160, False)):
+        console = Console.on(stream, file_width=160)
+        assert (console.width, console.has_colour) == (width, has_colour)
