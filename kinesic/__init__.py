@@ -15,6 +15,7 @@ __all__ = [
     "Robot",
     "Style",
     "__version__",
+    "certify",
     "perform",
     "plan",
     "solve_ik",
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from kinesic.performer import Performer, perform
     from kinesic.planning.plan import Plan
     from kinesic.report.run import Performance
+    from kinesic.session.certify import certify
     from kinesic.session.plan import plan
     from kinesic.version import __version__
 
@@ -51,6 +53,7 @@ _LAZY_NAMES = {
     "Robot": ("kinesic.body.robot", "Robot"),
     "Style": ("kinesic.expressivity.style.style", "Style"),
     "__version__": ("kinesic.version", "__version__"),
+    "certify": ("kinesic.session.certify", "certify"),
     "perform": ("kinesic.performer", "perform"),
     "plan": ("kinesic.session.plan", "plan"),
     "solve_ik": ("kinesic.ik.solve", "solve"),

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from kinesic.capture.violations import MAX_RATIO, Violation, find_violations
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.planning.certify import compute_peak_duties
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
+from kinesic.planning.files.motion_files import save_motion
 from kinesic.planning.setup import Setup
 
 MAX_DETOURS = 4  # largest number of rounds of detours with increasing clearance
@@ -40,26 +42,52 @@ class Certification:
     """Result of certifying a motion file for one robot."""
 
     source: str  # name of the file
-    robot: str  # name of the robot
+    setup: Setup  # robot with its limits
     desired: RobotMotion  # motion of the file, retargeted
     violations: tuple[Violation, ...]  # limits that the retargeted motion violates
     nearest: NearestMotion  # motion within the limits
     limit_ratio: float  # largest value / limit of the nearest motion
     torque_ratio: float  # largest drive duty of the nearest motion by inverse dynamics
     clearance: float  # [m] smallest distance of the nearest motion
-    min_clearance: float  # [m] required distance
     distance: PathDistance
 
     @property
     def is_certified(self) -> bool:
         """Whether the nearest motion satisfies all limits."""
         is_within = self.limit_ratio <= MAX_RATIO and self.torque_ratio <= MAX_RATIO
-        return is_within and self.clearance >= self.min_clearance
+        return is_within and self.clearance >= self.setup.robot.min_clearance
 
     @property
     def trajectory(self) -> Trajectory:
         """Nearest motion within the limits, from rest to rest."""
         return self.nearest.motion.trajectory
+
+    def save(self, path: str | Path, *, force: bool = False) -> Path:
+        """Write the nearest motion to a .npz, .csv or .bap file.
+
+        Args:
+            path: of the file.
+            force: whether to replace an existing file.
+
+        Raises:
+            ConfigError: unknown suffix, or an existing file without `force`.
+        """
+        return save_motion(self.trajectory, self.setup.robot, Path(path), force=force)
+
+
+def judge_clip(clip: Clip, setup: Setup, source: str) -> tuple[RobotMotion, tuple[Violation, ...]]:
+    """Return a clip's motion on a robot, and the limits that it violates.
+
+    Args:
+        clip: of a body or of the robot's own joints.
+        setup: robot, limits, dynamics and distances.
+        source: name of the file.
+
+    Raises:
+        CaptureError: the clip is too long, or has no joint of the robot.
+    """
+    desired = retarget(clip, setup.robot, source)
+    return desired, find_violations(desired.requested, setup)
 
 
 def certify_clip(clip: Clip, setup: Setup, source: str) -> Certification:
@@ -73,19 +101,17 @@ def certify_clip(clip: Clip, setup: Setup, source: str) -> Certification:
     Raises:
         CaptureError: the clip is too long, or has no joint of the robot.
     """
-    desired = retarget(clip, setup.robot, source)
-    violations = find_violations(desired.requested, setup)
+    desired, violations = judge_clip(clip, setup, source)
     nearest, clearance = _find_clear(desired, setup)
     return Certification(
         source=source,
-        robot=setup.robot.name,
+        setup=setup,
         desired=desired,
         violations=violations,
         nearest=nearest,
         limit_ratio=largest_limit_ratio(nearest.motion.trajectory, setup),
         torque_ratio=float(compute_peak_duties(nearest.motion.trajectory, setup).max()),
         clearance=clearance,
-        min_clearance=setup.robot.min_clearance,
         distance=measure_distance(desired.arms or arm_paths(setup.robot, desired.angles), nearest, setup),
     )
 

@@ -11,7 +11,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.capture.robot_motion import SAMPLE_RATE, RobotMotion, arm_paths
-from kinesic.motion.condition import Conditioned, condition
+from kinesic.motion.condition import Conditioned, MakeDesired, condition
 from kinesic.motion.desired import DesiredMotion
 from kinesic.motion.easing import minimum_jerk
 from kinesic.motion.keys import KeyPosture, Keys
@@ -37,6 +37,7 @@ class NearestMotion:
     """Motion within all limits, and its correspondence to the clip."""
 
     motion: Conditioned
+    keys: tuple[KeyPosture, ...]  # at requested times, from rest to rest
     clip_times: Floats  # (m,) [s] performance times of the desired samples
     stretch: Floats  # (m,) local time stretch that was requested, 1 without
 
@@ -63,8 +64,8 @@ def find_nearest(desired: RobotMotion, setup: Setup, stretch: Floats | None = No
         stretch: (m,) local time stretch; searched by default.
     """
     stretch = _find_stretch(desired, setup) if stretch is None else stretch
-    requested, search = _make_search(desired, stretch, setup)
-    return _match(keep_duties(search, setup), requested, stretch)
+    request = _request(desired, stretch, setup)
+    return request.match(keep_duties(request.search, setup))
 
 
 def required_time_ratios(angles: Floats, limits: Limits) -> Floats:
@@ -134,8 +135,8 @@ def _stretch_by(amount: float, excess: Floats) -> Floats:
 
 def _distance_with(desired: RobotMotion, stretch: Floats, setup: Setup) -> float:
     """Return the largest wrist distance [arm lengths] from the desired path at a stretch."""
-    requested, search = _make_search(desired, stretch, setup)
-    nearest = _match(search(setup.limits), requested, stretch)
+    request = _request(desired, stretch, setup)
+    nearest = request.match(request.search(setup.limits))
     return largest_wrist_distance(setup.robot, desired.angles, nearest.angles)
 
 
@@ -145,8 +146,27 @@ def largest_wrist_distance(robot: Robot, first: Floats, second: Floats) -> float
     return max(float(np.linalg.norm(a.wrist - b.wrist, axis=1).max()) for a, b in paths)
 
 
-def _make_search(desired: RobotMotion, stretch: Floats, setup: Setup) -> tuple[Floats, "partial[Conditioned]"]:
-    """Return the requested times (m,) [s] of the samples, and the search for the motion.
+@dataclass(frozen=True, eq=False)
+class _Request:
+    """Keys and dense desired motion at a stretch."""
+
+    keys: tuple[KeyPosture, ...]
+    times: Floats  # (m,) [s] requested times of the desired samples
+    stretch: Floats  # (m,)
+    make_desired: MakeDesired
+
+    def search(self, limits: Limits) -> Conditioned:
+        """Return the nearest motion within limits."""
+        return condition(self.keys, limits, make_desired=self.make_desired)
+
+    def match(self, motion: Conditioned) -> NearestMotion:
+        """Return a motion with the times that correspond to the desired samples."""
+        planned = np.interp(self.times, motion.requested_times, motion.planned)
+        return NearestMotion(motion, self.keys, sealed(planned + motion.trajectory.zero), sealed(self.stretch))
+
+
+def _request(desired: RobotMotion, stretch: Floats, setup: Setup) -> _Request:
+    """Return the keys and the desired motion from rest through the samples and back.
 
     Only rest, the first and the last posture are exact keys. Further keys keep the path without binding it.
     """
@@ -173,7 +193,7 @@ def _make_search(desired: RobotMotion, stretch: Floats, setup: Setup) -> tuple[F
     if trail > 0.0:
         keys.append(KeyPosture(end + trail, rest, all_hinges))
     make_desired = partial(_warp, course_times=course_times, course=course)
-    return times, partial(condition, tuple(keys), make_desired=make_desired)
+    return _Request(tuple(keys), times, stretch, make_desired)
 
 
 def _approach_time(setup: Setup, rest: Floats, posture: Floats) -> float:
@@ -198,8 +218,3 @@ def _warp(times: Floats, keys: Keys, *, course_times: Floats, course: Floats) ->
     states = sealed([course, curve(performance, 1), curve(performance, 2)])
     hinges = tuple(range(course.shape[1]))
     return DesiredMotion({hinges: QuinticSpline(sealed(performance), states)}, -float(times[0]))
-
-
-def _match(motion: Conditioned, requested: Floats, stretch: Floats) -> NearestMotion:
-    planned = np.interp(requested, motion.requested_times, motion.planned)
-    return NearestMotion(motion, sealed(planned + motion.trajectory.zero), sealed(stretch))

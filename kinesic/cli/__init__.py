@@ -9,6 +9,7 @@ with exit_at_once_on_interrupt():  # Ctrl-C prints one line even during imports.
 
     from kinesic.bml.block import BmlError
     from kinesic.body.config import ConfigError
+    from kinesic.cli.certify_verb import certify_verb
     from kinesic.cli.examples import attach_examples
     from kinesic.cli.export_verb import export_verb
     from kinesic.cli.extras import explain_missing
@@ -38,6 +39,7 @@ for verb in (
     sweep_verb,
     validate_verb,
     export_verb,
+    certify_verb,
 ):
     kinesic.add_command(verb)
 robots.add_command(search_verb)

@@ -6,6 +6,7 @@ import click
 
 EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "bench": ("kinesic bench ik", "kinesic bench naturalness --style joyful --json"),
+    "certify": ("kinesic certify motion.bvh --robot upper36 --out motion.npz", "kinesic certify motion.csv --check"),
     "completion": ("kinesic completion bash >> ~/.bashrc", "kinesic completion fish"),
     "demo": ("kinesic demo", "kinesic demo --robot human --style joyful --out greeting"),
     "doctor": ("kinesic doctor",),

@@ -5,7 +5,7 @@ from collections.abc import Mapping
 import click
 
 VERBS_BY_TASK: Mapping[str, tuple[str, ...]] = {
-    "Perform": ("demo", "perform", "say", "plan", "validate", "face", "export"),
+    "Perform": ("demo", "perform", "say", "plan", "validate", "certify", "face", "export"),
     "Perform live": ("serve", "studio", "mcp"),
     "Gestures, styles and robots": ("gestures", "styles", "new", "robots"),
     "Servos": ("servos", "twin"),

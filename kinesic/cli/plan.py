@@ -25,7 +25,6 @@ from kinesic.intent.fml.author import is_fml
 from kinesic.metrics.synchrony import StrokeLag, compute_median_lag, measure_planned_lags
 from kinesic.planning.certify import certify
 from kinesic.planning.clearance import Conditioner
-from kinesic.planning.files.bap import BAP_SUFFIX
 from kinesic.planning.files.motion_files import check_motion_file, save_motion
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
@@ -34,7 +33,7 @@ from kinesic.report.gltf.scene import SCENE_SUFFIX as SCENE
 from kinesic.report.gltf.scene import is_scene, save_scene, save_voice
 from kinesic.report.labels import label
 from kinesic.session.documents import is_spoken_file, write_fml, write_text
-from kinesic.session.plan import plan, plan_motion_file, plan_plain_text
+from kinesic.session.plan import is_motion_file, plan, plan_motion_file, plan_plain_text
 
 COLUMN_SYNCS = ("start", "end")  # sync points with their own column in the timeline
 MAX_SPEECH_LENGTH = 30  # [characters] speech shown in the timeline
@@ -135,15 +134,15 @@ def document_name(file: str) -> str:
 
 
 def is_motion(file: str) -> bool:
-    """Return whether the file is a motion file (.bap)."""
-    return file.lower().endswith(BAP_SUFFIX)
+    """Return whether the file is a motion file."""
+    return is_motion_file(file)
 
 
 def plan_input(file: str, setup: Setup, *, conditioned: Conditioner = certify) -> Plan:
     """Plan a file, or standard input for `-`.
 
     Args:
-        file: BML, FML, text (.txt, .md, .srt, .vtt, SSML), or a motion (.bap).
+        file: BML, FML, text (.txt, .md, .srt, .vtt, SSML), or a motion (.bap, .bvh, .skm, .csv, .npz).
         setup: robot, style and options.
         conditioned: conditioner that brings desired motions within the limits.
 

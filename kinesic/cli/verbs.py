@@ -170,7 +170,7 @@ def _face() -> None:
 @report_options
 @implemented_by("several_robots:perform_document")
 def _perform() -> None:
-    """Perform FILE (BML, FML, .bap or -) and write a report.
+    """Perform FILE (BML, FML, motion or -) and write a report.
 
     FILE may be the name of a built-in document: night, story or welcome. FILE - is BML on standard input. With servos,
     FILE is first performed in the twin, and on the servos only if no check failed. With --robot A,B several robots
@@ -198,7 +198,7 @@ def _perform() -> None:
 )
 @implemented_by("plan:plan_file")
 def _plan() -> None:
-    """Plan FILE (BML, FML, .bap or -) and write the motion.
+    """Plan FILE (BML, FML, motion or -) and write the motion.
 
     FILE may be the name of a built-in document, such as welcome. FILE - is BML on standard input. Without --out, print
     the timeline of the plan and its deviations from FILE.

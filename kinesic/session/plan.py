@@ -19,6 +19,7 @@ from kinesic.session.documents import TEXT_SUFFIXES, read_block, read_plain_text
 from kinesic.session.recorded import SpokenRecording, read_recording
 from kinesic.session.setup import set_up
 
+MOTION_FILE_SUFFIXES = (BAP_SUFFIX, ".bvh", ".skm", ".csv", ".npz")  # suffixes of motion files that are performed
 DocumentSource = str | bytes | Path  # a path, or BML text
 
 
@@ -77,24 +78,36 @@ def plan_recording(
 
 
 def plan_motion_file(path: str | Path, setup: Setup, *, source: str | None = None) -> Plan:
-    """Plan the motion of a .bap file.
+    """Plan the motion of a file.
 
     Args:
-        path: of the file.
+        path: of the file (.bap, or captured motion such as .bvh).
         setup: robot, style and options.
         source: name in messages and reports; default is the path.
 
     Raises:
         ConfigError: the file is missing or invalid.
     """
-    return plan_imported(read_bap(Path(path), setup.robot), setup, source=source or str(path))
+    file, name = Path(path), source or str(path)
+    if file.suffix.lower() == BAP_SUFFIX:
+        return plan_imported(read_bap(file, setup.robot), setup, source=name)
+    from kinesic.capture.certified_plan import plan_captured  # noqa: PLC0415 - SciPy's splines are slow to import
+    from kinesic.capture.read import read_clip  # noqa: PLC0415 - likewise
+
+    return plan_captured(read_clip(file), setup, source=name)
+
+
+def is_motion_file(path: str | Path) -> bool:
+    """Return whether the suffix of a path is that of a motion file."""
+    return Path(path).suffix.lower() in MOTION_FILE_SUFFIXES
 
 
 def plan_document(document: DocumentSource, setup: Setup, *, source: str | None = None) -> Plan:
     """Plan a BML, FML or text document, given as path or text.
 
     Args:
-        document: path (BML, a text such as .txt or .md, or a .bap motion), name of a built-in document, or BML text.
+        document: path (BML, a text such as .txt, or a motion such as .bap or .bvh), name of a built-in document, or
+            BML text.
         setup: robot, style and options.
         source: name in messages and reports; default is the path.
 
@@ -105,7 +118,7 @@ def plan_document(document: DocumentSource, setup: Setup, *, source: str | None 
     if isinstance(document, bytes) or (isinstance(document, str) and _is_content(document)):
         return plan(document, setup, source=source or "<text>")
     path = Path(document)
-    if path.suffix.lower() == BAP_SUFFIX:
+    if is_motion_file(path):
         return plan_motion_file(path, setup, source=source)
     if path.suffix.lower() in TEXT_SUFFIXES:
         return plan_plain_text(_read_bytes(path), setup, source=source or str(path))

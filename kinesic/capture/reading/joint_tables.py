@@ -18,6 +18,7 @@ from kinesic.capture.reading.text import (
     split_lines,
 )
 from kinesic.files.array_file import Array, numbers_of, text_of, unpack_arrays
+from kinesic.planning.files.motion_files import NPZ_ARRAYS
 
 TIME_NAMES = ("time_s", "time", "t", "timestamp", "times")  # names of the column of times [s]
 NAME_ARRAYS = ("names", "joint_names")  # names of the npz array with joint names
@@ -88,7 +89,8 @@ def read_joint_npz(data: bytes, source: str) -> JointClip:
         raise CaptureError(
             f"{source}: angles have shape {angles.shape}; {len(times)} times and {len(names)} names need finite numbers"
         )
-    return _make_clip(times, names, angles, source)
+    has_radians = set(NPZ_ARRAYS) <= arrays.keys()  # exported by kinesic
+    return _make_clip(times, [f"{name}_rad" for name in names] if has_radians else names, angles, source)
 
 
 def read_npz(data: bytes, source: str) -> Mapping[str, Array]:

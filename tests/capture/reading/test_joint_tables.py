@@ -76,4 +76,5 @@ def test_own_exports_are_read_with_their_angles(known, tmp_path):
     for suffix, read in ((".npz", read_joint_npz), (".csv", read_joint_csv)):
         clip = load(read, save_motion(trajectory, known.robot, tmp_path / f"a{suffix}", force=False))
         assert clip.names == known.robot.skeleton.names
+        assert clip.guesses == ()
         assert clip.angles == pytest.approx(trajectory.angles(clip.times), abs=1e-8)

@@ -1,0 +1,62 @@
+"""Certified motion files as plans, which reports, twins and servos perform."""
+
+from time import perf_counter
+
+from kinesic.bml.block import Block, Notice, NoticeType
+from kinesic.bml.schedule import schedule
+from kinesic.capture.certification import Certification, certify_clip
+from kinesic.capture.clip import Clip
+from kinesic.expressivity.keyframes import KeyFrames
+from kinesic.planning.clearance import scan_clearance
+from kinesic.planning.plan import Plan
+from kinesic.planning.postures import Postures
+from kinesic.planning.setup import Setup
+from kinesic.planning.syncs import Syncs
+
+NOTICED_STRETCH = 1.005  # time stretch above which a notice tells it
+NOTICED_DISTANCE = 0.05  # [arm lengths] wrist distance above which a notice tells it
+
+
+def plan_captured(clip: Clip, setup: Setup, *, source: str) -> Plan:
+    """Plan the nearest motion to a clip, starting and ending at rest.
+
+    Args:
+        clip: of a body or of the robot's own joints.
+        setup: robot and limits.
+        source: file name, for messages.
+
+    Raises:
+        CaptureError: the clip is too long, or has no joint of the robot.
+    """
+    began = perf_counter()
+    certification = certify_clip(clip, setup, source)
+    nearest, timeline = certification.nearest, schedule(Block(id="motion", behaviours=(), source=source), {}, {})
+    times, clearance = scan_clearance(certification.trajectory, setup.distances)
+    return Plan(
+        setup=setup,
+        timeline=timeline,
+        utterances={},
+        keyframes=KeyFrames(timeline, (), {}),
+        postures=Postures(nearest.keys, {}),
+        motion=nearest.motion,
+        clearance=clearance,
+        clearance_times=times,
+        syncs=Syncs(),
+        notices=list_notices(certification),
+        seconds=perf_counter() - began,
+        requested_postures=nearest.keys,
+    )
+
+
+def list_notices(certification: Certification) -> tuple[Notice, ...]:
+    """Return notices about guesses, stretched time and distances of a certified motion."""
+    texts = list(certification.desired.notes)
+    nearest, distance = certification.nearest, certification.distance
+    if nearest.total_stretch > NOTICED_STRETCH:
+        texts.append(
+            f"faster than the servos: it lasts {nearest.total_stretch:.2f} times as long, "
+            f"and is at most {float(nearest.stretch.max()):.2f} times slower"
+        )
+    if distance.wrist_max > NOTICED_DISTANCE:
+        texts.append(f"a wrist is up to {distance.wrist_max:.2f} arm lengths away from that of the file")
+    return tuple(Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, "motion", text) for text in texts)
