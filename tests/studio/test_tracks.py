@@ -104,6 +104,9 @@ def test_each_body_part_has_a_track_with_lexemes_and_phases(studio: Studio):
     drawn = studio.page.value(f"kinesicStudio.timeline.timeAt({left})")
     sync = next(s for s in studio.state("draft")["syncs"] if (s["behaviour"], s["sync"]) == ("give", "strokeStart"))
     assert drawn == pytest.approx(sync["planned"], abs=0.02)
+    show(studio, WORDS)
+    assert studio.page.value("document.querySelectorAll('[data-block=s] .phase').length") == 0, "speech has none"
+    show(studio, PARTS)
     label = studio.page.value("document.querySelector('[data-block=give]').getAttribute('aria-label')")
     assert re.fullmatch(r"gesture offer, give, \d+\.\d\d to \d+\.\d\d s", label)
 
@@ -254,3 +257,44 @@ def test_dragged_edge_of_a_phase_changes_the_phase_and_keeps_the_stroke(studio: 
     )
     after = {s["sync"]: s["planned"] for s in studio.state("draft")["syncs"] if s["behaviour"] == "three"}
     assert after["stroke"] == pytest.approx(before["stroke"], abs=0.03)
+
+
+def drop(studio: Studio, source: str, place: tuple[float, float]) -> None:
+    """Drag a chip of the palette or a row of the gesture list to a place on the timeline."""
+    x, y = middle(studio, source)
+    studio.page.drag((x, y), (x + 8, y + 8), ((x + place[0]) / 2, (y + place[1]) / 2), place)
+
+
+def test_chip_of_the_palette_is_dropped_onto_a_word_and_onto_a_time(studio: Studio):
+    show(studio, WORDS)
+    studio.page.click("#show-palette")
+    word = studio.page.value("[...document.querySelectorAll('.word')].findIndex(word => word.textContent === 'then')")
+    drop(studio, "[data-add='palette:Head/nod']", middle(studio, f"[data-word='{word}']"))
+    text = changed(studio, WORDS)
+    mark = re.search(r'<sync id="(\w+)"/>then', text)[1]
+    assert f'<head id="nod" stroke="s:{mark}" lexeme="NOD"/>' in text
+    studio.until("s.selected.join() === 'nod'")
+    right, bottom = studio.page.value(
+        "(r => [r.right, r.bottom])(document.querySelector('#rows').getBoundingClientRect())"
+    )
+    drop(studio, "[data-add='palette:Gaze/to the left']", (right - 30, bottom - 12))
+    late = changed(studio, text)
+    start, end = (
+        float(value) for value in re.search(r'<gaze id="look" start="([\d.]+)" end="([\d.]+)"', late).groups()
+    )
+    assert start > 1.0
+    assert end == pytest.approx(start + 2)
+    studio.page.click("#show-palette")
+    assert studio.page.value("document.querySelector('#palette').hidden")
+
+
+def test_gesture_of_the_list_is_dropped_onto_a_word(studio: Studio):
+    show(studio, WORDS)
+    studio.page.value("document.querySelector('#lexicon').open = true")
+    search = "document.querySelector('#search')"
+    studio.page.value(f"{search}.value = 'idea bowl', {search}.dispatchEvent(new Event('input'))")
+    row = "[data-add='gesture:conduit']"
+    studio.page.value(f'document.querySelector("{row}").scrollIntoView({{block: "center"}})')
+    drop(studio, f"{row} b", middle(studio, "[data-word='0']"))
+    assert '<gesture id="conduit" lexeme="conduit" stroke="s:start"/>' in changed(studio, WORDS)
+    studio.page.value("document.querySelector('#lexicon').open = false")

@@ -1,15 +1,16 @@
 // Page of the studio: one document as text, timeline and stage.
+import { blockTime } from "./anchors.ts";
 import { listen } from "./controls.ts";
 import { byId, say } from "./dom.ts";
 import { Drafting } from "./drafting.ts";
-import { addGesture, alone, setAttribute, setManner } from "./edits.ts";
+import { type Added, alone, appendGesture, setAttribute, setManner } from "./edits.ts";
 import { Exports } from "./exports.ts";
 import { Files } from "./files.ts";
 import { GestureEditing } from "./gesture_editing.ts";
 import { begin, change, type History, redo, undo } from "./history.ts";
 import { Inspector } from "./inspector.ts";
 import { Motion } from "./motion.ts";
-import { listenToPalette } from "./palette.ts";
+import { addDropped, listenToPalette } from "./palette.ts";
 import { fillMenus, showClock, showNotices } from "./panels.ts";
 import { Performing } from "./performing.ts";
 import { Playback } from "./playback.ts";
@@ -20,6 +21,7 @@ import { TextMode } from "./text_mode/text_mode.ts";
 import { Timeline } from "./timeline.ts";
 import { listenToTracks } from "./tracks/commands.ts";
 import { TrackEditing } from "./tracks/editing.ts";
+import { listenToDrops } from "./tracks/palette_drag.ts";
 import type { About, Draft, GestureDraft } from "./types.ts";
 import { StageView } from "./view.ts";
 import type { Answer } from "./wire.ts";
@@ -137,6 +139,10 @@ class App {
     });
     this.listen();
     listenToTracks(this.tracks, this.timeline);
+    listenToDrops(this.timeline, {
+      drop: (value, snap) => this.tracks.drop(value, snap),
+      press: (value) => this.add((text, time) => addDropped(text, value, blockTime(time))),
+    });
     listenToPalette((edit) => this.add(edit));
     fillMenus(this.about);
     this.files.begin();
@@ -216,15 +222,15 @@ class App {
   }
 
   private insert(lexeme: string): void {
-    this.add((text, time) => ({ text: addGesture(text, lexeme, time), id: null }));
+    this.add((text, time) => appendGesture(text, lexeme, blockTime(time)));
   }
 
   /** Add a behaviour at the time of the slider, and select it if it has an id. */
-  private add(edit: (text: string, time: number) => { text: string; id: string | null } | null): void {
+  private add(edit: (text: string, time: number) => Added | null): void {
     const time = Math.max(0, this.playback.player.time - (this.draft?.zero ?? 0));
     if (this.isGesture) this.robot.live.say("open a document first; this is a gesture");
     const added = this.isGesture ? null : edit(this.document, time);
-    if (added?.id) this.tracks.expect([added.id]);
+    if (added) this.tracks.expect([added.id]);
     if (added) this.edit(added.text);
   }
 

@@ -1,4 +1,5 @@
 // Edits of a document: pure functions from text to text that preserve all other bytes.
+import { type Anchor, blockTime, formatTime, writeAnchor } from "./anchors.ts";
 import { unusedId } from "./ids.ts";
 import { withKinesicPrefix } from "./namespaces.ts";
 import {
@@ -19,14 +20,11 @@ export const PINNING: readonly string[] = ["start", "ready", "strokeStart", "att
 
 const WORD_OR_MARKUP = /<!--[\s\S]*?-->|<!\[CDATA\[[\s\S]*?\]\]>|<\?[\s\S]*?\?>|<[^>]*>|[^\s<]+/g;
 
-export type Anchor = { speech: string; mark: string } | { time: number };
-
-/** Format a time [s] with up to three decimals. */
-export const formatTime = (seconds: number): string => String(Math.round(seconds * 1000) / 1000);
+type Place = { speech: string; mark: string } | { time: number };
 
 /** Tie a sync point to a mark of a speech or to a block time [s]; remove other pinned points. */
-export function tie(text: string, behaviour: string, point: string, anchor: Anchor): string {
-  const value = "time" in anchor ? formatTime(Math.max(0, anchor.time)) : `${anchor.speech}:${anchor.mark}`;
+export function tie(text: string, behaviour: string, point: string, place: Place): string {
+  const value = "time" in place ? formatTime(Math.max(0, place.time)) : `${place.speech}:${place.mark}`;
   return pin(text, behaviour, point, value);
 }
 
@@ -130,10 +128,15 @@ export function append(text: string, stem: string, write: (prefix: string, id: s
   return { id, text: `${text.slice(0, end.to - 2).trimEnd()}>\n${line}</${end.prefix}bml>${text.slice(end.to)}` };
 }
 
-/** Append a gesture at a block time [s]. */
-export function addGesture(text: string, lexeme: string, time: number): string {
+/** Append a gesture whose stroke falls on an anchor, or which starts at a block time [s]. */
+export function appendGesture(text: string, lexeme: string, anchor: Anchor): Added | null {
   const stem = lexeme.toLowerCase().replace(/[^a-z0-9]+/g, "_");
+  const point = anchor.reference === null ? "start" : "stroke";
   const write = (prefix: string, id: string) =>
-    `<${prefix}gesture id="${id}" lexeme="${escapeXml(lexeme)}" start="${formatTime(time)}"/>`;
-  return append(text, /^[a-z_]/.test(stem) ? stem : `g_${stem}`, write)?.text ?? text;
+    `<${prefix}gesture id="${id}" lexeme="${escapeXml(lexeme)}" ${point}="${writeAnchor(anchor)}"/>`;
+  return append(text, /^[a-z_]/.test(stem) ? stem : `g_${stem}`, write);
 }
+
+/** Append a gesture at a block time [s]. */
+export const addGesture = (text: string, lexeme: string, time: number): string =>
+  appendGesture(text, lexeme, blockTime(time))?.text ?? text;

@@ -70,7 +70,7 @@ export class GestureList {
     };
     return make(
       "li",
-      { class: near ? "gesture near" : "gesture" },
+      { class: near ? "gesture near" : "gesture", "data-add": `gesture:${id}`, "data-label": id },
       make("span", { title: says }, make("b", {}, id), ` ${category}`),
       act("Add", `Add ${id} to the document`, () => this.listener.insert(id)),
       act("Edit", `Edit a copy of ${id}`, () => this.listener.edit(id)),

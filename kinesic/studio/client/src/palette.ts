@@ -1,6 +1,8 @@
 // Palette of behaviours: head, gaze, face, posture, pointing, pause and speech are added without writing XML.
+
+import { type Anchor, blockTime, formatTime, writeAnchor } from "./anchors.ts";
 import { byId, make } from "./dom.ts";
-import { type Added, append, formatTime } from "./edits.ts";
+import { type Added, append, appendGesture } from "./edits.ts";
 import { escapeXml } from "./xml.ts";
 
 /** Entry of the palette. */
@@ -12,6 +14,7 @@ interface Entry {
   write(prefix: string, common: string, end: string): string;
 }
 
+const STROKE_GROUPS: readonly string[] = ["Head", "Pointing"]; // groups whose behaviours have a stroke
 const DURATION = 2; // [s] of behaviours that last
 
 const plain =
@@ -62,12 +65,24 @@ const ENTRIES = new Map<string, Entry>(
 );
 
 /** Append an entry of the palette at a block time [s]; null if that is not possible. */
-export function addEntry(text: string, value: string, time: number): Added | null {
+export const addEntry = (text: string, value: string, time: number): Added | null =>
+  appendEntry(text, value, blockTime(time));
+
+/** Append an entry at an anchor, where its stroke falls or else its start; null if that is not possible. */
+function appendEntry(text: string, value: string, anchor: Anchor): Added | null {
   const entry = ENTRIES.get(value);
   if (!entry) return null;
+  const point = anchor.reference !== null && STROKE_GROUPS.includes(value.split("/")[0]!) ? "stroke" : "start";
   return append(text, entry.stem, (prefix, id) =>
-    entry.write(prefix, ` id="${id}" start="${formatTime(time)}"`, formatTime(time + DURATION)),
+    entry.write(prefix, ` id="${id}" ${point}="${writeAnchor(anchor)}"`, writeAnchor(anchor, DURATION)),
   );
+}
+
+/** Append what is dropped at an anchor: KIND:VALUE of the palette or of the list of gestures. */
+export function addDropped(text: string, dropped: string, anchor: Anchor): Added | null {
+  const at = dropped.indexOf(":");
+  const [kind, value] = [dropped.slice(0, at), dropped.slice(at + 1)];
+  return kind === "gesture" ? appendGesture(text, value, anchor) : appendEntry(text, value, anchor);
 }
 
 /** Append a spoken line at a block time [s]; null without words. */

@@ -1,9 +1,10 @@
 // Copied behaviours: pasted ones get new ids, and keep references only among themselves.
+import { blockTime, readAnchor, writeAnchor } from "../anchors.ts";
 import { append, POINTS, setAttribute } from "../edits.ts";
 import { unusedId } from "../ids.ts";
 import { scopeOf } from "../namespaces.ts";
 import { elementSpan, findTags, tagWithId } from "../xml.ts";
-import { idsIn, readAnchor, readPins, writeAnchor } from "./group_edits.ts";
+import { idsIn, readPins } from "./group_edits.ts";
 
 interface Copied {
   id: string;
@@ -81,8 +82,7 @@ function written(text: string, item: Copied, id: string, renamed: ReadonlyMap<st
     return own ? xml : setAttribute(xml, item.id, name, uri);
   }, item.xml);
   const pinned = [...item.pins].reduce((xml, [point, value]) => {
-    const now =
-      typeof value === "number" ? writeAnchor({ reference: null, offset: value }, time) : rename(value, renamed);
+    const now = typeof value === "number" ? writeAnchor(blockTime(value), time) : rename(value, renamed);
     return setAttribute(xml, item.id, point, now);
   }, declared);
   return setAttribute(pinned, item.id, "id", id);

@@ -1,13 +1,15 @@
 // Edits of the timeline: what drags, keys and menus do with the selected behaviours.
+import { type Anchor, blockTime } from "../anchors.ts";
 import { mark, remove, shift, tie } from "../edits.ts";
+import { addDropped } from "../palette.ts";
 import type { Draft } from "../types.ts";
 import { BLOCK } from "../xml.ts";
 import { type Clip, copyAll, paste } from "./clipboard.ts";
 import type { Move } from "./drags.ts";
-import { type Anchor, dependsOn, moveAll, moveOnto, stretch } from "./group_edits.ts";
+import { dependsOn, moveAll, moveOnto, stretch } from "./group_edits.ts";
 import { mainPoint, type Points, pointsOf, spanOf } from "./phases.ts";
 import { Selection } from "./selection.ts";
-import type { Target } from "./snapping.ts";
+import type { Snap, Target } from "./snapping.ts";
 
 /** Parts of the page that the edits need. */
 export interface TrackDesk {
@@ -86,9 +88,23 @@ export class TrackEditing {
     }
   }
 
+  /** Add what is dropped from the palette or the list of gestures. */
+  drop(value: string, snap: Snap): void {
+    if (this.desk.locked()) {
+      this.desk.say("open a document first; this is a gesture");
+      return;
+    }
+    const { text, anchor } = this.anchorAt(this.desk.text(), snap.target, this.inBlock(snap.time));
+    const added = addDropped(text, value, anchor);
+    if (!added) return;
+    this.pending = [added.id];
+    this.desk.edit(added.text);
+    this.desk.say(`${added.id} added at ${snap.says}`);
+  }
+
   /** Return the anchor of a target, and the text with the mark that it needs. */
   anchorAt(text: string, target: Target, time: number, behaviour?: string): { text: string; anchor: Anchor } {
-    const free = { text, anchor: { reference: null, offset: time } };
+    const free = { text, anchor: blockTime(time) };
     if (target.kind === "free") return free;
     if (target.kind === "word") {
       const { speech, mark: before, index } = target.word;

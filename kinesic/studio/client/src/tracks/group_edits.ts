@@ -1,29 +1,7 @@
 // Edits of the times of several behaviours: pure functions from text to text that preserve all other bytes.
-import { formatTime, PINNING, POINTS, setAttribute } from "../edits.ts";
+import { type Anchor, blockTime, formatTime, readAnchor, writeAnchor } from "../anchors.ts";
+import { PINNING, POINTS, setAttribute } from "../edits.ts";
 import { findAttribute, tagWithId } from "../xml.ts";
-
-/** Point in time of a document: a reference with an offset [s], or a block time [s] without a reference. */
-export interface Anchor {
-  reference: string | null;
-  offset: number;
-}
-
-const REFERENCE = /^\s*([A-Za-z_][^\s+]*?)\s*([+-]\s*[\d.]+)?\s*$/;
-const NUMBER = /^\s*[+-]?(?:\d+\.?\d*|\.\d+)\s*$/;
-
-/** Read the value of a sync attribute; null for other notations. */
-export function readAnchor(value: string): Anchor | null {
-  if (NUMBER.test(value)) return { reference: null, offset: Number(value) };
-  const parts = value.match(REFERENCE);
-  return parts && { reference: parts[1]!, offset: Number((parts[2] ?? "0").replace(/\s/g, "")) };
-}
-
-/** Write an anchor that is some seconds later; block times are not negative. */
-export function writeAnchor({ reference, offset }: Anchor, later = 0): string {
-  const sum = Math.round((offset + later) * 1000) / 1000;
-  if (reference === null) return formatTime(Math.max(0, sum));
-  return sum === 0 ? reference : `${reference}${sum > 0 ? "+" : ""}${formatTime(sum)}`;
-}
 
 /** Return the sync attributes of a behaviour by the names of their points. */
 export function readPins(text: string, id: string): Map<string, string> {
@@ -99,7 +77,7 @@ export function stretch(
   const kept =
     fixed.length || point === main
       ? text
-      : setAttribute(text, id, main, writeAnchor({ reference: null, offset: asked.get(main) ?? begin }));
+      : setAttribute(text, id, main, writeAnchor(blockTime(asked.get(main) ?? begin)));
   const anchor = own === undefined ? null : readAnchor(own);
   if (anchor) return setAttribute(kept, id, point, writeAnchor(anchor, by));
   const relative = fixed
@@ -107,6 +85,6 @@ export function stretch(
     .find((each) => each.anchor?.reference && each.time !== undefined);
   const value = relative
     ? writeAnchor(relative.anchor!, begin + by - relative.time!)
-    : writeAnchor({ reference: null, offset: begin }, by);
+    : writeAnchor(blockTime(begin), by);
   return setAttribute(kept, id, point, value);
 }

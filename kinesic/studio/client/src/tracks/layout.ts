@@ -5,12 +5,12 @@ import { type Points, pointsOf, spanOf } from "./phases.ts";
 /** Names of the tracks, top to bottom. */
 export const TRACKS: readonly (readonly [string, string])[] = [
   ["voice", "voice"],
-  ["face", "face"],
-  ["gaze", "gaze"],
-  ["head", "head"],
-  ["torso", "trunk"],
   ["r_hand", "right hand"],
   ["l_hand", "left hand"],
+  ["head", "head"],
+  ["gaze", "gaze"],
+  ["torso", "trunk"],
+  ["face", "face"],
 ];
 const OTHER = "other"; // track of pauses and unknown behaviours
 

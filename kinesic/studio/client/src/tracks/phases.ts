@@ -43,8 +43,8 @@ export const edgesOf = (points: Points): Sync[] =>
 export function phasesOf(points: Points): Phase[] {
   const at = (...names: string[]) => names.map((name) => points.get(name)?.planned).find((time) => time !== undefined);
   const [start, end] = [at("start"), at("end")];
-  if (start === undefined || end === undefined || points.size < 3) return [];
-  const ready = at("ready", "attackPeak", "strokeStart", "relax") ?? end;
+  const ready = at("ready", "attackPeak", "strokeStart", "relax");
+  if (start === undefined || end === undefined || ready === undefined) return []; // speech and pauses
   const relax = at("relax") ?? end;
   const [strokeStart, strokeEnd] = [at("strokeStart") ?? relax, at("strokeEnd") ?? relax];
   const phases: Phase[] = [
