@@ -9,6 +9,7 @@ import pytest
 from kinesic.bml.block import Speech
 from kinesic.bml.parse import parse
 from kinesic.body.utterance import Mark, Pause, Script, Sound, Utterance
+from kinesic.expressivity.hands.busy_hands import BusyHand
 from kinesic.expressivity.style.style import Expressivity, Style
 from kinesic.planning import plan as plan_module
 from kinesic.planning import speech
@@ -137,6 +138,21 @@ def test_planning_keeps_utterances_given_by_the_caller(known: Setup, waiting: Pl
     again = plan_block(waiting.timeline.block, known, utterances=waiting.utterances)
     assert again.utterances == waiting.utterances
     assert pauses(again) == []
+
+
+@ONE_VOICE
+def test_given_schedule_is_used_until_pauses_or_busy_hands_change_it(known: Setup):
+    plain, paused = (parse(HURRIED.format(block="", speech=speech)) for speech in ("", 'kinesic:pause="true"'))
+    without_pause = plan_block(paused, known, utterances=speech.synthesise_block(paused, known)).timeline
+    first = plan_block(plain, known)
+    assert plan_block(plain, known, timeline=first.timeline).timeline is first.timeline
+    waiting = plan_block(paused, known, timeline=without_pause)
+    assert pauses(waiting)
+    assert [timed.times for timed in waiting.timeline.timed] == [
+        timed.times for timed in plan_block(paused, known).timeline.timed
+    ]
+    busy = (BusyHand("r", 50.0, 51.0, "other:g"),)
+    assert plan_block(plain, known, timeline=first.timeline, busy_hands=busy).timeline is not first.timeline
 
 
 def test_speech_pause_is_inserted_before_its_mark():

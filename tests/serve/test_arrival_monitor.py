@@ -75,3 +75,20 @@ def test_hinges_that_stay_one_degree_from_their_posture_have_not_arrived():
     for time in TIMES[TIMES < 1.0]:
         monitor.add(time, motion.sample(np.array([time]))[0][0] * 0.75)
     assert monitor.lateness(0.8, HINGES, motion) is None
+
+
+@pytest.mark.parametrize(("travel", "is_judged"), [(1.2, False), (1.9, False), (2.1, True), (8.0, True)])
+def test_arrival_delay_is_judged_from_two_degrees_of_travel_on(travel, is_judged):
+    controls = np.zeros((203, 2))
+    controls[:, 0] = np.radians(travel) * np.clip((np.arange(203) - 61) / 15, 0.0, 1.0)
+    motion = Trajectory(controls, 0.0)
+    lateness = seen(motion, 0.02, 1.0).lateness(0.8, HINGES, motion)
+    assert lateness == pytest.approx(0.02 if is_judged else np.nan, abs=2e-3, nan_ok=True)
+
+
+def test_measurements_older_than_the_history_are_forgotten():
+    monitor = ArrivalMonitor()
+    for time in (0.0, 0.5, 1.0, 1.25):
+        monitor.add(time, np.zeros(2))
+    assert list(monitor._times) == [0.5, 1.0, 1.25]
+    assert len(monitor._angles) == 3

@@ -67,6 +67,29 @@ def test_replaced_connection_that_has_begun_to_send_leaves_no_task_behind(monkey
     asyncio.run(run())
 
 
+@pytest.mark.parametrize("is_served", [False, True])
+def test_dismissed_connection_leaves_neither_timer_nor_reader_behind(is_served: bool) -> None:
+    async def run() -> None:
+        loop, (near, far) = asyncio.get_running_loop(), socket.socketpair()
+        with near, far:
+            pending = reception_module.PendingConnection(near, "here")
+            pending.watch = watch = loop.call_later(60.0, pending.dismiss)
+            if is_served:
+                pending.task = asyncio.create_task(asyncio.sleep(60.0))
+            else:
+                loop.add_reader(near, pending.dismiss)
+            pending.dismiss()
+            assert watch.cancelled()
+            if pending.task is not None:
+                await asyncio.wait([pending.task], timeout=5.0)
+                assert pending.task.cancelled()
+            else:
+                assert near.fileno() == -1
+                assert far.recv(1) == b""
+
+    asyncio.run(run())
+
+
 class FullListener(socket.socket):
     """Listener on a machine that can open only a few more files."""
 

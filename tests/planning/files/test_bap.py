@@ -132,6 +132,30 @@ def test_sign_of_a_bap_parameter_follows_the_axis_of_its_hinge(sign: float):
     assert [column.sign for column in others] == [sign, sign]
 
 
+@pytest.mark.parametrize(
+    ("name", "axis"),
+    [
+        ("l_wrist_flexion", (-1.0, 0.0, 0.0)),
+        ("l_elbow_flexion", (0.0, -1.0, 0.0)),
+        ("l_wrist_pivot", (0.0, -1.0, 0.0)),
+        ("vl5_tilt", (0.0, -1.0, 0.0)),
+        ("l_shoulder_twisting", (0.0, 0.0, -1.0)),
+        ("vl5_torsion", (0.0, 0.0, 1.0)),
+        ("l_acromioclavicular_rotate", (0.0, 0.0, 1.0)),
+        ("l_shoulder_abduct", (1.0, 0.0, 0.0)),
+        ("vl5_roll", (1.0, 0.0, 0.0)),
+    ],
+)
+@pytest.mark.parametrize("tilt", [(0.0, 0.0, 0.0), *np.eye(3), *-np.eye(3)], ids=lambda tilt: f"{tilt}")
+def test_oblique_hinge_has_the_sign_of_the_body_axis_of_its_parameter(name, axis, tilt):
+    """A hinge may deviate from the axis by less than 45 degrees to any side."""
+    across = np.where(np.array(axis) == 0.0, np.array(tilt), 0.0)
+    for sign in (1.0, -1.0):
+        hinge = SimpleNamespace(name=name, axis=sign * (np.array(axis) + 0.9 * across))
+        (column,) = _columns.__wrapped__(SimpleNamespace(skeleton=SimpleNamespace(hinges=[hinge])))
+        assert (column.number, column.sign) == (PARAMETER_NUMBERS[name], sign)
+
+
 def test_spine_parameters_count_from_the_skull_down():
     first = {"skullbase": 48, "vc1": 51, "vc7": 69, "vt1": 72, "vt12": 105, "vl1": 108, "vl5": 120}
     assert {bone: PARAMETER_NUMBERS[f"{bone}_roll"] for bone in first} == first

@@ -7,7 +7,13 @@ from kinesic.body.config import ConfigError
 from kinesic.controller.dry_run import dry_run
 from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.files.bap import BapFrames, read_bap, write_bap
-from kinesic.planning.files.imported_motion import REVERSAL_PROMINENCE, _find_reversals, plan_imported
+from kinesic.planning.files.imported_motion import (
+    MIN_APPROACH_TIME,
+    REVERSAL_PROMINENCE,
+    _find_reversals,
+    _keys,
+    plan_imported,
+)
 from kinesic.report.checks import checks
 from kinesic.session.plan import plan
 
@@ -91,6 +97,26 @@ def test_parameters_without_hinge_are_reported(known, wave):
     )
     with pytest.raises(ConfigError, match=r"legs\.bap: sets no parameter that upper22 has a hinge for"):
         plan_imported(BapFrames(wave.times, wave.angles, (), (4, 5)), known, source="legs.bap")
+
+
+@pytest.mark.parametrize("begin", [-3.0, 0.0, 7.0])
+def test_keys_of_an_imported_motion_are_even_from_its_first_to_its_last_frame(known, begin):
+    still = np.tile(known.robot.skeleton.rest, (101, 1))
+    times = [key.time - begin for key in _keys(BapFrames(begin + np.linspace(0.0, 1.0, 101), still, (), ()), known)]
+    np.testing.assert_allclose(times[1:-1], np.linspace(0.0, 1.0, 11), atol=1e-9)
+    assert times[0] == pytest.approx(-MIN_APPROACH_TIME)
+    assert times[-1] == pytest.approx(1.0 + MIN_APPROACH_TIME)
+
+
+def test_notice_of_a_slowed_motion_names_the_posture_with_the_largest_shift(known, wave):
+    fast = BapFrames(sealed(wave.times / 4), wave.angles, wave.given, ())
+    planned = plan_imported(fast, known, source="fast.bap")
+    shifts = (planned.motion.planned - planned.motion.requested_times)[1:-1]
+    worst = np.abs(shifts).argmax()
+    time = planned.motion.requested_times[1 + worst]
+    assert planned.notices[-1].text == (
+        f"faster than the servos: the posture of {time:.2f} s is shifted by {shifts[worst]:+.2f} s"
+    )
 
 
 @pytest.mark.parametrize("seed", range(12))

@@ -5,7 +5,16 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.expressivity.idle import Idling
-from kinesic.planning.secondary.arcs import DIP_FRACTIONS, MAX_ARC_ANGLE, find_head_turns, make_head_arcs
+from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
+from kinesic.planning.secondary.arcs import (
+    DIP_FRACTIONS,
+    MAX_ARC_ANGLE,
+    MIN_TURN_ANGLE,
+    MIN_TURN_TIME,
+    MIN_TURN_VELOCITY,
+    find_head_turns,
+    make_head_arcs,
+)
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
@@ -60,6 +69,50 @@ def test_head_dips_leave_requested_head_shakes_unchanged(known):
     times = np.linspace(1.0, 3.0, 41)
     asked, done = (p.trajectory.sample(p.trajectory.zero + times)[0][:, ROLL] for p in (planned, alive))
     np.testing.assert_allclose(done, asked, atol=1e-6)
+
+
+def turning(angle, duration, *, still=2.0):
+    """Return a motion of the head to the left that lasts for a whole number of knots."""
+    knots = round(duration / KNOT_INTERVAL)
+    ramp = angle * np.clip((np.arange(600) - round(still / KNOT_INTERVAL)) / knots, 0.0, 1.0)
+    controls = np.tile(ROBOT.skeleton.rest, (600, 1))
+    controls[:, TORSION] += ramp
+    return Trajectory(controls, 0.0, 5.0)
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+@pytest.mark.parametrize("still", [0.1, 2.0])
+@pytest.mark.parametrize(
+    ("angle", "duration", "counts"),
+    [
+        (1.05 * MIN_TURN_ANGLE, MIN_TURN_TIME, True),
+        (1.05 * MIN_TURN_ANGLE, MIN_TURN_TIME - KNOT_INTERVAL, False),
+        (0.95 * MIN_TURN_ANGLE, MIN_TURN_TIME, False),
+        (1.05 * MIN_TURN_ANGLE, 0.9 * MIN_TURN_ANGLE / MIN_TURN_VELOCITY, True),
+        (1.05 * MIN_TURN_ANGLE, 1.1 * 1.05 * MIN_TURN_ANGLE / MIN_TURN_VELOCITY, False),
+    ],
+)
+def test_head_turn_counts_from_its_smallest_angle_time_and_velocity_on(sign, still, angle, duration, counts):
+    motion = turning(sign * angle, duration, still=still)
+    turns = [*find_head_turns(motion, ROBOT)]
+    assert len(turns) == counts
+    for begin, end, turn in turns:
+        assert turn == pytest.approx(sign * angle)
+        assert end - begin == pytest.approx(duration, abs=KNOT_INTERVAL)
+        assert begin == pytest.approx(5.0 + still - KNOT_INTERVAL, abs=2 * KNOT_INTERVAL)
+
+
+def test_head_leans_to_both_sides_of_its_turn_but_mostly_inwards():
+    arcs = [
+        next(make_head_arcs(turning(np.radians(30) * sign, 0.6), (), 1.0, ROBOT, np.random.default_rng(seed)))
+        for seed in range(50)
+        for sign in (1.0, -1.0)
+    ]
+    for left, right in zip(arcs[::2], arcs[1::2], strict=True):
+        assert left.away[TILT] == right.away[TILT] > 0.0
+        assert left.away[ROLL] == -right.away[ROLL]
+    rolls = np.array([left.away[ROLL] for left in arcs[::2]])
+    assert 0.6 < np.mean(rolls < 0.0) < 0.95, "the roll to the right is positive"
 
 
 def test_robot_without_neck_has_no_head_dips_during_turns(looked):

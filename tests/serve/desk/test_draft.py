@@ -7,6 +7,7 @@ import pytest
 
 from kinesic.bml.block import DEFAULT_BOUNDS
 from kinesic.serve.desk.draft import draft
+from kinesic.session.plan import plan
 
 WORDS = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="doc">\n'
@@ -48,6 +49,17 @@ def test_document_preview_contains_each_warning_once(upper22_setup):
     texts = [(item["id"], item["text"]) for item in notices]
     assert [text for _, text in texts if "colour" in text or "xyzzy" in text] != []
     assert len(texts) == len(set(texts)) == 2
+
+
+def test_document_preview_contains_the_outcome_of_each_behaviour_with_its_reason(upper22_setup):
+    odd = WORDS.replace('lexeme="offer"', 'lexeme="xyzzy"').replace("</bml>", '<gesture id="h" lexeme="offer"/></bml>')
+    behaviours = draft(odd, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)["behaviours"]
+    planned = plan(odd, upper22_setup).keyframes.outcomes
+    outcomes = {item["id"]: (item["outcome"], item["why"]) for item in behaviours}
+    assert outcomes == {name: (planned[name].kind, planned[name].why) for name in ("s", "g", "h")}
+    assert outcomes["s"] == outcomes["h"] == ("realised", "")
+    assert outcomes["g"][0] != "realised"
+    assert "xyzzy" in outcomes["g"][1]
 
 
 def test_preview_of_an_invalid_document_reports_the_error_with_its_line(upper22_setup):

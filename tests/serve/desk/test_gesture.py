@@ -1,12 +1,13 @@
 """Previews of single gestures: copies of built-in ones, errors and reach."""
 
 import re
+from dataclasses import replace
 
 import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.expressivity.lexicon.lexicon import Lexicon
-from kinesic.serve.desk.gesture import draft_gesture, gesture_text
+from kinesic.serve.desk.gesture import _checks, draft_gesture, gesture_text, plan_alone, read_gesture_file
 
 
 def test_exported_gesture_file_contains_only_the_named_gesture(upper22_setup):
@@ -42,6 +43,16 @@ def test_gesture_preview_contains_key_times_and_results_of_gesture_checks(upper2
     assert (other["ok"], other["text"][:34]) == (True, "unlike all others; the nearest is ")
     own = draft_gesture(gesture_text("conduit", upper22_setup.lexicon), (), upper22_setup)
     assert own["checks"][2]["ok"], "a gesture is not like itself"
+
+
+@pytest.mark.parametrize(("excess", "is_clear"), [(-1e-6, True), (0.0, True), (1e-6, False)])
+def test_gesture_with_exactly_the_required_clearance_is_clear(upper22_setup, excess, is_clear):
+    (form, *_), lexicon = read_gesture_file(gesture_text("conduit", upper22_setup.lexicon), upper22_setup)
+    plan = plan_alone(form, replace(upper22_setup, lexicon=lexicon))
+    required = float(plan.clearance.distances.min()) + excess
+    stricter = replace(plan.setup, robot=replace(plan.setup.robot, min_clearance=required))
+    checks = {check["name"]: check["ok"] for check in _checks(replace(plan, setup=stricter), form)}
+    assert checks["clearance"] is is_clear
 
 
 @pytest.mark.parametrize(

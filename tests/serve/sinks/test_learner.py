@@ -72,8 +72,12 @@ def test_recorded_cycles_are_discarded_when_the_performance_is_interrupted(known
     learner, count = ServoLearner(known.robot, NOMINAL_FACTORS), len(known.robot.drives)
     learner.see(still(0.01 * k, count) for k in range(10))
     assert len(learner._cycles) == 10
-    learner.see([replace(still(0.1, count), **change)])
+    step = 0.01 * known.robot.drives.no_load
+    learner.see(replace(still(0.1 + 0.01 * k, count), setpoints=k * step) for k in range(10))
+    assert learner._motion_time > 0.0
+    learner.see([replace(still(0.2, count), **change)])
     assert not learner._cycles
+    assert learner._motion_time == learner._rest_time == 0.0
     learner.close()
 
 

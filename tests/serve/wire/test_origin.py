@@ -7,7 +7,7 @@ from websockets.datastructures import Headers
 
 from kinesic.body.config import ConfigError
 from kinesic.serve.wire import origin
-from kinesic.serve.wire.origin import find_rejection, own_authorities, read_origin
+from kinesic.serve.wire.origin import OPEN_ACCESS, Access, find_rejection, own_authorities, read_origin
 
 LOCAL_AUTHORITIES = own_authorities("127.0.0.1", "127.0.0.1", 8864)
 ALLOWED_ORIGINS = frozenset({"https://studio.example", "http://localhost:5173"})
@@ -131,3 +131,7 @@ def test_valid_origin_options_of_the_command_line_are_parsed(text):
 def test_invalid_origin_options_of_the_command_line_are_refused(text):
     with pytest.raises(ConfigError, match="give SCHEME://HOST"):
         read_origin(text)
+
+
+def test_access_without_options_has_no_token_no_foreign_pages_and_no_plain_text():
+    assert Access(token=None, origins=frozenset(), texts=False) == OPEN_ACCESS == Access()
