@@ -51,3 +51,31 @@ def test_difference_of_smoke_results_is_the_largest_number_difference():
     assert smoke.difference(one, other | {"ping": "fe"}) == float("inf")
     assert smoke.difference(one, {"plan": one["plan"]}) == float("inf")
     assert smoke.difference([1.0], [float("nan")]) == float("inf")
+
+
+def test_first_report_lists_each_step_with_the_sum_and_the_sizes(tmp_path):
+    import first_report  # noqa: PLC0415 - no part of the package
+
+    (tmp_path / "in").mkdir()
+    (tmp_path / "in" / "file").write_bytes(b"x" * 1000)
+    (tmp_path / "link").symlink_to(tmp_path / "in" / "file")
+    assert first_report.size_of(tmp_path) == 1000
+    steps = [first_report.Step("download", 20.0, 4.0), first_report.Step("kinesic demo", 12.5, 9.25)]
+    assert first_report.describe(steps, installed=441_000_000, downloaded=127_000_000).splitlines()[1:] == [
+        "download          20.0 s     4.0 s",
+        "kinesic demo      12.5 s     9.2 s",
+        "all               32.5 s    13.2 s",
+        "installed 441 MB, downloaded 127 MB",
+    ]
+
+
+def test_first_report_measures_commands_and_ends_with_the_output_of_a_failed_one(tmp_path, monkeypatch):
+    import first_report  # noqa: PLC0415 - no part of the package
+
+    monkeypatch.setenv("KINESIC_SEED", "7")
+    code = "import os, sys; open('settings', 'w').write(str([k for k in os.environ if k.startswith('KINESIC_')]))"
+    step = first_report.run("one", [sys.executable, "-c", code], tmp_path)
+    assert (tmp_path / "settings").read_text() == "[]"
+    assert 0.0 < step.processor < 10.0
+    with pytest.raises(SystemExit, match=r"(?s)two failed:.*ZeroDivisionError"):
+        first_report.run("two", [sys.executable, "-c", "1/0"], tmp_path)
