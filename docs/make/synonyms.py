@@ -19,10 +19,12 @@ speakers of the language should agree.
 
 ## Classes
 
-A name may contain a word of a class at any place. The other words then select a gesture of this class (`point_left`:
-`left`). Without a match the default gesture of the class is used. The behaviour is then `substituted`.
-A phrase in which the word has another sense names no class (see "but not in"). Neither does a point behind an unknown
-word (`match_point`).
+A lexeme that is no name, but contains a word of a class, selects a gesture of this class. The other words of the lexeme
+choose the gesture: in `point_left`, `point` is the class, and `left` chooses. If they fit no gesture, the default
+gesture of the class in the second column is made, and the report lists the behaviour as `substituted`.
+
+Some phrases contain a word of a class in another sense. They do not select the class, and the last column lists them.
+An unknown word before `point`, as in `match_point`, does not select the class either.
 
 | class | gesture | words | but not in |
 |---|---|---|---|
