@@ -2,8 +2,7 @@
 
 Cheeks bulge, and brows and rounded lips move as far as those of people. Skin next to a smiling mouth is evened out,
 since the source presses a dent into it. A smile draws the lips back to the teeth, and shapes that lift the upper lip
-lift its middle as well. Rounded lips open as arcs, and the
-corners of the mouth are smooth.
+lift its middle as well. Smiling and rounded lips form arcs, and the corners of the mouth are smooth.
 """
 
 from collections.abc import Mapping
@@ -44,7 +43,7 @@ class Bulge:
 
 SHAPE_BULGES: Mapping[str, tuple[Bulge, ...]] = MappingProxyType(  # bulges of the left side; the right side is mirrored
     {
-        "mouthSmile": (Bulge(0.60, -0.58, 0.34, 0.0030, 0.0012),),
+        "mouthSmile": (Bulge(0.60, -0.58, 0.36, 0.0042, 0.0025),),
         "cheekSquint": (Bulge(0.58, -0.39, 0.37, 0.0065, 0.0020),),
     }
 )
@@ -73,9 +72,10 @@ class LipArc:
     shifts: tuple[float, ...]  # [mm] displacement at these distances
 
 
-# Rounded lips form cones in the source, with a fold in the middle of each lip; an arc replaces each cone.
+# In the source, smiling lips form a V, and rounded lips a cone with a fold in the middle; arcs replace both.
 LIP_ARCS: Mapping[str, tuple[LipArc, ...]] = MappingProxyType(
     {
+        "mouthSmile": (LipArc("both", "up", (0.0, 0.1, 0.2, 0.3, 0.38), (0.0, -0.5, -1.2, -1.0, 0.0)),),
         "mouthFunnel": (
             LipArc(
                 "upper",
@@ -107,6 +107,7 @@ LIP_ARCS: Mapping[str, tuple[LipArc, ...]] = MappingProxyType(
         ),
     }
 )
+MIDDLE_WIDTH = 0.2  # [eye distances] width over which corrections of a shape of one side fade in the middle
 LIP_LINE_HEIGHT = -1.09  # height at which the lips meet, in distances between the eyes
 LIP_RAMP = (0.12, 0.36)  # [eye distances] vertical distances from the lip line between which its correction fades
 TEETH_FORWARD = 0.25  # [eye distances] forward position of the teeth
@@ -195,8 +196,11 @@ def round_lips(shape: str, moves: Floats, head: Mesh, falls: Floats) -> Floats:
     side = np.sign(rest[:, 1])
     directions = {"forward": (1.0, 0.0, 0.0), "outward": (0.0, 1.0, 0.0), "up": (0.0, 0.0, 1.0)}
     weight = _weight_lips(head, rest)
+    kind = shape.removesuffix("Left").removesuffix("Right")
+    if kind != shape:
+        weight *= np.clip(0.5 + SIDE_SIGNS[shape.removeprefix(kind)] * rest[:, 1] / MIDDLE_WIDTH, 0.0, 1.0)
     moves = moves.copy()
-    for arc in LIP_ARCS.get(shape, ()):
+    for arc in LIP_ARCS.get(kind, ()):
         shift = 1e-3 * np.interp(np.abs(rest[:, 1]), arc.asides, arc.shifts) * parts[arc.lip] * weight
         moves += (shift * (side if arc.axis == "outward" else 1.0))[:, None] * directions[arc.axis]
     return moves

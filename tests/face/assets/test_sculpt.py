@@ -7,6 +7,7 @@ from kinesic.face.assets.chart import measure_mouth_depth
 from kinesic.face.assets.lips import find_lips
 from kinesic.face.assets.mesh import FACE_VARIANTS, Mesh, load_head
 from kinesic.face.assets.sculpt import even_out
+from kinesic.face.render.wrinkles import load_wrinkles
 
 SMOOTHED_CENTRE = (0.68, -1.0)  # lateral position and height, in distances between the eyes
 SMOOTHED_RADIUS = 0.22
@@ -104,3 +105,25 @@ def test_corners_of_an_open_mouth_are_smooth(variant: Variant):
     cosines = np.einsum("fi,fvi->fv", normals, mesh.normals(opened)[faces])
     assert len(faces) > 40
     assert np.degrees(np.arccos(cosines.min())) < 45.0
+
+
+@pytest.mark.parametrize("variant", FACE_VARIANTS)
+def test_smiling_lips_curve_towards_the_corners(variant: Variant):
+    """A straight rise from the middle would be a V."""
+    mesh = load_head(variant)
+    lips, unit = find_lips(mesh), float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
+    points = (lips.points @ deform(mesh, {"6": 0.8, "12": 0.9}))[lips.starts[1] :]
+    middle, halfway, corner = (
+        points[np.abs(np.abs(points[:, 1]) - at * unit) < 0.001, 2].max() for at in (0.0, 0.18, 0.36)
+    )
+    assert corner - middle > 0.004
+    assert halfway - middle < 0.35 * (corner - middle)
+
+
+def test_forehead_furrows_of_both_brow_units_join_without_waves():
+    """Rows at different heights looked moulded."""
+    inner, outer = (next(item for item in load_wrinkles() if item.unit == unit).curves for unit in (1, 2))
+    for one, other in zip(inner, outer, strict=False):
+        end, start = one.points[-1], other.points[0]
+        assert abs(np.interp(start[0], *one.points.T) - start[1]) < 0.02
+        assert end[0] > start[0]

@@ -69,7 +69,9 @@ def test_rim_light_does_not_reach_the_inside_of_cheeks(close: Portrait):
     a, y, front = np.moveaxis(geometry.target.read(1)[..., :3], -1, 0)
     mouth = (geometry.parts() == MESH_PARTS.index("skin") + 1) & (np.abs(a) < 0.8) & (y < -0.85) & (y > -1.4)
     lip = mouth & (front > 0.99) & (np.abs(y + 1.15) < 0.12) & (np.abs(a) < 0.35)
-    assert bright[mouth & (front < 0.0)].max() < 0.87 * np.median(bright[lip])
+    within = bright[mouth & (front < 0.0)]  # a pixel or two at the edge of the lips is blended with them
+    assert len(within) > 8
+    assert np.percentile(within, 75) < 0.78 * np.median(bright[lip])
 
 
 @pytest.mark.parametrize("jaw", ["26", "27"])
