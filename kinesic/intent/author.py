@@ -28,6 +28,7 @@ from kinesic.intent.writing import write_block
 EARLY_STROKE_TIME = 1.6  # [s] time after the first word; gestures with earlier strokes start before the speech
 GESTURE_LEAD_TIME = 0.4  # [s] time by which an early gesture starts before the first word; more would delay the speech
 MIN_STROKE_DELAY = 0.55  # [s] shortest time from the first word to a reachable stroke
+REACH_TOLERANCE = 0.15  # [s] smaller delays would only move the stroke off its word
 MIN_WAVE_DELAY = 1.4  # [s] shortest time from the first word to the end of a wave
 GREETING_INTENT = "performative-greet"  # intent of greetings, shown by waves
 PLAIN_STYLE = "neutral"  # only style in which emotions may set the style of their sentences
@@ -215,7 +216,8 @@ def reachable(intent: Intent, since: float = 0.0) -> Intent:
     is_directed_wave = intent.name == DIRECTION_INTENT and any("wave" in lexeme for lexeme in intent.lexemes)
     is_wave = intent.name == GREETING_INTENT or is_directed_wave
     least = since + (MIN_WAVE_DELAY if is_wave else MIN_STROKE_DELAY)
-    delay = max(least - intent.stroke.seconds, stroke_delay(intent.lexemes))
+    late = least - intent.stroke.seconds
+    delay = max(late if late > REACH_TOLERANCE else 0.0, stroke_delay(intent.lexemes))
     return replace(intent, stroke=intent.stroke.later(delay))
 
 

@@ -111,9 +111,19 @@ def choose_behaviours(
                 earlier_seconds=earlier.seconds,
             )
             drawn += sampler.draw(placed, others=[*times, *(stroke.intent.stroke.seconds for stroke in strokes)])
+        elif channel == "gesture":
+            drawn = _drop_covered_beats(drawn)
         chosen += drawn
     chosen.sort(key=lambda behaviour: (behaviour.intent.stroke.seconds, behaviour.channel))
     return Selection(tuple(chosen), tuple(omitted), tuple(replaced))
+
+
+def _drop_covered_beats(drawn: Sequence[ChosenBehaviour]) -> list[ChosenBehaviour]:
+    """Return the gestures without beats during the drawing movement of another one."""
+    drawings = [(each.lexeme, each.intent.stroke.seconds) for each in drawn if not is_beat(each.lexeme)]
+    return [
+        each for each in drawn if not (is_beat(each.lexeme) and is_in_long_stroke(each.intent.stroke.seconds, drawings))
+    ]
 
 
 def _divide(candidates: Sequence[Candidate], budget: MovementBudget) -> tuple[list[Candidate], list[Candidate]]:

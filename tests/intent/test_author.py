@@ -17,6 +17,7 @@ from kinesic.intent.author import (
     hurry_first_gesture,
     merge_directed,
     plan_behaviours,
+    reachable,
 )
 from kinesic.intent.behaviour_sets import builtin_sets
 from kinesic.intent.behaviours import ChosenBehaviour
@@ -171,3 +172,10 @@ def test_equally_certain_gestures_are_spread_over_the_text(lexicon):
     )
     gestures = [each for each in chosen(f"{denials} Look over there!", lexicon) if each.channel == "gesture"]
     assert gestures[-1].lexeme in ("that_far", "that_low")
+
+
+def test_stroke_moves_off_its_word_only_if_the_hand_needs_much_longer():
+    intent = Intent("picture", Moment("s:w1", 0.0), Moment("s:w1+0.45", 0.45), Moment("s:w2", 0.9), 0.9, "big", word=0)
+    assert reachable(intent).stroke == intent.stroke
+    early = replace(intent, stroke=Moment("s:w1+0.20", 0.2))
+    assert reachable(early).stroke.reference == "s:w1+0.55"

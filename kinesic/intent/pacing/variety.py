@@ -12,6 +12,7 @@ from kinesic.intent.intents import Intent
 from kinesic.intent.meaning.cues import PICTURE_INTENT
 from kinesic.intent.pacing.beat_spans import select_fitting
 from kinesic.intent.pacing.candidates import Candidate
+from kinesic.intent.pacing.long_strokes import stroke_delay
 from kinesic.intent.pacing.memory import PastGesture
 from kinesic.intent.pacing.rhythm import BEAT_INTENTS, MAIN_BEAT_INTENT, is_beat
 
@@ -95,6 +96,22 @@ def prefer(choices: Sequence[Choice], preferences: Mapping[str, float], intent: 
     return tuple(weighted)
 
 
+def _make_beat(intent: Intent) -> Intent:
+    """Return the intent of a beat in place of a gesture that was shown a moment ago.
+
+    Its stroke falls on the word, without the delay of a long stroke.
+    """
+    return replace(
+        intent,
+        name=MAIN_BEAT_INTENT,
+        reason=BEAT_REASON.format(intent.reason),
+        stroke=intent.stroke.later(-stroke_delay(intent.lexemes)),
+        lexemes=(),
+        target="",
+        hand="",
+    )
+
+
 def _fitting(candidate: Candidate, times: Sequence[float]) -> tuple[Choice, ...]:
     """Return the alternatives that fit between the strokes before and after.
 
@@ -148,9 +165,11 @@ class LexemeSampler:
                 continue
             free = self.uses.select(candidate, at) if self.channel == "gesture" else candidate.choices
             if not free and self.uses.window:
-                reason = BEAT_REASON.format(intent.reason)
-                beat = replace(intent, name=MAIN_BEAT_INTENT, reason=reason, target="", hand="")
-                free = self.uses.oldest(self.beats, beat, at)
+                beat = _make_beat(intent)
+                near = sorted([*others, *(each.intent.stroke.seconds for each in kept if each is not kept_candidate)])
+                fitting = _fitting(replace(candidate, intent=beat, choices=tuple(self.beats)), near)
+                at = beat.stroke.seconds + self.offset
+                free = self.uses.oldest(fitting, beat, at)
                 intent = beat if free else intent
             if not free:
                 self.omitted.append(Omission(intent, self.channel, self.uses.explain(candidate)))

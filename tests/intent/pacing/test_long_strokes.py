@@ -49,3 +49,19 @@ def test_no_gesture_is_chosen_during_the_long_stroke_of_another():
         times = {each.lexeme: each.intent.stroke.seconds for each in selection.behaviours if each.channel == "gesture"}
         assert len(times) > 1
         assert not [name for name, at in times.items() if 0.0 < times["fire"] - at < LONG_STROKES["fire"]]
+
+
+def test_beat_in_place_of_a_repeated_long_stroke_falls_on_its_word():
+    text = "We sat in the kitchen and the rain came. We sat in the garden, and again the rain came."
+    _, selection = plan_behaviours(text, set_up().lexicon, Style.load("neutral"))
+    beats = [each for each in selection.behaviours if "shown a moment ago" in each.intent.reason]
+    assert [each.intent.stroke.reference for each in beats] == ["s:w18+0.07"]
+
+
+def test_short_text_has_no_beat_during_a_long_stroke():
+    text = "I think that everybody in the village could hardly believe the whole story before the rain came."
+    for seed in range(4):
+        _, selection = plan_behaviours(text, set_up().lexicon, Style.load("neutral"), seed=seed)
+        times = {each.lexeme: each.intent.stroke.seconds for each in selection.behaviours if each.channel == "gesture"}
+        assert len(times) > 1
+        assert not [name for name, at in times.items() if 0.0 < times["rain"] - at < LONG_STROKES["rain"]]
