@@ -1,6 +1,7 @@
 import json
 from itertools import pairwise
 
+import msgspec
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -20,6 +21,7 @@ from kinesic.serve.wire.protocol import (
     json_answer,
     read_control,
 )
+from kinesic.serve.wire.questions import Question
 
 MESSAGES = st.lists(
     st.binary(min_size=1, max_size=40).map(lambda data: b"<" + data.replace(MESSAGE_END, b"x")), max_size=6
@@ -126,3 +128,34 @@ def test_words_message_of_16_000_characters_is_decoded_with_its_flags():
 )
 def test_plain_text_is_neither_xml_nor_json(message, is_one):
     assert is_text(message) is is_one
+
+
+@pytest.mark.parametrize(
+    ("verb", "given_fields", "defaults"),
+    [
+        ("reach", {"target": [0, 0, 0]}, {"side": "right", "part": "hand", "posture": None}),
+        ("plan", {"bml": "<bml/>"}, {"set": ()}),
+        ("export", {"bml": "<bml/>", "format": "bap"}, {"set": ()}),
+        ("gesture", {}, {"toml": None, "lexeme": None, "set": ()}),
+        ("find", {"words": "hello"}, {}),
+        ("author", {"text": "Hello."}, {"style": ""}),
+        ("alternatives", {"text": "Hello.", "at": 0}, {"intent": ""}),
+        ("servos", {}, {}),
+        ("save", {"name": "a.bml", "text": ""}, {"revision": None}),
+        ("open", {}, {"name": None}),
+        ("versions", {"name": "a.bml"}, {"number": None}),
+        ("backup", {"key": "abcdefgh"}, {"name": "", "text": None, "revision": ""}),
+        ("backups", {}, {"key": None}),
+        ("styles", {}, {}),
+    ],
+)
+def test_short_question_has_the_documented_defaults_and_no_id(verb, given_fields, defaults):
+    question = msgspec.json.decode(json.dumps({"do": verb, **given_fields}), type=Question)
+    assert {name: getattr(question, name) for name in defaults} == defaults
+    assert question.id == 0
+    numbered = msgspec.json.decode(json.dumps({"do": verb, **given_fields, "id": 7}), type=Question)
+    assert numbered.id == 7
+
+
+def test_request_for_telemetry_without_a_rate_has_twenty_reports_per_second():
+    assert msgspec.json.decode(b'{"do": "watch"}', type=Question).rate == 20.0
