@@ -146,7 +146,7 @@ def test_python_examples_of_all_skills_run(page: Path, tmp_path: Path, monkeypat
 
 
 @pytest.mark.parametrize("page", SKILLS, ids=page_name)
-def test_skills_begin_with_their_name_and_purpose(page: Path):
+def test_skill_pages_begin_with_their_name_and_purpose(page: Path):
     front = re.match(r"---\nname: ([\w-]+)\ndescription: (.+)\n---\n\n# ", page.read_text(encoding="utf-8"))
     assert front is not None
     assert front[1] == page.parent.name

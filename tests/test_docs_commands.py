@@ -63,7 +63,7 @@ def test_shown_commands_have_valid_verbs_options_and_values(page: Path):
             pytest.fail(f"kinesic {shlex.join(words)}: {error.format_message()}")
 
 
-def test_wrong_options_and_values_of_shown_commands_are_noticed(tmp_path: Path):
+def test_wrong_options_and_values_of_shown_commands_are_rejected(tmp_path: Path):
     page = tmp_path / "page.md"
     page.write_text("```\nkinesic perform a.bml --styel joyful  # a style\n```\n", encoding="utf-8")
     (words,) = list_commands(page)

@@ -125,7 +125,7 @@ def test_performer_can_play_one_of_several_characters():
     assert performed == {None: ["h"], "Anna": ["h"], "bert": ["i"], "Cleo": []}
 
 
-def test_speech_of_other_characters_is_ignored_silently():
+def test_speech_of_other_characters_is_skipped_without_sound_but_with_a_duration():
     text = '<bml agent="Anna"><speech id="s">one</speech><speech id="t" agent="Bert">two \u79c1</speech></bml>'
     plan = kinesic.Performer(voice="auto").plan(text)
     assert [timed.behaviour.id for timed in plan.timeline.timed] == ["s"]

@@ -34,7 +34,7 @@ def own_clip(known, *, speed=1.0, names=None) -> JointClip:
     return JointClip(sealed(times / speed), names or known.robot.skeleton.names, sealed(trajectory.angles(times)))
 
 
-def test_feasible_file_is_returned_as_it_is(known):
+def test_feasible_clip_is_returned_within_half_a_degree(known):
     clip = own_clip(known)
     result = certify_clip(clip, known, "own.csv")
     assert result.violations == ()

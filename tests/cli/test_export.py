@@ -90,7 +90,7 @@ def test_planned_motion_is_written_for_a_viewer(steps, capsys, force):
     assert capsys.readouterr().out == "recording: nod.rrd\n"
 
 
-def test_performed_motion_is_that_of_the_twin(steps):
+def test_exported_performed_motion_is_that_of_the_twin(steps):
     path = Path("own.MCAP")
     assert verb.export_motion("nod.bml", Planning("upper22", "neutral", {}), "mcap", True, path, False) == 0
     assert steps == [

@@ -266,7 +266,7 @@ def test_status_line_is_shown_on_terminals_only_and_disappears(monkeypatch, quie
     assert ("\x1b[2K" in screen.getvalue()) is shows  # the line is erased
 
 
-def test_status_line_names_silent_servos_only():
+def test_status_line_counts_silent_servos_if_there_are_any():
     status = {"time": 1.25, "energised": 26, "hottest": 41.4, "volts": 11.96}
     line = "hold        1.25 s  26 servos with torque  41 C  12.0 V"
     assert playback._format_status(Status(Stage.HOLD, **status)) == line

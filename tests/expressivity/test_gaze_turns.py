@@ -44,7 +44,7 @@ def test_gaze_points_the_eye_line_at_the_target(looks):
     assert looks(Gaze("1.07 0 0.13", influence="HEAD")).head.tilt == pytest.approx(radians(40))
 
 
-def test_trunk_rotates_beyond_45_degrees(looks):
+def test_trunk_takes_part_in_gaze_rotations_beyond_45_degrees(looks):
     look = looks(Gaze("0.07 1.0 1.13"))
     assert degrees(look.torso.torsion) == pytest.approx(45)
     assert degrees(look.head.torsion) == pytest.approx(90)

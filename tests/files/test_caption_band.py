@@ -34,7 +34,7 @@ def test_film_caption_changes_only_pixels_in_its_box(words: str):
     assert picture.max() > 240, "light letters"
 
 
-def test_caption_over_two_lines_ends_in_dots():
+def test_caption_box_grows_to_two_lines_and_stays_below_a_fifth_of_the_picture():
     one, two, more = (caption_box(words, PICTURE_SIZE) for words in ("word", LONG_TEXT[:90], LONG_TEXT))
     assert one is not None
     assert two is not None

@@ -38,7 +38,7 @@ def test_words_without_candidates_have_the_results_of_the_ranked_search():
 
 
 @pytest.mark.parametrize("word", ["that", "three"])
-def test_every_word_may_have_a_beat_and_no_gesture_is_listed_twice(word: str):
+def test_alternatives_end_with_beats_and_list_no_gesture_twice(word: str):
     alternatives = ranked(word)
     assert [each.why for each in alternatives][-MAX_BEATS:] == MAX_BEATS * [BEAT_REASON]
     assert len({each.id for each in alternatives}) == len(alternatives)
@@ -50,6 +50,6 @@ def test_number_of_alternatives_is_limited_and_positions_behind_the_text_mean_it
     assert rank_alternatives("  ", 0, LEXICON, builtin_sets()) == ("", ())
 
 
-def test_languages_without_cues_have_search_results_and_beats():
+def test_alternatives_in_a_language_without_cues_end_with_a_beat():
     alternatives = ranked("sehr", "Das ist sehr gut.", language="de")
     assert alternatives[-1].why == BEAT_REASON

@@ -61,7 +61,7 @@ def test_longest_document_has_900_000_characters(robot: Robot) -> None:
     assert text.startswith("document has 900001 characters, at most 900000 are accepted")
 
 
-def test_texts_up_to_1500_characters_are_performed_as_one_block() -> None:
+def test_limit_of_texts_performed_as_one_block_is_1500_characters() -> None:
     assert module.LONG_TEXT == 1500
 
 

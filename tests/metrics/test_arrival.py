@@ -37,7 +37,7 @@ def test_arrival_radius_is_5_mm_or_5_percent_of_the_path_within_300_ms():
     assert (MIN_ARRIVAL_RADIUS, ARRIVAL_PATH_FRACTION, ENTRY_WINDOW) == (0.005, 0.05, 0.3)
 
 
-def test_tracking_error_counts_hinges_faster_than_5_percent_of_their_limit():
+def test_threshold_of_moving_hinges_is_5_percent_of_their_velocity_limit():
     assert MOVING_FRACTION == 0.05
 
 

@@ -113,7 +113,7 @@ def test_repeated_strokes_are_matched_to_their_words(known):
     assert result.fastest == pytest.approx(times["stroke"] - 0.1, abs=0.011)
 
 
-def test_unperformed_strokes_have_no_twin_lag(known, offered):
+def test_twin_lag_follows_the_measured_hands_and_is_missing_for_still_hands(known, offered):
     performed = dry_run(plan(ROOT.format(OFFER), known))
     (twin,), (asked,) = performed.stroke_lags, measure_planned_lags(offered)
     assert twin.lag == pytest.approx(asked.lag, abs=0.05)

@@ -261,7 +261,7 @@ def test_segments_with_unchanged_times_are_cached():
     assert not any(one is other for one in first for other in moved)
 
 
-def test_long_motion_has_more_measured_work_in_proportion():
+def test_long_motion_is_allowed_more_evaluations_than_a_short_one():
     def allowed(seconds: float) -> float:
         keys = Keys.of(keys_of((0.0, 0.0, "start"), (seconds, 0.1, "end")), SLOW)
         return KeyTimeSearch(keys, SLOW, lead_in=0.0)._max_evaluations

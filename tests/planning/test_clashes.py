@@ -152,7 +152,7 @@ def test_minimum_time_of_a_hinge_is_computed_between_its_reversals(known):
     assert own[0, 2] > own[3, 4] > own[2, 3] == 0.0
 
 
-def test_stroke_without_hand_motion_is_timed(planned):
+def test_gesture_whose_stroke_has_no_hand_motion_is_not_dropped(planned):
     lexemes = {"own_mouth": 7.78, "hands_ready": 8.09, "crossed_fingers": 8.61}
     lines = [f'<gesture id="{name}" lexeme="{name}" stroke="{stroke}"/>' for name, stroke in lexemes.items()]
     outcomes = planned(ROOT.format("".join(lines))).keyframes.outcomes.values()

@@ -47,7 +47,7 @@ def test_nearly_every_posture_has_a_collision_free_neighbour():
         assert np.all(posture <= ROBOT.skeleton.upper)
 
 
-def test_collision_free_posture_is_the_nearest_one():
+def test_collision_free_posture_has_just_the_required_clearance():
     for posture in near_ones(10):
         clear = separate(posture, ARMS, ROBOT, DISTANCES, Spacing(MIN_CLEARANCE))
         if clear is not None:

@@ -219,7 +219,7 @@ def replanned(monkeypatch):
     return calls, result
 
 
-def test_last_behaviours_end_their_block(scene_of, released, replanned):
+def test_block_is_interrupted_when_its_last_behaviours_are_ended(scene_of, released, replanned):
     block = both()
     after = end_behaviours(scene_of(block), block, frozenset({"g", "n"}), 11.0)
     assert after.ended[-1].state is BlockState.INTERRUPTED

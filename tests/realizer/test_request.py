@@ -133,7 +133,7 @@ def test_expected_start_ignores_references_to_missing_blocks() -> None:
     assert CONTEXT.expected_start(block) == 10.0
 
 
-def test_block_id_search_is_fast_for_hostile_documents():
+def test_block_id_is_found_near_the_beginning_of_hostile_documents_or_is_the_default():
     """Text with many opening tags used to take hours and blocked other clients."""
     assert block_id(b"<bml " * 200_000) == DEFAULT_BLOCK_ID
     assert block_id('\n{"behaviours": [{"id": "g"}], "id": "b1"}') == "b1"

@@ -36,7 +36,7 @@ def test_each_servo_factor_scales_only_its_parameter():
         assert changed_segment.mass == pytest.approx(1.1 * segment.mass)
 
 
-def test_nominal_servo_factors_return_the_same_robot():
+def test_nominal_servo_factors_leave_drives_and_joint_ranges_unchanged():
     same = NOMINAL_FACTORS.applied(ROBOT)
     assert same.drives == ROBOT.drives
     assert np.array_equal(same.skeleton.lower, ROBOT.skeleton.lower)
@@ -149,7 +149,7 @@ def test_robot_with_applied_servo_factors_is_cached_per_robot():
     assert PESSIMISTIC_FACTORS.applied(Robot.load()) is not PESSIMISTIC_FACTORS.applied(robot)
 
 
-def test_equal_servo_factors_return_the_same_object():
+def test_nominal_factors_return_the_robot_itself_and_equal_factors_the_same_object():
     assert NOMINAL_FACTORS.applied(ROBOT) is ROBOT
     assert PESSIMISTIC_FACTORS.applied(ROBOT) is PESSIMISTIC_FACTORS.applied(ROBOT)
 

@@ -58,6 +58,6 @@ def test_files_in_folders_belong_to_the_program_in_the_order_of_paths(tmp_path: 
     assert list(program.program_files((".py",))) == files
 
 
-def test_same_sources_on_another_machine_have_the_same_version(version_of):
+def test_version_of_sources_is_independent_of_their_order(version_of):
     assert version_of(a_py="1", b_toml="2") == version_of(b_toml="2", a_py="1")
     assert version_of(a_py="1", b_py="2") != version_of(a_py="2", b_py="1")

@@ -145,7 +145,7 @@ def test_pointing_puts_the_wrist_on_the_line_to_the_target(robot):
     np.testing.assert_array_equal(hand.aim, target)
 
 
-def test_openness_lifts_the_elbow(robot, lexicon):
+def test_openness_of_the_style_becomes_that_of_the_hand_poses(robot, lexicon):
     form = lexicon.find("beat", "right").form
     form = replace(form, keys=tuple(StrokeKey({"r": replace(key.hands["r"], openness=0.0)}) for key in form.keys))
     opened = [poses(form, robot, Expressivity(openness=o)).hands["r"][-1].openness for o in (0.0, 0.3, 1.0)]

@@ -14,7 +14,7 @@ CLOTH_VERTICES = DRESSED_FIGURE.mesh.vertices("cloth")
 SKIN_VERTICES = DRESSED_FIGURE.mesh.vertices("skin")
 
 
-def test_body_file_is_small():
+def test_body_file_is_smaller_than_150_kilobytes():
     assert BODY_FILE.stat().st_size < 150_000
 
 

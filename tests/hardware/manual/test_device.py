@@ -45,7 +45,7 @@ def test_reference_servo_accepts_only_valid_register_values(bench: Make, name: s
     assert (made.read(name) == before) is (error != 0)
 
 
-def test_malformed_toml_is_refused(bench: Make):
+def test_malformed_instructions_are_answered_with_their_error_code(bench: Make):
     made = bench()
     assert made.ask(1, p.WRITE, words(116) + b"\0\0")[0].parameters == bytes([p.LENGTH_ERROR])
     assert made.ask(1, p.WRITE, words(5000) + b"\0")[0].parameters == bytes([p.ACCESS_ERROR])

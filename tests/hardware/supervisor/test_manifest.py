@@ -74,7 +74,7 @@ def test_inverted_servo_has_mirrored_range(robot: Robot):
     assert twist.turns == -1.0
 
 
-def test_profile_velocity_is_the_no_load_velocity(robot: Robot):
+def test_profile_velocity_is_the_no_load_velocity_up_to_its_factory_limit(robot: Robot):
     for member in Manifest.of(robot).members:
         pace = member.ram_values[Register.PROFILE_VELOCITY] * VELOCITY_UNIT
         assert 0.97 * member.speed <= pace <= member.model.factory_value(Register.VELOCITY_LIMIT) * VELOCITY_UNIT

@@ -57,7 +57,7 @@ def test_stroke_is_on_the_pitch_accent_of_its_intention():
     assert strokes == {"s1:tm2+0.20"}
 
 
-def test_fml_intention_with_unknown_end_mark_ends_with_the_speech():
+def test_fml_emotion_starts_at_its_mark_and_is_limited_by_its_intensity():
     tree = ElementTree.fromstring(author_fml(GREETING_DOCUMENT)[0])
     face = next(item for item in tree if item.tag == "faceLexeme" and "(emotion-joy," in str(item.attrib))
     assert face.get("start") == "s1:tm3-0.10"

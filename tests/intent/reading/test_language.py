@@ -96,7 +96,7 @@ def test_idioms_with_negative_words_get_no_head_shake(lexicon, language, text):
     assert "SHAKE" not in {behaviour.lexeme for behaviour in behaviours}
 
 
-def test_sentence_ends_after_a_word_of_one_letter(lexicon):
+def test_sentence_ends_after_a_word_of_one_letter_but_not_after_an_initial(lexicon):
     rules = load_language("it")
     assert read_text("Non so chi è. Andiamo via.", rules).kinds == ("statement", "statement")
     assert read_text("Il mio amico J. Rossi parla.", rules).kinds == ("statement",)

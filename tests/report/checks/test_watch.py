@@ -39,7 +39,7 @@ def test_performance_slowed_by_the_clearance_watch_is_reported(calm, pace, statu
     assert (check.status, check.value) == (status, pace)
 
 
-def test_performance_stopped_before_contact_fails_its_check(calm):
+def test_performance_stopped_before_contact_fails_the_collision_check(calm):
     half = len(calm.reference.times) // 2
     cut = replace(calm, reference=replace(calm.reference, times=calm.reference.times[:half]))
     cut.__dict__["clearance_forecast"] = calm.clearance_forecast[: half // COMMANDS_PER_LOOK]

@@ -83,7 +83,7 @@ def test_helper_answers_the_newest_waiting_query_of_each_client_in_turn(work):
     assert answers == ["9 upper22", Unanswered.OUTDATED, "2 upper22", Unanswered.OUTDATED, "4 upper22"]
 
 
-def test_dead_helper_process_fails_the_running_query_and_is_replaced(work):
+def test_queries_fail_if_their_helper_process_dies(work):
     asked = Helper(set_up, work.fail, DEFAULT_QUOTAS, name="dying")
     answers, _ = ask_all(asked, [(1, "a", 0.0), (2, "b", 0.0)])
     assert answers == [Unanswered.FAILED] * 2

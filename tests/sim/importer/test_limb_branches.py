@@ -129,7 +129,7 @@ def test_mirrored_hinges_turn_to_mirror_images(left, right, sign):
     assert mirror_angles(tree, (0,), (1,), np.array([0.5])).tolist() == [0.5 * sign]
 
 
-def test_ranges_are_relative_to_the_pose_of_the_tree():
+def test_joint_ranges_of_a_limb_are_relative_to_the_pose_of_the_tree():
     joints = [
         SimpleNamespace(lower=-1.0, upper=2.0, zero=0.5),
         SimpleNamespace(lower=None, upper=2.0, zero=0.5),

@@ -107,7 +107,7 @@ def test_model_larger_than_a_robot_may_be_is_rejected(monkeypatch, bodies, geoms
     assert _without_meshes(spec_of(hinges("a", "b", "c")), Path("r.xml")).nbody == 4
 
 
-def test_robot_has_at_most_2000_bodies_and_20_000_shapes():
+def test_import_limits_are_2000_bodies_and_20_000_shapes():
     assert (load.MAX_BODIES, load.MAX_GEOMS) == (2000, 20_000)
 
 

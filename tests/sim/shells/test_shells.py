@@ -95,7 +95,7 @@ def test_shell_is_closed_and_faces_outwards(shell: Shell):
         np.testing.assert_allclose(np.linalg.norm(surface.normals, axis=1), 1.0, atol=0.02)
 
 
-def test_shell_file_is_small(robot: Robot, shell: Shell):
+def test_shell_file_stays_within_its_size_and_triangle_limits(robot: Robot, shell: Shell):
     assert max(len(surface.triangles) for surface in shell.segments.values()) <= MAX_SEGMENT_TRIANGLES
     assert robot.path.with_suffix(SHELL_SUFFIX).stat().st_size < MAX_FILE_SIZE
 

@@ -29,7 +29,7 @@ def test_pitch_peak_on_a_stressed_vowel_is_an_accent():
     ],
     ids=["flat", "elsewhere", "unstressed", "consonant", "voiceless"],
 )
-def test_other_peaks_are_no_accents(pitch: np.ndarray, sound: Phoneme):
+def test_flat_pitch_and_peaks_outside_a_stressed_vowel_are_no_accents(pitch: np.ndarray, sound: Phoneme):
     assert find_pitch_accents(pitch, [sound]) == ()
 
 

@@ -49,7 +49,7 @@ def test_each_phrase_has_an_accent():
     assert accents.tolist() == [False, True, True, False]
 
 
-def test_stress_stays_in_accented_words_alone():
+def test_stress_outside_accented_words_is_reduced_if_there_are_any():
     sounds = (Phoneme("\u02c8a", 0.05, 0.1), Phoneme("\u02c8o", 0.4, 0.1), Phoneme("n", 0.5, 0.05))
     moved = move_stress(sounds, WORDS[:2], np.array([False, True]))
     assert [sound.symbol for sound in moved] == ["\u02cca", "\u02c8o", "n"]

@@ -63,7 +63,7 @@ def test_distance_changes_no_faster_than_the_segments_move(one, other):
 
 @given(RANGE_FRACTIONS, RANGE_FRACTIONS, RANGE_FRACTIONS)
 @examples(50)
-def test_inertia_is_positive_definite(shares, speeds, accelerations):
+def test_inertia_matrix_is_positive_semidefinite(shares, speeds, accelerations):
     """The torque of an acceleration does positive work along it."""
     angles = posture(shares)[None]
     rates, pushes = 4 * (speeds - 0.5)[None], 20 * (accelerations - 0.5)[None]

@@ -49,7 +49,7 @@ def test_telemetry_of_a_silent_servo_is_nan(desk: Callable):
     assert np.isnan(result.figures).sum(axis=0).tolist() == [0, 5, 0, 0, 0]
 
 
-def test_telemetry_is_updated_twenty_times_a_second_cheaply(crowd: Callable):
+def test_telemetry_is_updated_twenty_times_a_second_in_less_than_5_percent_of_a_cycle(crowd: Callable):
     made = crowd(37, baud=4_000_000)
     made.open()
     made.run(0.2)

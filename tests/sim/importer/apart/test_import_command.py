@@ -63,7 +63,7 @@ def test_import_process_has_limits_and_a_temporary_empty_folder(fake_process, tm
     assert environment["PATH"] == os.environ["PATH"]
 
 
-def test_default_bounds_suffice_for_a_large_robot(fake_process):
+def test_import_process_may_take_300_s_2_gb_and_120_cpu_seconds_by_default(fake_process):
     begun = fake_process(output=msgspec.msgpack.encode(IMPORTED_ROBOT))
     import_apart(Path("robot.xml"))
     assert (begun["timeout"], begun["command"][-2:]) == (300.0, ["2000000000", "120"])
