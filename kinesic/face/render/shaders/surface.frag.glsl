@@ -7,7 +7,7 @@ uniform float level;     // mipmap level whose pixels match the screen
 
 const vec3 CHEEKS = vec3(0.20, 0.055, 0.048);  // the inside of the lips
 const vec3 THROAT = vec3(0.032, 0.008, 0.007);  // deep in the mouth
-const float DEEP = 24.0;  // depth of full darkness, in the chart's depth unit
+const float DEEP = 21.0;  // depth of full darkness, in the chart's depth unit
 const float DULL = 0.8;   // fraction of gloss removed inside the mouth
 const float LOCK = 3.0;  // [strands]
 const vec2 STRANDS = vec2(150.0, 9.0);  // per unit of the chart
@@ -24,7 +24,7 @@ vec4 surface(vec2 uv, bool is_skin, float height) {
     float dense = fwidth(where.x) * STRANDS.x;  // strands per pixel; fine strands fade to locks, then vanish
     float strand = 0.5 + clamp(1.6 - dense, 0.0, 1.0) * (noise(comb) - 0.5)
                  + clamp(1.6 - dense / LOCK, 0.0, 1.0) * clamp(dense - 0.6, 0.0, 1.0) * (noise(comb / vec2(LOCK, 1.0)) - 0.5);
-    float head = smoothstep(-0.06, 0.12, where.w + 0.09 * (strand - 0.5));
+    float head = smoothstep(-0.06, 0.12, where.w + 0.17 * (strand - 0.5));
     vec3 base = mix(painted.rgb * painted.rgb, hair * (0.7 + 1.2 * strand), head);
     float inside = max(-where.z, 0.0), within = min(inside, 1.0), near = 1.0 - min(inside / DEEP, 1.0);
     base = mix(base, mix(THROAT, CHEEKS, near * near), within);
