@@ -12,6 +12,8 @@ import { Inspector } from "./inspector.ts";
 import { Motion } from "./motion.ts";
 import { addDropped, listenToPalette } from "./palette.ts";
 import { fillMenus, showClock, showNotices } from "./panels.ts";
+
+import { listenToPanes } from "./panes.ts";
 import { Performing } from "./performing.ts";
 import { Playback } from "./playback.ts";
 import { Robot } from "./robot.ts";
@@ -144,6 +146,7 @@ class App {
       press: (value) => this.add((text, time) => addDropped(text, value, blockTime(time))),
     });
     listenToPalette((edit) => this.add(edit));
+    listenToPanes();
     fillMenus(this.about);
     this.files.begin();
   }
