@@ -1,5 +1,6 @@
 """Plan a block in the standing posture of its style."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -8,6 +9,7 @@ from kinesic.bml.block import Block
 from kinesic.body.robot import Robot
 from kinesic.expressivity.context import BlockContext
 from kinesic.expressivity.style.style import Style
+from kinesic.expressivity.variation import NO_VARIATION, Variation
 from kinesic.planning.certify import certify
 from kinesic.planning.clearance import Conditioner
 from kinesic.planning.plan import Plan, plan_block
@@ -18,8 +20,8 @@ from kinesic.planning.standing import standing_robot, vary_standing
 def plan_standing_block(block: Block, setup: Setup, *, conditioned: Conditioner = certify) -> Plan:
     """Plan a block in the standing posture of its style.
 
-    A hand before the body can be in the way of a gesture. If gestures are dropped, the block is planned again with
-    hanging arms, and this plan is returned if it performs more of them.
+    A hand before the body or an uneven stance can be in the way of a gesture. If gestures are dropped, the block is
+    planned again with hanging arms, then in the even stance of the style. The plan that performs most is returned.
 
     Args:
         block: to be planned.
@@ -31,30 +33,37 @@ def plan_standing_block(block: Block, setup: Setup, *, conditioned: Conditioner 
     """
     style = BlockContext(block, setup.context).bearing
     standing = _take_posture(style, setup)
-    plan = plan_block(block, standing, conditioned=conditioned)
-    if _count_dropped(plan) == 0 or (lowered := _lower_hands(style, standing)) is None:
-        return plan
-    lowered_plan = plan_block(block, lowered, conditioned=conditioned)
-    return lowered_plan if _count_dropped(lowered_plan) < _count_dropped(plan) else plan
+    best = plan_block(block, standing, conditioned=conditioned)
+    for other in _propose_stances(style, standing):
+        if _count_dropped(best) == 0:
+            break
+        best = min(best, plan_block(block, other, conditioned=conditioned), key=_count_dropped)
+    return best
 
 
 def _take_posture(style: Style, setup: Setup) -> Setup:
     """Return the setup with the standing posture of a style."""
-    return setup if setup.unstyled is None or style is setup.style else _stand(setup.unstyled, style, setup)
+    if setup.unstyled is None or style is setup.style:
+        return setup
+    return _stand(setup.unstyled, style, setup, setup.variation)
 
 
-def _lower_hands(style: Style, setup: Setup) -> Setup | None:
-    """Return the setup with hanging arms, or None if they hang already."""
+def _propose_stances(style: Style, setup: Setup) -> Iterator[Setup]:
+    """Yield setups with hanging arms, then in an even stance, as far as they differ."""
     if setup.unstyled is None:
-        return None
-    lowered = _stand(setup.unstyled, style, setup, hands_hang=True)
-    return None if np.array_equal(lowered.robot.skeleton.rest, setup.robot.skeleton.rest) else lowered
+        return
+    tried = [setup.robot.skeleton.rest]
+    for variation, hands_hang in ((setup.variation, True), (NO_VARIATION, False)):
+        other = _stand(setup.unstyled, style, setup, variation, hands_hang=hands_hang)
+        if not any(np.array_equal(other.robot.skeleton.rest, rest) for rest in tried):
+            tried.append(other.robot.skeleton.rest)
+            yield other
 
 
-def _stand(unstyled: Robot, style: Style, setup: Setup, *, hands_hang: bool = False) -> Setup:
-    """Return the setup in which a robot stands in a style."""
+def _stand(unstyled: Robot, style: Style, setup: Setup, variation: Variation, *, hands_hang: bool = False) -> Setup:
+    """Return the setup in which a robot stands in a style, with a variation of its stance."""
     robot = standing_robot(unstyled, style, setup.lexicon, setup.distances)
-    robot = vary_standing(robot, style, setup.variation, setup.distances, hands_hang=hands_hang)
+    robot = vary_standing(robot, style, variation, setup.distances, hands_hang=hands_hang)
     return replace(setup, robot=robot, shared_limits=setup.limits)
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from kinesic.planning import standing_plan
-from kinesic.planning.standing import vary_standing
+from kinesic.planning.standing import standing_robot, vary_standing
 from kinesic.planning.standing_plan import plan_standing_block
 from kinesic.session.documents import read_block
 from kinesic.session.setup import set_up
@@ -61,3 +61,12 @@ def test_setup_with_a_fixed_posture_is_planned_once(with_raised_hand, monkeypatc
     refuse_raised_hands(monkeypatch, with_raised_hand)
     plan = plan_gesture(replace(with_raised_hand, unstyled=None), "wave")
     assert plan.keyframes.outcomes["g"].kind == "dropped"
+
+
+def test_gesture_that_an_uneven_stance_prevents_is_performed_from_an_even_one():
+    setup = set_up(robot="human", variation=1.0, seed=0)
+    plan = plan_gesture(setup, "plead")
+    even = standing_robot(setup.unstyled, setup.style, setup.lexicon, setup.distances)
+    assert plan.keyframes.outcomes["g"].kind != "dropped"
+    assert not np.array_equal(setup.robot.skeleton.rest, even.skeleton.rest)
+    assert np.array_equal(plan.setup.robot.skeleton.rest, even.skeleton.rest)
