@@ -30,7 +30,7 @@ HAIRLINE_ARC = 65.0  # [deg] angle to either side up to which the hairline has a
 HAIRLINE_ITERATIONS = 12  # steps of the search for points of the skull on the hairline
 # Forward position and height [eye distances] below which hair is painted, without locks: on the neck, behind and before
 # an ear.
-LOWEST_ROOTS = ((-2.05, -0.55), (-1.95, 0.0), (EAR_REGION[0] - 0.01, 0.0), (EAR_REGION[0], SIDEBURN_HEIGHT))
+LOWEST_ROOTS = ((-2.15, -0.55), (-1.95, 0.12), (EAR_REGION[0] - 0.01, 0.12), (EAR_REGION[0], SIDEBURN_HEIGHT))
 
 
 def find_ear_points(points: Floats) -> NDArray[np.bool_]:

@@ -15,7 +15,7 @@ def test_teeth_chart_runs_along_the_row_and_towards_the_gums(mesh: Mesh):
     for jaw in (1.0, -1.0):
         along, away = place[place[:, 3] == jaw, :2].T
         row = points[place[:, 3] == jaw]
-        front = np.abs(along) < 20.0
+        front = np.abs(along) < 22.0
         nearest = front & (np.abs(away) < 12.0) & (np.abs(row[:, 1]) < 0.008)
         np.testing.assert_allclose(along[nearest], 1000.0 * row[nearest, 1], atol=3.0)  # a row is straight in front
         assert 45.0 < along.max() < 70.0
