@@ -21,6 +21,7 @@ import { StylesPanel } from "./styles/styles_panel.ts";
 import { TextPane } from "./text.ts";
 import { TextMode } from "./text_mode/text_mode.ts";
 import { Timeline } from "./timeline.ts";
+import { Tour } from "./tour/tour.ts";
 import { listenToTracks } from "./tracks/commands.ts";
 import { TrackEditing } from "./tracks/editing.ts";
 import { listenToDrops } from "./tracks/palette_drag.ts";
@@ -145,6 +146,7 @@ class App {
       drop: (value, snap) => this.tracks.drop(value, snap),
       press: (value) => this.add((text, time) => addDropped(text, value, blockTime(time))),
     });
+    new Tour(() => this.textMode.tabs.choose("words"));
     listenToPalette((edit) => this.add(edit));
     listenToPanes();
     fillMenus(this.about);

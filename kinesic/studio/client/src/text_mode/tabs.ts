@@ -29,7 +29,7 @@ export class Tabs {
     this.show();
   }
 
-  private choose(name: Name): void {
+  choose(name: Name): void {
     this.chosen = name;
     localStorage.setItem(STORED_KEY, name);
     this.show();

@@ -26,7 +26,7 @@ export class TextMode {
   private readonly style = byId<HTMLSelectElement>("plain-style");
   private readonly list = byId("spoken");
   private readonly panel: AlternativesPanel;
-  private readonly tabs = new Tabs();
+  readonly tabs = new Tabs();
   private words: SpokenWord[] = [];
   private chosen = -1; // index of the chosen word; -1: none
   private isReplaced = false; // whether the next draft shows a new choice for the word

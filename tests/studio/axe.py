@@ -1,0 +1,26 @@
+"""Accessibility rules of axe-core, a development dependency of the studio's client."""
+
+from pathlib import Path
+
+import pytest
+
+from ..chromium import Page
+
+AXE_SCRIPT = (
+    Path(__file__).parents[2] / "kinesic" / "studio" / "client" / "node_modules" / "axe-core" / "axe.min.js"
+)  # installed by npm
+SEVERE_IMPACTS = ("serious", "critical")  # impacts that no view may have
+
+
+def severe_violations(page: Page) -> list[str]:
+    """Return the serious and critical violations in the present view, one line each."""
+    if not AXE_SCRIPT.exists():
+        pytest.skip("no axe-core: npm ci in kinesic/studio/client")
+    if not page.value("'axe' in window"):
+        page.call("Runtime.evaluate", expression=AXE_SCRIPT.read_text(encoding="utf-8"))
+    violations = page.value("axe.run(document, {resultTypes: ['violations']}).then(result => result.violations)")
+    return [
+        f"{each['id']} ({each['impact']}): {', '.join(' '.join(node['target']) for node in each['nodes'])}"
+        for each in violations
+        if each["impact"] in SEVERE_IMPACTS
+    ]
