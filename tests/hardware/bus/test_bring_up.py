@@ -90,6 +90,14 @@ def test_each_servo_problem_is_reported_on_one_line():
     assert [line.split(":")[1] for line in said.splitlines()] == [" servo 1", " servo 3"]
 
 
+@pytest.mark.parametrize(("count", "is_fast"), [(1, False), (2, True)])
+def test_fast_reads_need_at_least_two_servos(count: int, is_fast: bool):
+    wire, _ = wire_of(count=count)
+    bus = open_bus(wire, [Servo(k + 1, MODEL) for k in range(count)])
+    assert bus.fast is is_fast
+    assert bus.cycle().fresh.all()
+
+
 def test_firmware_without_fast_reads_is_detected():
     wire, _ = wire_of(FaultPlan((PlannedFault("old_firmware", servos=(2,), value=41),)))
     bus = open_bus(wire, [Servo(servo, MODEL) for servo in (1, 2, 3)])

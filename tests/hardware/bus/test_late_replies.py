@@ -274,3 +274,12 @@ def test_replies_of_a_slow_adapter_stay_late_with_constant_age(rig: Make):
     apart = [cycle.raw_values("tick") / 1000 - cycle.times for cycle in cycles]
     assert np.ptp(apart) < made.bus.period / 2
     assert max(cycle.ages.max() for cycle in cycles) < 0.03
+
+
+@pytest.mark.parametrize("late", [(True, False, False), (False, True, True), (True, True, True)])
+def test_one_late_record_suffices_to_wait_longer_for_the_next_missing_reply(rig: Make, late: tuple[bool, ...]):
+    made = rig(3)
+    made.run(3)
+    made.bus._repair = lambda: setattr(made.bus._accepted, "late", np.array(late))
+    made.run(1)
+    assert made.bus._listener.replies_late

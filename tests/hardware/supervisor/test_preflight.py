@@ -3,8 +3,10 @@
 import numpy as np
 import pytest
 
+from kinesic.hardware.protocol.device import RegisterChange
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.supervisor import preflight
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.preflight import (
     VITAL_REGISTERS,
@@ -122,6 +124,37 @@ def test_open_ports_are_closed_if_another_does_not_open(manifest):
     with pytest.raises(BusError, match=r"^right: no such port$"):
         open_wires(manifest, open_port)
     assert closed == ["left"]
+
+
+class RecordingAxes:
+    """Buses that record the values that servos are given, in their order."""
+
+    def __init__(self) -> None:
+        self.written: list[tuple[int, dict[Register, int]]] = []
+
+    def access(self, bus: str) -> "RecordingAxes":
+        return self
+
+    def configure(self, servo: int, values: dict[Register, int]) -> list[RegisterChange]:
+        self.written += [(servo, values)] if values else []
+        return []
+
+
+def test_aliases_of_all_servos_are_removed_before_any_other_value_is_written(manifest, monkeypatch):
+    monkeypatch.setattr(preflight, "check_servos", lambda *_: None)
+    first, second = manifest.members[:2]
+    axes = RecordingAxes()
+    wrong = {"SECONDARY_ID": 9, "RETURN_DELAY_TIME": 99}
+    tables = (table(first, **wrong), table(second, **wrong), table(manifest.members[2], **wrong, TORQUE_ENABLE=1))
+    preflight.configure(axes, tables)
+    others = {Register.RETURN_DELAY_TIME, Register.MIN_POSITION_LIMIT, Register.MAX_POSITION_LIMIT}
+    assert [(servo, set(values)) for servo, values in axes.written] == [
+        (first.id, {Register.SECONDARY_ID}),
+        (second.id, {Register.SECONDARY_ID}),
+        (first.id, others),
+        (second.id, others),
+    ]
+    assert axes.written[0][1][Register.SECONDARY_ID] == first.eeprom_values[Register.SECONDARY_ID] == 255
 
 
 @pytest.mark.parametrize(("angle", "is_refused"), [(np.pi, False), (0.1, True)])

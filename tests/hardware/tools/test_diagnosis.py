@@ -76,6 +76,21 @@ def test_diagnosis_names_the_remedy_for_a_slow_adapter(bench, tmp_path: Path):
     assert all(finding.well for finding in found(bench(), tmp_path))
 
 
+@pytest.mark.parametrize("is_unplugged", [False, True])
+def test_diagnosis_closes_its_port_with_and_without_an_error(bench, is_unplugged: bool):
+    table = bench()
+    closed: list[str] = []
+    table.wire.close = lambda: closed.append("body")
+
+    def unplugged(data: bytes) -> None:
+        raise BusError("body: the port is gone")
+
+    if is_unplugged:
+        table.wire.write = unplugged
+    assert all(finding.well for finding in found(table)) != is_unplugged
+    assert closed == ["body"]
+
+
 def test_diagnosis_reports_missing_or_closed_ports(bench):
     table = bench()
 
