@@ -15,6 +15,7 @@ HEAD_CENTRE = np.array([-1.15, 0.0, 0.30])  # origin of directions to the skull,
 NEIGHBOUR_COUNT = 24  # number of skin vertices averaged for the skull radius in a direction
 SMOOTHING_ANGLE = 0.08  # [rad] standard deviation of the weights in the average of the skull radius
 MAX_EAR_SLOPE = 0.45  # slope at which hair rises over an ear and descends behind it
+FRONT_EAR_FACTOR = 3.0  # factor on that slope before an ear, so that the front edge of long hair touches the cheek
 EAR_REGION = (
     -1.75,
     -0.95,
@@ -61,7 +62,9 @@ class Skull:
         if self._ears is None:
             return radius
         away, near = self._ears
-        apart = np.linalg.norm(directions[:, None] - near.data, axis=2)
+        apart = directions[:, None] - near.data
+        apart[..., 0] *= np.where(apart[..., 0] > 0.0, FRONT_EAR_FACTOR, 1.0)
+        apart = np.linalg.norm(apart, axis=2)
         return np.asarray(np.maximum(radius, (away - MAX_EAR_SLOPE * apart).max(axis=1)))
 
     @staticmethod

@@ -166,9 +166,13 @@ def test_strand_directions_follow_the_locks():
     np.testing.assert_allclose(np.linalg.norm(actual.strands, axis=1), 1.0)
 
 
-def test_long_hair_covers_the_ears_in_front_view():
-    """A tunnel between cheek and hair would show them."""
-    forward, left, up = locks("female")[1].reshape(-1, 3).T
-    before = (forward > EAR_REGION[1]) & (up < 0.2) & (up > -0.7)
+def test_front_edge_of_long_hair_touches_the_cheeks():
+    """A tunnel between cheek and hair would show the ears in front view."""
+    mesh = load_head("female")
+    skin = mesh.positions[mesh.vertices("skin")] / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
+    forward, left, up = locks("female")[1].T
+    before = (forward > -0.8) & (forward < -0.5) & (up < 0.2) & (up > -0.7)
     for side in (left > 0.0, left < 0.0):
-        assert (before & side).sum() > 12
+        assert (before & side).sum() > 8
+        away, _ = scipy.spatial.cKDTree(skin).query(locks("female")[1][before & side])
+        assert np.median(away) < 0.17
