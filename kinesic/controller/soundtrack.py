@@ -41,7 +41,7 @@ def sound(plan: Plan) -> Sound | None:
     if not parts:
         return None
     rate = min(max(spoken.rate for _, spoken in parts), MAX_SAMPLE_RATE)
-    pieces = [(round(begin * rate), resample(spoken, rate)) for begin, spoken in parts]
+    pieces = [(round(begin * rate), resample_sound(spoken, rate)) for begin, spoken in parts]
     length = max(round(plan.duration * rate), *(first + len(piece) for first, piece in pieces))
     mixed: Samples = np.zeros(length, dtype=np.float32)
     for first, piece in pieces:
@@ -50,7 +50,7 @@ def sound(plan: Plan) -> Sound | None:
     return Sound.of(rate, mixed)
 
 
-def resample(spoken: Sound, rate: int) -> Samples:
+def resample_sound(spoken: Sound, rate: int) -> Samples:
     """Convert the samples (m,) of a sound to another rate [Hz].
 
     Each new sample is a sum of the samples around it, weighted by the impulse response of an ideal low-pass filter that

@@ -13,7 +13,7 @@ from kinesic.intent.reading.language import load_language
 from kinesic.intent.reading.passage import Passage
 from kinesic.intent.reading.words import read_text
 
-MAX_ALTERNATIVES = 24  # default largest number of alternatives
+MAX_ALTERNATIVES = 24  # largest number of alternatives
 MAX_BEATS = 6  # largest number of beats
 MAX_FOUND = 10  # largest number of gestures taken from the search for a word
 BEAT_REASON = "stresses the word"  # reason for a beat, which fits every word
@@ -38,7 +38,6 @@ def rank_alternatives(
     *,
     intent: str = "",
     language: str = "en",
-    count: int = MAX_ALTERNATIVES,
 ) -> tuple[str, tuple[Alternative, ...]]:
     """Rank the gestures that could be shown at a word, the most suitable first.
 
@@ -52,7 +51,6 @@ def rank_alternatives(
         sets: behaviours of each intent.
         intent: intent of the present gesture; empty: unknown.
         language: tag of the language of the text.
-        count: largest number of alternatives.
 
     Returns:
         The word, and its alternatives; an empty word and none for a text without words.
@@ -71,7 +69,7 @@ def rank_alternatives(
             continue
         form = match.form
         ranked[form.id] = Alternative(form.id, form.category, lexicon.sense(form).says, why, shown)
-    return passage.words[word].text, tuple(ranked.values())[:count]
+    return passage.words[word].text, tuple(ranked.values())[:MAX_ALTERNATIVES]
 
 
 def _propose(

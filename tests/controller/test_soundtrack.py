@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.body.utterance import Script, Sound, Utterance
 from kinesic.controller import soundtrack
-from kinesic.controller.soundtrack import SpeechPlayback, resample, sound, speak_along, write_wav
+from kinesic.controller.soundtrack import SpeechPlayback, resample_sound, sound, speak_along, write_wav
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.metrics.servo_run import FULL_TIME_SCALE
@@ -112,7 +112,7 @@ def test_silent_voice_has_no_sound():
 
 def test_resampled_speech_keeps_its_pitch():
     tone = Sound.of(RATE, 0.5 * np.sin(2 * np.pi * 200 * np.arange(RATE) / RATE))
-    other = resample(tone, 22050)
+    other = resample_sound(tone, 22050)
     assert len(other) == 22050
     expected = 0.5 * np.sin(2 * np.pi * 200 * np.arange(22050) / 22050)
     assert np.abs(other - expected)[200:-200].max() < 0.01
@@ -124,7 +124,7 @@ def test_resampled_sound_matches_scipy(given: int, rate: int, count: int):
     signal = pytest.importorskip("scipy.signal", reason="SciPy, the oracle of this test, is not installed")
     noise = Sound.of(given, np.random.default_rng(count).uniform(-0.9, 0.9, count))
     other = signal.resample_poly(noise.samples, rate, given)
-    np.testing.assert_allclose(resample(noise, rate), other, atol=1e-6)
+    np.testing.assert_allclose(resample_sound(noise, rate), other, atol=1e-6)
 
 
 def test_wav_file_contains_the_sound(tmp_path: Path):

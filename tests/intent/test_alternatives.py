@@ -44,8 +44,12 @@ def test_alternatives_end_with_beats_and_list_no_gesture_twice(word: str):
     assert len({each.id for each in alternatives}) == len(alternatives)
 
 
-def test_number_of_alternatives_is_limited_and_positions_behind_the_text_mean_its_last_word():
-    assert len(ranked("No", count=3)) == 3
+def test_number_of_alternatives_is_limited(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("kinesic.intent.alternatives.MAX_ALTERNATIVES", 3)
+    assert len(ranked("No")) == 3
+
+
+def test_position_behind_the_text_means_its_last_word_and_a_text_without_words_has_none():
     assert rank_alternatives(TEXT, 10_000, LEXICON, builtin_sets())[0] == "boxes"
     assert rank_alternatives("  ", 0, LEXICON, builtin_sets()) == ("", ())
 

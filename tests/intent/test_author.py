@@ -25,7 +25,7 @@ from kinesic.intent.budget import STROKE_SPACINGS, MovementBudget
 from kinesic.intent.choosing import choose_behaviours
 from kinesic.intent.intents import Intent, Moment
 from kinesic.intent.reading.language import load_language
-from kinesic.intent.reading.stress import count_syllables, stressed_syllable
+from kinesic.intent.reading.stress import count_syllables, stressed_english_syllable
 from kinesic.intent.reading.words import read_text
 from kinesic.intent.writing import write_behaviours
 
@@ -100,7 +100,7 @@ def test_abbreviations_do_not_end_a_sentence():
 
 def test_word_stress_is_found_by_spelling():
     words = {"banana": 1, "elephant": 0, "information": 2, "remember": 1, "yes": 0, "myself": 1}
-    assert {word: stressed_syllable(word) for word in words} == words
+    assert {word: stressed_english_syllable(word) for word in words} == words
     assert count_syllables("boxes") == 2
 
 

@@ -73,7 +73,7 @@ def count_syllables(word: str) -> int:
     return max(1, morae or len(_find_vowel_groups(word)))
 
 
-def stressed_syllable(word: str) -> int:
+def stressed_english_syllable(word: str) -> int:
     """Return the index of a word's stressed syllable, from 0.
 
     Endings have precedence (`-tion`, `-ity`, `-self`), then weak prefixes (`about`, `begin`, `remember`). Otherwise the

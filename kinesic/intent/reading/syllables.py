@@ -73,7 +73,7 @@ def stressed_syllable(word: str, language: str = "en") -> int:
         language: language without region, such as `pt`.
     """
     if _is_english(word, language):
-        return stress.stressed_syllable(word)
+        return stress.stressed_english_syllable(word)
     syllables = _split(word, language)
     last = max(len(syllables) - 1, 0)
     if language in ACCENTED_STRESS:

@@ -2,7 +2,7 @@
 
 import pytest
 
-from kinesic.intent.reading.stress import count_syllables, stressed_syllable
+from kinesic.intent.reading.stress import count_syllables, stressed_english_syllable
 
 
 @pytest.mark.parametrize(
@@ -29,9 +29,9 @@ def test_english_syllables_are_counted_by_spelling(word: str, count: int) -> Non
     ],
 )  # fmt: skip
 def test_english_word_stress_follows_endings_before_prefixes(word: str, syllable: int) -> None:
-    assert stressed_syllable(word) == syllable
+    assert stressed_english_syllable(word) == syllable
 
 
 @pytest.mark.parametrize("word", ["tion", "ity", "ics", "self", "ee", "sion", "ions", "ious"])
 def test_word_equal_to_a_stress_ending_has_a_stressed_syllable(word: str) -> None:
-    assert 0 <= stressed_syllable(word) < count_syllables(word)
+    assert 0 <= stressed_english_syllable(word) < count_syllables(word)

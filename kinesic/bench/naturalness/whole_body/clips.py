@@ -80,12 +80,12 @@ def read_clips(folder: Path) -> Iterator[BodyMotion | UnreadClip]:
         if IDLE_CLIPS.search(path.stem) or path.parent.name == "skeletons":
             continue
         try:
-            yield read_clip(path, named)
+            yield read_body_motion(path, named)
         except ConfigError as error:
             yield UnreadClip(path.stem, str(error))
 
 
-def read_clip(path: Path, skeletons: Mapping[str, Path]) -> BodyMotion:
+def read_body_motion(path: Path, skeletons: Mapping[str, Path]) -> BodyMotion:
     """Read one captured clip.
 
     Args:
