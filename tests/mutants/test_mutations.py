@@ -125,7 +125,8 @@ def test_mutation_changes_no_other_bytes_of_the_source():
     assert last == 2
 
 
-def test_tests_of_each_target_module_exist():
+def test_target_modules_and_their_tests_exist():
+    assert [module for module in MODULES if not (TREE / module).is_file()] == []
     assert [tests for module in MODULES for tests in MODULES[module] if not (TREE / tests).is_file()] == []
 
 
