@@ -16,6 +16,7 @@ import { fillMenus, showClock, showNotices } from "./panels.ts";
 import { listenToPanes } from "./panes.ts";
 import { Performing } from "./performing.ts";
 import { Playback } from "./playback.ts";
+import { RecordingPanel } from "./recording/recording_panel.ts";
 import { Robot } from "./robot.ts";
 import { StylesPanel } from "./styles/styles_panel.ts";
 import { TextPane } from "./text.ts";
@@ -46,6 +47,7 @@ class App {
   private readonly files: Files;
   private readonly textMode: TextMode;
   private readonly styles: StylesPanel;
+  private readonly recording: RecordingPanel;
   private history: History<string> = begin("");
   private draft: Draft | null = null;
   private planned = 0; // number of shown drafts
@@ -77,7 +79,10 @@ class App {
         this.enable();
       },
       moved: () => {
-        if (this.robot.report) this.performing.reported(this.robot.report.time);
+        if (this.robot.report) {
+          this.performing.reported(this.robot.report.time);
+          this.recording.add(this.robot.report);
+        }
         this.view.follow();
       },
       heard: (feedback) => this.performing.hear(feedback),
@@ -139,6 +144,14 @@ class App {
     this.styles = new StylesPanel(this.robot.wire, this.view, this.playback.player, {
       numbers: () => this.inspector.manners.numbers,
       loaded: () => this.inspect(),
+    });
+    this.recording = new RecordingPanel(about.robot, {
+      places: () => this.robot.places,
+      show: (report) => {
+        this.robot.look(report);
+        this.view.setMode("robot");
+      },
+      say: (text) => this.robot.live.say(text),
     });
     this.listen();
     listenToTracks(this.tracks, this.timeline);

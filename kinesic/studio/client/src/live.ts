@@ -4,6 +4,7 @@ import type { Feedback } from "./feedback.ts";
 import { Strips } from "./telemetry.ts";
 import type { Body, BodyReport, ServoPlace } from "./types.ts";
 
+const MIN_INTERVAL = 90; // [ms] between two updates of the strips
 const MAX_LOG_LINES = 60; // lines of the log
 
 export class Live {
@@ -18,8 +19,10 @@ export class Live {
     this.strips.list(places);
   }
 
-  show(report: BodyReport): void {
-    if (performance.now() - this.last < 90 || !byId("live").checkVisibility()) return;
+  /** Show a report, at most every `MIN_INTERVAL` unless it is forced. */
+  show(report: BodyReport, isForced = false): void {
+    const isEarly = performance.now() - this.last < MIN_INTERVAL && !isForced;
+    if (isEarly || !byId("live").checkVisibility()) return;
     this.last = performance.now();
     this.strips.show(report);
     const servos = [

@@ -15,6 +15,8 @@ export class Robot {
   readonly wire: Wire;
   readonly live: Live;
   report: BodyReport | null = null;
+  /** Earlier report that is shown instead of the present one, or null. */
+  earlier: BodyReport | null = null;
   stopped = false;
   /** Servos; empty for a simulated robot. */
   places: readonly ServoPlace[] = [];
@@ -42,6 +44,17 @@ export class Robot {
       () => sessionStorage.getItem(TOKEN_KEY),
       (text) => this.live.say(text),
     );
+  }
+
+  /** Report that the page shows. */
+  get shown(): BodyReport | null {
+    return this.earlier ?? this.report;
+  }
+
+  /** Show an earlier report; null: the present one again. */
+  look(earlier: BodyReport | null): void {
+    this.earlier = earlier;
+    if (this.shown) this.live.show(this.shown, true);
   }
 
   /** Whether documents can be performed. */
@@ -98,7 +111,7 @@ export class Robot {
       const { limp } = this;
       this.arming.show(report.servos);
       if (limp !== this.limp) this.listener.changed();
-      this.live.show(report);
+      if (!this.earlier) this.live.show(report);
       this.listener.moved();
     } else if (answer.told === "stopped" || answer.told === "failed") {
       this.halt(true);

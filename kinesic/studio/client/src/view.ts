@@ -79,7 +79,7 @@ export class StageView {
   }
 
   private get report(): BodyReport | null {
-    return this.mode === "robot" ? this.robot.report : null;
+    return this.mode === "robot" ? this.robot.shown : null;
   }
 
   private strain(report: BodyReport): number[] {
