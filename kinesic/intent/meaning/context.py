@@ -104,13 +104,17 @@ class Context:
 
         The verb stands earlier in the sentence and does not follow `I` or `we`.
         """
-        if k in self._quoted:
+        if self.is_quoted(k):
             return True
         before = [j for j in self.sentence(k) if j < k]
         others = any(self.plain[j] in ("he", "she", "they") or self.passage.words[j].is_content for j in before)
         return others and any(
             self.language.has("report", self.plain[j]) and not (j and self.plain[j - 1] in ("i", "we")) for j in before
         )
+
+    def is_quoted(self, k: int) -> bool:
+        """Return whether a word stands in a quotation next to a reporting verb."""
+        return k in self._quoted
 
     @cached_property
     def _quoted(self) -> frozenset[int]:

@@ -30,6 +30,7 @@ FULL_FORMS: Mapping[str, str] = {
     "hadn't": "had",
     "mustn't": "must",
 }  # negative contraction -> its first word in full
+OTHER_FORMS: Mapping[str, str] = {"can't": "cannot"}  # word -> other spelling that a pattern also matches
 ANY_NUMBER = "#"  # sign in a pattern that matches a number word
 
 
@@ -167,6 +168,7 @@ def spell_out(pattern: Pattern) -> Pattern | None:
 def _read_slot(part: str, *, is_optional: bool) -> Slot:
     is_stroke = part.startswith(STROKE_SIGN)
     alternatives = part.removeprefix(STROKE_SIGN).split("/")
+    alternatives += [OTHER_FORMS[word] for word in alternatives if word in OTHER_FORMS]
     stems = frozenset(
         word_stem(alternative.removesuffix(STEM_SIGN))
         for alternative in alternatives

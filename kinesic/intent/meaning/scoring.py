@@ -26,6 +26,7 @@ class Penalties:
     plain_word: float = 0.12  # pointing, metaphor or drawn shape in a plain report
     asked_emblem: float = 0.15  # emblem or feeling in a question
     told_idiom: float = 0.15  # idiom with an emblem or feeling in a report
+    quoted_idiom: float = 0.15  # idiom with an emblem or feeling in a quotation, in addition
     denied_idiom: float = 0.35  # idiom with an emblem or feeling in the scope of a denial
     asked_idiom: float = 0.35  # idiom with an emblem or feeling within a question about facts
     others_idiom: float = 0.3  # idiom with a face, as a greeting has, in a sentence about a third person
@@ -128,6 +129,7 @@ def score(
         )
         if cue.kind == "idiom":
             value -= DEFAULT_PENALTIES.told_idiom * context.is_reported(at)
+            value -= DEFAULT_PENALTIES.quoted_idiom * context.is_quoted(at)
             value -= DEFAULT_PENALTIES.denied_idiom * context.is_negated(at, idioms)
             value -= DEFAULT_PENALTIES.asked_idiom * context.is_asked_within(at)
             value -= DEFAULT_PENALTIES.others_idiom * (cue.intent != PICTURE_INTENT and context.is_others(at))

@@ -22,6 +22,7 @@ def matched(pattern: str, text: str) -> Span | None:
         ("(so) hot (today)", "hot soup", None),
         ("(so) hot (today)", "so hot", 1),
         ("^(so) hot", "hot", 0),
+        ("i can't/don't see", "i cannot see", 2),
     ],
 )
 def test_pattern_matches_alternatives_options_inflections_and_numbers(pattern: str, text: str, last: int | None):

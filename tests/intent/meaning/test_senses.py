@@ -152,3 +152,5 @@ def test_feelings_in_quotation_marks_without_a_reporting_verb_are_shown():
     assert "heart" in shown('"I love you so much." That is what matters.')
     assert "heart" not in shown('"I love you so much," he said.')
     assert "anger" in shown('He said: "Go." I hate you.')
+    assert shown("Stop it!") & {"stop", "stop_low"}
+    assert is_beat(shown('"Stop it!" he shouted, and went home.'))
