@@ -7,6 +7,7 @@ BENCH_PARTS: Mapping[str, tuple[str, ...]] = {
     "ik": ("ik",),
     "expressivity": ("expressivity",),
     "naturalness": ("naturalness",),
+    "capture": ("capture",),
     "plan": ("plan.first_command", "plan", "plan.styles"),
     "twin": ("twin",),
     "speed": ("speed",),

@@ -10,7 +10,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Side
 from kinesic.capture.clear_path import clear_path
 from kinesic.capture.clip import ArmPath, Clip
-from kinesic.capture.nearest import NearestMotion, find_nearest
+from kinesic.capture.nearest import Course, NearestMotion, find_nearest
 from kinesic.capture.retarget import retarget
 from kinesic.capture.robot_motion import RobotMotion, arm_paths
 from kinesic.capture.violations import MAX_RATIO, Violation, find_violations
@@ -86,7 +86,7 @@ def judge_clip(clip: Clip, setup: Setup, source: str) -> tuple[RobotMotion, tupl
     Raises:
         CaptureError: the clip is too long, or has no joint of the robot.
     """
-    desired = retarget(clip, setup.robot, source)
+    desired = retarget(clip, setup, source)
     return desired, find_violations(desired.requested, setup)
 
 
@@ -118,11 +118,12 @@ def certify_clip(clip: Clip, setup: Setup, source: str) -> Certification:
 
 def _find_clear(desired: RobotMotion, setup: Setup) -> tuple[NearestMotion, float]:
     """Return the nearest motion with detours around the body, and its smallest distance [m]."""
+    course = Course.of(desired.angles, setup)
     required = setup.robot.min_clearance + LAG_RESERVE
     best: tuple[NearestMotion, float] | None = None
     for _ in range(MAX_DETOURS):
-        angles = clear_path(desired.angles, setup, min_clearance=required)
-        nearest = find_nearest(replace(desired, angles=angles), setup, best[0].stretch if best else None)
+        cleared = replace(course, angles=clear_path(course.angles, setup, min_clearance=required))
+        nearest = find_nearest(cleared, setup, best[0].stretch if best else None)
         clearance = float(scan_clearance(nearest.motion.trajectory, setup.distances)[1].distances.min())
         if best is None or clearance > best[1]:
             best = nearest, clearance

@@ -3,24 +3,27 @@
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Flags, Floats, Indices, find_runs, sealed
 from kinesic.body.robot import SIDES
 from kinesic.capture.robot_motion import SAMPLE_RATE
 from kinesic.planning.setup import Setup
 
-MAX_ROUNDS = 40  # largest number of corrections of a path
+MAX_ROUNDS = 16  # largest number of corrections of a path
 GRADIENT_STEP = 1e-3  # [rad] rotation for the finite difference of the distance
 MIN_GRADIENT = 0.02  # [m/rad] damping of corrections where the distance hardly depends on the hinges
 MAX_CORRECTION = 0.08  # [rad] largest rotation of a hinge in one round
+CORRECTION_MARGIN = 0.002  # [m] clearance beyond the required one that a correction aims at
 CORRECTION_WINDOW = 0.10  # [s] time over which a correction has full size
 CORRECTION_SMOOTHING = 0.06  # [s] standard deviation that smooths corrections
+FADE_TIME = 0.15  # [s] time at both ends in which corrections fade
+SAMPLES_PER_GRADIENT = 5  # number of samples for which one gradient is computed, less than a correction's window
 
 
 def clear_path(angles: Floats, setup: Setup, *, min_clearance: float) -> Floats:
     """Move arms away from the body where they are too near.
 
-    The hinges of the arms follow the gradient of the smallest distance; the corrections are smooth over time. The
-    result may still be too near where no direction leads away.
+    The hinges of each arm follow the gradient of its smallest distance; the corrections are smooth over time, and zero
+    at both ends. The result may still be too near where no direction leads away.
 
     Args:
         angles: (m, n) [rad] at `SAMPLE_RATE`.
@@ -31,29 +34,65 @@ def clear_path(angles: Floats, setup: Setup, *, min_clearance: float) -> Floats:
         (m, n) [rad] within the joint ranges.
     """
     robot, cleared = setup.robot, angles.copy()
-    hinges = [k for side in SIDES for k in robot.arm(side).joints]
-    lower, upper = robot.skeleton.lower[hinges], robot.skeleton.upper[hinges]
+    fade = _fade(len(angles))[:, None]
+    is_near = setup.distances.clearance(cleared).distances < min_clearance
     for _ in range(MAX_ROUNDS):
-        distances = setup.distances.clearance(cleared).distances
-        near = np.flatnonzero(distances < min_clearance)
-        if not near.size:
+        if not is_near.any():
             break
-        gradients = _find_gradients(cleared[near], distances[near], hinges, setup)
-        deficits = (min_clearance - distances[near])[:, None]
-        steps = gradients * deficits / (np.sum(gradients**2, axis=1, keepdims=True) + MIN_GRADIENT**2)
-        corrections = np.zeros((len(angles), len(hinges)))
-        corrections[near] = np.clip(steps, -MAX_CORRECTION, MAX_CORRECTION)
-        cleared[:, hinges] = np.clip(cleared[:, hinges] + _smooth(corrections), lower, upper)
+        rows = np.flatnonzero(is_near)
+        gaps = setup.distances.gaps(cleared[rows])
+        for side in SIDES:
+            bodies, hinges = robot.arm(side).bodies, list(robot.arm(side).joints)
+            is_own = np.array([bool(bodies & set(pair)) for pair in robot.counted_pairs], dtype=np.bool_)
+            distances = np.full(len(angles), np.inf)
+            distances[rows] = gaps[:, is_own].min(axis=1, initial=np.inf)
+            chosen = _choose_samples(distances, min_clearance)
+            steps = _find_steps(cleared[chosen], distances[chosen], (hinges, is_own), setup, min_clearance)
+            corrections = np.zeros((len(angles), len(hinges)))
+            corrections[chosen] = steps
+            lower, upper = robot.skeleton.lower[hinges], robot.skeleton.upper[hinges]
+            cleared[:, hinges] = np.clip(cleared[:, hinges] + fade * _smooth(corrections), lower, upper)
+        is_near = setup.distances.clearance(cleared).distances < min_clearance
     return sealed(cleared)
 
 
-def _find_gradients(angles: Floats, distances: Floats, hinges: list[int], setup: Setup) -> Floats:
-    """Return the gradient (m, h) [m/rad] of the smallest distance."""
+def _fade(count: int) -> Floats:
+    """Return factors (m,) that are 0 at both ends and 1 from `FADE_TIME` on."""
+    samples = np.arange(count) / (FADE_TIME * SAMPLE_RATE)
+    factors: Floats = np.minimum(1.0, np.minimum(samples, samples[::-1]))
+    return factors**2 * (3.0 - 2.0 * factors)
+
+
+def _choose_samples(distances: Floats, min_clearance: float) -> Indices:
+    """Return the samples whose gradients are computed: some of each run, and the worst."""
+    chosen: list[int] = []
+    for begin, end in find_runs(distances < min_clearance):
+        chosen += range(begin, end, SAMPLES_PER_GRADIENT)
+        chosen.append(begin + int(distances[begin:end].argmin()))
+    return np.unique(np.array(chosen, dtype=np.intp))
+
+
+def _find_steps(
+    angles: Floats, distances: Floats, arm: tuple[list[int], Flags], setup: Setup, min_clearance: float
+) -> Floats:
+    """Return the rotations (m, h) [rad] of an arm's hinges that restore the clearance.
+
+    Args:
+        angles: (m, n) [rad].
+        distances: (m,) [m] smallest distance of the arm.
+        arm: indices of its hinges, and flags of its pairs of segments.
+        setup: robot and distances.
+        min_clearance: [m] required distance.
+    """
+    hinges, is_own = arm
     moved = np.repeat(angles[:, None], len(hinges), axis=1)
     moved[:, np.arange(len(hinges)), hinges] += GRADIENT_STEP
-    changed = setup.distances.clearance(moved.reshape(-1, angles.shape[1])).distances
-    gradients: Floats = (changed.reshape(len(angles), len(hinges)) - distances[:, None]) / GRADIENT_STEP
-    return gradients
+    gaps = setup.distances.gaps(moved.reshape(-1, angles.shape[1]))[:, is_own]
+    changed = gaps.min(axis=1, initial=np.inf).reshape(len(angles), len(hinges))
+    gradients = (changed - distances[:, None]) / GRADIENT_STEP
+    deficits = (min_clearance + CORRECTION_MARGIN - distances)[:, None]
+    steps: Floats = gradients * deficits / (np.sum(gradients**2, axis=1, keepdims=True) + MIN_GRADIENT**2)
+    return np.clip(steps, -MAX_CORRECTION, MAX_CORRECTION)
 
 
 def _smooth(corrections: Floats) -> Floats:

@@ -10,7 +10,8 @@ from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
-from kinesic.capture.robot_motion import SAMPLE_RATE, RobotMotion, arm_paths
+from kinesic.capture.derivatives import required_time_ratios
+from kinesic.capture.robot_motion import SAMPLE_RATE, arm_paths
 from kinesic.motion.condition import Conditioned, MakeDesired, condition
 from kinesic.motion.desired import DesiredMotion
 from kinesic.motion.easing import minimum_jerk
@@ -33,6 +34,34 @@ REST_TOLERANCE = 2e-3  # [rad] distance from the rest posture below which a clip
 
 
 @dataclass(frozen=True, eq=False)
+class Course:
+    """Desired angles at `SAMPLE_RATE` from rest through the clip and back to rest."""
+
+    angles: Floats  # (m, n) [rad] within the joint ranges
+    first: int  # index of the clip's first sample
+    last: int  # index of the clip's last sample
+
+    @property
+    def clip(self) -> Floats:
+        """Angles of the clip (k, n) [rad]."""
+        return self.angles[self.first : self.last + 1]
+
+    @classmethod
+    def of(cls, angles: Floats, setup: Setup) -> "Course":
+        """Add an approach from rest and a return to rest to the angles (k, n) of a clip.
+
+        A clip that begins or ends at rest gets none.
+        """
+        rest = setup.robot.skeleton.rest
+        lead, trail = (_approach_time(setup, rest, posture) for posture in (angles[0], angles[-1]))
+        parts = [_ease(rest, angles[0], lead), angles, _ease(rest, angles[-1], trail)[::-1]]
+        course = np.concatenate(parts)
+        course[[0, -1]] = rest
+        first = len(parts[0])
+        return cls(sealed(course), first, first + len(angles) - 1)
+
+
+@dataclass(frozen=True, eq=False)
 class NearestMotion:
     """Motion within all limits, and its correspondence to the clip."""
 
@@ -52,66 +81,35 @@ class NearestMotion:
         return float((self.clip_times[-1] - self.clip_times[0]) * SAMPLE_RATE / (len(self.clip_times) - 1))
 
 
-def find_nearest(desired: RobotMotion, setup: Setup, stretch: Floats | None = None) -> NearestMotion:
+def find_nearest(course: Course, setup: Setup, stretch: Floats | None = None) -> NearestMotion:
     """Return the nearest motion within limits, from rest to rest.
 
     Position, velocity, acceleration, jerk and duty limits hold at every instant. Time is stretched only where the
     limits keep a wrist more than `MAX_WRIST_DISTANCE` from its path.
 
     Args:
-        desired: angles within the joint ranges.
+        course: desired angles, from rest to rest.
         setup: robot, limits and dynamics.
         stretch: (m,) local time stretch; searched by default.
     """
-    stretch = _find_stretch(desired, setup) if stretch is None else stretch
-    request = _request(desired, stretch, setup)
+    stretch = _find_stretch(course, setup) if stretch is None else stretch
+    request = _request(course, stretch, setup)
     return request.match(keep_duties(request.search, setup))
 
 
-def required_time_ratios(angles: Floats, limits: Limits) -> Floats:
-    """Return the time ratio (m,) that each sample needs to satisfy the limits, at least 1."""
-    velocity, acceleration, jerk = (np.abs(values) for values in differentiate(angles))
-    viscous = limits.viscous * velocity
-    duty = (viscous + np.sqrt(viscous**2 + 4.0 * limits.duty * limits.inertial * acceleration)) / (2.0 * limits.duty)
-    ratios = (
-        velocity / limits.speed,
-        np.sqrt(acceleration / limits.acceleration),
-        np.cbrt(jerk / limits.jerk),
-        duty,
-    )
-    required: Floats = np.maximum(1.0, np.max(ratios, axis=(0, 2)))
-    return required
-
-
-def differentiate(angles: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return velocities, accelerations and jerks (m, n) of samples at `SAMPLE_RATE`.
-
-    They are differences over one, two and three intervals, centred as far as possible; zero at the ends.
-    """
-    derivatives = []
-    difference = angles
-    for order in range(1, 4):
-        difference = np.diff(difference, axis=0) * SAMPLE_RATE if len(difference) > 1 else np.zeros_like(angles[:0])
-        missing = len(angles) - len(difference)
-        before = min(missing, (order + 1) // 2)
-        derivatives.append(np.pad(difference, ((before, missing - before), (0, 0))))
-    velocity, acceleration, jerk = derivatives
-    return velocity, acceleration, jerk
-
-
-def _find_stretch(desired: RobotMotion, setup: Setup) -> Floats:
+def _find_stretch(course: Course, setup: Setup) -> Floats:
     """Return the local stretch (m,) that brings wrists near to their paths."""
-    none = np.ones(len(desired.times))
-    distance = _distance_with(desired, none, setup)
+    none = np.ones(len(course.clip))
+    distance = _distance_with(course, none, setup)
     if distance <= MAX_WRIST_DISTANCE:
         return none
-    ratios = np.minimum(required_time_ratios(desired.angles, setup.limits), MAX_TIME_RATIO)
+    ratios = np.minimum(required_time_ratios(course.clip, setup.limits), MAX_TIME_RATIO)
     widest = maximum_filter1d(ratios, max(1, round(RATIO_WINDOW * SAMPLE_RATE)))
     excess = gaussian_filter1d(widest, RATIO_SMOOTHING * SAMPLE_RATE) - 1.0
     lower, upper = 0.0, 0.0
     for amount in STRETCH_AMOUNTS:
         lower, upper = upper, amount
-        reached = _distance_with(desired, _stretch_by(amount, excess), setup)
+        reached = _distance_with(course, _stretch_by(amount, excess), setup)
         if lower == 0.0 and reached > MAX_FIRST_RATIO * distance:
             return none
         if reached <= MAX_WRIST_DISTANCE:
@@ -120,7 +118,7 @@ def _find_stretch(desired: RobotMotion, setup: Setup) -> Floats:
         return none if reached > MAX_LAST_RATIO * distance else _stretch_by(upper, excess)
     for _ in range(BISECTION_STEPS):
         middle = (lower + upper) / 2.0
-        if _distance_with(desired, _stretch_by(middle, excess), setup) > MAX_WRIST_DISTANCE:
+        if _distance_with(course, _stretch_by(middle, excess), setup) > MAX_WRIST_DISTANCE:
             lower = middle
         else:
             upper = middle
@@ -133,11 +131,11 @@ def _stretch_by(amount: float, excess: Floats) -> Floats:
     return stretch
 
 
-def _distance_with(desired: RobotMotion, stretch: Floats, setup: Setup) -> float:
+def _distance_with(course: Course, stretch: Floats, setup: Setup) -> float:
     """Return the largest wrist distance [arm lengths] from the desired path at a stretch."""
-    request = _request(desired, stretch, setup)
+    request = _request(course, stretch, setup)
     nearest = request.match(request.search(setup.limits))
-    return largest_wrist_distance(setup.robot, desired.angles, nearest.angles)
+    return largest_wrist_distance(setup.robot, course.clip, nearest.angles)
 
 
 def largest_wrist_distance(robot: Robot, first: Floats, second: Floats) -> float:
@@ -165,34 +163,34 @@ class _Request:
         return NearestMotion(motion, self.keys, sealed(planned + motion.trajectory.zero), sealed(self.stretch))
 
 
-def _request(desired: RobotMotion, stretch: Floats, setup: Setup) -> _Request:
-    """Return the keys and the desired motion from rest through the samples and back.
+def _request(course: Course, stretch: Floats, setup: Setup) -> _Request:
+    """Return the keys and the desired motion from rest through the clip and back.
 
     Only rest, the first and the last posture are exact keys. Further keys keep the path without binding it.
     """
-    rest, angles = setup.robot.skeleton.rest, desired.angles.copy()
+    rest = setup.robot.skeleton.rest
     times = np.concatenate([[0.0], np.cumsum((stretch[1:] + stretch[:-1]) / 2.0)]) / SAMPLE_RATE
-    lead, trail = (_approach_time(setup, rest, posture) for posture in (angles[0], angles[-1]))
-    angles[0 : 1 if lead == 0.0 else 0] = rest
-    angles[len(angles) - (trail == 0.0) :] = rest
+    lead, trail = course.first / SAMPLE_RATE, (len(course.angles) - 1 - course.last) / SAMPLE_RATE
     end = float(times[-1])
     count = max(1, round(end / PATH_KEY_INTERVAL))
-    path_times = end * np.arange(count + 1) / count
     all_hinges = (True,) * len(rest)
-    curve = CubicSpline(times, angles)
+    curve = CubicSpline(times, course.clip)
     keys = [
         KeyPosture(float(time), sealed(curve(time)), all_hinges, is_exact=k in (0, count))
-        for k, time in enumerate(path_times)
+        for k, time in enumerate(end * np.arange(count + 1) / count)
     ]
-    lead_times, lead_angles = _ease(rest, angles[0], -lead, 0.0)
-    trail_times, trail_angles = _ease(angles[-1], rest, end, end + trail)
-    course_times = np.concatenate([lead_times[:-1], times, trail_times[1:]])
-    course = np.concatenate([lead_angles[:-1], angles, trail_angles[1:]])
     if lead > 0.0:
         keys.insert(0, KeyPosture(-lead, rest, all_hinges))
     if trail > 0.0:
         keys.append(KeyPosture(end + trail, rest, all_hinges))
-    make_desired = partial(_warp, course_times=course_times, course=course)
+    course_times = np.concatenate(
+        [
+            np.arange(-course.first, 0) / SAMPLE_RATE,
+            times,
+            end + np.arange(1, len(course.angles) - course.last) / SAMPLE_RATE,
+        ]
+    )
+    make_desired = partial(_warp, course_times=course_times, course=course.angles)
     return _Request(tuple(keys), times, stretch, make_desired)
 
 
@@ -203,12 +201,12 @@ def _approach_time(setup: Setup, rest: Floats, posture: Floats) -> float:
     return compute_comfortable_duration(setup, rest, posture)
 
 
-def _ease(start: Floats, end: Floats, begin: float, finish: float) -> tuple[Floats, Floats]:
-    """Return times and angles of a smooth movement between two postures."""
-    count = round((finish - begin) * SAMPLE_RATE)
-    times = np.linspace(begin, finish, count + 1) if count else np.array([begin])
-    fractions = minimum_jerk(np.linspace(0.0, 1.0, count + 1)) if count else np.ones(1)
-    return times, start + fractions[:, None] * (end - start)
+def _ease(start: Floats, end: Floats, duration: float) -> Floats:
+    """Return the samples of a smooth movement between two postures, without the last one."""
+    count = round(duration * SAMPLE_RATE)
+    fractions = minimum_jerk(np.arange(count) / max(count, 1))
+    samples: Floats = start + fractions[:, None] * (end - start)
+    return samples
 
 
 def _warp(times: Floats, keys: Keys, *, course_times: Floats, course: Floats) -> DesiredMotion:

@@ -1,14 +1,16 @@
 """Reading of motion files of all formats, chosen by suffix and content."""
 
 from collections.abc import Mapping
+from dataclasses import replace
 from pathlib import Path
 
 from kinesic.capture.body_directions import clip_of_skeleton
 from kinesic.capture.clip import Clip
 from kinesic.capture.reading.bvh import read_bvh
-from kinesic.capture.reading.joint_tables import read_joint_csv, read_joint_npz
+from kinesic.capture.reading.joint_tables import read_joint_csv, read_joint_npz, read_npz
 from kinesic.capture.reading.reachy_move import read_reachy_move
 from kinesic.capture.reading.smartbody import read_motion, read_skeleton
+from kinesic.capture.reading.smpl import is_smpl, read_smpl
 from kinesic.capture.reading.text import CaptureError, read_file
 
 SKELETON_FOLDER = "skeletons"  # name of the folder of SmartBody skeletons, in one of the folders above a clip
@@ -17,7 +19,7 @@ FORMATS: Mapping[str, str] = {  # formats of motion files by suffix
     ".bvh": "BVH",
     ".skm": "SmartBody motion, with its skeleton ACTOR.sk",
     ".csv": "joint angles with a header",
-    ".npz": "joint angles with names",
+    ".npz": "joint angles with names, or SMPL",
     ".json": "move of Reachy Mini",
 }
 
@@ -46,9 +48,19 @@ def read_clip(path: Path) -> Clip:
         case ".csv":
             return read_joint_csv(data, source)
         case ".npz":
-            return read_joint_npz(data, source)
+            return _read_npz(data, source)
         case _:
             return read_reachy_move(data, source)
+
+
+def _read_npz(data: bytes, source: str) -> Clip:
+    """Read an SMPL motion or joint angles."""
+    arrays = read_npz(data, source)
+    if not is_smpl(arrays):
+        return read_joint_npz(arrays, source)
+    skeleton, motion, guess = read_smpl(arrays, source)
+    clip = clip_of_skeleton(skeleton, motion, source)
+    return replace(clip, guesses=(*clip.guesses, guess)) if guess else clip
 
 
 def find_skeleton(path: Path) -> Path:

@@ -6,22 +6,24 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.robot import SIDE_NAMES, Robot
+from kinesic.body.robot import SIDE_NAMES, Robot, Side
+from kinesic.capture.arm_smoothing import smooth_arms
 from kinesic.capture.arm_tracking import track_arm
 from kinesic.capture.clip import ArmPath, BodyClip, Clip, JointClip
+from kinesic.capture.derivatives import required_time_ratios
 from kinesic.capture.reading.text import CaptureError
 from kinesic.capture.resampling import low_pass, resample, resample_times
 from kinesic.capture.robot_motion import RobotMotion, arm_paths
 from kinesic.motion.keys import RANGE_MARGIN
+from kinesic.planning.setup import Setup
 from kinesic.planning.torso import compute_torso_turn, set_turn
 
 MAX_DURATION = 300.0  # [s] longest clip that is retargeted
-JOINT_CUTOFF = 8.0  # [Hz] cut-off frequency of retargeted joints, which change abruptly at the end of an arm's reach
 HEAD_AXES = "ZYX"  # rotations of the neck, from the trunk: torsion, tilt and roll
 MAX_LISTED_NAMES = 5  # largest number of unknown joints that a message lists
 
 
-def retarget(clip: Clip, robot: Robot, source: str) -> RobotMotion:
+def retarget(clip: Clip, setup: Setup, source: str) -> RobotMotion:
     """Return a robot's joint angles that imitate a clip.
 
     A body's wrists and elbows are followed by inverse kinematics, in arm lengths; the head by the neck. Joint angles
@@ -29,7 +31,7 @@ def retarget(clip: Clip, robot: Robot, source: str) -> RobotMotion:
 
     Args:
         clip: of a body or of the robot's own joints.
-        robot: the robot.
+        setup: robot and limits.
         source: name of the file, for messages.
 
     Raises:
@@ -39,11 +41,12 @@ def retarget(clip: Clip, robot: Robot, source: str) -> RobotMotion:
         raise CaptureError(f"{source}: it lasts {clip.times[-1]:.0f} s, at most {MAX_DURATION:.0f} s; cut it")
     times = resample_times(clip.times)
     if isinstance(clip, JointClip):
-        return _take_joints(clip, times, robot, source)
-    return _follow_body(clip, times, robot)
+        return _take_joints(clip, times, setup.robot, source)
+    return _follow_body(clip, times, setup)
 
 
-def _follow_body(clip: BodyClip, times: Floats, robot: Robot) -> RobotMotion:
+def _follow_body(clip: BodyClip, times: Floats, setup: Setup) -> RobotMotion:
+    robot = setup.robot
     angles = np.tile(robot.skeleton.rest, (len(times), 1))
     notes = list(clip.guesses)
     arms = {}
@@ -58,8 +61,15 @@ def _follow_body(clip: BodyClip, times: Floats, robot: Robot) -> RobotMotion:
     turns = Rotation.from_rotvec(heads).as_euler(HEAD_AXES)
     for row, turn in zip(angles, turns, strict=True):
         set_turn(robot, "neck", turn - compute_torso_turn(robot, "torso", row), row)
-    angles = low_pass(angles, JOINT_CUTOFF)
+    fast = {side: arm for side, arm in arms.items() if _exceeds_limits(angles, side, setup)}
+    angles = smooth_arms(angles, fast, setup) if fast else angles
     return RobotMotion(sealed(times), sealed(angles), _inside(angles, robot), arms, clip.syncs, tuple(notes))
+
+
+def _exceeds_limits(angles: Floats, side: Side, setup: Setup) -> bool:
+    """Return whether an arm's rotations exceed a limit, as they do near singular postures."""
+    hinges = np.array(setup.robot.arms[side].indices)
+    return float(required_time_ratios(angles[:, hinges], setup.limits.part(hinges)).max()) > 1.0
 
 
 def _take_joints(clip: JointClip, times: Floats, robot: Robot, source: str) -> RobotMotion:

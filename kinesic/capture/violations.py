@@ -7,7 +7,7 @@ from typing import Literal
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.capture.nearest import differentiate
+from kinesic.capture.derivatives import differentiate
 from kinesic.capture.robot_motion import SAMPLE_RATE
 from kinesic.planning.setup import Setup
 

@@ -5,13 +5,13 @@ from collections.abc import Mapping
 from pathlib import Path
 
 import click
-from rich.table import Table
 
 from kinesic.capture.certification import Certification, certify_clip, judge_clip
 from kinesic.capture.read import read_clip
 from kinesic.capture.robot_motion import RobotMotion
 from kinesic.capture.violations import Violation
 from kinesic.cli.progress import show_stages
+from kinesic.cli.screen.table import Table
 from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_file import check_file
 from kinesic.planning.files.motion_files import check_motion_file, save_motion
@@ -71,7 +71,7 @@ def _print_violations(file: Path, robot: str, desired: RobotMotion, violations: 
         click.echo("violates no limit")
         return
     click.echo(f"violates {len(violations)} limits:")
-    table = Table("limit", "joint or pair", "value / limit", "at [s]", "of time", box=None)
+    table = Table("limit", "joint or pair", "value / limit", "at [s]", "of time")
     for violation in violations[:MAX_ROWS]:
         table.add_row(
             violation.limit,

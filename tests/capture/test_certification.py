@@ -10,7 +10,8 @@ from kinesic.body.arrays import sealed
 from kinesic.capture.certification import certify_clip, correlate, largest_limit_ratio
 from kinesic.capture.clear_path import clear_path
 from kinesic.capture.clip import ArmPath, BodyClip, JointClip
-from kinesic.capture.nearest import differentiate, find_nearest, required_time_ratios
+from kinesic.capture.derivatives import differentiate, required_time_ratios
+from kinesic.capture.nearest import Course
 from kinesic.capture.read import read_clip
 from kinesic.capture.retarget import retarget
 from kinesic.capture.violations import find_violations
@@ -24,6 +25,7 @@ from .test_retarget import clip_of
 
 CORPUS = find_corpus()
 FOLDER = CORPUS / "capture" if CORPUS is not None else None
+BOTH_SIDES = {"r": np.array([1.0, 1.0, 1.0]), "l": np.array([1.0, -1.0, 1.0])}  # mirror factors
 HAS_CLIPS = FOLDER is not None and FOLDER.is_dir()
 
 
@@ -106,7 +108,7 @@ def test_hand_in_the_body_is_led_around_it(known):
 
 
 def test_clear_motion_gets_no_detour(known):
-    angles = retarget(clip_of(reach(60)), known.robot, "a").angles
+    angles = retarget(clip_of(reach(60)), known, "a").angles
     assert known.distances.clearance(angles).distances.min() > 0.012
     np.testing.assert_array_equal(clear_path(angles, known, min_clearance=0.012), angles)
 
@@ -122,13 +124,33 @@ def test_motion_that_overloads_a_drive_by_coupled_loads_is_slowed(known):
             return still + 3.0 * (known.dynamics.torques(angles, velocities, accelerations) - still)
 
     heavier = replace(known, dynamics=Heavier(), shared_limits=known.limits)
-    desired = retarget(own_clip(known, speed=1.5), known.robot, "a")
     light = certify_clip(own_clip(known, speed=1.5), known, "a")
     result = certify_clip(own_clip(known, speed=1.5), heavier, "a")
-    assert find_nearest(desired, known).total_stretch == pytest.approx(light.nearest.total_stretch)
     assert result.torque_ratio <= 1.001
     peak = np.abs(result.trajectory.sample(np.arange(0, 3, 0.01))[2]).max()
     assert peak < np.abs(light.trajectory.sample(np.arange(0, 3, 0.01))[2]).max()
+
+
+def test_approach_and_return_are_added_unless_the_clip_is_at_rest(known):
+    rest = known.robot.skeleton.rest
+    angles = np.tile(rest, (50, 1))
+    assert (Course.of(angles, known).first, Course.of(angles, known).last) == (0, 49)
+    angles[-1, 3] += 0.1
+    course = Course.of(angles, known)
+    assert course.first == 0
+    assert len(course.angles) > 50 + 25
+    np.testing.assert_array_equal(course.angles[-1], rest)
+    np.testing.assert_array_equal(course.clip, angles)
+
+
+def test_approach_from_rest_is_led_around_the_body(known):
+    """A clip with hands at the belly throughout; the arms come from rest beside the body."""
+    wrist, elbow = np.tile([0.45, 0.35, -0.55], (60, 1)), np.tile([-0.05, -0.12, -0.5], (60, 1))
+    paths = {side: ArmPath(sealed(elbow * sign), sealed(wrist * sign)) for side, sign in BOTH_SIDES.items()}
+    clip = BodyClip(sealed(np.arange(60) / 30), paths, sealed(np.zeros((60, 3))))
+    result = certify_clip(clip, known, "a.bvh")
+    assert result.clearance >= known.robot.min_clearance
+    assert result.distance.wrist_max < 0.5
 
 
 def test_differences_are_exact_for_cubic_motion():

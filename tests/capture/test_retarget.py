@@ -3,6 +3,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.robot import Robot
+from kinesic.capture.arm_smoothing import smooth_arms
 from kinesic.capture.arm_tracking import bridge_leaps, find_leaps, find_swivels
 from kinesic.capture.body_directions import clip_of_skeleton
 from kinesic.capture.clip import ArmPath, BodyClip, JointClip
@@ -27,8 +28,8 @@ def clip_of(rotations, **options) -> BodyClip:
     return clip_of_skeleton(*read_bvh(bvh(rotations, **options), "a.bvh"), "a.bvh")
 
 
-def test_wrists_and_elbows_of_the_robot_follow_those_of_the_actor(robot):
-    motion = retarget(clip_of(reach(60)), robot, "a.bvh")
+def test_wrists_and_elbows_of_the_robot_follow_those_of_the_actor(robot, known):
+    motion = retarget(clip_of(reach(60)), known, "a.bvh")
     reached = arm_paths(robot, motion.angles)
     for side, arm in motion.arms.items():
         assert np.linalg.norm(reached[side].wrist - arm.wrist, axis=1).max() < 0.05
@@ -37,29 +38,29 @@ def test_wrists_and_elbows_of_the_robot_follow_those_of_the_actor(robot):
         assert np.degrees(np.arccos(cosines)).max() < 15.0
 
 
-def test_head_moves_the_neck_about_the_same_axes(robot):
+def test_head_moves_the_neck_about_the_same_axes(robot, known):
     turn = np.zeros((60, 3))
     turn[:, 2] = 30.0 * np.sin(np.linspace(0, 3, 60))  # to the left
-    motion = retarget(clip_of({"Head": turn}), robot, "a.bvh")
+    motion = retarget(clip_of({"Head": turn}), known, "a.bvh")
     torsion = robot.skeleton.names.index("skullbase_torsion")
     assert np.degrees(motion.angles[:, torsion].max()) == pytest.approx(30.0, abs=1.0)
 
 
-def test_raised_elbow_is_imitated_by_the_swivel(robot):
+def test_raised_elbow_is_imitated_by_the_swivel(robot, known):
     """The same wrist path with raised elbows gives another posture with the same wrist."""
     count, wrist = 60, np.tile([0.7, 0.0, 0.0], (60, 1))
     angles = []
     for elbow in ([0.35, 0.0, -0.36], [0.35, -0.36, 0.0]):
         path = ArmPath(sealed(np.tile(elbow, (count, 1))), sealed(wrist))
         clip = BodyClip(sealed(np.arange(count) / 30), {"r": path}, sealed(np.zeros((count, 3))))
-        motion = retarget(clip, robot, "a")
+        motion = retarget(clip, known, "a")
         reached = arm_paths(robot, motion.angles)["r"]
         assert np.linalg.norm(reached.wrist[30] - wrist[30]) < 0.02
         angles.append(swivel(robot.arms["r"], motion.angles[30, list(robot.arms["r"].indices)]))
     assert np.degrees(angles[1] - angles[0]) == pytest.approx(90.0, abs=10.0)
 
 
-def test_straight_arm_takes_the_swivel_of_its_neighbours(robot):
+def test_straight_arm_takes_the_swivel_of_its_neighbours(robot, known):
     elbow = np.tile([0.35, 0.0, -0.36], (30, 1))
     wrist = np.tile([0.7, 0.0, 0.0], (30, 1))
     elbow[10:20], wrist[10:20] = [0.5, 0.0, 0.0], [1.0, 0.0, 0.0]
@@ -77,31 +78,50 @@ def test_leap_is_bridged_without_a_step():
     assert bridge_leaps(bridged)[1] == 0
 
 
-def test_joint_files_are_taken_by_name_and_unknown_joints_are_noted(robot):
+def test_joint_files_are_taken_by_name_and_unknown_joints_are_noted(robot, known):
     name = robot.skeleton.names[3]
     wave = 0.1 * np.sin(2 * TIMES)
     clip = JointClip(sealed(TIMES), (name, "tail"), sealed(np.stack([wave, wave], axis=1)))
-    motion = retarget(clip, robot, "a.csv")
+    motion = retarget(clip, known, "a.csv")
     column = robot.skeleton.names.index(name)
     assert motion.requested[100, column] == pytest.approx(0.1 * np.sin(2.0), abs=1e-4)
     assert motion.notes == ("unknown joints: tail",)
     with pytest.raises(CaptureError, match="no joint of upper22"):
-        retarget(JointClip(sealed(TIMES), ("tail",), sealed(wave[:, None])), robot, "a.csv")
+        retarget(JointClip(sealed(TIMES), ("tail",), sealed(wave[:, None])), known, "a.csv")
 
 
-def test_angles_beyond_the_range_are_kept_as_requested_and_clipped_as_desired(robot):
+def test_angles_beyond_the_range_are_kept_as_requested_and_clipped_as_desired(robot, known):
     upper = robot.skeleton.upper[0]
     clip = JointClip(sealed(TIMES), robot.skeleton.names[:1], sealed(np.full((len(TIMES), 1), upper + 0.5)))
-    motion = retarget(clip, robot, "a.csv")
+    motion = retarget(clip, known, "a.csv")
     assert motion.requested[:, 0] == pytest.approx(upper + 0.5)
     assert (motion.angles[:, 0] < upper).all()
 
 
-def test_too_long_clip_is_rejected(robot):
+def test_too_long_clip_is_rejected(robot, known):
     times = np.array([0.0, MAX_DURATION + 1.0])
     clip = JointClip(sealed(times), robot.skeleton.names[:1], sealed(np.zeros((2, 1))))
     with pytest.raises(CaptureError, match="at most 300 s"):
-        retarget(clip, robot, "a.csv")
+        retarget(clip, known, "a.csv")
+
+
+def test_rough_rotations_become_smooth_near_the_same_path(robot, known):
+    motion = retarget(clip_of(reach(60)), known, "a")
+    noise = np.random.default_rng(2).normal(scale=0.02, size=motion.angles.shape)
+    rough = np.clip(motion.angles + noise, robot.skeleton.lower, robot.skeleton.upper)
+    smoothed = smooth_arms(rough, motion.arms, known)
+    for side, arm in motion.arms.items():
+        hinges = list(robot.arms[side].indices)
+        before, after = (np.abs(np.diff(angles[:, hinges], 2, axis=0)).max() for angles in (rough, smoothed))
+        assert after < 0.2 * before
+        assert np.linalg.norm(arm_paths(robot, smoothed)[side].wrist - arm.wrist, axis=1).max() < 0.03
+    others = [k for k in range(len(robot.skeleton.names)) if k not in set(list_arm_hinges(robot))]
+    np.testing.assert_array_equal(smoothed[:, others], rough[:, others])
+
+
+def list_arm_hinges(robot: Robot) -> list[int]:
+    """Return the hinges of both arms."""
+    return [k for chain in robot.arms.values() for k in chain.indices]
 
 
 def test_low_pass_keeps_gestures_and_removes_noise():

@@ -67,13 +67,12 @@ def read_joint_csv(data: bytes, source: str) -> JointClip:
     return _make_clip(table[:, column], names, np.delete(table, column, axis=1), source)
 
 
-def read_joint_npz(data: bytes, source: str) -> JointClip:
-    """Read joint angles from NPZ with times or a rate, names, and angles.
+def read_joint_npz(arrays: Mapping[str, Array], source: str) -> JointClip:
+    """Read joint angles from NPZ arrays: times or a rate, names, and angles.
 
     Raises:
-        CaptureError: the data holds no such arrays.
+        CaptureError: there are no such arrays.
     """
-    arrays = read_npz(data, source)
     try:
         names = [str(name) for name in text_of(arrays, _choose(arrays, NAME_ARRAYS), 1)]
         angles = numbers_of(arrays, _choose(arrays, ANGLE_ARRAYS), 2).astype(np.float64)

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from kinesic.capture.reading.joint_tables import read_joint_csv, read_joint_npz
+from kinesic.capture.reading.joint_tables import read_joint_csv, read_joint_npz, read_npz
 from kinesic.capture.reading.text import CaptureError
 from kinesic.planning.files.motion_files import save_motion
 from kinesic.session.plan import plan
@@ -17,6 +17,10 @@ def test_csv_with_radians_gives_joints_by_name():
     assert clip.times[:3] == pytest.approx([0, 0.02, 0.04])
     assert clip.angles[10, 1] == pytest.approx(0.3 * np.sin(0.4))
     assert clip.guesses == ()
+
+
+def from_npz(data, source):
+    return read_joint_npz(read_npz(data, source), source)
 
 
 @pytest.mark.parametrize("delimiter", [",", ";", "\t"])
@@ -51,7 +55,7 @@ def test_invalid_csv_is_rejected_with_its_line(old, new, message):
 
 def test_npz_with_a_rate_gives_times():
     angles = np.linspace(0, 1, 10)[:, None] * [1.0, 2.0]
-    clip = read_joint_npz(joint_npz(joint_names=np.array(["a_rad", "b_rad"]), q=angles, fps=np.array(25)), "a.npz")
+    clip = from_npz(joint_npz(joint_names=np.array(["a_rad", "b_rad"]), q=angles, fps=np.array(25)), "a.npz")
     assert clip.times[-1] == pytest.approx(9 / 25)
     assert clip.angles == pytest.approx(angles)
 
@@ -68,12 +72,12 @@ def test_npz_with_a_rate_gives_times():
 def test_invalid_npz_is_rejected(changes, message):
     arrays = {"times": np.arange(10) / 10, "names": np.array(["a", "b"]), "angles": np.zeros((10, 2))}
     with pytest.raises(CaptureError, match=message):
-        read_joint_npz(joint_npz(**(arrays | changes)), "a.npz")
+        from_npz(joint_npz(**(arrays | changes)), "a.npz")
 
 
 def test_own_exports_are_read_with_their_angles(known, tmp_path):
     trajectory = plan(CALM_BML, known).trajectory
-    for suffix, read in ((".npz", read_joint_npz), (".csv", read_joint_csv)):
+    for suffix, read in ((".npz", from_npz), (".csv", read_joint_csv)):
         clip = load(read, save_motion(trajectory, known.robot, tmp_path / f"a{suffix}", force=False))
         assert clip.names == known.robot.skeleton.names
         assert clip.guesses == ()

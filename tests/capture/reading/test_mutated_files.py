@@ -6,9 +6,10 @@ import pytest
 from kinesic.body.rotation import rotation_about
 from kinesic.capture.body_directions import clip_of_skeleton
 from kinesic.capture.reading.bvh import read_bvh
-from kinesic.capture.reading.joint_tables import read_joint_csv, read_joint_npz
+from kinesic.capture.reading.joint_tables import read_joint_csv, read_joint_npz, read_npz
 from kinesic.capture.reading.reachy_move import read_reachy_move
 from kinesic.capture.reading.smartbody import read_motion, read_skeleton
+from kinesic.capture.reading.smpl import is_smpl, read_smpl
 from kinesic.capture.reading.text import CaptureError
 
 from ...bench.naturalness.clips import SKELETON, write_clip
@@ -41,6 +42,11 @@ def read_bvh_clip(data: bytes, source: str) -> object:
     return clip_of_skeleton(*read_bvh(data, source), source)
 
 
+def read_arrays(data: bytes, source: str) -> object:
+    arrays = read_npz(data, source)
+    return read_smpl(arrays, source) if is_smpl(arrays) else read_joint_npz(arrays, source)
+
+
 def refusal(read, data: bytes) -> str:
     """Return the message with which a file is refused, empty if it is read."""
     try:
@@ -59,12 +65,13 @@ def originals(tmp_path):
         "skm": (read_motion, motion),
         "sk": (read_skeleton, SKELETON.encode()),
         "csv": (read_joint_csv, joint_csv()),
-        "npz": (read_joint_npz, joint_npz(**arrays)),
+        "npz": (read_arrays, joint_npz(**arrays)),
+        "smpl": (read_arrays, joint_npz(poses=np.zeros((5, 66)), mocap_frame_rate=np.array(30.0))),
         "reachy": (read_reachy_move, reachy_move(poses)),
     }
 
 
-@pytest.mark.parametrize("kind", ["bvh", "skm", "sk", "csv", "npz", "reachy"])
+@pytest.mark.parametrize("kind", ["bvh", "skm", "sk", "csv", "npz", "smpl", "reachy"])
 @pytest.mark.parametrize("count", [MUTATIONS // 10, pytest.param(MUTATIONS, marks=pytest.mark.soak)])
 def test_mutated_files_raise_only_capture_errors(tmp_path, kind, count):
     read, data = originals(tmp_path)[kind]

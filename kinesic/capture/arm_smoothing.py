@@ -1,0 +1,148 @@
+"""Smooth arm postures near a captured path, also close to singular postures.
+
+Inverse kinematics follows a path exactly, with fast rotations where the upper arm passes the axis of a shoulder hinge.
+Here small errors of wrist and elbow are traded for lower accelerations, by Gauss-Newton steps over the whole path.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import solveh_banded
+
+from kinesic.body.arrays import Floats
+from kinesic.body.robot import Side
+from kinesic.capture.clip import ArmPath
+from kinesic.capture.robot_motion import SAMPLE_RATE, arm_paths
+from kinesic.planning.setup import Setup
+
+MAX_ITERATIONS = 6  # largest number of steps, of which some are rejected
+DIFFERENCE_STEP = 1e-4  # [rad] rotation for finite differences of positions
+WRIST_TOLERANCE = 0.02  # [arm lengths] wrist error that costs 1
+ELBOW_TOLERANCE = 0.10  # [arm lengths] elbow error that costs 1
+ACCELERATION_WEIGHT = 1.0  # cost of full acceleration of one hinge
+FIRST_DAMPING = 10.0  # first weight of the squared step
+DAMPING_FACTOR = 10.0  # factor on the damping after a rejected step, and its divisor after an accepted one
+MIN_DECREASE = 0.01  # relative decrease of the cost below which the search ends
+
+
+@dataclass
+class _Arm:
+    """State of the search for one arm."""
+
+    hinges: list[int]
+    path: ArmPath  # desired
+    weights: Floats  # (k,) of squared second differences
+    lower: Floats  # (k,) [rad]
+    upper: Floats  # (k,) [rad]
+    angles: Floats  # (m, k) [rad]
+    damping: float = FIRST_DAMPING
+    is_finished: bool = False
+
+    def cost(self, angles: Floats, errors: Floats) -> float:
+        """Return the cost of angles (m, k) [rad] with errors (m, 6)."""
+        return float(np.sum(errors**2) + np.sum(self.weights * np.diff(angles, 2, axis=0) ** 2))
+
+
+def smooth_arms(angles: Floats, arms: Mapping[Side, ArmPath], setup: Setup) -> Floats:
+    """Return arm postures near given ones that follow the paths with lower accelerations.
+
+    Args:
+        angles: (m, n) [rad] at `SAMPLE_RATE`; only the hinges of the given arms change.
+        arms: (m, 3) desired paths [arm lengths].
+        setup: robot and limits.
+    """
+    robot, limits, smoothed = setup.robot, setup.limits, angles.copy()
+    searches = {}
+    for side, path in arms.items():
+        own = list(robot.arms[side].indices)
+        weights = ACCELERATION_WEIGHT * (SAMPLE_RATE**2 / limits.acceleration[own]) ** 2
+        searches[side] = _Arm(own, path, weights, limits.lower[own], limits.upper[own], smoothed[:, own])
+    paths = arm_paths(robot, smoothed)
+    for _ in range(MAX_ITERATIONS):
+        active = {side: arm for side, arm in searches.items() if not arm.is_finished}
+        if not active:
+            break
+        errors = {side: _errors(paths[side], arm.path) for side, arm in active.items()}
+        jacobians = _find_jacobians(smoothed, active, errors, setup)
+        tried = smoothed.copy()
+        for side, arm in active.items():
+            step = _solve_step(arm, errors[side], jacobians[side])
+            tried[:, arm.hinges] = np.clip(arm.angles + step, arm.lower, arm.upper)
+        reached = arm_paths(robot, tried)
+        for side, arm in active.items():
+            before = arm.cost(arm.angles, errors[side])
+            after = arm.cost(tried[:, arm.hinges], _errors(reached[side], arm.path))
+            if after >= before:
+                arm.damping *= DAMPING_FACTOR
+                continue
+            arm.is_finished = before - after < MIN_DECREASE * before
+            arm.damping /= DAMPING_FACTOR
+            arm.angles = tried[:, arm.hinges]
+            smoothed[:, arm.hinges] = arm.angles
+        paths = arm_paths(robot, smoothed)
+    return smoothed
+
+
+def _find_jacobians(
+    angles: Floats, active: Mapping[Side, _Arm], errors: Mapping[Side, Floats], setup: Setup
+) -> Mapping[Side, Floats]:
+    """Return the Jacobians (m, 6, k) of the errors of arms, moved at the same time."""
+    jacobians = {side: np.empty((*errors[side].shape, len(arm.hinges))) for side, arm in active.items()}
+    for k in range(max(len(arm.hinges) for arm in active.values())):
+        moved = angles.copy()
+        moving = {side: arm for side, arm in active.items() if k < len(arm.hinges)}
+        for arm in moving.values():
+            moved[:, arm.hinges[k]] += DIFFERENCE_STEP
+        changed = arm_paths(setup.robot, moved)
+        for side, arm in moving.items():
+            jacobians[side][:, :, k] = (_errors(changed[side], arm.path) - errors[side]) / DIFFERENCE_STEP
+    return jacobians
+
+
+def _errors(reached: ArmPath, desired: ArmPath) -> Floats:
+    """Return the errors (m, 6) of wrist and elbow, in tolerances.
+
+    The elbow lies in the desired direction, at the robot's own distance.
+    """
+    lengths = np.linalg.norm(reached.elbow, axis=1, keepdims=True)
+    directions = desired.elbow / np.maximum(np.linalg.norm(desired.elbow, axis=1, keepdims=True), 1e-9)
+    wrist = (reached.wrist - desired.wrist) / WRIST_TOLERANCE
+    return np.concatenate([wrist, (reached.elbow - lengths * directions) / ELBOW_TOLERANCE], axis=1)
+
+
+def _solve_step(arm: _Arm, errors: Floats, jacobians: Floats) -> Floats:
+    """Return the damped Gauss-Newton step (m, k) [rad] of one arm.
+
+    Args:
+        arm: with its angles and weights.
+        errors: (m, 6) in tolerances.
+        jacobians: (m, 6, k) of the errors.
+    """
+    count, hinges = arm.angles.shape
+    normal = np.einsum("tia,tib->tab", jacobians, jacobians)
+    normal[:, np.arange(hinges), np.arange(hinges)] += arm.damping
+    gradient = np.einsum("tia,ti->ta", jacobians, errors)
+    curvature = arm.weights * np.diff(arm.angles, 2, axis=0)
+    for offset, factor in ((0, 1.0), (1, -2.0), (2, 1.0)):
+        gradient[offset : offset + len(curvature)] += factor * curvature
+    bands = np.zeros((2 * hinges + 1, count * hinges))
+    for distance in range(hinges):
+        for first in range(hinges - distance):
+            bands[2 * hinges - distance, first + distance :: hinges] = normal[:, first, first + distance]
+    for offset, values in enumerate(_second_difference_bands(count)):
+        bands[(2 - offset) * hinges, offset * hinges :] += (values[:, None] * arm.weights).ravel()
+    step: Floats = solveh_banded(bands, -gradient.ravel()).reshape(count, hinges)
+    return step
+
+
+def _second_difference_bands(count: int) -> tuple[Floats, Floats, Floats]:
+    """Return the main and both upper diagonals of D^T D for second differences D of samples."""
+    main, first, second = np.zeros(count), np.zeros(count - 1), np.zeros(count - 2)
+    main[:-2] += 1.0
+    main[1:-1] += 4.0
+    main[2:] += 1.0
+    first[:-1] -= 2.0
+    first[1:] -= 2.0
+    second += 1.0
+    return main, first, second
