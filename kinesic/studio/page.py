@@ -20,13 +20,14 @@ PAGE_FOLDER = Path(__file__).parent / "page"  # folder of the page's files
 EXAMPLE_FOLDER = Path(__file__).parent / "examples"  # folder of the example documents
 TEMPLATE_FOLDER = Path(__file__).parent / "templates"  # folder of the documents to begin a new one with
 WELCOME_EXAMPLE = Path(str(files("kinesic"))) / "configs" / "bml" / "welcome.bml"  # document with which the page opens
+JSON_TYPE = "application/json"  # MIME type of JSON
 CONTENT_TYPES = {
     ".html": "text/html; charset=utf-8",
     ".css": "text/css; charset=utf-8",
     ".js": "text/javascript; charset=utf-8",
     ".svg": "image/svg+xml",
+    ".json": JSON_TYPE,
 }
-JSON_TYPE = "application/json"  # MIME type of JSON
 START_FILE = "index.html"  # file served at the root of the site
 
 

@@ -21,15 +21,15 @@ import { Robot } from "./robot.ts";
 import { StylesPanel } from "./styles/styles_panel.ts";
 import { TextPane } from "./text.ts";
 import { TextMode } from "./text_mode/text_mode.ts";
-import { Timeline } from "./timeline.ts";
+import type { Timeline } from "./timeline.ts";
 import { Tour } from "./tour/tour.ts";
-import { listenToTracks } from "./tracks/commands.ts";
-import { TrackEditing } from "./tracks/editing.ts";
-import { listenToDrops } from "./tracks/palette_drag.ts";
+import type { TrackEditing } from "./tracks/editing.ts";
+import { Figures } from "./tracks/figures.ts";
+import { openTimeline } from "./tracks/panel.ts";
 import type { About, Draft, GestureDraft } from "./types.ts";
 import { StageView } from "./view.ts";
 import type { Answer } from "./wire.ts";
-import { BLOCK, findAttribute, tagWithId } from "./xml.ts";
+import { BLOCK } from "./xml.ts";
 
 const GESTURE_ID = "g"; // id of the behaviour that performs a gesture under edit
 
@@ -39,6 +39,10 @@ class App {
   private readonly text: TextPane;
   private readonly timeline: Timeline;
   private readonly tracks: TrackEditing;
+  private readonly figures = new Figures(() => {
+    this.editing.redrawList();
+    this.showChosen();
+  });
   private readonly performing = new Performing((time) => this.playback.player.follow(time));
   private readonly playback: Playback;
   private readonly drafting: Drafting;
@@ -57,21 +61,22 @@ class App {
 
   constructor(private readonly about: About) {
     this.text = new TextPane((text) => this.edit(text, true));
-    this.tracks = new TrackEditing({
-      text: () => this.document,
-      edit: (text) => this.edit(text),
-      draft: () => this.draft,
-      locked: () => this.isGesture,
-      time: () => this.playback.player.time,
-      chosen: () => this.showChosen(),
-      say: (text) => say(byId("track-status"), text),
-    });
-    this.timeline = new Timeline(byId("rows"), {
-      moved: (move) => this.tracks.move(move),
-      seek: (time) => this.playback.player.seek(time),
-      choose: (id, isExtended) => this.tracks.choose(id, isExtended),
-      chooseAll: (ids, isExtended) => this.tracks.chooseAll(ids, isExtended),
-    });
+    const timeline = openTimeline(
+      {
+        text: () => this.document,
+        edit: (text) => this.edit(text),
+        draft: () => this.draft,
+        locked: () => this.isGesture,
+        time: () => this.playback.player.time,
+        chosen: () => this.showChosen(),
+        say: (text) => say(byId("track-status"), text),
+        seek: (time) => this.playback.player.seek(time),
+        add: (value) => this.add((text, time) => addDropped(text, value, blockTime(time))),
+      },
+      this.figures,
+    );
+    this.tracks = timeline.tracks;
+    this.timeline = timeline.timeline;
     this.robot = new Robot(about.robot, {
       opened: () => void this.connected(),
       changed: () => {
@@ -124,6 +129,7 @@ class App {
       seek: (time) => this.playback.player.seek(time),
       say: (text) => this.robot.live.say(text),
       hand: (side) => this.view.stage.handPosition(side),
+      picture: (gesture) => this.figures.draw(gesture),
     });
     this.files = new Files(about, this.robot.wire, {
       text: () => this.document,
@@ -154,11 +160,6 @@ class App {
       say: (text) => this.robot.live.say(text),
     });
     this.listen();
-    listenToTracks(this.tracks, this.timeline);
-    listenToDrops(this.timeline, {
-      drop: (value, snap) => this.tracks.drop(value, snap),
-      press: (value) => this.add((text, time) => addDropped(text, value, blockTime(time))),
-    });
     new Tour(() => this.textMode.tabs.choose("words"));
     listenToPalette((edit) => this.add(edit));
     listenToPanes();
@@ -295,13 +296,11 @@ class App {
     this.playback.player.play(false);
     if (this.isGesture && !this.files.saving.isStored)
       this.robot.live.say("save the gesture first, so that the robot can use it");
-    else if (this.robot.ready) this.send(this.performed);
-  }
-
-  private send(bml: string): void {
-    const block = tagWithId(bml, BLOCK);
-    this.performing.begin((block && findAttribute(block, "id")?.value) ?? "", this.draft?.zero ?? 0);
-    if (this.robot.wire.perform(bml)) this.view.setMode("robot");
+    else if (this.robot.ready) {
+      const bml = this.performed;
+      this.performing.begin(bml, this.draft?.zero ?? 0);
+      if (this.robot.wire.perform(bml)) this.view.setMode("robot");
+    }
   }
 
   // ---- the page -----------------------------------------------------------------------------------------------

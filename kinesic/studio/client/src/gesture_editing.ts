@@ -17,6 +17,8 @@ export interface Desk {
   insert(lexeme: string): void;
   seek(time: number): void;
   say(text: string): void;
+  /** Picture of a gesture; null if there is none. */
+  picture(gesture: string): Element | null;
   /** Position of a hand on the stage [m]. */
   hand(side: Side): readonly number[] | null;
 }
@@ -44,6 +46,7 @@ export class GestureEditing {
     this.list = new GestureList(about.gestures, {
       insert: (id) => desk.insert(id),
       edit: (id) => void this.copy(id),
+      picture: (id) => desk.picture(id),
       find: async (words) => readFound(await this.wire.ask("find", { words: words.slice(0, 200) })),
     });
   }
@@ -55,6 +58,11 @@ export class GestureEditing {
     this.manner.clear();
     byId("keys").hidden = !isGesture;
     if (isGesture) byId("keys").parentElement?.scrollTo(0, 0);
+  }
+
+  /** Draw the list of gestures again, with pictures that have been loaded. */
+  redrawList(): void {
+    this.list.redraw();
   }
 
   /** Add the saved gesture to the list of gestures. */

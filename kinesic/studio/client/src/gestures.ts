@@ -25,6 +25,8 @@ export class GestureList {
       edit(id: string): void;
       /** Ranked gestures for some words; null without a server. */
       find(words: string): Promise<Found[] | null>;
+      /** Picture of a gesture; null if there is none. */
+      picture(id: string): Element | null;
     },
   ) {
     this.search.addEventListener("input", () => this.show());
@@ -35,6 +37,11 @@ export class GestureList {
   add(gesture: About["gestures"][number]): void {
     this.saved.add(gesture.id);
     this.gestures = [gesture, ...this.gestures.filter(({ id }) => id !== gesture.id)];
+    this.show();
+  }
+
+  /** Draw the list again, with pictures that have been loaded. */
+  redraw(): void {
     this.show();
   }
 
@@ -70,7 +77,8 @@ export class GestureList {
     };
     return make(
       "li",
-      { class: near ? "gesture near" : "gesture", "data-add": `gesture:${id}`, "data-label": id },
+      { class: near ? "gesture near" : "gesture", "data-add": `gesture:${id}`, "data-label": id, "data-gesture": id },
+      this.listener.picture(id) ?? make("span"),
       make("span", { title: says }, make("b", {}, id), ` ${category}`),
       act("Add", `Add ${id} to the document`, () => this.listener.insert(id)),
       act("Edit", `Edit a copy of ${id}`, () => this.listener.edit(id)),

@@ -1,5 +1,6 @@
 // Clock of the running performance: feedback tells its start, reports of the robot its time.
 import type { Feedback } from "./feedback.ts";
+import { BLOCK, findAttribute, tagWithId } from "./xml.ts";
 
 const MAX_AHEAD = 0.2; // [s] longest time that the clock runs on without a report
 
@@ -17,9 +18,10 @@ export class Performing {
     return this.begun !== null;
   }
 
-  /** Wait for the start of a block whose plan has its block time 0 at `zero` [s]. */
-  begin(block: string, zero: number): void {
-    this.block = block;
+  /** Wait for the start of a document whose plan has its block time 0 at `zero` [s]. */
+  begin(bml: string, zero: number): void {
+    const root = tagWithId(bml, BLOCK);
+    this.block = (root && findAttribute(root, "id")?.value) ?? "";
     this.zero = zero;
     this.begun = null;
   }

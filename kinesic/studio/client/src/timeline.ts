@@ -24,6 +24,7 @@ export class Timeline implements Ground {
 
   constructor(
     readonly place: HTMLElement,
+    private readonly figures: { draw(gesture: string): Element | null },
     listener: DragListener,
   ) {
     this.zoom = new Zoom(place, () => this.duration);
@@ -44,6 +45,7 @@ export class Timeline implements Ground {
     const drawing: Drawing = {
       duration: this.duration,
       selected: chosen,
+      picture: (gesture) => this.figures.draw(gesture),
       percent: (time) => `${(100 * time) / this.duration}%`,
     };
     const tracks = rows.map((row) => drawTrack(row, drawing, row.track === "voice" ? this.sounds(draft) : []));

@@ -15,7 +15,7 @@ function open(find: (words: string) => Promise<ReturnType<typeof readFound>>): {
   shown(): string[];
 } {
   window = load();
-  const list = new GestureList(GESTURES, { insert: () => {}, edit: () => {}, find });
+  const list = new GestureList(GESTURES, { insert: () => {}, edit: () => {}, find, picture: () => null });
   return { list, shown: () => [...document.querySelectorAll("#found b")].map((each) => each.textContent ?? "") };
 }
 

@@ -12,6 +12,8 @@ export interface Drawing {
   duration: number;
   selected: ReadonlySet<string>;
   percent(time: number): string;
+  /** Picture of a gesture; null if there is none. */
+  picture(gesture: string): Element | null;
 }
 
 /** Return the row of a track. */
@@ -56,6 +58,7 @@ function drawBlock(item: Placed, drawing: Drawing, chosen: boolean): HTMLElement
     made.style.width = `${(100 * (phase.to - phase.from)) / length}%`;
     return made;
   });
+  const picture = type === "gesture" ? drawing.picture(label) : null;
   const about = outcome === "realised" ? "" : `, ${outcome}${why ? `: ${why}` : ""}`;
   const times = `${from.toFixed(2)} to ${to.toFixed(2)} s`;
   const block = make(
@@ -71,6 +74,7 @@ function drawBlock(item: Placed, drawing: Drawing, chosen: boolean): HTMLElement
       tabindex: item.first && chosen ? "0" : "-1",
     },
     ...phases,
+    ...(picture ? [picture] : []),
     ...(type === "speech" ? [] : [make("span", { class: "label" }, label || type)]),
   );
   block.style.left = drawing.percent(from);

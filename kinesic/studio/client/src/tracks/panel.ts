@@ -1,0 +1,32 @@
+// The timeline with its drags, keys, menus, palette and pictures.
+import { byId } from "../dom.ts";
+import { Timeline } from "../timeline.ts";
+import { listenToTracks } from "./commands.ts";
+import { type TrackDesk, TrackEditing } from "./editing.ts";
+import { type Figures, listenToPreviews } from "./figures.ts";
+import { listenToDrops } from "./palette_drag.ts";
+
+/** Parts of the page that the timeline needs. */
+export interface TimelineDesk extends TrackDesk {
+  seek(time: number): void;
+  /** Add an entry of the palette at the time of the slider. */
+  add(value: string): void;
+}
+
+/** Connect the timeline to the page. */
+export function openTimeline(desk: TimelineDesk, figures: Figures): { tracks: TrackEditing; timeline: Timeline } {
+  const tracks = new TrackEditing(desk);
+  const timeline = new Timeline(byId("rows"), figures, {
+    moved: (move) => tracks.move(move),
+    seek: (time) => desk.seek(time),
+    choose: (id, isExtended) => tracks.choose(id, isExtended),
+    chooseAll: (ids, isExtended) => tracks.chooseAll(ids, isExtended),
+  });
+  listenToTracks(tracks, timeline);
+  listenToDrops(timeline, {
+    drop: (value, snap) => tracks.drop(value, snap),
+    press: (value) => desk.add(value),
+  });
+  listenToPreviews(byId("found"), figures);
+  return { tracks, timeline };
+}
