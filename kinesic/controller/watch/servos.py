@@ -103,7 +103,6 @@ class ServoWatch:
             taken = status.taken[fresh]
             moments, places = np.unique(self._time_of(taken), return_inverse=True)
             planned = self._reference(moments)[places, np.flatnonzero(fresh)]
-            self._strayed = self._strayed.copy()
             self._strayed[fresh] = status.angles[fresh] - planned
             self._taken = np.where(fresh, status.taken, self._taken)
 
