@@ -3,7 +3,14 @@
 import numpy as np
 import pytest
 
-from kinesic.files.caption_band import caption_box, words_at, write_caption
+from kinesic.files.caption_band import (
+    BAND_PADDING,
+    LETTER_HEIGHT,
+    MAX_LINE_WIDTH,
+    caption_box,
+    words_at,
+    write_caption,
+)
 
 PICTURE_SIZE = (640, 360)
 SPOKEN_WORDS = ((0.5, 1.0, "Hello,"), (1.0, 2.0, "and welcome"))
@@ -40,6 +47,19 @@ def test_caption_box_grows_to_two_lines_and_stays_below_a_fifth_of_the_picture()
     assert two is not None
     assert more is not None
     assert one[3] - one[1] < two[3] - two[1] <= more[3] - more[1] < 360 * 0.2
+
+
+@pytest.mark.parametrize("size", [PICTURE_SIZE, (1920, 1080)])
+def test_caption_breaks_only_lines_that_are_wider_than_most_of_the_picture(size: tuple[int, int]):
+    width, height = size
+    padding = 2 * round(BAND_PADDING * LETTER_HEIGHT * height) + 2
+    word, words, long = (caption_box(text, size) for text in ("says", "fits in one line", LONG_TEXT))
+    assert word is not None
+    assert words is not None
+    assert long is not None
+    assert words[2] - words[0] > 2 * (word[2] - word[0] - padding)
+    assert abs((words[3] - words[1]) - (word[3] - word[1])) <= 0.01 * height, "a single line, too"
+    assert 0.6 * width < long[2] - long[0] <= 1.1 * MAX_LINE_WIDTH * width + padding, "with an ellipsis"
 
 
 def test_empty_caption_draws_nothing():

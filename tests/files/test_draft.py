@@ -256,3 +256,13 @@ def test_abandoned_temporary_folders_are_removed_once_per_folder_and_process(tmp
             with hold_folder(tmp_path / place) as parent, hold_draft("rep", parent=parent):
                 pass
             assert os.listdir(tmp_path / place) == kept, count
+
+
+def test_draft_on_windows_holds_no_file_open_that_would_prevent_its_renaming(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    with hold_folder(tmp_path) as parent:
+        for platform, files in (("win32", []), ("linux", [DRAFT_FILE])):
+            monkeypatch.setattr(sys, "platform", platform)
+            with hold_draft("rep", parent=parent) as draft:
+                assert draft.folder.names() == files

@@ -6,7 +6,15 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.bspline import grid
-from kinesic.motion.infeasibility import EASY_DEFICIT, estimate_limit_ratio, measure_time_deficit
+from kinesic.motion.infeasibility import (
+    DEFICIT_MARGIN,
+    EASY_DEFICIT,
+    MIN_PLANE_SLOPE,
+    Infeasibility,
+    estimate_limit_ratio,
+    make_cutting_planes,
+    measure_time_deficit,
+)
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.spline_program import nearest_motion
 from kinesic.motion.trajectory import KNOT_INTERVAL
@@ -116,3 +124,31 @@ def test_time_deficit_beyond_the_work_limit_is_not_measured():
     )
     assert allowed is not None
     assert allowed.amount == free.amount
+
+
+MARKED = replace(way(40, 20.0), marks=((0,), (1, 2), (3,)))
+KEY_TIMES = np.array([0.0, 1.0, 1.2, 2.0])
+
+
+def deficit_of(amount: float, slopes: list[float], binding=("speed", None)) -> Infeasibility:
+    return Infeasibility(amount, np.array(slopes), binding, np.zeros(3))
+
+
+@pytest.mark.parametrize(("amount", "counted"), [(0.3, 0.3), (-0.2, 0.0)])
+@pytest.mark.parametrize("slopes", [[-2.0, 2.0, 0.0], [0.0, 0.0, 0.11], [-0.11, 0.0, 0.0]])
+def test_one_plane_excludes_the_key_times_of_an_infeasible_segment(slopes, amount, counted):
+    (plane,) = make_cutting_planes(MARKED, deficit_of(amount, slopes), KEY_TIMES)
+    np.testing.assert_allclose(plane.slopes, [slopes[0], slopes[1] / 2, slopes[1] / 2, slopes[2]])
+    assert plane.slopes @ KEY_TIMES - plane.bound == pytest.approx(counted + DEFICIT_MARGIN)
+
+
+def test_each_limited_interval_grows_where_the_deficit_has_no_slope():
+    flat = [-MIN_PLANE_SLOPE, 0.0, MIN_PLANE_SLOPE]
+    first, second = make_cutting_planes(MARKED, deficit_of(0.3, flat, ("speed", "acceleration")), KEY_TIMES)
+    np.testing.assert_allclose(first.slopes, [1.0, -0.5, -0.5, 0.0])
+    np.testing.assert_allclose(second.slopes, [0.0, 0.5, 0.5, -1.0])
+    assert (first.bound, second.bound) == pytest.approx(
+        (-1.1 * np.exp(0.3 + DEFICIT_MARGIN), -0.9 * np.exp(0.3 + DEFICIT_MARGIN))
+    )
+    (only,) = make_cutting_planes(MARKED, deficit_of(0.3, flat, (None, "jerk")), KEY_TIMES)
+    np.testing.assert_array_equal(only.slopes, second.slopes)

@@ -5,7 +5,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.double_s import compute_rest_durations
 from kinesic.motion.keys import KeyPosture, Keys
-from kinesic.motion.segments import find_critical_segments, pieces, segments
+from kinesic.motion.segments import SplineSegment, find_critical_segments, pieces, segments
 from kinesic.motion.trajectory import KNOT_INTERVAL
 
 LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
@@ -24,6 +24,28 @@ def test_motion_is_split_into_segments_in_the_middle_of_a_hold():
     assert first.pairs == ((0, 1), (1, 2))
     assert second.pairs == ((1, 2), (2, 3), (3, 4))
     assert second.places == pytest.approx([40.0, 90.5])
+
+
+@pytest.mark.parametrize(
+    ("places", "exit", "is_early"),
+    [
+        ([], None, False),
+        ([10.0], None, False),
+        ([29.0], None, False),
+        ([10.0, 29.5], None, True),
+        ([29.5], [0.2, 0.3, 0.4], False),
+    ],
+)
+def test_segment_rests_early_if_its_last_key_is_within_its_last_knot_interval(places, exit, is_early):
+    segment = SplineSegment.between(
+        0,
+        30,
+        np.zeros(3),
+        None if exit is None else np.array(exit),
+        places=np.array(places),
+        angles=np.full(len(places), 0.2),
+    )
+    assert segment.rests_early is is_early
 
 
 def test_segments_of_a_hinge_cover_its_whole_motion():
