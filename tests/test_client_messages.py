@@ -235,7 +235,9 @@ def line(server: Server) -> Callable[[], StopLine]:
     return make
 
 
-def test_emergency_stop_connection_waits_for_the_acknowledgement(server: Server, line: Callable[[], StopLine]):
+def test_emergency_stop_connection_sends_one_stop_and_accepts_the_acknowledgement(
+    server: Server, line: Callable[[], StopLine]
+):
     stopping = line()
     server.say('{"told":"stopped"}')
     stopping.stop()

@@ -162,7 +162,7 @@ def _adapt_easing(easing: Easing, max_overshoot: float) -> tuple[Easing, float]:
 
 
 def _soften_stepwise(requested: _EasingRows) -> Iterator[Floats]:
-    """Yield the offsets of some hinges' easings, less steep each time.
+    """Yield the offsets of easing curves, from the steepest to the gentlest.
 
     Each has shape (3, h, p), relative to minimum jerk.
     """

@@ -1,4 +1,4 @@
-"""Process context of planners and helpers, with tables read before the fork."""
+"""Multiprocessing context of planners, whose modules are imported once."""
 
 from collections.abc import Callable, Sequence
 

@@ -34,6 +34,6 @@ def test_unknown_unit_error_lists_valid_units():
     assert "26" in message
 
 
-def test_only_units_of_the_mouth_midline_and_of_both_eyes_have_no_sides():
+def test_action_units_without_sides_are_chin_lip_tongue_jaw_cheek_and_gaze_units():
     whole = {number for number, unit in ACTION_UNITS.items() if not unit.sided}
     assert whole == {17, 18, 19, *range(22, 30), 32, 34, *range(61, 65), 66}

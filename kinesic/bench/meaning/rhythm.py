@@ -124,7 +124,7 @@ def measure_story_rhythm(text: str, style: str, robot: str) -> StoryRhythm:
 
 
 def measure_rhythm(planned: Plan) -> StoryRhythm:
-    """Measure the rhythm of a planned text."""
+    """Measure gesture strokes, dropped gestures and resting hands of a plan."""
     gestures = {
         behaviour.id: behaviour.action for behaviour in planned.timeline.block.behaviours if behaviour.type == "gesture"
     }

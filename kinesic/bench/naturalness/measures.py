@@ -12,7 +12,7 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.metrics.smoothness import spectral_arc_length
 from kinesic.studies.sweep.geometry import length
 
-PROFILE_RATE = 30.0  # [Hz] sample rate of captured clips, used for movement units and spectra
+PROFILE_RATE = 30.0  # [Hz] rate to which captured and planned motion is resampled
 PROFILE_PERIOD = 1.0 / PROFILE_RATE  # [s] between samples of a speed profile
 MIN_PEAK_RATIO = 0.1  # smallest peak speed of a movement unit / largest speed
 MAX_DIP_RATIO = 0.5  # largest ratio of the minimum speed between two movement units to the lower peak

@@ -1,4 +1,4 @@
-"""Reading of speech: text with marks, recordings and allowed pauses.
+"""Parser of `<speech>`: text with marks, recordings and longest pauses.
 
 The text is plain, with `sync` elements, with Greta's `tm`, or SSML. The SSML elements mark, break, prosody, emphasis,
 say-as, sub and language changes are passed to the voice at any depth; only the text of other elements is kept.

@@ -61,7 +61,7 @@ MIN_TIME_RATIO = 0.7  # available / natural time below which keys have neither o
 RETRACTION_STEEPNESS = 7.5  # steepness of a retraction without fluidity: peak / mean velocity is 4/3
 FLUIDITY_EXPONENT = 1.6  # exponent of (1 - fluidity) in the steepness of the retraction
 FULL_FIRMNESS = 0.5  # power, tension or stiffness that removes all swing
-WEAKNESS_REDUCTION = 0.5  # fraction of the swing removed at power -1
+WEAKNESS_REDUCTION = 0.5  # fraction of the overshoot at keys that power -1 removes
 STIFFNESS_GAIN = 0.6  # increase of the accent at fluidity -1 / accent at fluidity 0
 LOOSENESS_REDUCTION = 0.3  # fraction of the swing removed at tension -1, where the spline itself swings
 

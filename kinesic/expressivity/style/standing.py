@@ -114,4 +114,4 @@ def choose_rest(weights: tuple[tuple[str, float], ...], chance: np.random.Genera
 
 
 NEUTRAL_STANDING = Standing.of(StandingTable())  # the robot's own rest posture, an unmoved face and a frontal gaze
-UNPOSED_STANDING = Standing()  # neutral standing whose arms hang in all pauses
+UNPOSED_STANDING = Standing()  # neutral standing without rest gestures: arms return to the rest posture

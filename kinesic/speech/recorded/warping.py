@@ -30,7 +30,7 @@ class FrameSequence:
 
 @dataclass(frozen=True, eq=False)
 class Warp:
-    """Frames of a recording at which its words are spoken."""
+    """Time alignment of a recording with a synthesised rendition, by frame."""
 
     word_frames: Indices  # (words,) first frame of each word
     frames: Indices  # (m,) frames with speech, increasing

@@ -38,7 +38,7 @@ class BodyFigures:
 
 @dataclass(frozen=True)
 class DocumentFigures:
-    """Stroke errors and failed checks of one document in the twin."""
+    """Stroke timing errors and violations of one document in the twin."""
 
     file: str
     strokes: int

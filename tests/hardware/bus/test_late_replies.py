@@ -160,7 +160,7 @@ def test_bus_cycle_with_fresh_servo_records_or_without_any_is_not_stale(waiting:
     assert not waiting.late.needs_trial, "not in a row"
 
 
-def test_silence_after_a_cycle_without_query_indicates_clock_drift(waiting: Waiting):
+def test_after_silence_in_a_cycle_without_query_no_record_counts_as_late(waiting: Waiting):
     for _ in range(2):
         waiting.cycle_of_the_past()
     assert waiting.believed.is_late(0, records(1.002, 1.0, 1.0)[0], 1.05, leeway=0.004)

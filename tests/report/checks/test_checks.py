@@ -82,7 +82,7 @@ def test_exceeded_motion_limit_fails_its_check(done, quantity):
         assert (check.status, check.value) == (status, pytest.approx(1 / share))
 
 
-def test_joint_angle_beyond_its_stop_fails_in_degrees(done):
+def test_joint_angle_2_degrees_beyond_its_limit_fails_position_and_margin_checks(done):
     angles = done.plan.trajectory.sample(np.linspace(0.0, done.plan.trajectory.duration, 5000))[0]
     limits = done.plan.setup.limits
     highest = angles[:, 5].max()

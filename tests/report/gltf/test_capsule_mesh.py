@@ -20,7 +20,7 @@ def test_capsule_mesh_is_closed_and_faces_outward(trimesh: ModuleType, end: tupl
     np.testing.assert_allclose(surface.positions - nearest, 0.05 * surface.normals, atol=1e-12)
 
 
-def test_joined_capsules_are_one_surface():
+def test_joined_surfaces_number_their_vertices_consecutively():
     one = capsule_mesh(Capsule(np.zeros(3), np.array([0.0, 0.0, 0.1]), 0.05))
     both = join_surfaces([one, one])
     assert both.corners.max() == 2 * len(one.positions) - 1

@@ -90,7 +90,7 @@ def test_indistinguishable_motions_give_no_stimulus_pair(known, documents, motio
     assert plan_pairs(documents, motions, known, "repetition=0", 2) == []
 
 
-def test_study_motion_with_speech_has_captions_and_idle_motion_in_pauses(known):
+def test_study_motion_with_speech_has_the_same_captions_with_more_idle_motion(known):
     text = (
         '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><speech id="s" start="0"><text>Good morning!'
         '</text></speech><gesture id="g" lexeme="offer" stroke="9"/></bml>'
