@@ -153,6 +153,8 @@ def test_expressivity_of_the_selected_behaviour_can_be_set(studio: Studio):
         'id="doc"', f'id="doc"{DECLARED}'
     )
     studio.page.click('[data-block="g"]')
+    assert not studio.page.value("document.querySelector('#inspector').hidden"), "a further click keeps it selected"
+    studio.page.click('[data-lane="face"]')
     assert studio.page.value("document.querySelector('#inspector').hidden")
 
 

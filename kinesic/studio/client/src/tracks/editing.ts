@@ -59,7 +59,8 @@ export class TrackEditing {
   choose(id: string, isExtended: boolean): void {
     if (this.desk.locked()) return;
     if (isExtended) this.selection.extend(id);
-    else this.selection.toggle(id);
+    else if (id === BLOCK) this.selection.toggle(id);
+    else this.selection.set([id]);
   }
 
   chooseAll(ids: readonly string[], isExtended: boolean): void {

@@ -18,7 +18,10 @@ export function openTimeline(desk: TimelineDesk, figures: Figures): { tracks: Tr
   const tracks = new TrackEditing(desk);
   const timeline = new Timeline(byId("rows"), figures, {
     moved: (move) => tracks.move(move),
-    seek: (time) => desk.seek(time),
+    seek: (time) => {
+      if (tracks.selection.last !== undefined) tracks.chooseAll([], false);
+      desk.seek(time);
+    },
     choose: (id, isExtended) => tracks.choose(id, isExtended),
     chooseAll: (ids, isExtended) => tracks.chooseAll(ids, isExtended),
   });
