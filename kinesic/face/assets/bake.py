@@ -148,7 +148,7 @@ def _shape_rest_lips(head: Mesh, reference: Mesh) -> Floats:
     smooth = smooth_corners(_close_lips(head), reference)
     again = _close_lips(replace(head, positions=smooth))
     aside = np.abs(reference.positions[:, 1]) / (reference.eyes[0, 1] - reference.eyes[1, 1])
-    return smooth + np.interp(aside, RECLOSED_RANGE, (1.0, 0.0))[:, None] * (again - smooth)
+    return np.asarray(smooth + np.interp(aside, RECLOSED_RANGE, (1.0, 0.0))[:, None] * (again - smooth))
 
 
 def _close_lips(head: Mesh) -> Floats:
