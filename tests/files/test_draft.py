@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from kinesic.files import draft as draft_module
 from kinesic.files.draft import (
     DRAFT_FILE,
     DRAFT_TEXT,
@@ -261,6 +262,7 @@ def test_abandoned_temporary_folders_are_removed_once_per_folder_and_process(tmp
 def test_draft_on_windows_holds_no_file_open_that_would_prevent_its_renaming(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
+    monkeypatch.setattr(draft_module, "_lock_file", lambda _: None)
     with hold_folder(tmp_path) as parent:
         for platform, files in (("win32", []), ("linux", [DRAFT_FILE])):
             monkeypatch.setattr(sys, "platform", platform)

@@ -244,6 +244,17 @@ def test_start_angle_outside_its_range_is_clipped_to_the_limit():
         assert (inside.angles == outside.angles).all()
 
 
+@pytest.mark.parametrize(
+    "convert", [np.ndarray.tolist, np.asfortranarray, np.float32], ids=["list", "Fortran", "float32"]
+)
+def test_hand_pose_is_solved_for_other_kinds_of_numbers(convert):
+    position, rotation = _pose(LEFT, LEFT.rest + 0.3 * (LEFT.upper - LEFT.rest))
+    expected = solve_pose(LEFT, position, rotation, start=LEFT.rest)
+    result = solve_pose(LEFT, convert(position), convert(rotation), start=LEFT.rest)
+    assert expected.reached
+    np.testing.assert_allclose(result.angles, expected.angles, atol=1e-5)
+
+
 def test_rotation_matrix_is_accepted_up_to_rounding_errors():
     position, rotation = _pose(LEFT, LEFT.rest)
     assert solve_pose(LEFT, position, rotation * (1.0 + 4e-7), start=LEFT.rest).reached

@@ -1,5 +1,6 @@
 import json
 import re
+import sys
 from pathlib import Path
 
 import pytest
@@ -105,3 +106,9 @@ def test_table_name_with_sql_code_is_not_executed(folder, tmp_path, monkeypatch)
     with open_store(folder) as store:
         assert any(name.startswith('x" AS') for name in store.tables)
     assert [path.name for path in tmp_path.iterdir()] == [folder.name]
+
+
+def test_missing_duckdb_is_reported_with_the_command_that_installs_it(folder, monkeypatch):
+    monkeypatch.setitem(sys.modules, "duckdb", None)
+    with pytest.raises(ConfigError, match=r"^results need duckdb: .*pip install.*store"), open_store(folder):
+        pass
