@@ -35,7 +35,8 @@ def main() -> None:
     environment = {"PYTHONPATH": str(packages), "PATH": os.environ["PATH"], "MUJOCO_GL": "disable"}
     done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, timeout=TIME_LIMIT, check=False)
     emulated.write_bytes(done.stdout)
-    sys.exit(done.returncode)
+    if done.returncode:
+        sys.exit("it failed, or figures differ; the wheel must have the sources of the kinesic of this interpreter")
 
 
 def unpack_debian(folder: Path, packages: tuple[str, ...], *, architecture: str | None = None) -> Path:
