@@ -8,6 +8,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.capture.clip import ArmPath
+from kinesic.sim.kinematics import body_frames
 
 SAMPLE_RATE = 100.0  # [Hz] rate of desired motions
 
@@ -36,14 +37,14 @@ def arm_paths(robot: Robot, angles: Floats) -> Mapping[Side, ArmPath]:
         robot: the robot.
         angles: (m, n) [rad].
     """
-    frames, paths = robot.body_frames(angles), {}
+    frames, paths = body_frames(robot, angles), {}
     for side in SIDES:
         arm = robot.arm(side)
         base = robot.skeleton.segments[robot.skeleton.segment(arm.segments[0])].parent
-        rotation = frames.rotations[:, robot.skeleton.segment(base)] if base else np.eye(3)[None]
-        shoulder, elbow, wrist = (frames.origins[:, k] for k in (arm.shoulder, arm.elbow, arm.wrist))
+        rotation = frames.rotations[robot.skeleton.segment(base)] if base else np.eye(3)[:, :, None]
+        shoulder, elbow, wrist = (frames.origins[k] for k in (arm.shoulder, arm.elbow, arm.wrist))
         elbows, wrists = (
-            np.einsum("...ji,...j->...i", rotation, place - shoulder) / robot.arm_length for place in (elbow, wrist)
+            np.einsum("ji...,j...->...i", rotation, place - shoulder) / robot.arm_length for place in (elbow, wrist)
         )
         paths[side] = ArmPath(sealed(elbows), sealed(wrists))
     return paths
