@@ -214,14 +214,3 @@ def test_durable_file_and_its_folder_are_flushed_to_disk(tmp_path: Path, monkeyp
     assert "mine" in folder[1]
     write_text(tmp_path / "other", "x")
     assert len(synced) == 2, "thousands of reports do not wait for the disk"
-
-
-@pytest.mark.skipif(not Path("/proc/self/fd").is_dir(), reason="no list of open files")
-@pytest.mark.parametrize("durable", [False, True])
-def test_written_and_replaced_files_leave_no_descriptor_open(tmp_path: Path, durable: bool):
-    write_text(tmp_path / "mine", "first", durable=durable)
-    before = sorted(os.listdir("/proc/self/fd"))
-    for text in ("second", "third"):
-        write_text(tmp_path / "mine", text, force=True, durable=durable)
-        write_text(tmp_path / f"{text}.txt", text, durable=durable)
-    assert sorted(os.listdir("/proc/self/fd")) == before
