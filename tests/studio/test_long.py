@@ -50,6 +50,10 @@ def test_studio_page_has_no_accessibility_violations(studio: Studio):
     page = studio.page
     page.call("Runtime.evaluate", expression=AXE.read_text(encoding="utf-8"))
     page.value("document.querySelector('#lexicon').open = true")
+    page.click("#show-palette")
+    opened = "new MouseEvent('contextmenu', {bubbles: true, cancelable: true})"
+    page.value(f"document.querySelector('.block').dispatchEvent({opened})")
+    page.until("document.querySelector('#track-menu') !== null")
     for scheme in ("light", "dark"):
         page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
         result = "axe.run().then(result => result.violations.map(each => [each.impact, each.help, each.nodes[0].html]))"

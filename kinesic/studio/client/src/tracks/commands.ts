@@ -125,7 +125,7 @@ function showMenu(
   document.addEventListener("pointerdown", (down) => !menu.contains(down.target as Node) && close(), {
     signal: ended.signal,
   });
-  document.body.append(menu);
+  byId("timeline").append(menu);
   const { width, height } = menu.getBoundingClientRect();
   menu.style.left = `${Math.max(0, Math.min(event.clientX, innerWidth - width))}px`;
   menu.style.top = `${Math.max(0, Math.min(event.clientY, innerHeight - height))}px`;
