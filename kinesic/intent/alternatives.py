@@ -4,6 +4,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
 
+from kinesic.expressivity.lexicon.entries import builtin_gestures
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.search import find_gestures
 from kinesic.intent.behaviour_sets import NO_SIGNAL, BehaviourSets
@@ -14,6 +15,8 @@ from kinesic.intent.reading.passage import Passage
 from kinesic.intent.reading.words import read_text
 
 MAX_ALTERNATIVES = 24  # largest number of alternatives
+MAX_OWN = 8  # largest number of gestures of the user
+OWN_REASON = "your own gesture"  # reason for a gesture that does not come with kinesic
 MAX_BEATS = 6  # largest number of beats
 MAX_FOUND = 10  # largest number of gestures taken from the search for a word
 BEAT_REASON = "stresses the word"  # reason for a beat, which fits every word
@@ -42,7 +45,7 @@ def rank_alternatives(
     """Rank the gestures that could be shown at a word, the most suitable first.
 
     First come the candidates of the text at this word, by their scores. Then follow the other gestures of the intent,
-    the results of `find_gestures` for the word, and beats.
+    the results of `find_gestures` for the word, gestures of the user, and beats.
 
     Args:
         text: spoken text, without markup.
@@ -87,8 +90,15 @@ def _propose(
     spoken = passage.words[word]
     hits = find_gestures(lexicon, spoken.plain, count=MAX_FOUND)
     yield from ((hit.id, f"found for '{spoken.text}'", "") for hit in hits)
+    yield from ((name, OWN_REASON, "") for name in islice(_own_gestures(lexicon), MAX_OWN))
     beats = islice(_gestures_of(sets, RHYTHM_INTENT), MAX_BEATS)
     yield from ((lexeme, BEAT_REASON, RHYTHM_INTENT) for lexeme in beats)
+
+
+def _own_gestures(lexicon: Lexicon) -> Iterator[str]:
+    """Yield the gestures of a lexicon that do not come with kinesic."""
+    builtin = {entry.id for entry in builtin_gestures().entries}
+    yield from (entry.id for entry in lexicon.entries if entry.id not in builtin)
 
 
 def _gestures_of(sets: BehaviourSets, intent: str) -> Iterator[str]:

@@ -1,10 +1,12 @@
 """Gestures that could be shown at a word, the most suitable first."""
 
+from pathlib import Path
+
 import pytest
 
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.search import find_gestures
-from kinesic.intent.alternatives import BEAT_REASON, MAX_BEATS, Alternative, rank_alternatives
+from kinesic.intent.alternatives import BEAT_REASON, MAX_BEATS, OWN_REASON, Alternative, rank_alternatives
 from kinesic.intent.behaviour_sets import builtin_sets
 
 TEXT = "No, I did not say that! There were three big boxes."
@@ -42,6 +44,14 @@ def test_alternatives_end_with_beats_and_list_no_gesture_twice(word: str):
     alternatives = ranked(word)
     assert [each.why for each in alternatives][-MAX_BEATS:] == MAX_BEATS * [BEAT_REASON]
     assert len({each.id for each in alternatives}) == len(alternatives)
+
+
+def test_gestures_of_the_user_are_offered_for_every_word(tmp_path: Path):
+    file = tmp_path / "mine.toml"
+    file.write_text('category = "beat"\n[[gesture]]\nid = "mine"\nkeys = [{ right = { at = [0.5, 0.3, 0.5] } }]\n')
+    _, alternatives = rank_alternatives(TEXT, TEXT.index("say"), Lexicon.load(file), builtin_sets())
+    assert ("mine", OWN_REASON) in [(each.id, each.why) for each in alternatives]
+    assert OWN_REASON not in [each.why for each in ranked("say")]
 
 
 def test_number_of_alternatives_is_limited(monkeypatch: pytest.MonkeyPatch):

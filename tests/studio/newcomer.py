@@ -13,10 +13,7 @@ from ..chromium import Page, opened
 
 PATIENT = "planning=60"  # [s], the machine may be shared
 STATE = "kinesicStudio.state()"
-DOCUMENT = (
-    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="talk">\n'
-    '  <speech id="s"><text>It is tea versus coffee today.</text></speech>\n</bml>'
-)
+TEXT = "It is tea versus coffee today."
 
 
 @dataclass
@@ -94,7 +91,7 @@ def before_the_studio(folder: Path, *flags: str, drawn: bool = True, robot: str 
 
 
 def make_and_perform(person: Person) -> None:
-    """Make a weighing gesture, tie it to a word, make it shy, save and perform it."""
+    """Make a weighing gesture, choose it for a word, make it shy, save and perform it."""
     person.click("#lexicon summary", "Gestures are found by what they mean")
     person.write("#search", "weigh against", "search: weigh against")
     person.click("[aria-label='Edit a copy of balance']", "Edit opens a copy of its file")
@@ -107,23 +104,24 @@ def make_and_perform(person: Person) -> None:
     person.sees("s.past === 1")
     person.save_as("weigh", "Save the gesture for immediate use by the robot")
     person.page.until("document.querySelector('#file').textContent === 'weigh.toml'")
-    person.write("#examples", "example:one_gesture", "open an example")
-    person.sees("s.draft?.block === 'one'")
-    person.write("#text", DOCUMENT, "write: It is tea versus coffee today.")
-    person.sees("s.draft?.block === 'talk'")
-    person.write("#search", "my_balance", "search: my_balance")
-    person.click("[aria-label='Add my_balance to the document']", "Add it to the document")
-    person.sees("s.draft?.syncs.some(sync => sync.behaviour === 'my_balance')")
-    versus = "[...document.querySelectorAll('.word')].findIndex(word => word.textContent === 'versus')"
-    onto = person.middle(f"[data-word='{person.page.value(versus)}']")
-    stroke = person.middle("[data-stroke='my_balance']")
-    person.drag(stroke, (onto[0] - 9, onto[1] + 3), onto, what="drag its stroke onto the word: versus")
-    person.sees("s.text.includes('stroke=\"s:')")
-    person.click("[data-block='my_balance']", "select the gesture")
-    person.write("#own-style", "shy", "make it shy")
-    person.sees(
-        "s.text.includes('kinesic:style=\"shy\"') && s.draft.behaviours.every(each => each.outcome === 'realised')"
+    person.write("#examples", "template:empty", "open a new document")
+    person.sees("s.draft?.block === 'new'")
+    person.write("#plain", TEXT, f"write: {TEXT}")
+    person.click("#plain-make", "let the studio choose gestures")
+    person.sees("s.draft?.block === 'said'")
+    versus = "[...document.querySelectorAll('#spoken button')].findIndex(e => e.textContent.startsWith('versus'))"
+    person.page.until(f"{versus} >= 0")
+    person.click(f"[data-spoken='{person.page.value(versus)}']", "click the word: versus")
+    mine = (
+        "[...document.querySelectorAll('#alternatives-list button')].find(e => e.textContent.startsWith('my_balance'))"
     )
+    person.page.until(f"{mine} !== undefined")
+    person.page.value(f"{mine}.id = 'mine'")
+    person.click("#mine", "choose my_balance from the list")
+    person.sees("s.draft?.syncs.some(sync => sync.behaviour === 'g1') && s.text.includes('lexeme=\"my_balance\"')")
+    person.write("#own-style", "shy", "make it shy")
+    realised = "s.draft.behaviours.every(each => each.type !== 'gesture' || each.outcome === 'realised')"
+    person.sees(f"s.text.includes('kinesic:style=\"shy\"') && {realised}")
     person.save_as("talk", "Save the document")
     person.page.until("document.querySelector('#file').textContent === 'talk.bml'")
     person.sees("document.querySelectorAll('#strips .strip:not(.head)').length === s.report.servos.celsius.length")
