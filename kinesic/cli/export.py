@@ -1,4 +1,4 @@
-"""Verb `kinesic export`: write a motion for the viewers of robotics."""
+"""Verb `kinesic export`: write a motion for Foxglove or Rerun."""
 
 from collections.abc import Mapping
 from pathlib import Path

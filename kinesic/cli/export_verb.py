@@ -29,7 +29,7 @@ from kinesic.cli.options import force_option, implemented_by, planning_options
 @force_option
 @implemented_by("export:export_motion")
 def export_verb() -> None:
-    """Export the motion of FILE for viewers of robotics.
+    """Export the motion of FILE for the viewers Foxglove and Rerun.
 
     FILE is as in `kinesic plan`. The recording has joint states, transforms, surfaces, words and sync points.
     """

@@ -78,7 +78,7 @@ def rank_alternatives(
 def _propose(
     passage: Passage, word: int, lexicon: Lexicon, sets: BehaviourSets, intent: str
 ) -> Iterator[tuple[str, str, str]]:
-    """Yield lexeme, reason and intent of each alternative in their order."""
+    """Yield lexeme, reason and intent of each alternative, most suitable first."""
     for picture in list_pictures(passage, load_language(passage.language), lexicon):
         candidate = picture.candidate
         if candidate.first <= word <= candidate.last:

@@ -245,6 +245,6 @@ class Overlay:
     finishing: Sequence[Occupancy] = ()  # behaviours of the block that its hands finish in the running motion
 
     def trunk_failure(self, why: str) -> MergeFailure:
-        """Return a failure of the block's last behaviour that moves the trunk."""
+        """Return a failure of the last behaviour, preferably one that moves the trunk."""
         performed = sorted(self.performed, key=lambda entry: not entry.roles <= set(ARM_ROLES))
         return MergeFailure(performed[-1].behaviour if performed else "", why)

@@ -230,7 +230,7 @@ class Session:
         self.desk.close()
 
     async def _renew(self) -> None:
-        """Request a lexicon reload, at most once a second, and await it."""
+        """Queue a lexicon reload for the planner, at most once a second."""
         if self._renewal is None or self._renewal.done():
             self._renewal = create_task(self._renew_soon())
         await shield(self._renewal)

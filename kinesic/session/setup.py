@@ -77,7 +77,7 @@ def set_up(
 
 
 def _read_prosody(options: PlanningOptions) -> float:
-    """Return the amount of motion by prosody.
+    """Return the amount of face and head motion that follows the voice.
 
     The default is the amount of idle motion.
     """

@@ -63,7 +63,7 @@ def test_range_ratio_of_a_hinge_with_equal_limits_is_finite():
     assert GRID.limit_ratios(np.full(23, 0.5), stuck, 0)[0] == pytest.approx(0.0)
 
 
-def test_limit_rows_determined_by_the_spline_ends_are_excluded():
+def test_exactly_limit_rows_that_depend_on_inner_control_points_have_bound_one():
     rows = reference.sparse(GRID.rows(LIMITS, 0)).toarray()
     inner = np.any(rows[:, 3:-3] != 0.0, axis=1)
     np.testing.assert_array_equal(GRID.bounds == 1.0, inner)

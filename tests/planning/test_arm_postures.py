@@ -99,7 +99,7 @@ def test_shoulder_lift_raises_the_shoulder_and_keeps_the_hand(place, side):
     assert most[collar] == pytest.approx(ROBOT.skeleton.upper[collar])
 
 
-def test_arm_posture_stays_near_its_start_despite_another_palm_direction():
+def test_another_palm_direction_turns_no_arm_hinge_by_110_degrees():
     angles, arm = np.array(REST), list(ROBOT.arm("l").joints)
     angles[list(ROBOT.joints("torso"))] = np.radians([0.0, -2.6, 0.0])
     angles[arm] = np.radians([14, 99, 39, -50, 89, 31, -21, 30])  # forward and up, elbow out

@@ -78,7 +78,7 @@ def test_emergency_stop_ends_blocks_that_have_begun(queue: FeedbackQueue) -> Non
     assert not queue.messages
 
 
-def test_emergency_stop_keeps_a_final_block_start(queue: FeedbackQueue) -> None:
+def test_emergency_stop_sends_an_irrevocable_block_start_and_its_end_at_once(queue: FeedbackQueue) -> None:
     assert queue.propose((*block()[:2], block()[-1].interrupted_at(10.4)), ())
     queue.halt(9.0)
     assert send(queue, 9.0) == [":start", ":end"]

@@ -11,7 +11,7 @@ END_SIGN = "$"  # sign after a pattern that matches only at the end of a clause
 STROKE_SIGN = "*"  # sign before the word of a pattern on which the stroke falls
 STEM_SIGN = "~"  # sign after a word of a pattern that matches with any inflection
 ANY_WORD = "_"  # sign in a pattern that matches any one word
-NEGATING_WORDS = frozenset({"not"})  # second words of English contractions
+NEGATING_WORDS = frozenset({"not"})  # second words of negated contractions in full (do not)
 FULL_FORMS: Mapping[str, str] = {
     "don't": "do",
     "doesn't": "does",

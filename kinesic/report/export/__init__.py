@@ -1,1 +1,1 @@
-"""Recordings for the viewers of robotics: MCAP for Foxglove, and Rerun files."""
+"""Recordings for robotics viewers: MCAP for Foxglove, and Rerun files."""

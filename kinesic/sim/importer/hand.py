@@ -179,7 +179,7 @@ def _find_range_sign(joint: Joint) -> float:
 
 
 def _find_tip_direction(joint: Joint, tip: Floats) -> Floats:
-    """Return the velocity direction (3,) of a fingertip when a hinge rotates."""
+    """Return a fingertip's velocity (3,) [m/s] per rad/s of a hinge."""
     return np.asarray(np.cross(joint.axis, tip - joint.anchor))
 
 

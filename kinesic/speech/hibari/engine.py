@@ -17,7 +17,7 @@ from kinesic.speech.writing import unreadable_letters
 MIN_PITCH = 0.5  # smallest factor on the pitch
 MAX_PITCH = 2.0  # largest factor on the pitch
 READER_VOICE = "gmw/en-US"  # name of American English in `unreadable_letters`
-TRIAL_TEXT = "a"  # spoken by `hibari_fault`
+TRIAL_TEXT = "a"  # text spoken to check that hibari works
 MAX_LISTED_LETTERS = 40  # largest number of unreadable letters in a remark
 
 

@@ -64,7 +64,7 @@ def test_accurate_servos_keep_full_speed():
     assert (seen.pace, seen.over) == (1.0, False)
 
 
-def test_servo_watch_updates_its_time_scale_once_per_look_period():
+def test_servo_watch_updates_its_time_scale_once_per_clearance_check_period():
     seen = watch()
     looks = [seen.ingest([cycle]) for cycle in cycles(1.0, 0.02)]
     assert sum(looks) == pytest.approx(1.0 / LOOK_PERIOD, abs=1)

@@ -228,7 +228,7 @@ def test_streamed_word_is_spoken_before_the_next_one_arrives():
     assert read_more(Manuscript(), "I want to")[1] == "I want to"
 
 
-def test_reading_time_is_linear_in_the_text_length():
+def test_long_text_with_thousands_of_unclosed_marks_is_read_within_5_seconds():
     began = time.process_time()
     spoken, _ = read_manuscript("The garden needs water today. " * 3000 + "-" * 4000 + "*" + "(" * 4000)
     assert spoken.startswith("The garden")

@@ -204,7 +204,7 @@ def test_robot_file_values_beyond_the_limits_are_rejected(robot: Path, text: str
     assert says in refused(robot, text)
 
 
-def test_nesting_depth_of_attached_models_is_limited(robot: Path):
+def test_elements_of_repeatedly_attached_models_count_towards_the_element_limit(robot: Path):
     attach = "".join(f'<attach model="m" body="b" prefix="p{k}"/>' for k in range(10))
     for k in range(40):
         model = f'<asset><model name="m" file="{k + 1}.xml"/></asset>'
