@@ -12,7 +12,7 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parent.parent / "kinesic"
 USERS = {  # package -> files of extras that may import it
-    "scipy": ("bench/", "studies/", "face/assets/late_scipy.py"),
+    "scipy": ("bench/", "capture/", "studies/", "face/assets/late_scipy.py"),
     "PIL": ("files/late_pillow.py", "mcp/stroke_picture.py"),
 }
 # Runs command lines in one process.
@@ -80,6 +80,7 @@ def test_plan_performance_report_and_scene_need_no_optional_package(package, tmp
     [
         ("scipy", ("plan", "welcome", "--robot", "human", "--out", "human.glb"), "face"),
         ("scipy", ("sweep", "beat", "--parameter", "power"), "studies"),
+        ("scipy", ("certify", "motion.csv"), "studies"),
         ("PIL", ("plan", "welcome", "--robot", "human", "--out", "human.glb"), "film"),
         ("PIL", ("gestures", "render", "hello", "--out", "hello.webp"), "film"),
     ],
