@@ -6,6 +6,7 @@ from itertools import islice
 
 from kinesic.expressivity.lexicon.entries import builtin_gestures
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.lexicon.query_words import is_function_word
 from kinesic.expressivity.lexicon.search import find_gestures
 from kinesic.intent.behaviour_sets import NO_SIGNAL, BehaviourSets
 from kinesic.intent.meaning.reader import list_pictures
@@ -88,7 +89,7 @@ def _propose(
     if intent != RHYTHM_INTENT:
         yield from ((lexeme, f"shows the same intent: {intent}", intent) for lexeme in _gestures_of(sets, intent))
     spoken = passage.words[word]
-    hits = find_gestures(lexicon, spoken.plain, count=MAX_FOUND)
+    hits = () if is_function_word(spoken.plain) else find_gestures(lexicon, spoken.plain, count=MAX_FOUND)
     yield from ((hit.id, f"found for '{spoken.text}'", "") for hit in hits)
     yield from ((name, OWN_REASON, "") for name in islice(_own_gestures(lexicon), MAX_OWN))
     beats = islice(_gestures_of(sets, RHYTHM_INTENT), MAX_BEATS)

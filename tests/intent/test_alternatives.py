@@ -39,6 +39,11 @@ def test_words_without_candidates_have_the_results_of_the_ranked_search():
     assert [each.id for each in ranked("boxes") if each.why == "found for 'boxes'"][:3] == hits
 
 
+def test_function_words_are_not_searched():
+    assert find_gestures(LEXICON, "and"), "descriptions contain it"
+    assert {each.why for each in ranked("and", text="They and I met.")} == {BEAT_REASON}
+
+
 @pytest.mark.parametrize("word", ["that", "three"])
 def test_alternatives_end_with_beats_and_list_no_gesture_twice(word: str):
     alternatives = ranked(word)
