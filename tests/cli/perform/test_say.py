@@ -14,6 +14,11 @@ def test_say_prints_bml_that_plan_reads(kinesic):
     assert kinesic("plan", "-", stdin=printed.out.encode()).code == 0
 
 
+def test_say_prints_bml_of_standard_input(kinesic):
+    typed, piped = kinesic("say", TEXT, "--to", "bml"), kinesic("say", "-", "--to", "bml", stdin=TEXT.encode())
+    assert (piped.code, piped.out) == (typed.code, typed.out) == (0, typed.out)
+
+
 def test_plain_text_file_is_performed_with_a_reason_for_each_behaviour(kinesic, tmp_path):
     (tmp_path / "story.txt").write_text(TEXT)
     ended = kinesic("perform", tmp_path / "story.txt", "--no-film", "--json", "--voice", "durations")
