@@ -71,6 +71,12 @@ def test_documents_in_a_folder_are_recognised_by_content(tmp_path):
     assert documents((tmp_path / "f.html",)) == [tmp_path / "f.html"]
 
 
+@pytest.mark.parametrize(("size", "is_document"), [(4095, True), (4096, True), (4097, False), (9000, False)])
+def test_first_element_of_a_document_must_end_within_four_kilobytes(tmp_path, size: int, is_document: bool):
+    (tmp_path / "story.txt").write_text("<bml>".rjust(size) + "</bml>", encoding="ascii")
+    assert documents((tmp_path,)) == [tmp_path / "story.txt"] * is_document
+
+
 def test_report_name_of_a_long_document_name_is_valid(tmp_path):
     for name in ("a" * 251 + ".bml", "\N{GRINNING FACE}" * 62 + ".bml", "...bml"):
         (tmp_path / name).write_text("<bml/>")

@@ -33,6 +33,18 @@ def test_duty_metrics_of_a_joint_equal_those_of_its_samples(hurried: DryRun) -> 
     assert (first.rms, first.strain) == (pytest.approx(0.6), pytest.approx(0.6 / CONTINUOUS_TORQUE_RATIO))
 
 
+@pytest.mark.parametrize(("duty", "seconds"), [(1.0, 0.0), (-1.0, 0.0), (1.001, 0.05), (-1.001, 0.05)])
+def test_drive_is_saturated_while_its_demanded_duty_exceeds_full_duty(
+    hurried: DryRun, duty: float, seconds: float
+) -> None:
+    measured = hurried.measured
+    duties = np.full_like(measured.duties, 0.2)
+    duties[10:15, 3] = duty
+    name = hurried.plan.setup.robot.skeleton.names[3]
+    (load,) = (load for load in loads(replace(hurried, measured=bearing(measured, duties))) if load.hinge == name)
+    assert load.saturated == pytest.approx(seconds)
+
+
 def test_supply_draw_sums_all_servos(hurried: DryRun) -> None:
     power = hurried.measured.power
     load = draw_load(hurried)
