@@ -8,7 +8,7 @@ import pytest
 from kinesic.metrics.conditioning import MIN_REPORTED_LOSS, find_deviations
 from kinesic.metrics.dry_run import DryRun
 from kinesic.metrics.reference import Reference
-from kinesic.planning.syncs import SHIFT_TO_WARN
+from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 
 
 def with_plan(performance: DryRun, **changes: object) -> DryRun:
@@ -55,3 +55,13 @@ def test_report_sorts_hinges_by_their_deviation_from_the_request(calm: DryRun) -
     motion = replace(calm.plan.motion, rms_distances=lost)
     deviations = find_deviations(with_plan(calm, motion=motion).plan)
     assert [(stray.hinge, pytest.approx(stray.degrees)) for stray in deviations] == [(names[1], 3.0), (names[2], 1.5)]
+    many = replace(calm.plan.motion, rms_distances=np.radians(2.0 + np.arange(len(names), dtype=float)))
+    worst = find_deviations(with_plan(calm, motion=many).plan)
+    assert [stray.hinge for stray in worst] == [names[-1], names[-2], names[-3]]
+
+
+def test_shifted_behaviour_without_a_moving_part_has_no_weaker_stroke(calm: DryRun) -> None:
+    late = SyncTime("spoken", "stroke", 1.0, 1.2), SyncTime("spoken", "end", 1.5, 1.7)
+    (chapter,) = with_plan(calm, syncs=(*calm.plan.syncs, *late)).reference.changes
+    assert (chapter.behaviour, chapter.losses) == ("spoken", ())
+    assert chapter.shift == pytest.approx(0.2)

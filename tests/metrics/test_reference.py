@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from kinesic.body.command import Command, SetpointRows
-from kinesic.body.robot import Robot
+from kinesic.body.robot import SIDES, Robot
+from kinesic.metrics.arrival import compute_part_paths
 from kinesic.metrics.dry_run import DryRun
 from kinesic.metrics.reference import Reference
 from kinesic.sim.twin import Twin
@@ -26,18 +27,38 @@ def test_dry_run_stores_only_measured_arrays_and_recomputes_planned_ones(calm: D
 
 def test_long_reference_is_sampled_in_windows(calm: DryRun, monkeypatch: pytest.MonkeyPatch) -> None:
     whole = Reference(calm.plan, calm.reference.times, calm.reference.duties)
+    expected = {name: getattr(whole, name) for name in ("angles", "velocities", "accelerations", "moving")}
+    some = np.array([0, 5, 20])
+    some_velocities, torques = whole.velocities_of(some), whole.holding_torques[1]
     for name, commands in (("MAX_CACHED_COMMANDS", 64), ("COMMANDS_PER_WINDOW", 16)):
         monkeypatch.setattr(f"kinesic.metrics.reference.{name}", commands)
     parts = Reference(calm.plan, calm.reference.times, calm.reference.duties)
-    for name in ("angles", "velocities", "accelerations", "moving"):
-        assert np.array_equal(getattr(parts, name), getattr(calm.reference, name)), name
-    some = np.array([0, 5, 20])
-    assert np.array_equal(parts.velocities_of(some), whole.velocities_of(some))
-    assert np.array_equal(parts.holding_torques[1], whole.holding_torques[1])
+    for name, samples in expected.items():
+        assert samples.shape[0] == len(parts.times), name
+        assert np.array_equal(getattr(parts, name), samples), name
+    assert np.array_equal(parts.velocities_of(some), some_velocities)
+    assert np.array_equal(parts.holding_torques[1], torques)
     assert [name for name, rows in vars(parts).items() if getattr(rows, "shape", ()) == parts.duties.shape] == [
         "duties",
         "moving",
     ]
+
+
+@pytest.mark.parametrize("window", [16, 10_000])
+def test_planned_paths_are_those_of_the_wrists_head_and_torso(
+    calm: DryRun, monkeypatch: pytest.MonkeyPatch, window: int
+) -> None:
+    monkeypatch.setattr("kinesic.metrics.reference.MAX_CACHED_COMMANDS", window)
+    monkeypatch.setattr("kinesic.metrics.reference.COMMANDS_PER_WINDOW", window)
+    reference = Reference(calm.plan, calm.reference.times, calm.reference.duties)
+    robot, angles = calm.plan.setup.robot, calm.plan.trajectory.sample(calm.reference.times)[0]
+    origins = robot.skeleton.frames(angles).origins
+    for side in SIDES:
+        np.testing.assert_allclose(reference.hands[side], origins[:, robot.arm(side).wrist], atol=1e-9)
+    expected = compute_part_paths(angles, robot, reference.hands)
+    assert reference.paths.keys() == expected.keys()
+    for part, path in expected.items():
+        np.testing.assert_allclose(reference.paths[part], path, atol=1e-9)
 
 
 @pytest.mark.parametrize(("count", "batches"), [(4096, 1), (4097, 5)])
