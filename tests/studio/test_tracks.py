@@ -122,18 +122,26 @@ def test_overlapping_behaviours_in_a_track_do_not_cover_each_other(studio: Studi
 
 
 def test_playhead_follows_the_performance_of_the_robot(studio: Studio):
-    show(studio, PARTS.replace('id="parts"', 'id="shown"'))
-    zero = studio.state("draft")["zero"]
+    """The playhead is at the planned time of each stroke when its feedback arrives."""
+    early = '<gesture id="early" lexeme="welcome" mode="LEFT_HAND" stroke="0"/>'
+    show(studio, f'{BML.replace("parts", "shown")}{early}<head id="late" lexeme="NOD" stroke="3"/></bml>')
+    draft = studio.state("draft")
+    assert draft["zero"] > 0.5, "the hand begins to rise before the block time 0"
+    studio.page.value(
+        "heard = {}, (p => { const hear = p.hear.bind(p);"
+        " p.hear = feedback => { hear(feedback); heard[feedback.about] = kinesicStudio.state().time; }; "
+        "})(kinesicStudio.performing), 0"
+    )
     studio.page.value("kinesicStudio.playback.player.seek(0)")
     studio.page.click("#perform")
-    studio.until("s.performs")
-    heard = "s => Math.abs(s.time - s.report.time - kinesicStudio.performing.zero + kinesicStudio.performing.begun)"
-    studio.until(f"s.time > {zero} + 1.5 && ({heard})(s) < 0.25")
-    left = "parseFloat(document.querySelector('.playhead').style.left.match(/[*] ([0-9.]+)/)[1])"
-    share = studio.page.value(left)
-    assert 0.1 < share < 0.9
+    studio.until("s.performs && s.time > 0")
     studio.until("!s.performs")
-    assert studio.state("time") > zero + 3.0
+    heard = studio.page.value("heard")
+    for sync in draft["syncs"]:
+        if sync["sync"] == "stroke":
+            assert heard[f"shown:{sync['behaviour']}:stroke"] == pytest.approx(sync["planned"], abs=0.35)
+    share = float(studio.page.value("document.querySelector('.playhead').style.left").split("* ")[1].rstrip(")"))
+    assert share == pytest.approx(studio.state("time") / draft["duration"], abs=0.02)
 
 
 def test_block_dragged_in_time_moves_and_snaps_to_the_stroke_of_another(studio: Studio):

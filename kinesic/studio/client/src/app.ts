@@ -298,7 +298,7 @@ class App {
       this.robot.live.say("save the gesture first, so that the robot can use it");
     else if (this.robot.ready) {
       const bml = this.performed;
-      this.performing.begin(bml, this.draft?.zero ?? 0);
+      this.performing.begin(bml);
       if (this.robot.wire.perform(bml)) this.view.setMode("robot");
     }
   }

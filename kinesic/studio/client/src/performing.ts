@@ -6,7 +6,6 @@ const MAX_AHEAD = 0.2; // [s] longest time that the clock runs on without a repo
 
 export class Performing {
   private block = ""; // empty: nothing is performed
-  private zero = 0; // [s] time of the plan at the block's start
   private begun: number | null = null; // [s] server time of the block's start
   private report = { time: 0, at: 0 }; // [s] server time and [ms] page time of the last report
   private ticks = false;
@@ -18,11 +17,10 @@ export class Performing {
     return this.begun !== null;
   }
 
-  /** Wait for the start of a document whose plan has its block time 0 at `zero` [s]. */
-  begin(bml: string, zero: number): void {
+  /** Wait for the start of a document, which is the time 0 of its plan. */
+  begin(bml: string): void {
     const root = tagWithId(bml, BLOCK);
     this.block = (root && findAttribute(root, "id")?.value) ?? "";
-    this.zero = zero;
     this.begun = null;
   }
 
@@ -56,7 +54,7 @@ export class Performing {
     this.ticks = false;
     if (this.begun === null) return;
     const ahead = Math.min((performance.now() - this.report.at) / 1000, MAX_AHEAD);
-    this.show(Math.max(this.zero, this.zero + this.report.time + ahead - this.begun));
+    this.show(Math.max(0, this.report.time + ahead - this.begun));
     this.run();
   }
 }
