@@ -80,7 +80,7 @@ if __name__ == "__main__":
             """Store a frame of the page before an action."""
             frames.append(titled(picture(person.page), f"{len(frames) + 1}. {what}", where))
             times.append(READ)
-            if what.startswith("Save as weigh"):
+            if what.startswith("Save the gesture"):
                 in_both_schemes(person.page, "studio_gesture")
 
         slider = "document.querySelector('#time')"
