@@ -80,7 +80,7 @@ def test_plan_performance_report_and_scene_need_no_optional_package(package, tmp
     [
         ("scipy", ("plan", "welcome", "--robot", "human", "--out", "human.glb"), "face"),
         ("scipy", ("sweep", "beat", "--parameter", "power"), "studies"),
-        ("scipy", ("certify", "motion.csv"), "studies"),
+        ("scipy", ("certify", "wave.bvh"), "capture"),
         ("PIL", ("plan", "welcome", "--robot", "human", "--out", "human.glb"), "film"),
         ("PIL", ("gestures", "render", "hello", "--out", "hello.webp"), "film"),
     ],
