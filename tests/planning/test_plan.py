@@ -220,7 +220,11 @@ def test_block_with_allowed_speech_pauses_is_planned_without_and_then_with_confl
 
 @pytest.mark.parametrize(
     ("constant", "cost"),
-    [("REPLAN_COST_PER_BEHAVIOUR", 10**9), ("SAMPLE_COST", plan_module.WORK_BUDGET / 100)],
+    [
+        ("REPLAN_COST_PER_BEHAVIOUR", 10**9),
+        ("REPLAN_COST_PER_KEYFRAME", 10**9),
+        ("SAMPLE_COST", plan_module.WORK_BUDGET / 100),
+    ],
 )
 def test_block_is_not_replanned_after_replanning_costs_exceed_the_budget(planned, monkeypatch, constant, cost):
     """A discarded motion costs as much as its samples, of which there are hundreds."""
@@ -254,6 +258,13 @@ def test_summary_of_a_plan_names_its_file_or_its_block(planned):
     for source, name in (("wave.bml", "wave.bml"), ("<text>", f"block {block.id}")):
         summary = str(plan_block(replace(block, source=source), made.setup))
         assert summary.startswith(f"plan of {name} on upper22")
+
+
+def test_summary_of_a_plan_counts_behaviours_and_notices_above_zero(planned):
+    gone = '<gesture id="g" lexeme="xyzzy"/>'
+    assert str(planned('<head id="h" lexeme="NOD"/>')).endswith(" s, 1 behaviour")
+    summary = str(planned(f'<head id="h" lexeme="NOD"/>{gone}'))
+    assert summary.endswith(" s, 2 behaviours, 1 dropped behaviour, 1 notice")
 
 
 def test_performance_lasts_until_both_motion_and_speech_have_ended(planned):

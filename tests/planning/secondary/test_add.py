@@ -7,6 +7,7 @@ from kinesic.expressivity.idle import Idling
 from kinesic.expressivity.style.style import Style
 from kinesic.motion.limit_check import check_limits
 from kinesic.planning.certify import MAX_DUTY, compute_peak_duties
+from kinesic.planning.secondary import add
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
@@ -116,3 +117,14 @@ def test_style_without_body_weight_breathes_and_turns_less(known):
 
     assert turned(0.0)[0] > 0.8
     assert turned(1.0)[1] > turned(0.0)[1]
+
+
+def test_head_arcs_leave_out_only_nods_and_shakes(known, monkeypatch):
+    taken = []
+    monkeypatch.setattr(add, "make_head_arcs", lambda motion, spans, *_: taken.append(spans) or iter(()))
+    nod = '<head id="h" lexeme="NOD" start="1" end="2"/>'
+    gaze = '<gaze id="g" target="left" start="3" ready="3.5" relax="4" end="4.5"/>'
+    made = plan(ROOT.format(nod + gaze), replace(known, idling=Idling(1.0, 2)))
+    ((span,),) = taken
+    times = next(timed.times.values() for timed in made.timeline.timed if timed.behaviour.id == "h")
+    assert span == pytest.approx((made.trajectory.zero + min(times), made.trajectory.zero + max(times)), abs=0.02)
