@@ -18,6 +18,7 @@ _VERB_ENDINGS = ("s", "es", "ed", "ing", "d")  # endings of verbs
 class _Table(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     acts: dict[str, str]
     words: dict[str, str]
+    emoticons: dict[str, str]
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,6 +27,7 @@ class Acts:
 
     behaviours: Mapping[str, str]  # direction or emoji -> channel and lexeme; empty: no behaviour shows it
     classes: Mapping[str, frozenset[str]]  # words and tags that distinguish directions from text
+    emoticons: Mapping[str, str]  # emoticon or kaomoji -> emoji with the same meaning
 
     def has(self, name: str, word: str) -> bool:
         """Return whether a word or tag belongs to a word class."""
@@ -107,4 +109,4 @@ def load_acts() -> Acts:
         ConfigError: the file is invalid.
     """
     table = read_toml(ACT_FILE, _Table)
-    return Acts(table.acts, {name: frozenset(text.split()) for name, text in table.words.items()})
+    return Acts(table.acts, {name: frozenset(text.split()) for name, text in table.words.items()}, table.emoticons)

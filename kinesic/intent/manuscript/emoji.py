@@ -39,11 +39,21 @@ def read_emoji(rest: str, *, ends: bool) -> Step | None:
     first = match[0][0]
     if "\U0001f1e6" <= first <= "\U0001f1ff":
         return Step(match.end(), " ", "emoji is not shown: flag")
-    if load_acts().has("feelings", first):
-        return Step(match.end(), first)
-    if load_acts().find(first):
-        return Step(match.end(), direct(first))
-    return Step(match.end(), " ", f"emoji is not shown: {unicodedata.name(first, first).lower()}")
+    return perform_emoji(first, match.end())
+
+
+def perform_emoji(emoji: str, length: int) -> Step:
+    """Convert an emoji to a feeling, a stage direction or a warning.
+
+    Args:
+        emoji: without joiners and skin tone.
+        length: number of characters of the text that it stands for.
+    """
+    if load_acts().has("feelings", emoji):
+        return Step(length, emoji)
+    if load_acts().find(emoji):
+        return Step(length, direct(emoji))
+    return Step(length, " ", f"emoji is not shown: {unicodedata.name(emoji, emoji).lower()}")
 
 
 def read_control(rest: str, *, ends: bool) -> Step | None:

@@ -7,8 +7,10 @@ import unicodedata
 from kinesic.body.pictographs import is_pictograph
 from kinesic.intent.manuscript.acts import load_acts
 from kinesic.intent.manuscript.addresses import WEB_ADDRESS, read_address
+from kinesic.intent.manuscript.code import read_code
 from kinesic.intent.manuscript.data import read_formula, read_json, read_latex
 from kinesic.intent.manuscript.emoji import read_control, read_emoji, read_short_code
+from kinesic.intent.manuscript.emoticons import read_emoticon
 from kinesic.intent.manuscript.long_words import cut_long_word
 from kinesic.intent.manuscript.pieces import DIRECTED_PAUSE, END_OF_SENTENCE, Manuscript, Step, direct, pause
 from kinesic.intent.manuscript.tags import read_tag
@@ -26,6 +28,7 @@ _REQUEST = re.compile(
     re.IGNORECASE,
 )
 _SECONDS = re.compile(r"\s*(\d{1,5}(?:\.\d+)?)\s*(ms|s|sec|seconds?)?\s*")
+_OPEN_NUMBER = re.compile(r"\d[\d/\u2044-]{0,20}")  # number, fraction or range that may go on
 _PROMPT_MARKS = frozenset(
     ("INST", "/INST", "TOOL_CALLS", "AVAILABLE_TOOLS", "/AVAILABLE_TOOLS")
 )  # bracketed marks of prompts for language models
@@ -42,6 +45,9 @@ def read_inline(state: Manuscript, *, ends: bool) -> Step | None:
     address = read_address(state, ends=ends)
     if address is None or address.length:
         return address
+    emoticon = read_emoticon(state, ends=ends)
+    if emoticon is None or emoticon.length:
+        return emoticon
     if sign in "{[$\\":
         data = (read_json if sign in "{[" else read_formula)(rest, ends=ends)
         if data is None or data.length:
@@ -58,8 +64,8 @@ def read_inline(state: Manuscript, *, ends: bool) -> Step | None:
         return read_tag(rest, ends=ends)
     if sign == ":" and not state.spoken[-1:].isalnum():
         return read_short_code(rest, ends=ends)
-    if sign == "`":
-        return _read_code(rest, ends=ends)
+    if sign in "`~":
+        return read_code(state, ends=ends)
     if sign == "^":
         return _read_command(rest, ends=ends)
     if sign == "\\":
@@ -68,12 +74,14 @@ def read_inline(state: Manuscript, *, ends: bool) -> Step | None:
         return _read_entity(rest, ends=ends)
     if is_pictograph(sign):
         return read_emoji(rest, ends=ends)
-    if sign in "~|#":
+    if sign in "|#":
         return _read_sign(state, ends=ends)
     if sign == "\x1b" or (sign in "0123456789" and not state.spoken[-1:].isalnum()):
         control = read_control(rest, ends=ends)
         if control is None or control.length:
             return control
+    if not ends and _OPEN_NUMBER.fullmatch(rest):
+        return None
     return cut_long_word(state) or _read_words(rest)
 
 
@@ -219,19 +227,6 @@ def _read_link(rest: str, begin: int, *, ends: bool) -> Step | None:
         return Step(end + 1, " ", f"a picture is not shown: {match[1].strip() or 'without description'}")
     is_address = WEB_ADDRESS.match(match[1])
     return Step(end, "" if is_address else text)
-
-
-def _read_code(rest: str, *, ends: bool) -> Step | None:
-    count = len(rest) - len(rest.lstrip("`"))
-    inside = rest[count:]
-    end = _find_run(inside, "`", count, ends=ends)
-    if end is None or (not inside and not ends):
-        return None
-    if end < 0:
-        return Step(count)
-    code = inside[:end]
-    is_word = re.fullmatch(r"[\w' .,-]+", code) and "_" not in code
-    return Step(end + 2 * count, code if is_word else " ", "" if is_word else f"code is not spoken: {code}")
 
 
 def _read_command(rest: str, *, ends: bool) -> Step | None:

@@ -17,7 +17,8 @@ MIN_RULE_LENGTH = 3  # smallest number of signs in a horizontal rule, or below t
 FRONT_MATTER_SIGN = "---"  # line before and after the settings of a document
 _SETTING_PATTERN = re.compile(r"\w[\w-]*:(?:[ \t]|$)")
 _OPEN_SETTING = re.compile(r"[\w-]*:?")
-_FENCE_PATTERN = re.compile(r"[ \t]*(`{3,}|~{3,})([^\n`]*)")
+_FENCE_PATTERN = re.compile(r"[ \t]*(`{3,}|~{3,})([^\n`~]*)")
+_TILDE_FENCE = re.compile(r"~{3,4}[ \t]*")  # longer lines of tildes are rules
 # Markdown definition of the address of a link: `[name]: address`.
 _REFERENCE_PATTERN = re.compile(r"[ \t]*\[[^\]\n]+\]:[ \t]*(?:<[^>\n]*>|\S*[/#]\S*)(?:[ \t]+[\"'(][^\n]*)?[ \t]*")
 _LABEL_PATTERN = re.compile(r"(\*\*|__|\[(?=[^\]:\n]*\]))?([^\W\d_][\w .'\u2019()-]*?)(\*\*|__|\])?:(\*\*|__)?[ \t]+")
@@ -39,14 +40,14 @@ def read_line_start(state: Manuscript, *, ends: bool) -> Step | None:
         matter = _read_front_matter(state.rest, ends=ends)
         if matter is None or matter.length:
             return matter
-    if head[0] in "-*_=~+|:" and re.fullmatch(r"[-*_=~+|:\s]*", line):
+    if head[0] in "-*_=~+|:" and re.fullmatch(r"[-*_=~+|:\s]*", line) and not _TILDE_FENCE.fullmatch(head):
         if not is_whole:
             return None
         if len("".join(line.split())) >= MIN_RULE_LENGTH:
             return Step(len(line), is_block=True)
-    if head[0] in "`~" and not is_whole and re.fullmatch(r"[`~]+[^\n`]*", head):
+    if head[0] in "`~" and not is_whole and re.fullmatch(r"[`~]+[^\n`~]*", head):
         return None
-    fence = _FENCE_PATTERN.match(line)
+    fence = _FENCE_PATTERN.fullmatch(line)
     if fence:
         warning = f"code is not spoken{f': {fence[2].strip()}' if fence[2].strip() else ''}"
         return Step(len(line), "", warning, mode="code", closing=fence[1], is_block=True)

@@ -37,11 +37,30 @@ class _Rule(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     style: str = ""
 
 
+class Fractions(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """Names of fractions, and words that distinguish them from dates, ratings and counts."""
+
+    numerators: list[str]  # names of 1, 2, 3, ...
+    denominators: dict[str, list[str]]  # denominator -> its singular and plural
+    joint: str  # word between a whole number and a fraction
+    pairs: list[str]  # numbers with a slash that are no fraction, such as `24/7`
+    pair_ends: list[str]  # words after two numbers that are no fraction, such as `3/4 time`
+    count_word: str
+    count_heads: list[str]  # words before a number of a whole, such as `step 1/3`
+    rating_words: str
+    rating_scales: list[str]  # denominators of ratings, such as `8/10`
+    rating_ends: list[str]  # words after ratings, such as `4/5 stars`
+    date_heads: list[str]  # words before dates without a year, such as `on 3/4`
+    part_words: list[str]  # words after a fraction that make a date impossible
+
+
 class _Table(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     tag: str
     rule: list[_Rule]
     classes: dict[str, str]
     emoticons: dict[str, str]
+    fractions: Fractions | None = None
+    units: dict[str, str] = {}
 
 
 class _PlainLanguages(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
@@ -74,6 +93,8 @@ class Language:
     rules: Mapping[tuple[str, ...], tuple[Rule, ...]] = field(default_factory=dict)  # words -> meanings
     voice: str = ""  # tag of its voice, with the region: `en-GB`; empty: its own tag
     question_mark: str = ""  # sign that is a question mark in this language only
+    fractions: Fractions | None = None  # names of fractions; None: fractions stay as written
+    units: Mapping[str, str] = field(default_factory=dict)  # unit with a slash -> its spoken words
     warning: str = ""  # message about what is missing in a language without rules; empty with rules
 
     @property
@@ -116,6 +137,11 @@ class Language:
         """
         longest_first = sorted(self.emoticons, key=len, reverse=True)
         return "|".join(rf"(?<!\w){re.escape(emoticon)}(?!\w)" for emoticon in longest_first) or r"(?!)"
+
+    @cached_property
+    def unit(self) -> str:
+        """Regular expression that matches every unit; it never matches without units."""
+        return "|".join(rf"(?<![^\W\d]|/){re.escape(unit)}(?![\w/])" for unit in self.units) or r"(?!)"
 
 
 @lru_cache(maxsize=16)
@@ -192,4 +218,6 @@ def _language(table: _Table, path: Path) -> Language:
         {name: frozenset(words.split()) for name, words in table.classes.items()},
         table.emoticons,
         {words: tuple(rules_of_words) for words, rules_of_words in rules.items()},
+        fractions=table.fractions,
+        units=table.units,
     )

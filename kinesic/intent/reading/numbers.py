@@ -1,36 +1,55 @@
-"""Spoken form of telephone numbers, dates, ranges and Roman numerals."""
+"""Spoken form of fractions, telephone numbers, dates, ranges and Roman numerals."""
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
+from kinesic.intent.reading.fractions import FRACTION_PATTERN, split_fraction
 from kinesic.intent.reading.language import Language
 
 _PHONE_PATTERN = (
     r"\+\d{1,3}(?:[ -]?\(\d{1,4}\))?[ -]?\d{2,8}(?:[ -]\d{2,8}){1,5}|\(?0\d{2,5}\)?[ /-]\d{3,8}(?:[ -]\d{2,8}){0,3}"
-    r"|(?:\(\d{3}\)[ ]?|\d{3}[ -])\d{3}-\d{4}"
+    r"|(?:1[ -])?(?:\(\d{3}\)[ ]?|\d{3}[ -])\d{3}-\d{4}|\d{3}\.\d{3}\.\d{4}"
 )
+_LOCAL_PHONE_PATTERN = r"[2-9]\d{2}-\d{4}"  # local telephone number of North America, or a range
 _DATE_PATTERN = r"\d{4}-\d{2}-\d{2}|\d{1,2}/\d{1,2}/\d{2,4}"
 _RANGE_PATTERN = r"[1-9]\d{0,3}[\u2013-][1-9]\d{0,3}"
+_END_PATTERN = r"(?![\w/@-]|[.,:]\d)"
+_SIGNED_PATTERN = rf"(?:{_DATE_PATTERN}|{_PHONE_PATTERN}|{_LOCAL_PHONE_PATTERN}|{_RANGE_PATTERN}){_END_PATTERN}"
 # Numbers with hyphens, slashes or brackets.
-NUMBER_PATTERN = rf"(?<![\w.,:/@+-])(?:{_DATE_PATTERN}|{_PHONE_PATTERN}|{_RANGE_PATTERN})(?![\w/@-]|[.,:]\d)".replace(
-    " ", r"\ "
-)
+NUMBER_PATTERN = rf"(?<![\w.,:/@+-])(?:{_SIGNED_PATTERN}|{FRACTION_PATTERN})".replace(" ", r"\ ")
 _RANGE = re.compile(_RANGE_PATTERN)
+_LOCAL_PHONE = re.compile(_LOCAL_PHONE_PATTERN)
+_FRACTION = re.compile(FRACTION_PATTERN)
+_FICTIONAL_EXCHANGE = "555-"  # beginning of telephone numbers in examples and films
+MAX_HEAD_DISTANCE = 4  # [words] largest distance of a word such as `call` before a telephone number
 _DATE = re.compile(_DATE_PATTERN)
 _NUMERAL = re.compile(r"(X{0,3})(IX|IV|V?I{0,3})")  # Roman numeral up to 39
 _DIGIT_VALUES = {"X": 10, "V": 5, "I": 1}
 _ORDINAL_ENDINGS = {1: "st", 2: "nd", 3: "rd"}  # last digit -> ending of an English ordinal; others: th
 
 
-def split_number(text: str, language: Language) -> Iterator[tuple[str, str]]:
+def split_number(
+    text: str, language: Language, *, before: Sequence[str] = (), after: str = ""
+) -> Iterator[tuple[str, str]]:
     """Yield the signs before each spoken part of a number, and the part.
 
     The digits of a telephone number are spoken one by one.
+
+    Args:
+        text: number with its signs.
+        language: its names of numbers and signs.
+        before: preceding words of the sentence, in lower case.
+        after: beginning of the following text.
     """
     parts = re.findall(r"\d+", text)
     if _DATE.fullmatch(text):
         yield from ((" " if k else "", part) for k, part in enumerate(parts))
-    elif _RANGE.fullmatch(text):
+    elif _FRACTION.fullmatch(text):
+        yield from split_fraction(text, language, before, after)
+    elif _LOCAL_PHONE.fullmatch(text) and not _is_phone(text, language, before, after) and not _RANGE.fullmatch(text):
+        yield "", parts[0]
+        yield "-", parts[1]
+    elif _RANGE.fullmatch(text) and not _is_phone(text, language, before, after):
         to = "".join(language.classes.get("range_word", ()))
         yield "", parts[0]
         if to:
@@ -39,6 +58,21 @@ def split_number(text: str, language: Language) -> Iterator[tuple[str, str]]:
     else:
         for k, part in enumerate(parts):
             yield ", " if k else text[: text.startswith("+")], " ".join(part)
+
+
+def _is_phone(text: str, language: Language, before: Sequence[str], after: str) -> bool:
+    """Return whether two numbers with a hyphen are a local telephone number."""
+    if not _LOCAL_PHONE.fullmatch(text) or "phone_heads" not in language.classes:
+        return False
+    heads = before[-MAX_HEAD_DISTANCE:]
+    if text.startswith(_FICTIONAL_EXCHANGE) or any(language.has("phone_heads", head) for head in heads):
+        return True
+    if not _RANGE.fullmatch(text):
+        return True
+    is_rounded = text[2] == "0" and text[-1] == "0"
+    following = re.match(r" ([^\W\d_]+)", after)
+    counts = following is not None and not language.has("function", following[1].lower())
+    return not (is_rounded or counts or any(language.has("range_heads", head) for head in heads[-1:]))
 
 
 def read_numeral(text: str, before: str, language: Language) -> str:

@@ -15,7 +15,7 @@ from kinesic.body.scripts import (
 from kinesic.intent.reading.acronyms import read_acronym
 from kinesic.intent.reading.addresses import ADDRESS_PATTERN, split_address
 from kinesic.intent.reading.language import Language
-from kinesic.intent.reading.numbers import NUMBER_PATTERN, read_numeral, split_number
+from kinesic.intent.reading.numbers import MAX_HEAD_DISTANCE, NUMBER_PATTERN, read_numeral, split_number
 from kinesic.intent.reading.passage import Passage, SentenceKind, Word
 from kinesic.intent.reading.prosody import NO_LAYERS, PROSODY_TAG, VOICE_TAG, Layers, take_tag
 from kinesic.intent.reading.segmenting import segment
@@ -45,6 +45,7 @@ _TOKEN_PATTERN = rf"""
     | (?P<ellipsis>\.{{{{2,}}}}|\u2026)
     | (?P<dash>\s[-\u2013\u2014]{{{{1,2}}}}\s|\u2014|--)
     | (?P<address>{ADDRESS_PATTERN.replace("{", "{{").replace("}", "}}")})
+    | (?P<unit>{{unit}})
     | (?P<number>{NUMBER_PATTERN.replace("{", "{{").replace("}", "}}")})
     | (?P<word>\d+(?:[.,:]\d+)*(?:st|nd|rd|th|%)?|(?:[^\W\d_]\.)+[^\W\d_](?=\.)|[A-Z]+\d+[A-Z\d]*
         |[^\W\d_]+(?:(?:[{COMBINING_MARKS}]+|['\u2019\u00b7\u05be\-](?=[^\W\d_]))[^\W\d_]*)*)
@@ -67,16 +68,16 @@ def read_text(text: str, language: Language) -> Passage:
     """
     reading = _Reading(language, is_shouted=_is_shouted(_ANY_TAG.sub(" ", text) if "<" in text else text))
     written = _CONTROL_PATTERN.sub(" ", text)
-    for token in _tokens(language.emoticon).finditer(written):
+    for token in _tokens(language.emoticon, language.unit).finditer(written):
         reading.following = written[token.end() : token.end() + FOLLOWING_LENGTH]
         reading.take(token.lastgroup or "", token[0], token.end())
     return reading.passage()
 
 
 @lru_cache(maxsize=16)
-def _tokens(emoticon: str) -> re.Pattern[str]:
+def _tokens(emoticon: str, unit: str) -> re.Pattern[str]:
     spaced = emoticon.replace(" ", r"\ ").replace("#", r"\#")
-    return re.compile(_TOKEN_PATTERN.format(emoticon=spaced), re.VERBOSE | re.DOTALL)
+    return re.compile(_TOKEN_PATTERN.format(emoticon=spaced, unit=unit), re.VERBOSE | re.DOTALL)
 
 
 def _is_shouted(text: str) -> bool:
@@ -113,9 +114,14 @@ class _Reading:
                     self.between += [" "] if k else []
                     self._add_word(word, end)
             case "number":
-                for signs, part in split_number(text, self.language):
+                before = [word.plain for word in self.words[-MAX_HEAD_DISTANCE:] if word.sentence == len(self.kinds)]
+                for signs, part in split_number(text, self.language, before=before, after=self.following):
                     self.between += [signs]
                     self._add_word(part, end)
+            case "unit":
+                for k, word in enumerate(self.language.units[text].split()):
+                    self.between += [" "] if k or not self.between else []
+                    self._add_word(word, end)
             case "tag":
                 self._take_tag(text)
             case "stars":

@@ -1,4 +1,4 @@
-"""Telephone numbers, dates, ranges and Roman numerals as they are spoken."""
+"""Fractions, telephone numbers, dates, ranges and Roman numerals as they are spoken."""
 
 import pytest
 
@@ -20,11 +20,40 @@ def written(text: str, language: str = "en") -> str:
         ("pages 7-9 and 2019\u20132021", "pages 7 to 9 and 2019 to 2021"),
         ("a 5-10% rise", "a 5 to 10% rise"),
         ("F-16, 3-4-5, 10-5.5, 12/3 and 3.11.24", "F-16, 3-4-5, 10-5.5, 12/3 and 3.11.24"),
+        ("Call 555-1234, or 867-5309 now", "Call 5 5 5, 1 2 3 4, or 8 6 7, 5 3 0 9 now"),
+        ("Call 1-800-555-1234 or 555.867.5309", "Call 1, 8 0 0, 5 5 5, 1 2 3 4 or 5 5 5, 8 6 7, 5 3 0 9"),
+        ("My number is 300-1200 or 123-0456", "My number is 3 0 0, 1 2 0 0 or 123-0456"),
+        ("10-20 people, 300-1200 or 250-1234 of us", "10 to 20 people, 300 to 1200 or 2 5 0, 1 2 3 4 of us"),
+        ("See pages 345-1234 and 250-1234 trees", "See pages 345 to 1234 and 250 to 1234 trees"),
         ("Part 978-3-16-148410-0 is 1 2 3", "Part 978-3-16-148410-0 is 1 2 3"),
     ],
 )
 def test_numbers_with_signs_are_spoken_without_the_signs(text: str, spoken: str):
     assert written(text) == spoken
+
+
+@pytest.mark.parametrize(
+    ("text", "spoken"),
+    [
+        ("Add 1/2 cup, 3/4 or 2 1/2.", "Add one half cup, three quarters or 2 and one half"),
+        ("1/3, 2/3 and 15/16", "one third, two thirds and fifteen sixteenths"),
+        ("A 1/2-inch nail, 5 3/8-inch", "A one half-inch nail, 5 and three eighths-inch"),
+        ("\xbd cup, 2\xbd or 2 \xbe", "one half cup, 2 and one half or 2 and three quarters"),
+        ("Open 24/7 since 9/11, a 50/50 chance", "Open 24 7 since 9 11, a 50 50 chance"),
+        ("On 3/4/2026, on 3/4 we met on 3/4 of it", "On 3 4 2026, on 3 4 we met on three quarters of it"),
+        ("Rated 8/10 and 4/5 stars, in 3/4 time", "Rated 8 out of 10 and 4 out of 5 stars, in 3 4 time"),
+        ("Step 1/3: go 80 km/h, 9 m/s", "Step 1 of 3: go 80 kilometres per hour, 9 metres per second"),
+        ("1/2/3, 16/9, 0/4, 1/2x, a/b, and/or", "1/2/3, 16/9, 0/4, 1/2x, a/b, and/or"),
+    ],
+)
+def test_fractions_ratings_and_units_are_spoken_by_their_names(text: str, spoken: str):
+    assert written(text) == spoken
+
+
+@pytest.mark.parametrize("language", ["de", "fi"])
+@pytest.mark.parametrize("text", ["1/2 x, 2 1/2 y", "2\xbd, \xbd z, 555-0123", "80 km/h"])
+def test_fractions_stay_as_written_without_their_names(text: str, language: str):
+    assert written(text, language) == text
 
 
 @pytest.mark.parametrize(("language", "spoken"), [("de", "7 bis 9"), ("fr", "7 \xe0 9"), ("fi", "7, 9")])

@@ -1,0 +1,68 @@
+"""Spoken form of fractions, ratings and other pairs of numbers with a slash."""
+
+import re
+import unicodedata
+from collections.abc import Iterator, Sequence
+
+from kinesic.intent.reading.language import Fractions, Language
+
+_FRACTION_SIGNS = "\xbc-\xbe\u2150-\u215e"  # fractions of one character
+# Fraction, also after a whole number.
+FRACTION_PATTERN = (
+    rf"(?:(?:\d{{1,3}}[ -])?\d{{1,3}}[/\u2044]\d{{1,3}}|(?:\d{{1,3}}[ ]?)?[{_FRACTION_SIGNS}])(?![\w/@]|-\d|[.,:]\d)"
+)
+_SIGN = re.compile(f"[{_FRACTION_SIGNS}]")
+_PARTS = re.compile(r"(?:(\d+)[ -]+)?(\d+)[/\u2044](\d+)")
+
+
+def split_fraction(text: str, language: Language, before: Sequence[str], after: str) -> Iterator[tuple[str, str]]:
+    """Yield the signs before each spoken word of a fraction, and the word.
+
+    Args:
+        text: fraction, also after a whole number.
+        language: its names of fractions; without them the fraction stays as written.
+        before: preceding words of the sentence.
+        after: beginning of the following text.
+    """
+    match = _PARTS.fullmatch(_SIGN.sub(lambda sign: f" {unicodedata.normalize('NFKC', sign[0])}", text).strip())
+    words = _name(match, language, before, after) if match and language.fractions else ""
+    if words:
+        for k, word in enumerate(words.split()):
+            yield " " if k else "", word
+        return
+    end = 0
+    for part in re.finditer(rf"\d+|[{_FRACTION_SIGNS}]", text):
+        yield text[end : part.start()], part[0]
+        end = part.end()
+
+
+def _name(match: re.Match[str], language: Language, before: Sequence[str], after: str) -> str:
+    """Return a fraction as spoken, or empty text."""
+    names = language.fractions
+    assert names is not None  # the caller checks it
+    whole, top, bottom = match.groups()
+    following = re.match(r"[ -]?([^\W\d_]*)", after)
+    word = following[1].lower() if following else ""
+    head = before[-1] if before else ""
+    if not whole and (spoken := _name_pair(top, bottom, names, head, word)):
+        return spoken
+    is_date = head in names.date_heads and (not word or language.has("function", word)) and word not in names.part_words
+    if not whole and is_date:
+        return f"{top} {bottom}"
+    forms = names.denominators.get(bottom, [])
+    if not forms or not 0 < int(top) < int(bottom):
+        return ""
+    fraction = f"{names.numerators[int(top) - 1]} {forms[top != '1']}"
+    return f"{whole} {names.joint} {fraction}" if whole else fraction
+
+
+def _name_pair(top: str, bottom: str, names: Fractions, head: str, word: str) -> str:
+    """Return two numbers as spoken if they are no fraction, or empty text."""
+    if f"{top}/{bottom}" in names.pairs or word in names.pair_ends:
+        return f"{top} {bottom}"
+    if int(top) > int(bottom):
+        return ""
+    if head in names.count_heads:
+        return f"{top} {names.count_word} {bottom}"
+    is_rating = bottom in names.rating_scales or word in names.rating_ends
+    return f"{top} {names.rating_words} {bottom}" if is_rating else ""
