@@ -55,7 +55,7 @@ def parse(tmp_path: Path, data: bytes) -> np.ndarray:
     ],
 )
 @pytest.mark.parametrize("version", [(1, 0), (2, 0), (3, 0)])
-def test_written_arrays_are_read_back(tmp_path: Path, array: np.ndarray, version: tuple[int, int]):
+def test_written_npy_arrays_are_read_back(tmp_path: Path, array: np.ndarray, version: tuple[int, int]):
     block = parse(tmp_path, packed(array, version))
     assert (block.dtype, block.shape) == (array.dtype, array.shape)
     np.testing.assert_array_equal(block, array)
@@ -121,7 +121,7 @@ def test_npy_header_of_the_maximum_size_is_read(tmp_path: Path):
         parse(tmp_path, npy(PLAIN_HEADER.ljust(MAX_HEADER_SIZE - 9)))
 
 
-def test_npz_arrays_must_be_stored_or_deflated(tmp_path: Path):
+def test_npz_arrays_compressed_with_lzma_are_refused(tmp_path: Path):
     path = archive(tmp_path / "odd.npz", method=zipfile.ZIP_LZMA, array=packed(np.zeros(2)))
     with pytest.raises(ConfigError, match=r"array\.npy is packed by method 14"):
         read_arrays(path, max_size=ENOUGH_BYTES)
@@ -179,6 +179,6 @@ def test_array_is_returned_if_type_and_dimensions_match():
         (text_of, "names", 0, "names has 1 dimensions, must have 0"),
     ],
 )
-def test_wrong_array_types_are_refused(read, name: str, dimensions: int, said: str):
+def test_missing_arrays_wrong_types_and_wrong_dimension_counts_are_refused(read, name: str, dimensions: int, said: str):
     with pytest.raises(ValueError, match=said):
         read(SAMPLE_ARRAYS, name, dimensions)

@@ -41,7 +41,7 @@ def test_film_caption_changes_only_pixels_in_its_box(words: str):
     assert picture.max() > 240, "light letters"
 
 
-def test_caption_box_grows_to_two_lines_and_stays_below_a_fifth_of_the_picture():
+def test_caption_box_grows_to_two_lines_but_stays_below_a_fifth_of_the_picture_height():
     one, two, more = (caption_box(words, PICTURE_SIZE) for words in ("word", LONG_TEXT[:90], LONG_TEXT))
     assert one is not None
     assert two is not None
@@ -50,7 +50,7 @@ def test_caption_box_grows_to_two_lines_and_stays_below_a_fifth_of_the_picture()
 
 
 @pytest.mark.parametrize("size", [PICTURE_SIZE, (1920, 1080)])
-def test_caption_breaks_only_lines_that_are_wider_than_most_of_the_picture(size: tuple[int, int]):
+def test_caption_wraps_a_long_text_but_keeps_a_short_phrase_on_one_line(size: tuple[int, int]):
     width, height = size
     padding = 2 * round(BAND_PADDING * LETTER_HEIGHT * height) + 2
     word, words, long = (caption_box(text, size) for text in ("says", "fits in one line", LONG_TEXT))

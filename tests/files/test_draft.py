@@ -147,7 +147,7 @@ def test_folder_without_the_exact_temporary_marker_file_is_kept(
 
 @pytest.mark.skipif(os.geteuid() != 0, reason="only root can give files away")
 @pytest.mark.parametrize("given", [".", DRAFT_FILE])
-def test_temporary_folder_of_another_user_is_kept(abandoned: Path, given: str):
+def test_temporary_folder_is_kept_if_it_or_its_marker_file_belongs_to_another_user(abandoned: Path, given: str):
     os.chown(abandoned / given, NOBODY_UID, NOBODY_UID)
     assert sweep(abandoned.parent) == [abandoned.name]
 
@@ -238,7 +238,7 @@ def test_temporary_folder_on_a_disk_without_locks_has_no_marker_file(tmp_path: P
 
 
 @pytest.mark.parametrize("mode", [0o700, 0o777])
-def test_temporary_folder_has_the_requested_permissions(tmp_path: Path, mode: int):
+def test_temporary_folder_has_the_requested_permissions_minus_the_umask(tmp_path: Path, mode: int):
     usual = os.umask(0o022)
     try:
         with hold_folder(tmp_path) as parent, hold_draft("rep", parent=parent, mode=mode) as draft:
@@ -259,9 +259,7 @@ def test_abandoned_temporary_folders_are_removed_once_per_folder_and_process(tmp
             assert os.listdir(tmp_path / place) == kept, count
 
 
-def test_draft_on_windows_holds_no_file_open_that_would_prevent_its_renaming(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-):
+def test_temporary_folder_on_windows_has_no_marker_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(draft_module, "_lock_file", lambda _: None)
     with hold_folder(tmp_path) as parent:
         for platform, files in (("win32", []), ("linux", [DRAFT_FILE])):

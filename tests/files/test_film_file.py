@@ -51,7 +51,7 @@ def written(pictures: list[Picture], path: Path, *, rate: float = 30.0) -> list[
         return results
 
 
-def test_film_pictures_are_restored_from_changed_regions(tmp_path: Path):
+def test_webp_film_pictures_are_restored_although_only_changed_regions_are_stored(tmp_path: Path):
     pictures = moving(12)
     result = written(pictures, tmp_path / "x.webp")
     assert len(result) == 12
@@ -88,7 +88,7 @@ def test_webp_film_limits_the_number_of_pictures_waiting_for_encoding(tmp_path: 
         assert seen.n_frames == 64
 
 
-def test_failed_film_leaves_no_encoder_thread(tmp_path: Path):
+def test_film_that_fails_while_it_is_written_leaves_no_encoder_thread(tmp_path: Path):
     before = threading.active_count()
 
     def stop() -> None:
@@ -164,7 +164,9 @@ def test_mp4_film_keeps_colours_duration_and_sound(tmp_path: Path):
     assert np.median(apart) < 4
 
 
-def test_missing_encoder_error_names_the_packages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_error_for_a_missing_encoder_gives_the_command_that_installs_ffmpeg(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     with pytest.raises(EncodingError, match="apt-get install ffmpeg"):

@@ -56,7 +56,7 @@ def test_sparse_gltf_accessor_has_count_and_bounds(file: GltfFile, tmp_path: Pat
     assert none["count"] == 7
 
 
-def test_vertex_weights_are_stored_as_normalized_numbers(file: GltfFile):
+def test_vertex_weights_use_a_normalized_gltf_accessor(file: GltfFile):
     file.numbers(np.zeros(3), "f4")
     index = file.weights(np.array([[0.2, 0.8, 0.0, 0.0]]))
     assert index == 1

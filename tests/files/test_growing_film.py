@@ -32,7 +32,9 @@ def write(path: Path, go_on: Event, *, broken: bool) -> None:
 
 
 @pytest.mark.parametrize("broken", [False, True])
-def test_pictures_of_a_film_are_readable_while_it_is_written(tmp_path: Path, broken: bool) -> None:
+def test_film_is_readable_while_it_is_written_and_has_no_pictures_after_a_failed_write(
+    tmp_path: Path, broken: bool
+) -> None:
     path, go_on = tmp_path / "x.webp", Event()
     path.touch()
     film = GrowingFilm(path)
@@ -70,7 +72,7 @@ def test_film_reader_draws_changed_regions_over_the_previous_picture(tmp_path: P
             assert np.abs(seen.astype(int) - picture).mean() < 3
 
 
-def test_reading_a_film_without_a_running_writer_times_out_once(
+def test_film_without_a_running_writer_has_no_picture_after_a_timeout(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("kinesic.files.growing_film.WRITER_TIMEOUT", 0.05)

@@ -8,7 +8,7 @@ from kinesic.files.held_file import read_held, replace_held
 from kinesic.files.held_folder import hold_folder
 
 
-def test_replaced_file_has_the_new_content_and_nothing_is_left(tmp_path):
+def test_replaced_file_has_the_new_content_and_no_temporary_file_is_left(tmp_path):
     with hold_folder(tmp_path) as folder:
         for content in (b"one", b"", b"three"):
             replace_held(folder, "a", content)

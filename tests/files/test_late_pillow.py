@@ -11,7 +11,7 @@ def test_pillow_stand_in_has_the_attributes_of_the_module():
     assert explain_missing_pillow() is None
 
 
-def test_missing_pillow_is_reported_with_its_extra(monkeypatch):
+def test_missing_pillow_error_names_the_extra_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "PIL", None)
     reason = explain_missing_pillow()
     assert reason is not None
@@ -21,5 +21,5 @@ def test_missing_pillow_is_reported_with_its_extra(monkeypatch):
         type(Image)("ImageMath").eval  # noqa: B018 - the access imports it
 
 
-def test_pillow_stand_in_has_no_private_names():
+def test_pillow_stand_in_has_no_wrapped_attribute():
     assert not hasattr(Image, "__wrapped__")

@@ -24,7 +24,7 @@ def fill_disk() -> None:
     raise OSError(28, "No space left on device")
 
 
-def test_output_file_appears_when_complete(tmp_path: Path):
+def test_output_file_appears_only_when_complete(tmp_path: Path):
     path = tmp_path / "a.txt"
     with new_file(path) as fresh:
         fresh.write_text("half")
@@ -35,7 +35,7 @@ def test_output_file_appears_when_complete(tmp_path: Path):
     assert os.listdir(tmp_path) == ["a.txt"]
 
 
-def test_old_output_file_is_kept_until_the_new_one_is_complete(tmp_path: Path):
+def test_old_output_file_is_kept_if_writing_the_new_one_fails(tmp_path: Path):
     path = tmp_path / "a.txt"
     path.write_text("before")
     with pytest.raises(ZeroDivisionError):
@@ -46,7 +46,7 @@ def test_old_output_file_is_kept_until_the_new_one_is_complete(tmp_path: Path):
     assert path.read_text() == "after"
 
 
-def test_full_disk_gives_a_one_line_error_and_leaves_no_file(tmp_path: Path):
+def test_full_disk_error_names_the_output_file_and_leaves_no_file(tmp_path: Path):
     with pytest.raises(ConfigError, match=r"a\.txt: No space left"):
         write(tmp_path / "a.txt", "half", fill_disk)
     assert os.listdir(tmp_path) == []
@@ -63,7 +63,9 @@ def test_new_output_file_has_default_permissions(tmp_path: Path):
     ("kind", "says"),
     [("folder", "is a folder"), ("link", "is a link"), ("dangling", "is a link"), ("pipe", "is not a regular file")],
 )
-def test_special_file_is_refused_even_if_forced(tmp_path: Path, kind: str, says: str, force: bool):
+def test_folder_link_or_pipe_at_the_output_path_is_refused_even_if_forced(
+    tmp_path: Path, kind: str, says: str, force: bool
+):
     path, letter = tmp_path / "a", tmp_path / "letter"
     letter.write_text("dear")
     match kind:
@@ -89,7 +91,7 @@ def test_path_without_a_file_name_is_refused(path: str):
         check_file(Path(path), force=True)
 
 
-def test_existing_file_is_replaced_only_if_forced(tmp_path: Path):
+def test_check_of_an_existing_output_file_fails_unless_forced(tmp_path: Path):
     (tmp_path / "a").write_text("before")
     with pytest.raises(ConfigError, match="exists already; --force replaces it"):
         check_file(tmp_path / "a")
@@ -148,7 +150,7 @@ def test_appending_to_a_pipe_without_reader_is_refused(tmp_path: Path):
         open_to_add(tmp_path / "pipe")
 
 
-def test_existing_output_is_kept_unless_forced(tmp_path: Path):
+def test_existing_output_file_is_kept_without_force(tmp_path: Path):
     path = tmp_path / "mine"
     path.write_text("dear")
     for write in (check_file, lambda path: write_text(path, "new")):
@@ -175,7 +177,7 @@ def test_replaced_file_keeps_its_permissions(tmp_path: Path, mode: int):
     assert path.stat().st_mode & 0o7777 == mode
 
 
-def test_temporary_copy_of_a_private_file_is_private(tmp_path: Path):
+def test_replacement_of_a_private_file_is_written_in_a_private_temporary_folder(tmp_path: Path):
     path = tmp_path / "mine"
     path.write_text("before")
     path.chmod(0o600)

@@ -17,7 +17,7 @@ def made(tmp_path: Path) -> Path:
     return folder
 
 
-def test_output_folder_appears_when_complete(tmp_path: Path):
+def test_output_folder_appears_only_when_complete(tmp_path: Path):
     folder = tmp_path / "deep" / "down"
     with new_folder(folder) as fresh:
         assert not folder.exists()
@@ -58,7 +58,7 @@ def test_created_parent_folders_are_removed_after_a_failure(tmp_path: Path, erro
     assert os.listdir(tmp_path / "here") == []
 
 
-def test_parent_folder_with_new_files_is_kept(tmp_path: Path):
+def test_created_parent_folder_with_other_files_is_kept_after_a_failure(tmp_path: Path):
     def write_and_fail(folder: Path) -> None:
         with new_folder(folder):
             (tmp_path / "new" / "letter").write_text("dear")
@@ -69,7 +69,7 @@ def test_parent_folder_with_new_files_is_kept(tmp_path: Path):
     assert os.listdir(tmp_path / "new") == ["letter"]
 
 
-def test_full_disk_gives_a_one_line_error(made: Path):
+def test_full_disk_error_names_the_output_folder_and_keeps_its_earlier_content(made: Path):
     with pytest.raises(ConfigError, match="demo: No space left"), new_folder(made, force=True):
         raise OSError(28, "No space left on device")
     assert (made / "result").read_text() == "first"
@@ -96,7 +96,9 @@ def test_output_folder_without_the_exact_kinesic_marker_is_never_replaced(tmp_pa
 
 
 @pytest.mark.parametrize("path", [".", "..", "/", "", "home", "home/..", "work/..", "home/deep/.."])
-def test_marked_home_and_working_folders_are_never_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, path: str):
+def test_home_and_working_folders_with_the_kinesic_marker_are_never_replaced(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, path: str
+):
     home, work = tmp_path / "home", tmp_path / "work" / "now"
     for folder in (home, work, home / "deep"):
         folder.mkdir(parents=True)
@@ -163,7 +165,7 @@ def test_replacing_a_folder_removes_links_but_not_their_targets(made: Path, tmp_
     assert (tmp_path / "mine" / "letter").read_text() == "dear"
 
 
-def test_folder_created_during_writing_is_kept(made: Path, tmp_path: Path):
+def test_folder_or_link_created_by_another_program_during_writing_is_kept(made: Path, tmp_path: Path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter").write_text("dear")
 
@@ -182,7 +184,7 @@ def test_folder_created_during_writing_is_kept(made: Path, tmp_path: Path):
 
 
 @pytest.mark.parametrize("kind", ["folder", "link", "file"])
-def test_foreign_folder_that_appears_after_the_output_check_is_restored(
+def test_folder_link_or_file_of_another_program_created_after_the_output_check_is_restored(
     made: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
 ):
     mine = tmp_path / "mine"
@@ -235,7 +237,7 @@ def test_parent_folder_replaced_by_link_is_not_followed(made: Path, tmp_path: Pa
     assert os.listdir(tmp_path / "away" / "demo") == [MARKER_FILE]
 
 
-def test_output_folder_is_replaced_only_if_forced(tmp_path: Path):
+def test_existing_output_folder_is_kept_without_force(tmp_path: Path):
     with new_folder(tmp_path / "mine") as fresh:
         (fresh / "letter").write_text("dear")
     with pytest.raises(ConfigError, match="exists already; --force"):
