@@ -54,7 +54,7 @@ def test_cluster_runs_every_task_once_and_names_failures(two):
     assert "ZeroDivisionError: division by zero" in results["1 / 0"].reason
 
 
-def test_only_failed_tasks_of_a_group_are_named(two):
+def test_failed_tasks_of_a_group_are_reported_and_the_others_return_results(two):
     tasks = [f"{k} + 1" for k in range(300)]
     tasks[150], tasks[220] = "1 / 0", "[][1]"
     results = dict(two.run(tasks, EVALUATE))
@@ -71,16 +71,16 @@ def test_equal_tasks_run_as_often_as_requested(two):
 
 
 @pytest.mark.parametrize(("done", "spent", "size"), [(0, 0.0, 1), (10, 0.2, 5), (10, 5.0, 1), (100, 0.001, 32)])
-def test_task_groups_are_sized_to_a_tenth_of_a_second(done, spent, size):
+def test_task_group_size_fills_a_tenth_of_a_second_up_to_a_maximum(done, spent, size):
     assert module._group_size(done, spent) == size
 
 
-def test_engine_description_names_the_workers(two):
+def test_local_cluster_description_gives_the_number_of_workers(two):
     assert two.place == "2 workers"
 
 
 @pytest.mark.parametrize("kind", ["processes", "cluster"])
-def test_killed_worker_loses_and_duplicates_no_task(kind, two, tmp_path):
+def test_no_task_is_lost_or_duplicated_when_workers_are_killed(kind, two, tmp_path):
     engine = Processes(2) if kind == "processes" else two
     (tmp_path / "notes").mkdir()
     journal = Journal(tmp_path / "finished.jsonl", int)
@@ -109,7 +109,7 @@ def test_cluster_worker_with_another_program_version_is_refused(two, monkeypatch
 
 
 @pytest.mark.parametrize("address", ["local:", "local:0", "local:two", "tcp://127.0.0.1:1", "nowhere:"])
-def test_invalid_cluster_address_error_shows_valid_forms(address, monkeypatch):
+def test_invalid_cluster_address_error_shows_the_syntax_of_a_local_address(address, monkeypatch):
     monkeypatch.setattr(module, "SCHEDULER_TIMEOUT", 1)
     insecure = not address.startswith("local:")
     with pytest.raises(ConfigError, match=r"local:N for N workers"), cluster(address, insecure=insecure):

@@ -74,7 +74,7 @@ def refused(address: str, **named: object) -> str:
 
 
 @pytest.mark.parametrize("address", ["tls://10.0.0.2:8786", "wss://10.0.0.2:8786"])
-def test_remote_scheduler_gets_certificates_and_the_client_is_closed(clients, files, address):
+def test_client_of_a_remote_scheduler_uses_the_certificates_and_is_closed_after_use(clients, files, address):
     with open_client(address, timeout=3.0, certificates=files) as client:
         assert [client] == clients
         assert not client.closed
@@ -134,7 +134,7 @@ def test_private_key_readable_by_others_is_refused(clients, files):
         (TypeError("no ca"), r"no certificate \(no ca\); give tls://"),
     ],
 )
-def test_failed_cluster_connection_names_the_remedy(monkeypatch, error, said):
+def test_error_for_a_failed_cluster_connection_names_the_remedy(monkeypatch, error, said):
     import distributed  # noqa: PLC0415 - an extra
 
     def fail(*_: object, **__: object) -> None:
@@ -145,7 +145,7 @@ def test_failed_cluster_connection_names_the_remedy(monkeypatch, error, said):
         pass
 
 
-def test_local_cluster_workers_get_a_private_folder_and_certificates_per_run(clients, clusters):
+def test_local_cluster_has_a_private_temporary_folder_encryption_and_no_web_pages(clients, clusters):
     with open_client("local:3", timeout=1.0) as client:
         (cluster,) = clusters
         assert client.given == (cluster,)
@@ -184,7 +184,7 @@ def test_local_cluster_workers_refuse_certificates_and_the_insecure_option(clien
 
 
 @pytest.mark.parametrize("count", ["", "0", "-1", "two", "1.5", "1e3", "+1"])
-def test_worker_count_in_a_cluster_address_must_be_an_integer(clients, clusters, count):
+def test_worker_count_in_a_cluster_address_must_be_a_positive_integer(clients, clusters, count):
     assert f"{count or 'nothing'} is not a number of workers" in refused(f"local:{count}")
     assert clusters == clients == []
 

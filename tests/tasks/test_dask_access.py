@@ -74,7 +74,7 @@ def test_local_cluster_ports_let_no_other_user_run_code(local):
 
 @needs_fork
 @pytest.mark.soak
-def test_cluster_without_certificates_admits_other_users():
+def test_cluster_without_certificates_lets_other_users_run_code():
     from distributed import LocalCluster  # noqa: PLC0415 - an extra
 
     before = listening_ports()
@@ -97,7 +97,7 @@ def test_http_ports_of_a_local_cluster_serve_no_pages(local):
             assert http_status(port, path) in ("", "404")
 
 
-def test_local_workers_import_and_unpickle_only_from_a_private_folder(local):
+def test_dask_folders_of_local_workers_are_inside_a_private_folder(local):
     engine, _ = local
     folders = (
         "[d for d in __import__('sys').path if 'dask' in d] + [__import__('distributed').get_worker().local_directory]"
@@ -120,7 +120,7 @@ def test_cluster_address_without_tls_is_refused_unless_insecure(address, monkeyp
         pass
 
 
-def test_tls_cluster_address_without_certificates_names_the_options():
+def test_error_for_a_tls_address_without_certificates_names_the_options():
     with (
         pytest.raises(ConfigError, match="--tls-ca, --tls-cert and --tls-key"),
         open_client("tls://127.0.0.1:9", timeout=1),
@@ -150,7 +150,7 @@ def test_missing_certificates_and_keys_readable_by_others_are_refused(tmp_path):
 @needs_openssl
 @needs_fork
 @pytest.mark.soak
-def test_scheduler_with_documented_certificates_admits_only_members(tmp_path):
+def test_scheduler_with_documented_certificates_admits_only_clients_with_them(tmp_path):
     files = make_certificates(tmp_path)
     with dask_scheduler(tmp_path, files) as address, dask_workers(address, tmp_path, certificates=files):
         assert address.startswith("tls://")

@@ -75,7 +75,7 @@ def test_task_whose_journal_key_changed_runs_again(journal: Journal[int]):
     assert set(journal.read()) == {"one", "another"}, "what is of no task is forgotten"
 
 
-def test_run_in_several_rounds_keeps_journal_entries_of_other_tasks(journal: Journal[int]):
+def test_journal_entries_of_other_tasks_are_kept_on_request(journal: Journal[int]):
     run(Engine(), journal)
     run(Engine(), journal, {1: "one"}, forgets=False)
     assert set(journal.read()) == {"one", "two", "three"}
@@ -98,7 +98,7 @@ def test_crashed_task_is_reported_and_retried(journal: Journal[int]):
     assert engine.done == [2]
 
 
-def test_partial_and_foreign_journal_lines_are_ignored(journal: Journal[int], tmp_path: Path):
+def test_truncated_and_invalid_journal_lines_are_ignored(journal: Journal[int], tmp_path: Path):
     journal.append("one", 11)
     with (tmp_path / "journal.jsonl").open("ab") as file:
         file.write(b'nonsense\n{"key":"two","entry":"text"}\n{"key":"three","entry":33}\n{"key":"four","entry":4')

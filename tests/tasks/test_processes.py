@@ -33,7 +33,7 @@ def test_empty_task_list_has_no_results():
     assert list(run_pool([], EVALUATE, jobs=2)) == []
 
 
-def test_died_processes_are_reported_by_task_and_the_others_continue():
+def test_crashed_tasks_are_reported_with_a_reason_and_the_others_continue():
     tasks = ["1 + 1", *DIES, "2 + 2", "3 + 3"]
     results = dict(run_pool(tasks, EVALUATE, jobs=2))
     assert [results[task] for task in ("1 + 1", "2 + 2", "3 + 3")] == [2, 4, 6]

@@ -37,18 +37,18 @@ def test_version_names_a_short_hash_python_and_libraries(version_of):
     assert program._version("no-such-library") == "missing"
 
 
-def test_program_consists_of_the_files_of_the_package():
+def test_program_files_come_from_the_folder_of_the_package():
     assert Path(kinesic.__file__).resolve().parent == program.PACKAGE_FOLDER
     assert Path(program.__file__).resolve() in program.program_files((".py",))
 
 
 @pytest.mark.parametrize("suffix", ["py", "toml", "cpp", "h"])
-def test_each_kind_of_source_changes_the_version(version_of, suffix: str):
+def test_change_of_any_source_file_type_changes_the_program_version(version_of, suffix: str):
     assert version_of(**{f"a_{suffix}": "1"}) != version_of(**{f"a_{suffix}": "2"})
     assert version_of(**{f"a_{suffix}": "1"}) != version_of()
 
 
-def test_files_in_folders_belong_to_the_program_in_the_order_of_paths(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_program_files_include_subfolders_and_are_sorted_by_path(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(program, "PACKAGE_FOLDER", tmp_path)
     (tmp_path / "inner" / "deep").mkdir(parents=True)
     files = [tmp_path / name for name in ("a.py", "inner/b.py", "inner/deep/c.py", "z.py")]

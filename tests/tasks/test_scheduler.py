@@ -35,7 +35,7 @@ def address(tmp_path_factory):
         yield address
 
 
-def test_scheduler_description_names_workers_and_dashboard(address, capsys):
+def test_insecure_scheduler_prints_a_warning_its_worker_count_and_its_dashboard(address, capsys):
     with Workers(None, address, insecure=True).engine():
         pass
     warning, place = capsys.readouterr().err.splitlines()
@@ -84,7 +84,7 @@ def succeed_once(note: Path) -> int:
     return os.getpid()
 
 
-def test_task_result_lost_with_its_worker_is_repeated_or_reported(address, tmp_path):
+def test_task_whose_result_is_lost_runs_again_and_its_second_failure_is_reported(address, tmp_path):
     with cluster(address, insecure=True) as engine:
         future = engine._client.submit(succeed_once, tmp_path / "note", pure=False)
         pid = next(iter(engine._client.run(os.getpid).values()))

@@ -32,7 +32,7 @@ def folder(tmp_path):
     return made
 
 
-def test_complete_journal_lines_become_tables(folder):
+def test_complete_journal_lines_become_table_rows_and_a_truncated_line_is_ignored(folder):
     assert ask(folder, "SELECT file, outcome FROM documents ORDER BY file").rows == (
         ("1.bml", "performed"),
         ("2.bml", "performed"),

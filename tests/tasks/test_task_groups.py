@@ -154,7 +154,7 @@ def test_cluster_runs_every_task_once_and_releases_results(client: PlayedClient)
     assert client.cancelled == []
 
 
-def test_workers_get_a_few_task_groups_in_advance(client: PlayedClient) -> None:
+def test_number_of_task_groups_queued_per_worker_is_limited(client: PlayedClient) -> None:
     client.seconds = 10 * GROUP_TIME
     run(client, ["1"] * 100)
     assert client.most_begun == 2 * GROUPS_PER_WORKER
@@ -172,7 +172,7 @@ def test_short_tasks_are_grouped_to_fill_a_target_time(client: PlayedClient, sec
     assert max(map(len, others)) == size
 
 
-def test_tasks_wait_while_the_cluster_has_no_worker(client: PlayedClient) -> None:
+def test_task_is_still_submitted_if_all_workers_have_left_the_cluster(client: PlayedClient) -> None:
     engine = Cluster(client)
     client.workers.clear()
     assert dict(engine.run(["1 + 1"], EVALUATE)) == {"1 + 1": 2}
@@ -191,7 +191,7 @@ def test_failed_task_of_a_group_is_reported_alone(client: PlayedClient) -> None:
 
 
 @pytest.mark.parametrize(("kills", "is_done"), [(1, True), (MAX_TRIES - 1, True), (MAX_TRIES, False)])
-def test_task_of_a_killed_worker_is_tried_again(client: PlayedClient, kills: int, is_done: bool) -> None:
+def test_task_of_a_killed_worker_is_retried_up_to_a_maximum(client: PlayedClient, kills: int, is_done: bool) -> None:
     killed: list[tuple[str, ...]] = []
 
     def kill(tasks: tuple[str, ...]) -> None:
@@ -237,7 +237,7 @@ def test_remaining_tasks_are_cancelled_when_the_caller_stops(client: PlayedClien
     assert [future.key for future in client.cancelled] == ["key1", "key2"]
 
 
-def test_number_of_cluster_workers_is_cached(client: PlayedClient, monkeypatch) -> None:
+def test_number_of_cluster_workers_is_cached_for_an_interval(client: PlayedClient, monkeypatch) -> None:
     now = [0.0]
     monkeypatch.setattr(cluster_module, "monotonic", lambda: now[0])
     client.seconds = GROUP_TIME
@@ -262,7 +262,7 @@ def test_worker_of_another_version_is_refused() -> None:
     assert str(refused.value).endswith(program_version())
 
 
-def test_engine_description_names_workers_and_remote_dashboard(client: PlayedClient) -> None:
+def test_cluster_description_gives_the_worker_count_and_a_remote_dashboard(client: PlayedClient) -> None:
     assert Cluster(client).place == "2 workers, dashboard http://dashboard"
     client.dashboard_link = None
     assert Cluster(client).place == "2 workers"
@@ -276,7 +276,7 @@ def test_missing_dask_is_reported_with_the_remedy(monkeypatch: pytest.MonkeyPatc
         pass
 
 
-def test_program_is_sent_in_a_form_that_workers_can_read(client: PlayedClient) -> None:
+def test_worker_runs_a_pickled_task_function_and_refuses_another_program_version(client: PlayedClient) -> None:
     code = pickle.dumps(EVALUATE)
     result = cluster_module._run_group(code, ("2 + 2", "3"), program_version())
     assert result.results == [4, 3]
