@@ -9,7 +9,7 @@ SPAN = (900, 3100)
 
 
 @pytest.mark.parametrize("model", SERVO_MODELS)
-def test_record_bounds_allow_factory_limits_a_failing_supply_and_a_joint_beyond_its_range(model: str):
+def test_record_bounds_allow_a_hot_servo_a_low_voltage_and_a_joint_slightly_beyond_its_range(model: str):
     """Accept factory limits, a failing supply, and a joint slightly outside its range."""
     bounds = RecordBounds.of([SERVO_MODELS[model]], [SPAN])
     record = np.zeros(1, BLOCK_DTYPE)
@@ -66,7 +66,9 @@ def test_servo_record_values_at_their_bounds_are_accepted(model: str, name: str,
 
 
 @pytest.mark.parametrize(("torque", "ends"), [(1, (1000 - 512, 2000 + 512)), (0, (-8 * 4096, 8 * 4096))])
-def test_position_bounds_are_the_range_with_torque_and_eight_turns_without(torque: int, ends: tuple[int, int]):
+def test_position_bounds_are_the_range_plus_a_margin_with_torque_and_eight_turns_without(
+    torque: int, ends: tuple[int, int]
+):
     bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"]] * 2, [SPAN, (1000, 2000)])
     for value, beyond in ((ends[0], ends[0] - 1), (ends[1], ends[1] + 1)):
         record = np.zeros(2, BLOCK_DTYPE)
@@ -78,6 +80,6 @@ def test_position_bounds_are_the_range_with_torque_and_eight_turns_without(torqu
         assert bounds.reason(1, record[1]) == f"position is {beyond}, must be {ends[0]}..{ends[1]}"
 
 
-def test_velocity_bound_is_twice_the_limit_or_two_turns_per_second():
+def test_velocity_bound_is_twice_the_limit_but_at_least_two_turns_per_second():
     bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"], SERVO_MODELS["xm540_w270"]], [SPAN, SPAN])
     assert bounds.max_velocity == pytest.approx([2 * 350 * 0.229 / 60 * 4096, 2 * 4096])

@@ -42,7 +42,7 @@ def fresh_share(cycles: list[Cycle]) -> float:
     return float(np.mean([cycle.fresh for cycle in cycles]))
 
 
-def test_all_servos_are_fresh_in_every_cycle(rig: Make):
+def test_every_bus_cycle_has_a_fresh_record_of_every_servo(rig: Make):
     cycles = rig(14).run(50)
     assert fresh_share(cycles) == 1.0
     assert all(not cycle.events for cycle in cycles)
@@ -89,7 +89,7 @@ def test_bus_cycle_lasts_as_long_as_the_transmission_of_its_bytes(rig: Make):
     assert cycle.duration == pytest.approx(octets * 1e-5 + 0.001, abs=5e-5)
 
 
-def test_registers_are_written_with_the_next_cycle(rig: Make):
+def test_queued_register_writes_are_sent_with_the_next_cycle(rig: Make):
     made = rig(3)
     made.bus.put(Register.PROFILE_VELOCITY, {1: 100, 3: 300})
     assert not made.true(Register.PROFILE_VELOCITY).any()
@@ -103,7 +103,7 @@ def test_value_too_large_for_its_register_is_refused_before_it_is_sent(rig: Make
 
 
 @pytest.mark.parametrize("model", ["xl330_m288", "xl430_w250", "xm540_w270"])
-def test_servos_of_every_family_return_their_records(rig: Make, model: str):
+def test_xl330_xl430_and_xm540_servos_return_fresh_records(rig: Make, model: str):
     assert fresh_share(rig(4, model=model).run(5)) == 1.0
 
 
@@ -294,7 +294,7 @@ def test_repeated_queries_recover_faults_on_a_bus_that_is_four_fifths_busy(rig: 
 
 
 @on_kinesic_servos
-def test_silent_servo_delays_records_of_others_at_most_twice(rig: Make):
+def test_newly_silent_servo_affects_records_of_others_in_at_most_two_cycles(rig: Make):
     made = rig(26, period=0.0108)
     made.run(5)
     made.plant.servos[2].mute = True

@@ -81,7 +81,7 @@ def test_silent_servo_is_queried_every_tenth_of_a_second_without_spare_time(rig:
     assert asked(written, (5,)) in (11, 12)  # in 1.1 s
 
 
-def test_lost_port_is_reopened_at_most_twenty_times_a_second(rig: Make):
+def test_reopening_of_a_lost_port_is_tried_at_most_twenty_times_a_second(rig: Make):
     made = rig(2, faults=FaultPlan((PlannedFault("unplug", start=0.3, seconds=5.0),)))
     made.run(50)
     looks: list[float] = []
@@ -117,7 +117,9 @@ def test_port_closed_after_a_servo_mismatch_is_reopened_after_one_second(rig: Ma
 
 
 @pytest.mark.parametrize(("period", "end"), [(0.005, 0.00475), (0.01, 0.0095), (0.1, 0.0995)])
-def test_bus_cycle_ends_at_least_half_a_millisecond_before_the_next_one(rig: Make, period: float, end: float):
+def test_bus_cycle_ends_five_percent_but_at_most_half_a_millisecond_before_the_next_one(
+    rig: Make, period: float, end: float
+):
     """The margin is a twentieth of a period below 10 ms; a cycle without queries listens to its end."""
     made = rig(1, period=period)
     made.run(3)
@@ -177,7 +179,9 @@ def test_port_that_is_lost_in_the_first_cycle_is_reopened_in_the_next():
         (41, 1_000_000, 0.0085, range(3, 15)),
     ],
 )
-def test_repeated_query_fits_into_the_cycle(rig: Make, firmware: int, baud: int, period: float, mute: Sequence[int]):
+def test_repeated_query_asks_only_as_many_missing_servos_as_fit_into_the_cycle(
+    rig: Make, firmware: int, baud: int, period: float, mute: Sequence[int]
+):
     """Each query takes 22 bytes (29 for old firmware) plus one per servo; the first missing servo is queried last."""
     made, byte = rig(20, baud=baud, period=period, firmware=firmware), 10 / baud
     made.run(30)

@@ -58,7 +58,7 @@ def test_latency_timer_of_one_millisecond_is_good(tmp_path: Path):
     assert latency.is_good
 
 
-def test_pseudo_terminal_has_no_latency_timer(tmp_path: Path):
+def test_pseudo_terminal_and_invalid_latency_file_give_no_latency(tmp_path: Path):
     assert read_latency(tmp_path / "pts3", system=tmp_path) is None
     timer(tmp_path, "nonsense")
     assert read_latency(tmp_path / "ttyUSB0", system=tmp_path) is None

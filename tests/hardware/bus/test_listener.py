@@ -40,7 +40,7 @@ def test_rare_late_reply_does_not_lengthen_the_timeout():
     assert slack.wait < 0.005
 
 
-def test_timeout_grows_if_most_replies_are_late():
+def test_timeout_grows_if_two_fifths_of_the_replies_are_late():
     rng = np.random.default_rng(0)
     slack = after([0.012 if rng.random() < 0.4 else 0.001 for _ in range(2000)])
     assert slack.wait > 0.012
@@ -121,7 +121,7 @@ def test_missing_reply_times_out_early_enough_for_a_repeated_query():
     assert made.wire.now() < READY + 0.001
 
 
-def test_truncated_reply_ends_when_its_bytes_are_due():
+def test_reception_of_a_truncated_reply_ends_when_its_last_byte_was_due():
     made = listener((0.002, joint()[:USB_BURST_SIZE]))
     answer = made.receive(QUESTION, end=END)
     assert answer is not None
@@ -171,9 +171,10 @@ def test_listener_stops_examining_usb_bursts_after_several_intact_replies():
         made.send(QUESTION.data)
         answer = made.receive(QUESTION, end=k * 0.01 + 0.0149)
         assert answer is not None
+        assert made._alert_replies == max(0, TIMEOUT_TUNING.alert_replies - k)
 
 
-def test_patient_listener_accepts_a_reply_shortly_before_the_deadline():
+def test_listener_that_waits_for_the_whole_cycle_accepts_a_reply_shortly_before_its_end():
     made = listener((0.009, joint()))
     answer = made.receive(QUESTION, end=END, patient=True)
     assert answer is not None

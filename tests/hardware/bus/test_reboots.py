@@ -50,7 +50,7 @@ def test_indirect_cells_of_a_rebooted_servo_are_checked_and_set_once(made: Rig):
     assert not made.bus._accepted.unmapped
 
 
-def test_servo_with_intact_indirect_cells_has_not_rebooted(made: Rig):
+def test_servo_with_intact_indirect_cells_is_not_reported_as_rebooted(made: Rig):
     """A record with zero voltage can be a transmission error that the CRC missed."""
     made.bus._accepted.unmapped.add(1)
     made.plant.servos[0].mute = True
@@ -108,7 +108,7 @@ def test_reboot_is_reported_although_the_write_of_indirect_addresses_is_unacknow
     assert made.bus.cycle().fresh.all()
 
 
-def test_only_the_silent_servo_is_checked_for_a_reboot(made: Rig):
+def test_reboot_of_one_servo_triggers_no_check_of_the_others(made: Rig):
     written = overhear(made)
     made.plant.servos[1].reboot(seconds=0.03)
     made.run(20)

@@ -81,7 +81,7 @@ def test_read_returns_all_bytes_that_have_arrived(port: Port, wire: SerialWire) 
     assert port.waits == [(True, 0.5)]
 
 
-def test_read_waits_until_its_deadline_and_not_into_the_past(port: Port, wire: SerialWire) -> None:
+def test_read_waits_until_its_deadline_or_returns_at_once_if_it_has_passed(port: Port, wire: SerialWire) -> None:
     port.ready = False
     assert wire.read(50.25) == b""
     assert wire.read(40.0) == b""
@@ -96,7 +96,7 @@ def test_serial_port_that_is_readable_without_bytes_is_reported_as_gone(
         wire.read(51.0)
 
 
-def test_sleep_waits_until_a_time_and_not_into_the_past(port: Port, wire: SerialWire) -> None:
+def test_sleep_waits_until_a_time_or_returns_at_once_if_it_has_passed(port: Port, wire: SerialWire) -> None:
     wire.sleep(50.5)
     assert wire.now() == 50.5
     wire.sleep(50.0)
@@ -177,7 +177,7 @@ def test_serial_port_stays_closed_while_its_path_is_in_use_or_renamed(
     assert not wire.reopen()
 
 
-def test_unchanged_link_to_another_terminal_counts_as_reused() -> None:
+def test_terminal_counts_as_reused_if_its_link_is_unchanged_but_its_device_is_not() -> None:
     first = TerminalIdentity((5, 100), (7, 200))
     for later, reused in (
         (first, False),
@@ -201,7 +201,7 @@ def test_terminal_identity_has_device_number_and_link_number(port: Port, tmp_pat
     assert TerminalIdentity.of(link).device == (status.st_rdev, status.st_ctime_ns)
 
 
-def test_only_kernel_terminals_are_locked_exclusively(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_serial_device_is_locked_exclusively_but_a_pseudo_terminal_is_not(monkeypatch: pytest.MonkeyPatch) -> None:
     locked: list[tuple[int, int]] = []
     monkeypatch.setattr(serial_wire, "ioctl", lambda file, request: locked.append((file, request)))
     for name in ("/dev/pts/3", "/dev/ttyUSB0"):

@@ -108,7 +108,7 @@ def test_port_without_permission_is_reported(ends: tuple[int, Path], monkeypatch
         SerialWire(ends[1], 57_600)
 
 
-def test_regular_file_does_not_open_as_port(tmp_path: Path):
+def test_regular_file_is_refused_as_a_serial_port(tmp_path: Path):
     file = tmp_path / "file"
     file.write_text("no port")
     with pytest.raises(BusError, match="does not"):
@@ -186,7 +186,7 @@ def test_serial_port_is_reopened_after_its_return(pulled: tuple[Path, ShaftSimul
     wire.close()
 
 
-def test_name_that_now_belongs_to_another_adapter_is_not_opened(
+def test_port_name_that_now_belongs_to_another_adapter_is_not_reopened(
     ends: tuple[int, Path], monkeypatch: pytest.MonkeyPatch
 ):
     wire = SerialWire(ends[1], 57_600)

@@ -13,7 +13,7 @@ from .conftest import words
 Make = Callable  # of a bench, see conftest
 
 
-def test_ping_is_answered_at_every_return_level(bench: Make):
+def test_ping_but_not_read_is_answered_at_status_return_level_zero(bench: Make):
     made = bench()
     made.write("status_return", 0)
     (said,) = made.ask(1, p.PING)
@@ -74,7 +74,7 @@ def test_reg_write_waits_for_action(bench: Make):
     assert made.read("registered") == (0, 0)
 
 
-def test_indirect_data_mirrors_its_address(bench: Make):
+def test_indirect_data_mirrors_the_register_at_its_indirect_address(bench: Make):
     made = bench()
     made.ask(1, p.WRITE, words(168, 65))
     made.ask(1, p.WRITE, words(224) + b"\1")
@@ -268,7 +268,7 @@ def test_torque_holds_the_arm_of_a_reference_servo_and_it_falls_without(bench: M
     assert shoulder.angle < 0.9
 
 
-def test_stalled_shaft_finally_causes_an_overload(bench: Make):
+def test_stalled_shaft_causes_an_overload_shutdown(bench: Make):
     made = bench()
     made.write("torque", 1)
     made.device.shaft.jammed = True

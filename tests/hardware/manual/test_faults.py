@@ -128,7 +128,7 @@ def test_servo_error_sets_the_alert_bit_and_obeys_the_shutdown_mask(bench: Make,
 
 
 @pytest.mark.parametrize("fault", [servo_faults.Reboot(1), servo_faults.BrownOut()])
-def test_rebooted_servo_has_no_torque_and_is_silent_first(bench: Make, fault: Fault):
+def test_rebooting_servo_is_silent_and_then_answers_without_torque(bench: Make, fault: Fault):
     made = bench(1, 2)
     made.write("torque", 1)
     made.line.expose(fault)

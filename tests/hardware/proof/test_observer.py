@@ -63,7 +63,7 @@ def test_observer_reports_a_wrongly_estimated_joint_angle(raised: Drill):
     assert any("is believed at" in line for line in raised.observer.broken)
 
 
-def test_observer_reports_motion_after_a_standstill(raised: Drill):
+def test_observer_reports_unconfirmed_motion_after_a_long_standstill(raised: Drill):
     observer = raised.observer
     observer.watching = True
     for _ in range(150):  # looks without a cycle: nothing moves

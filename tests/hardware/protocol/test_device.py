@@ -48,7 +48,7 @@ def test_read_error_names_the_silent_servo_and_register(cold: ServoAccess):
 
 
 @pytest.mark.parametrize("latency", [0.001, 0.008, 0.012, 0.016, 0.030])
-def test_late_reply_of_slow_adapter_answers_no_other_query(servos: str, latency: float):
+def test_late_reply_of_a_slow_adapter_is_not_taken_as_the_reply_to_another_read(servos: str, latency: float):
     build, wire_of = BUILDERS[servos]
     plant, buses = build([Cable("body", (ServoFitting(1, model="xm430_w350"),), latency=latency)])
     cold, right = ServoAccess(wire_of(buses["body"])), list[bool]()

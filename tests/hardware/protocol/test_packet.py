@@ -102,7 +102,7 @@ def sealed_packet(servo: int, body: bytes) -> bytes:
 
 
 @pytest.mark.parametrize("servo", [0, 1, 252, BROADCAST_ID])
-def test_packets_are_read_and_written_for_every_servo_id(servo: int):
+def test_ping_is_encoded_and_decoded_for_valid_and_broadcast_ids(servo: int):
     assert list(Reader().feed(packet.ping(servo))) == [Packet(servo, 1, b"")]
 
 
@@ -135,7 +135,7 @@ def test_packet_length_limit_includes_stuffing():
         packet.write_packet(1, 0, marks)
 
 
-def test_packet_reader_discards_noise():
+def test_packet_reader_discards_noise_without_storing_it():
     """Noise may last for ever, so bytes that cannot start a packet must not be stored."""
     reader, noise = Reader(), bytes(100_000)
     tracemalloc.start()
@@ -182,7 +182,7 @@ def test_crc_of_a_fast_reply_covers_all_previous_bytes():
     assert crc16(second, crc16(b"\x84\x08", 0x0884)) == 0xCA16
 
 
-def test_packet_reader_removes_stuffing():
+def test_byte_unstuffing_inverts_stuffing():
     for body in (b"\xff\xff\xfd", b"\xff\xff\xfd\xfd", b"\xff\xff\xff\xfd\xff\xff\xfd", b"\xfd\xff\xff\xfd\xfd\xfd"):
         assert unstuff(stuff(body)) == body
     assert stuff(b"\xff\xff\xfd\x01") == b"\xff\xff\xfd\xfd\x01"
@@ -222,7 +222,7 @@ def test_invalid_servo_id_is_refused(servo: int):
         packet.ping(servo)
 
 
-def test_too_long_packet_is_refused():
+def test_too_long_packet_and_value_of_the_wrong_size_are_refused():
     with pytest.raises(ValueError, match="longer than"):
         packet.write_packet(1, 0, bytes(2000))
     with pytest.raises(ValueError, match="must be 4"):
@@ -252,7 +252,7 @@ class _Sent:
         pass
 
 
-def test_sdk_sends_identical_packets_without_stuffing():
+def test_encoder_and_sdk_build_identical_packets_if_no_byte_needs_stuffing():
     port, sdk = _Sent(), Protocol2PacketHandler()
     sdk.writeTxOnly(port, 5, 116, 4, [1, 2, 3, 4])
     assert port.data == packet.write_packet(5, 116, bytes((1, 2, 3, 4)))

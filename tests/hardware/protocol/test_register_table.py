@@ -74,7 +74,7 @@ def test_supply_limits_are_those_of_the_series(model: Model):
 
 
 @EVERY_MODEL
-def test_position_gains_are_proportional_except_on_the_smallest_models(model: Model):
+def test_factory_position_gains_have_no_i_or_d_term_except_on_listed_models(model: Model):
     registers = (Register.POSITION_P_GAIN, Register.POSITION_I_GAIN, Register.POSITION_D_GAIN)
     proportional, integral, derivative = (model.factory_value(register) for register in registers)
     assert 400 <= proportional <= 1200

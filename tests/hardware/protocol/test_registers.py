@@ -189,7 +189,7 @@ def test_servo_without_current_sensor_lacks_current_modes():
     assert SERVO_MODELS["xl330_m288"].amperes == pytest.approx(1e-3)
 
 
-def test_each_servo_model_has_only_its_optional_registers():
+def test_optional_registers_differ_between_servo_models():
     assert SERVO_MODELS["xm540_w270"].has(Register.EXTERNAL_PORT_MODE_1)
     assert not SERVO_MODELS["xm430_w350"].has(Register.EXTERNAL_PORT_MODE_1)
     assert SERVO_MODELS["xl330_m288"].has(Register.PWM_SLOPE)

@@ -87,7 +87,7 @@ def test_sdk_reports_a_refused_instruction():
     assert Packets().readTxRx(WirePort(Script(status(1, 7))), 1, 148, 1) == ([], COMM_SUCCESS, 7)
 
 
-def test_alert_bit_raises_no_error():
+def test_alert_bit_in_a_reply_raises_no_error_in_the_sdk_adapter():
     wire = Script(status(1, 0x80, bytes((0x20,))))
     assert Packets().read1ByteTxRx(WirePort(wire), 1, 70) == (0x20, COMM_SUCCESS, 0x80)
 
@@ -110,7 +110,7 @@ def test_sdk_port_is_released_after_a_failed_read_or_write(way: str):
     assert not port.is_using
 
 
-def test_sdk_port_accepts_every_baud_rate_of_the_wire():
+def test_sdk_port_accepts_only_the_baud_rate_of_its_wire():
     port = WirePort(Script())
     assert port.getBaudRate() == 4_500_000
     assert port.setBaudRate(4_500_000)

@@ -85,7 +85,7 @@ def test_order_of_hinges_in_the_robot_file_does_not_matter(changed):
         ("l_elbow_flexion = 15", 'l_elbow_flexion = "15"', r"Expected `int \| array`, got `str`"),
     ],
 )
-def test_invalid_file_error_names_the_remedy(changed, old: str, new: str, message: str):
+def test_error_for_an_invalid_bus_table_names_the_wrong_entry(changed, old: str, new: str, message: str):
     robot = changed((old, new))
     with pytest.raises(ConfigError, match=message):
         ServoMap.of(robot)

@@ -114,7 +114,7 @@ def test_search_for_supervisors_leaves_no_file_open(held: Held):
     assert len(os.listdir("/proc/self/fd")) == before
 
 
-def test_only_the_user_may_read_and_write_the_address(held: Held):
+def test_address_file_has_permissions_for_its_owner_only(held: Held):
     publish([held.port], held.memory, JOINTS)
     assert stat.S_IMODE(held.file.stat().st_mode) == 0o600
 
@@ -148,7 +148,7 @@ def test_supervisor_without_a_writable_address_folder_is_refused(held: Held, mon
     assert not held.found()
 
 
-def test_systems_without_proc_publish_no_address(held: Held, monkeypatch: pytest.MonkeyPatch):
+def test_no_supervisor_address_is_published_on_macos(held: Held, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(address, "SHARED_MEMORY", held.folder / "missing")
     monkeypatch.setattr(sys, "platform", "darwin")
     assert publish([held.port], held.memory, JOINTS) == ()
@@ -227,7 +227,7 @@ def test_supervisor_is_found_by_process_search_without_its_address_file(held: He
 
 
 @pytest.mark.parametrize(("since", "alive"), [(-1.0, True), (0.5, True), (ALIVE_TIMEOUT, False), (5.0, False)])
-def test_supervisor_with_stopped_clock_is_ignored(held: Held, since: float, alive: bool):
+def test_supervisor_whose_last_status_is_too_old_is_ignored(held: Held, since: float, alive: bool):
     publish([held.port], held.memory, JOINTS)
     held.channel.write_status(beat(NOW - since))
     assert held.found() is alive
@@ -246,7 +246,7 @@ def test_supervisor_of_a_robot_with_one_joint_is_found(held: Held):
     os.close(memory)
 
 
-def test_process_that_has_ended_is_not_found(held: Held):
+def test_address_of_an_ended_process_is_ignored(held: Held):
     publish([held.port], held.memory, JOINTS)
     ended = subprocess.Popen([sys.executable, "-c", ""])
     ended.wait()
@@ -264,7 +264,7 @@ def test_invalid_address_finds_no_supervisor(held: Held, text: str):
     assert not held.found()
 
 
-def test_address_behind_a_link_is_not_followed(held: Held):
+def test_address_file_that_is_a_link_is_not_followed(held: Held):
     publish([held.port], held.memory, JOINTS)
     elsewhere = held.folder.with_name("elsewhere")  # in the same file system
     held.file.rename(elsewhere)

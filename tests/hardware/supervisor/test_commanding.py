@@ -63,7 +63,7 @@ def test_commands_reach_the_channel_with_their_feed_forward(played: Rig) -> None
 
 
 @pytest.mark.parametrize("setpoints", [np.zeros(JOINTS - 1), np.array([0.0, np.nan, 0.0, 0.0])])
-def test_setpoints_of_another_robot_or_without_a_value_are_refused(played: Rig, setpoints: np.ndarray) -> None:
+def test_setpoints_of_wrong_length_or_with_nan_are_refused(played: Rig, setpoints: np.ndarray) -> None:
     servos, supervisor = played.open()
     still = np.zeros(JOINTS)
     with pytest.raises(BusError, match="must be 4 finite numbers"):
@@ -115,7 +115,7 @@ def test_stop_resume_release_and_slow_requests_reach_the_channel(played: Rig) ->
         assert (word("estop"), word("resume"), word("release")) == (0, count, count)
 
 
-def test_closing_writes_the_rest_and_waits_until_the_robot_has_folded(played: Rig) -> None:
+def test_closing_writes_the_remaining_commands_and_waits_until_the_supervisor_ends(played: Rig) -> None:
     servos, supervisor = played.open()
     supervisor.channel.set("written", supervisor.channel.capacity)
     servos.write(played.command(1.0))
@@ -148,7 +148,7 @@ def test_closing_after_an_emergency_stop_or_a_release_drops_waiting_commands(pla
         assert (supervisor.channel.word("release"), supervisor.channel.word("ended")) == (1, 1)
 
 
-def test_interruption_while_closing_releases_the_robot_and_waits(played: Rig) -> None:
+def test_keyboard_interrupt_while_closing_releases_the_robot_and_waits_for_its_end(played: Rig) -> None:
     servos, supervisor = played.open()
 
     def interrupt(_: PlayedSupervisor) -> None:
@@ -237,7 +237,7 @@ def test_opening_waits_until_the_supervisor_accepts_commands(played: Rig, stage:
     assert played.sleeps == [servos_module.POLL_INTERVAL] * 3
 
 
-def test_supervisor_that_never_becomes_ready_is_given_up(played: Rig) -> None:
+def test_start_of_a_supervisor_that_does_not_become_ready_times_out(played: Rig) -> None:
     played.start_schedule = [lambda it: setattr(played, "clock", played.clock + START_TIMEOUT)]
     with pytest.raises(BusError, match="did not start"):
         played.open()

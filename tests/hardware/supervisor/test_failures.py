@@ -55,13 +55,13 @@ def test_servo_failures_at_the_start_are_reported(room: Room, manifest: Manifest
     assert [kind for kind, _ in first.log] == ["failed", "supply"]
 
 
-def test_each_further_failure_is_reported(watched: Watched):
+def test_later_failure_of_another_servo_is_reported(watched: Watched):
     watched.err(1, HardwareError.OVERLOAD)
     assert watched.err(4, HardwareError.OVERLOAD) == ("failed",)
     assert watched.log[1:] == [("failed", "r_flexion: shut down or blocked")]
 
 
-def test_repeated_failure_is_reported_again(watched: Watched):
+def test_failure_that_recurs_after_recovery_is_reported_again(watched: Watched):
     watched.err(1, HardwareError.OVERLOAD)
     assert watched.err(1, None) == ("mended",)
     assert watched.look() == ()
@@ -129,7 +129,7 @@ def clock() -> Clock:
     return made
 
 
-def test_performance_is_uninterrupted_before_the_first_bus_cycle():
+def test_no_interruption_is_reported_at_first_and_a_suspension_after_a_late_first_cycle():
     watch = InterruptionWatch(STARTLE)
     assert (watch.interrupted, watch.fault_duration) == (False, 0.0)
     watch.note_commands(0.75, stage=Stage.HOLD, before=False, left=True, fresh=False)

@@ -48,7 +48,7 @@ def test_goal_stays_near_a_blocked_servo():
     assert course.goals[0] <= 2300.0
 
 
-def test_servo_that_was_pushed_away_is_not_followed_by_a_jump():
+def test_goal_stays_unchanged_if_its_servo_is_pushed_away():
     course, _ = limit_goals(GoalCourse.still(np.array([2000.0])), np.array([2000.0]), np.array([1000.0]), STEP, BOUNDS)
     assert course.goals[0] == 2000.0
 

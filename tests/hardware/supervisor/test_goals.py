@@ -181,7 +181,7 @@ def test_fold_command_does_not_wait_for_a_servo_without_torque(steering, manifes
     assert steering.arrived
 
 
-def test_following_servos_without_torque_creates_no_goals(manifest):
+def test_following_servos_without_torque_creates_no_goals_if_none_exist(manifest):
     steering = GoalSteering(manifest, DEFAULT_SETTINGS)
     steering.follow_limp(np.array([True, False, False, False, False]), np.full(5, 1900.0))
     assert steering.goals is None

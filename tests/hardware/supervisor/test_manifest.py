@@ -61,7 +61,7 @@ def test_joints_away_from_rest_and_silent_ones_are_described(robot: Robot):
     )
 
 
-def test_servo_answers_to_one_id_only(robot: Robot):
+def test_secondary_id_of_each_servo_is_set_to_an_inactive_value(robot: Robot):
     """ROBOTIS: a secondary id above 252 is inactive."""
     for member in Manifest.of(robot).members:
         assert 252 < member.eeprom_values[Register.SECONDARY_ID] < 256
@@ -81,7 +81,7 @@ def test_profile_velocity_is_the_no_load_velocity_up_to_its_factory_limit(robot:
         assert member.ram_values[Register.PROFILE_ACCELERATION] == 0
 
 
-def test_default_robot_has_23_servos_in_its_chains():
+def test_default_robot_has_23_servos_and_all_joints_in_its_chains():
     manifest = Manifest.of(Robot.load())
     assert len(manifest.members) == 23
     assert manifest.chains[0] == frozenset({0, 1, 2})

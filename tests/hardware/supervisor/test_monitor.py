@@ -89,7 +89,7 @@ def test_old_servo_record_does_not_change_the_estimated_load():
     assert load.stalled[1] == pytest.approx(0.2)
 
 
-def test_servo_load_is_the_mean_square_current_over_ten_seconds():
+def test_servo_load_is_the_squared_current_low_pass_filtered_over_ten_seconds():
     load = update_load(LoadState.none(2), records(), np.zeros(2), STILL, STRENGTH)
     load = update_load(load, records(current=-500), np.full(2, 0.1), STILL, STRENGTH)
     assert load.work == pytest.approx([0.0, 0.25 * 0.1 / 10.0])
@@ -134,7 +134,7 @@ def test_healthy_servos_report_no_trouble(room):
     assert not monitor.raised.any()
 
 
-def test_silent_servo_is_named_and_has_unknown_position(room):
+def test_silent_servo_is_named_and_has_a_nan_position(room):
     room.look(3)
     room.recent[3] = False
     monitor = room.look()
@@ -220,13 +220,13 @@ def test_blocked_servo_is_stuck_until_its_torque_is_off(room):
     assert not room.look(10).failed.any()
 
 
-def test_servos_without_goals_never_count_as_stuck(room):
+def test_servo_without_a_goal_does_not_count_as_stuck(room):
     room.records["position"][2] += 500
     assert not room.look(60, goals=False).stuck.any()
 
 
 @pytest.mark.parametrize("way", [-1.0, 1.0])
-def test_limb_is_raised_more_than_five_degrees_from_rest(room, manifest, way):
+def test_servo_with_torque_counts_as_raised_beyond_five_degrees_from_rest(room, manifest, way):
     """The last servo turns 1.2 times as far as its hinge."""
     rest = manifest.rest.take(manifest.joints)
     for angle, raised in ((4.8, False), (5.2, True)):

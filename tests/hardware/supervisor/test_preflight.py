@@ -45,7 +45,7 @@ def test_configured_servos_with_factory_limits_are_accepted(manifest):
     ("register", "least"),
     [("PWM_LIMIT", 647), ("CURRENT_LIMIT", 597), ("VELOCITY_LIMIT", 269), ("TEMPERATURE_LIMIT", 50)],
 )
-def test_limit_is_refused_from_one_count_below_the_required_value(manifest, register, least):
+def test_servo_limit_one_count_below_the_required_value_is_refused(manifest, register, least):
     member = manifest.members[XM430]
     assert find_refusals(table(member, **{register: least})) == ()
     (reason,) = find_refusals(table(member, **{register: least - 1}))
@@ -75,7 +75,7 @@ def test_servo_outside_its_goal_range_is_refused_in_any_turn(manifest, turn):
 
 
 @pytest.mark.parametrize("register", ["DRIVE_MODE", "OPERATING_MODE", "HOMING_OFFSET"])
-def test_position_is_not_judged_before_the_registers_that_define_it_are_set(manifest, register):
+def test_position_is_not_checked_before_the_registers_that_define_it_are_set(manifest, register):
     assert find_refusals(table(manifest.members[XM430], PRESENT_POSITION=0, **{register: 1})) == ()
 
 
@@ -140,7 +140,7 @@ class RecordingAxes:
         return []
 
 
-def test_aliases_of_all_servos_are_removed_before_any_other_value_is_written(manifest, monkeypatch):
+def test_secondary_ids_of_all_servos_are_disabled_before_other_registers_are_written(manifest, monkeypatch):
     monkeypatch.setattr(preflight, "check_servos", lambda *_: None)
     first, second = manifest.members[:2]
     axes = RecordingAxes()

@@ -207,7 +207,7 @@ def test_register_tests_cover_every_register_that_can_be_wrong():
 
 
 @pytest.mark.parametrize(("hostile", "value"), ALL_WRONG, ids=str)
-def test_wrong_register_is_set_before_torque(tmp_path: Path, hostile: tuple[Register, int], value: int):
+def test_wrong_register_value_is_corrected_before_torque(tmp_path: Path, hostile: tuple[Register, int], value: int):
     made = two_servos(tmp_path, model_with(hostile[0]))
     leave(made, *hostile)
     made.open()
@@ -243,7 +243,7 @@ def test_servo_with_unsuitable_register_values_is_refused_and_gets_no_torque(
 
 
 @pytest.mark.parametrize("model", sorted({model_with(register) for register in LEFT}))
-def test_unchanged_registers_do_not_affect_motion(tmp_path: Path, model: str):
+def test_registers_that_kinesic_leaves_unchanged_do_not_affect_motion(tmp_path: Path, model: str):
     values = {register: value for register, value in LEFT.items() if model_with(register) == model}
     assert {RULES[register].treatment for register in values} == {"left"}
     made = two_servos(tmp_path, model)
@@ -273,7 +273,7 @@ def test_servo_with_torque_and_a_deviating_safety_register_is_refused(pair: Desk
     assert f"has torque, but other values of {register.name}" in refused
 
 
-def test_gains_of_an_adopted_servo_are_set(pair: Desk):
+def test_integral_and_feedforward_gains_of_adopted_servos_are_reset_to_zero(pair: Desk):
     gains = (Register.POSITION_I_GAIN, Register.FEEDFORWARD_1ST_GAIN, Register.FEEDFORWARD_2ND_GAIN)
     pair.active()
     pair.start()
@@ -296,7 +296,7 @@ def test_lost_writes_are_repeated_before_torque(pair: Desk, monkeypatch: pytest.
     assert (pair.true(Register.POSITION_I_GAIN) == 0).all()
 
 
-def test_secondary_id_of_a_servo_receives_no_writes_for_another(desk: Callable[..., Desk]):
+def test_servo_whose_secondary_id_equals_another_id_does_not_get_its_position_limits(desk: Callable[..., Desk]):
     made = desk()
     made.open()
     lower, upper = made.manifest.spans
@@ -310,7 +310,7 @@ def test_secondary_id_of_a_servo_receives_no_writes_for_another(desk: Callable[.
     assert made.true(Register.MAX_POSITION_LIMIT).tolist() == upper.tolist()
 
 
-def test_position_is_checked_once_ticks_are_valid(pair: Desk):
+def test_position_is_checked_after_the_homing_offset_is_reset(pair: Desk):
     pair.plant.physics.turn(0, 3500 / 4096 * 2 * np.pi)
     leave(pair, Register.HOMING_OFFSET, -1000)
     pair.plant.advance(0.01)

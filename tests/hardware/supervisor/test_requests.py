@@ -28,7 +28,7 @@ def asked() -> Asked:
     return Asked()
 
 
-def test_supervisor_has_no_requests_before_the_first(asked: Asked):
+def test_no_request_is_reported_before_the_planner_makes_one(asked: Asked):
     requests = asked.requests
     for _ in range(2):
         assert (requests.alone, requests.ended, requests.release, requests.confirmed) == (False,) * 4
@@ -36,7 +36,7 @@ def test_supervisor_has_no_requests_before_the_first(asked: Asked):
         requests.look()
 
 
-def test_planner_is_polled_before_its_last_commands_are_read(asked: Asked):
+def test_end_and_death_of_the_planner_are_reported_only_after_it_is_polled(asked: Asked):
     asked.alive = False
     asked.channel.set("ended", 1)
     assert not asked.requests.alone, "nobody has looked yet"
@@ -53,7 +53,7 @@ def test_regular_end_and_death_of_the_planner_are_reported_separately(asked: Ask
     assert (asked.requests.alone, asked.requests.ended) == (not word, bool(word))
 
 
-def test_each_stop_request_is_reported_once(asked: Asked):
+def test_new_or_stronger_stop_request_is_reported_once(asked: Asked):
     assert asked.ask("estop", 1) == ("estop",)
     assert asked.requests.events() == ()
     assert asked.ask("estop", 2) == ("estop",), "a second one that lets go"
@@ -62,7 +62,7 @@ def test_each_stop_request_is_reported_once(asked: Asked):
     assert asked.ask("estop", 1) == ("estop",)
 
 
-def test_each_resume_request_is_reported_once(asked: Asked):
+def test_successive_resume_requests_are_each_reported_once(asked: Asked):
     assert asked.ask("resume", 1) == ("resumed",)
     assert asked.requests.events() == ()
     assert asked.ask("resume", 2) == ("resumed",)
@@ -96,12 +96,12 @@ def test_resume_request_does_not_cancel_a_release_request(asked: Asked):
     assert asked.requests.release
 
 
-def test_confirmation_of_a_person_is_received(asked: Asked):
+def test_confirmation_request_is_reported(asked: Asked):
     asked.ask("confirm", 1)
     assert asked.requests.confirmed
 
 
-def test_stop_request_carries_its_policy(asked: Asked):
+def test_stop_request_selects_its_policy_and_the_default_applies_without_one(asked: Asked):
     assert [asked.requests.policy("hold"), asked.requests.policy("limp")] == ["hold", "limp"]
     asked.channel.set("estop", 1)
     assert asked.requests.policy("limp") == "hold"
@@ -113,7 +113,7 @@ FLAGS = [field.name for field in fields(Observation) if field.type in (bool, "bo
 
 
 @pytest.mark.parametrize("flag", FLAGS)
-def test_each_observation_flag_ends_a_performance_or_a_stop_only_if_expected(flag: str):
+def test_only_listed_observation_flags_end_a_performance_or_a_stop(flag: str):
     """Each flag alone is inverted, from its value without faults and without a performance."""
     calm = Observation()
     assert (calm.over, calm.dismissed) == (False, False)

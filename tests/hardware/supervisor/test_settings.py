@@ -12,7 +12,7 @@ def test_invalid_supervisor_settings_are_refused(changes: dict[str, float]):
         SupervisorSettings(**changes)
 
 
-def test_watchdog_is_never_shorter_than_requested():
+def test_watchdog_register_value_is_the_requested_duration_rounded_up():
     assert [watchdog_counts(seconds) for seconds in (0.1, 0.2, 0.101, 0.02)] == [5, 10, 6, 1]
 
 

@@ -164,7 +164,7 @@ def test_emergency_stop_holds_releases_or_waits_depending_on_stage_and_policy(st
     assert state.paused
 
 
-def test_emergency_stop_before_check_closes_ports():
+def test_emergency_stop_before_the_servo_check_closes_the_ports():
     for policy in ("hold", "limp"):
         state, begun = step(SupervisorState(Stage.PROBE), "estop", replace(CALM, policy=policy))
         assert (state.stage, begun) == (Stage.CLOSED, ("close",))

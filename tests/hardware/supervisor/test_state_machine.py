@@ -43,7 +43,7 @@ def test_supervisor_stages_go_from_closed_to_performance_and_back():
 
 
 @pytest.mark.parametrize("stage", [Stage.PROBE, Stage.CONFIGURE])
-def test_wrong_servos_close_the_ports_at_once(stage: Stage):
+def test_refused_servos_close_the_ports_at_once(stage: Stage):
     state, actions = step(SupervisorState(stage), "refused", Observation())
     assert (state.stage, actions) == (Stage.CLOSED, ("close",))
 
@@ -54,7 +54,7 @@ def test_servos_that_have_torque_are_adopted_and_not_armed():
     assert step(state, "done", CALM)[0].stage is Stage.HOLD
 
 
-def test_short_undervoltage_only_slows_the_performance():
+def test_performance_slowed_by_a_servo_fault_continues_if_it_recovers_before_standstill():
     state, _ = step(at(Stage.ACTIVE), "tick", replace(CALM, due=True, well=False))
     assert state.stage is Stage.DEGRADED
     assert step(state, "tick", replace(CALM, due=True, well=True, still=False))[0].stage is Stage.ACTIVE

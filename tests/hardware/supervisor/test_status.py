@@ -44,7 +44,7 @@ def test_event_log_without_a_file_writes_nothing():
     ("path", "why"),
     [("/dev/full", "No space left on device"), ("/nowhere/events.jsonl", "No such file or directory")],
 )
-def test_unwritable_log_is_reported_once_and_does_not_stop(path: str, why: str):
+def test_writes_to_an_unwritable_event_log_raise_no_error_and_record_the_reason(path: str, why: str):
     journal = EventLog(Path(path))
     for _ in range(2):
         journal.write(Note(1.0, -1, "stage", "x"))

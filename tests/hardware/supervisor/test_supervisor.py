@@ -16,7 +16,7 @@ PERIOD = 0.01
 TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG
 
 
-def test_opening_configures_servos_without_torque(desk: Make):
+def test_opening_configures_the_servos_and_leaves_their_torque_off(desk: Make):
     made = desk()
     made.open()
     made.run(0.3)
@@ -220,7 +220,7 @@ def test_robot_without_commands_holds_then_folds_and_restarts_with_new_ones(desk
     assert made.status.time > 60.0
 
 
-def test_performance_time_waits_for_a_slow_planner(desk: Make):
+def test_commands_of_a_slow_planner_cause_no_goal_jumps(desk: Make):
     """Performance time slows before the last known setpoint, so that goals never jump."""
     made = desk()
     made.open()

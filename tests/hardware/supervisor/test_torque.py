@@ -84,7 +84,7 @@ def test_lost_gains_and_profile_are_rewritten_before_torque(bench: Bench):
         assert bench.true(register) == [member.ram_values[register] for member in members]
 
 
-def test_torque_waits_until_every_servo_has_stored_its_goal(bench: Bench):
+def test_torque_is_switched_on_only_after_every_servo_has_stored_its_goal(bench: Bench):
     """A servo with a wrong goal would jump as soon as it has torque."""
 
     def lose_goal(snapshot: Snapshot, cycle: int) -> Snapshot:
@@ -106,7 +106,7 @@ def test_only_chosen_servos_get_torque(bench: Bench):
     assert bench.true(Register.BUS_WATCHDOG) == [WATCHDOG, 0, WATCHDOG, 0]
 
 
-def test_moving_servo_prevents_torque_on_all(bench: Bench):
+def test_no_servo_gets_torque_while_one_is_moving(bench: Bench):
     procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     with pytest.raises(BusError, match=r"servo 2 \(hinge1\).* some of them move.* torque stays off"):
         bench.run(procedure, lambda snapshot, cycle: moved(snapshot, 2.0 * cycle))
@@ -235,7 +235,7 @@ def test_servo_whose_watchdog_does_not_come_on_is_not_adopted(bench: Bench):
     assert len(bench.seen) == 1 + STEP_CYCLES
 
 
-def test_stopped_servo_is_adopted_at_its_position(bench: Bench):
+def test_servo_stopped_by_its_watchdog_is_adopted_at_its_position(bench: Bench):
     bench.energised()
     here = bench.last.positions.copy()
     records = bench.last.records.copy()
@@ -295,7 +295,7 @@ def test_torque_off_is_sent_twice_per_cycle(bench: Bench):
     assert written[0].count(off) == 2
 
 
-def test_torque_release_skips_and_names_a_silent_servo(bench: Bench):
+def test_torque_release_ends_with_an_error_that_names_a_silent_servo(bench: Bench):
     bench.energised()
     bench.plant.servos[1].mute = True
     with pytest.raises(BusError, match=r"^memory: servo 2 \(hinge1\): may still have torque; switch the power off$"):

@@ -52,7 +52,7 @@ def test_servo_is_hot_within_less_than_ten_kelvin_of_its_limit(bench, margin: in
     assert ["let it cool" in line for line in to_mend(table)] == [True] * is_hot
 
 
-def test_unanswered_bus_is_reported_in_one_line(bench):
+def test_bus_without_answering_servos_is_reported_in_one_line(bench):
     table = bench(FaultPlan((PlannedFault("silent"),)))
     (line,) = to_mend(table)
     assert "no servo of ids" in line
@@ -91,7 +91,7 @@ def test_diagnosis_closes_its_port_with_and_without_an_error(bench, is_unplugged
     assert closed == ["body"]
 
 
-def test_diagnosis_reports_missing_or_closed_ports(bench):
+def test_diagnosis_reports_ports_that_are_not_given_or_cannot_be_opened(bench):
     table = bench()
 
     def shut(bus: str):

@@ -42,7 +42,7 @@ def test_servos_are_found_at_their_baud_rate(baud: int):
     assert len(steps) == 3
 
 
-def test_scan_pings_given_ids_one_by_one():
+def test_scan_with_given_ids_finds_all_answering_servos_once():
     servos = scan_bus(port(), bauds=(1_000_000,), ids=(7, 8))
     assert [sighting.servo.id for sighting in servos] == [1, 7, 20]
 
@@ -64,7 +64,7 @@ def test_survey_reads_all_servos_at_rest(bench):
     assert {change.register for change in elbow.differs} == {Register.MIN_POSITION_LIMIT, Register.MAX_POSITION_LIMIT}
 
 
-def test_survey_of_a_wrong_servo_does_not_hide_others(bench):
+def test_survey_reports_faulty_servos_and_reads_the_others(bench):
     table = bench(FaultPlan((PlannedFault("silent", (7,)), PlannedFault("alert", (5,), start=0.001))))
     table.set(4, Register.MODEL_NUMBER, 1060)
     table.set(6, Register.RETURN_DELAY_TIME, 250)
@@ -79,7 +79,7 @@ def test_survey_of_a_wrong_servo_does_not_hide_others(bench):
     assert sum(item.right for item in seen.values()) == 21
 
 
-def test_servos_without_replies_are_set_to_reply(bench):
+def test_survey_reads_servos_whose_status_return_level_is_zero(bench):
     table = bench()
     for servo in table.servos:
         table.set(servo, Register.STATUS_RETURN_LEVEL, 0)

@@ -107,7 +107,7 @@ def test_silent_servo_ends_a_fast_reply_but_not_plain_replies():
     assert line.plant.servos[1].memory[Register.LED] == 1, "it hears all the same"
 
 
-def test_old_firmware_does_not_know_fast_reads():
+def test_old_firmware_does_not_answer_fast_reads():
     line = troubled(PlannedFault("old_firmware"))
     assert line.bytes(packet.sync_read([1, 2], 132, 4, fast=True)) == b""
     assert len(line.ask(packet.sync_read([1, 2], 132, 4, fast=False))) == 2
@@ -128,7 +128,7 @@ def test_servo_with_wrong_model_number_is_simulated():
     assert [status.data[:2] for status in line.ask(packet.ping(BROADCAST_ID))][2] == (1120).to_bytes(2, "little")
 
 
-def test_servos_of_another_baud_rate_receive_nothing(line: Lines):
+def test_servo_at_another_baud_rate_does_not_answer(line: Lines):
     one = line()
     one.set(Register.BAUD_RATE, 1)
     assert one.ask(packet.ping(1)) == []

@@ -22,7 +22,7 @@ def test_indirect_cells_read_and_write_their_targets(line: Lines):
     assert one.error(packet.write_packet(1, 225, bytes(4))) == Fault.ACCESS, "what is shown stays read-only"
 
 
-def test_changed_pointer_applies_to_the_next_read_and_write(line: Lines):
+def test_changed_indirect_address_applies_to_the_next_read_and_write(line: Lines):
     one, targets = line(), {Register.LED: 1, Register.BUS_WATCHDOG: 5}
     for register, value in targets.items():
         one.bytes(packet.write_packet(1, 168, register.field.address.to_bytes(2, "little")))

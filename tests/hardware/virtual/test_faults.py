@@ -39,7 +39,7 @@ def test_fault_plan_is_read_from_file(tmp_path: Path):
         ('[[fault]]\nkind = "silent"\nsecond = 1.0', "unknown field `second`.*did you mean seconds"),
     ],
 )
-def test_invalid_file_error_names_the_remedy(tmp_path: Path, text: str, message: str):
+def test_error_for_an_invalid_fault_plan_names_the_wrong_entry(tmp_path: Path, text: str, message: str):
     path = tmp_path / "faults.toml"
     path.write_text(text, encoding="utf-8")
     with pytest.raises(ConfigError, match=message):
@@ -64,7 +64,7 @@ def struck(kind: FaultKind, *, seed: int = 1, **changes: object) -> list[bytes]:
     return [heard.data for heard in weather.replies([Sent(1, DATA)], 0.0)]
 
 
-def test_each_wire_fault_damages_a_reply_in_its_own_way():
+def test_wire_faults_change_drop_truncate_prepend_or_duplicate_bytes_of_a_reply():
     for seed in range(20):
         corrupt, drop, cut, noise = (struck(kind, seed=seed)[0] for kind in ("corrupt", "drop", "truncate", "noise"))
         assert sum(a != b for a, b in zip(corrupt, DATA, strict=True)) == 1
@@ -82,7 +82,7 @@ def test_planned_faults_affect_only_named_servos_during_their_time():
     assert struck("lost", start=1.0) == [DATA]
 
 
-def test_common_reply_of_several_servos_is_damaged_in_one_place():
+def test_fault_of_several_servos_damages_the_reply_of_one_of_them_at_a_time():
     weather = WireFaults(FaultPlan((PlannedFault("corrupt", servos=(2, 3)),), 3))
     places = set()
     for _ in range(40):

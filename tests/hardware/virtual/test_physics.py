@@ -65,7 +65,7 @@ def test_motor_follows_velocity_current_and_duty_commands():
     assert jammed.shafts()[0].load == pytest.approx(0.3)
 
 
-def test_motor_velocity_and_gain_match_the_data_sheet():
+def test_motor_velocity_and_gain_come_from_the_servo_of_the_drive():
     drive = Robot.load().drives[0]
     motor = Motor.of(drive.servo)
     assert motor.no_load == pytest.approx(drive.servo.no_load_rpm * pi / 30)

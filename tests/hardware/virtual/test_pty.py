@@ -73,7 +73,7 @@ def wire(*faults: PlannedFault, count: int = 3, baud: int = 1_000_000) -> Cable:
     return Cable("body", fittings, baud=baud, faults=FaultPlan(faults))
 
 
-def test_program_on_the_terminal_talks_to_the_servos(opened: Opens):
+def test_servos_answer_a_broadcast_ping_through_a_pseudo_terminal(opened: Opens):
     host = Host(opened(wire()))
     got = host.ask(packet.ping(packet.BROADCAST_ID), 42)
     assert [status.id for status in Reader().feed(got)] == [1, 2, 3]

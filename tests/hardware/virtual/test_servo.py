@@ -48,7 +48,7 @@ def test_invalid_write_is_refused_without_changes(line: Lines, address: int, dat
     assert one.servo.memory.read(0, 120) == before
 
 
-def test_goals_obey_the_limits_that_other_registers_set(line: Lines):
+def test_goals_beyond_the_values_of_limit_registers_are_refused(line: Lines):
     one = line()
     one.set(Register.PWM_LIMIT, 500)
     one.set(Register.CURRENT_LIMIT, 300)
@@ -84,7 +84,7 @@ def test_status_return_level_controls_replies(line: Lines, level: int, answers: 
     assert one.servo.memory[Register.LED] == 1, "it obeys all the same"
 
 
-def test_servo_waits_its_return_delay(line: Lines):
+def test_servo_reply_is_delayed_by_the_return_delay_time(line: Lines):
     slow, quick = line(return_delay=250), line()
     waits = []
     for one in (slow, quick):
@@ -125,7 +125,7 @@ def test_broadcast_factory_reset_of_everything_is_ignored(line: Lines):
     assert [servo.id for servo in two.plant.servos] == [1, 2]
 
 
-def test_change_of_mode_resets_gains_profiles_and_caps(line: Lines):
+def test_change_of_mode_resets_gains_profiles_and_the_pwm_goal(line: Lines):
     one = line()
     one.set(Register.POSITION_P_GAIN, 100)
     one.set(Register.PROFILE_VELOCITY, 100)

@@ -27,7 +27,7 @@ def sampled(profile: Profile) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return times, places, speeds
 
 
-def test_profile_form_depends_on_limits_and_distance():
+def test_profile_shape_depends_on_limits_and_distance():
     assert velocity_profile(0.0, 0.0, 1.0, limit=inf, acceleration=1.0).form == "step"
     assert velocity_profile(0.0, 0.0, 1.0, limit=2.0, acceleration=inf).form == "rectangle"
     assert velocity_profile(0.0, 0.0, 1.0, limit=2.0, acceleration=1.0).form == "triangle"
@@ -38,7 +38,7 @@ def test_profile_form_depends_on_limits_and_distance():
     assert time_profile(0.0, 1.0, duration=0.0, rise=0.2).form == "step"
 
 
-def test_profile_durations_match_the_textbook():
+def test_profile_durations_match_closed_form_expressions():
     assert velocity_profile(0.0, 0.0, 9.0, limit=2.0, acceleration=1.0).duration == pytest.approx(9 / 2 + 2 / 1)
     assert velocity_profile(0.0, 0.0, 1.0, limit=2.0, acceleration=1.0).duration == pytest.approx(2 * sqrt(1.0))
     assert velocity_profile(0.0, 0.0, -3.0, limit=2.0, acceleration=inf).duration == 1.5
@@ -203,7 +203,7 @@ def test_moving_registers_show_profile_state(line: Lines):
     assert (one.get(Register.MOVING), one.get(Register.MOVING_STATUS)) == (0, 1)
 
 
-def test_new_goal_turns_a_profile_without_a_jump(line: Lines):
+def test_new_goal_reverses_a_moving_profile_without_a_velocity_jump(line: Lines):
     one = profiled(line, mode=0, acceleration=5, velocity=100, goal=4000)
     watched(one, 0.5)
     one.set(Register.GOAL_POSITION, 2048)
@@ -236,7 +236,7 @@ def test_goal_pwm_caps_the_speed_of_a_move(line: Lines):
     assert one.get(Register.PRESENT_VELOCITY) * 0.229 / 60 * 2 * np.pi == pytest.approx(8.0 * 88 / 885, rel=0.05)
 
 
-def test_current_mode_pushes_with_its_current(line: Lines):
+def test_current_mode_applies_the_goal_current_to_a_jammed_shaft(line: Lines):
     one = line()
     one.set(Register.OPERATING_MODE, Mode.CURRENT.value)
     one.set(Register.TORQUE_ENABLE, 1)

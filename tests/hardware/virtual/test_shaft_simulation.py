@@ -26,7 +26,7 @@ def test_planned_alert_switches_torque_off_at_its_time():
     assert line.error(packet.ping(1)) == 0
 
 
-def test_heat_rises_until_the_servo_shuts_down():
+def test_planned_overheating_raises_the_temperature_until_the_servo_shuts_down():
     line = struck(PlannedFault("overheat", servos=(1,), start=1.0, seconds=20.0, value=5.0))
     line.set(Register.TORQUE_ENABLE, 1)
     line.pass_time(11.0)
@@ -65,7 +65,7 @@ def test_reboot_watchdog_trip_and_silence_happen_when_planned():
     assert len(line.ask(packet.ping(2))) == 1
 
 
-def test_goal_of_rebooted_arm_stays_at_its_position():
+def test_goal_position_after_a_reboot_is_the_present_position():
     line = struck(PlannedFault("reboot", servos=(1,), start=0.5))
     line.set(Register.TORQUE_ENABLE, 1)
     line.set(Register.GOAL_POSITION, 2500)
@@ -75,7 +75,7 @@ def test_goal_of_rebooted_arm_stays_at_its_position():
     assert line.get(Register.GOAL_POSITION) == 1000
 
 
-def test_watchdog_trips_at_the_same_time_for_all_step_sizes():
+def test_watchdog_trips_on_time_within_a_long_simulation_step():
     line = struck()
     line.set(Register.TORQUE_ENABLE, 1)
     line.set(Register.BUS_WATCHDOG, 3)
@@ -87,7 +87,7 @@ def test_watchdog_trips_at_the_same_time_for_all_step_sizes():
     assert trips == [pytest.approx(heard + 0.06)]
 
 
-def test_simulation_time_never_decreases():
+def test_advancing_the_simulation_to_an_earlier_time_changes_nothing():
     line = struck()
     line.plant.advance(2.0)
     line.plant.advance(1.0)

@@ -19,7 +19,7 @@ PATIENCE = 60.0  # [s] that a loaded machine may take for anything
 WATCHDOG, COUNT = 0.2, 0.02  # [s] of the watchdogs where this machine is punctual; of one of their counts
 
 
-def test_supervisor_killed_leaves_servos_stopped_with_torque_and_the_next_one_adopts_them(rig):
+def test_killed_supervisor_leaves_servos_stopped_with_torque_and_the_next_one_adopts_them(rig):
     servos = rig.opened()
     rig.write(servos, 20.0)
     rig.freeze(servos)

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.realtime
 BUSES = ("left", "right")
 
 
-def test_performance_ends_at_rest_without_torque(rig):
+def test_servos_follow_the_setpoints_of_a_performance_and_end_without_torque(rig):
     servos = rig.opened()
     assert servos.state().energised == 0
     rig.write(servos, 1.2)

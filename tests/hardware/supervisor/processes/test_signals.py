@@ -32,7 +32,7 @@ LONGEST_WATCHDOG = WATCHDOG_FACTORS[-1] * WATCHDOG
         pytest.param(signal.SIGHUP, (), id="SIGHUP"),
     ],
 )
-def test_planner_that_gets_a_signal_leaves_the_arms_at_rest(rig, number: signal.Signals, handed_over: tuple[str, ...]):
+def test_planner_ended_by_a_signal_leaves_the_arms_at_rest(rig, number: signal.Signals, handed_over: tuple[str, ...]):
     planner = rig.planner(*handed_over)
     rig.wait(rig.raised)
     planner.send_signal(number)
@@ -42,7 +42,7 @@ def test_planner_that_gets_a_signal_leaves_the_arms_at_rest(rig, number: signal.
     rig.ends_at_rest()
 
 
-def test_supervisor_that_gets_a_signal_leaves_the_arms_at_rest(rig):
+def test_supervisor_ended_by_a_signal_leaves_the_arms_at_rest(rig):
     servos = rig.opened()
     rig.write(servos, 20.0)
     rig.moving(servos)

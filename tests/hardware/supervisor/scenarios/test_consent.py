@@ -16,7 +16,7 @@ PERIOD = 0.01
 TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG
 
 
-def test_emergency_stop_holds_at_once(desk: Make):
+def test_emergency_stop_holds_the_goals_within_100_ms_until_a_release(desk: Make):
     made = desk().active()
     made.channel.set("estop", 1)
     made.run(0.1)
@@ -70,7 +70,7 @@ def test_simultaneous_emergency_stop_overrides_a_resume_request(desk: Make):
     assert made.stage is Stage.STOPPED
 
 
-def test_emergency_stop_may_release_torque(desk: Make):
+def test_torque_off_stop_request_switches_torque_off_within_30_ms(desk: Make):
     made = desk().active()
     made.channel.set("estop", 2)
     made.run(0.03)
@@ -99,7 +99,7 @@ def test_robot_stopped_in_an_emergency_folds_after_its_planner_dies(desk: Make, 
     assert not made.true(TORQUE).any()
 
 
-def test_second_emergency_stop_switches_torque_off(desk: Make):
+def test_torque_off_stop_request_after_an_emergency_stop_switches_torque_off(desk: Make):
     made = desk().active()
     made.channel.set("estop", 1)
     made.run(0.2)
@@ -166,7 +166,9 @@ def test_commands_after_a_long_gap_need_a_resume_request(desk: Make):
 
 
 @pytest.mark.parametrize(("slowly", "waits"), [(0.9, False), (3.0, True)])
-def test_slow_commands_after_a_long_standstill_need_a_resume_request(desk: Make, slowly: float, waits: bool):
+def test_commands_slower_than_real_time_after_a_standstill_need_a_resume_request(
+    desk: Make, slowly: float, waits: bool
+):
     made = without_commands(desk)
     for k in range(100, 160):  # time runs again when there are 0.5 s of them
         made.channel.write(k * PERIOD, made.goals(k * PERIOD, 4.0))

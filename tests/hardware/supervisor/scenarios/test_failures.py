@@ -17,7 +17,7 @@ PERIOD = 0.01
 TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG
 
 
-def test_robot_holds_100_ms_after_its_planner_dies_then_folds_and_releases(desk: Make):
+def test_robot_holds_within_100_ms_of_the_death_of_its_planner_then_folds_and_releases(desk: Make):
     made = desk().active()
     made.alive = False
     made.run(0.1)
@@ -31,7 +31,7 @@ def test_robot_holds_100_ms_after_its_planner_dies_then_folds_and_releases(desk:
     assert np.abs(made.present_position - rest).max() <= 3
 
 
-def test_release_covers_all_servos_despite_a_silent_one(desk: Make):
+def test_torque_off_stop_request_reaches_all_servos_although_one_is_silent(desk: Make):
     made = desk(settings=SupervisorSettings(hopeless=1.0, pace=3.0)).active()
     made.plant.servos[2].mute = True
     made.channel.set("estop", 2)
@@ -124,7 +124,7 @@ def test_stuck_servo_is_not_driven_into_its_overload_shutdown(desk: Make):
     assert not made.true(TORQUE).any()
 
 
-def test_jammed_limb_that_moves_again_is_folded_to_rest_and_released(desk: Make):
+def test_jammed_limb_that_is_freed_folds_to_rest_only_after_its_servo_reboots(desk: Make):
     made = jammed(desk)
     made.plant.physics.jammed[2] = False
     made.run(1.5 * made.settings.patience)
@@ -172,7 +172,7 @@ def test_robot_holds_within_250_ms_of_a_port_loss_and_keeps_torque(desk: Make, s
     assert made.true(TORQUE).all()
 
 
-def test_servos_whose_port_is_lost_stop_by_themselves(desk: Make):
+def test_servos_whose_port_is_lost_are_stopped_by_their_watchdog_with_torque_on(desk: Make):
     made = desk().active(4.0)
     made.expose(PlannedFault("unplug", seconds=1.0))
     made.run(0.16)
@@ -183,7 +183,7 @@ def test_servos_whose_port_is_lost_stop_by_themselves(desk: Make):
     assert made.true(TORQUE).all()
 
 
-def test_supervisor_gives_up_a_port_lost_for_long(desk: Make):
+def test_supervisor_ends_after_a_long_port_loss_and_leaves_torque_on(desk: Make):
     made = desk(settings=SupervisorSettings(hopeless=1.0)).active(4.0)
     made.expose(PlannedFault("unplug", seconds=100.0))
     made.until(Stage.CLOSED, within=5.0)

@@ -13,7 +13,7 @@ WATCHDOG = Register.BUS_WATCHDOG
 
 
 @pytest.mark.parametrize(("late", "counts", "scale"), [(0.03, 10, 1.0), (0.06, 20, 0.5)])
-def test_watchdogs_are_longer_and_time_is_slower_while_cycles_are_late(
+def test_late_cycles_lengthen_watchdogs_and_very_late_ones_also_slow_the_performance(
     desk: Make, late: float, counts: int, scale: float
 ):
     made = desk().active(20.0)
@@ -27,7 +27,7 @@ def test_watchdogs_are_longer_and_time_is_slower_while_cycles_are_late(
     assert [line for line in made.kinds() if line.startswith("host: cycles begin up to")]
 
 
-def test_punctual_host_gets_its_watchdogs_back(desk: Make, monkeypatch: pytest.MonkeyPatch):
+def test_watchdogs_return_to_their_normal_duration_after_punctual_cycles(desk: Make, monkeypatch: pytest.MonkeyPatch):
     """It takes ten seconds (tests/hardware/bus/test_host.py), shortened here to one."""
     monkeypatch.setattr(host, "GAP_MEMORY", 1.0)
     made = desk().active(20.0)

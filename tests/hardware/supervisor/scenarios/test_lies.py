@@ -48,7 +48,9 @@ def lying(made: Desk, register: Register, lie: int) -> Iterator[None]:
         (Register.PRESENT_CURRENT, -32_768),
     ],
 )
-def test_impossible_register_values_move_nothing_and_are_reported_once(desk: Make, register: Register, lie: int):
+def test_impossible_register_values_stop_the_performance_without_a_jump_and_are_reported_once(
+    desk: Make, register: Register, lie: int
+):
     made = desk().active(6.0)
     before, pace = made.true(Register.GOAL_POSITION), made.manifest.velocities * made.settings.period
     with lying(made, register, lie):

@@ -46,7 +46,7 @@ def test_wrong_servos_are_refused_in_one_line_and_no_servo_gets_torque(desk: Mak
         (Register.VELOCITY_LIMIT, 10, "velocity limit"),
     ],
 )
-def test_joint_limits_beyond_the_servo_range_are_refused(desk: Make, register: Register, value: int, message: str):
+def test_servo_limits_too_low_for_the_joint_are_refused(desk: Make, register: Register, value: int, message: str):
     made = desk()
     made.plant.servos[2].memory[register] = value
     made.open()
