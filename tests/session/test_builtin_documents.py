@@ -27,7 +27,7 @@ def test_existing_file_is_preferred_to_a_built_in_document_but_a_folder_is_not(t
 @pytest.mark.parametrize(
     "name", ["welcome.bml", "./x/welcome", "../welcome", "/welcome", "", ".", "Welcome", "welcome\0"]
 )
-def test_paths_and_unknown_names_are_no_built_in_documents(name, tmp_path, monkeypatch):
+def test_paths_and_unknown_names_are_not_resolved_to_built_in_documents(name, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert locate_document(name) == Path(name)
 
@@ -47,7 +47,7 @@ def test_missing_file_error_suggests_built_in_documents(name, hint):
     assert suggest_document(name) == hint
 
 
-def test_python_plans_a_built_in_document_by_name(tmp_path, monkeypatch):
+def test_plan_document_accepts_a_built_in_name_and_suggests_one_for_a_misspelling(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     setup = set_up()
     with pytest.raises(BmlError, match="welcom: No such file or directory; did you mean the built-in welcome"):
@@ -60,6 +60,6 @@ def test_python_plans_a_built_in_document_by_name(tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("voice", ["durations", "auto"])
 @pytest.mark.parametrize("robot", ["upper22", "upper36"])
-def test_greeting_is_planned_at_its_requested_times(robot, voice):
+def test_welcome_document_is_planned_without_notices_of_shifted_times(robot, voice):
     plan = plan_document("welcome", set_up(robot, **{**INTERACTIVE_DEFAULTS, "voice": voice}))
     assert [notice.text for notice in plan.notices if "requested at" in notice.text] == []

@@ -16,12 +16,12 @@ def test_plan_records_the_parse_duration_of_the_document(known):
     assert planned.setup is known
 
 
-def test_refused_document_names_its_source(known):
+def test_parse_error_begins_with_the_source_name_and_line(known):
     with pytest.raises(BmlError, match=r"^nod\.bml:1:"):
         plan("<bml", known, source="nod.bml")
 
 
-def test_document_may_be_a_path_or_the_text_itself_and_has_a_source_name(known, tmp_path):
+def test_plan_document_accepts_a_path_or_bml_text_and_records_the_source_name(known, tmp_path):
     file = tmp_path / "nod.bml"
     file.write_text(NOD, encoding="utf-8")
     for document, source in ((file, str(file)), (str(file), str(file)), (NOD, "<text>"), (NOD.encode(), "<text>")):
@@ -35,12 +35,12 @@ def test_document_may_be_a_path_or_the_text_itself_and_has_a_source_name(known, 
         assert plan_document(document, known, source="mine").timeline.block.source == "mine"
 
 
-def test_missing_document_names_the_remedy(known, tmp_path):
+def test_missing_document_error_asks_for_a_path_or_bml_text(known, tmp_path):
     with pytest.raises(BmlError, match="give a path, or BML text that begins with <"):
         plan_document(tmp_path / "none.bml", known)
 
 
-def test_plan_of_a_plain_text_speaks_the_text(known):
+def test_plan_of_plain_text_contains_speech_and_records_the_source_name(known):
     planned = plan_plain_text("Hello there.", known, source="hello.txt")
     assert {behaviour.type for behaviour in planned.timeline.block.behaviours} >= {"speech"}
     assert planned.timeline.block.source == "hello.txt"
@@ -57,7 +57,9 @@ def test_plan_of_a_plain_text_speaks_the_text(known):
         ("a.txt", b"Hello there. (juggles plates)", ("juggles plates",)),
     ],
 )
-def test_text_file_is_spoken_without_its_markup(known, tmp_path: Path, name, content, warnings):
+def test_text_files_of_several_formats_and_encodings_are_spoken_without_markup(
+    known, tmp_path: Path, name, content, warnings
+):
     file = tmp_path / name
     file.write_bytes(content)
     block = plan_document(file, known).timeline.block

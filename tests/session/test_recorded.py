@@ -41,7 +41,7 @@ def write(sound: Sound, path: Path) -> Path:
     return path
 
 
-def test_recording_with_text_plays_and_its_gestures_follow_its_words(
+def test_recording_with_text_plays_with_its_marks_at_the_word_onsets(
     recording: SpokenRecording, spoken: SpokenText, setup: Setup
 ):
     plan = plan_recording(TEXT, recording, setup)
@@ -69,7 +69,7 @@ def test_recording_without_text_takes_its_text_from_the_file_of_word_times(
     assert written.warnings == ()
 
 
-def test_recording_without_text_has_beat_gestures_and_a_notice(recording: SpokenRecording, setup: Setup):
+def test_recording_without_text_gets_gestures_and_a_notice(recording: SpokenRecording, setup: Setup):
     plan = plan_recording(None, recording, setup)
     assert plan.utterances["s"].phonemes
     assert any("there is no text" in notice.text for notice in plan.notices)
@@ -77,7 +77,7 @@ def test_recording_without_text_has_beat_gestures_and_a_notice(recording: Spoken
     assert {"Speech", "Gesture"} <= types
 
 
-def test_missing_or_invalid_recording_file_is_refused(recording: SpokenRecording, setup: Setup, tmp_path: Path):
+def test_missing_recording_and_invalid_word_times_are_refused(recording: SpokenRecording, setup: Setup, tmp_path: Path):
     (tmp_path / "w.json").write_text('{"words": [{"word": "a", "start": -1}]}')
     with pytest.raises(ConfigError, match=r"none\.wav"):
         write_recording("Hi", SpokenRecording(tmp_path / "none.wav"), setup)

@@ -6,7 +6,7 @@ from kinesic.body.config import ConfigError
 from kinesic.session.setup import set_up
 
 
-def test_default_setup_has_no_idle_motion_and_no_variation():
+def test_default_setup_is_neutral_upper22_without_idle_motion_or_variation():
     setup = set_up()
     assert (setup.robot.name, setup.style.name) == ("upper22", "neutral")
     assert (setup.idling.amount, setup.variation.amount) == (0.0, 0.0)
@@ -18,5 +18,5 @@ def test_target_without_three_finite_numbers_is_refused():
             set_up(targets={"screen": point})
 
 
-def test_style_settings_may_be_a_mapping_or_texts():
+def test_style_settings_may_be_a_mapping_or_key_value_strings():
     assert set_up(settings={"power": 0.5}).style == set_up(settings=("power=0.5",)).style

@@ -66,7 +66,7 @@ def test_text_in_think_tags_is_not_spoken():
     assert words(read("09_think.txt")) == ["Hello"]
 
 
-def test_markdown_becomes_sentences_and_pauses():
+def test_markdown_is_spoken_without_markup_and_with_pauses():
     text = read("10_markdown.txt")
     assert words(text) == ["Plan", "We", "need", "Bread", "a", "knife"]
     assert write_text(text, SETUP).bml.count("<break") >= 3
@@ -81,7 +81,7 @@ def test_acronyms_us_and_who_are_not_read_as_pronoun_and_question_word():
     assert not {"we", "ask_open"} & set(lexemes(text))
 
 
-def test_negative_idioms_are_shown_as_agreement():
+def test_negative_idioms_of_agreement_get_a_nod_and_a_shrug_but_no_refusal():
     shown = lexemes(read("15_agree.txt"))
     assert "NOD" in shown
     assert "shrug_small" in shown or "doubt_shrug" in shown
@@ -99,12 +99,12 @@ def test_emotion_words_in_questions_wishes_and_homographs_get_no_emotional_gestu
     assert "kinesic:style" not in write_text(text, SETUP).bml
 
 
-def test_fml_without_bml_is_performed():
+def test_fml_document_without_bml_yields_gestures_and_facial_expressions():
     block = read_block((CASE_FOLDER / "20_fml_alone.xml").read_bytes(), SETUP)
     assert {"gesture", "faceLexeme"} <= {each.type for each in block.behaviours}
 
 
-def test_marks_follow_the_words_and_the_silence_of_a_recording():
+def test_marks_and_phonemes_of_a_recording_skip_its_silence():
     plan = planned("22_recording.bml")
     (utterance,) = plan.utterances.values()
     times = {mark: round(time, 2) for mark, time in utterance.marks.items()}
@@ -113,7 +113,7 @@ def test_marks_follow_the_words_and_the_silence_of_a_recording():
     assert not [start for start in starts if 0.9 < start < 2.79]  # the recording is silent there
 
 
-def test_ssml_document_is_performed_as_text():
+def test_text_of_an_ssml_document_is_spoken():
     assert spoken(planned("24_speak.xml")) == ["Hello there."]
 
 
@@ -121,7 +121,7 @@ def test_text_in_utf_16_is_decoded():
     assert spoken(planned("26_utf16.txt")) == ["Hello, my friend!"]
 
 
-def test_json_in_a_fence_is_performed():
+def test_json_in_a_markdown_code_fence_is_planned():
     plan = planned("27_fence.json")
     assert [each.type for each in plan.timeline.block.behaviours] == ["head"]
 
@@ -150,14 +150,14 @@ def test_denials_in_successive_turns_get_different_gestures():
         ("13_us.txt", "I live in the you ess and work for the double you aitch oh"),
     ],
 )
-def test_voice_speaks_no_punctuation_names(name: str, heard: str):
+def test_speech_omits_punctuation_names_and_spells_out_acronyms(name: str, heard: str):
     plan = plan_document(CASE_FOLDER / name, SETUP)
     (speech,) = (each.action for each in plan.timeline.block.behaviours if isinstance(each.action, Speech))
     assert heard_consonants(speech.script) == heard_consonants(Script(heard))
 
 
 @pytest.mark.soak
-def test_text_of_thousands_of_words_is_performed_as_several_speeches():
+def test_text_of_2100_words_is_split_into_several_speeches():
     text = "The garden needs water today.\n" * 420
     bml = write_text(text, SETUP).bml
     assert bml.count("<speech ") > 5
