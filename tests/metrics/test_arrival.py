@@ -17,7 +17,7 @@ TIMES = np.arange(0.0, 2.0, 0.01)
 STRAIGHT_PATH = np.stack([np.clip(TIMES, 0.0, 1.0), 0 * TIMES, 0 * TIMES], axis=1)  # 1 m/s, arriving at 1 s
 
 
-def test_arrival_is_when_path_crosses_the_target_ball():
+def test_arrival_time_is_when_the_path_enters_the_target_ball():
     assert _find_first_entry(1.0, TIMES, STRAIGHT_PATH, np.array([1.0, 0, 0]), 0.05) == pytest.approx(0.95)
 
 
@@ -33,7 +33,7 @@ def test_path_outside_the_target_ball_does_not_arrive():
     assert _find_first_entry(1.0, TIMES, STRAIGHT_PATH, np.array([1.0, 0.2, 0]), 0.05) is None
 
 
-def test_arrival_radius_is_5_mm_or_5_percent_of_the_path_within_300_ms():
+def test_arrival_constants_are_5_mm_5_percent_of_the_path_and_a_300_ms_window():
     assert (MIN_ARRIVAL_RADIUS, ARRIVAL_PATH_FRACTION, ENTRY_WINDOW) == (0.005, 0.05, 0.3)
 
 
@@ -54,7 +54,7 @@ def test_length_and_peak_speed_are_measured_for_a_path_section_between_samples()
     assert measure_stretch(TIMES, STRAIGHT_PATH, 0.502, 0.507) == pytest.approx((1.0, 0.005))
 
 
-def test_kernel_and_python_measure_same_path_section():
+def test_kernel_and_python_measure_equal_speeds_and_lengths_of_path_sections():
     path = np.random.default_rng(7).normal(size=STRAIGHT_PATH.shape)
     moments = [(-0.1, 0.4), (0.2, 0.2), (0.2, 0.2004), (0.305, 1.0), (1.7, 3.0), (0.31, 0.32), (0.5, 0.4)]
     result, expected = (

@@ -28,7 +28,7 @@ class RoughWall(Wall):
         return super().bounds(angles, turns) - 0.001
 
 
-def test_clearance_forecast_equals_exhaustive_search():
+def test_smallest_clearance_forecast_equals_exhaustive_search():
     rng = np.random.default_rng(4)
     for _ in range(20):
         planned, errors = rng.uniform(0.02, 0.06, (90, 1)), rng.normal(0.0, 0.01, (90, 1))

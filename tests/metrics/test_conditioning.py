@@ -16,7 +16,7 @@ def with_plan(performance: DryRun, **changes: object) -> DryRun:
     return replace(performance, reference=replace(performance.reference, plan=plan))
 
 
-def test_rushed_stroke_is_reported_with_the_reached_limit_and_amplitude_loss(hurried: DryRun) -> None:
+def test_rushed_stroke_is_reported_with_its_time_shifts_limiting_joints_and_amplitude_loss(hurried: DryRun) -> None:
     chapters = {chapter.behaviour: chapter for chapter in hurried.reference.changes}
     rushed = chapters["rushed"]
     hinges = hurried.plan.setup.robot.skeleton.names
@@ -49,7 +49,7 @@ def test_report_merges_equally_shifted_sync_points_of_a_behaviour(calm: DryRun) 
     assert (moved.milliseconds, moved.hinge) == (100, "")
 
 
-def test_report_sorts_hinges_by_their_deviation_from_the_request(calm: DryRun) -> None:
+def test_deviations_from_the_request_are_sorted_and_small_ones_omitted(calm: DryRun) -> None:
     names = calm.plan.setup.robot.skeleton.names
     lost = np.radians(np.r_[0.5, 3.0, 1.5, np.zeros(len(names) - 3)])
     motion = replace(calm.plan.motion, rms_distances=lost)

@@ -25,7 +25,9 @@ def test_dry_run_stores_only_measured_arrays_and_recomputes_planned_ones(calm: D
     assert [name for name, rows in vars(planned).items() if getattr(rows, "shape", ()) == shape] == ["duties"]
 
 
-def test_long_reference_is_sampled_in_windows(calm: DryRun, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_reference_sampled_in_windows_equals_the_reference_sampled_at_once(
+    calm: DryRun, monkeypatch: pytest.MonkeyPatch
+) -> None:
     whole = Reference(calm.plan, calm.reference.times, calm.reference.duties)
     expected = {name: getattr(whole, name) for name in ("angles", "velocities", "accelerations", "moving")}
     some = np.array([0, 5, 20])
@@ -62,7 +64,7 @@ def test_planned_paths_are_those_of_the_wrists_head_and_torso(
 
 
 @pytest.mark.parametrize(("count", "batches"), [(4096, 1), (4097, 5)])
-def test_motion_of_over_41_seconds_is_sampled_in_batches_of_ten_seconds(calm: DryRun, count: int, batches: int) -> None:
+def test_motion_of_over_4096_samples_is_split_into_batches(calm: DryRun, count: int, batches: int) -> None:
     times = np.linspace(0.0, calm.plan.trajectory.duration, count)
     duties = np.broadcast_to(0.0, (count, calm.reference.duties.shape[1]))
     rows = [rows for rows, _ in Reference(calm.plan, times, duties).motions()]

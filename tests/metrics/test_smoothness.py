@@ -46,7 +46,7 @@ def test_minimum_jerk_reach_has_the_analytic_dimensionless_jerk():
 
 
 @pytest.mark.parametrize("figure", [dimensionless_jerk, measure_arc_length])
-def test_smoothness_is_independent_of_size_and_speed(figure):
+def test_path_scaling_changes_no_smoothness_metric_and_time_scaling_no_dimensionless_jerk(figure):
     path = reach()
     assert figure(10 * path, period=PERIOD) == pytest.approx(figure(path, period=PERIOD))
     assert dimensionless_jerk(path, period=2 * PERIOD) == pytest.approx(dimensionless_jerk(path, period=PERIOD))
@@ -63,7 +63,7 @@ def test_spectral_arc_length_equals_the_published_definition(speeds):
     )
 
 
-def test_stops_increase_the_spectral_arc_length():
+def test_more_stops_make_the_spectral_arc_length_more_negative():
     fractions = np.linspace(0.0, 1.0, 19)
     reach_speeds = fractions**2 * (1.0 - fractions) ** 2
     measured = [
@@ -94,7 +94,7 @@ def test_motionless_path_has_no_smoothness(path):
     assert measure_arc_length(path, period=PERIOD) is None
 
 
-def test_visible_jerk_ignores_fast_oscillation():
+def test_visible_jerk_is_low_pass_filtered_with_half_power_at_the_cutoff():
     """The mean square jerk of a sine is half of (amplitude x angular frequency cubed)^2."""
     times = PERIOD * np.arange(4000)
 

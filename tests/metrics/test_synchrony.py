@@ -60,13 +60,13 @@ def test_peak_speed_is_searched_from_ready_to_stroke_end(offered):
     assert result.fastest == pytest.approx(inside, abs=0.011)
 
 
-def test_stroke_of_one_hand_ignores_the_idle_hand(offered):
+def test_stroke_lag_of_a_one_handed_gesture_ignores_motion_of_the_other_hand(offered):
     times = times_of(offered, "g")
     (result,) = measured(offered, (times["ready"] + times["strokeEnd"]) / 2, side="l")
     assert result.fastest == pytest.approx(times["ready"], abs=0.011)
 
 
-def test_offset_of_a_stroke_reference_shifts_the_expected_word_time(known):
+def test_offset_of_a_stroke_reference_is_added_to_the_word_time(known):
     later = planned(known, OFFER.replace("s:m", "s:m + 0.3"))
     (planned_lag,) = measure_planned_lags(later)
     assert planned_lag.accent == pytest.approx(times_of(later, "s")["m"] + 0.3)
@@ -100,12 +100,12 @@ def test_stroke_lag_is_measured_for_strokes_tied_to_words_by_constraints(known):
     ],
     ids=["no speech", "a time", "not the stroke", "no word", "no hand"],
 )
-def test_stroke_without_word_has_no_lag(known, text):
+def test_behaviour_without_a_hand_stroke_tied_to_a_word_has_no_lag(known, text):
     assert measure_planned_lags(planned(known, text)) == ()
     assert compute_median_lag(()) is None
 
 
-def test_repeated_strokes_are_matched_to_their_words(known):
+def test_lag_of_a_double_beat_uses_the_speed_peak_of_its_first_stroke(known):
     text = SPEECH + '<gesture id="g" lexeme="beat_double" mode="RIGHT_HAND" stroke="s:m" strokeEnd="s:m + 1.2"/>'
     twice = planned(known, text)
     times = times_of(twice, "g")
@@ -113,7 +113,7 @@ def test_repeated_strokes_are_matched_to_their_words(known):
     assert result.fastest == pytest.approx(times["stroke"] - 0.1, abs=0.011)
 
 
-def test_twin_lag_follows_the_measured_hands_and_is_missing_for_still_hands(known, offered):
+def test_twin_lag_follows_the_measured_hands_and_is_missing_for_a_run_stopped_before_the_word(known, offered):
     performed = dry_run(plan(ROOT.format(OFFER), known))
     (twin,), (asked,) = performed.stroke_lags, measure_planned_lags(offered)
     assert twin.lag == pytest.approx(asked.lag, abs=0.05)

@@ -10,7 +10,7 @@ ERRORS = 0.02 * CHANCE.normal(size=(200, 5))
 MOVING = CHANCE.random(ERRORS.shape) < 0.6
 
 
-def test_error_statistics_count_moving_hinges_and_locate_the_largest():
+def test_error_statistics_use_only_moving_hinges_and_locate_the_largest_error():
     measured, moving = np.zeros((4, 2)), np.array([[True, False], [True, True], [True, True], [False, False]])
     measured[2, 1], measured[0, 1], measured[1, 0] = np.radians(3.0), np.radians(50.0), -np.radians(1.0)
     errors = measure_errors(measured[moving], moving)
