@@ -50,5 +50,5 @@ def test_empty_array_has_no_distinct_rows():
 @pytest.mark.parametrize(
     ("flags", "runs"), [("", []), ("000", []), ("111", [(0, 3)]), ("1001", [(0, 1), (3, 4)]), ("0110", [(1, 3)])]
 )
-def test_runs_of_true_values_have_an_exclusive_end(flags, runs):
+def test_runs_of_true_values_are_found_as_half_open_intervals(flags, runs):
     assert find_runs(np.array([flag == "1" for flag in flags], dtype=np.bool_)) == runs

@@ -20,7 +20,7 @@ def calibrated(robot: Path, text: str) -> None:
     calibration_path(robot).write_text(text, encoding="utf-8")
 
 
-def test_calibration_file_is_next_to_the_robot_file_or_in_the_user_folder(
+def test_calibration_is_next_to_a_user_robot_file_or_in_the_user_folder_for_a_built_in_robot(
     mine: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     assert calibration_path(mine) == tmp_path / "mine.calibration.toml"

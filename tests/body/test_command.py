@@ -27,7 +27,7 @@ def test_default_command_times_are_10_ms_apart_until_the_settling_time_ends():
     assert times[-1] == pytest.approx(1.0 + SETTLE_DURATION)
 
 
-def test_deprecated_names_return_velocities_and_setpoints():
+def test_deprecated_names_speeds_and_goals_return_velocities_and_setpoints():
     vectors = [np.full(2, float(k)) for k in range(4)]
     command = Command(0.0, *vectors)
     assert command.speeds is command.velocities

@@ -33,7 +33,7 @@ def coupled(tmp_path: Path):
     return load
 
 
-def test_coupled_joint_follows_its_driver_joint_after_the_free_joints(coupled):
+def test_coupled_angles_are_linear_in_their_driver_and_appended_after_the_free_joints(coupled):
     plain, robot = Robot.load("upper22"), coupled()
     assert robot.skeleton.names == plain.skeleton.names
     assert [c.name for c in robot.skeleton.couplings] == ["l_tip", "r_tip"]
@@ -74,7 +74,7 @@ def test_skeleton_without_couplings_returns_joint_angles_uncopied():
         ("ratio = 0.5", "ration = 0.5", r"`ration`.*did you mean ratio\?"),
     ],
 )
-def test_invalid_coupling_error_names_the_remedy(coupled, old: str, new: str, message: str):
+def test_invalid_coupling_is_refused_with_its_cause(coupled, old: str, new: str, message: str):
     with pytest.raises(ConfigError, match=message):
         coupled(TIP_COUPLING.replace(old, new))
 

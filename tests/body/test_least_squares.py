@@ -92,7 +92,7 @@ def test_larger_tolerance_ends_the_search_earlier():
     assert count(0.5) < count(1e-8)
 
 
-def test_search_without_any_better_values_ends_at_its_start():
+def test_search_that_cannot_reduce_the_cost_returns_its_start():
     start = np.array([1.0, 2.0])
     found = minimise_squares(
         lambda values: values,

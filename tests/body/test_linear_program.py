@@ -23,7 +23,7 @@ def full(matrix: SparseMatrix):
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_sparse_matrix_equals_the_sum_of_its_entries(seed: int):
+def test_sparse_matrix_product_negation_and_row_selection_match_the_dense_matrix(seed: int):
     matrix, rng = random_matrix(seed), np.random.default_rng(seed)
     vector, selected = rng.normal(size=matrix.shape[1]), rng.random(matrix.shape[0]) < 0.5
     np.testing.assert_allclose(matrix @ vector, full(matrix) @ vector)
@@ -61,7 +61,7 @@ def test_infeasible_or_unbounded_linear_program_returns_none(costs):
 
 
 @pytest.mark.parametrize("seed", range(20))
-def test_least_cost_matches_scipy(seed: int):
+def test_linear_program_cost_and_feasibility_match_scipy(seed: int):
     optimize = pytest.importorskip("scipy.optimize", reason="SciPy, the oracle of this test, is not installed")
     matrix, rng = random_matrix(seed), np.random.default_rng(seed)
     height, width = matrix.shape

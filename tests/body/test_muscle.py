@@ -47,7 +47,7 @@ MOUNT_LINE = 'mount = { body = "l_shoulder", at = [0, 0, 0] }'
         (f'servo = "xm430_w210"\n{MOUNT_LINE}', "l_elbow_flexion has a servo and vl5_torsion has limits: give all"),
     ],
 )
-def test_invalid_hinge_error_names_the_remedy(tmp_path, new: str, message: str):
+def test_invalid_hinge_of_the_human_model_is_refused_with_its_cause(tmp_path, new: str, message: str):
     text = Robot.load("human").path.read_text(encoding="utf-8")
     assert text.count(LIMITS_LINE) == 1
     path = tmp_path / "robot.toml"
@@ -56,7 +56,7 @@ def test_invalid_hinge_error_names_the_remedy(tmp_path, new: str, message: str):
         read_description(path)
 
 
-def test_bus_without_servos_is_refused_with_a_remedy(tmp_path):
+def test_bus_table_in_a_robot_file_without_servos_is_refused_with_a_remedy(tmp_path):
     path = tmp_path / "robot.toml"
     text = Robot.load("human").path.read_text(encoding="utf-8")
     path.write_text(f'{text}\n[[bus]]\nname = "body"\nbaud = 1_000_000\n', encoding="utf-8")

@@ -29,7 +29,7 @@ def test_error_names_a_missing_robot_file():
         Robot.load("nowhere/nobody.toml")
 
 
-def test_velocity_limits_of_sampled_joints_have_the_recorded_values(robot: Robot):
+def test_velocity_limits_of_five_upper22_joints_have_their_expected_values(robot: Robot):
     limits = dict(zip(robot.skeleton.names, robot.velocity_limits, strict=True))
     expected = {"vl5_torsion": 4.44, "vl5_tilt": 1.26, "vl5_roll": 1.01, "l_elbow_flexion": 6.45, "r_wrist_pivot": 5.95}
     assert {name: round(limits[name], 2) for name in expected} == expected

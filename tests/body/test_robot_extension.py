@@ -19,7 +19,7 @@ def extended(tmp_path: Path):
     return load
 
 
-def test_extending_file_overrides_some_values_and_inherits_the_rest(extended):
+def test_robot_file_that_extends_another_overrides_given_values_and_inherits_the_rest(extended):
     plain = Robot.load("upper22")
     robot = extended("""
 [[hinge]]

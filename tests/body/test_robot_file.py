@@ -58,7 +58,7 @@ def changed(tmp_path: Path):
         ('pair = ["vl5", "skullbase"]', 'pair = ["vl5", "head"]', r"\[collision\] exclude: no head"),
     ],
 )
-def test_invalid_robot_file_error_names_the_remedy(changed, old: str, new: str, message: str):
+def test_invalid_robot_file_error_is_one_line_with_the_file_and_the_cause(changed, old: str, new: str, message: str):
     with pytest.raises(ConfigError, match=message) as caught:
         changed(old, new)
     assert "robot.toml" in str(caught.value)
@@ -91,7 +91,7 @@ def test_each_servo_model_has_a_unique_name_and_model_number():
     assert len({model.model for model in models.values()}) == len(models)
 
 
-def test_excessive_robot_files_are_refused(tmp_path: Path):
+def test_robot_file_with_more_than_500_bodies_is_refused(tmp_path: Path):
     path = tmp_path / "centipede.toml"
     body = '[[body]]\nname = "b{}"\nparent = ""\npos = [0, 0, 0]\nmass = 1.0\ncapsules = []\n'
     rest = "[robot]\nname = 'c'\n[chains]\n[sites]\n[collision]\nclearance = 0.01\n"

@@ -57,7 +57,7 @@ def with_drives(file, drives):
 LIMITS_DRIVE = {"servo": None, "mount": None, "limits": LimitsTable(90.0, 900.0, 5.0), "count": 1, "reduction": 1.0}
 
 
-def test_robot_with_servos_on_some_hinges_is_refused(file, tmp_path):
+def test_robot_with_servos_on_only_some_hinges_is_refused(file, tmp_path):
     mixed = with_drives(file, [LIMITS_DRIVE])
     first, second = (hinge.name for hinge in file.hinge[:2])
     with pytest.raises(ConfigError, match=f"{second} has a servo and {first} has limits: give all hinges servos"):
@@ -82,12 +82,12 @@ def test_robot_without_servos_may_not_have_a_bus(file, tmp_path):
         (LIMITS_DRIVE | {"limits": LimitsTable(90.0, 0.0, 5.0)}, "limits.acceleration_deg is 0, must be above 0"),
     ],
 )
-def test_hinge_needs_servo_or_limits(file, tmp_path, drive, said):
+def test_hinge_needs_either_servo_and_mount_or_limits(file, tmp_path, drive, said):
     with pytest.raises(ConfigError, match=said):
         robot_from_tables(with_drives(file, [drive]), tmp_path / "robot.toml")
 
 
-def test_hinge_and_coupling_tables_have_defaults():
+def test_hinge_and_coupling_tables_default_to_unit_reduction_and_ratio_and_zero_offsets():
     hinge = HingeTable("h", "b", (1.0, 0.0, 0.0), (0.0, 90.0))
     assert (hinge.count, hinge.reduction, hinge.at) == (1, 1.0, (0.0, 0.0, 0.0))
     coupling = CouplingTable("c", "b", (1.0, 0.0, 0.0), (0.0, 90.0), "h")

@@ -58,7 +58,7 @@ def test_rotation_vectors_keep_leading_dimensions():
     assert rotation_to_vector(np.zeros((0, 3, 3))).shape == (0, 3)
 
 
-def test_shortest_rotation_turns_about_the_common_normal():
+def test_shortest_rotation_between_two_directions_matches_scipy():
     for start, end in zip(2.0 * AXES[:100], 0.5 * AXES[100:], strict=True):
         rotation = shortest_rotation(start, end)
         expected = Rotation.align_vectors(end[None], start[None])[0].as_matrix()
@@ -66,7 +66,7 @@ def test_shortest_rotation_turns_about_the_common_normal():
 
 
 @pytest.mark.parametrize("start", [X, -2.0 * Z, AXES[7]])
-def test_shortest_rotation_between_parallel_and_opposite_directions(start):
+def test_shortest_rotation_is_identity_for_parallel_and_a_half_turn_for_opposite_directions(start):
     np.testing.assert_allclose(shortest_rotation(start, 3.0 * start), np.eye(3), atol=1e-12)
     half_turn = shortest_rotation(start, -0.5 * start)
     np.testing.assert_allclose(half_turn @ start, -start, atol=1e-12)

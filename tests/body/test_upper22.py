@@ -40,7 +40,7 @@ def test_upper22_has_22_hinges_and_23_servos(robot: Robot):
     assert pieces == {"xm540_w270": 5, "xm540_w150": 5, "xm430_w210": 4, "xc430_w240": 5, "xc330_t288": 4}
 
 
-def test_upper22_arm_length_is_that_of_a_child(robot: Robot):
+def test_upper22_arm_is_between_42_and_55_cm_long(robot: Robot):
     assert 0.42 - 1e-12 <= robot.arm_length <= 0.55
 
 
@@ -58,7 +58,7 @@ def test_upper22_link_weighs_at_least_1_3_times_its_servos(robot: Robot):
         assert segment.mass + sum(carried) >= 1.3 * sum(carried), segment.name
 
 
-def test_collision_check_has_43_pairs(robot: Robot):
+def test_upper22_has_43_collision_pairs_and_10_mm_minimum_clearance(robot: Robot):
     assert len(robot.counted_pairs) == 43
     assert robot.min_clearance == 0.010
 
@@ -94,6 +94,6 @@ def test_midline_segments_have_zero_lateral_offset(robot: Robot):
             assert segment.origin_in_parent[1] == 0.0, segment.name
 
 
-def test_elbows_are_bent_at_rest(robot: Robot):
+def test_upper22_elbows_are_bent_by_at_least_10_degrees_at_rest(robot: Robot):
     for side in ("l", "r"):
         assert np.degrees(robot.skeleton.hinges[robot.skeleton.joint(f"{side}_elbow_flexion")].rest) >= 10

@@ -41,7 +41,7 @@ def test_equal_left_and_right_angles_give_mirrored_fingers():
 
 
 @pytest.mark.parametrize("finger", ["index", "middle", "ring", "pinky"])
-def test_closed_finger_bends_by_the_sum_of_its_joints(finger: str):
+def test_closed_finger_bends_by_the_sum_of_its_driven_and_coupled_joint_angles(finger: str):
     straight = np.zeros(36)
     closed = straight.copy()
     joint = UPPER36.skeleton.joint(f"l_{finger}_flexion1")
