@@ -79,7 +79,9 @@ def test_temporal_extent_shortens_facial_expression(natural, shift):
 
 
 @pytest.mark.parametrize("lexeme", ["beat", "stop", "large"])
-def test_power_shortens_stroke_within_servo_limits_and_weakness_slows_all_phases(natural, pace, lexicon, lexeme):
+def test_power_shortens_the_stroke_within_servo_limits_and_low_power_slows_all_movements(
+    natural, pace, lexicon, lexeme
+):
     durations = [natural(Gesture(lexeme), manner=Manner(power=power)) for power in EXTENT_VALUES]
     assert np.all(np.diff([of["stroke"] for of in durations]) < 0)
     for sync in ("ready", "end"):
@@ -137,7 +139,7 @@ def test_head_and_torso_behaviours_have_positive_durations(natural, action, sync
     assert all(span > 0 for span in of.values())
 
 
-def test_behaviours_without_motion_have_no_durations(natural):
+def test_custom_and_unknown_behaviours_have_no_natural_durations(natural):
     assert natural(Custom("x:y")) == {}
     assert natural(Pointing("nowhere")) == {}
     assert natural(Gesture("xyzzy")) == {}

@@ -47,14 +47,14 @@ def test_fallback_gestures_of_the_lexicon_need_no_fingers():
     assert not any(other.fallback for other in others.values())
 
 
-def test_gesture_planned_by_lexicon_entry_is_not_replaced_by_its_fallback():
+def test_gesture_planned_from_its_lexicon_entry_is_not_replaced_by_its_fallback():
     known = set_up("upper22")
     planned = plan_gesture(known.lexicon.forms_by_id["thumb_up"], known)
     assert planned.keyframes.outcomes["gesture"].kind == "partly"
 
 
 @pytest.mark.parametrize(("lexeme", "sides"), [("hook_left", {"l"}), ("hook_both", {"l", "r"}), ("hook", {"r"})])
-def test_fallback_gesture_uses_the_hands_in_the_requested_name(tmp_path: Path, lexeme: str, sides: set[str]):
+def test_fallback_gesture_uses_the_hands_named_in_the_lexeme(tmp_path: Path, lexeme: str, sides: set[str]):
     file = tmp_path / "mine.toml"
     file.write_text(LEXICON_TOML, encoding="utf-8")
     planned = plan(BML_BLOCK.replace("hook", lexeme), set_up("upper22", lexicon=file))

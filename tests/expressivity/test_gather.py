@@ -18,7 +18,7 @@ HAND_KEYS = {"l": (HandKey(0.0, REST_HAND), HandKey(1.0, A), HandKey(2.0, B), Ha
 NOD_LAYERS = ((TurnKey(1.5, Turn()), TurnKey(1.75, Turn(tilt=0.2)), TurnKey(2.5, Turn())),)
 
 
-def test_every_key_frame_has_all_body_parts(robot):
+def test_every_key_frame_has_both_hands_and_records_the_body_parts_with_a_key(robot):
     frames = gather_frames(Sequences(head=NOD_LAYERS, hands=HAND_KEYS), [], robot)
     assert [frame.time for frame in frames] == [0, 1, 1.5, 1.75, 2, 2.5, 3]
     for frame in frames:
@@ -100,20 +100,20 @@ def defined_parts(frames):
     return {frame.time: sorted(frame.posed_parts) for frame in frames}
 
 
-def test_complex_key_frames_define_every_body_part(robot):
+def test_complex_gathering_defines_every_body_part_at_every_key_frame(robot):
     assert set(map(tuple, defined_parts(gather_frames(ALL_SEQUENCES, [], robot)).values())) == {
         tuple(sorted(BODY_PARTS))
     }
 
 
-def test_lazy_key_frames_define_only_body_parts_of_at_least_equal_priority(robot):
+def test_lazy_gathering_defines_only_body_parts_of_at_least_the_priority_of_the_key(robot):
     frames = defined_parts(gather_frames(ALL_SEQUENCES, [], robot, LAZY_PRIORITIES))
     assert frames[2] == ["l_hand", "r_hand"]  # Hand key: torso and head are free
     assert frames[0.5] == ["l_hand", "r_hand", "torso"]  # Torso key: hands keep their world position
     assert frames[1.75] == sorted(BODY_PARTS)  # Head key only, with the lowest priority
 
 
-def test_lazy_key_frames_hold_body_parts_of_lower_priority_at_their_last_key(robot):
+def test_lazy_gathering_holds_lower_priority_body_parts_at_their_last_key(robot):
     frames = {frame.time: frame for frame in gather_frames(ALL_SEQUENCES, [], robot, LAZY_PRIORITIES)}
     assert frames[2].head.tilt == pytest.approx(0.2)  # Its key at 1.75 s
     assert frames[2].torso.tilt == pytest.approx(0.1)
@@ -128,7 +128,7 @@ def test_body_part_priorities_are_configurable(robot):
     assert frames[2] == ["head", "l_hand", "r_hand"]
 
 
-def test_lazy_filling_of_key_frames_with_equal_priorities_equals_complex_filling(robot):
+def test_lazy_gathering_with_equal_priorities_equals_complex_gathering(robot):
     lazy, complete = (
         gather_frames(ALL_SEQUENCES, [], robot, dict.fromkeys(BODY_PARTS, 0.5)),
         gather_frames(ALL_SEQUENCES, [], robot),
@@ -144,7 +144,7 @@ def test_lazy_filling_of_key_frames_with_equal_priorities_equals_complex_filling
                 np.testing.assert_array_equal(reaches[0].position, reaches[1].position)
 
 
-def test_lazy_and_complex_filling_have_equal_times_and_keys(robot):
+def test_lazy_and_complex_gathering_give_key_frames_of_equal_times_and_keyed_parts(robot):
     lazy, complete = gather_frames(ALL_SEQUENCES, [], robot, LAZY_PRIORITIES), gather_frames(ALL_SEQUENCES, [], robot)
     assert [(frame.time, frame.given) for frame in lazy] == [(frame.time, frame.given) for frame in complete]
 
@@ -167,6 +167,6 @@ def test_head_key_between_two_strokes_merges_into_the_nearer_key_frame(robot):
         assert (frames[near].given, frames[other].given) == ({"head"}, set())
 
 
-def test_key_frames_of_hands_without_a_path_are_not_path_points(robot):
+def test_hands_without_a_path_have_no_path_points_in_their_key_frames(robot):
     frames = gather_frames(Sequences(head=NOD_LAYERS, hands=HAND_KEYS), [], robot)
     assert not any(hand.passing for frame in frames for hand in frame.hands.values())

@@ -154,7 +154,7 @@ def test_robot_without_neck_looks_from_between_its_shoulders(tmp_path):
     np.testing.assert_allclose(from_eyes((shoulders[0] + shoulders[1]) / 2, robot), 0.0, atol=1e-12)
 
 
-def test_eyes_alone_start_from_the_permanent_gaze(robot, look_at):
+def test_gaze_with_the_eyes_only_starts_from_the_permanent_gaze(robot, look_at):
     base = Aim(Turn(torsion=0.5), Turn(torsion=0.2))
     look = look_at(Gaze(place_in(robot, 0.6, 0.1), influence="EYES"), base=base)
     assert (look.head.torsion, look.torso) == (pytest.approx(0.5), base.torso)
@@ -200,14 +200,14 @@ def test_gaze_with_trunk_influence_rotates_the_torso_by_a_fraction(robot, look_a
         assert turn_angles(look.torso) == pytest.approx((fraction * torsion, 0.0, 0.0))
 
 
-def test_named_head_direction_turns_only_the_head_by_half_the_gaze_angle(look_at):
+def test_named_head_direction_shift_turns_only_the_head_by_15_degrees(look_at):
     look = look_at(HeadDirectionShift("Leftward"))
     assert [degrees(angle) for angle in turn_angles(look.head)] == pytest.approx([15, 0, 0])
     assert (look.eyes, look.substitute, look.clipped) == (UPRIGHT_TURN, "", "")
     assert look_at(HeadDirectionShift("nod")).missing
 
 
-def test_gaze_shift_takes_at_least_a_fifth_of_a_second(pace):
+def test_gaze_shift_of_zero_angle_takes_0_2_seconds(pace):
     assert look_time(STRAIGHT_AIM, pace) == 0.2
 
 

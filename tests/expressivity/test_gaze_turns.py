@@ -54,7 +54,7 @@ def test_trunk_takes_part_in_gaze_rotations_beyond_45_degrees(looks):
     assert asked.torso.torsion == pytest.approx(0.4 * asked.head.torsion)
 
 
-def test_head_moves_only_beyond_the_eye_range(perform, looks):
+def test_gaze_with_eye_influence_turns_the_head_only_beyond_the_eye_range(perform, looks):
     near, far = looks(Gaze("1.07 0.3 1.13", influence="EYES")), looks(Gaze("1.07 1.0 1.13", influence="EYES"))
     assert near.head == near.torso == UPRIGHT_TURN
     assert near.eyes.torsion == pytest.approx(atan2(0.3, 1.0))
@@ -95,7 +95,7 @@ def test_gaze_offsets_rotate_the_head(looks):
     assert looks(Gaze(offset_angle=20)).head.torsion == 0
 
 
-def test_gaze_offsets_in_bml_drafts_are_fractions(looks):
+def test_gaze_offsets_in_bml_drafts_are_fractions_of_50_degrees(looks):
     assert degrees(looks(Gaze(offset_angle=0.2, offset_direction="DOWN"), dialect="none").head.tilt) == pytest.approx(
         10
     )

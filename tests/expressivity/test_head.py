@@ -86,7 +86,9 @@ def test_head_direction_is_held_until_relax(robot, pace, nod_times):
 @pytest.mark.parametrize(
     ("lexeme", "kind"), [("SPIN", "shake"), ("", "nod"), ("ROTATION", "nod"), ("nod_merrily", "nod")]
 )
-def test_similar_head_lexemes_are_substituted(perform, nod_times, lexeme, kind, robot):
+def test_inexact_or_empty_head_lexeme_is_substituted_by_a_nod_or_shake_with_a_notice(
+    perform, nod_times, lexeme, kind, robot
+):
     assert head_form(Head(lexeme), robot, Expressivity()).kind == kind
     frames = perform(("h", Head(lexeme), nod_times))
     assert frames.outcomes["h"].kind == "substituted"
@@ -130,7 +132,7 @@ def test_repeated_nod_has_a_sync_point_for_each_stroke(perform, nod_times):
     assert {"stroke:2", "stroke:3"} <= {sync for frame in frames.frames for _, sync in frame.syncs}
 
 
-def test_big_nod_is_larger_than_middle_nod(robot):
+def test_big_nod_has_1_5_times_the_amplitude_of_a_middle_nod(robot):
     big, middle = (head_form(Head(lexeme), robot, Expressivity()).peak.tilt for lexeme in ("Nod_Big", "Nod_Middle"))
     assert big == pytest.approx(1.5 * middle)
 
@@ -261,7 +263,7 @@ def test_nod_that_ends_too_early_returns_in_its_natural_time(robot, pace, nod_ti
     assert times[-4:] == pytest.approx([1.0, 1.5, 2.0, 2.0 + natural])
 
 
-def test_nod_strokes_keep_their_order(robot, pace, nod_times):
+def test_nod_stroke_time_that_is_out_of_order_is_ignored(robot, pace, nod_times):
     form = head_form(Head("NOD", repetition=3), robot, Expressivity())
     times = {**nod_times, "stroke": 1.0, "stroke:2": 2.0, "stroke:3": 1.5, "strokeEnd": 5.0, "relax": 5.0, "end": 5.0}
     peaks = [key.time for key in head_layer(form, times, pace, Expressivity()) if key.turn == form.peak]

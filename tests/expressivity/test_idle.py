@@ -43,13 +43,13 @@ def test_pauses_and_busy_time_spans_cover_the_whole_block(busy):
     assert all(b <= c for (_, b), (c, _) in pairwise(free))
 
 
-def test_idle_motion_depends_only_on_the_seed():
+def test_idle_motion_is_reproducible_and_differs_between_seeds():
     assert idle([(0.0, 30.0)], LIVELY_IDLING) == idle([(0.0, 30.0)], LIVELY_IDLING)
     assert idle([(0.0, 30.0)], LIVELY_IDLING) != idle([(0.0, 30.0)], Idling(2.0, 8))
 
 
 @pytest.mark.parametrize("part", [0, 1])
-def test_idle_motion_is_small_and_grows_with_amount(part):
+def test_idle_motion_stays_below_12_degrees_and_grows_with_its_amount(part):
     times = np.linspace(0.0, 60.0, 600)
     little, much = (
         float(np.abs(sum_layers([idle([(0.0, 60.0)], Idling(amount, 3))[part]], times)).max()) for amount in (1.0, 2.0)
@@ -91,7 +91,7 @@ def test_idle_motion_leaves_requested_motion_unchanged(timeline, context, phases
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_idle_head_and_trunk_motion_has_one_common_breathing_rhythm(seed):
+def test_idle_head_and_trunk_motion_share_key_times_with_nearly_constant_intervals(seed):
     torso, head = idle([(0.0, 60.0)], Idling(1.0, seed))
     times = [key.time for key in torso]
     assert [key.time for key in head] == times

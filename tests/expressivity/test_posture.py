@@ -110,7 +110,7 @@ def test_whole_body_pose_may_be_an_arm_pose(robot, lexicon, lexeme, arms):
     assert [getattr(arm, "id", arm) for arm in posed.arms] == [arms]
 
 
-def test_head_pose_is_part_of_a_posture(perform):
+def test_head_pose_of_a_posture_tilts_the_head(perform):
     frames = perform(("p", Posture(poses=(("HEAD", "LEANING_FORWARD"),)), posture_times(0, 1, 2, 3)))
     assert [round(degrees(frame.head.tilt), 6) for frame in frames.frames] == [0, 15, 15, 0]
     assert frames.uses["p"] == {"head"}

@@ -19,7 +19,7 @@ def speak(accents=(), marks=None, count=400):
     return Utterance(VOWEL_PERIOD * count, marks or {}, sounds, accents=tuple(accents))
 
 
-def test_most_pitch_accents_have_a_nod_or_raised_brows():
+def test_at_least_70_percent_of_pitch_accents_have_a_nod_or_raised_brows():
     accents = np.arange(0.5, 99.0, 0.8)
     chosen = choose_accents("s", speak(accents), TEXT, 0)
     assert {accent.time for accent in chosen} <= {*accents}
@@ -30,7 +30,7 @@ def test_most_pitch_accents_have_a_nod_or_raised_brows():
     assert len(nods) > 1.5 * len(brows) > 0
 
 
-def test_nods_and_raised_brows_keep_their_shortest_intervals():
+def test_nods_and_raised_brows_keep_their_minimum_and_mean_intervals():
     chosen = choose_accents("s", speak(), TEXT, 3)
     for spacing, times in (
         (NOD_SPACING, [accent.time for accent in chosen if accent.nod]),
@@ -47,7 +47,7 @@ def test_chosen_accents_are_reproducible_by_seed_and_speech():
 
 
 @pytest.mark.parametrize(("level", "is_strong"), [("strong", True), ("moderate", True), ("reduced", False)])
-def test_emphasised_word_has_a_larger_nod_and_brows(level, is_strong):
+def test_strong_and_moderate_but_not_reduced_emphasis_enlarge_nod_and_brow_raise(level, is_strong):
     begin = 3 * 200  # the word at 50 s
     script = Script(TEXT.text, emphases=(Emphasis(begin, begin + 2, "emphasis", (("level", level),)),))
     for seed in range(5):

@@ -65,7 +65,7 @@ def test_gesture_substitution_is_reported(perform, beat):
     assert {notice.id for notice in frames.notices} == {"bml1:g"}
 
 
-def test_gesture_that_indicates_a_side_is_dropped_instead_of_mirrored(perform, beat):
+def test_gesture_that_indicates_a_side_is_dropped_instead_of_mirrored_if_its_hand_is_busy(perform, beat):
     for first, second in (("IndicateLeft_L", "left"), ("IndicateRight_R", "right")):
         frames = perform(("a", Gesture("stop", second), beat), ("g", Gesture(first), beat))
         assert frames.outcomes["g"].kind == "dropped"
@@ -105,7 +105,7 @@ def test_gesture_found_by_a_synonym_is_realised_with_a_remark(perform, beat):
         ("stop", Outcome("realised")),
     ],
 )
-def test_hand_shape_that_needs_fingers_is_reported(perform, beat, lexeme, outcome):
+def test_hand_shape_that_needs_fingers_is_reported_on_a_robot_without_fingers(perform, beat, lexeme, outcome):
     frames = perform(("g", Gesture(lexeme), beat))
     assert frames.outcomes["g"] == outcome
     said = {"partly": f"partly: {outcome.why}", "substituted": outcome.why}.get(outcome.kind)
@@ -248,7 +248,9 @@ def test_hands_head_and_torso_move_at_the_same_time(perform, beat):
     assert at(frames, 1.0).given == {"head", "l_hand", "r_hand"}
 
 
-def test_missing_neck_and_torso_are_reported(timeline, robot, context, limits, beat):
+def test_head_torso_and_gaze_behaviours_are_dropped_on_a_robot_without_neck_and_torso(
+    timeline, robot, context, limits, beat
+):
     arms = replace(robot, chains={name: robot.chains[name] for name in ("l_arm", "r_arm")})
     built = timeline(
         ("g", Gesture("beat"), beat),

@@ -62,7 +62,7 @@ def test_hand_without_fingers_reports_impossible_shape(element: str, written: st
     assert (f"hand shape '{written}' is unknown" in outcome.why) == (written == "tentacle")
 
 
-def test_second_requested_shape_is_ignored_with_warning():
+def test_second_requested_hand_shape_is_ignored_with_a_warning():
     made = planned('<gesture id="g" lexeme="beat" handShape="fist" handshape="index" stroke="2"/>')
     assert made.keyframes.shapes["g"] == ("fist",)
     assert any("handshape 'index'" in notice.text for notice in made.keyframes.notices)

@@ -76,7 +76,7 @@ def test_trunk_stays_upright_without_power_and_openness(perform, calm):
     assert not any("torso" in frame.given for frame in frames.frames)
 
 
-def test_power_increases_trunk_rotation_and_weakness_gives_none(perform, calm):
+def test_power_increases_trunk_rotation_and_power_of_zero_or_less_gives_none(perform, calm):
     turned = [
         np.abs(torso(perform(("g", Gesture("beat", "left"), calm), style=styled(power=power)))).max()
         for power in (-1.0, 0.0, 0.3, 0.6, 1.0)
@@ -130,7 +130,7 @@ def test_trunk_motion_uses_torso_expressivity(perform, calm):
     assert not torso(perform(("g", Gesture("beat", "left"), calm), style=style)).any()
 
 
-def test_lean_without_given_time_takes_its_minimum_duration(pace):
+def test_lean_without_given_time_takes_at_least_0_3_s_and_its_natural_rotation_time(pace):
     at_once = {"start": 1.0, "ready": 1.0, "relax": 2.0, "end": 2.0}
     small, large = (
         hold_lean(turn, at_once, chain="torso", stays=False, pace=pace) for turn in (Turn(tilt=1e-4), Turn(torsion=0.8))

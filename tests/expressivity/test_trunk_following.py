@@ -43,7 +43,7 @@ def test_style_weight_scales_the_trunk_rotation_that_follows_the_hands(perform, 
     assert half["stroke"].torsion == pytest.approx(whole["stroke"].torsion / 2)
 
 
-def test_trunk_turned_to_a_target_does_not_follow_the_hands(perform, times):
+def test_pointing_to_the_left_turns_the_trunk_by_5_to_10_degrees(perform, times):
     frames = perform(("g", Pointing("left"), times))
     assert 5 <= degrees(frames.bodies["g"].trunk.torsion) <= 10
 

@@ -66,7 +66,7 @@ def test_zero_variation_ignores_the_seed(context, timeline, phases):
     assert deviations(built.block, NO_VARIATION) == deviations(built.block, Variation(0.0, 9)) == {}
 
 
-def test_random_gesture_deviation_depends_only_on_seed_block_and_position():
+def test_random_gesture_deviation_is_reproducible_and_differs_between_seeds_and_blocks():
     def found(block, variation):
         result = deviations(block, variation)["g1"]
         return result.spatial, result.temporal, *result.place, result.other_hand
@@ -84,7 +84,7 @@ def test_random_variation_makes_successive_gestures_differ_in_size():
         assert len({one.spatial for one in results}) == len({one.temporal for one in results}) == 15
 
 
-def test_deviations_stay_within_bounds_and_scale_with_amount():
+def test_random_deviations_stay_within_bounds_and_scale_with_the_amount():
     results = [next(iter(deviations(beats(1), Variation(1.0, seed)).values())) for seed in range(300)]
     spatial, temporal = np.array([item.spatial for item in results]), np.array([item.temporal for item in results])
     for values, most in (
@@ -99,7 +99,7 @@ def test_deviations_stay_within_bounds_and_scale_with_amount():
     assert (twice.spatial, twice.temporal) == pytest.approx((2 * results[0].spatial, 2 * results[0].temporal))
 
 
-def test_larger_random_gesture_size_mostly_takes_longer():
+def test_random_size_and_tempo_of_gestures_are_negatively_correlated():
     results = [deviation for seed in range(40) for deviation in deviations(beats(5), Variation(1.0, seed)).values()]
     spatial, temporal = np.array([(item.spatial, item.temporal) for item in results]).T
     assert np.abs(temporal).max() <= TEMPORAL_DEVIATION
@@ -121,7 +121,7 @@ def test_random_variation_changes_amplitude_position_duration_and_hand(varied: l
     assert 0.03 < np.log(times).std() < 0.2
 
 
-def test_random_variation_never_changes_a_given_hand_or_the_hand_of_an_emblem(context, timeline, phases):
+def test_random_variation_keeps_a_given_hand_and_the_hand_of_an_emblem(context, timeline, phases):
     at = phases(0, 1, 1, 1.5, 1.5, 2, 3)
     (left,) = timeline(("g0", Gesture("beat", "left"), at)).timed
     (emblem,) = timeline(("g0", Gesture("thumb_up"), at)).timed

@@ -55,7 +55,7 @@ def test_trunk_does_not_return_upright_between_close_gestures(gesture, pace):
     assert turn_at(apart.torso, 3.5) == UPRIGHT_TURN
 
 
-def test_head_turns_back_while_a_hand_waits(gesture, pace):
+def test_head_turns_partly_back_while_a_hand_waits_for_the_next_gesture(gesture, pace):
     aside = replace(BODY_FORM, nod=0.0, head=Turn(torsion=radians(20)))
     first, second = gesture(aside), gesture(aside, 3.3, 4.3, 4.3, 4.9, 4.9, 5.3, 6.3, id="h")
     body_motion = accompany_gestures([first, second], BodyDemands(), pace)

@@ -19,11 +19,11 @@ def test_brows_peak_on_the_accent_and_sink_after_it():
     assert shown.max() == pytest.approx(2.5 + HOLD_TIME + FALL_TIME, abs=0.011)
 
 
-def test_accent_without_brows_leaves_the_face_still():
+def test_accent_without_a_brow_raise_activates_no_action_unit():
     assert brow_units([Accent(1.0, nod=1.0)], SAMPLE_TIMES, start=0.0, amount=1.0) == {}
 
 
-def test_raised_brows_scale_with_amount_and_style():
+def test_brow_raises_scale_with_amount_and_spatial_extent():
     once, twice = (
         brow_units([Accent(1.0, brow=0.3)], SAMPLE_TIMES, start=0.0, amount=amount)["L1"] for amount in (1.0, 2.0)
     )

@@ -83,7 +83,7 @@ def test_basic_emotions_activate_action_units_on_both_sides(emotion: str):
         ("shut_eyes", "CLOSE_EYES"),
     ],
 )
-def test_face_lexeme_is_matched_by_its_words(lexeme: str, like: str):
+def test_synonyms_and_spellings_of_a_face_lexeme_give_the_standard_expression(lexeme: str, like: str):
     assert shown(lexeme) == shown(like)
 
 
@@ -107,7 +107,7 @@ def test_numbered_action_unit_of_a_face_behaviour_acts_on_its_side_or_both():
     assert find_expression(Face(action_unit=99)).unknown == ("99",)
 
 
-def test_strongest_face_lexeme_is_used_and_unknown_lexemes_are_named_in_a_warning():
+def test_strongest_face_lexeme_is_used_and_unknown_lexemes_are_listed():
     expression = find_expression(Face(("smile", "joy", "Qwrtz"), amount=1.0))
     assert expression.units["L12"] == max(shown("smile")["L12"], shown("joy")["L12"])
     assert expression.unknown == ("Qwrtz",)
@@ -141,7 +141,7 @@ def test_expression_envelope_is_one_from_attack_peak_to_relax_and_zero_outside()
     assert np.all(np.diff(rising) > 0.0)
 
 
-def test_permanent_expression_never_decays():
+def test_envelope_of_a_permanent_expression_stays_at_one_after_its_end():
     course = Envelope.of({"start": 1.0, "end": 2.0}, stays=True)
     np.testing.assert_allclose(course.at(np.array([1.0, 1.5, 2.0, 1e6])), [0.0, 0.5, 1.0, 1.0])
 
@@ -176,7 +176,7 @@ def test_spatial_extent_scales_facial_intensity():
     np.testing.assert_allclose(peaks, [1.0 - EXTENT_GAIN, 1.0 - 0.4 * EXTENT_GAIN, 1.0, 1.0 + EXTENT_GAIN])
 
 
-def test_strong_facial_expression_overshoots_and_weak_one_rises_late_and_fades():
+def test_facial_expression_overshoots_at_high_power_and_rises_late_and_fades_at_low_power():
     strong, plain, weak = (
         Envelope.of(SYNC_TIMES).at(FINE_TIMES, Expressivity(power=value)) for value in (1.0, 0.0, -1.0)
     )
@@ -218,7 +218,7 @@ def test_facial_expression_with_low_power_fades_during_its_hold():
     assert strong[0] > strong[-1] == pytest.approx(1.0)
 
 
-def test_overshoot_is_proportional_to_power():
+def test_overshoot_of_a_facial_expression_is_proportional_to_power():
     course = Envelope.of({"start": 0.0, "attackPeak": 1.0, "relax": 3.0, "end": 4.0})
     half, full = (course.at(np.array([1.0]), Expressivity(power=power))[0] - 1.0 for power in (0.5, 1.0))
     assert full == pytest.approx(2 * half)

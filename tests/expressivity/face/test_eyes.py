@@ -94,7 +94,7 @@ def test_eyes_converge_on_near_targets_and_diverge_again():
     assert GazeDirection(0.0, 0.0, 0.0).inward == 0.0
 
 
-def test_eyes_turn_no_later_than_the_head_during_a_gesture(timeline, phases):
+def test_gesture_gaze_starts_with_the_gesture_if_the_head_turns_and_else_before_the_stroke(timeline, phases):
     asked = timeline(("g", Gesture("large"), phases(1.0, 2.0, 2.0, 2.5, 3.0, 3.5, 4.5)))
     seen = Turn(torsion=0.3, tilt=0.2)
     (with_head,), (alone,) = (
@@ -115,7 +115,7 @@ def test_saccades_go_in_all_directions_and_half_as_far_vertically():
 
 
 @pytest.mark.soak
-def test_saccade_intervals_match_those_of_people():
+def test_saccade_intervals_exceed_0_4_s_and_have_a_mean_of_1_4_to_2_6_s():
     times = np.arange(0.0, 800.0, 0.02)
     moving = np.abs(np.diff(saccade_offsets((0.0, 800.0), times, 4), axis=0)).max(axis=1) > 1e-12
     begins = times[:-1][moving & ~np.append(False, moving[:-1])]

@@ -112,7 +112,7 @@ def test_high_fluidity_joins_successive_facial_expressions():
     assert at(show(*longest, SAMPLE_TIMES, style=Style(face=Expressivity(fluidity=0.5)))["L12"], 2.2) > 0.05
 
 
-def test_repeated_blink_lexeme_blinks_several_times():
+def test_repeated_blink_lexeme_of_1_5_s_blinks_five_times():
     result = show(
         *scheduled('<faceLexeme id="f" lexeme="REPEATED_BLINK" start="1" attackPeak="1.1" relax="2.4" end="2.5"/>'),
         SAMPLE_TIMES,
@@ -153,7 +153,7 @@ def test_eyes_blink_before_a_speech():
     assert result["L45"][(SAMPLE_TIMES > 1.85) & (SAMPLE_TIMES < 2.0)].max() == pytest.approx(1.0)
 
 
-def test_gaze_turns_the_eyes():
+def test_gaze_turns_the_eyes_and_a_near_target_makes_them_converge():
     timeline, said = scheduled('<wait id="w" duration="1"/>')
     result = show(timeline, said, SAMPLE_TIMES, looks=[GazeDirection(1.0, -0.4, 0.0, 3.0)])
     assert result.keys() == {"62"}
@@ -162,7 +162,7 @@ def test_gaze_turns_the_eyes():
     assert at(result["62"], 2.0) > 0.5
 
 
-def test_eyes_stay_ahead_while_the_head_nods():
+def test_eyes_counter_rotate_to_look_ahead_while_the_head_nods():
     timeline, said = scheduled('<wait id="w" duration="1"/>')
     nod = np.zeros((len(SAMPLE_TIMES), 2))
     nod[:, 1] = -0.3 * np.exp(-((SAMPLE_TIMES - 2.0) ** 2) / 0.02)
@@ -171,7 +171,7 @@ def test_eyes_stay_ahead_while_the_head_nods():
     np.testing.assert_allclose(result["63"] * MAX_EYE_ELEVATION, -nod[:, 1], atol=1e-12)
 
 
-def test_each_servo_command_contains_the_action_units_of_its_time():
+def test_face_of_a_servo_command_has_the_action_units_at_its_time():
     timeline, said = scheduled('<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.5" relax="3" end="4"/>')
     result = show(timeline, said, SAMPLE_TIMES)
     rows = list(face_at_ticks(result, len(SAMPLE_TIMES)))
@@ -182,7 +182,7 @@ def test_each_servo_command_contains_the_action_units_of_its_time():
     assert list(face_at_ticks({}, 2)) == [NO_FACE, NO_FACE]
 
 
-def test_face_sampled_at_no_time_has_no_action_units():
+def test_face_track_without_sample_times_has_no_action_units():
     timeline, said = scheduled('<faceLexeme id="f" lexeme="smile"/>')
     assert show(timeline, said, np.zeros(0), habits=Habits()) == {}
 
@@ -197,7 +197,7 @@ def test_face_sampled_at_no_time_has_no_action_units():
         (Face(action_unit=99), "dropped", "no action unit 99; known"),
     ],
 )
-def test_face_behaviour_outcome_depends_on_the_number_of_known_lexemes(action: Face, kind: str, why: str):
+def test_face_behaviour_outcome_depends_on_known_lexemes_and_action_units(action: Face, kind: str, why: str):
     outcome = face_outcome(action)
     assert outcome.kind == kind
     assert outcome.why.startswith(why)
@@ -242,7 +242,7 @@ TALK = (
 )
 
 
-def test_plain_speech_raises_the_brows_on_accents():
+def test_speech_prosody_raises_the_brows_more_with_higher_amount_and_spatial_extent():
     raised = show_prosody(TALK)["L2"]
     assert raised.max() >= 0.25
     assert "L2" not in show_prosody(TALK, 0.0)
@@ -251,7 +251,7 @@ def test_plain_speech_raises_the_brows_on_accents():
     assert wide.max() > 1.3 * raised.max()
 
 
-def test_expression_of_the_document_keeps_the_brows_from_accents():
+def test_brows_ignore_speech_accents_during_an_expression_of_the_document():
     frown = '<faceLexeme id="f" lexeme="joy" amount="0.6" start="0" attackPeak="0.2" relax="7" end="7.5"/>'
     alone, directed = show_prosody(TALK), show_prosody(TALK + frown)
     during = (SAMPLE_TIMES > 0.3) & (SAMPLE_TIMES < 6.9)
@@ -259,7 +259,7 @@ def test_expression_of_the_document_keeps_the_brows_from_accents():
     assert directed.get("L2", np.zeros(len(SAMPLE_TIMES)))[during].max() < 1e-6
 
 
-def test_frown_of_a_style_reduces_raised_brows():
+def test_angry_affect_of_a_style_reduces_brow_raises_on_speech_accents():
     timeline, said = scheduled(TALK)
     styles = resolve_styles(Style(), timeline.block)
     free, frowning = (
@@ -269,7 +269,7 @@ def test_frown_of_a_style_reduces_raised_brows():
     assert frowning < 0.8 * free
 
 
-def test_eyes_blink_at_the_ends_of_phrases():
+def test_eyes_blink_at_the_ends_of_phrases_only_with_prosody():
     _, said = scheduled(TALK)
     ends = np.array(find_phrase_ends(said["s"]))
     times = np.arange(-0.5, 8.0, 0.005)

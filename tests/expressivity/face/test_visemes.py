@@ -56,7 +56,7 @@ def test_jaw_opens_for_a_vowel_between_two_closed_plosives():
 
 
 @pytest.mark.parametrize(("symbol", "is_firm"), [("i", False), ("u", False), ("s", True), ("f", True)])
-def test_only_firm_consonants_limit_the_lip_opening_of_the_preceding_vowel(symbol: str, is_firm: bool):
+def test_fricatives_but_not_close_vowels_limit_the_lip_opening_of_the_preceding_vowel(symbol: str, is_firm: bool):
     mouth_units = visemes([Phoneme("a", 1.0, 0.15), Phoneme(symbol, 1.15, 0.15)], SAMPLE_TIMES)
     openings = lip_opening(mouth_units)[(SAMPLE_TIMES > 1.16) & (SAMPLE_TIMES < 1.29)]
     limit = float(lip_opening(viseme_of(symbol).units))
@@ -74,7 +74,7 @@ def test_lips_open_at_the_burst_of_a_plosive():
     assert at(early, "26", 1.02) > 0.05
 
 
-def test_tongue_and_bitten_lip_are_hidden_behind_closed_lips():
+def test_lip_bite_of_f_is_zero_while_the_lips_are_closed():
     found = visemes([Phoneme("f", 1.0, 0.15), Phoneme("p", 1.15, 0.15)], SAMPLE_TIMES)
     assert at(found, "32", 1.05) > 0.5
     closed = found["24"] == 1.0
@@ -109,7 +109,7 @@ def test_mouth_shape_at_a_time_does_not_depend_on_other_sampled_times():
         np.testing.assert_allclose(row, whole[channel][part], atol=1e-9)
 
 
-def test_lips_round_before_the_sound_and_rest_outside_speech():
+def test_lips_round_before_a_rounded_vowel_and_relax_outside_speech():
     mouth_units = visemes([Phoneme("t", 1.0, 0.1), Phoneme("u", 1.1, 0.2)], SAMPLE_TIMES)
     assert mouth_units["18"][np.searchsorted(SAMPLE_TIMES, 1.06)] > 0.1
     silent = (SAMPLE_TIMES < 1.1 - ROUND_LEAD_TIME) | (SAMPLE_TIMES > 1.3 + SHAPE_LAG_TIME)
@@ -124,7 +124,7 @@ def test_mouth_motion_is_delayed_by_the_start_time_of_the_speech():
         np.testing.assert_allclose(late[channel][200:], early[channel][:-200], atol=1e-9)
 
 
-def test_mouth_action_units_are_continuous_and_bounded():
+def test_mouth_action_units_stay_between_0_and_1_and_change_by_less_than_0_8_in_10_ms():
     mouth_units = visemes(said("What a wonderful, beautiful morning for a small robot."), SAMPLE_TIMES)
     for channel, values in mouth_units.items():
         assert np.abs(np.diff(values)).max() < 0.8, channel
@@ -141,7 +141,7 @@ def test_stress_length_and_diphthong_symbols_are_parsed():
     assert visemes([Phoneme("", 1.0, 0.2), Phoneme("\u02d0", 1.0, 0.1)], SAMPLE_TIMES) == {}
 
 
-def test_every_phoneme_has_a_mouth_shape():
+def test_every_phoneme_of_the_spelling_rules_has_a_viseme_and_unknown_ones_use_schwa():
     spoken = {letter for sounds in SPELLING_SOUNDS.values() for sound in sounds for letter in sound}
     assert spoken <= known_visemes().keys()
     assert viseme_of("☃") is viseme_of("ə")
@@ -157,7 +157,7 @@ def test_invalid_action_unit_in_user_visemes_is_refused(tmp_path: Path):
             known_visemes(path)
 
 
-def test_loudness_scales_the_lip_opening_of_a_vowel_and_leaves_closed_lips():
+def test_loudness_scales_the_lip_opening_of_a_vowel_but_not_lip_closure():
     times = np.arange(0.0, 0.6, 0.005)
     quiet, loud = (
         visemes((Phoneme("m", 0.1, 0.1, opening=value), Phoneme("a", 0.2, 0.3, opening=value)), times)
@@ -174,7 +174,7 @@ def test_bilabial_fricatives_bring_both_lips_close_without_contact(letter: str):
     assert 0.0005 < lip_opening(units) < 0.002
 
 
-def test_lower_lip_reaches_the_teeth_within_the_lip_velocity_after_closed_lips():
+def test_lower_lip_reaches_the_teeth_after_closed_lips_within_the_lip_velocity_limit():
     sounds = (Phoneme("a", 0.5, 0.2), Phoneme("p", 0.7, 0.06), Phoneme("f", 0.76, 0.1), Phoneme("a", 0.86, 0.2))
     times = np.arange(0.0, 2.0, 0.005)
     shown = visemes(sounds, times)

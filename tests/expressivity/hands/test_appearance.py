@@ -51,27 +51,27 @@ def test_visual_distance_of_a_gesture_from_itself_is_zero(form, pace):
     assert not distinct(seen, look(form, pace))
 
 
-def test_path_distance_is_the_mean_over_both_hands(form, robot, pace):
+def test_path_distance_is_the_root_mean_square_over_both_hands(form, robot, pace):
     seen = look(form, pace)
     assert path_distance(seen, look(raised(form, robot, 0.06), pace)) == pytest.approx(0.06 / np.sqrt(2), rel=1e-6)
     both = in_mode(form, "both")
     assert path_distance(look(both, pace), look(raised(both, robot, 0.06), pace)) == pytest.approx(0.06, rel=1e-6)
 
 
-def test_gestures_with_hand_paths_5_cm_apart_are_distinct(form, robot, pace):
+def test_gestures_are_distinct_if_their_hand_paths_differ_by_the_minimum_path_distance(form, robot, pace):
     both = in_mode(form, "both")
     seen = look(both, pace)
     assert not distinct(seen, look(raised(both, robot, MIN_PATH_DISTANCE - 0.002), pace))
     assert distinct(seen, look(raised(both, robot, MIN_PATH_DISTANCE + 0.002), pace))
 
 
-def test_hand_shape_or_palm_makes_gestures_distinct(form, pace):
+def test_different_hand_shape_or_palm_direction_makes_gestures_distinct(form, pace):
     seen = look(form, pace)
     assert distinct(seen, look(changed(form, shape=lambda _: "fist"), pace))
     assert distinct(seen, look(changed(form, palm=lambda pose: sealed(-pose.palm)), pace))
 
 
-def test_different_hand_paths_make_gestures_distinct(lexicon, pace):
+def test_waving_and_still_hand_have_a_path_distance_over_2_cm(lexicon, pace):
     waving = lexicon.find("wave_far").form
     still = changed(waving, path=lambda _: None)
     assert path_distance(look(waving, pace), look(still, pace)) > 0.02

@@ -27,7 +27,7 @@ def hand(angle: float, x: float, **fields) -> Hand:
 
 
 @given(angle=angles, fraction=fractions)
-def test_all_hand_properties_are_interpolated(angle, fraction):
+def test_hand_position_directions_openness_effort_and_lift_are_interpolated(angle, fraction):
     a, b = hand(0.0, 0.1, openness=0.2, effort=1.0, lift=0.3), hand(angle, 0.5, openness=1.0, effort=0.0, lift=0.1)
     mixed = interpolate_hands(a, b, fraction, REST_REACH)
     np.testing.assert_allclose(mixed.reach.position, [0.1 + 0.4 * fraction, 0.1, 0.9])
@@ -87,7 +87,7 @@ def test_interpolation_takes_opposite_or_missing_directions_from_the_nearer_pose
 
 
 @given(angle=st.floats(0.0, pi))
-def test_angle_between_directions_is_symmetric(angle):
+def test_angle_between_directions_is_symmetric_and_zero_for_a_missing_direction(angle):
     assert angle_between(turned(0.0), turned(angle)) == pytest.approx(angle, abs=1e-7)
     assert angle_between(turned(angle), turned(0.0)) == pytest.approx(angle, abs=1e-7)
     assert angle_between(None, turned(angle)) == angle_between(turned(angle), None) == 0.0

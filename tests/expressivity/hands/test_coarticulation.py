@@ -59,7 +59,7 @@ def test_stroke_too_close_for_the_servos_is_dropped(pace, phases):
     assert arrange_hands([first, second], pace, FREE_STROKES).outcomes["g2"].kind == "dropped"
 
 
-def test_stroke_repetition_ends_before_a_rest_pose(pace, phases):
+def test_stroke_repetition_ends_before_a_rest_pose_unless_its_end_time_is_fixed(pace, phases):
     twice = Poses({"r": (A, B, A, B)}, stroke=1, again=(3,))
     beating = Stroke("g", phases(0, 1, 1, 1.5, 4.0, 4.2, 5.0), (twice,))
     folded = Stroke("p", phases(2.0, 2.8, 2.8, 3.0, 3.0, 3.0, 3.5), (right(C),), rest=True)
@@ -176,7 +176,7 @@ def counting(phases):
     return [first, second]
 
 
-def test_overlapping_finger_counting_strokes_are_reduced_to_one_pose(pace, counting):
+def test_overlapping_finger_counting_strokes_are_kept_at_their_stroke_times(pace, counting):
     arrangement = arrange_hands(counting, pace, FREE_STROKES)
     assert not any(outcome.kind == "dropped" for outcome in arrangement.outcomes.values())
     for stroke in counting:
@@ -184,7 +184,7 @@ def test_overlapping_finger_counting_strokes_are_reduced_to_one_pose(pace, count
         assert work.at("stroke") == pytest.approx(stroke.times["stroke"])
 
 
-def test_fixed_counting_strokes_are_not_shortened(pace, counting):
+def test_finger_counting_stroke_that_overlaps_another_at_fixed_times_is_dropped(pace, counting):
     fixed_syncs = {id: frozenset({"strokeStart", "stroke", "strokeEnd"}) for id in ("g1", "g2")}
     arrangement = arrange_hands(counting, pace, fixed_syncs)
     assert arrangement.outcomes["g2"].kind == "dropped"

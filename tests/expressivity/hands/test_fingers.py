@@ -80,7 +80,7 @@ def test_hand_shapes_are_distinct_and_fingers_independent():
     assert rows["crossed"]["index_abduct"] < 0.0
 
 
-def test_relaxed_hand_rests_with_bent_fingers():
+def test_fingers_of_the_relaxed_hand_are_bent_by_20_to_35_degrees():
     rest = shape_angles(hand_shapes()["relaxed"], FINGER_ROBOT, "l")
     np.testing.assert_array_equal(rest, FINGER_ROBOT.skeleton.rest[list(finger_joints(FINGER_ROBOT, "l"))])
     bent = [angle for name, angle in zip(drives("l"), rest, strict=True) if "flexion" in name and "thumb" not in name]
@@ -114,7 +114,7 @@ def test_pointing_extends_the_index_finger():
 @pytest.mark.parametrize(
     ("gesture", "moves"), [("air_quotes", "index"), ("typing", "ring"), ("walk_fingers", "middle")]
 )
-def test_finger_motion_lasts_during_the_stroke(gesture, moves):
+def test_fingers_move_back_and_forth_during_the_stroke_of_finger_gestures(gesture, moves):
     times = SYNC_TIMES | {"strokeEnd": 3.4, "relax": 3.5, "end": 4.5}
     for side, keys in keys_of_gesture(gesture, times).items():
         column = drives(side).index(f"{moves}_flexion1")

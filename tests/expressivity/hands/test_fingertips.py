@@ -61,7 +61,7 @@ def test_fingertip_contact_of_missing_fingers_leaves_the_hand_unchanged():
     assert meeting_angles(begun, ("sixth",), robot, "l") is begun
 
 
-def test_only_thumb_and_meeting_fingers_move():
+def test_fingertip_contact_moves_only_the_thumb_and_the_touching_finger():
     robot = FINGER_ROBOTS[0]
     begun = shape_angles(hand_shapes()["open"], robot, "l")
     names = [robot.skeleton.names[joint] for joint in finger_joints(robot, "l")]

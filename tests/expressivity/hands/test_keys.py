@@ -59,7 +59,7 @@ def test_slerp_has_discontinuous_angular_velocity():
     assert min(jumps) > 1.0
 
 
-def test_rotation_spline_about_one_axis_is_the_angle_spline():
+def test_rotation_spline_about_one_axis_equals_the_cubic_spline_of_its_angle():
     angles = np.array([0.0, 0.7, 1.1, 0.2, 0.5])
     motion = rotation_spline(keys=Rotation.from_rotvec(angles[:, None] * np.array([0.0, 0.6, 0.8])).as_matrix())
     slopes = np.zeros(5)
@@ -134,7 +134,7 @@ def facing(time: float, x: float, angle: float) -> HandKey:
     return HandKey(time, Hand(Reach(np.array([x, -0.2, 0.9]), pointing=pointing, palm=palm)))
 
 
-def test_hand_is_linear_between_keys_and_constant_outside():
+def test_hand_position_is_linear_between_keys_and_constant_outside():
     rest = Reach(np.zeros(3))
     assert hand_at([], 1.0, rest) is REST_HAND
     keys = [facing(1.0, 0.1, 0.0), facing(2.0, 0.3, 1.0), facing(4.0, 0.2, 1.0)]
@@ -163,7 +163,7 @@ def test_hand_keys_on_a_path_rotate_on_the_spline_of_neighbouring_keys(k):
         assert key.hand.passing
 
 
-def test_hand_with_one_oriented_key_is_not_rotated_by_a_spline():
+def test_hand_path_to_an_unoriented_key_keeps_the_direction_of_the_first_key_or_has_none():
     keys = [facing(0.0, 0.0, 0.0), HandKey(1.0, Hand(Reach(np.array([0.1, -0.2, 0.9])))), facing(2.0, 0.2, 1.0)]
     for key in path_keys_between(
         keys, 1, shape_path("circle", amplitude=(0.05, 0.0, 0.05)), unit=0.42, velocity=PathVelocity(0.0)

@@ -31,7 +31,7 @@ def times_of(keys):
     return [round(key.time, 6) for key in keys]
 
 
-def test_gesture_passes_from_rest_through_its_strokes_and_back(pace, phases):
+def test_hand_moves_from_rest_through_the_stroke_keys_of_a_gesture_and_back_to_rest(pace, phases):
     stroke = Stroke("g", phases(0, 0.6, 0.7, 1.0, 1.3, 1.5, 2.0), (work(A, B, C),))
     keys = arrange_hands([stroke], pace).hands["r"]
     assert times_of(keys) == [0, 0.6, 0.7, 1.0, 1.3, 1.5, 2.0]
@@ -49,7 +49,7 @@ def test_stroke_key_of_every_gesture_is_exactly_at_the_stroke_sync_point(robot, 
             assert all(a < b for a, b in pairwise(key_times))
 
 
-def test_last_hand_key_is_at_the_stroke_if_the_stroke_phase_has_ended(pace, phases):
+def test_last_stroke_key_is_at_the_stroke_sync_point_if_the_stroke_phase_ends_there(pace, phases):
     key_times = stroke_key_times(work(A, B, C, A), phases(0, 0.5, 0.6, 1.0, 1.0, 1.8, 2.5), pace)
     assert key_times[-1] == 1.0
 
@@ -128,7 +128,7 @@ def test_rest_pose_during_a_stroke_is_deferred_to_the_retraction(pace, phases):
     assert keys[-1].hand is A
 
 
-def test_gesture_without_given_times_takes_natural_durations(pace, phases):
+def test_gesture_with_all_sync_points_at_one_time_takes_its_natural_durations(pace, phases):
     keys = arrange_hands([Stroke("g", phases(1, 1, 1, 1, 1, 1, 1), (work(A, B),))], pace).hands["r"]
     assert keys[0].time < 0.8
     assert keys[-1].time > 1.2
@@ -216,7 +216,7 @@ def test_rest_pose_with_a_timing_conflict_is_deferred_to_the_retraction(pace, ph
 
 
 @pytest.mark.parametrize(("touch", "relax", "home"), [("hand", 4.2, 4.2), (None, 4.2, 3.0), ("hand", 6.0, 3.0)])
-def test_hands_resting_on_each_other_retract_together(pace, phases, touch, relax, home):
+def test_hands_resting_on_each_other_retract_together_unless_one_is_much_later(pace, phases, touch, relax, home):
     """Wait for the other hand to finish its gesture, unless it takes long."""
     folded = replace(A, touch=touch)
     rest = Stroke(

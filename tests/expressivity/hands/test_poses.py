@@ -126,7 +126,7 @@ def test_path_grows_with_spatial_extent_within_easy_reach(robot):
         path, (start, end) = work.path("r", 1), places(work, "r")
         way = path.at(start, end, np.linspace(0.0, 1.0, 50))
         widths.append(np.ptp(way, axis=0).max())
-        assert np.linalg.norm(way - centre, axis=1).max() <= max(easy, widths[0] + 1.0)
+        assert np.linalg.norm(way - centre, axis=1).max() <= easy + 1e-9
     assert widths == sorted(widths)
     assert widths[0] < widths[1]
     assert work.path("r", 0) is None
@@ -175,7 +175,7 @@ def test_pointing_at_own_shoulder_points_forward(robot):
     np.testing.assert_allclose(hand.reach.position, shoulder(robot, "r"))
 
 
-def test_hand_moved_away_from_the_body_touches_nothing(robot):
+def test_hand_withdrawn_from_the_body_loses_its_contacts_and_keeps_its_shape(robot):
     touching = Hand(Reach(sealed([0.3, 0.0, 0.8])), touch="lap", tip="index", shape="fist")
     away = withdrawn(touching, robot, "l")
     assert (away.touch, away.tip, away.shape) == (None, None, "fist")
@@ -208,7 +208,7 @@ def test_hands_hang_at_the_rest_posture(robot):
 
 
 @pytest.mark.parametrize(("name", "axis"), [("narrow_low", 1), ("between_fingers", 2)])
-def test_wide_style_does_not_enlarge_a_shown_gap(robot, name, axis):
+def test_spatial_extent_does_not_enlarge_a_gap_that_the_hands_depict(robot, name, axis):
     shown = Lexicon.load().forms_by_id[name]
     gaps = []
     for spatial in (0.0, 0.9):
@@ -220,7 +220,7 @@ def test_wide_style_does_not_enlarge_a_shown_gap(robot, name, axis):
 
 
 @pytest.mark.parametrize(("name", "extent"), [("small_pinch", 0.9), ("tiny_low", 0.9), ("tall", 0.9), ("tall", -0.9)])
-def test_style_does_not_move_a_pinch_or_a_shown_height(robot, name, extent):
+def test_spatial_extent_does_not_change_the_height_of_pinch_and_tall_gestures(robot, name, extent):
     neutral, wide = (
         poses(Lexicon.load().forms_by_id[name], robot, replace(NEUTRAL_EXPRESSIVITY, spatial=spatial)).hands["r"][-1]
         for spatial in (0.0, extent)

@@ -165,7 +165,7 @@ def test_repeated_circular_gesture_continues_without_an_intermediate_key(robot):
     assert [path and path.kind for path in work.paths["r"]] == [None, "circle", "circle", "circle"]
 
 
-def test_repetition_keeps_the_time_of_the_first_stroke(robot, pace, phases):
+def test_repeated_strokes_follow_the_first_stroke_at_natural_intervals(robot, pace, phases):
     thrice = poses(TWO_KEY_FORM, robot, Expressivity(repetition=1.0))
     natural = natural_times(thrice, Effort(pace))
     times = phases(0, 0.6, 0.6, 1.0, 1.0, 1.0, 1.5) | {"strokeEnd": 1.0 + sum(natural[1:]), "relax": 9.0, "end": 10.0}

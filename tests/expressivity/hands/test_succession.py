@@ -38,7 +38,7 @@ def test_hands_that_meet_and_one_handed_gestures_have_no_hand_delay(succession, 
     assert succession(lexeme).loose > 0.0
 
 
-def test_fluidity_increases_and_power_reduces_joint_delays(succession):
+def test_fluidity_increases_the_wrist_delay_and_power_reduces_wrist_and_hand_delays(succession):
     loose = [succession("large", fluidity=fluidity).loose for fluidity in (-1.0, -0.5, 0.0, 0.5, 1.0)]
     assert loose == sorted(loose)
     assert loose[0] < 0.5 * loose[2] < loose[2] < 0.7 * loose[-1]

@@ -55,7 +55,7 @@ def test_body_motion_of_a_gesture_overrides_that_of_the_category(read):
         ('{ gaze = "feet" }', "feet"),
     ],
 )
-def test_body_table_errors_name_value_and_range(read, body, said):
+def test_invalid_body_motion_of_a_gesture_is_refused_with_its_field_or_value(read, body, said):
     with pytest.raises(ConfigError, match=said):
         read(body)
 

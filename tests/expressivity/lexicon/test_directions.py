@@ -19,7 +19,7 @@ def test_direction_is_printed_as_the_words_from_which_it_was_read(words: str):
     assert format_direction(read_direction(words)) == words
 
 
-def test_direction_of_other_proportions_is_printed_as_outward_up_forward():
+def test_direction_that_no_words_describe_is_printed_as_outward_up_forward_numbers():
     assert format_direction(np.array([0.1, 0.9, -0.43])) == "0.9 -0.4 0.1"
 
 

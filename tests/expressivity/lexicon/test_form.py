@@ -17,7 +17,7 @@ def test_hand_shape_values_are_within_their_ranges():
         assert -1.0 <= shape.apart <= 1.0
 
 
-def test_every_hand_shape_is_used():
+def test_every_hand_shape_is_used_by_a_gesture():
     used = {pose.shape for form in BUILTIN_LEXICON.forms for key in form.keys for pose in key.hands.values()}
     assert set(HAND_SHAPES) - used == set(), "remove these shapes from kinesic/configs/hands.toml, or use them"
 

@@ -60,7 +60,7 @@ def test_rotation_about_the_lateral_axis_raises_the_hand(read):
     assert pose.palm == pytest.approx([0, -1, 0])
 
 
-def test_forearm_rotation_of_straight_hand_has_no_pointing_direction(read):
+def test_forearm_relative_rotation_of_a_straight_hand_gives_only_a_palm_direction(read):
     half = np.sqrt(0.5)
     pose = read(hand(world="false", w=half, y=-half)).keys[0].hands["l"]
     assert pose.pointing is None
@@ -157,7 +157,7 @@ def test_corpus_gestuaries_are_read(name, count, usable):
 
 
 @pytest.mark.skipif(not CORPUS_FOLDER.is_dir(), reason="no corpus; set KINESIC_CORPUS")
-def test_gestuary_gestures_precede_builtin_ones():
+def test_gestuary_gestures_take_precedence_over_builtin_ones():
     lexicon = Lexicon.load(CORPUS_FOLDER / "gestuary_camille.xml")
     for form in (form for form in read_gestuary(CORPUS_FOLDER / "gestuary_camille.xml") if is_enabled(form)):
         match = lexicon.find(f"{form.category}={form.id.upper()}")

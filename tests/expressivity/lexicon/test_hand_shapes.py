@@ -21,13 +21,13 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
         ("purse", "purse"),
     ],
 )
-def test_shape_names_of_other_systems_are_found(name: str, shape: str):
+def test_hand_shape_names_of_other_systems_and_spelling_variants_are_recognised(name: str, shape: str):
     matches = find_shape(name)
     assert matches is not None
     assert matches is hand_shapes()[shape]
 
 
-def test_unknown_shape_name_is_not_found():
+def test_unknown_hand_shape_name_is_not_found():
     assert find_shape("tentacle") is None
 
 
@@ -38,7 +38,7 @@ def test_finger_motions_have_an_amplitude_and_rate():
         assert all(0 <= later < 4 for later in motion.later)
 
 
-def test_finger_gestures_have_finger_motions():
+def test_air_quotes_typing_piano_and_walking_gestures_have_their_finger_motions():
     moving = {form.id: form.fingers.name for form in Lexicon.load().forms if form.fingers is not None}
     expected = {"air_quotes": "quotes", "typing": "typing", "piano": "typing", "walk_fingers": "walk"}
     assert expected.items() <= moving.items()

@@ -159,7 +159,7 @@ def test_one_handed_mode_keeps_the_motion_of_the_hand():
     assert [key.hands["l"] for key in in_mode(form, "left").keys] == [key.hands["l"] for key in form.keys]
 
 
-def test_one_handed_gesture_towards_the_chest_is_spread_if_doubled():
+def test_hands_of_a_one_handed_chest_gesture_are_spread_in_two_handed_mode():
     key = BUILTIN_LEXICON.find("me", "both").form.keys[-1]
     assert key.hands["l"].position == pytest.approx(key.hands["r"].position)
     assert key.hands["l"].position[1] > BUILTIN_LEXICON.find("me").form.keys[-1].hands["r"].position[1]
@@ -184,7 +184,7 @@ def test_gesture_names_are_found_in_any_case_and_with_category(forms):
         ("animations/Stand/Gestures/CalmDown_5", "calm_down", "lr"),
     ],
 )
-def test_any_spelling_of_a_gesture_name_with_its_hand_is_an_exact_match(lexeme, gesture, sides):
+def test_spelling_variants_of_a_gesture_name_with_a_hand_suffix_match_exactly(lexeme, gesture, sides):
     match = BUILTIN_LEXICON.find(lexeme)
     assert (match.form.id, match.kind, match.substitute) == (gesture, "exact", "")
     assert "".join(sorted(match.form.sides)) == sides
@@ -223,7 +223,7 @@ def test_lexeme_synonym_matches_a_gesture_without_a_substitution_notice(lexeme, 
         ("", "r", "substituted by beat: no lexeme"),
     ],
 )
-def test_gesture_substitution_reports_omitted_lexeme_words(lexeme, sides, why):
+def test_substituted_gesture_reports_its_class_and_omitted_lexeme_words(lexeme, sides, why):
     match = BUILTIN_LEXICON.find(lexeme)
     assert match.substitute == why
     assert "".join(sorted(match.form.sides)) == sides
@@ -244,7 +244,7 @@ def test_gesture_category_selects_a_gesture_without_lexeme():
     "lexeme",
     ["qwzx", "Xy_Ges_B", "42", "nothingness=qwzx", "winging", "UNKNOWN", "manip", "dont_point", "start", "left_right"],
 )
-def test_meaningless_lexeme_matches_no_gesture(lexeme):
+def test_meaningless_negated_or_ambiguous_lexeme_matches_no_gesture(lexeme):
     assert BUILTIN_LEXICON.find(lexeme) is None
 
 

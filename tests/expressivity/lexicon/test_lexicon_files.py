@@ -41,7 +41,7 @@ def test_user_gestures_override_builtin_ones(tmp_path: Path):
         ("0.1,", "inf,", r"must be a finite number"),
     ],
 )
-def test_invalid_gesture_file_error_suggests_a_correction(tmp_path: Path, old, new, message):
+def test_invalid_gesture_file_error_names_the_file_and_the_cause(tmp_path: Path, old, new, message):
     assert old in GESTURE_TOML
     (tmp_path / "own.toml").write_text(GESTURE_TOML.replace(old, new))
     with pytest.raises(ConfigError, match=message) as error:
@@ -50,7 +50,7 @@ def test_invalid_gesture_file_error_suggests_a_correction(tmp_path: Path, old, n
 
 
 @pytest.mark.parametrize("odd", ["pipe", "link"])
-def test_gesture_folder_rejects_links_and_pipes(odd: str, tmp_path: Path):
+def test_gesture_folder_with_a_pipe_or_a_link_to_a_file_outside_is_refused(odd: str, tmp_path: Path):
     folder = tmp_path / "gestures"
     folder.mkdir()
     (folder / "a.toml").touch()

@@ -45,7 +45,7 @@ def shorter(name):
     return [(item.words, item.hand, item.left_out) for item in read_name(name).shortened()]
 
 
-def test_gesture_name_loses_number_then_category_then_qualifier_or_hand():
+def test_gesture_name_is_shortened_by_number_then_category_then_qualifier_or_hand():
     assert shorter("you_iconic_left_low_1") == [
         (("you", "iconic", "left", "low", "1"), "unspecified", ()),
         (("you", "iconic", "left", "low"), "unspecified", ()),

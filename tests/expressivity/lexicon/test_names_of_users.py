@@ -40,14 +40,14 @@ def test_user_synonyms_override_builtin_ones_and_serve_as_class_substitutes(tmp_
     )
 
 
-def test_word_meanings_of_unnamed_gestures_apply_only_to_user_gestures(tmp_path: Path):
+def test_meanings_serve_as_names_of_user_gestures_but_not_of_builtin_ones(tmp_path: Path):
     (tmp_path / "own.toml").write_text(GESTURE_TOML)
     assert Lexicon.load(tmp_path / "own.toml").find("wink").form.id == "own"
     assert Lexicon.load().sense(BUILTIN_LEXICON.find("belly").form).words[-1] == "pregnant"
     assert BUILTIN_LEXICON.find("pregnant") is None
 
 
-def test_user_file_may_contain_only_gesture_names(tmp_path: Path):
+def test_user_gesture_file_may_contain_only_synonyms(tmp_path: Path):
     (tmp_path / "names.toml").write_text('[synonyms]\ngreet_wave = ["servus"]\n')
     assert Lexicon.load(tmp_path / "names.toml").find("Servus!").form.id == "greet_wave"
 
@@ -63,7 +63,7 @@ def test_user_file_may_contain_only_gesture_names(tmp_path: Path):
         ('category = "beat"', "", "has gestures and no category"),
     ],
 )
-def test_invalid_name_error_explains_the_conflict(tmp_path: Path, old, new, message):
+def test_invalid_synonym_or_class_in_a_user_file_is_refused_with_its_cause(tmp_path: Path, old, new, message):
     assert old in GESTURE_TOML + SYNONYM_TOML
     (tmp_path / "own.toml").write_text((GESTURE_TOML + SYNONYM_TOML.lstrip()).replace(old, new))
     with pytest.raises(ConfigError, match=message):

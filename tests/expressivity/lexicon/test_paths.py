@@ -74,7 +74,7 @@ def test_radius_of_a_spiral_path_grows():
         ("spiral", (0.15, 0.15, 0.0), 2.0, (0.0, 0.25, 0.0), "grows"),
     ],
 )
-def test_path_without_parameters_has_the_documented_ones(kind, amplitude, frequency, shift, variation):
+def test_path_without_parameters_has_the_documented_defaults(kind, amplitude, frequency, shift, variation):
     explicit = path(kind, amplitude=amplitude, frequency=frequency, shift=shift, variations=(variation, "none"))
     times = np.linspace(0, 1, 33)
     np.testing.assert_array_equal(
@@ -83,7 +83,7 @@ def test_path_without_parameters_has_the_documented_ones(kind, amplitude, freque
 
 
 @pytest.mark.parametrize(("kind", "radius"), [("circle", 0.12), ("spiral", 0.15)])
-def test_round_path_is_as_wide_as_high(kind, radius):
+def test_circle_and_spiral_paths_are_as_wide_as_high(kind, radius):
     turn = path(kind, variations=("none", "none")).at(START_POSITION, START_POSITION, np.linspace(0, 1, 801))
     np.testing.assert_allclose(np.ptp(turn, axis=0), [0.0, 2 * radius, 2 * radius], atol=1e-4)
 
@@ -107,7 +107,7 @@ def test_points_path_passes_its_points_at_constant_speed():
     assert steps.max() < 1.05 * steps.min()
 
 
-def test_zigzag_path_counts_its_swings():
+def test_zigzag_path_of_six_points_has_5_to_7_swings():
     zigzag = tuple(sealed([0.5, 0.3 + 0.1 * (k % 2), 0.4]) for k in range(6))
     assert shape_path("points", points=zigzag).swings(START_POSITION, END_POSITION) in (5, 6, 7)
 

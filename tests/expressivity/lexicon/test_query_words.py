@@ -19,7 +19,7 @@ def test_plural_of_a_word_in_er_has_the_stem_of_the_word():
     assert search_stem("waving") == search_stem("waves")
 
 
-def test_words_derived_from_a_gesture_name_both_hands_and_touched_body_parts():
+def test_search_words_of_a_gesture_include_two_handedness_and_touched_body_parts():
     forms = Lexicon.load().forms_by_id
     assert {"both", "two", "arm", "touch"} <= set(form_words(forms["adjust_cuff"]))
     assert {"head", "touch"} <= set(form_words(forms["think"]))

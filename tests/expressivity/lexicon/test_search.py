@@ -43,7 +43,7 @@ def ids(lexicon: Lexicon, query: str, count: int = 5) -> list[str]:
         ("point at my nose", "nose"),
     ],
 )
-def test_gesture_search_lists_the_fitting_gesture_first(lexicon, query, gesture):
+def test_gesture_search_lists_the_expected_gesture_first(lexicon, query, gesture):
     assert ids(lexicon, query)[0] == gesture
 
 
@@ -64,7 +64,7 @@ def test_gesture_search_lists_the_fitting_gesture_first(lexicon, query, gesture)
         ("hands in the air", {"joy_cheer"}),
     ],
 )
-def test_gesture_search_finds_movements_and_places_of_the_body_first(lexicon, query, gestures):
+def test_first_3_hits_for_body_places_and_movements_contain_the_expected_gestures(lexicon, query, gestures):
     assert gestures <= set(ids(lexicon, query, 3))
 
 
@@ -74,7 +74,7 @@ def test_function_words_of_a_query_do_not_change_its_hits(lexicon):
     assert ids(lexicon, "you")[0] == "you"
 
 
-def test_gesture_that_only_some_words_name_is_ranked_by_its_words(lexicon):
+def test_gesture_of_a_lexeme_lookup_that_ignores_query_words_is_not_in_the_first_3_hits(lexicon):
     assert lexicon.find("point at my nose").form.id == "me"
     assert "me" not in ids(lexicon, "point at my nose", 3)
 

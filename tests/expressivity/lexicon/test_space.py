@@ -76,7 +76,7 @@ def _wrists(key: StrokeKey) -> float:
 
 
 @given(places, places, st.floats(-1, 1))
-def test_two_hands_keep_their_gap_at_any_extent(left, right, spatial):
+def test_two_hands_keep_the_minimum_gap_at_any_spatial_extent(left, right, spatial):
     assert (
         _wrists(widen_key(StrokeKey({"l": HandPose(left), "r": HandPose(right)}), spatial, DEFAULT_ROBOT))
         >= HAND_GAP - 1e-9

@@ -117,7 +117,7 @@ def test_beat_lexeme_selects_the_beat_gesture_that_fits_its_words(lexeme, gestur
 RIGHT_BUT_NO_SIDE = {"right here", "right now", "right away", "thats right", "stop right there"}
 
 
-def test_synonyms_with_a_side_name_a_gesture_of_this_side():
+def test_synonyms_with_left_or_right_refer_to_the_gesture_for_that_side():
     for name, gesture in SYNONYM_TARGETS.items():
         sides = {"left", "right"} & set(read_name(name).words)
         if name not in RIGHT_BUT_NO_SIDE:
@@ -187,7 +187,7 @@ REVIEWED_LEXEMES = {  # Lexemes reported by a user, and their gestures now
 }
 
 
-def test_lexemes_of_the_review_list_select_the_listed_gesture():
+def test_lexemes_reported_by_users_select_the_listed_gestures():
     for lexeme, gesture in REVIEWED_LEXEMES.items():
         match = BUILTIN_LEXICON.find(lexeme)
         assert (None if match is None else match.form.id) == gesture, lexeme
@@ -200,7 +200,7 @@ def table(*names: tuple[str, str]) -> NameTable:
     return NameTable(categories, names, classes)
 
 
-def test_gesture_names_precede_synonyms_and_synonyms_precede_gesture_classes():
+def test_gesture_names_take_precedence_over_synonyms_and_synonyms_over_gesture_classes():
     for name, gesture, kind in [
         ("tap", "tap", "exact"),
         ("TapTwice", "tap_twice", "exact"),

@@ -48,7 +48,7 @@ def test_axes_of_path_parameters_are_ordered_like_those_of_positions(read):
     np.testing.assert_allclose(path.shift, [0.3, 0.1, 0.2])
 
 
-def test_path_points_may_be_sectors(read):
+def test_path_points_may_be_named_gesture_space_sectors(read):
     path = read(first(), with_path('kind = "points", points = [["XP", "YCC", "ZFar"], [0.1, 0.2, 0.3]]')).keys[1]
     np.testing.assert_allclose(path.hands["r"].path.points, [[0.95, 0.5, 0.25], [0.3, 0.1, 0.2]])
 
@@ -72,7 +72,7 @@ def test_single_path_amplitude_applies_to_all_moving_axes(read):
         ([first(), with_path('kind = "wave", amplitude_variation = "swells"')], "swells"),
     ],
 )
-def test_invalid_path_is_refused_with_valid_values(read, keys, said):
+def test_invalid_hand_path_of_a_gesture_is_refused_with_its_cause(read, keys, said):
     with pytest.raises(ConfigError, match=said):
         read(*keys)
 

@@ -117,7 +117,7 @@ def test_high_power_shortens_only_the_stroke_and_low_power_slows_all_phases(pace
     assert len({item.hold_time(0.5) for item in (strong, plain, weak)}) == 1
 
 
-def test_sudden_gesture_has_a_fast_stroke_and_a_normal_retraction(pace):
+def test_sudden_tempo_shortens_preparation_and_stroke_but_not_retraction(pace):
     sudden, plain, sustained = (Effort(pace, GestureTraits("iconic", tempo)) for tempo in TEMPO_FACTORS)
     for phase in ("preparation_time", "stroke_time"):
         times = [getattr(item, phase)(0.1) for item in (sudden, plain, sustained)]
@@ -143,7 +143,7 @@ def test_hold_time_depends_on_stroke_duration_except_for_poses(pace):
     assert pose.hold_time(0.1) == pose.hold_time(2.0) > stroke.hold_time(0.6)
 
 
-def test_hand_passes_stroke_keys_without_stopping_and_slows_at_poses(pace):
+def test_keys_of_moving_strokes_keep_more_velocity_than_those_of_static_poses(pace):
     stroke, pose = Effort(pace), Effort(pace, POSE_TRAITS)
     assert stroke.passage("preparation").flow > 1.0
     assert stroke.passage("stroke").flow > 1.0
@@ -153,7 +153,7 @@ def test_hand_passes_stroke_keys_without_stopping_and_slows_at_poses(pace):
     assert stroke.passage("hold") == pose.passage("hold") == passage_of(Expressivity(), "hold")
 
 
-def test_full_tension_removes_all_overshoot_at_keys(pace):
+def test_full_tension_stops_the_hand_at_the_preparation_key(pace):
     assert Effort(pace, manner=Expressivity(tension=1.0)).passage("preparation").flow == 0.0
 
 
@@ -216,7 +216,7 @@ def test_only_the_stroke_movement_that_ends_at_a_word_has_a_velocity_accent(pace
     assert Effort(pace, manner=fluid).passage("preparation").flow > Effort(pace).passage("preparation").flow
 
 
-def test_power_does_not_change_the_preparation(pace):
+def test_full_power_removes_the_overshoot_of_the_preparation_and_changes_nothing_else_in_it(pace):
     strong, plain = Effort(pace, manner=Expressivity(power=1.0)), Effort(pace)
     assert strong.passage("preparation") == replace(plain.passage("preparation"), swing=0.0)
     assert strong.passage("stroke").steepness > plain.passage("stroke").steepness
@@ -239,7 +239,7 @@ def test_low_fluidity_removes_overshoot_and_negative_tension_reduces_it(pace):
     assert stroke_passages(pace, "tension")[0].swing == pytest.approx((1.0 - LOOSENESS_REDUCTION) * plain)
 
 
-def test_weakness_reduces_overshoot_at_keys(pace):
+def test_negative_power_reduces_overshoot_at_keys(pace):
     weak, half, plain = (stroke_passage.swing for stroke_passage in stroke_passages(pace, "power")[:3])
     assert 0.0 < weak < half < plain
 

@@ -26,12 +26,12 @@ def sluggish(pace):
     return Pace(pace.robot, replace(pace.limits, **slow))
 
 
-def test_default_robot_moves_a_hand_by_40_cm_in_half_a_second(pace):
+def test_default_robot_moves_a_hand_by_40_cm_in_0_4_to_0_6_s(pace):
     assert 0.40 <= pace.least_hand_time(0.40) <= 0.60
     assert np.all(np.diff([pace.least_hand_time(way) for way in np.linspace(0.0, 0.8, 33)]) > 0)
 
 
-def test_slower_servos_need_more_time(pace, sluggish):
+def test_slower_servos_need_more_time_for_hand_travel_and_trunk_rotation(pace, sluggish):
     assert sluggish.least_hand_time(0.4) > 1.5 * pace.least_hand_time(0.4)
     assert sluggish.turn_time("torso", Turn(tilt=0.3)) > 1.5 * pace.turn_time("torso", Turn(tilt=0.3))
 

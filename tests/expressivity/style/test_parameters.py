@@ -19,7 +19,7 @@ def flat(table: dict[str, object], prefix: str = "") -> dict[str, object]:
     return leaves
 
 
-def test_every_parameter_has_an_effect_and_its_range():
+def test_effect_descriptions_cover_every_expressivity_parameter_and_weight():
     assert list(PARAMETER_EFFECTS) == list(EXPRESSIVITY_RANGES)
     assert {name: text for name, (text, _) in WEIGHT_EFFECTS.items()} == {
         name: f"{low:g} .. {high:g}" for name, (low, high) in WEIGHT_RANGES.items()
@@ -28,7 +28,7 @@ def test_every_parameter_has_an_effect_and_its_range():
 
 
 @pytest.mark.parametrize("name", names_of("style"))
-def test_style_lists_all_values_of_its_file(name):
+def test_style_preset_lists_all_non_default_values_of_its_file(name):
     written = flat(msgspec.to_builtins(read_toml(CONFIGS / "styles" / f"{name}.toml", StyleTable)))
     expected = {
         key: value

@@ -52,7 +52,7 @@ def test_block_parameters_apply_to_their_modality_only():
     assert resolve_numbers(Style(), "gesture", block, behaviour()).expressivity.power == 0.0
 
 
-def test_document_preset_replaces_all_parameters():
+def test_style_preset_of_a_document_replaces_all_parameters_except_explicit_ones():
     block = Block("b", (), manners={"head": Manner(power=0.3, style="sad")})
     resolved = resolve_numbers(style_preset("joyful"), "head", block, behaviour())
     assert resolved.expressivity == replace(style_preset("sad").head, power=0.3)

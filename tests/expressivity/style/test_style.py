@@ -60,7 +60,7 @@ def test_angry_and_joyful_presets_have_more_body_motion_than_shy_and_sad():
     assert max(weights["shy"], weights["sad"]) < weights["neutral"] == 1.0 < min(weights["angry"], weights["joyful"])
 
 
-def test_whole_body_weight_applies_to_all_modalities(tmp_path):
+def test_whole_body_weight_is_set_for_all_modalities_at_once_and_ranges_from_0_to_2(tmp_path):
     style = Style().changed(["whole_body=0", "head.power=0.5"])
     assert (style.whole_body, style.head.power, style.gesture) == (0.0, 0.5, Style().gesture)
     assert [str(setting) for setting in style.settings] == ["whole_body=0", "head.power=0.5"]
@@ -165,7 +165,7 @@ def test_later_style_setting_overrides_an_earlier_one():
         (".power=1", r"a style has no modality ''; known: face"),
     ],
 )
-def test_invalid_setting_error_suggests_a_correction(text, message):
+def test_invalid_style_setting_is_refused_with_its_cause(text, message):
     with pytest.raises(ConfigError, match=message):
         Style().changed([text])
 
@@ -208,7 +208,7 @@ def test_velocity_accent_raises_the_peak_velocity_of_a_stroke():
 
 
 @pytest.mark.parametrize("phase", ["hold", "retraction"])
-def test_power_does_not_change_holds_and_retractions(phase):
+def test_full_power_does_not_change_holds_and_retractions(phase):
     assert passage_of(Expressivity(power=1.0), phase) == passage_of(Expressivity(), phase)
 
 
