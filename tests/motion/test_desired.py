@@ -235,3 +235,16 @@ def test_curves_with_many_keys_are_not_cached(monkeypatch):
     again = join_keys(TIMES, asked)
     assert again.curves[0, 1] is not known.curves[0, 1]
     assert np.array_equal(again.curves[0, 1].states, known.curves[0, 1].states)
+
+
+@pytest.mark.parametrize("passed", [PLAIN_PASSAGE, KeyPassage(swing=0.5), KeyPassage(tension=-0.5)])
+@pytest.mark.parametrize("factor", [0.5, 3.0])
+def test_same_keys_in_another_time_give_the_same_path(passed, factor):
+    random = np.random.default_rng(5)
+    angles = np.cumsum(random.uniform(0.02, 0.9, (9, 2)), axis=0) - 1.9
+    times, keyed = np.cumsum(random.uniform(0.1, 0.9, 9)), np.ones_like(angles, dtype=bool)
+    times -= times[0]
+    usual, other = (joined(passed, keyed=keyed, angles=angles, times=scale * times) for scale in (1.0, factor))
+    samples = np.linspace(0.0, times[-1], 97)
+    for order, (one, scaled) in enumerate(zip(usual.sample(samples), other.sample(factor * samples), strict=True)):
+        np.testing.assert_allclose(factor**order * scaled, one, atol=1e-9)

@@ -48,6 +48,16 @@ def test_segment_rests_early_if_its_last_key_is_within_its_last_knot_interval(pl
     assert segment.rests_early is is_early
 
 
+@pytest.mark.parametrize("exit", [None, [0.2, 0.3, 0.4]])
+def test_running_motion_may_use_its_whole_range_to_stop_or_to_join_another(exit):
+    ended = None if exit is None else np.array(exit)
+    segment = SplineSegment.between(1, 30, np.array([0.1, 0.2, 0.3]), ended)
+    lowest, highest = segment.corridor(LIMITS)
+    assert lowest.shape == highest.shape == (segment.grid.size,)
+    assert set(lowest.tolist()) == {LIMITS.lower[1]}
+    assert set(highest.tolist()) == {LIMITS.upper[1]}
+
+
 def test_segments_of_a_hinge_cover_its_whole_motion():
     for hinge in (0, 1):
         result = cut(hinge)
