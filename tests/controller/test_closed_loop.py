@@ -55,7 +55,7 @@ def test_compiled_loop_equals_python_loop(calm, in_python, correction):
         assert one.measured.power.energy == pytest.approx(other.measured.power.energy, abs=1e-9)
 
 
-def test_python_twin_can_be_advanced_after_the_compiled_loop(calm, in_python, monkeypatch):
+def test_twin_advances_equally_after_the_compiled_and_the_python_loop(calm, in_python, monkeypatch):
     made: list[Twin] = []
     build = Twin.__init__
 
@@ -78,7 +78,7 @@ def test_python_twin_can_be_advanced_after_the_compiled_loop(calm, in_python, mo
     assert np.ptp(fast.measurements().angles[-6:], axis=0).max() > 0.001
 
 
-def test_dry_run_progress_increases_over_all_twins(calm):
+def test_dry_run_progress_of_two_twins_starts_at_zero_and_does_not_decrease(calm):
     shares: list[float] = []
     dry_runs(calm.plan, (NOMINAL_FACTORS, PESSIMISTIC_FACTORS), watch=False, progress=shares.append)
     assert shares == sorted(shares)
@@ -94,13 +94,13 @@ def test_exception_in_the_progress_callback_ends_the_dry_run(calm):
         dry_runs(calm.plan, (NOMINAL_FACTORS,), progress=interrupt)
 
 
-def test_twin_with_sagging_supply_uses_python_loop(calm):
+def test_sagging_supply_disables_the_compiled_loop(calm):
     robot = calm.plan.setup.robot
     assert Twin(robot).parts() is not None
     assert Twin(robot, factors=Factors(resistance=0.2)).parts() is None
 
 
-def test_unexpected_mujoco_version_uses_python_loop(calm, monkeypatch):
+def test_missing_mujoco_function_address_disables_the_compiled_loop(calm, monkeypatch):
     model = Twin(calm.plan.setup.robot)._model
     assert function_address("mj_step")
     assert function_address("mj_stride") is None
@@ -110,7 +110,7 @@ def test_unexpected_mujoco_version_uses_python_loop(calm, monkeypatch):
     assert Twin(calm.plan.setup.robot).parts() is None
 
 
-def test_window_size_does_not_change_simulation_results(calm, warm_motors, monkeypatch):
+def test_dry_run_results_do_not_depend_on_the_number_of_commands_per_window(calm, warm_motors, monkeypatch):
     plan = replace(calm.plan, setup=replace(calm.plan.setup, robot=warm_motors))
     twins = (NOMINAL_FACTORS, LATE_AND_LOOSE)
     whole = dry_runs(plan, twins, watch=False)
@@ -135,7 +135,7 @@ def _assert_the_same(whole, parts):
     np.testing.assert_allclose(parts.power.warming["l_elbow_flexion"], rises, rtol=1e-13)
 
 
-def test_compiled_loop_stores_at_most_one_batch_of_physics_steps(calm, monkeypatch):
+def test_compiled_loop_stores_physics_steps_of_one_command_window_at_a_time(calm, monkeypatch):
     kept = []
     add = Recorder.add
     monkeypatch.setattr(Recorder, "add", lambda self, log: kept.append(len(log.steps().spans)) or add(self, log))
@@ -167,7 +167,7 @@ def perform(calm):
     return run
 
 
-def test_dry_run_measurements_do_not_depend_on_the_batch_size(calm, perform, monkeypatch):
+def test_twin_measurements_do_not_depend_on_the_number_of_commands_per_window(calm, perform, monkeypatch):
     whole = perform(calm.reference.times).measurements()
     monkeypatch.setattr(closed_loop, "COMMANDS_PER_WINDOW", 64)
     parts = perform(calm.reference.times).measurements()

@@ -85,7 +85,7 @@ def test_learned_gains_scale_setpoint_offsets():
     np.testing.assert_allclose(taught.duties, plain.duties)
 
 
-def test_moving_hinge_setpoint_compensates_lag(through):
+def test_setpoint_of_a_moving_hinge_compensates_the_servo_lag(through):
     angles = np.stack([ROBOT.skeleton.rest, ROBOT.skeleton.rest])
     hinge = ROBOT.skeleton.joint("l_shoulder_flexion")
     angles[1, hinge] += 0.5
@@ -97,7 +97,7 @@ def test_moving_hinge_setpoint_compensates_lag(through):
     assert np.isclose(sent[0, hinge], middle.angles[hinge] + lag * middle.velocities[hinge])
 
 
-def test_setpoints_stay_within_joint_range():
+def test_setpoints_under_load_do_not_exceed_the_upper_joint_limits():
     posture = ROBOT.skeleton.upper
     sent = FeedForward(ROBOT, Loaded(), period=0.01).compute_setpoints(stay(posture), np.array([0.0])).setpoints
     assert np.all(sent <= ROBOT.skeleton.upper)

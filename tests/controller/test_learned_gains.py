@@ -69,14 +69,14 @@ def test_servo_factors_without_evidence_keep_the_earlier_estimate():
     assert lesson.after < 0.2 * lesson.before
 
 
-def test_servo_estimate_is_clipped_to_safe_bounds():
+def test_servo_gain_below_its_range_is_clipped_and_reported():
     lesson = identify_servos(nodding(Factors(gain=0.3)), ROBOT)
     assert lesson.estimate.servos["xc430_w240"].gain == GAIN_FACTOR_RANGE[0]
     assert lesson.bounded
     assert "the estimate is at its bounds" in str(lesson)
 
 
-def test_servos_that_barely_move_or_deviate_unexplained_are_not_identified():
+def test_servos_with_too_little_or_unexplained_motion_are_not_identified():
     standing = identify_servos(nodding(NOMINAL_FACTORS, swing=0.01), ROBOT)
     assert "servos moved for 0.0 s, at least 0.4 s are needed" in standing.why
     log = nodding(NOMINAL_FACTORS)
@@ -88,7 +88,7 @@ def test_servos_that_barely_move_or_deviate_unexplained_are_not_identified():
     assert str(lesson).startswith("nothing learned: ")
 
 
-def test_reduced_servo_stiffness_never_exceeds_the_data_sheet():
+def test_reduced_servo_stiffness_is_at_most_that_of_the_data_sheet():
     robot = Robot.load()
     for gain, softer in ((0.7, 0.7), (1.5, 1.0)):
         result = reduce_stiffness(robot, Factors(gain=gain)).drives.gain / robot.drives.gain

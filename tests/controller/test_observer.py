@@ -96,7 +96,7 @@ def test_observer_loop_is_stable_for_single_factor_two_errors_at_latencies_up_to
 
 @pytest.mark.parametrize("gain", [0.5, 0.7])
 @pytest.mark.parametrize("latency", [0.0, 0.02])
-def test_observer_loop_is_stable_with_estimated_lower_servo_gain(latency, gain):
+def test_observer_loop_is_stable_with_a_correctly_estimated_low_servo_gain(latency, gain):
     observer = Observer.of(reduce_stiffness(ROBOT, Factors(gain=gain)), DYNAMICS, period=COMMAND_PERIOD, delay=latency)
     for factors in SINGLE:
         assert closed_loop(observer, factors, latency, gain=gain).max() < 1.0, factors
@@ -117,7 +117,7 @@ def test_three_observer_poles_of_each_joint_coincide():
         np.testing.assert_allclose(poles, np.exp(-1.0), atol=1e-3)
 
 
-def test_servo_transition_equals_exact_solution():
+def test_servo_transition_matrix_equals_the_matrix_exponential():
     drive = ROBOT.drives[0]
     inertia = DYNAMICS.load.inertia[0]
     rates = np.zeros((3, 3))
@@ -145,7 +145,7 @@ def test_observer_step_does_not_change_its_input_estimate():
         np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
 
 
-def test_sagging_hinge_is_corrected_upwards():
+def test_hinges_below_their_reference_get_a_positive_correction():
     belief = OBSERVER.begin()
     for _ in range(50):
         belief = OBSERVER.advance(belief, NOTHING - 0.01, inputs(np.zeros(COUNT)), 0)
@@ -198,7 +198,7 @@ def test_observer_estimates_load_and_velocity_errors_of_a_wrong_gain(gain):
         np.testing.assert_allclose(learned[middle], 1.0 / gain - 1.0, atol=0.2)
 
 
-def test_estimated_external_torque_decays_only_while_a_servo_is_silent():
+def test_external_torque_estimate_decays_for_a_silent_servo_but_not_for_a_measured_one():
     belief = OBSERVER.begin()
     for _ in range(30):
         belief = OBSERVER.advance(belief, NOTHING + 0.02, INPUTS, 0)
@@ -212,7 +212,7 @@ def test_estimated_external_torque_decays_only_while_a_servo_is_silent():
     assert abs(belief.motion[2, 4]) > 0.5 * abs(push[4])
 
 
-def test_one_observer_tracks_several_robots_independently():
+def test_one_observer_tracks_two_robots_independently():
     random = np.random.default_rng(0)
     loads, leads = 0.05 * random.standard_normal((2, 30, COUNT))
     deviations = 0.01 * random.standard_normal((2, 30, COUNT))
@@ -273,7 +273,7 @@ def test_fractional_servo_delay_splits_a_setpoint_between_command_periods():
         np.testing.assert_allclose(observer.arrival, arrival, atol=1e-9)
 
 
-def test_identified_servos_improve_next_performance(known):
+def test_identified_servo_factors_reduce_the_tracking_error_of_another_plan(known):
     """Half the P gain and 15 ms delay: known deviations need no correction."""
     first, second = (plan(passage_text(k), known) for k in (0, 1))
     wrong = Factors(gain=0.5, latency=0.015)
@@ -296,7 +296,7 @@ def test_setpoint_correction_allows_larger_offsets_for_low_gain_servos(known):
     assert result.tracking.rmse < 0.1
 
 
-def test_observer_distinguishes_halved_servo_gain_from_saturation(monkeypatch, known):
+def test_saturation_margin_reduces_the_tracking_error_of_servos_with_half_gain(monkeypatch, known):
     """Saturation and a weak gain leave the same error; below the margin it is the gain."""
     planned = plan(passage_text(0), known)
 

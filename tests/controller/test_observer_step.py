@@ -30,7 +30,7 @@ def test_observer_kernel_equals_python_reference_for_random_ticks(delay: float, 
         np.testing.assert_array_equal(belief.rows, expected)
 
 
-def test_external_torque_estimate_decays_if_a_servo_does_not_answer():
+def test_external_torque_estimate_decays_if_no_servo_answers():
     observer = Observer.of(ROBOT, DYNAMICS, period=0.01)
     nothing = ObserverInputs(*np.zeros((10, 1, COUNT)))
     rows = observer.begin().rows.copy()

@@ -103,7 +103,7 @@ def test_unexpected_mujoco_step_stages_disable_the_partial_mujoco_steps(free, mo
     assert free().friction_parts() is not None
 
 
-def test_mujoco_step_timer_runs_only_after_the_compiled_loop(free, swing):
+def test_mujoco_step_timer_measures_no_time_in_the_compiled_loop_but_does_afterwards(free, swing):
     twin = free()
     swing(twin)
     timer = twin.physics[1].timer[mujoco.mjtTimer.mjTIMER_STEP]
@@ -113,7 +113,7 @@ def test_mujoco_step_timer_runs_only_after_the_compiled_loop(free, swing):
     assert timer.duration > 0.0
 
 
-def test_passive_callback_reads_the_mujoco_timer_during_a_step(free, swing):
+def test_mujoco_clock_advances_between_calls_of_a_passive_callback(free, swing):
     clock = ctypes.c_void_p.from_address(function_address("mjcb_time"))
     shown = []
 

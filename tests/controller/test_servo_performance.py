@@ -92,7 +92,7 @@ def test_servo_run_without_tracking_errors_passes_all_checks(performance: DryRun
     assert set(live.lags.values()) <= {0.0}
 
 
-def test_tracking_errors_of_a_late_robot_are_relative_to_the_plan(performance: DryRun):
+def test_servos_late_by_100_ms_get_a_poor_rmse_check_and_a_measured_lag_of_100_ms(performance: DryRun):
     live = perform_live(performance, Actor(late=0.1))
     results = {check.name: check for check in live_checks(live)}
     assert results["measured.rmse"].status == "poor"
@@ -124,6 +124,7 @@ def test_servo_log_contains_setpoints_and_measured_angles(performance: DryRun):
     assert log.times[0] == 0.0
     assert np.allclose(np.diff(log.times), 0.01)
     np.testing.assert_array_equal(log.setpoints, [command.setpoints for command in actor.told])
+    np.testing.assert_allclose(log.angles[2:], [command.angles for command in actor.told[:-2]], atol=1e-9)
 
 
 @pytest.mark.parametrize(
@@ -137,7 +138,7 @@ def test_servo_log_contains_setpoints_and_measured_angles(performance: DryRun):
         ([], [], "performed"),
     ],
 )
-def test_keyboard_requests_are_forwarded_to_the_servo_supervisor(
+def test_stop_resume_and_end_requests_are_forwarded_to_the_servos(
     performance: DryRun, wishes: list[RunRequest], done: list[str], ending: str
 ):
     actor, left = Actor(part=0.4 if wishes else 1.0), [*wishes]
@@ -214,7 +215,7 @@ def test_servo_fault_is_reported_with_reason(performance: DryRun):
 
 
 @pytest.mark.parametrize("kind", ["paused", "supply"])
-def test_permanent_stop_of_servos_is_a_failure_with_reason(performance: DryRun, monkeypatch, kind: str):
+def test_servo_run_fails_with_the_reason_of_a_pause_or_supply_fault(performance: DryRun, monkeypatch, kind: str):
     actor = Actor(part=0.3)
     monkeypatch.setattr(actor, "events", lambda: (Note(1e6, -1, kind, "a port is gone"),))
     live = perform_live(performance, actor)
@@ -224,7 +225,7 @@ def test_permanent_stop_of_servos_is_a_failure_with_reason(performance: DryRun, 
     assert perform_live(performance, actor).ending == "performed"
 
 
-def test_servo_run_that_never_moves_has_no_tracking_error(performance: DryRun):
+def test_servo_run_without_samples_reports_its_rmse_as_none(performance: DryRun):
     live = perform_live(performance, Actor(part=0.0))
     result = with_live(report(performance, source="nod"), live)
     assert result["ok"] is False
@@ -247,7 +248,7 @@ def test_tracking_errors_of_servos_count_only_while_time_runs_at_full_speed(perf
     assert results["measured.rmse"].value < 1e-6
 
 
-def test_slow_time_at_start_and_end_does_not_lower_the_fraction_at_full_speed(performance: DryRun):
+def test_slow_start_and_end_do_not_lower_the_fraction_of_time_at_full_speed(performance: DryRun):
     live = perform_live(performance, Actor())
     begin, end = live.history[0].clock, live.history[-1].clock
     gentle = [
@@ -282,7 +283,7 @@ def test_delayed_servo_reading_is_compared_once_with_the_plan_at_reading_time(pe
     assert np.isfinite(again.errors).sum() == pytest.approx(np.isfinite(live.errors).sum() / 2, rel=0.2)
 
 
-def test_robot_folds_to_rest_after_error_in_request_callback(performance: DryRun):
+def test_error_in_the_request_callback_releases_and_closes_the_servos(performance: DryRun):
     actor = Actor(part=0.3)
     actor.waiting = lambda: "release" not in actor.done
 

@@ -50,7 +50,7 @@ def beeping(known: Setup, two: float, loudness: float = 0.25, seconds: float = 0
     return plan(BLOCK.format(two=two), known)
 
 
-def test_sound_is_cut_where_the_speech_starts_just_before_the_motion(known: Setup):
+def test_speech_samples_that_precede_the_motion_are_cut(known: Setup):
     object.__setattr__(known, "voice", Beep())
     both = '<speech id="one" start="0"><text>one</text></speech><gesture id="g" lexeme="offer" start="0.0123"/>'
     planned = plan(f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{both}</bml>', known)
@@ -61,7 +61,7 @@ def test_sound_is_cut_where_the_speech_starts_just_before_the_motion(known: Setu
     assert heard.samples[0] > 0.0
 
 
-def test_utterances_start_at_performance_time(known: Setup):
+def test_utterances_start_and_end_at_their_planned_performance_times(known: Setup):
     planned = beeping(known, 2.0)
     assert planned.trajectory.zero > 0.0  # the hand begins before the block does
     heard = sound(planned)
@@ -73,7 +73,7 @@ def test_utterances_start_at_performance_time(known: Setup):
     assert edges == pytest.approx([zero + 0.5, zero + 1.0, zero + 2.0, zero + 2.5], abs=1e-3)
 
 
-def test_rate_of_the_mix_is_at_most_48_khz(known: Setup):
+def test_sample_rate_of_96_khz_speech_is_reduced_to_48_khz(known: Setup):
     planned = beeping(known, 2.0)
     utterances = {
         name: replace(spoken, sound=spoken.sound and Sound.of(96_000, np.zeros(96_000)))
@@ -106,7 +106,7 @@ def test_speech_longer_than_the_motion_is_complete(known: Setup):
     assert abs(heard.samples[-1]) > 0.1
 
 
-def test_silent_voice_has_no_sound():
+def test_plan_with_the_silent_voice_has_no_soundtrack():
     assert sound(plan(BLOCK.format(two=2), set_up())) is None
 
 
@@ -281,14 +281,14 @@ def test_speech_pauses_with_slowed_time_and_resumes_in_sync(stand: Stand):
 
 
 @pytest.mark.parametrize("stage", [Stage.STOPPED, Stage.FOLD, Stage.LOST, Stage.LIMP])
-def test_speech_ends_with_performance(stand: Stand, stage: Stage):
+def test_speech_ends_if_the_servos_are_stopped_folding_lost_or_without_torque(stand: Stand, stage: Stage):
     stand.go(0.3, Stage.HOLD, 0.0)
     stand.go(0.4, Stage.ACTIVE)
     stand.go(0.4, stage)
     assert not stand.tape.part(START_CLOCK + 0.45, START_CLOCK + 0.75).any()
 
 
-def test_speech_playback_is_realigned_with_the_robot_after_a_gap(stand: Stand):
+def test_speech_playback_is_realigned_after_a_jump_of_performance_time(stand: Stand):
     stand.go(0.3, Stage.HOLD, 0.0)
     stand.go(0.2, Stage.ACTIVE)
     stand.time += 0.2
@@ -297,7 +297,7 @@ def test_speech_playback_is_realigned_with_the_robot_after_a_gap(stand: Stand):
     np.testing.assert_allclose(heard, 0.5 + np.arange(len(heard)) / HEARD_RATE, atol=0.002)
 
 
-def test_delayed_servo_status_does_not_change_speech_playback(stand: Stand):
+def test_speech_continues_through_200_ms_without_servo_status(stand: Stand):
     stand.go(0.3, Stage.HOLD, 0.0)
     stand.go(0.1, Stage.ACTIVE)
     stand.go(0.2, Stage.ACTIVE, told=False)

@@ -35,7 +35,7 @@ def test_stable_servo_loop_keeps_full_correction_gain(factors, latency):
     ("gain", "latency", "part"),
     [(2.0, 0.012, 1.0), (2.0, 0.014, 0.75), (2.0, 0.02, 0.5), (3.0, 0.02, 0.25), (3.0, 0.05, 0)],
 )
-def test_stiff_late_servo_loop_gets_reduced_correction_gain(gain, latency, part):
+def test_correction_gain_falls_with_servo_stiffness_and_latency(gain, latency, part):
     given = loop(Factors(gain=gain, latency=latency))
     assert find_stable_fraction(*given) == part
     alone = compute_loop_poles(*given, part=0.0)

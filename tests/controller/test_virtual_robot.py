@@ -41,7 +41,7 @@ def test_twin_moves_equally_for_setpoints_in_ticks_and_radians(robot: Robot):
     np.testing.assert_allclose(physics.body.angles, plain.angles, atol=1e-9)
 
 
-def test_two_servos_on_one_joint_divide_the_torque(robot: Robot):
+def test_one_powered_servo_of_two_on_a_joint_yields_at_most_half_the_torque(robot: Robot):
     wires = describe_cables(robot)
     physics = TwinPhysics(robot, wires)
     ids = [fitting.servo for fitting in wires[0].fittings]

@@ -70,7 +70,7 @@ def followed(planned: Plan, clocks: Floats, times: Floats, angles: Floats) -> No
     assert all(error <= goal for error, goal in zip(results, ERROR_LIMITS, strict=True)), results
 
 
-def test_kinesic_driver_moves_twin_through_port(planned: Plan, port: Path):
+def test_twin_behind_a_port_follows_the_plan_sent_by_the_kinesic_driver(planned: Plan, port: Path):
     robot, times = planned.setup.robot, planned.command_times[:COMMAND_COUNT]
     setpoints = FeedForward(robot, planned.setup.dynamics, delay=BUS_DELAY).compute_setpoints(planned.trajectory, times)
     servos = Servos(robot, {"body": port}, settings=SupervisorSettings(pace=2.0, patience=0.1))
@@ -84,7 +84,7 @@ def test_kinesic_driver_moves_twin_through_port(planned: Plan, port: Path):
     followed(planned, clocks, at, np.array([row.angles for row in rows]))
 
 
-def test_dynamixel_sdk_moves_twin_through_port(planned: Plan, port: Path):
+def test_twin_behind_a_port_follows_the_plan_sent_by_the_dynamixel_sdk(planned: Plan, port: Path):
     robot, times = planned.setup.robot, planned.command_times[:COMMAND_COUNT]
     wiring = ServoMap.of(robot)
     setpoints = FeedForward(robot, planned.setup.dynamics, delay=BUS_DELAY).compute_setpoints(planned.trajectory, times)

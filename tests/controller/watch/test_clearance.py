@@ -49,7 +49,7 @@ def test_time_scale_falls_linearly_with_clearance():
     assert choose_pace(np.inf, MIN_CLEARANCE) == 1.0
 
 
-def test_clearance_watch_remembers_a_tracking_error_for_the_memory_duration():
+def test_clearance_watch_forgets_a_tracking_error_after_the_memory_duration():
     watch = seen(ClearanceWatch(), 0.02, strayed=0.02)
     for _ in range(round(ERROR_MEMORY / LOOK_PERIOD) - 1):
         watch = seen(watch, 0.02, strayed=0.0)
@@ -59,7 +59,7 @@ def test_clearance_watch_remembers_a_tracking_error_for_the_memory_duration():
     assert (watch.forecast_clearance, watch.pace) == (pytest.approx(0.02), 1.0)
 
 
-def test_clearance_watch_ends_after_the_maximum_time_at_minimum_speed():
+def test_clearance_watch_requests_a_stop_after_the_maximum_time_at_minimum_speed():
     watch, looks = ClearanceWatch(), 0
     while not watch.over:
         watch, looks = seen(watch, 0.02, strayed=-0.0165), looks + 1
@@ -68,7 +68,7 @@ def test_clearance_watch_ends_after_the_maximum_time_at_minimum_speed():
     assert MAX_CREEP_TIME > ERROR_MEMORY
 
 
-def test_performance_ends_at_once_if_the_measured_clearance_falls_into_the_reserve():
+def test_clearance_watch_requests_a_stop_at_once_below_the_reserve_clearance():
     assert RESERVE_FRACTION < CREEP_FRACTION
     assert not seen(ClearanceWatch(), 0.02, strayed=-0.0165).over
     watch = seen(ClearanceWatch(), 0.02, strayed=-0.0175)
@@ -77,7 +77,7 @@ def test_performance_ends_at_once_if_the_measured_clearance_falls_into_the_reser
     assert not seen(ClearanceWatch(), 0.02, 0.0, strayed=0.0).over  # what is only to come can still be slowed down
 
 
-def test_clearance_watch_judges_nearness_by_the_latest_tracking_error():
+def test_clearance_watch_compares_only_the_latest_posture_with_the_reserve_clearance():
     watch = ClearanceWatch()
     for strayed, near in ((0.0, False), (-0.0175, True), (0.0, False), (0.0, False), (-0.0175, True)):
         watch = seen(watch, 0.02, strayed=strayed)
@@ -85,14 +85,14 @@ def test_clearance_watch_judges_nearness_by_the_latest_tracking_error():
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
-def test_clearance_watch_expects_the_latest_tracking_error_in_both_directions(way):
+def test_clearance_forecast_applies_the_latest_tracking_error_in_both_directions(way):
     watch = ClearanceWatch()
     for strayed, room in ((0.0, 0.05), (0.02, 0.03), (0.0, 0.05), (0.03, 0.02)):
         watch = seen(watch, 0.05, strayed=way * strayed)
         assert watch.forecast_clearance == pytest.approx(room)
 
 
-def test_clearance_watch_at_minimum_speed_applies_the_error_only_with_its_sign():
+def test_clearance_forecast_stops_mirroring_errors_after_settling_at_minimum_speed():
     watch, looks = ClearanceWatch(), 0
     while watch.pace <= CREEP_PACE or not looks:
         watch, looks = seen(watch, 0.02, strayed=0.019), looks + 1

@@ -79,7 +79,7 @@ def test_small_tracking_errors_slow_time_and_large_ones_end_the_performance():
     assert grave.over
 
 
-def test_servo_watch_ends_after_the_maximum_time_at_minimum_speed():
+def test_servo_watch_requests_a_stop_after_the_maximum_time_at_minimum_speed():
     seen = watch()
     seen.ingest(cycles(MAX_CREEP_TIME - 0.2, 0.0035))
     assert seen.pace == CREEP_PACE
