@@ -33,7 +33,7 @@ def test_limit_ratios_of_control_points_bound_the_motion_between_knots():
     assert np.abs(duty).max() <= shares[3] * GRID.duty(LIMITS)[0] + rise + 1e-9
 
 
-def test_angles_at_the_knots_are_those_of_the_motion():
+def test_angles_computed_at_the_knots_equal_samples_of_the_motion():
     np.testing.assert_allclose(at_knots(CONTROLS[:, 0]), MOTION.sample(GRID.knots)[0][:, 0])
 
 
@@ -63,7 +63,7 @@ def test_range_ratio_of_a_hinge_with_equal_limits_is_finite():
     assert GRID.limit_ratios(np.full(23, 0.5), stuck, 0)[0] == pytest.approx(0.0)
 
 
-def test_exactly_limit_rows_that_depend_on_inner_control_points_have_bound_one():
+def test_limit_rows_have_bound_one_exactly_if_they_depend_on_inner_control_points():
     rows = reference.sparse(GRID.rows(LIMITS, 0)).toarray()
     inner = np.any(rows[:, 3:-3] != 0.0, axis=1)
     np.testing.assert_array_equal(GRID.bounds == 1.0, inner)

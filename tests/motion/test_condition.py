@@ -34,7 +34,7 @@ def test_motion_within_limits_keeps_its_requested_times():
     assert motion.rms_distances.max() < 1e-4
 
 
-def test_fast_motion_is_stretched_and_names_its_bottlenecks():
+def test_too_fast_motion_is_stretched_and_reports_its_bottleneck_hinge():
     keys = (posture(0.0, (0, 0), "start"), posture(0.2, (1.5, 0.1), "stroke"), posture(0.4, (0, 0), "end"))
     motion = condition(keys, LIMITS)
     assert {bottleneck.hinge for bottleneck in motion.bottlenecks.values()} == {0}
@@ -91,7 +91,7 @@ def test_reported_deviation_is_the_rms_distance_at_the_knots():
     assert motion.rms_distances[0] > 3.0 * motion.rms_distances[1] > 0.0
 
 
-def test_trajectory_time_of_block_zero_accounts_for_the_first_key_time():
+def test_trajectory_time_of_block_time_zero_is_minus_the_first_key_time():
     for first in (-0.5, 0.0, 2.0):
         keys = (posture(first, (0, 0), "start"), posture(first + 2.0, (0.5, 0.5), "end"))
         motion = condition(keys, LIMITS)
@@ -160,7 +160,7 @@ def test_start_key_moves_no_earlier_than_the_given_lead_in():
     assert condition(keys, LIMITS, lead_in=0.0).planned[0] >= -1e-9
 
 
-def test_keys_at_a_joint_limit_are_met_within_1_mrad():
+def test_start_key_at_a_joint_limit_is_met_within_1_mrad():
     keys = (posture(0.0, (2, -2), "start"), posture(1.0, (0.5, 2), "stroke"), posture(2.0, (2, 0), "end"))
     motion = condition(keys, LIMITS)
     assert abs(motion.trajectory.at(0.0).angles[0] - 2.0) <= 1.001e-3
@@ -219,7 +219,7 @@ def on_a_circle(turns: float, amplitude: float, seconds: float) -> tuple[KeyPost
     return (posture(0.0, (0, 0), "start"), *inner, posture(2.0 + seconds, (0, 0), "end"))
 
 
-def test_feasible_hand_path_is_followed():
+def test_feasible_path_is_followed_within_1_mrad_at_its_keys():
     keys = on_a_circle(turns=2, amplitude=0.2, seconds=2.0)
     motion = condition(keys, LIMITS)
     np.testing.assert_array_equal(motion.planned, motion.requested_times)
@@ -227,7 +227,7 @@ def test_feasible_hand_path_is_followed():
     np.testing.assert_allclose(samples, [key.angles for key in keys], atol=1e-3)
 
 
-def test_infeasible_path_shrinks_without_moving_keys():
+def test_infeasible_path_shrinks_and_keeps_its_key_times():
     keys = on_a_circle(turns=4, amplitude=0.3, seconds=1.0)
     motion = condition(keys, LIMITS)
     np.testing.assert_array_equal(motion.planned, motion.requested_times)
@@ -239,7 +239,7 @@ def test_infeasible_path_shrinks_without_moving_keys():
     assert 0.02 < np.ptp(samples[:, 0]) < 0.5 * np.ptp([key.angles[0] for key in keys])
 
 
-def test_path_keys_move_with_the_ends_of_their_path():
+def test_path_keys_stay_evenly_spaced_in_time_if_the_ends_of_their_path_move():
     keys = on_a_circle(turns=1, amplitude=0.2, seconds=0.5)
     late = tuple(replace(key, time=key.time - 0.95) if key.time > 0 else key for key in keys)
     far = tuple(replace(key, angles=sealed(np.asarray(key.angles) + 0.9)) if key.time > 0 else key for key in late)

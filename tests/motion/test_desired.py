@@ -38,7 +38,7 @@ def test_angles_of_the_desired_motion_equal_those_of_its_samples():
     assert np.array_equal(joined().angles(times), joined().sample(times)[0])
 
 
-def test_hinges_with_different_keys_are_independent():
+def test_desired_motion_of_a_hinge_does_not_depend_on_the_other_hinge():
     keyed = ALL.copy()
     keyed[2, 1] = False
     times, both = np.linspace(0.0, 2.4, 49), joined(keyed=keyed)
@@ -74,7 +74,7 @@ def test_hinge_does_not_move_during_a_hold():
     np.testing.assert_allclose(joined().sample(times)[0][:, 0], 0.9, atol=1e-12)
 
 
-def test_hinge_without_a_key_at_a_posture_passes_it_without_stopping():
+def test_hinge_that_is_not_keyed_in_a_posture_ignores_its_angle_there():
     keyed = ALL.copy()
     keyed[2, 1] = False
     motion = joined(keyed=keyed)
@@ -86,17 +86,17 @@ def test_spline_tension_of_one_stops_the_motion_at_each_key():
     np.testing.assert_allclose(joined(KeyPassage(tension=1.0)).sample(TIMES)[1], 0.0, atol=1e-9)
 
 
-def test_spline_continuity_sets_the_velocity_kept_at_keys():
+def test_spline_continuity_of_minus_one_stops_the_motion_at_a_key():
     stiff, fluid = joined(KeyPassage(continuity=-1.0)), joined(KeyPassage(continuity=0.0))
     assert abs(state(stiff, 0.5)[1][0]) < 1e-9
     assert state(fluid, 0.5)[1][0] > 0.5
 
 
-def test_desired_motion_keeps_the_given_block_start_time():
+def test_desired_motion_keeps_the_given_time_of_the_block_start():
     assert joined(zero=0.7).zero == pytest.approx(0.7)
 
 
-def test_motion_is_at_rest_outside_its_duration():
+def test_desired_motion_is_at_rest_after_its_end():
     angles, speeds, _ = state(joined(), 99.0)
     np.testing.assert_allclose(angles, ANGLES[-1])
     np.testing.assert_array_equal(speeds, 0.0)
@@ -126,7 +126,7 @@ def test_easing_steepness_raises_the_peak_velocity():
     assert peaks[-1] > 1.8 * peaks[0]
 
 
-def test_out_back_overshoot_is_limited_by_the_range():
+def test_out_back_overshoot_is_limited_by_the_joint_range():
     def beyond(to: float) -> float:
         return float(eased("out_back", 6.0, to).angles(GRID).max()) - to
 
@@ -135,7 +135,7 @@ def test_out_back_overshoot_is_limited_by_the_range():
     assert beyond(1.98) <= 1e-9
 
 
-def test_easing_is_softened_until_all_hinges_keep_their_limits():
+def test_easing_becomes_minimum_jerk_for_all_hinges_if_one_cannot_keep_its_limits():
     slow = replace(LIMITS, acceleration=sealed([100.0, 0.01]))
     angles, times = np.array([[0.0, 0.0], [0.9, 0.9]]), np.array([0.0, 1.0])
     rows = keys(KeyPassage(easing="out_back"), ALL[:2], angles, times)
@@ -143,7 +143,7 @@ def test_easing_is_softened_until_all_hinges_keep_their_limits():
     np.testing.assert_allclose(result, eased("minimum_jerk").angles(GRID) @ np.ones((1, 2)), atol=1e-12)
 
 
-def test_uneven_keys_on_a_circle_follow_the_circle():
+def test_motion_through_unevenly_spaced_keys_on_a_circle_follows_it_within_2_mrad():
     times = np.linspace(0.0, 2.0, 25)
     ease = 10 * (times / 2) ** 3 - 15 * (times / 2) ** 4 + 6 * (times / 2) ** 5
     angles = 0.3 * np.stack([np.cos(2 * np.pi * ease), np.sin(2 * np.pi * ease)], axis=1)
@@ -152,7 +152,7 @@ def test_uneven_keys_on_a_circle_follow_the_circle():
     np.testing.assert_allclose(np.linalg.norm(result, axis=1), 0.3, atol=2e-3)
 
 
-def test_keys_on_a_smooth_curve_cause_no_oscillation():
+def test_motion_through_keys_on_a_smooth_curve_has_the_derivatives_of_the_curve():
     times = np.linspace(0.0, 2 * np.pi, 25)
     times[1:-1] += 0.1 * np.sin(17.0 * times[1:-1])
     angles = 0.3 * (1.0 - np.cos(times))[:, None]
@@ -185,7 +185,7 @@ def test_larger_swing_overshoots_a_reversal_further_but_within_the_joint_range()
     np.testing.assert_allclose(still.sample(times)[1], 0.0, atol=1e-9)
 
 
-def test_accent_after_a_swing_does_not_rebound_at_the_next_key():
+def test_out_power_does_not_overshoot_the_key_after_a_swing_but_out_back_does():
     angles, times, grid = np.array([[0.0], [1.2], [0.6]]), np.array([0.0, 0.5, 1.0]), np.linspace(0.5, 1.0, 401)
     keyed = np.ones((3, 1), dtype=bool)
 

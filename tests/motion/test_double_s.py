@@ -102,7 +102,7 @@ def test_rest_to_rest_durations_accept_arrays_with_leading_dimensions(limits):
     np.testing.assert_allclose(durations[2, 1], least_rest_times(turns[2, 1], limits))
 
 
-def test_durations_computed_for_one_rotation_equal_those_computed_for_all_hinges(robot_limits):
+def test_minimum_times_of_single_hinge_rotations_equal_those_of_whole_rows(robot_limits):
     chance, limits = np.random.default_rng(4), robot_limits
     hinges = chance.integers(0, len(limits.lower), 200)
     turns = chance.uniform(-2.0, 2.0, len(hinges))
@@ -139,7 +139,7 @@ def can_stop(speed, acceleration, most, jerk, seconds, steps=150):
     ("speed", "acceleration"),
     [(1.0, 0.0), (-1.0, 0.0), (0.05, 0.0), (1.0, 8.0), (1.0, -8.0), (-0.3, 9.0), (0.0, 5.0), (0.2, -9.0)],
 )
-def test_stop_duration_is_minimal_and_attainable(speed, acceleration):
+def test_stop_duration_is_minimal_and_attainable_within_2_percent(speed, acceleration):
     seconds = float(least_stop(speed, acceleration, 10.0, 250.0))
     assert can_stop(speed, acceleration, 10.0, 250.0, 1.02 * seconds)
     assert not can_stop(speed, acceleration, 10.0, 250.0, 0.98 * seconds)

@@ -44,12 +44,12 @@ def test_out_bounce_bounces_three_times_without_overshoot():
 
 
 @pytest.mark.parametrize("steepness", [1.0, 2.0, 4.0, 8.0])
-def test_out_power_begins_with_its_steepness(steepness):
+def test_initial_slope_of_out_power_easing_equals_its_steepness(steepness):
     assert ease("out_power", np.array([1e-6]), steepness=steepness)[0] / 1e-6 == pytest.approx(steepness, rel=1e-4)
     assert np.all(np.diff(ease("out_power", EVEN, steepness=steepness)) >= 0.0)
 
 
-def test_late_easing_is_fastest_at_its_end():
+def test_velocity_of_late_easing_peaks_after_80_percent_of_its_time():
     steep = (3.5, 5.0, 6.5, 8.0)
     speeds = [played("late", steepness)(EVEN, nu=1) for steepness in steep]
     assert all(EVEN[speed.argmax()] > 0.8 for speed in speeds)
@@ -88,7 +88,7 @@ def test_lowest_easing_steepness_gives_minimum_jerk(easing):
     )
 
 
-def test_easing_steepness_raises_peak_velocity_and_overshoot():
+def test_steepness_raises_peak_velocity_and_overshoot_of_out_back_easing():
     curves = [played("out_back", steepness) for steepness in np.linspace(1.0, 8.0, 15)]
     assert np.all(np.diff([curve(EVEN, nu=1).max() for curve in curves]) > 0.0)
     assert np.all(np.diff([curve(EVEN).max() for curve in curves]) > 0.0)

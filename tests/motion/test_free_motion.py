@@ -42,7 +42,7 @@ def wish(asked: Keys) -> Floats:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_free_motion_of_all_hinges_matches_single_hinges(seed: int):
+def test_unlimited_motion_of_all_hinges_matches_that_of_single_hinges(seed: int):
     asked = keys(seed)
     ours, beyond = find_free_motion(asked.requested_times, asked, LIMITS, wish(asked))
     theirs, expected = reference.find_free_motion(asked.requested_times, asked, LIMITS, wish(asked))
@@ -56,7 +56,7 @@ def test_free_motion_of_all_hinges_matches_single_hinges(seed: int):
         np.testing.assert_array_equal(result.places, other.places)
 
 
-def test_free_motion_of_feasible_keys_reports_no_infeasible_segments():
+def test_unlimited_motion_through_slow_keys_has_no_segments_beyond_limits():
     asked = keys(3)
     slow = replace(asked, requested_times=asked.requested_times * 50.0)
     free, beyond = find_free_motion(slow.requested_times, slow, LIMITS, wish(slow))

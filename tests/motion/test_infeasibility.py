@@ -107,16 +107,16 @@ def test_segment_with_an_estimated_limit_ratio_of_at_most_one_is_feasible():
         ("duty", {"duty": 0.05}),
     ],
 )
-def test_binding_motion_limit_of_a_gap_is_reported(quantity, change):
+def test_binding_motion_limit_of_a_key_interval_is_reported(quantity, change):
     tight = replace(LIMITS, **{name: sealed([value]) for name, value in change.items()})
     assert measure_time_deficit(way(40, 20.0), tight).binding[0] == quantity
 
 
-def test_gap_with_spare_time_has_no_binding_limit():
+def test_key_interval_with_spare_time_has_no_binding_limit():
     assert measure_time_deficit(way(200, 20.0), LIMITS).binding == ("speed", None)
 
 
-def test_time_deficit_beyond_the_work_limit_is_not_measured():
+def test_time_deficit_of_a_segment_above_the_work_limit_is_not_measured():
     assert measure_time_deficit(way(40, 20.0), LIMITS, max_work=39) is None
     allowed, free = (
         measure_time_deficit(way(40, 20.0), LIMITS, max_work=40),
@@ -136,13 +136,13 @@ def deficit_of(amount: float, slopes: list[float], binding=("speed", None)) -> I
 
 @pytest.mark.parametrize(("amount", "counted"), [(0.3, 0.3), (-0.2, 0.0)])
 @pytest.mark.parametrize("slopes", [[-2.0, 2.0, 0.0], [0.0, 0.0, 0.11], [-0.11, 0.0, 0.0]])
-def test_one_plane_excludes_the_key_times_of_an_infeasible_segment(slopes, amount, counted):
+def test_cutting_plane_excludes_present_key_times_by_the_deficit_and_a_margin(slopes, amount, counted):
     (plane,) = make_cutting_planes(MARKED, deficit_of(amount, slopes), KEY_TIMES)
     np.testing.assert_allclose(plane.slopes, [slopes[0], slopes[1] / 2, slopes[1] / 2, slopes[2]])
     assert plane.slopes @ KEY_TIMES - plane.bound == pytest.approx(counted + DEFICIT_MARGIN)
 
 
-def test_each_limited_interval_grows_where_the_deficit_has_no_slope():
+def test_deficit_without_slope_gives_a_cutting_plane_for_each_limited_key_interval():
     flat = [-MIN_PLANE_SLOPE, 0.0, MIN_PLANE_SLOPE]
     first, second = make_cutting_planes(MARKED, deficit_of(0.3, flat, ("speed", "acceleration")), KEY_TIMES)
     np.testing.assert_allclose(first.slopes, [1.0, -0.5, -0.5, 0.0])

@@ -44,6 +44,6 @@ def test_key_posture_of_all_hinges_copies_the_given_angles():
         ({"acceleration": np.array([np.inf, 1.0])}, "acceleration is .* finite"),
     ],
 )
-def test_invalid_limits_raise_a_clear_error(wrong, said):
+def test_invalid_limits_raise_an_error_with_the_reason(wrong, said):
     with pytest.raises(ValueError, match=said):
         motion.Limits.box(**(BOX | wrong))

@@ -31,7 +31,7 @@ def test_feasible_requested_key_times_are_returned_without_a_linear_program(monk
     np.testing.assert_array_equal(solve_key_times(met), keys.requested_times)
 
 
-def test_start_moves_earlier_up_to_the_lead_in():
+def test_start_key_moves_earlier_by_at_most_the_lead_in():
     keys = Keys.of(keys_of((0, 0, "start"), (0.5, 1, "stroke"), (2, 0, "end")), LIMITS)
     assert solve_key_times(KeyTimeProblem(keys, keys.gaps | {(0, 1): 0.9}, 0.6)) == pytest.approx([-0.4, 0.5, 2.0])
     assert solve_key_times(KeyTimeProblem(keys, keys.gaps | {(0, 1): 1.5}, 0.6)) == pytest.approx([-0.6, 0.9, 2.0])
@@ -94,7 +94,7 @@ def test_compiled_simplex_matches_highs():
     assert moved >= 100
 
 
-def test_shift_cost_is_the_minimised_cost():
+def test_shift_cost_is_the_weighted_sum_of_key_time_shifts():
     keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
     assert shift_cost(keys, keys.requested_times) == 0.0
     assert shift_cost(keys, np.add(keys.requested_times, [0.0, -0.3, 0.1, 0.0])) == pytest.approx(

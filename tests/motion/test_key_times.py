@@ -49,7 +49,7 @@ def test_minimum_durations_are_computed_for_each_key_interval():
     assert compute_velocity_durations(keys, LIMITS) == {(0, (0, 1)): pytest.approx(0.25), (0, (1, 2)): 0.0}
 
 
-def test_lower_duty_limit_needs_more_time():
+def test_lower_duty_limit_increases_minimum_durations():
     keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "stroke")), LIMITS)
     tight = replace(LIMITS, duty=sealed([0.35]))
     for times in (compute_rest_durations, compute_velocity_durations):
@@ -117,7 +117,7 @@ def test_key_time_search_fails_with_the_hinge_name_if_a_segment_stays_infeasible
     assert search.times[-1] - search.times[0] > 2 * (began[-1] - began[0])
 
 
-def test_very_slow_hinge_gets_a_long_duration():
+def test_motion_with_a_low_duty_limit_takes_long_and_reports_duty_as_bottleneck():
     weak = replace(FEASIBLE_LIMITS, duty=sealed([0.06, 0.06]))
     motion = condition(KEYS, weak)
     assert motion.planned[-1] > 10.0
@@ -135,7 +135,7 @@ def nods(count: int, seconds: float) -> Keys:
 SLOW = Limits(*(sealed([value]) for value in (-2, 2, 6, 40, 1e3, 0.01, 0.05, 0.5)))
 
 
-def test_repeated_strokes_do_not_stop_at_reversals():
+def test_repeated_strokes_take_less_time_than_rest_to_rest_moves():
     keys = nods(6, 1.9)
     motion = condition(
         keys_of(*zip(keys.requested_times, keys.angles[:, 0], [s[0][1] for s in keys.syncs], strict=True)), SLOW
@@ -146,7 +146,7 @@ def test_repeated_strokes_do_not_stop_at_reversals():
     assert gaps.sum() < 0.8 * sum(rests[0, (k, k + 1)] for k in range(1, len(gaps) + 1))
 
 
-def test_infeasible_hinge_stops_at_its_keys_if_time_stretching_fails(monkeypatch):
+def test_at_least_half_of_the_key_intervals_get_rest_to_rest_durations_if_stretching_fails(monkeypatch):
     monkeypatch.setattr(key_times, "stretch_until_enough", lambda *given: None)
     tune(monkeypatch, max_planes=0)
     keys = nods(6, 1.9)
@@ -180,7 +180,7 @@ def measured(monkeypatch) -> list[int]:
 
 
 @pytest.mark.parametrize("gap", [0.15, pytest.param(0.2, marks=pytest.mark.soak)])
-def test_repeated_strokes_are_stretched_without_cutting_planes(gap, monkeypatch):
+def test_stretching_repeated_strokes_needs_few_measurements_and_costs_no_more_than_planes(gap, monkeypatch):
     """Cutting planes would need forty rounds and find no better times."""
     seen = measured(monkeypatch)
     motion = condition(write_rapid_head_block(gap), LIMITS)
@@ -192,7 +192,7 @@ def test_repeated_strokes_are_stretched_without_cutting_planes(gap, monkeypatch)
     assert len(seen) > 40
 
 
-def test_cutting_planes_succeed_where_stretching_fails(monkeypatch):
+def test_cutting_planes_find_times_below_rest_to_rest_durations_without_stretching(monkeypatch):
     monkeypatch.setattr(key_times, "stretch_until_enough", lambda *given: None)
     keys = Keys.of(write_rapid_head_block(0.2, strokes=3), LIMITS)
     tune(monkeypatch, max_planes=10**6)
@@ -203,7 +203,7 @@ def test_cutting_planes_succeed_where_stretching_fails(monkeypatch):
 
 
 @pytest.mark.parametrize(("seeds", "most"), [((1, 5, 7, 9), 185), ((2,), 10)])
-def test_time_deficits_of_infeasible_segments_are_measured_before_those_of_neighbours(seeds, most, known, monkeypatch):
+def test_number_of_time_deficits_measured_for_overlapping_gestures_is_bounded(seeds, most, known, monkeypatch):
     """Measuring neighbours in every round, or beside each plane of the hinge, costs a fifth more."""
     seen, hands_alone = measured(monkeypatch), replace(known, style=known.style.changed(["whole_body=0"]))
     for seed in seeds:
@@ -211,7 +211,7 @@ def test_time_deficits_of_infeasible_segments_are_measured_before_those_of_neigh
     assert len(seen) <= most
 
 
-def test_measured_work_is_counted_and_a_spent_budget_forces_stops(monkeypatch):
+def test_exceeded_evaluation_limit_ends_measurements_with_rest_to_rest_durations(monkeypatch):
     """The budget counts work rather than time, so that every host finds the same key times."""
     seen = measured(monkeypatch)
     keys = nods(6, 1.9)
@@ -227,7 +227,7 @@ def test_measured_work_is_counted_and_a_spent_budget_forces_stops(monkeypatch):
     )
 
 
-def test_spent_budget_forces_stops_without_measurements(monkeypatch):
+def test_spent_budget_gives_rest_to_rest_durations_without_measurements(monkeypatch):
     seen = measured(monkeypatch)
     keys = nods(6, 1.9)
     postures = keys_of(*zip(keys.requested_times, keys.angles[:, 0], [s[0][1] for s in keys.syncs], strict=True))

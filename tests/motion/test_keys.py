@@ -24,7 +24,7 @@ def test_only_exact_keys_are_constraints():
     assert [result.has_path(hinge).tolist() for hinge in (0, 1)] == [[True], [False, False]]
 
 
-def test_keys_of_other_hinges_keep_their_order_relative_to_path_keys():
+def test_minimum_gaps_link_a_key_of_another_hinge_to_both_ends_of_a_path():
     result = keys(*PATH)
     assert {(1, 3), (3, 5), (1, 5)} <= result.gaps.keys()
 
@@ -87,7 +87,7 @@ def test_common_key_passage_sets_one_tension_and_drops_inexact_keys():
         ("swing", -0.1),
     ],
 )
-def test_out_of_range_parameters_raise_an_error_with_the_range(name, value):
+def test_key_passage_parameter_out_of_range_raises_an_error_with_the_range(name, value):
     with pytest.raises(ValueError, match=rf"{name} is {value:g}, outside \[.*\]"):
         KeyPassage(**{name: value})
 
@@ -106,7 +106,7 @@ def test_removing_the_accent_of_a_key_passage_keeps_tension_continuity_and_bias(
 
 
 @pytest.mark.parametrize("swing", [0.0, 0.5, 1.0])
-def test_overshoot_adds_key_velocity_and_full_tension_removes_it(swing):
+def test_swing_raises_the_velocity_at_a_key_and_full_tension_removes_it(swing):
     flows = [KeyPassage(tension=tension, swing=swing).flow for tension in (-1.0, 0.0, 0.5, 1.0)]
     assert flows == sorted(flows, reverse=True)
     assert flows[-1] == 0.0

@@ -81,7 +81,7 @@ def test_only_new_limit_violations_are_flagged():
     assert find_beyond(2.0 * leaping, leaping, LIMITS, both, full=1.0)[1, 20]
 
 
-def test_compiled_control_point_flags_equal_the_python_reference():
+def test_compiled_flags_of_control_points_beyond_limits_equal_the_python_reference():
     controls, before = (wandering(300, seed).controls.T * scale for seed, scale in ((1, 0.02), (2, 0.01)))
     given = controls[::-1] + before, before, LIMITS, np.array([1, 0])
     compiled = find_beyond(*given, full=6.0)

@@ -13,7 +13,9 @@ LONGEST = 3.0  # [s] since a piece began, the last one and what is beyond it
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 9), st.integers(1, 6), st.integers(1, 4))
-def test_values_and_derivatives_match_scipy_inside_and_outside(seed: int, pieces: int, powers: int, curves: int):
+def test_piecewise_polynomials_and_derivatives_match_scipy_inside_and_outside(
+    seed: int, pieces: int, powers: int, curves: int
+):
     random = np.random.default_rng(seed)
     times = random.normal() + np.cumsum(random.uniform(0.01, LONGEST - 1.0, pieces + 1))
     scales = 10.0 ** random.uniform(-3.0, 3.0, (powers, 1, 1))

@@ -46,7 +46,7 @@ def memory():
 
 
 @pytest.mark.parametrize("later", [0.0, 7.3])
-def test_second_key_time_search_starts_from_the_result_of_the_first(memory, measured, later):
+def test_repeated_search_with_stored_cutting_planes_needs_under_a_third_of_the_measurements(memory, measured, later):
     alone = condition(keys_of(later=later), LIMITS)
     count = len(measured)
     repeated = condition(keys_of(later=later), LIMITS, memory=memory)
@@ -90,7 +90,7 @@ def test_stored_cutting_plane_is_invariant_to_a_common_time_shift(memory):
             assert plane.slopes.sum() == pytest.approx(0.0, abs=1e-9)
 
 
-def test_cutting_planes_of_earlier_searches_are_kept(memory):
+def test_cutting_planes_of_an_earlier_search_are_kept_after_another_search(memory):
     keys = Keys.of(keys_of(), LIMITS)
     others = keys_of(tuple((*row[:-1], f"other_{row[-1]}") for row in ROWS))
     condition(others, LIMITS, memory=memory, budget=UNLIMITED_BUDGET)

@@ -139,7 +139,7 @@ def test_path_between_equal_angles_is_not_a_hold():
     ]
 
 
-def test_long_hold_is_split_into_short_segments_around_a_still_segment():
+def test_motion_with_a_long_hold_has_two_short_segments_around_a_still_one():
     rows = ((0.0, 0.0), (0.5, 0.7), (300.0, 0.7), (300.5, 0.0))
     keys = Keys.of(tuple(KeyPosture(t, sealed([a] * 2), (True, True)) for t, a in rows), LIMITS)
     before, still, after = [

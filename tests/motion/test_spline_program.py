@@ -35,7 +35,7 @@ def largest(found: SplineSegment, controls) -> float:
     return max(float(np.abs(share).max()) for share in found.grid.limit_ratios(controls, LIMITS, 0))
 
 
-def test_gentle_desired_motion_is_followed_exactly():
+def test_desired_motion_within_limits_is_followed_within_0_2_mrad():
     way = segment(60, 0.0, 0.5)
     s = np.linspace(0, 1, 61)
     wish = 0.5 * (10 * s**3 - 15 * s**4 + 6 * s**5)
@@ -55,7 +55,7 @@ def test_sharp_desired_motion_is_followed_up_to_the_limits():
     np.testing.assert_allclose(matrix @ controls, values, atol=1e-9)
 
 
-def test_limited_spline_solution_is_optimal():
+def test_motion_within_limits_is_nearer_to_the_desired_one_than_200_feasible_others():
     way = segment(60, 0.0, 0.5)
     wish = np.where(np.arange(61) < 30, 0.0, 0.5)
     best = nearest_motion(way, wish, LIMITS)
@@ -117,7 +117,7 @@ def random_segment(seed: int) -> tuple[SplineSegment, Floats]:
     return way, wish + rng.normal(0.0, 0.05, pieces + 1)
 
 
-def test_compiled_programs_match_piqp():
+def test_compiled_spline_programs_match_piqp():
     for seed in range(60):
         with about(f"seed {seed}"):
             way, wish = random_segment(seed)
@@ -162,14 +162,14 @@ def test_feasibility_test_agrees_with_the_existence_of_a_motion_within_limits():
     assert 4 <= stuck <= 40
 
 
-def test_desired_motion_beyond_the_keys_widens_the_angle_range_of_the_relaxation():
+def test_segment_becomes_feasible_with_the_wider_angle_range_of_its_desired_motion():
     way, wish = random_segment(7)
     narrow, wide = (relax_limits(way, LIMITS, easy=EASY_DEFICIT, desired=desired) for desired in (None, wish))
     assert narrow.amount > 1e-3
     assert wide.amount < -1e-3
 
 
-def test_no_feasible_change_of_control_points_improves_the_optimum():
+def test_no_random_feasible_change_of_control_points_improves_the_optimum():
     """The objective's slope is not negative towards any other motion within the limits."""
     judged = 0
     for seed in range(20):
@@ -199,7 +199,7 @@ def test_multipliers_of_a_limit_relaxation_equal_its_finite_differences():
 
 
 @pytest.mark.parametrize("broken", range(8))
-def test_arrays_of_wrong_length_raise_an_error(broken: int):
+def test_spline_kernel_arrays_of_wrong_length_raise_an_error(broken: int):
     way, wish = random_segment(1)
     fixed, grid_ = way.fixed, way.grid
     good = [

@@ -66,7 +66,7 @@ def test_stopping_a_resting_motion_keeps_its_posture():
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_stop_is_never_longer_than_the_remaining_motion(seed):
+def test_stopped_motion_ends_no_later_than_the_original_motion(seed):
     motion = moving(seed)
     for left in (0.03, 0.04, 0.06, 0.1, 0.2, 0.4):
         halted = stop(motion, motion.duration - left, LIMITS)

@@ -34,13 +34,13 @@ def measure(times):
     return [(segment, measure_time_deficit(segment, LIMITS)) for segment in moving]
 
 
-def test_time_warp_lengthens_gaps_by_its_integral():
+def test_uniform_time_warp_lengthens_key_intervals_in_proportion():
     (segment, _) = measure(KEYS.requested_times)[0]
     even = np.full(segment.grid.pieces + 2, 0.1)
     assert _gap_lengthening(segment) @ even == pytest.approx(0.1 * np.diff(KEYS.requested_times), abs=1e-9)
 
 
-def test_uniform_warp_scales_derivatives_by_powers_of_time():
+def test_uniform_time_warp_reduces_limit_ratios_in_proportion_to_the_derivative_order():
     (segment, result) = measure(KEYS.requested_times)[0]
     grid = segment.grid
     now = grid.rows(LIMITS, 0) @ result.controls
@@ -86,7 +86,7 @@ def steps_of_search(deficits):
     return [float(np.abs(np.diff(times) / np.diff(KEYS.requested_times) - 1.0).max()) for times in tried[1:]]
 
 
-def test_time_stretching_without_success_ends_after_ten_ever_smaller_steps():
+def test_failing_time_stretching_ends_after_ten_steps_and_shrinks_the_first_five():
     lacks = measure(KEYS.requested_times)
     steps = steps_of_search(lambda times, number: lacks)
     assert len(steps) == 10

@@ -30,7 +30,7 @@ def test_trajectory_duration_is_the_number_of_knot_intervals_times_their_length(
     assert MOTION.duration == pytest.approx(30 * KNOT_INTERVAL)
 
 
-def test_motion_is_at_rest_before_and_after():
+def test_trajectory_is_at_rest_before_its_start_and_after_its_end():
     outside = np.array([-0.5, MOTION.duration + 0.5])
     angles, speeds, accelerations = MOTION.sample(outside)
     np.testing.assert_allclose(angles, MOTION.sample(np.array([0.0, MOTION.duration]))[0])

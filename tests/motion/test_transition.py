@@ -45,7 +45,7 @@ def test_too_short_transition_returns_none():
     assert cross_over(own, after, (20, 80), widen_limits(LIMITS), 0) is not None
 
 
-def test_identical_motions_need_no_transition():
+def test_transition_between_motions_that_agree_there_equals_the_target_motion():
     own = wave(150, 0.4, 1.6)
     after = own.copy()
     after[100:] = after[99]
@@ -62,7 +62,7 @@ def test_transition_passes_keys_of_the_target_motion():
     np.testing.assert_allclose(reached, wanted, atol=1e-9)
 
 
-def test_limit_correction_changes_only_violating_parts_of_a_motion():
+def test_limit_correction_changes_a_motion_only_near_its_violation():
     wish = wave(300, 0.2, 1.5)
     wish[150:] += 0.03  # a jump
     assert share(wish) > 10
