@@ -122,7 +122,7 @@ def test_torques_are_equal_without_mujoco_function_addresses(monkeypatch):
     assert np.abs(fast).max() > 1.0
 
 
-def test_kernel_rejects_arrays_of_wrong_shape():
+def test_kinematics_kernel_rejects_arrays_of_wrong_shape():
     frames = kinematics.compile_frames(ROBOTS[0].skeleton)
     with pytest.raises(ValueError, match="do not fit"):
         frames.solve(np.ones(3, dtype=np.bool_), np.zeros(4), np.zeros(4), np.zeros(9), np.zeros(3))

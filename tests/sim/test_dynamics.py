@@ -63,7 +63,7 @@ def test_inertia_includes_the_armature():
     assert (DYNAMICS.inertias(RANDOM_POSTURES) > [drive.armature for drive in ROBOT.drives]).all()
 
 
-def test_friction_and_damping_are_continuous_in_velocity():
+def test_friction_torque_is_a_tanh_of_velocity_plus_linear_damping():
     drive, hinge = ROBOT.drives[13], 13  # the last wrist hinge carries no other hinge
     for speed in (-2.0, 0.5 * COULOMB_FADE_VELOCITY, 1.0):
         speeds = ZERO_VELOCITIES[:1].copy()

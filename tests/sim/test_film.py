@@ -149,7 +149,7 @@ def test_long_motion_is_filmed_at_a_lower_rate(tmp_path, monkeypatch):
 
 
 @draws
-def test_still_shows_the_whole_upper_body_from_the_front(tmp_path):
+def test_still_shows_both_hands_within_the_picture_from_the_front(tmp_path):
     heights = {}
     for name, posture in (("rest", REST_POSTURE), ("raised", RAISED_POSTURE)):
         path = tmp_path / f"{name}.png"
@@ -178,7 +178,7 @@ def test_error_without_opengl_names_the_install_command(tmp_path, monkeypatch):
 
 
 @draws
-def test_error_names_a_too_early_import_of_mujoco(tmp_path):
+def test_import_of_mujoco_before_kinesic_sim_draws_or_is_named_in_the_error(tmp_path):
     program = (
         "import warnings; warnings.simplefilter('ignore')\n"
         "import mujoco\n"

@@ -34,7 +34,7 @@ def measure_all_pairs(posture):
         yield float((segment_distances(a0, a1, b0, b1) - ra - rb).min())
 
 
-def test_every_finger_affects_the_distance():
+def test_distances_of_fingers_are_exact_when_near_and_lower_bounds_when_far():
     postures = random_postures(ROBOT.skeleton, 40, seed=5)
     gaps, nearest = DISTANCES.gaps(postures), DISTANCES.clearance(postures)
     for posture, result, least in zip(postures, gaps, nearest.distances, strict=True):
@@ -49,7 +49,7 @@ def test_every_finger_affects_the_distance():
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_finger_ball_contains_the_fingers_in_every_bending(side):
+def test_finger_ball_contains_the_fingers_in_300_random_postures(side):
     ball, hand = compute_finger_hull(ROBOT, side), ROBOT.skeleton.segment(f"{side}_wrist")
     frames = ROBOT.skeleton.frames(random_postures(ROBOT.skeleton, 300, seed=6))
     centre = frames.origins[:, hand] + frames.rotations[:, hand] @ ball.start
@@ -76,7 +76,7 @@ def test_closest_finger_approach_between_samples_is_found():
 
 
 @pytest.mark.parametrize("side", SIDES)
-def test_fingers_cannot_reach_their_own_forearm(side):
+def test_fingers_stay_5_mm_from_their_own_forearm_in_1000_random_postures(side):
     everything = replace(ROBOT, exclusions=tuple(e for e in ROBOT.exclusions if f"{side}_elbow" not in e.pair))
     pair = everything.counted_pairs.index((f"{side}_elbow", f"{side}_fingers"))
     assert CapsuleDistances(everything).gaps(random_postures(ROBOT.skeleton, 1000, seed=9))[:, pair].min() > 0.005

@@ -22,7 +22,7 @@ def all_libraries(monkeypatch):
 
 
 @pytest.mark.parametrize("asked", ["disable", "off", "glfw", "glx"])
-def test_harmless_user_value_of_mujoco_gl_is_kept(asked, all_libraries):
+def test_mujoco_gl_set_to_disable_off_glfw_or_glx_is_kept(asked, all_libraries):
     environment = {"MUJOCO_GL": asked}
     assert gl.prepare(environment) == asked
     assert environment == {"MUJOCO_GL": asked}
@@ -40,20 +40,20 @@ def test_mujoco_rendering_is_disabled_without_opengl_libraries(asked, no_librari
     assert gl.prepare(environment) == environment["MUJOCO_GL"] == "disable"
 
 
-def test_other_pyopengl_platform_rules_out_egl_of_mujoco_but_no_drawing(all_libraries):
+def test_other_pyopengl_platform_selects_glfw_and_keeps_drawing_enabled(all_libraries):
     environment = {"PYOPENGL_PLATFORM": "osmesa"}
     assert gl.prepare(environment) == "glfw"
     assert not gl.is_switched_off(environment)
 
 
-def test_fault_names_missing_libraries_and_install_command(no_libraries):
+def test_opengl_fault_names_the_missing_library_and_the_install_command(no_libraries):
     why = gl.opengl_fault()
     assert why is not None
     assert "libEGL.so.1" in why
     assert gl.INSTALL_COMMAND in why
 
 
-def test_missing_pillow_prevents_drawing(all_libraries, monkeypatch):
+def test_missing_pillow_is_reported_as_a_missing_library(all_libraries, monkeypatch):
     monkeypatch.setitem(sys.modules, "PIL", None)
     reason = explain_missing_pillow()
     assert reason is not None

@@ -56,7 +56,7 @@ def test_invalid_servo_log_is_rejected_with_its_fault(tmp_path, change, message)
         read_log(tmp_path / "log.npz", ROBOT)
 
 
-def test_missing_file_and_other_file_types_are_rejected(tmp_path):
+def test_missing_servo_log_and_other_file_types_are_rejected(tmp_path):
     with pytest.raises(ConfigError, match=r"none\.npz: No such file"):
         read_log(tmp_path / "none.npz", ROBOT)
     text = tmp_path / "text.npz"

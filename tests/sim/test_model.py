@@ -53,7 +53,7 @@ def test_mujoco_joints_and_actuators_have_the_order_of_the_skeleton():
     assert (MODEL.nq, MODEL.nv, MODEL.nu, MODEL.na) == (22, 22, 22, 0)
 
 
-def test_compiled_ranges_match_the_description_and_required_minimum():
+def test_joint_ranges_match_the_description_and_contain_the_required_minimum():
     for name, lower, upper in zip(ROBOT.skeleton.names, ROBOT.skeleton.lower, ROBOT.skeleton.upper, strict=True):
         compiled = MODEL.joint(name).range
         assert compiled == pytest.approx([lower, upper], abs=1e-12)
@@ -103,7 +103,7 @@ def test_segments_weigh_at_least_1_3_times_their_servos():
         assert MODEL.body(segment.name).mass[0] >= 1.3 * carried, segment.name
 
 
-def test_arm_length_is_plausible():
+def test_arm_length_of_the_default_robot_is_between_42_and_55_cm():
     assert 0.42 - 1e-9 <= ROBOT.arm_length <= 0.55
 
 
@@ -154,7 +154,7 @@ def test_only_segment_pairs_of_the_collision_check_can_collide():
     assert everything - excluded == {frozenset(pair) for pair in ROBOT.counted_pairs}
 
 
-def test_mujoco_contacts_occur_only_in_the_colliding_posture():
+def test_mujoco_has_contacts_in_a_colliding_posture_but_none_in_the_zero_posture():
     data = mujoco.MjData(MODEL)
     mujoco.mj_forward(MODEL, data)
     assert data.ncon == 0

@@ -45,7 +45,7 @@ def test_constant_voltage_needs_no_supply_object():
 
 
 @pytest.mark.parametrize("resistance", [0.05, 0.2, 0.6])
-def test_voltage_equals_open_voltage_minus_current_drop(resistance):
+def test_voltage_equals_open_voltage_minus_current_drop_or_the_minimum_voltage(resistance):
     chance = np.random.default_rng(3)
     for _ in range(50):
         duties, speeds = chance.uniform(-0.6, 0.6, HINGE_COUNT), chance.uniform(-1, 1, HINGE_COUNT) * DRIVES.no_load
@@ -83,12 +83,12 @@ def test_sagging_twin_is_slower_and_reports_the_lowest_voltage():
     assert late < there - 1.0
 
 
-def test_sagging_supply_without_load_keeps_its_voltage():
+def test_supply_with_negligible_resistance_moves_arms_like_a_constant_voltage():
     still, same = raise_arms(Factors(resistance=1e-9)), raise_arms(NOMINAL_FACTORS)
     assert np.abs(still.measurements().angles - same.measurements().angles).max() < np.radians(0.01)
 
 
-def test_current_limit_holds_during_motion():
+def test_current_limit_of_3_a_keeps_sampled_currents_of_a_motion_below_4_5_a():
     power, stiff = (raise_arms(factors).measurements().power for factors in (Factors(amps=3.0), NOMINAL_FACTORS))
     assert power.peak.max() < 4.5 < 6.0 < stiff.peak.max()  # sampled half a physics step apart
     assert power.mean.max() < 4.5 < stiff.mean.max()

@@ -130,7 +130,7 @@ def test_rods_connect_all_shapes_of_a_segment_and_its_children():
 
 
 @pytest.mark.parametrize("name", ["sunk", "bust"])
-def test_drawn_floor_has_no_stray_pixels(name: str, tmp_path: Path):
+def test_corner_of_the_drawn_floor_has_uniform_brightness(name: str, tmp_path: Path):
     if why := opengl_fault():
         pytest.skip(why)
     robot = ROBOTS[name]

@@ -20,7 +20,7 @@ def test_scenery_has_no_mass_and_no_contacts():
     assert len(solid) == sum(len(segment.capsules) for segment in ROBOT.skeleton.segments)
 
 
-def test_camera_is_in_front_of_the_face():
+def test_camera_is_in_front_of_the_robot_with_a_level_horizon():
     camera = MODEL.camera(CAMERA_NAME)
     assert camera.pos[0] > 1.0
     assert abs(camera.pos[1]) < camera.pos[0]
@@ -34,7 +34,7 @@ def test_offscreen_buffer_fits_the_requested_picture_size():
     assert (MODEL.vis.global_.offwidth, MODEL.vis.global_.offheight) == (320, 240)
 
 
-def test_segments_have_the_colour_of_their_body_part():
+def test_segments_are_assigned_to_body_parts_for_colouring():
     painted = parts(ROBOT)
     assert set(painted) == {segment.name for segment in ROBOT.skeleton.segments}
     assert painted[ROBOT.chains["l_arm"][-1]] == "l_hand"

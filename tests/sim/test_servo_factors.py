@@ -110,7 +110,7 @@ def test_servo_models_can_have_separate_factors():
         assert changed.servo.mass == pytest.approx(1.1 * drive.servo.mass)
 
 
-def test_factor_file_may_contain_all_keys(tmp_path):
+def test_factor_file_with_supply_latency_gain_and_servo_keys_is_read(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text("supply = 0.95\nlatency = 0.004\ngain = 0.9\n[servos.xc430_w240]\nstall = 0.7\n")
     read = Factors.read(path)
@@ -165,7 +165,7 @@ def test_joined_factors_take_the_second_value_where_both_differ_from_neutral():
     assert join_factors(second, first) == Factors(stall=0.8, friction=1.5, latency=0.01, mass=1.2)
 
 
-def test_twins_are_read_by_name_or_from_a_file_in_the_order_of_their_checks(tmp_path):
+def test_twin_factors_are_read_by_name_or_from_a_file(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text("stall = 0.7\n")
     assert read_twins("nominal") == (NOMINAL_FACTORS,)

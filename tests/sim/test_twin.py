@@ -153,7 +153,7 @@ def test_latency_equals_mujoco_actuator_delay():
     assert np.abs(performed(COMMANDS, step=step).angles[1:] - angles[1:]).max() > np.radians(0.3)
 
 
-def test_servos_measure_the_hinge_after_backlash():
+def test_measured_angles_of_loaded_hinges_change_by_under_0_2_degrees_with_backlash():
     """Motors are off by half the backlash, hinges are where they are without backlash."""
     raised = np.array(REST_POSTURE)
     for side in "lr":
@@ -168,7 +168,7 @@ def test_servos_measure_the_hinge_after_backlash():
     assert np.abs(tight - loose)[loaded].max() < np.radians(0.2)
 
 
-def test_hinge_with_backlash_waits_when_the_motor_reverses():
+def test_hinge_with_backlash_lags_by_4_to_30_mrad_after_the_motor_reverses():
     """After a slow reversal the hinge follows later than without backlash."""
     way = np.concatenate([np.linspace(0.0, 0.3, 100), np.linspace(0.3, 0.0, 100)])
     neck = SKELETON.joint("skullbase_torsion")
@@ -178,7 +178,7 @@ def test_hinge_with_backlash_waits_when_the_motor_reverses():
     assert 0.004 < strayed[100:130].max() < 0.03
 
 
-def test_sent_setpoints_are_stored_in_ticks():
+def test_recorded_setpoints_are_the_sent_ones_rounded_to_ticks():
     seen = performed(COMMANDS)
     ticks = ROBOT.drives.tick
     assert seen.setpoints.shape == seen.angles.shape
@@ -196,7 +196,7 @@ def test_reported_positions_are_the_present_ones_rounded_to_ticks():
         assert positions / ticks == pytest.approx(np.rint(positions / ticks), abs=1e-6)
 
 
-def test_setpoints_are_rounded_to_ticks():
+def test_setpoint_moves_the_twin_like_the_nearest_tick():
     tick = ROBOT.drives[0].tick
     turned = REST_POSTURE.copy()
     turned[0] = 100.4 * tick

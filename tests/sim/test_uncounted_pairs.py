@@ -49,7 +49,7 @@ class PairDistances:
 
 @each_robot
 @few_and_many
-def test_excluded_segment_pairs_never_collide(name: str, postures: int) -> None:
+def test_excluded_segment_pairs_do_not_collide_in_random_postures(name: str, postures: int) -> None:
     robot = Robot.load(name)
     reasons = {
         (a, b): exclusion.why

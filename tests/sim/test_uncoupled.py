@@ -42,7 +42,7 @@ def test_physics_model_omits_coupled_joints_and_drawing_model_contains_them():
     assert sorted(find_turn_indices(ROBOT, picture)) == list(range(36 + len(ROBOT.skeleton.couplings)))
 
 
-def test_picture_pose_equals_forward_kinematics():
+def test_segment_origins_of_the_drawing_model_equal_forward_kinematics():
     model = describe(ROBOT).compile()
     data = mujoco.MjData(model)
     posture = np.random.default_rng(4).uniform(ROBOT.skeleton.lower, ROBOT.skeleton.upper)

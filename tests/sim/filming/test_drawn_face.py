@@ -29,7 +29,7 @@ def count(units: dict[str, float], colour: tuple[int, int, int], rows: slice) ->
 
 
 @pytest.mark.parametrize("unit", ["25", "26", "27"])
-def test_jaw_drop_opens_only_the_mouth(unit: str):
+def test_lip_and_jaw_units_open_the_mouth_and_leave_the_upper_face_unchanged(unit: str):
     shut, opened = paint_face({}), paint_face({unit: 0.9})
     assert len(find_pixels(opened, LINE_COLOUR, MOUTH_ROWS)) > len(find_pixels(shut, LINE_COLOUR, MOUTH_ROWS)) + 200
     assert (shut[:165] == opened[:165]).all()
@@ -66,7 +66,7 @@ def test_action_units_raise_and_lower_mouth_corners_and_brows():
     assert height({"1": 1.0, "2": 1.0}, BROW_ROWS) < height({}, BROW_ROWS) - 10 < height({"4": 1.0}, BROW_ROWS)
 
 
-def test_frown_lowers_the_inner_ends_of_the_lids_and_sorrow_the_outer():
+def test_brow_lowerer_lowers_inner_lid_ends_and_inner_brow_raiser_lowers_outer_ones():
     """The left half of the picture has one eye, whose inner end is right."""
 
     def slant(units: dict[str, float]) -> float:
@@ -79,7 +79,7 @@ def test_frown_lowers_the_inner_ends_of_the_lids_and_sorrow_the_outer():
     assert count({"4": 1.0}, LINE_COLOUR, EYE_ROWS) < count({}, LINE_COLOUR, EYE_ROWS)
 
 
-def test_smile_raises_the_lower_lids_and_wide_eyes_grow():
+def test_cheek_raiser_shrinks_and_upper_lid_raiser_enlarges_the_drawn_eyes():
     plain = count({}, LINE_COLOUR, EYE_ROWS)
     assert count({"6": 1.0}, LINE_COLOUR, EYE_ROWS) < 0.8 * plain
     assert count({"5": 1.0}, LINE_COLOUR, EYE_ROWS) > 1.05 * plain

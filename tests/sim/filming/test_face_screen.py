@@ -21,7 +21,7 @@ def compute_normals(sheet: Sheet) -> tuple[np.ndarray, np.ndarray]:
     return np.cross(two - one, three - one), sheet.normals[sheet.triangles].mean(axis=1)
 
 
-def test_face_screen_is_126_by_94_mm_and_clear_of_the_head():
+def test_curved_face_screen_spans_119_by_94_mm_and_is_clear_of_the_head():
     screen = build_face_screen(ROBOT)
     assert screen is not None
     places, eyes = screen.picture.places, ROBOT.sites["eyes"]

@@ -48,7 +48,7 @@ def test_mujoco_draws_without_pyopengl(opengl):
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux reads MUJOCO_GL this way")
-def test_drawing_that_the_user_switched_off_is_refused(monkeypatch):
+def test_offscreen_drawing_switched_off_by_mujoco_gl_is_refused(monkeypatch):
     monkeypatch.setitem(os.environ, "MUJOCO_GL", "off")
     with pytest.raises(OffscreenError, match="switched off by MUJOCO_GL"):
         Offscreen(mujoco.MjModel.from_xml_string(SPHERE), (8, 8))

@@ -12,7 +12,7 @@ def limb(tee):
     )
 
 
-def test_anatomical_assignment_of_arm_hinges_has_the_highest_likeness(limb):
+def test_anatomical_division_of_arm_hinges_has_the_highest_likeness(limb):
     ranked = sorted(splits(7), key=lambda split: -likeness(limb, split))
     assert ranked[0] == Split(girdle=0, shoulder=3, wrist=3)
     assert likeness(limb, ranked[0]) > likeness(limb, ranked[1]) + 0.3
@@ -27,6 +27,6 @@ def test_imported_joint_centres_are_axis_intersections(limb):
     assert result.lengths == pytest.approx((0.28, 0.24), abs=2e-3)
 
 
-def test_each_assignment_of_arm_hinges_has_an_elbow_and_no_fingers():
+def test_arm_divisions_use_all_of_three_hinges_and_at_most_eight_of_nine():
     assert {split.hinges for split in splits(3)} == {3}
     assert all(split.hinges <= 8 for split in splits(9) if split.girdle + split.shoulder <= 4)

@@ -50,11 +50,11 @@ def test_arm_division_gives_elbow_index_and_hinge_count():
         (6, [(0, 2, 3), (0, 3, 2), (0, 4, 1), (1, 2, 2), (1, 3, 1), (1, 4, 0), (2, 2, 1), (2, 3, 0), (3, 2, 0)]),
     ],
 )
-def test_divisions_have_two_to_four_shoulder_hinges_and_up_to_three_before_and_after(count, expected):
+def test_arm_divisions_have_two_to_four_shoulder_hinges_and_up_to_three_before_and_after(count, expected):
     assert splits(count) == [Split(*numbers) for numbers in expected]
 
 
-def test_long_arm_has_twelve_divisions_without_its_fingers():
+def test_arm_of_twenty_hinges_has_twelve_divisions_with_three_wrist_hinges():
     found = splits(20)
     assert [(split.girdle, split.shoulder) for split in found] == [(g, s) for g in range(4) for s in (2, 3, 4)]
     assert {split.wrist for split in found} == {3}
@@ -87,31 +87,31 @@ def test_joint_centres_leave_out_collar_bone_and_fingers():
     np.testing.assert_array_equal(at.axes, row.axes[1:4])
 
 
-def test_parallel_shoulder_hinges_meet_next_to_the_last_one():
+def test_shoulder_centre_of_parallel_hinges_is_at_the_last_one():
     row = limb((SHOULDER + 0.2 * Y, Y), (SHOULDER + 0.1 * Y, Y), HINGE, *HAND)
     np.testing.assert_allclose(centres(row, Split(0, 2, 2)).shoulder, SHOULDER + 0.1 * Y)
 
 
-def test_parallel_wrist_hinges_meet_next_to_the_last_one():
+def test_wrist_centre_of_parallel_hinges_is_at_the_last_one():
     row = limb(*BALL, HINGE, (WRIST, Z), (WRIST - 0.1 * Z, Z), FINGER)
     np.testing.assert_allclose(centres(row, Split(0, 3, 2)).wrist, WRIST - 0.1 * Z)
 
 
-def test_elbow_is_next_to_the_twist_of_the_upper_arm_or_to_the_shoulder():
+def test_elbow_centre_is_nearest_to_the_upper_arm_twist_axis_or_else_to_the_shoulder():
     slanted = (ELBOW, (Y + Z) / sqrt(2))
     assert centres(limb(*BALL, slanted, *HAND), Split(0, 3, 2)).elbow == pytest.approx(ELBOW)
     expected = ELBOW + 0.15 * (Y + Z)
     assert centres(limb(*BALL[:2], slanted, *HAND), Split(0, 2, 2)).elbow == pytest.approx(expected)
 
 
-def test_arm_without_a_wrist_ends_twice_as_far_as_the_centre_of_its_forearm():
+def test_arm_without_wrist_hinges_ends_at_twice_the_distance_of_its_centre_of_mass():
     at = centres(limb(*BALL, HINGE, FINGER, centre=ELBOW - 0.1 * Z + 0.03 * X), Split(0, 3, 0))
     np.testing.assert_allclose(at.wrist, ELBOW - 0.2 * Z + 0.06 * X)
 
 
 @pytest.mark.parametrize("sign", [1, -1])
 @pytest.mark.parametrize(("cosine", "is_twist"), [(0.69, False), (0.71, True)])
-def test_only_wrist_hinge_is_the_wrist_unless_it_twists_the_forearm(sign, cosine, is_twist):
+def test_wrist_centre_is_at_a_single_wrist_hinge_unless_it_twists_the_forearm(sign, cosine, is_twist):
     axis = sign * (cosine * Z + sqrt(1 - cosine**2) * X)
     row = limb(*BALL, HINGE, (WRIST, axis))
     tip = 2 * CENTRE - ELBOW
@@ -119,7 +119,7 @@ def test_only_wrist_hinge_is_the_wrist_unless_it_twists_the_forearm(sign, cosine
     np.testing.assert_allclose(centres(row, Split(0, 3, 1)).wrist, expected, atol=1e-3)
 
 
-def test_two_wrist_hinges_are_the_wrist_even_if_the_first_twists_the_forearm():
+def test_wrist_centre_is_where_two_hinges_meet_even_if_the_first_twists_the_forearm():
     row = limb(*BALL, HINGE, (WRIST + 0.1 * Z, Z), (WRIST, X))
     np.testing.assert_allclose(centres(row, Split(0, 3, 2)).wrist, WRIST, atol=1e-3)
 
@@ -153,12 +153,12 @@ def test_twist_is_the_last_shoulder_hinge_along_the_upper_arm(axes, twist):
         ((*BALL, (ELBOW, 0.8 * Y - 0.6 * Z)), (0, 3, 2), 0.6 + 0.4 + 0.4 - 1.5 * 0.6),
     ],
 )
-def test_arm_is_human_like_by_its_numbers_of_hinges_and_their_axes(hinges, split, score):
+def test_likeness_of_an_arm_depends_on_its_hinge_counts_and_axes(hinges, split, score):
     row = limb(*hinges, *HAND)
     assert likeness(row, Split(*split)) == pytest.approx(1.5 + 2 / 3 + score)
 
 
-def test_human_like_arm_has_equal_bones_and_a_ball_joint():
+def test_likeness_of_an_arm_falls_with_unequal_bones_and_shoulder_offsets():
     split = Split(0, 3, 2)
     long_forearm = limb(*BALL, HINGE, (ELBOW - 0.6 * Z, X), (ELBOW - 0.6 * Z, Y))
     assert likeness(long_forearm, split) == pytest.approx(1.5 + 0.5 + 1.4)
@@ -171,7 +171,7 @@ def test_human_like_arm_has_equal_bones_and_a_ball_joint():
 
 
 @pytest.mark.parametrize(("upper", "fore"), [(0.3, 0.019), (0.019, 0.3)])
-def test_division_with_a_bone_shorter_than_2_cm_is_no_arm(upper, fore):
+def test_likeness_of_an_arm_with_a_bone_shorter_than_2_cm_is_minus_infinity(upper, fore):
     def stretched(upper, fore):
         elbow = SHOULDER - upper * Z
         return limb(*BALL, (elbow, Y), (elbow - fore * Z, X), (elbow - fore * Z, Y))
@@ -210,7 +210,7 @@ def test_common_point_is_pulled_weakly_to_the_preferred_point():
     np.testing.assert_allclose(find_common_point(*line, 1001 * Z), 0.4 / 1.001 * Y + Z)
 
 
-def test_distance_from_a_line_ignores_the_way_along_it():
+def test_distance_from_a_line_is_perpendicular_to_it():
     anchors, axes = np.array([[7.0, 0, 0], [1.0, 2, 0]]), np.array([X, Z])
     np.testing.assert_allclose(distances(np.array([2.0, 3.0, 4.0]), anchors, axes), (5.0, sqrt(2)))
 
@@ -231,7 +231,7 @@ def test_nearly_parallel_lines_count_as_parallel(angle, at):
     np.testing.assert_allclose(found, at * X)
 
 
-def test_direction_has_length_1_unless_it_is_zero():
+def test_unit_vector_has_length_1_unless_it_is_zero():
     np.testing.assert_allclose(unit_vector(np.array([3.0, 0, -4])), (0.6, 0, -0.8))
     assert unit_vector(np.zeros(3)).tolist() == [0, 0, 0]
 

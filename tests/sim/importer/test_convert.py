@@ -36,7 +36,7 @@ def test_arm_points_equal_those_of_the_original_model(robot, tee):
             )
 
 
-def test_angles_of_the_robot_file_follow_from_kinesic_angles(tee_mapped, robot):
+def test_hinge_limit_converts_back_to_the_joint_limit_of_the_robot_file(tee_mapped, robot):
     hinges = {hinge.name: hinge for hinge in tee_mapped.hinges}
     abduct = hinges["l_shoulder_abduct"]
     lowest = abduct.sign * robot.skeleton.lower[robot.skeleton.joint("l_shoulder_abduct")] + abduct.zero
@@ -48,7 +48,7 @@ def test_unambiguous_robot_needs_no_review(tee_mapped):
     assert not tee_mapped.doubtful
 
 
-def test_no_imported_hinge_is_overloaded(robot):
+def test_imported_hinges_hold_their_worst_posture_at_41_percent_of_stall_torque_at_most(robot):
     assert MujocoDynamics(robot).worst_static.values.max() <= 0.41
 
 

@@ -85,7 +85,7 @@ def test_front_is_the_foremost_point_at_half_the_height_of_the_head():
     assert _find_front(points, 1.6) == pytest.approx((0.3, 0.0, 1.2))
 
 
-def test_head_is_taken_to_end_0_6_arm_lengths_below_its_top():
+def test_head_is_assumed_to_end_0_6_arm_lengths_below_its_top():
     points = np.array([*column(0.3, 0.0, 3.0, 61), (0.7, 0.0, 2.4)])
     assert _find_front(points, 2.0) == pytest.approx((0.7, 0.0, 2.4))
     assert _find_front(points, 6.0) == pytest.approx((0.3, 0.0, 1.5))

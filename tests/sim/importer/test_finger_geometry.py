@@ -74,7 +74,7 @@ def test_thumb_score_is_the_angle_plus_the_relative_distance_to_the_other_finger
 
 
 @pytest.mark.parametrize(("names", "thumb"), [(("a", "Left_Thumb1", "c"), 1), (("thumb", "thumb2", "c"), 2)])
-def test_thumb_is_the_only_finger_of_that_name_or_the_one_apart(names, thumb):
+def test_thumb_is_the_only_finger_with_that_name_or_else_the_most_separate_finger(names, thumb):
     rows = [row((0, 0, 0), (1, 0, 0), (0,)), row((0, 1, 0), (1, 1, 0), (1,)), row((-1, 2, 0), (-1, 3, 0), (2,))]
     tree = tree_of(*(joint(name=name) for name in names))
     assert _find_thumb(tree, rows) is rows[thumb]
@@ -114,7 +114,7 @@ def test_palm_is_on_the_side_to_which_the_fingers_bend(side, bend):
         ("thumb", (Z,), ["thumb_flexion1"]),
     ],
 )
-def test_hinges_are_named_by_their_axes(finger, axes, names):
+def test_finger_hinges_are_named_by_their_axes(finger, axes, names):
     tree = tree_of(*(joint(axis=np.asarray(axis) / np.linalg.norm(axis)) for axis in axes))
     tip = (0.05, 0.05, 0) if finger == "thumb" else (0.1, 0, 0)
     assert list(_name_hinges(tree, finger, row((0, 0, 0), tip, tuple(range(len(axes)))), AXES)) == names
@@ -203,7 +203,7 @@ def test_motor_is_found_through_at_most_ten_couplings(links, is_found):
 
 
 @pytest.mark.parametrize(("length", "radius"), [(0.1, 0.009), (0.02, 0.004), (0.2, 0.011)])
-def test_finger_is_as_thick_as_its_length_allows(length, radius):
+def test_finger_radius_grows_with_finger_length_between_4_and_11_mm(length, radius):
     tree = tree_of(joint(name="a"), joint(name="b", follows=follow("a", 0.5, 0.0)))
     turns = turns_of((1.0, 0.0), (1.0, 0.0))
     mapped = _map_finger(tree, "index", row((0, 0, 0), (length, 0, 0), (0, 1)), turns)
@@ -246,6 +246,6 @@ def test_fingers_of_a_hand_are_named_from_the_thumb_outwards():
 @pytest.mark.parametrize(
     ("count", "length", "is_hand"), [(3, 0.1, True), (2, 0.1, False), (4, 0.0039, False), (4, 0.0045, True)]
 )
-def test_hand_has_three_fingers_longer_than_four_millimetres(count, length, is_hand):
+def test_hand_needs_at_least_three_fingers_longer_than_four_millimetres(count, length, is_hand):
     assert (find_hand(figure(count, length), "l") is not None) is is_hand
     assert hand.MIN_FINGER_RADIUS == 0.004

@@ -126,7 +126,7 @@ def test_fist_closes_towards_the_palm_and_pinched_tips_meet(robots, name, side):
     assert np.linalg.norm(ring["index"] - ring["thumb"]) < 0.35 * apart
 
 
-def test_hand_with_four_fingers_has_no_little_finger_and_spreads(robots):
+def test_hand_with_four_fingers_lacks_the_little_finger_and_hand_shapes_that_need_it(robots):
     mapped, robot = robots["four"]
     assert {finger.name for finger in mapped.hands["l"].fingers} == {"thumb", "index", "middle", "ring"}
     assert "index_abduct" in drives(robot, "l")

@@ -108,7 +108,7 @@ def test_hands_without_joints_have_no_fingers():
     assert _describe_fingers({}) == f"{FINGERS} ()"
 
 
-def test_driven_hinges_that_get_a_motor_are_noted():
+def test_coupled_hinges_that_get_their_own_motor_are_listed():
     turns = (hinge("thumb1", 2), hinge("thumb2", 3), hinge("thumb3", 4))
     hands = {"r": hand(finger("thumb", turns, ("thumb2",)))}
     body = (hinge("a", 0), hinge("b", 1))
@@ -126,7 +126,7 @@ def test_driven_hinges_that_get_a_motor_are_noted():
         ({"off": (0.1, 0.25), "asymmetry": 0.25, "certain": False, "likeness": 2.0}, 0.35 * exp(-1.0)),
     ],
 )
-def test_confidence_is_the_product_of_all_doubts(values, confidence):
+def test_import_confidence_is_the_product_of_its_factors(values, confidence):
     assert _rate_confidence(figure(**values)) == pytest.approx(confidence)
 
 

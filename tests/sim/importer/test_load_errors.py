@@ -34,7 +34,7 @@ def test_missing_robot_file_is_named(tmp_path):
         load.load_robot_tree(tmp_path / "absent.xml")
 
 
-def test_warnings_of_mujoco_are_shown_again_after_an_error(tmp_path, monkeypatch):
+def test_mujoco_warning_handler_is_reset_after_an_error(tmp_path, monkeypatch):
     handlers = []
     monkeypatch.setattr(load.mujoco, "set_mju_user_warning", handlers.append)
     with pytest.raises(ConfigError):
@@ -53,7 +53,7 @@ def test_model_that_mujoco_cannot_build_is_named(tmp_path, monkeypatch):
         load.load_robot_tree(path)
 
 
-def test_specification_is_read_from_text_and_attached_models():
+def test_mujoco_specification_is_read_from_xml_text():
     root = ElementTree.fromstring(f"<mujoco>{BODIES}</mujoco>")
     spec = _read_spec(root, SimpleNamespace(models={}))
     assert [joint.name for joint in spec.joints] == ["a", "b"]

@@ -75,7 +75,7 @@ def test_huge_mesh_file_is_rejected(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 
 
 @pytest.mark.parametrize("most", [40, 500])
-def test_simplified_mesh_keeps_the_shape(most: int):
+def test_vertices_of_a_simplified_ball_keep_60_to_100_percent_of_its_radius(most: int):
     few = simplify(ball(60), most)
     assert 0.3 * most < len(few.corners) <= most
     sizes = np.linalg.norm(few.vertices[few.corners], axis=2)

@@ -65,7 +65,7 @@ def test_offset_of_a_mirrored_hinge_weighs_distance_along_its_axis_by_a_tenth(an
     assert _measure_mirror_offset(joint, X, Z) == pytest.approx(offset)
 
 
-def test_mirror_planes_are_tried_across_y_and_x_at_three_places():
+def test_mirror_planes_are_tried_across_y_and_x_at_three_offsets():
     rows = [("a", BASE_INDEX, (1.0, 2.0, 0.0), Z), ("b", 0, (3.0, 6.0, 0.0), Z), ("c", 1, (9.0, 7.0, 0.0), Z)]
     tree = make_tree(*rows, base=np.array([0.1, 0.2, 0.3]))
     assert _list_planes(tree) == [(1, 0.0), (1, 0.2), (1, 6.0), (0, 0.0), (0, 0.1), (0, 3.0)]
@@ -94,7 +94,7 @@ def test_hinges_on_the_midline_are_their_own_images_and_carry_pairs():
 
 
 @pytest.mark.parametrize(("off", "paired"), [(0.019, True), (0.021, False)])
-def test_pairs_are_mirror_images_within_2_cm_of_the_same_parents(off, paired):
+def test_paired_hinges_and_their_common_parent_mirror_each_other_within_2_cm(off, paired):
     rows = arms(count=1)
     rows[1] = ("r_0", BASE_INDEX, -0.2 * Y + off / 1.1 * Z, X)
     assert _pair_by_symmetry(make_tree(*rows), 1, 0.0) == ({0: 1} if paired else {})
@@ -103,7 +103,7 @@ def test_pairs_are_mirror_images_within_2_cm_of_the_same_parents(off, paired):
     assert _pair_by_symmetry(make_tree(waist, *children), 1, 0.0) == ({1: 2} if paired else {})
 
 
-def test_nearest_of_several_candidates_is_the_partner():
+def test_nearest_of_several_candidates_becomes_the_mirror_partner():
     rows = [("a", BASE_INDEX, 0.2 * Y, X), ("b", BASE_INDEX, -0.2 * Y + 0.01 * Z, X), ("c", BASE_INDEX, -0.2 * Y, X)]
     assert _pair_by_symmetry(make_tree(*rows), 1, 0.0) == {0: 2}
 
@@ -168,7 +168,7 @@ HAND = ("hand", BASE_INDEX, 2 * Z, Z, 2 * Z + 0.5 * X)
         ((), {}, 0.0),
     ],
 )
-def test_toes_and_head_point_forward(rows, pairs, extent):
+def test_forward_extent_is_measured_from_feet_and_head(rows, pairs, extent):
     tree = make_tree(*rows)
     assert _measure_forward_extent(tree, pairs, (0.0, 1.0)) == pytest.approx(extent)
     assert _measure_forward_extent(tree, pairs, (0.0, -1.0)) == pytest.approx(-extent)
@@ -186,7 +186,7 @@ def crooked(count):
     return [*arms(count=count), ("l_leg", BASE_INDEX, 0.1 * Y - 2 * Z, X), ("r_leg", BASE_INDEX, -0.1 * Y - 3 * Z, X)]
 
 
-def test_names_pair_hinges_if_symmetry_finds_fewer_than_six_pairs_and_less():
+def test_names_pair_hinges_if_symmetry_finds_fewer_than_six_pairs_and_names_find_more():
     found = sides(make_tree(*crooked(5)))
     assert (found.by_names, found.pairs) == (True, {k: k + 5 for k in range(5)} | {10: 11})
     found = sides(make_tree(*crooked(6)))
@@ -214,6 +214,6 @@ def test_left_side_is_a_guess_without_names_and_toes():
     assert (found.left, found.certain, found.pairs) == ((0.0, 1.0), False, {0: 3, 1: 4, 2: 5})
 
 
-def test_robot_may_look_along_y():
+def test_left_side_of_a_robot_with_arms_along_x_is_at_positive_x():
     turned = [(name, parent, anchor[[1, 0, 2]], Y) for name, parent, anchor, _ in arms()]
     assert sides(make_tree(*turned)).left == (1.0, 0.0)

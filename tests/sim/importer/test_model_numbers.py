@@ -97,7 +97,7 @@ def test_couplings_are_converted_to_absolute_angles():
 
 
 @pytest.mark.parametrize(("bodies", "geoms"), [(3, 3), (4, 2)])
-def test_model_larger_than_a_robot_may_be_is_rejected(monkeypatch, bodies, geoms):
+def test_model_with_too_many_bodies_or_shapes_is_rejected(monkeypatch, bodies, geoms):
     monkeypatch.setattr(load, "MAX_BODIES", bodies)
     monkeypatch.setattr(load, "MAX_GEOMS", geoms)
     with pytest.raises(ConfigError, match=f"r.xml: 4 bodies and 3 shapes; at most {bodies} and {geoms}"):
@@ -111,7 +111,7 @@ def test_import_limits_are_2000_bodies_and_20_000_shapes():
     assert (load.MAX_BODIES, load.MAX_GEOMS) == (2000, 20_000)
 
 
-def test_bodies_without_mass_get_a_small_one_and_pictures_are_left_out():
+def test_massless_bodies_get_a_small_mass_and_meshes_textures_and_sensors_are_removed():
     text = """<asset><texture name="t" type="2d" builtin="flat" width="4" height="4"/><material name="m" texture="t"/>
     <mesh name="s" vertex="0 0 0 1 0 0 0 1 0 0 0 1"/></asset>
     <worldbody><light/><camera/><body name="empty"><joint name="a"/>
@@ -183,7 +183,7 @@ def test_zero_and_negative_values_of_a_model_count_as_missing():
     assert (_positive(0.0), _positive(-1.0), _positive(0.5)) == (None, None, 0.5)
 
 
-def test_hinge_has_the_line_range_and_losses_of_its_joint():
+def test_hinge_has_the_axis_range_and_losses_of_its_joint():
     text = """<worldbody><body><freejoint/><geom size="0.1"/><body pos="1 0 0" euler="0 0 1.5707963267948966">
     <joint name="a" ref="0.5" range="-1 2" pos="0 0 3" axis="1 0 0" armature="0.1" frictionloss="0.2" damping="0.3"/>
     <joint name="b" axis="0 1 0"/><geom size="0.1"/></body></body></worldbody>
@@ -260,7 +260,7 @@ def test_shape_becomes_a_capsule_along_its_longest_side(shape, capsule):
     assert found.radius == pytest.approx(radius)
 
 
-def test_bodies_belong_to_the_last_hinge_before_them():
+def test_bodies_belong_to_the_last_hinge_on_their_path_from_the_base():
     text = """<worldbody><geom size="0.9"/>
     <body name="root"><freejoint/><geom size="0.1" mass="1"/>
       <body name="a" pos="1 0 0"><joint name="slide" type="slide"/><joint name="a1"/>

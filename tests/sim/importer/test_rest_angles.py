@@ -106,7 +106,7 @@ def test_arms_are_posed_left_first_and_the_right_starts_from_its_mirror_image(mo
         ([0.01] * 6, 35.0),
     ],
 )
-def test_arms_are_tilted_until_their_gap_is_2_5_cm(monkeypatch, gaps, tilt):
+def test_arms_are_tilted_until_their_gap_is_2_5_cm_or_the_tilt_is_35_degrees(monkeypatch, gaps, tilt):
     left = iter(gaps)
     monkeypatch.setattr(resting, "robot_from_tables", lambda file, path: (file.rest, path))
     monkeypatch.setattr(resting, "Robot", SimpleNamespace(of=lambda tables: tables))

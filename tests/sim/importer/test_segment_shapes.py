@@ -69,7 +69,7 @@ def test_coordinates_are_rounded_to_micrometres():
     assert round_triple(np.array([0.12345649, -1e-9, -0.00000051])) == (0.123456, 0.0, -0.000001)
 
 
-def test_bone_capsule_has_a_least_radius():
+def test_bone_capsule_has_a_radius_of_at_least_1_cm():
     close([make_bone_capsule(X, 3 * X, 0.0099, free_fraction=0.25)], [((1.5, 0, 0), (3, 0, 0), 0.01)])
     close([make_bone_capsule(X, 3 * X, 0.02)], [((1, 0, 0), (3, 0, 0), 0.02)])
 
@@ -78,7 +78,7 @@ def test_shapes_keep_their_radius_in_the_frame_of_the_segment():
     close(convert_capsules([Capsule(2 * X, 3 * X, 0.0123456789)], X), [((1, 0, 0), (2, 0, 0), 0.012346)])
 
 
-def test_tall_trunk_has_a_chest_and_a_belly_and_a_low_one_a_chest_only():
+def test_tall_trunk_gets_chest_and_belly_capsules_and_a_low_one_a_chest_capsule_only():
     radius = 0.62 * (0.2 - 0.045 - 0.035)
     side = 0.12 - radius
     chest = ((0, -side, 0.5 - 0.8 * radius), (0, side, 0.5 - 0.8 * radius), radius)
@@ -163,7 +163,7 @@ def test_trunk_and_head_begin_at_the_common_points_of_their_hinges():
     np.testing.assert_allclose(found.origins["skullbase"], (0, 0, 1.5), atol=1e-3)
 
 
-def test_model_parts_belong_to_the_last_segment_before_them_and_legs_to_none():
+def test_model_parts_belong_to_the_last_segment_on_their_path_and_legs_to_none():
     paths = {0: (0,), 1: (1,), 2: (1, 2), 3: (1, 2, 3), 4: (1, 2, 3, 4), 5: (1, 5), 6: (0, 6)}
     tree = SimpleNamespace(joints=range(7), path_from_base=lambda k: paths[k])
     moved = [
@@ -177,7 +177,7 @@ def test_model_parts_belong_to_the_last_segment_before_them_and_legs_to_none():
     assert found["humanoid_root"] == [BASE_INDEX]
 
 
-def test_repeated_names_are_numbered():
+def test_repeated_hinge_names_are_numbered():
     assert _make_distinct(["a", "b", "a", "a", "b"]) == ["a", "b", "a2", "a3", "b2"]
 
 
@@ -265,7 +265,7 @@ def test_range_of_a_hinge_is_relative_to_its_zero_within_half_a_turn(lower, uppe
 @pytest.mark.parametrize(
     ("lower", "upper", "asked"), [(0.25, 2.0, (-0.25, 1.5)), (None, 2.0, (-np.inf, 1.5)), (0.25, None, (-0.25, np.inf))]
 )
-def test_elbow_bends_within_its_range_from_its_zero(monkeypatch, lower, upper, asked):
+def test_elbow_sign_is_found_from_its_range_relative_to_its_zero(monkeypatch, lower, upper, asked):
     calls = []
     monkeypatch.setattr(hinges, "find_elbow_sense", lambda *arguments: calls.append(arguments) or -1.0)
     elbow = SimpleNamespace(lower=lower, upper=upper, zero=0.5)
@@ -291,5 +291,5 @@ def test_hinges_of_the_spine_are_named_from_the_base_upwards_by_their_nearest_ax
 
 
 @pytest.mark.parametrize(("sign", "text"), [(1.0, "j = angle +90.0000 deg"), (-1.0, "j = -angle +90.0000 deg")])
-def test_angle_of_the_file_is_a_formula_of_the_angle(sign, text):
+def test_joint_angle_of_the_file_is_written_as_a_formula_of_the_hinge_angle(sign, text):
     assert spell_angle(SimpleNamespace(sign=sign, zero=pi / 2), "j") == text

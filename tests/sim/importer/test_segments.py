@@ -23,7 +23,7 @@ def test_segment_origins_are_the_joint_centres(tee_figure):
     assert where.inside("l_elbow", left.elbow) == pytest.approx(np.zeros(3))
 
 
-def test_mass_above_the_pelvis_is_preserved(tee_mapped):
+def test_imported_upper_body_segments_keep_their_masses(tee_mapped):
     mass = {body.name: body.mass for body in tee_mapped.file.body}
     assert mass["humanoid_root"] == pytest.approx(4.0)
     assert mass["vl5"] == pytest.approx(8.0)

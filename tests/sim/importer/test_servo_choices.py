@@ -69,7 +69,7 @@ def test_gain_of_the_file_is_kept_if_it_saturates_at_a_plausible_angle(gain, kep
     assert _choose_p_gain(gain, 10.0) == (pytest.approx(register), why)
 
 
-def test_values_are_rounded_to_five_digits():
+def test_servo_values_are_rounded_to_five_significant_digits():
     assert (_round(1.234567), _round(123456.7), _round(0.00012345678)) == (1.2346, 123460.0, 0.00012346)
 
 
@@ -83,7 +83,7 @@ def test_unknown_losses_are_proportional_to_stall_torque_and_back_emf():
     assert why == f"stall: the file's effort; {LIMIT}; gain assumed; inertia and friction assumed"
 
 
-def test_losses_of_the_file_are_bounded():
+def test_friction_and_damping_of_the_file_are_bounded_but_its_armature_is_not():
     joint = replace(UNKNOWN, effort=48.0, speed=8.0, armature=9.0, friction=9.0, damping=9.0)
     table, why = servo(joint, gravity=1.0, inertia=0.1)
     assert (table.armature, table.frictionloss, table.damping) == pytest.approx((9.0, 4.8, 0.2 * 4.8))

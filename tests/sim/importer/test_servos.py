@@ -18,7 +18,7 @@ def drive(table):
     return Drive(ServoModel(name="s", **asdict(table)), 1, 1.0)
 
 
-def test_unknown_motor_needs_a_third_of_its_stall_torque_in_the_worst_posture():
+def test_unknown_motor_holds_the_worst_posture_with_35_percent_of_its_stall_torque():
     table, why = servo(UNKNOWN_JOINT, gravity=7.0, inertia=0.01)
     assert 7.0 / table.stall_nm == pytest.approx(0.35, rel=1e-4)
     assert why.startswith("stall assumed")

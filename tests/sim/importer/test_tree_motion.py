@@ -42,7 +42,7 @@ def test_tree_lists_children_paths_and_descendants():
     assert [TREE.below(k) for k in (0, 2, 3)] == [(0, 1, 2), (2,), (3,)]
 
 
-def test_merged_part_is_balanced_at_its_centre_of_mass():
+def test_merged_part_has_the_total_mass_at_the_common_centre_of_mass():
     both = TREE.lump((0, BASE_INDEX))
     assert (both.mass, both.centre.tolist()) == (5.0, [0.3, 0, 0])
     assert [shape.radius for shape in both.shapes] == pytest.approx([0.1, 0.4])
@@ -79,7 +79,7 @@ def test_part_moves_with_its_own_hinge():
     assert [p.surfaces[0].dark for p in turned.parts] == [False, False, True, False]
 
 
-def test_whole_robot_is_rotated_before_it_is_moved():
+def test_whole_robot_is_rotated_before_it_is_translated():
     rotation = np.array([-Z, Y, X])
     moved = TREE.moved(rotation, 5 * Y)
     np.testing.assert_allclose([j.anchor for j in moved.joints], [5 * Y + k * Z for k in (1, 2, 3, -1)])

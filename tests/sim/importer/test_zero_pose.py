@@ -15,7 +15,7 @@ def test_hanging_arms_are_mirror_images(tee_figure):
     assert tee_figure.likeness > 3.0
 
 
-def test_midline_of_an_imported_robot_is_at_zero(tee_figure):
+def test_shoulders_of_an_imported_robot_are_symmetric_about_y_0(tee_figure):
     left, right = (tee_figure.arms[side].centres.shoulder for side in "lr")
     assert left[1] == pytest.approx(0.2, abs=1e-3)
     assert left[1] + right[1] == pytest.approx(0, abs=1e-9)

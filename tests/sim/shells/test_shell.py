@@ -82,7 +82,7 @@ def test_broken_shell_files_are_rejected_with_a_remedy(tmp_path: Path, monkeypat
 @pytest.mark.parametrize(
     ("key", "value"), [("triangles", np.full((10, 3), 9)), ("step", np.array(2.0)), ("counts", np.zeros((11, 3)))]
 )
-def test_inconsistent_array_sizes_are_rejected(tmp_path: Path, key: str, value: np.ndarray):
+def test_shell_file_with_inconsistent_arrays_is_rejected(tmp_path: Path, key: str, value: np.ndarray):
     path = tmp_path / "own.npz"
     write_shell(ROBOT_SHELL, path)
     with np.load(path) as data:
@@ -92,7 +92,7 @@ def test_inconsistent_array_sizes_are_rejected(tmp_path: Path, key: str, value: 
         read_shell(path)
 
 
-def test_shell_reader_never_loads_pickles(tmp_path: Path):
+def test_shell_file_with_pickled_objects_is_rejected(tmp_path: Path):
     path = tmp_path / "own.npz"
     np.savez(path, made_from=np.array([object()], dtype=object))
     with pytest.raises(ConfigError, match="not a valid robot shell"):

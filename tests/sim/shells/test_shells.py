@@ -51,7 +51,7 @@ def test_shell_encloses_every_servo(robot: Robot, shell: Shell):
             assert (wound > 0.5).all(), f"{name}: corners {wound.round(2)} of the servo at {servo.centre}"
 
 
-def test_shell_stays_near_shapes_and_servos(robot: Robot, shell: Shell):
+def test_shell_is_within_21_mm_of_shapes_and_servos_and_within_30_mm_at_the_head(robot: Robot, shell: Shell):
     for name, surface in shell.segments.items():
         parts = [(part, shift) for part, _, shift, drawn in _surfaces(robot, shell) if drawn == name]
         away = np.min([_distance(robot, part, surface.vertices - shift) for part, shift in parts], axis=0)

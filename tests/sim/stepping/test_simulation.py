@@ -51,7 +51,7 @@ def test_concurrent_twins_get_separate_simulations():
 
 
 @pytest.mark.parametrize("other", [{"touches": True}, {"twin": HEAVY_LINKS}, {"twin": Factors(play=0.004)}])
-def test_simulations_with_other_links_are_not_reused(other):
+def test_simulation_is_not_reused_with_other_contacts_masses_or_backlash(other):
     (plain,) = borrow(NOMINAL_FACTORS)
     touches, twin = other.get("touches", False), other.get("twin", NOMINAL_FACTORS)
     (result,) = borrow(twin, touches=touches)

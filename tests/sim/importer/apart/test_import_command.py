@@ -98,7 +98,7 @@ def test_unreadable_import_answer_is_rejected(fake_process, output: bytes):
     assert refused(Path("robot.xml")).startswith("robot.xml: its import returned an unreadable answer: ")
 
 
-def test_process_limits_its_memory_time_and_core_dumps(monkeypatch):
+def test_import_process_limits_its_memory_cpu_time_and_core_dumps(monkeypatch):
     """A limit that cannot be set does not affect the others."""
     set_bounds = {}
 
@@ -157,7 +157,7 @@ def test_timeout_of_an_import_names_its_duration(monkeypatch):
     assert refused(Path("robot.xml")) == "robot.xml: its import takes longer than 300 s; simplify its meshes"
 
 
-def test_imported_robot_with_uncertain_sides_is_marked_for_review(hanging_mapped: Mapped):
+def test_heading_of_a_doubtful_import_begins_with_a_review_note(hanging_mapped: Mapped):
     result = hanging_mapped
     sure, doubted = (
         answer._write_heading(result, "a.xml", ""),

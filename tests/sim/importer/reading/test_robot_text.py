@@ -105,7 +105,7 @@ def test_mesh_files_are_replaced_by_tokens_and_mesh_names_are_kept(read):
         ("", ""),
     ],
 )
-def test_last_mesh_folder_takes_precedence(read, compilers: str, below: str):
+def test_last_meshdir_takes_precedence_over_earlier_ones_and_assetdir(read, compilers: str, below: str):
     result = read(f'<mujoco>{compilers}<asset><mesh file="a.stl"/></asset></mujoco>')
     assert [mesh.below for mesh in result.meshes.values()] == [below]
     assert "dir" not in tostring(result.root).decode()
@@ -234,7 +234,7 @@ def test_nesting_depth_of_robot_xml_elements_is_limited(read, refused, monkeypat
     )
 
 
-def test_total_size_and_number_of_files_have_limits(read, refused, monkeypatch):
+def test_total_size_and_number_of_the_xml_files_of_a_robot_are_limited(read, refused, monkeypatch):
     text = '<mujoco><asset><model file="one.xml"/><model file="./one.xml"/></asset><include file="two.xml"/></mujoco>'
     files = {"one": "<mujoco/>", "two": "<mujoco/>"}
     size = len(text) + 2 * len("<mujoco/>")
@@ -258,7 +258,7 @@ def test_files_are_searched_in_robot_folder_then_in_referring_folder(read, refus
     assert "parts/one.xml:2: reads three.xml, which is not there" in refused(text)
 
 
-def test_include_must_name_a_file_and_be_empty(refused):
+def test_include_must_name_a_file_be_empty_and_occur_once(refused):
     assert "robot.xml:2: <include> names no file" in refused("<mujoco>\n<include/></mujoco>")
     part = "<mujoco/>"
     assert "<include> holds elements" in refused('<mujoco><include file="part.xml"><a/></include></mujoco>', part=part)

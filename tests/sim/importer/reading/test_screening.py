@@ -47,7 +47,7 @@ def test_included_files_in_the_robot_folder_are_read(robot: Path):
     "name", ["../secret.xml", "parts/../../secret.xml", "{outside}", "linked.xml", "away/secret.xml"]
 )
 @pytest.mark.parametrize("element", ['<include file="{}"/>', '<asset><model name="m" file="{}"/></asset>'])
-def test_files_outside_the_robot_folder_are_not_read(robot: Path, name: str, element: str):
+def test_include_or_model_outside_the_robot_folder_is_rejected(robot: Path, name: str, element: str):
     (robot.parent / "linked.xml").symlink_to("../secret.xml")
     (robot.parent / "away").symlink_to("..")
     name = name.format(outside=robot.parent.parent / "secret.xml")
@@ -88,7 +88,7 @@ def test_backslashes_work_as_folder_separators(robot: Path):
     assert len(load_robot_tree(robot).joints) == 2
 
 
-def test_model_attached_twice_is_read_once(robot: Path):
+def test_model_with_an_include_can_be_attached_twice(robot: Path):
     (robot.parent / "parts" / "more.xml").write_text("<mujoco><worldbody/></mujoco>")
     text = PART_XML.replace("<mujoco>", '<mujoco><include file="more.xml"/>')
     (robot.parent / "parts" / "hand.xml").write_text(text)
@@ -110,7 +110,7 @@ def test_mujoco_opens_no_files_named_like_the_internal_tokens(robot: Path, monke
     assert tree.left_out == ("nowhere.stl: not in the folder robot; copy it there, or the robot's file above it",)
 
 
-def test_missing_file_error_names_the_expected_folder(robot: Path):
+def test_error_of_a_missing_included_file_names_the_expected_folder(robot: Path):
     said = refused(robot, mjcf('<include file="parts/leg.xml"/>'))
     assert f"robot.xml:1: reads parts/leg.xml, which is not there; copy that file into {robot.parent}" in said
 
@@ -215,7 +215,7 @@ def test_elements_of_repeatedly_attached_models_count_towards_the_element_limit(
     assert "attached models included" in refused(robot, (robot.parent / "0.xml").read_text())
 
 
-def test_files_included_by_included_files_are_screened(robot: Path):
+def test_nested_include_of_a_file_outside_the_robot_folder_is_rejected(robot: Path):
     (robot.parent / "parts" / "one.xml").write_text('<mujoco><include file="two.xml"/></mujoco>')
     (robot.parent / "parts" / "two.xml").write_text('<mujoco><include file="../../secret.xml"/></mujoco>')
     assert "two.xml:1: reads ../../secret.xml" in refused(robot, mjcf('<include file="parts/one.xml"/>'))
@@ -270,7 +270,7 @@ def test_mesh_and_texture_files_of_a_robot_are_not_opened(robot: Path):
     assert len(load_robot_tree(robot).joints) == 1
 
 
-def test_urdf_files_are_screened(robot: Path):
+def test_urdf_file_with_a_document_type_is_rejected(robot: Path):
     robot.write_text('<robot name="r"><link name="a"/></robot>')
     load_robot_tree(robot)
     robot.write_text('<!DOCTYPE robot><robot name="r"><link name="a"/></robot>')
