@@ -24,7 +24,7 @@ def test_lip_closure_is_longer_in_slow_speech():
     assert release - onset == pytest.approx(CLOSURE_TIME / 0.8)
 
 
-def test_voiced_plosive_bursts_late_after_a_vowel_and_at_its_event_otherwise():
+def test_voiced_plosive_is_released_late_after_a_vowel_but_at_its_start_after_a_nasal_or_pause():
     assert articulation_times("a", "b", "a")[1] == pytest.approx((0.1, 0.162))
     assert articulation_times("m", "b", "a")[1] == pytest.approx((0.1 - CLOSURE_TIME, 0.1))
     assert articulation_times("a", "b", gap=0.5)[1] == pytest.approx((0.6 - CLOSURE_TIME, 0.6))
@@ -39,7 +39,7 @@ def test_mouth_opens_early_after_a_nasal_only_before_a_vowel():
     assert burst == pytest.approx(0.1)
 
 
-def test_articulation_times_of_fricatives_and_affricates_follow_the_speech_engine():
+def test_fricatives_keep_engine_times_and_affricates_add_a_closure_before_them():
     assert articulation_times("s", "f", "a") == [pytest.approx(times) for times in ((0.0, 0.1), (0.1, 0.2), (0.2, 0.3))]
     assert articulation_times("a", "t\u0283", "a")[1] == pytest.approx((0.1 - CLOSURE_TIME, 0.2))
 

@@ -21,12 +21,12 @@ def duration(text: str, language: str = "en") -> float:
     return SILENT_VOICE.say(Script(text, language=language)).duration
 
 
-def test_english_has_150_to_180_words_per_minute():
+def test_estimated_english_speech_rate_is_150_to_180_words_per_minute():
     words_per_minute = len(SPEECH.split()) / duration(SPEECH) * 60
     assert 150 <= words_per_minute <= 180
 
 
-def test_estimated_duration_of_a_single_letter_is_that_of_a_word():
+def test_estimated_duration_of_a_single_letter_is_that_of_a_one_syllable_word():
     assert duration("a") == pytest.approx(SYLLABLE_DURATION + WORD_DURATION)
 
 
@@ -69,7 +69,7 @@ def test_speech_mark_falls_at_the_start_of_the_next_word():
     assert utterance.marks["after"] == utterance.duration
 
 
-def test_first_of_two_speech_marks_with_one_name_counts():
+def test_first_of_two_speech_marks_with_the_same_name_sets_its_time():
     utterance = SILENT_VOICE.say(Script("one two", (Mark("m", 0), Mark("m", 7))))
     assert utterance.marks == {"m": 0.0}
 
@@ -98,7 +98,7 @@ def test_invalid_speech_rate_is_rejected(rate: float):
 @pytest.mark.parametrize(
     ("rate", "factor"), [("slow", 1 / 0.8), ("50%", 2.0), ("+25%", 0.8), ("2", 0.5), ("loud", 1.0), ("1%", 5.0)]
 )
-def test_silent_voice_follows_the_rate_of_prosody(rate: str, factor: float):
+def test_prosody_rate_changes_the_estimated_duration_of_its_own_words(rate: str, factor: float):
     text = "one two three"
     slowed = Emphasis(4, 7, "prosody", (("rate", rate),))
     plain, spoken = (

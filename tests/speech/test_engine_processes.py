@@ -149,7 +149,9 @@ def test_waiting_engine_process_is_stopped_at_exit(started: list[subprocess.Pope
     ("system", "library"),
     [("Windows", "espeak-ng.dll"), ("Darwin", "libespeak-ng.dylib"), ("Linux", "libespeak-ng.so")],
 )
-def test_espeak_library_and_data_are_in_the_installed_package(system: str, library: str, monkeypatch) -> None:
+def test_espeak_library_file_of_each_system_is_found_in_the_installed_package(
+    system: str, library: str, monkeypatch
+) -> None:
     spec = SimpleNamespace(submodule_search_locations=["/packages/espeakng_loader"])
     monkeypatch.setattr("importlib.util.find_spec", lambda name: spec if name == "espeakng_loader" else None)
     monkeypatch.setattr(espeak_pool.platform, "system", lambda: system)

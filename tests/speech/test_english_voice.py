@@ -19,7 +19,7 @@ ENGLISH, OTHER = EngineVoice(ToneEngine()), DurationModel()
         ("fr", "durations", "durations"),
     ],
 )
-def test_language_decides_between_two_voices(language: str, chosen: str, requested: str):
+def test_english_voice_speaks_en_us_text_and_british_text_only_on_request(language: str, chosen: str, requested: str):
     script = Script("one", language=language)
     said = EnglishVoice(ENGLISH, OTHER).say(script)
     assert (said.voice, said.remarks) == (chosen, ())

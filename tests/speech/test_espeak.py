@@ -30,7 +30,7 @@ def test_speech_marks_before_and_after_a_pause_enclose_the_silence(espeak: Espea
 
 
 @pytest.mark.parametrize("rate", [0.6, 1.0, 1.8])
-def test_speech_pause_has_the_same_length_at_every_rate(rate: float, espeak: Espeak):
+def test_speech_pause_has_the_same_length_at_slow_normal_and_fast_rates(rate: float, espeak: Espeak):
     utterance = espeak.say(Script("one zero", (Mark("m", 4),), pauses=(Pause(4, 0.5),)), rate=rate)
     assert utterance.sound is not None
     before = np.abs(utterance.sound.samples[: round(utterance.marks["m"] * utterance.sound.rate)])
@@ -76,7 +76,7 @@ def test_espeak_phonemes_are_ipa_symbols_that_fill_the_sound(espeak: Espeak):
     assert utterance.voice == "espeak-ng"
 
 
-def test_prosody_and_languages_reach_the_engine(espeak: Espeak):
+def test_prosody_rate_and_language_change_the_synthesised_speech(espeak: Espeak):
     plain = espeak.say(Script("one two three"))
     slow = espeak.say(Script("one two three", emphases=(Emphasis(0, 13, "prosody", (("rate", "50%"),)),)))
     assert slow.duration > 1.4 * plain.duration
@@ -185,7 +185,7 @@ def data() -> Path:
         ("no", "nb"),
     ],
 )
-def test_language_tag_finds_its_voice_in_any_spelling(tag: str, voice: str, data: Path):
+def test_language_tag_selects_its_voice_despite_case_separator_and_region(tag: str, voice: str, data: Path):
     spoken_by, remark = find_voice(tag, data)
     assert spoken_by.rpartition("/")[2] == voice
     assert remark == ""

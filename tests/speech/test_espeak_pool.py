@@ -49,7 +49,7 @@ def test_synthesis_failure_is_reported_with_its_reason(place: EspeakPaths, chang
     assert synthesise(HELLO_SSML, place, **VOICE_SETTINGS).samples
 
 
-def test_slow_speech_engine_is_stopped(place: EspeakPaths, monkeypatch: pytest.MonkeyPatch):
+def test_speech_engine_beyond_its_time_limit_raises_an_error(place: EspeakPaths, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(espeak_pool, "ENGINE_TIMEOUT", 0.0)
     with pytest.raises(SpeechError, match="longer than 0 s"):
         synthesise(HELLO_SSML, place, **VOICE_SETTINGS)

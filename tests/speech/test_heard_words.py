@@ -86,11 +86,11 @@ def test_voice_never_speaks_the_names_of_punctuation_marks(espeak: Espeak, seed:
 
 
 @pytest.mark.parametrize("sign", "#$%&*+/;=@\\^|~\u2013\xd7\xf7\xb1\u2260\u2192\u2022\xa7\xb0\u20ac\xa3\xb2")
-def test_last_stop_after_a_word_with_a_sign_is_not_spoken(espeak: Espeak, sign: str):
+def test_full_stop_after_a_word_with_a_symbol_is_not_spoken(espeak: Espeak, sign: str):
     text = f"The sun{sign}moon"
     assert heard_consonants(Script(f"{text}.")) == heard_consonants(Script(text))
 
 
 @pytest.mark.parametrize("text", ["It rains.Then we go.", "Wow!So note:this is it?Then go."])
-def test_stops_without_a_space_after_them_are_not_spoken(espeak: Espeak, text: str):
+def test_punctuation_without_a_space_after_it_is_not_spoken(espeak: Espeak, text: str):
     assert heard_consonants(Script(text)) == heard_consonants(plain_words(text.replace(".Then", ". Then")))

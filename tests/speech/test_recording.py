@@ -38,18 +38,18 @@ def test_wav_files_of_unrealistic_sample_rates_are_rejected(rate: int, tmp_path:
         read_wav(write_wav(tmp_path / "fast.wav", rate=rate))
 
 
-def test_wav_files_with_many_channels_are_rejected(tmp_path: Path):
+def test_wav_file_with_200_channels_is_rejected(tmp_path: Path):
     with pytest.raises(RecordingError, match="200 channels; at most 32"):
         read_wav(write_wav(tmp_path / "wide.wav", channels=200))
 
 
 @pytest.mark.parametrize("rate", [recording.MIN_RATE, 44_100, recording.MAX_RATE])
-def test_wav_files_of_all_rates_within_bounds_are_read(rate: int, tmp_path: Path):
+def test_wav_files_of_the_lowest_usual_and_highest_sample_rate_are_read(rate: int, tmp_path: Path):
     assert read_wav(write_wav(tmp_path / "x.wav", rate=rate)).rate == rate
 
 
 @pytest.mark.parametrize(("rate", "reason"), [(8_000, "lasts 2344 s"), (384_000, "19 million samples")])
-def test_long_recordings_are_rejected_by_their_length(
+def test_long_recordings_are_rejected_with_their_duration_or_sample_count(
     rate: int, reason: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(recording, "MAX_SAMPLES", 18_000_000)
@@ -57,7 +57,7 @@ def test_long_recordings_are_rejected_by_their_length(
         read_wav(write_wav(tmp_path / "long.wav", rate=rate, bits=8, data=18_750_000))
 
 
-def test_wav_length_declared_beyond_the_file_takes_no_memory(tmp_path: Path):
+def test_wav_length_declared_beyond_the_file_is_cut_to_the_existing_samples(tmp_path: Path):
     sound = read_wav(write_wav(tmp_path / "short.wav", data=1600, declared=2**31))
     assert len(sound.samples) == 800
 

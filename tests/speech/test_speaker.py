@@ -131,7 +131,7 @@ def test_missing_sound_package_is_reported_with_a_remedy(
     assert line in loudspeaker.audio_fault()
 
 
-def test_port_audio_reports_when_a_sample_is_heard(monkeypatch: pytest.MonkeyPatch):
+def test_port_audio_playback_time_includes_the_output_latency(monkeypatch: pytest.MonkeyPatch):
     """Use a stream that reports once 30 ms of latency, and once nothing."""
 
     class Times:

@@ -11,7 +11,7 @@ def test_ssml_marks_are_named_by_their_index_among_marks_and_pauses():
     assert write_ssml(script) == '<speak><mark name="0"/>one <break time="250ms"/><mark name="2"/>two</speak>'
 
 
-def test_ssml_pause_stays_between_the_same_speech_marks():
+def test_ssml_pauses_and_marks_at_one_position_keep_their_order():
     script = Script("one two", (Mark("a", 4), Mark("b", 4)), pauses=(Pause(4, 0.1, after=1), Pause(4, 0.2, after=2)))
     kinds = [(element.tag, element.get("name") or element.get("time")) for element in fromstring(write_ssml(script))]
     assert kinds == [("mark", "0"), ("break", "100ms"), ("mark", "2"), ("break", "200ms")]
@@ -56,7 +56,7 @@ def test_overlapping_emphases_give_well_formed_ssml(spans: list[tuple[int, int]]
         ("one.", 4, False),
     ],
 )
-def test_line_break_separates_a_sentence_from_an_ssml_element(text: str, position: int, has_break: bool):
+def test_ssml_mark_before_a_new_sentence_is_preceded_by_a_line_break(text: str, position: int, has_break: bool):
     output = write_ssml(Script(text, (Mark("m", position),)))
     assert ("\n<mark" in output) is has_break
 

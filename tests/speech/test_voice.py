@@ -55,7 +55,7 @@ def test_auto_voice_without_the_neural_one_is_espeak(language: str, monkeypatch:
     assert np.array_equal(utterance.sound.samples, expected.sound.samples)
 
 
-def test_only_the_neural_voice_has_tables_to_share(monkeypatch: pytest.MonkeyPatch):
+def test_neural_voice_lists_its_table_module_and_the_silent_voice_lists_none(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(module, "find_package", lambda: Path("hibari"))
     assert table_modules(voice("auto")) == (HIBARI_TABLES_MODULE,)
     assert table_modules(voice("durations")) == ()
@@ -261,7 +261,7 @@ def test_pipe_as_recording_is_rejected_without_waiting(tmp_path: Path):
 TIMED_MARKS = (Mark("m", 6, 0.25), Mark("n", 10), Mark("late", 10, 9.0))
 
 
-def test_recording_marks_keep_the_times_of_the_document():
+def test_marks_keep_times_given_in_the_text_and_differing_estimates_give_a_remark():
     utterance = RECORDED_VOICE.say(Script("Hello my friend", TIMED_MARKS))
     assert (utterance.marks["m"], utterance.marks["late"]) == (0.25, utterance.duration)
     assert utterance.marks["n"] == DurationModel().say(Script("Hello my friend", TIMED_MARKS)).marks["n"]

@@ -22,11 +22,11 @@ def test_loud_vowels_open_the_lips_further_than_quiet_ones():
     np.testing.assert_allclose([1.0 - quiet, loud - 1.0], 0.03 * 20 * np.log10(2), atol=1e-3)
 
 
-def test_consonants_and_speech_without_vowels_keep_their_opening():
+def test_consonants_and_speech_without_vowels_keep_their_lip_opening():
     assert openings(["s", "a", "m"], tones(0.01, 0.2, 0.9)) == [1.0, 1.0, 1.0]
     assert openings(["s"], tones(0.5)) == [1.0]
 
 
-def test_openings_stay_in_their_range_also_for_silent_vowels():
+def test_lip_openings_stay_in_their_range_also_for_silent_vowels():
     assert openings(["a", "a", "a"], tones(0.0, 0.01, 1.0)) == [OPENING_RANGE[0], 1.0, OPENING_RANGE[1]]
     assert openings(["a", "a"], Sound.of(RATE, np.zeros(0))) == [1.0, 1.0]

@@ -28,7 +28,7 @@ def test_phrases_are_joined_with_the_silences_of_punctuation_and_pauses():
     assert utterance.accents == pytest.approx([phoneme.start for phoneme in utterance.phonemes], abs=PRECISION)
 
 
-def test_pause_for_the_body_keeps_its_length_at_slow_and_fast_rates():
+def test_requested_pause_keeps_its_length_at_half_and_double_speech_rate():
     for rate in (0.5, 2.0):
         plain = VOICE.say(Script("One two", (Mark("m", 4),), pauses=(Pause(4, 0.2),)), rate=rate)
         longer = VOICE.say(Script("One two", (Mark("m", 4),), pauses=(Pause(4, 0.9),)), rate=rate)
@@ -37,7 +37,7 @@ def test_pause_for_the_body_keeps_its_length_at_slow_and_fast_rates():
         assert plain.marks["m"] == pytest.approx(WORD_DURATION / rate + 0.2, abs=PRECISION)
 
 
-def test_pauses_at_both_ends_are_kept():
+def test_pauses_before_and_after_the_text_lengthen_the_utterance():
     utterance = VOICE.say(Script("One", (Mark("a", 0), Mark("b", 3)), pauses=(Pause(0, 0.3), Pause(3, 0.4))))
     assert utterance.duration == pytest.approx(0.7 + WORD_DURATION, abs=PRECISION)
     assert utterance.sound is not None
@@ -57,7 +57,7 @@ def test_unreadable_phrase_is_left_out_with_a_remark():
     assert utterance.remarks == ("tones: no word of 'xx,' can be read: it is omitted",)
 
 
-def test_engine_without_a_readable_word_is_replaced():
+def test_text_without_a_readable_word_gives_no_sound_or_uses_the_fallback_voice():
     silent, substituted = VOICE.say(Script("xx")), EngineVoice(ToneEngine(), DurationModel()).say(Script("xx"))
     assert silent.sound is None
     assert "no word of the text can be read" in silent.remarks[0]
@@ -70,7 +70,7 @@ def test_too_long_text_is_not_spoken():
     assert f"{2 * MAX_CHARACTERS} characters" in utterance.remarks[0]
 
 
-def test_ignored_elements_have_a_remark():
+def test_unsupported_ssml_element_adds_a_remark():
     emphases = (Emphasis(0, 3, "say-as"), Emphasis(0, 3, "emphasis"))
     assert "say-as" in VOICE.say(Script("one", emphases=emphases)).remarks[0]
     assert VOICE.say(Script("one", emphases=emphases[1:])).remarks == ()
@@ -110,7 +110,7 @@ def test_faulty_engine_gives_estimated_times_with_a_remark(fault: str):
 
 
 @pytest.mark.parametrize("reports", ["words", "nothing"])
-def test_missing_times_are_estimated_from_the_sound(reports: str):
+def test_word_and_phoneme_times_that_an_engine_omits_are_estimated_from_its_sound(reports: str):
     utterance = EngineVoice(ToneEngine(reports)).say(Script("One two", (Mark("m", 4),)))
     assert utterance.marks["m"] == pytest.approx(WORD_DURATION, abs=0.05)
     assert len(utterance.phonemes) == len(DurationModel().say(Script("One two")).phonemes)
@@ -125,6 +125,6 @@ def test_invalid_rate_or_pitch_is_rejected(kind: str, value: float):
         VOICE.say(Script("one"), **{kind: value})
 
 
-def test_silence_between_sentences_follows_the_rate():
+def test_words_and_silence_between_sentences_scale_with_the_speech_rate():
     slow, quick = (VOICE.say(Script("One. Two", (Mark("m", 5),)), rate=rate) for rate in (0.5, 2.0))
     assert slow.marks["m"] == pytest.approx(4 * quick.marks["m"], abs=PRECISION)

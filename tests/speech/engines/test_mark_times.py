@@ -12,13 +12,13 @@ def test_mark_falls_on_the_next_word_but_stays_before_closing_punctuation():
     assert times == {"m0": 0.1, "m2": 1.0, "m3": 1.0, "m4": 1.0, "m5": 1.0, "m8": 1.3, "m12": 1.6, "m13": 1.6}
 
 
-def test_marks_around_pauses_enclose_them():
+def test_marks_at_the_same_position_are_separated_by_the_pauses_between_them():
     script = Script(TEXT, tuple(Mark(name, 5) for name in "abc"), pauses=(Pause(5, 0.3, 1), Pause(5, 0.2, 2)))
     times = place_marks(script, WORDS, 1.7)
     assert (times["a"], times["b"], times["c"]) == (0.4, 0.4 + 0.3, 1.0)
 
 
-def test_first_of_two_marks_with_the_same_name_counts():
+def test_first_of_two_marks_with_the_same_name_sets_its_time():
     assert place_marks(Script(TEXT, (Mark("m", 0), Mark("m", 9))), WORDS, 1.7) == {"m": 0.1}
 
 

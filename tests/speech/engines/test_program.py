@@ -32,7 +32,7 @@ def _ended() -> Iterator[None]:
 
 
 @pytest.mark.parametrize("form", ["", "wav"])
-def test_program_speaks_phrases_with_the_times_of_its_words(form: str):
+def test_speech_program_provides_the_sound_and_word_times_of_a_phrase(form: str):
     engine = start(form)
     utterance = EngineVoice(engine).say(Script("one two. Three", (Mark("two", 4),)), rate=2.0)
     assert utterance.sound is not None
@@ -42,7 +42,7 @@ def test_program_speaks_phrases_with_the_times_of_its_words(form: str):
     assert utterance.voice == engine.name
 
 
-def test_program_reports_phonemes_with_their_mouth_shapes():
+def test_speech_program_reports_phonemes_with_their_articulation_times():
     (phoneme,) = start("phonemes").speak(Phrase("one")).phonemes
     assert phoneme == Phoneme("b", 0.1, pytest.approx(0.2), 0.04, 0.1)
 
@@ -68,17 +68,17 @@ def test_speech_program_is_started_once_for_two_phrases():
         ("ends", "the program ended: model not found"),
     ],
 )
-def test_faulty_answer_is_reported_with_its_reason(fault: str, reason: str):
+def test_faulty_answer_of_a_speech_program_is_reported_with_its_reason(fault: str, reason: str):
     with pytest.raises(EngineError, match=reason):
         start(fault).speak(Phrase("one two"))
 
 
-def test_unreadable_phrase_of_a_program_is_named():
+def test_phrase_that_the_speech_program_cannot_read_raises_an_unreadable_error():
     with pytest.raises(UnreadableError, match="not a word"):
         start("unreadable").speak(Phrase("one"))
 
 
-def test_program_that_does_not_answer_is_ended(monkeypatch: pytest.MonkeyPatch):
+def test_speech_program_that_does_not_answer_within_the_timeout_is_stopped(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(module, "ANSWER_TIMEOUT", 0.2)
     with pytest.raises(EngineError, match=r"no answer within 0\.2 s"):
         start("hangs").speak(Phrase("one"))
@@ -86,12 +86,12 @@ def test_program_that_does_not_answer_is_ended(monkeypatch: pytest.MonkeyPatch):
 
 
 @pytest.mark.parametrize("text", ["", "no_such_program_here -x", "'unclosed"])
-def test_command_without_a_program_is_refused(text: str):
+def test_speech_command_that_names_no_installed_program_is_rejected(text: str):
     with pytest.raises(ConfigError, match="the speech engine"):
         EngineProgram.of(text)
 
 
-def test_program_speaks_a_block_as_an_option():
+def test_speech_command_in_the_setup_gives_the_mark_times_of_a_block():
     command = shlex.join([sys.executable, str(PROGRAM)])
     block = '<bml id="b"><speech id="s"><text>one <sync id="m"/>two</text></speech></bml>'
     planned = plan(block, set_up(engine=command))
@@ -100,5 +100,5 @@ def test_program_speaks_a_block_as_an_option():
     assert pickle.loads(pickle.dumps(EngineProgram.of(command))) == EngineProgram.of(command)
 
 
-def test_long_command_is_shortened_in_reports():
+def test_display_name_of_a_long_speech_command_has_at_most_60_characters():
     assert len(EngineProgram(("python", "x" * 200)).name) <= 60

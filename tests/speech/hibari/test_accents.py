@@ -33,12 +33,12 @@ def test_flat_pitch_and_peaks_outside_a_stressed_vowel_are_no_accents(pitch: np.
     assert find_pitch_accents(pitch, [sound]) == ()
 
 
-def test_highest_of_two_peaks_on_a_vowel_counts():
+def test_higher_of_two_pitch_peaks_on_a_vowel_is_its_accent():
     curve = np.maximum(peak(0.22, 2.0), peak(0.36, 4.0))
     assert find_pitch_accents(curve, [VOWEL]) == pytest.approx([0.36], abs=FRAME_DURATION)
 
 
-def test_unvoiced_frames_do_not_hide_a_peak():
+def test_pitch_accent_is_found_despite_unvoiced_frames_within_its_peak():
     curve = peak(0.3, 3.0)
     curve[28:34] = 0.0
     assert find_pitch_accents(curve, [VOWEL]) == pytest.approx([0.3], abs=FRAME_DURATION)

@@ -39,7 +39,7 @@ def test_same_phrase_gives_the_same_samples(neural: EngineVoice):
 
 
 @pytest.mark.parametrize("rate", [0.8, 1.25])
-def test_lips_are_closed_before_each_audible_burst(neural: EngineVoice, rate: float):
+def test_lips_close_before_and_open_at_the_audible_burst_of_each_bilabial(neural: EngineVoice, rate: float):
     for sentence in SENTENCES:
         utterance = neural.say(Script(sentence), rate=rate)
         assert utterance.sound is not None
@@ -55,7 +55,7 @@ def test_lips_are_closed_before_each_audible_burst(neural: EngineVoice, rate: fl
             assert release == pytest.approx(burst, abs=0.035), (sentence, sound)
 
 
-def test_words_after_a_pause_start_with_their_sound(neural: EngineVoice):
+def test_mark_of_a_word_after_a_pause_lies_at_the_onset_of_its_sound(neural: EngineVoice):
     text = "apple see table green people"
     positions = [text.index(word) for word in ("see", "green", "people")]
     marks, pauses = (tuple(kind) for kind in ([Mark(str(p), p) for p in positions], [Pause(p, 0.3) for p in positions]))
@@ -64,7 +64,7 @@ def test_words_after_a_pause_start_with_their_sound(neural: EngineVoice):
     assert [utterance.marks[str(p)] for p in positions] == pytest.approx(find_onsets(utterance.sound), abs=0.005)
 
 
-def test_rate_of_a_section_changes_its_words_alone(neural: EngineVoice):
+def test_prosody_rate_changes_the_duration_of_its_own_words_only(neural: EngineVoice):
     text = "one two three four five six"
     plain = neural.say(Script(text))
     section = Emphasis(14, 18, "prosody", (("rate", "50%"),))
@@ -78,7 +78,7 @@ def test_rate_of_a_section_changes_its_words_alone(neural: EngineVoice):
     )
 
 
-def test_pitch_and_volume_of_a_section_are_heard(neural: EngineVoice):
+def test_prosody_pitch_and_volume_scale_the_pitch_and_amplitude_of_the_sound(neural: EngineVoice):
     text = "one two three four five six"
     phrase = Phrase(text)
     plain = speak_phrase(Hibari(), phrase)
@@ -103,7 +103,7 @@ def _pitch(samples: np.ndarray) -> float:
     return float(np.median(pitches))
 
 
-def test_accents_lie_on_stressed_vowels_with_a_pitch_peak(neural: EngineVoice):
+def test_accents_of_a_sentence_lie_near_stressed_vowels(neural: EngineVoice):
     utterance = neural.say(Script("I never said that, but MAYBE you did."))
     stressed = [phoneme for phoneme in utterance.phonemes if phoneme.symbol.startswith("\u02c8")]
     assert 1 <= len(utterance.accents) <= len(stressed)

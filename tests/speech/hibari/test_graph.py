@@ -43,7 +43,7 @@ def names(graph: bytes, number: int, name_number: int) -> list[str]:
     ]
 
 
-def test_durations_become_an_output_and_pitch_an_input():
+def test_edited_model_graph_has_durations_as_output_and_pitch_as_input():
     edited = edit_graph(model(SPEED, SUM, PITCH, node("Relu", (PITCH_OUTPUT,), "voiced")))
     before, graph, after = read_fields(memoryview(edited.model))
     assert (bytes(before.encoded), bytes(after.encoded)) == (encode_integer(1, 8), encode_bytes(8, b"opset"))
@@ -55,7 +55,7 @@ def test_durations_become_an_output_and_pitch_an_input():
 
 
 @pytest.mark.parametrize("parts", [(), (SUM, PITCH), (SPEED, SUM), (SPEED, PITCH), (SPEED, SUM, SUM, PITCH)])
-def test_graph_of_another_kind_is_rejected(parts: tuple[bytes, ...]):
+def test_model_graph_with_missing_or_repeated_nodes_is_rejected(parts: tuple[bytes, ...]):
     with pytest.raises(ProtobufError, match="the graph"):
         edit_graph(model(*parts))
 

@@ -37,14 +37,14 @@ def test_requested_voice_is_created_without_loading_its_model():
 
 
 @pytest.mark.usefixtures("unchecked")
-def test_missing_package_of_the_voice_names_its_extra(monkeypatch: pytest.MonkeyPatch):
+def test_missing_voice_package_raises_an_error_that_names_its_extra(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(model, "find_package", lambda: None)
     with pytest.raises(ConfigError, match=r"hibari-tts is not installed: .*voice"):
         voice("hibari")
 
 
 @pytest.mark.usefixtures("unchecked")
-def test_missing_file_of_the_model_is_named(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+def test_missing_model_file_is_named_in_the_error(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     (tmp_path / "assets").mkdir()
     (tmp_path / "assets" / "hibari.onnx").touch()
     monkeypatch.setattr(model, "find_package", lambda: tmp_path)

@@ -15,7 +15,7 @@ from kinesic.speech.hibari.pronunciation import pronounce
         ('He said "well-known".', {'"well-known".': "wɛlnOn"}),
     ],
 )
-def test_each_written_word_has_its_letters(text: str, words: dict[str, str], neural: EngineVoice):
+def test_each_word_of_a_text_is_mapped_to_its_phoneme_letters(text: str, words: dict[str, str], neural: EngineVoice):
     reading = pronounce(text, load_model().letter_ids)
     spoken = {text[begin:end]: reading.letters[first:last] for (begin, end), (first, last) in reading.words}
     assert spoken.keys() == set(text.split())
@@ -23,7 +23,7 @@ def test_each_written_word_has_its_letters(text: str, words: dict[str, str], neu
         assert "".join(letter for letter in spoken[word] if letter.isalpha() and letter not in STRESS_MARKS) == letters
 
 
-def test_phrase_without_a_stop_gets_one(neural: EngineVoice):
+def test_full_stop_is_added_to_a_phrase_without_final_punctuation(neural: EngineVoice):
     letters = load_model().letter_ids
     assert pronounce("see you", letters).letters.endswith("u.")
     assert pronounce("see you,", letters).letters.endswith("u,")
@@ -33,5 +33,5 @@ def test_text_without_letters_has_no_words(neural: EngineVoice):
     assert pronounce("...", load_model().letter_ids).words == ()
 
 
-def test_custom_readings_of_hibari_are_not_used(neural: EngineVoice):
+def test_inline_pronunciation_markup_of_hibari_is_ignored(neural: EngineVoice):
     assert "x" not in pronounce("[one](/xxx/) two", load_model().letter_ids).letters.split()[0]

@@ -19,7 +19,7 @@ def test_fields_of_every_wire_type_are_read_with_their_bytes():
 
 
 @pytest.mark.parametrize(("value", "encoded"), [(0, b"\0"), (127, b"\x7f"), (128, b"\x80\x01"), (300, b"\xac\x02")])
-def test_varints_are_encoded_as_specified(value: int, encoded: bytes):
+def test_varints_are_encoded_in_groups_of_seven_bits(value: int, encoded: bytes):
     assert encode_varint(value) == encoded
 
 

@@ -9,7 +9,7 @@ from kinesic.speech.hibari import pronunciation, read_ahead
 from kinesic.speech.voice import HIBARI_TABLES_MODULE
 
 
-def test_import_reads_the_lexicon(monkeypatch: pytest.MonkeyPatch):
+def test_import_of_the_table_module_loads_the_pronunciation_lexicon(monkeypatch: pytest.MonkeyPatch):
     reads = []
     monkeypatch.setattr(pronunciation, "load_reader", lambda: reads.append(True))
     assert reload(read_ahead).__name__ == HIBARI_TABLES_MODULE

@@ -20,7 +20,7 @@ def follow(espeak: Espeak, spoken: SpokenText, given: dict[int, GivenTime] | Non
 
 
 @pytest.mark.parametrize(("pauses", "noise"), [({}, 0.0), (PAUSES, 0.0), (PAUSES, 0.1)])
-def test_words_are_found_by_their_sound_through_pauses_and_noise(
+def test_word_starts_are_located_by_sound_despite_pauses_and_noise(
     espeak: Espeak, pauses: dict[int, float], noise: float
 ):
     spoken = speak(espeak, pauses=pauses, noise=noise)
@@ -39,7 +39,7 @@ def test_given_word_times_are_kept_and_the_others_lie_between(espeak: Espeak):
     assert np.median(np.abs(starts - spoken.starts)) <= 0.05
 
 
-def test_followed_sounds_lie_outside_long_silences_of_the_recording(espeak: Espeak):
+def test_aligned_phonemes_lie_outside_long_silences_of_the_recording(espeak: Espeak):
     spoken = speak(espeak, pauses=PAUSES, noise=0.05)
     followed = follow(espeak, spoken)
     for word, duration in PAUSES.items():
@@ -72,7 +72,7 @@ def test_inaudible_final_closure_lasts_until_the_given_end_of_its_word():
     assert closure.start > 0.8
 
 
-def test_word_with_a_given_time_of_no_length_is_followed(espeak: Espeak):
+def test_word_with_a_given_time_of_zero_duration_starts_at_that_time(espeak: Espeak):
     spoken = speak(espeak)
     start = float(spoken.starts[4])
     followed = follow(espeak, spoken, {4: GivenTime(start, start)})
@@ -92,7 +92,7 @@ def test_loud_parts_of_a_recording_open_the_lips_wider(espeak: Espeak):
     assert after < before - 0.05
 
 
-def test_given_plosives_open_the_lips_30_ms_before_their_end():
+def test_lips_open_30_ms_before_the_end_of_a_plosive_with_a_given_time():
     stop, vowel = release_stops((Phoneme("p", 0.0, 0.1), Phoneme("a", 0.1, 0.1)))
     assert stop.articulation == pytest.approx((0.0, 0.07))
     assert vowel.articulation == pytest.approx((0.1, 0.2))

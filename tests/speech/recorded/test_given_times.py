@@ -12,7 +12,7 @@ def test_timed_phrase_gives_its_start_and_end_to_its_first_and_last_word():
     assert times == [GivenTime(1.0, None), GivenTime(), GivenTime(None, 2.0)]
 
 
-def test_words_that_the_file_lacks_have_no_time():
+def test_words_missing_from_the_timing_file_have_no_time():
     spans = [TimedSpan("one", 0.0, 0.2), TimedSpan("um", 0.3, 0.4), TimedSpan("three", 0.8, 1.0)]
     times = match_words(["one", "two", "three"], spans)
     assert times == [GivenTime(0.0, 0.2), GivenTime(), GivenTime(0.8, 1.0)]

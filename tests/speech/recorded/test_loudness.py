@@ -27,7 +27,7 @@ def test_noise_and_silence_have_no_pitch():
     assert np.isnan(estimate_pitch(Sound.of(RATE, np.zeros(RATE)))).all()
 
 
-def test_openings_follow_the_level_within_their_range():
+def test_lip_openings_increase_with_the_sound_level_within_their_range():
     openings = compute_openings(np.array([-60.0, -25.0, -20.0, -15.0, 20.0]), np.ones(5, dtype=bool))
     assert openings[[0, 2, 4]] == pytest.approx([OPENING_RANGE[0], 1.0, OPENING_RANGE[1]])
     assert np.all(np.diff(openings) > 0.0)

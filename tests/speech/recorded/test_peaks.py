@@ -11,7 +11,7 @@ from kinesic.speech.recorded.spectrum import BAND_COUNT, CEPSTRUM_SIZE, COSINES
 @pytest.mark.parametrize("seed", range(8))
 @pytest.mark.parametrize("distance", [1, 6, 12])
 @pytest.mark.parametrize("digits", [0, 6])
-def test_peaks_match_scipy(seed, distance, digits):
+def test_peaks_of_random_levels_match_scipy(seed, distance, digits):
     """Rounded to whole numbers, levels have plateaus and equal peaks."""
     random = np.random.default_rng(seed)
     levels = np.round(np.cumsum(random.normal(size=300)), digits)
@@ -27,12 +27,12 @@ def test_levels_without_inner_maximum_have_no_peak(levels):
 
 
 @pytest.mark.parametrize("shape", [(3,), (40,), (40, 3)])
-def test_mean_of_frames_matches_scipy(shape):
+def test_moving_mean_of_frames_matches_scipy(shape):
     values = np.random.default_rng(1).normal(size=shape)
     np.testing.assert_allclose(average_frames(values, 5), uniform_filter1d(values, 5, axis=0), atol=1e-14)
 
 
-def test_cosines_are_the_orthonormal_transform():
+def test_cosine_matrix_matches_the_orthonormal_dct_of_scipy():
     spectrum = np.random.default_rng(2).normal(size=(4, BAND_COUNT))
     expected = dct(spectrum, axis=1, norm="ortho")[:, :CEPSTRUM_SIZE]
     np.testing.assert_allclose(spectrum @ COSINES, expected, atol=1e-13)

@@ -33,7 +33,7 @@ def spread(*audible: tuple[float, float], span: tuple[float, float] = SPAN):
     return _spread(RENDITION, SimpleNamespace(spans=list(audible)), (0, 2), span)
 
 
-def test_words_share_the_audible_parts_by_their_durations():
+def test_words_are_spread_over_audible_parts_in_proportion_to_their_durations():
     points, spans = spread((10.0, 12.0), (15.0, 17.0))
     third = 4.0 / 3.0  # [s] of the 4 audible seconds for the word of 0.5 s
     np.testing.assert_allclose(spans, [(10.0, 10.0 + third), (10.0 + third, 17.0)])
@@ -48,13 +48,13 @@ def test_words_share_the_audible_parts_by_their_durations():
     np.testing.assert_allclose(points, expected)
 
 
-def test_audible_parts_are_cut_to_the_span_and_begin_with_it():
+def test_audible_parts_are_clipped_to_the_span_and_the_first_starts_with_the_span():
     _, spans = spread((5.0, 9.0), (12.0, 13.0), (18.0, 25.0))
     np.testing.assert_allclose([spans[0][0], spans[1][1]], [10.0, 20.0])
     np.testing.assert_allclose(spans[0][1], 10.0 + 5.0 / 3.0)
 
 
-def test_words_of_a_silent_span_fill_it_evenly():
+def test_words_of_a_silent_span_fill_it_in_proportion_to_their_durations():
     _, spans = spread((1.0, 2.0))
     np.testing.assert_allclose(spans, [(10.0, 10.0 + 10.0 / 3.0), (10.0 + 10.0 / 3.0, 20.0)])
 
@@ -73,7 +73,7 @@ def test_span_without_duration_holds_all_words_at_its_start():
         ([(None, None), (None, 4.0), (20.0, None)], [(0, 2, 0.0, 4.0), (2, 3, 9.0, 9.0)]),
     ],
 )
-def test_runs_of_words_lie_between_given_times(given, runs):
+def test_words_are_grouped_into_runs_between_their_given_times(given, runs):
     times = [GivenTime(start, end) for start, end in given]
     assert list(_find_runs_of_words(times, 9.0)) == runs
 
@@ -89,7 +89,7 @@ def test_points_of_a_placement_increase_in_the_rendition_and_do_not_decrease_in_
     assert _make_monotone([(0.0, 0.0), (5e-10, 1.0)], 8.0) == ((0.0, 0.0),)
 
 
-def test_path_inside_a_word_has_every_third_frame_without_the_first_and_last_three():
+def test_warping_path_of_a_word_keeps_every_third_frame_without_the_first_and_last_three():
     frames = np.arange(14)
     points = _list_path(frames / 10, frames / 5, np.arange(2, 14))
     assert points == [(0.5, 1.0), (0.8, 1.6)]
@@ -123,7 +123,7 @@ def sounds_at(*phonemes: Phoneme, points=((0.0, 0.0), (10.0, 10.0)), spans=((1.0
     return place_phonemes(phonemes, Placement(points, ()), SimpleNamespace(spans=list(spans)))
 
 
-def test_sounds_are_stretched_with_their_words():
+def test_phonemes_are_stretched_with_their_words():
     (sound,) = sounds_at(Phoneme("a", 0.6, 0.2), points=((0.0, 0.0), (1.0, 2.0)))
     assert (sound.start, sound.end) == pytest.approx((1.2, 1.6), abs=1e-4)
     assert sound.articulation == pytest.approx((1.2, 1.6), abs=1e-4)
@@ -142,12 +142,12 @@ def test_sounds_are_stretched_with_their_words():
         ("a", 5.5, 6.0, (5.5, 6.0)),
     ],
 )
-def test_sounds_lie_in_audible_speech_or_close_to_it(symbol, start, end, expected):
+def test_phonemes_are_clipped_to_audible_speech_plus_a_margin(symbol, start, end, expected):
     (sound,) = sounds_at(Phoneme(symbol, start, end - start))
     assert (sound.start, sound.end) == pytest.approx(expected, abs=1e-4)
 
 
-def test_sound_in_a_long_silence_is_left_out():
+def test_phoneme_in_a_long_silence_is_left_out():
     assert sounds_at(Phoneme("a", 2.5, 0.5)) == ()
 
 
@@ -160,7 +160,7 @@ def test_mouth_takes_its_shape_up_to_0_05_seconds_before_a_sound_and_keeps_it_to
     assert (sound.onset, sound.release) == pytest.approx(expected, abs=1e-4)
 
 
-def test_words_are_placed_at_the_frames_of_the_warp(monkeypatch):
+def test_words_start_at_the_frames_that_time_warping_finds(monkeypatch):
     asked = []
 
     def warp(recording, rendition, word_frames):
@@ -188,7 +188,7 @@ def test_words_are_placed_at_the_frames_of_the_warp(monkeypatch):
 
 
 @pytest.mark.parametrize("has_sound", [True, False])
-def test_words_without_a_warp_are_spread_and_a_final_closure_reaches_the_given_end(monkeypatch, has_sound):
+def test_warped_or_spread_words_with_a_final_closure_are_extended_towards_the_given_end(monkeypatch, has_sound):
     asked = []
 
     def place_by_sound(rendition, frames, rendered, words, span, *, keeps_start):
@@ -207,7 +207,7 @@ def test_words_without_a_warp_are_spread_and_a_final_closure_reaches_the_given_e
     assert found.points[-1][0] == 2.0
 
 
-def test_analysis_bridges_silences_of_a_given_length_and_has_spans_in_seconds():
+def test_speech_analysis_bridges_silences_up_to_a_given_number_of_frames():
     rate = 16_000
     samples = 0.5 * np.sin(2 * np.pi * 500.0 * np.arange(rate) / rate)
     samples[6400:8000] = 0.0

@@ -30,7 +30,7 @@ def test_louder_higher_or_longer_word_is_prominent(
     assert accents.tolist() == [k == 2 for k in range(6)]
 
 
-def test_even_words_have_no_accent_and_voiceless_frames_count_nothing():
+def test_equally_loud_words_without_pitch_have_no_prominence_and_no_accent():
     hertz = np.full(COUNT, np.nan)
     prominences = find_prominences(WORDS, np.full(COUNT, -20.0), hertz, NATURAL)
     assert prominences == pytest.approx(0.0)
@@ -43,13 +43,13 @@ def test_word_without_lexical_stress_needs_more_prominence():
     assert find_prominent_words(WORDS, prominences, is_stressed).tolist() == [False, False, False, False, True, False]
 
 
-def test_each_phrase_has_an_accent():
+def test_each_of_two_phrases_has_an_accent():
     words = [(0.0, 0.3), (0.3, 0.6), (1.2, 1.5), (1.5, 1.8)]
     accents = find_prominent_words(words, np.array([0.1, 0.6, 0.5, 0.0]), np.ones(4, dtype=bool))
     assert accents.tolist() == [False, True, True, False]
 
 
-def test_stress_outside_accented_words_is_reduced_if_there_are_any():
+def test_primary_stress_of_unaccented_words_becomes_secondary_if_another_word_is_accented():
     sounds = (Phoneme("\u02c8a", 0.05, 0.1), Phoneme("\u02c8o", 0.4, 0.1), Phoneme("n", 0.5, 0.05))
     moved = move_stress(sounds, WORDS[:2], np.array([False, True]))
     assert [sound.symbol for sound in moved] == ["\u02cca", "\u02c8o", "n"]
@@ -67,7 +67,7 @@ def test_prominence_is_half_the_sum_of_level_pitch_and_length_above_the_mean_of_
     assert second == pytest.approx(rise / 4)
 
 
-def test_level_and_pitch_of_a_word_are_those_of_its_loudest_and_highest_fifth():
+def test_level_and_pitch_of_a_word_are_80th_percentiles_over_its_frames():
     levels, pitch = np.full(40, 0.0), np.full(40, 100.0)
     levels[10:20] = 10.0 * np.arange(10)
     pitch[10:20] = 100.0 * 2.0 ** (np.arange(10) / 12.0)
@@ -77,7 +77,7 @@ def test_level_and_pitch_of_a_word_are_those_of_its_loudest_and_highest_fifth():
     assert first == pytest.approx(-second)
 
 
-def test_word_shorter_than_a_frame_has_one_frame_and_a_least_length():
+def test_word_shorter_than_a_frame_uses_one_frame_and_a_minimum_length():
     levels = np.array([0.0, 8.0, 0.0, 0.0])
     words, natural = [(0.0, 0.01), (0.0105, 0.0106), (0.03, 0.03)], [0.01, 0.02, 0.04]
     prominences = find_prominences(words, levels, np.full(4, np.nan), natural)
@@ -86,7 +86,7 @@ def test_word_shorter_than_a_frame_has_one_frame_and_a_least_length():
     assert prominences == pytest.approx(expected)
 
 
-def test_words_after_the_end_of_the_recording_have_no_level():
+def test_words_after_the_end_of_the_recording_have_zero_prominence():
     prominences = find_prominences([(0.0, 0.1), (5.0, 5.1)], np.zeros(10), np.full(10, np.nan), [0.1, 0.1])
     assert prominences == pytest.approx([0.0, 0.0])
     assert find_prominences([], np.zeros(0), np.zeros(0), []).tolist() == []
@@ -96,14 +96,14 @@ def test_words_after_the_end_of_the_recording_have_no_level():
     ("prominence", "stressed", "accented"),
     [(0.7, True, True), (0.69, True, False), (1.4, False, True), (1.39, False, False)],
 )
-def test_word_has_an_accent_from_a_prominence_of_0_7_or_twice_that(prominence, stressed, accented):
+def test_word_is_accented_from_prominence_0_7_if_stressed_or_1_4_if_unstressed(prominence, stressed, accented):
     words = [(0.0, 0.5), (0.5, 1.0), (1.0, 1.5)]
     accents = find_prominent_words(words, np.array([9.0, prominence, 9.0]), np.array([True, stressed, True]))
     assert accents.tolist() == [True, accented, True]
 
 
 @pytest.mark.parametrize(("start", "accented"), [(0.75, True), (0.74, False)])
-def test_phrase_begins_after_a_quarter_of_a_second(start, accented):
+def test_new_phrase_begins_after_a_silence_of_0_25_seconds(start, accented):
     words = [(0.0, 0.5), (start, 1.0), (1.0, 1.5)]
     accents = find_prominent_words(words, np.array([2.0, 0.6, 0.0]), np.ones(3, dtype=bool))
     assert accents.tolist() == [True, accented, False]
@@ -119,6 +119,6 @@ def test_most_prominent_stressed_word_of_a_phrase_is_accented_if_0_15_above_the_
 @pytest.mark.parametrize(
     ("start", "symbol"), [(0.291, "\u02c8a"), (0.289, "\u02cca"), (0.59, "\u02c8a"), (0.0, "\u02cca")]
 )
-def test_stress_is_kept_for_sounds_from_one_frame_before_an_accented_word(start, symbol):
+def test_primary_stress_is_kept_from_one_frame_before_the_start_of_an_accented_word(start, symbol):
     (moved,) = move_stress((Phoneme("\u02c8a", start, 0.1),), [(0.1, 0.3), (0.3, 0.6)], np.array([False, True]))
     assert moved.symbol == symbol

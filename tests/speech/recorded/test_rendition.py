@@ -7,7 +7,7 @@ from kinesic.speech.espeak import Espeak
 from kinesic.speech.recorded.rendition import render
 
 
-def test_words_and_marks_of_a_rendition_have_times():
+def test_rendition_of_a_script_gives_word_and_mark_times_without_the_requested_pauses():
     script = Script("Hello, my dear friend.", (Mark("a", 7), Mark("b", 22)), pauses=(Pause(10, 3.0),))
     rendition = render(script, DurationModel())
     assert rendition.words == ("Hello", "my", "dear", "friend")
@@ -24,6 +24,6 @@ def test_words_that_the_engine_reports_together_have_different_times(espeak: Esp
     assert rendition.ends[-1] == pytest.approx(rendition.utterance.duration, abs=0.05)
 
 
-def test_text_without_words_has_none():
+def test_rendition_of_a_text_without_words_has_no_words():
     rendition = render(Script("...", (Mark("a", 0),)), DurationModel())
     assert (rendition.words, len(rendition.starts), rendition.marked_words) == ((), 0, {})

@@ -27,7 +27,7 @@ def test_level_rises_by_twenty_decibels_with_ten_times_the_amplitude():
     assert loud - quiet == pytest.approx(20.0, abs=0.1)
 
 
-def test_long_sounds_have_the_same_powers_as_their_parts():
+def test_long_sound_has_the_same_band_powers_as_a_short_one_of_the_same_tone():
     sound = tone(500.0, seconds=60.0)
     whole = compute_band_powers(sound)
     assert len(whole) == 6000
@@ -43,7 +43,7 @@ def test_features_are_normalised_over_speech():
     assert features[is_speech].std(axis=0) == pytest.approx(1.0, abs=1e-4)
 
 
-def test_sound_shorter_than_a_frame_has_no_powers():
+def test_sound_shorter_than_a_frame_has_no_band_powers():
     assert compute_band_powers(Sound.of(16_000, np.zeros(10))).shape == (0, BAND_COUNT)
 
 
@@ -53,7 +53,7 @@ def mel(frequency: float) -> float:
 
 
 @pytest.mark.parametrize(("highest", "edge"), [(8000.0, 7000.0), (4000.0, 4000.0)])
-def test_bands_are_triangles_of_one_width_from_80_hertz_to_7000_or_half_the_rate(highest: float, edge: float):
+def test_band_filters_are_triangles_of_equal_mel_width_from_80_hz_to_7000_hz_or_nyquist(highest: float, edge: float):
     frequencies = np.linspace(0.0, highest, 4001)
     filters = _make_filters(frequencies, highest)
     step = (mel(edge) - mel(80.0)) / 27
@@ -65,7 +65,7 @@ def test_bands_are_triangles_of_one_width_from_80_hertz_to_7000_or_half_the_rate
 
 
 @pytest.mark.parametrize("rate", [8000, 16_000, 22_050])
-def test_powers_are_those_of_windows_of_25_milliseconds_around_each_frame(rate: int):
+def test_band_powers_come_from_25_ms_windows_around_each_frame(rate: int):
     samples = np.random.default_rng(4).normal(0.0, 0.1, rate // 10)
     powers = compute_band_powers(Sound.of(rate, samples))
     assert powers.shape == (10, 26)

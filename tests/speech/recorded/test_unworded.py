@@ -40,13 +40,13 @@ def test_high_first_formant_opens_the_mouth_and_a_low_one_rounds_the_lips():
     assert letters(voice_like([(0.5, 0.5, 250.0)])) == ["u"]
 
 
-def test_noise_of_high_frequency_hisses():
+def test_high_frequency_noise_is_classified_as_s():
     noise = np.diff(np.random.default_rng(1).normal(0.0, 0.2, RATE // 2), n=3)
     sound = Sound.of(RATE, np.concatenate([np.zeros(RATE // 2), 0.2 * noise, np.zeros(RATE // 2)]))
     assert set(letters(sound)) == {"s"}
 
 
-def test_lips_rest_in_silences_and_sounds_touch_within_speech():
+def test_lip_sounds_are_contiguous_within_speech_and_absent_in_silences():
     sounds = lip_sounds(voice_like([(0.5, 0.5, 700.0), (1.0, 0.0, 500.0), (0.5, 0.5, 700.0)]))
     gaps = [b.start - a.end for a, b in pairwise(sounds) if b.start - a.end > 0.001]
     assert gaps == pytest.approx([1.0], abs=0.05)
@@ -62,11 +62,11 @@ def test_louder_syllable_has_the_accent_and_a_wider_mouth():
     assert accented[0].opening > 1.1
 
 
-def test_silent_recording_has_no_sounds():
+def test_silent_recording_has_no_lip_sounds():
     assert lip_sounds(Sound.of(RATE, np.zeros(RATE))) == ()
 
 
-def test_speech_has_syllables_and_accents_but_not_on_each(espeak: Espeak):
+def test_at_least_two_but_at_most_half_of_the_vowels_of_speech_are_accented(espeak: Espeak):
     sounds = lip_sounds(speak(espeak).sound)
     accents = [sound for sound in sounds if sound.symbol.startswith(STRESS_MARKS[0])]
     vowels = [sound for sound in sounds if sound.symbol.startswith(STRESS_MARKS)]
@@ -82,7 +82,7 @@ def test_pitch_near_a_frame_is_the_median_of_the_voiced_frames_around_it():
     assert np.isnan(_max_near(np.full(40, np.nan), 20))
 
 
-def test_each_sound_lasts_at_least_four_frames():
+def test_lip_sounds_last_at_least_four_frames():
     symbols = np.array([2] * 10 + [3] * 3 + [2] * 7 + [5] * 4 + [3] * 6)
     frames = len(symbols)
     sounds = _join(symbols, np.ones(frames), np.ones(frames, dtype=bool))
@@ -118,7 +118,7 @@ def test_lips_close_around_a_dip_of_loudness_within_speech():
         (1.0, 1.81, 0.7, 3.52, "s"),
     ],
 )
-def test_sound_is_chosen_by_the_power_of_low_middle_high_and_hissing_bands(low, middle, high, hiss, symbol):
+def test_lip_sound_is_chosen_by_the_power_of_low_middle_high_and_hissing_bands(low, middle, high, hiss, symbol):
     powers = np.concatenate(
         [np.full(count, power / count) for count, power in ((5, low), (7, middle), (7, high), (7, hiss))]
     )
@@ -126,7 +126,7 @@ def test_sound_is_chosen_by_the_power_of_low_middle_high_and_hissing_bands(low, 
     assert [SOUND_SYMBOLS[kind] for kind in kinds] == [symbol] * 9
 
 
-def test_sounds_have_the_mean_opening_of_their_frames_and_none_in_silence():
+def test_lip_sounds_have_the_mean_opening_of_their_frames_and_are_absent_in_silence():
     symbols, openings = np.array([0] * 6 + [1] * 4 + [1] * 3 + [5] * 2), np.arange(15) / 7
     is_speech = np.array([True] * 10 + [False] * 3 + [True] * 2)
     assert list(_join(symbols, openings, is_speech)) == [
@@ -136,7 +136,7 @@ def test_sounds_have_the_mean_opening_of_their_frames_and_none_in_silence():
     ]
 
 
-def test_vowels_have_stress_if_an_accent_falls_into_them():
+def test_vowel_has_primary_stress_if_an_accent_falls_into_it():
     sounds = [Phoneme(symbol, 0.125 * k, 0.125) for k, symbol in enumerate(("\u0259", "u", "m", "e", "a", "s"))]
     stressed = _stress(sounds, np.array([0.125, 0.3, 0.5, 0.7]))
     assert [sound.symbol for sound in stressed] == ["\u02cc\u0259", "\u02c8u", "m", "\u02cce", "\u02c8a", "s"]

@@ -28,7 +28,7 @@ def write_words(path: Path, words: list[tuple[str, float, float]]) -> Path:
     return path
 
 
-def test_marks_are_at_their_words_without_given_times(espeak: Espeak, tmp_path: Path):
+def test_marks_of_a_recording_without_word_times_are_located_by_sound(espeak: Espeak, tmp_path: Path):
     spoken = speak(espeak, pauses={3: 1.0})
     recording = Recording(write(spoken.sound, tmp_path / "r.wav"))
     utterance = RecordedVoice(espeak).say(Script(TEXT, MARKS, recording=recording), rate=2.0)
@@ -39,7 +39,7 @@ def test_marks_are_at_their_words_without_given_times(espeak: Espeak, tmp_path: 
     assert utterance.duration == spoken.sound.duration
 
 
-def test_marks_are_exact_with_a_file_of_words(espeak: Espeak, tmp_path: Path):
+def test_marks_take_the_exact_word_times_of_a_timing_file(espeak: Espeak, tmp_path: Path):
     spoken = speak(espeak)
     texts = TEXT.replace(",", "").replace(".", "").split()
     ends = [*(spoken.starts[1:] - 0.01), spoken.sound.duration]
@@ -52,7 +52,7 @@ def test_marks_are_exact_with_a_file_of_words(espeak: Espeak, tmp_path: Path):
     assert utterance.remarks == ()
 
 
-def test_words_without_a_time_in_the_file_are_counted_in_a_remark(espeak: Espeak, tmp_path: Path):
+def test_words_without_a_time_in_the_timing_file_are_counted_in_a_remark(espeak: Espeak, tmp_path: Path):
     spoken = speak(espeak)
     words = write_words(tmp_path / "r.json", [("please", float(spoken.starts[1]), float(spoken.starts[2]) - 0.01)])
     recording = Recording(write(spoken.sound, tmp_path / "r.wav"), words=words)
@@ -62,7 +62,7 @@ def test_words_without_a_time_in_the_file_are_counted_in_a_remark(espeak: Espeak
     assert utterance.marks["b"] == pytest.approx(spoken.starts[6], abs=0.08)
 
 
-def test_invalid_file_of_words_is_reported_and_the_sound_used(espeak: Espeak, tmp_path: Path):
+def test_invalid_timing_file_is_reported_and_words_are_located_by_sound(espeak: Espeak, tmp_path: Path):
     spoken = speak(espeak)
     (tmp_path / "r.json").write_text('{"words": [{"word": "please", "start": -1}]}')
     recording = Recording(write(spoken.sound, tmp_path / "r.wav"), words=tmp_path / "r.json")
@@ -82,7 +82,7 @@ def test_given_word_times_place_marks_without_an_engine(tmp_path: Path):
     assert utterance.remarks == ()
 
 
-def test_given_phonemes_move_the_lips(espeak: Espeak, tmp_path: Path):
+def test_visemes_of_a_timing_file_become_the_phonemes_of_the_recording(espeak: Espeak, tmp_path: Path):
     (tmp_path / "r.jsonl").write_text(
         '{"time":100,"type":"word","value":"Pa"}\n{"time":100,"type":"viseme","value":"p"}\n'
         '{"time":200,"type":"viseme","value":"a"}\n{"time":900,"type":"viseme","value":"sil"}\n'
@@ -94,7 +94,7 @@ def test_given_phonemes_move_the_lips(espeak: Espeak, tmp_path: Path):
 
 
 @pytest.mark.parametrize("attribute", ["words", "kinesic:words"])
-def test_document_names_the_file_of_words(attribute: str, tmp_path: Path):
+def test_words_attribute_of_an_audio_element_sets_the_timing_file(attribute: str, tmp_path: Path):
     document = (
         '<bml xmlns:kinesic="urn:kinesic" id="b"><speech id="s">one two<description type="audio/wav">'
         f'<audio ref="r.wav" {attribute}="r.json"/></description></speech></bml>'
@@ -105,7 +105,7 @@ def test_document_names_the_file_of_words(attribute: str, tmp_path: Path):
     assert recording == Recording(tmp_path / "r.wav", (), tmp_path, tmp_path / "r.json")
 
 
-def test_file_of_words_outside_the_folder_is_not_read(espeak: Espeak, tmp_path: Path):
+def test_timing_file_outside_the_folder_of_the_recording_is_not_read(espeak: Espeak, tmp_path: Path):
     folder = tmp_path / "folder"
     folder.mkdir()
     spoken = speak(espeak)
@@ -125,7 +125,7 @@ def test_recording_without_text_moves_the_lips_by_its_sound_with_a_remark(espeak
         assert "lips follow its loudness and spectrum alone" in utterance.remarks[0]
 
 
-def test_document_without_a_file_plays_recordings_of_the_given_folder(tmp_path: Path):
+def test_document_parsed_from_a_string_uses_recordings_only_from_a_given_folder(tmp_path: Path):
     document = (
         '<bml id="b"><speech id="s">one<description type="audio/wav"><audio ref="r.wav"/></description></speech></bml>'
     )

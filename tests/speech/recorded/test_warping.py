@@ -38,7 +38,7 @@ def stretch(rendition: FrameSequence, frames: np.ndarray, pauses: dict[int, int]
 
 @pytest.mark.parametrize("factor", [0.7, 1.0, 1.6])
 @pytest.mark.parametrize("pauses", [{}, {0: 50, 2: 200}])
-def test_words_are_found_at_other_rates_and_after_pauses(factor: float, pauses: dict[int, int]):
+def test_time_warping_finds_word_starts_at_other_rates_and_after_pauses(factor: float, pauses: dict[int, int]):
     rendition = make_rendition()
     frames = np.minimum((np.arange(round(COUNT * factor)) / factor).astype(int), COUNT - 1)
     recording, starts = stretch(rendition, frames, pauses)
@@ -49,7 +49,7 @@ def test_words_are_found_at_other_rates_and_after_pauses(factor: float, pauses: 
     assert np.all(np.diff(found.rendition_frames) >= 0)
 
 
-def test_rate_that_changes_within_the_recording_is_followed():
+def test_time_warping_follows_a_rate_change_within_the_recording():
     rendition = make_rendition()
     frames = np.concatenate([np.repeat(np.arange(90), 2), np.arange(90, COUNT)])
     recording, starts = stretch(rendition, frames, {})
@@ -81,7 +81,7 @@ def test_word_after_the_end_of_the_rendition_begins_at_the_last_frame_with_speec
     assert found.word_frames[-1] == COUNT - 1
 
 
-def test_each_silence_is_shortened_to_four_frames_at_its_begin():
+def test_each_silence_becomes_four_copies_of_its_first_frame():
     is_speech = np.array([0, 0, 1, 1, 1, 0, 0, 0, 0, 0, 0, 1], dtype=bool)
     frames, is_silent = _shorten_silences(is_speech)
     assert frames.tolist() == [0, 0, 0, 0, 2, 3, 4, 5, 5, 5, 5, 11]
@@ -133,7 +133,7 @@ def test_warping_path_equals_the_cheapest_path_of_an_exhaustive_search(seed: int
     assert cost_of(found, rows, columns) == pytest.approx(min(costs))
 
 
-def test_silence_between_words_takes_the_gap_of_the_next_word():
+def test_silent_frames_align_with_the_gap_column_before_the_next_word():
     """The features of the words differ, so that each frame has one fitting column."""
     words = np.repeat(np.array([[0.0, 0.0], [40.0, 0.0], [0.0, 40.0]]), 8, axis=0)
     gaps = [0, 9, 18, 27]
@@ -160,7 +160,7 @@ def test_two_frames_of_speech_are_warped():
     assert found.rendition_frames.tolist() == [0.0, 1.0]
 
 
-def test_pauses_of_the_rendition_are_left_out_and_its_frames_counted():
+def test_time_warping_skips_pauses_of_the_rendition_but_keeps_its_frame_numbers():
     features = np.repeat(np.array([[0.0, 0.0], [40.0, 0.0]]), 8, axis=0)
     rendition = FrameSequence(np.insert(features, [8] * 6, 99.0, axis=0), np.abs(np.arange(22) - 10.5) > 3)
     recording = FrameSequence(np.insert(features, [0] * 5, 99.0, axis=0), np.arange(21) >= 5)

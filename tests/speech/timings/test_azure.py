@@ -40,7 +40,7 @@ def test_word_boundaries_of_batch_synthesis_are_in_milliseconds():
     assert [word.start for word in words] == pytest.approx([0.038, 0.201])
 
 
-def test_viseme_events_are_phonemes_until_the_next_event():
+def test_viseme_event_becomes_a_phoneme_that_lasts_until_the_next_event():
     events = [{"audioOffset": 1_000_000 * k, "visemeId": n} for k, n in enumerate((0, 21, 2, 0))]
     (closed, opened) = read_timed_words(json.dumps(events).encode()).phonemes
     assert (closed.symbol, closed.start, closed.end) == ("p", pytest.approx(0.1), pytest.approx(0.2))

@@ -37,7 +37,7 @@ def test_first_tier_counts_as_words_if_none_has_the_name():
     assert read_timed_words(EAF.replace('"Words"', '"x"').encode()).words == (TimedSpan("greeting", 0.2, 1.0),)
 
 
-def test_tier_name_before_the_speaker_is_used():
+def test_speaker_suffix_of_a_tier_name_is_ignored():
     assert len(read_timed_words(EAF.replace('"Words"', '"words@Anna"').encode()).words) == 2
 
 
@@ -57,7 +57,7 @@ BOMB = '<!DOCTYPE a [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;&a;">]>'
         ("</TIER>", "", "line 22: the XML is damaged: mismatched tag"),
     ],
 )
-def test_invalid_file_is_refused_with_its_place(old: str, new: str, message: str):
+def test_invalid_file_is_refused_with_the_location_of_its_fault(old: str, new: str, message: str):
     assert old in EAF
     text = EAF.replace(old, new)
     with pytest.raises(TimingError, match=message):

@@ -23,7 +23,7 @@ def test_words_end_at_the_next_word_or_at_the_silence():
     assert words == (TimedSpan("Thin", 0.006, 0.3), TimedSpan("shoe", 0.3, 0.6), TimedSpan("Yes", 1.5, 1.9))
 
 
-def test_visemes_are_phonemes_and_silences_are_none():
+def test_visemes_become_phonemes_and_silences_are_omitted():
     phonemes = read_timed_words(MARKS).phonemes
     assert [sound.symbol for sound in phonemes] == ["\u03b8", "i", "t", "\u0283", "u", "i"]
     assert (phonemes[4].start, phonemes[4].end) == pytest.approx((0.4, 0.6))

@@ -66,7 +66,7 @@ def test_file_above_the_size_limit_is_refused(monkeypatch: pytest.MonkeyPatch, t
         read_words_file(tmp_path / "a.json")
 
 
-def test_file_is_read_by_its_path(tmp_path: Path):
+def test_subtitle_file_is_read_by_its_path(tmp_path: Path):
     (tmp_path / "a.srt").write_text("1\n00:00:00,000 --> 00:00:01,000\nHi\n")
     assert read_words_file(tmp_path / "a.srt").text == "Hi"
 

@@ -43,6 +43,6 @@ def test_words_of_webvtt_with_their_own_times_are_separate():
         ("WEBVTT\n\n00:03.000 --> 00:04.000\na\n\n00:01.000 --> 00:02.000\nb\n", "cue 2 'b' starts at 1 s, before 'a'"),
     ],
 )
-def test_invalid_subtitles_are_refused_with_their_place(content: str, message: str):
+def test_invalid_subtitles_are_refused_with_the_location_of_their_fault(content: str, message: str):
     with pytest.raises(TimingError, match=message):
         read_timed_words(content.encode())

@@ -104,7 +104,7 @@ def test_truncated_file_is_refused(length: int):
         ("size = 2\nitem", "size = 2.5\nitem", "the number of tiers is '2.5'"),
     ],
 )
-def test_invalid_value_is_refused_with_its_place(old: str, new: str, message: str):
+def test_invalid_value_is_refused_with_its_location(old: str, new: str, message: str):
     assert old in LONG
     with pytest.raises(TimingError, match=message):
         read_timed_words(LONG.replace(old, new).encode())

@@ -24,7 +24,7 @@ def test_segment_without_words_is_a_phrase():
     assert timed.words == (TimedSpan("Hello my friend.", 0.5, 2.0),)
 
 
-def test_word_without_times_belongs_to_the_word_before():
+def test_word_without_times_is_joined_to_the_word_before_it():
     timed = read({"segments": [{"words": [{"word": "in", "start": 0.2, "end": 0.4}, {"word": "1999"}]}]})
     assert timed.words == (TimedSpan("in 1999", 0.2, 0.4),)
 
@@ -50,7 +50,7 @@ def test_spaces_and_sound_events_of_a_transcript_are_left_out():
         ),
     ],
 )
-def test_invalid_time_is_refused_with_its_place(word: object, message: str):
+def test_invalid_time_is_refused_with_its_location_or_word(word: object, message: str):
     with pytest.raises(TimingError, match=message):
         read({"words": [word]})
 
