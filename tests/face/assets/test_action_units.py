@@ -60,7 +60,7 @@ def test_face_without_action_units_differs_from_the_mesh_only_at_the_lips(mesh: 
     assert np.abs(rest - mesh.positions).max() < 0.0005
 
 
-def test_each_action_unit_moves_only_its_face_region(mesh: Mesh):
+def test_each_action_unit_leaves_the_back_of_the_head_still_and_moves_mainly_its_own_side(mesh: Mesh):
     back = mesh.positions[:, 0] < -0.08
     for channel in FACE_CHANNELS:
         change = np.linalg.norm(deform(mesh, {channel: 1.0}) - mesh.positions, axis=1)
@@ -71,7 +71,7 @@ def test_each_action_unit_moves_only_its_face_region(mesh: Mesh):
             assert change[other].max() < 0.35 * change.max(), channel
 
 
-def test_left_and_right_action_units_are_symmetric(mesh: Mesh):
+def test_left_and_right_action_units_move_the_face_by_equal_distances(mesh: Mesh):
     for number in (number for number, unit in ACTION_UNITS.items() if unit.sided and number != 30):
         left = np.linalg.norm(moved(mesh, **{f"L{number}": 1.0}), axis=1)
         right = np.linalg.norm(moved(mesh, **{f"R{number}": 1.0}), axis=1)
@@ -80,7 +80,7 @@ def test_left_and_right_action_units_are_symmetric(mesh: Mesh):
         np.testing.assert_allclose(np.linalg.norm(both, axis=1).max(), left.max(), rtol=0.3, err_msg=str(number))
 
 
-def test_action_units_move_in_anatomical_directions(mesh: Mesh):
+def test_brow_lip_corner_and_jaw_units_move_the_face_up_or_down(mesh: Mesh):
     apart = mesh.eyes[0, 1]
     inner, outer = centre(mesh, 0.4 * apart, 0.02), centre(mesh, 1.5 * apart, 0.022)
     assert moved(mesh, L1=1.0)[inner, 2] > 1e-3
@@ -123,7 +123,7 @@ def test_raised_cheek_moves_up_and_outward(mesh: Mesh):
     assert np.dot(mesh.normals(mesh.positions)[cheek], (forward, aside, up)) > 1e-3
 
 
-def test_pressed_lips_stay_closed_at_any_jaw_opening(mesh: Mesh):
+def test_pressed_lips_stay_closed_at_three_jaw_openings(mesh: Mesh):
     assert seen(mesh, mesh.positions, MOUTH_WINDOW) == {"skin"}
     assert seen(mesh, deform(mesh, {"26": 1.0, "25": 1.0}), MOUTH_WINDOW) >= {"skin", "tongue"}
     for jaw in (0.0, 0.3, 1.0):
@@ -136,7 +136,7 @@ def test_broad_smile_with_parted_lips_shows_teeth(mesh: Mesh):
 
 
 @pytest.mark.parametrize("also", [{}, {"64": 1.0}, {"63": 1.0}, {"5": 1.0}, {"7": 1.0, "61": 1.0}])
-def test_closed_lids_hide_the_eyes_in_any_gaze(mesh: Mesh, also: dict[str, float]):
+def test_closed_lids_hide_the_eyes_with_gaze_and_other_lid_units(mesh: Mesh, also: dict[str, float]):
     assert "eyes" in seen(mesh, mesh.positions, EYE_WINDOW)
     for closing in ("43", "45"):
         assert "eyes" not in seen(mesh, deform(mesh, {closing: 1.0, **also}), EYE_WINDOW)
@@ -157,7 +157,9 @@ def test_wink_closes_one_eye(mesh: Mesh):
         ({"64": 1.0}, (math.cos(MAX_EYE_DEPRESSION), 0.0, -math.sin(MAX_EYE_DEPRESSION))),
     ],
 )
-def test_eyeballs_rotate_about_their_centres(mesh: Mesh, units: dict[str, float], direction: tuple[float, ...]):
+def test_gaze_action_units_rotate_the_eyeballs_about_their_centres(
+    mesh: Mesh, units: dict[str, float], direction: tuple[float, ...]
+):
     positions = deform(mesh, units)
     eyes = mesh.vertices("eyes")
     is_left = mesh.positions[eyes, 1] > 0
@@ -171,7 +173,7 @@ def test_eyeballs_rotate_about_their_centres(mesh: Mesh, units: dict[str, float]
         np.testing.assert_allclose(ahead, direction, atol=1e-6)
 
 
-def test_subdivided_head_deforms_equally():
+def test_subdivided_head_deforms_like_the_coarse_head_within_4_mm():
     mesh = load_head("female")
     fine = mesh.subdivided()
     units = {"12": 0.8, "26": 0.5, "61": 0.7, "L43": 0.4}

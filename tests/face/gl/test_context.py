@@ -173,7 +173,7 @@ def test_all_listed_opengl_functions_are_available(context: GlContext):
             assert callable(getattr(context.functions, name)), name
 
 
-def test_each_thread_can_open_an_opengl_context(context: GlContext):
+def test_second_thread_can_open_an_opengl_context(context: GlContext):
     """EGL stores the API per thread, initially OpenGL ES."""
     with ThreadPoolExecutor(1) as thread:
         assert thread.submit(red_of_a_frame).result() == 255

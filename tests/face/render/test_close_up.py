@@ -51,7 +51,7 @@ def test_tear_film_is_bright_along_the_lower_lid(eye: tuple[np.ndarray, np.ndarr
     assert bright[lowest[:, middle]].mean() > 1.2 * bright[higher[:, middle]].mean()
 
 
-def test_tears_do_not_glow_in_the_dark(close: Portrait):
+def test_tear_film_stays_dark_under_dim_light(close: Portrait):
     lights = close.lights
     close.light(lights.scaled(0.02))
     picture = close.draw({}, LEFT_EYE)
@@ -94,7 +94,7 @@ def test_close_up_of_a_cheek_has_visible_skin_texture(drawable: None):
     assert (cheek - gaussian_filter(cheek, 4.0)).std() > 1.4
 
 
-def test_pores_roughen_mirrored_light_alone(drawable: None):
+def test_pores_vary_specular_but_not_subsurface_light(drawable: None):
     """Light that enters skin spreads wider than a pore, and adaptive scattering would keep pores in it."""
     with Portrait("female", preset=NORMAL_PRESET, size=(SIDE, SIDE)) as portrait:
         portrait.draw({}, LEFT_CHEEK)
@@ -104,7 +104,7 @@ def test_pores_roughen_mirrored_light_alone(drawable: None):
     assert mirrored.std() > 0.004
 
 
-def test_highlight_of_hair_lies_across_the_strands(drawable: None):
+def test_hair_highlight_moves_up_with_the_lamp(drawable: None):
     """It moves with the lamp, while the normals of the locks stay."""
     with Portrait("female", preset=DRAFT_PRESET, size=(SIDE, SIDE)) as portrait:
         colours = []

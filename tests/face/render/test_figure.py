@@ -45,14 +45,14 @@ def test_figure_is_dressed_from_head_to_foot(figure: FigurePortrait):
     assert (parts[rows[-1] - 40 :] == 1).sum() == 0  # no bare feet
 
 
-def test_raised_arm_appears_at_its_position(figure: FigurePortrait):
+def test_raised_left_arm_appears_on_the_right_of_the_picture(figure: FigurePortrait):
     parts = seen(figure, posture(l_shoulder_abduct=90, l_elbow_flexion=0))
     columns = np.flatnonzero((parts[45:65] > 0).any(axis=0))
     assert columns.max() > 0.9 * PICTURE_SIZE[0]  # her left is to the right of the picture
     assert columns.min() > 0.25 * PICTURE_SIZE[0]
 
 
-def test_figure_face_shows_action_units(figure: FigurePortrait):
+def test_smile_and_jaw_drop_change_only_the_top_30_percent_of_the_figure_picture(figure: FigurePortrait):
     still, smiling = (
         figure.draw(HUMAN_SKELETON.rest, units, STANDING_CAMERA).astype(int) for units in ({}, {"26": 1.0, "12": 1.0})
     )
@@ -67,7 +67,7 @@ def test_figure_drawing_is_deterministic(figure: FigurePortrait):
     np.testing.assert_array_equal(figure.draw(posture(l_elbow_flexion=90), {"1": 0.5}), first)
 
 
-def test_shadow_and_occlusion_cover_the_whole_figure(drawable: None):
+def test_shadow_and_occlusion_darken_the_torso_and_the_legs(drawable: None):
     with (
         FigurePortrait(HUMAN_SKELETON, preset=DRAFT_PRESET, size=PICTURE_SIZE) as plain,
         FigurePortrait(HUMAN_SKELETON, size=PICTURE_SIZE) as shaded,
@@ -86,14 +86,14 @@ def test_quality_preset_lengths_are_adapted_to_whole_figures():
     assert scale_preset_to_figure(DRAFT_PRESET) == DRAFT_PRESET
 
 
-def test_figure_size_and_camera_limits_are_checked(drawable: None):
+def test_picture_size_and_camera_distance_beyond_their_limits_are_rejected(drawable: None):
     with pytest.raises(DisplayError, match="use 1 to 4096 per side"):
         FigurePortrait(HUMAN_SKELETON, size=(5000, 10))
     with pytest.raises(DisplayError, match=r"use 0\.3 to 7 m"):
         replace(STANDING_CAMERA, distance=8.0)
 
 
-def test_clothes_cast_shadow_only_inside_their_borders(drawable: None):
+def test_clothes_cast_shadow_on_less_than_9_percent_of_the_skin(drawable: None):
     """Cut parts of a collar or sleeve cast no shadow."""
     preset = replace(DRAFT_PRESET, shadow=NORMAL_PRESET.shadow, coarse=1)
     with FigurePortrait(HUMAN_SKELETON, preset=preset, size=PICTURE_SIZE) as whole:

@@ -26,11 +26,11 @@ def test_head_is_upright_at_rest(robot: Robot):
     np.testing.assert_allclose(compute_head_turns(robot, robot.skeleton.rest), 0.0, atol=1e-9)
 
 
-def test_head_turn_equals_opposite_camera_turn():
+def test_head_yaw_is_drawn_like_the_opposite_camera_yaw():
     np.testing.assert_allclose(Camera(turn=(0.4, 0.0, 0.0)).view(), Camera(yaw_deg=-np.degrees(0.4)).view(), atol=1e-12)
 
 
-def test_raised_head_shows_its_chin():
+def test_raised_head_brings_the_chin_nearer_to_the_camera():
     chin, crown = (0.03, 0.0, -0.1, 1.0), (0.0, 0.0, 0.12, 1.0)
     up, ahead = Camera(turn=(0.0, 0.4, 0.0)).view(), Camera().view()
     assert (up @ chin)[2] > (ahead @ chin)[2]  # nearer

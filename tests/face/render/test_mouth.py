@@ -107,7 +107,7 @@ def test_occlusion_hardly_changes_direct_light(drawable: None):
     assert np.abs(pictures[1] - pictures[0]).mean() < 1.0  # gloss alone is occluded
 
 
-def test_teeth_differ_in_tone_and_darken_towards_the_corners(close: Portrait):
+def test_teeth_darken_towards_the_corners_of_the_mouth(close: Portrait):
     """Equally bright teeth looked like one white bar."""
     picture = brightness(close, dict(read_emotion("laugh", 1.0)))
     with close.pipeline.geometry.context:

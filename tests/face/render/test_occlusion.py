@@ -78,7 +78,7 @@ def of_face(portrait: Portrait, occlusion: Occlusion) -> tuple[Floats, Floats]:
         return actual, (parts > 0) & (parts <= len(MESH_PARTS))
 
 
-def test_separable_occlusion_needs_less_than_a_quarter_of_the_samples():
+def test_separable_occlusion_needs_less_than_a_quarter_of_the_samples_of_exact_occlusion():
     assert count_samples(replace(FINE_OCCLUSION, exact=True)) / count_samples(FINE_OCCLUSION) > 4
     for size in (5, 11, 21):
         assert count_samples(Occlusion(size=size)) == 2 * (size - 1)
@@ -158,7 +158,7 @@ def test_rotated_occlusion_directions_are_more_accurate_than_fixed_ones(
     assert np.abs(turning - exact)[corner].mean() < 0.7 * np.abs(fixed - exact)[corner].mean()
 
 
-def test_occlusion_along_one_axis_misses_occluders(drawable: None):
+def test_occlusion_along_one_axis_is_less_accurate_than_along_two_axes(drawable: None):
     """Figure 3.9: left half the cost, in the middle equal cost, on the right two axes."""
     one, same = replace(FINE_OCCLUSION, axes=1), replace(FINE_OCCLUSION, axes=1, size=2 * FINE_OCCLUSION.size)
     assert count_samples(FINE_OCCLUSION) / 2 == count_samples(one)

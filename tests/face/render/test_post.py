@@ -38,7 +38,7 @@ def sharpness(pixels: NDArray[np.int64]) -> float:
     return float(np.abs(np.diff(pixels, axis=1)).mean())
 
 
-def test_focus_stays_sharp_and_background_is_blurred(drawn):
+def test_focused_eyes_stay_sharp_and_the_ear_behind_is_blurred(drawn):
     plain, blurred = (drawn(replace(NORMAL_PRESET, focus=focus), FRONT_CAMERA) for focus in (None, Focus(circle=0.3)))
     eyes, ear = np.s_[90:112, 85:170], np.s_[95:145, 55:74]
     assert np.abs(blurred - plain)[eyes].mean() < 1.0
@@ -80,7 +80,7 @@ def test_focus_range_around_the_head_keeps_it_sharp(drawn):
     assert np.abs(remaining - plain)[60:160, 95:160].max() <= 1
 
 
-def test_edge_smoothing_changes_only_edges(drawn):
+def test_edge_smoothing_changes_mainly_steep_edges(drawn):
     plain, smoothed = drawn(DRAFT_PRESET), drawn(replace(DRAFT_PRESET, smooth=True))
     changed = np.abs(smoothed - plain).max(axis=2) > 0
     steep = np.maximum(np.abs(np.diff(plain, axis=0, prepend=0)), np.abs(np.diff(plain, axis=1, prepend=0))).max(axis=2)
@@ -125,7 +125,7 @@ def test_higher_scattering_threshold_filters_more(smiling, unscattered: Picture)
     assert 0.0 < effects[0] < effects[1] < effects[2]
 
 
-def test_scattering_preserves_light(smiling, unscattered: Picture):
+def test_scattering_preserves_the_mean_brightness(smiling, unscattered: Picture):
     full = smiling(replace(PLAIN_PRESET, scattering=Scattering(threshold=1.0)))
     assert abs(full.astype(float).mean() - unscattered.astype(float).mean()) < 0.5
     assert np.abs(full.astype(int) - unscattered.astype(int)).max() > 5
@@ -144,7 +144,7 @@ def test_three_scattering_levels_change_the_skin_less_than_full_scattering(smili
     assert apart(levels, full) > 0.0
 
 
-def test_more_occluded_pixels_use_more_samples(gallery: Gallery):
+def test_more_occluded_pixels_have_a_higher_scattering_level(gallery: Gallery):
     """Figure 5.2: the scattering level of even skin falls with openness."""
     preset = replace(PLAIN_PRESET, scattering=replace(FULL_SCATTERING, levels=3), coarse=1)
     with gallery(preset, (192, 192)) as portrait:

@@ -55,7 +55,7 @@ def test_pupil_dynamics_are_independent_of_step_size():
     assert often.diameter == pytest.approx(once.follow(2.0, 0.5))
 
 
-def test_lids_and_looking_down_block_light():
+def test_closed_lids_and_a_lowered_head_reduce_the_light_on_the_eyes():
     plain = compute_light_on_eyes(STUDIO_LIGHTS, {}, FRONT_VIEW)
     assert compute_light_on_eyes(STUDIO_LIGHTS, {"45": 1.0}, FRONT_VIEW) < 0.05 * plain
     assert compute_light_on_eyes(STUDIO_LIGHTS, {"L43": 1.0}, FRONT_VIEW) == pytest.approx(0.515 * plain)

@@ -95,7 +95,7 @@ def test_wrinkle_maps_of_action_units_match_the_published_table():
     assert np.all(np.abs(draw_wrinkle_maps()).max(axis=(1, 2)) > 0.2)
 
 
-def test_furrows_around_the_mouth_are_wide():
+def test_furrows_around_the_mouth_have_half_widths_above_0_027_chart_units():
     """Narrow ones would be pencil lines in small pictures."""
     assert min(curve.width for item in load_wrinkles() if item.unit in (15, 17, 20) for curve in item.curves) > 0.027
 
@@ -170,7 +170,7 @@ def test_wrinkle_normal_deviation_is_linear_in_intensity(bent: Bent, unit: int):
 
 
 @pytest.mark.parametrize("unit", WRINKLED_UNITS)
-def test_action_unit_bends_only_skin_under_its_wrinkle_maps(bent: Bent, unit: int):
+def test_action_unit_changes_skin_normals_only_under_its_wrinkle_maps(bent: Bent, unit: int):
     shown, none = bent.normals({str(unit): 1.0}), bent.normals({})
     deviation = tangent(shown, none)
     place, part = bent.places()

@@ -63,7 +63,7 @@ def test_picture_strip_arranges_pictures_in_rows():
     assert [pixels[100, 100, 0], pixels[100, 800, 0], pixels[800, 100, 0], pixels[800, 800, 0]] == [0, 10, 20, 0]
 
 
-def test_encoder_writes_mp4(tmp_path: Path):
+def test_mp4_film_contains_h264_video_and_aac_sound(tmp_path: Path):
     try:
         require_encoder()
     except DisplayError as error:

@@ -83,7 +83,7 @@ def test_invalid_action_unit_or_intensity_in_the_preview_gives_a_one_line_error(
     assert "\n" not in str(caught.value)
 
 
-def test_preview_draws_the_last_face_even_after_the_end():
+def test_preview_draws_the_last_face_after_the_performance_has_ended():
     here, screen, drawn = shared(), Screen(), []
     here.write(ShownFace(7, 0.0, (0.0, 0.0, 0.0), {"12": 0.4}))
     here.end()
@@ -109,7 +109,7 @@ def robot() -> Robot:
     return Robot.load("upper22")
 
 
-def test_preview_sink_takes_less_time_than_drawing_and_still_returns_after_closing(portrait: Portrait, robot: Robot):
+def test_preview_write_takes_less_than_a_fifth_of_a_drawing_and_returns_after_closing(portrait: Portrait, robot: Robot):
     """A command costs a small part of a picture, so that pictures are dropped and commands are not.
 
     In the end nothing is drawn any more, as after somebody has closed the window.
