@@ -51,7 +51,7 @@ def test_alternatives_end_with_beats_and_list_no_gesture_twice(word: str):
     assert len({each.id for each in alternatives}) == len(alternatives)
 
 
-def test_gestures_of_the_user_are_offered_for_every_word(tmp_path: Path):
+def test_gesture_of_a_user_lexicon_is_offered_for_an_unrelated_word(tmp_path: Path):
     file = tmp_path / "mine.toml"
     file.write_text('category = "beat"\n[[gesture]]\nid = "mine"\nkeys = [{ right = { at = [0.5, 0.3, 0.5] } }]\n')
     _, alternatives = rank_alternatives(TEXT, TEXT.index("say"), Lexicon.load(file), builtin_sets())
@@ -64,7 +64,7 @@ def test_number_of_alternatives_is_limited(monkeypatch: pytest.MonkeyPatch):
     assert len(ranked("No")) == 3
 
 
-def test_position_behind_the_text_means_its_last_word_and_a_text_without_words_has_none():
+def test_position_beyond_the_text_selects_its_last_word_and_a_blank_text_has_no_alternatives():
     assert rank_alternatives(TEXT, 10_000, LEXICON, builtin_sets())[0] == "boxes"
     assert rank_alternatives("  ", 0, LEXICON, builtin_sets()) == ("", ())
 

@@ -37,7 +37,9 @@ def test_time_reference_is_split_into_point_and_offset(reference: str, parts: tu
         ("1.5", -2.0, "0.00"),
     ],
 )
-def test_shifted_time_reference_is_not_before_the_block_start(reference: str, seconds: float, shifted: str) -> None:
+def test_shifted_time_reference_has_the_added_offset_but_is_not_negative(
+    reference: str, seconds: float, shifted: str
+) -> None:
     assert shift_reference(Moment(reference, 0.0), seconds) == shifted
     moment = Moment(reference, 3.0).later(seconds)
     assert moment.reference == shifted

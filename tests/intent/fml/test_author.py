@@ -88,7 +88,7 @@ def test_fml_is_recognised_by_its_root_element(text, expected):
     assert is_fml(text) is expected
 
 
-def test_fml_without_bml_is_performed():
+def test_fml_without_bml_gives_a_face_and_a_gesture_behaviour():
     text = '<fml-apml><fml><emotion id="e" type="joy" start="0" end="3" importance="1"/></fml></fml-apml>'
     block = parse_fml(text)
     assert [item.type for item in of_intention(block, "emotion-joy")] == ["faceLexeme", "gesture"]

@@ -33,7 +33,7 @@ def agent(tmp_path):
     return read_agent(tmp_path / "baseline.xml", tmp_path / "qualifiers.xml")
 
 
-def test_qualifiers_of_a_greta_agent_change_baseline_expressivity_in_order(agent):
+def test_qualifiers_of_a_greta_agent_modify_its_baseline_expressivity_by_intention(agent):
     assert agent.manner("world-x", "gesture") == {"spatial": 0.25, "power": -0.5, "fluidity": 0.5}
     assert agent.manner("Emotion-joy", "gesture", 0.5) == {"spatial": 0.5, "power": 0.25, "fluidity": 0.25}
     assert agent.manner("emotion-calm", "gesture")["power"] == -1.0, "its own, not that of its kind, and in range"

@@ -54,7 +54,7 @@ def spoken_words(text: str) -> str:
 
 
 @pytest.mark.parametrize(("text", "words", "warnings"), CODE_CASES)
-def test_code_is_not_spoken_and_decoration_is_dropped(text: str, words: str, warnings: list[str]):
+def test_code_blocks_and_fence_characters_are_not_spoken(text: str, words: str, warnings: list[str]):
     spoken, named = read_manuscript(text)
     assert spoken_words(spoken) == words
     assert list(named) == warnings
@@ -77,7 +77,7 @@ def test_each_listed_emoticon_leaves_only_the_words_around_it(emoticon: str):
 
 
 @pytest.mark.parametrize("language", ["de", "fr", "fi"])
-def test_heart_of_signs_is_not_spoken_in_any_language(language: str):
+def test_heart_emoticon_is_not_spoken_in_german_french_or_finnish(language: str):
     spoken, _ = read_manuscript("Anna <3 Otto")
     assert [word.text for word in read_text(spoken, load_language(language)).words] == ["Anna", "Otto"]
 

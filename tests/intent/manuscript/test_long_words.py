@@ -19,7 +19,7 @@ def read_in_pieces(text: str, length: int) -> tuple[str, tuple[str, ...]]:
 
 
 @pytest.mark.parametrize("length", [1, 7, 79, 80, 81, 3000])
-def test_long_word_is_cut_with_one_warning_wherever_the_text_is_divided(length: int):
+def test_overlong_word_is_truncated_with_one_warning_for_different_chunk_lengths(length: int):
     spoken, warnings = read_in_pieces(f"The key is {KEY}. Keep it.", length)
     assert spoken == f"The key is {KEY[:MAX_WORD_LENGTH]}\u2026. Keep it."
     assert warnings == (f"a word is cut after 80 characters: {KEY[:20]}\u2026",)

@@ -167,7 +167,7 @@ def test_text_reading_does_not_depend_on_the_chunk_boundaries(seed: int):
         ),
     ],
 )
-def test_markup_and_stage_directions_are_spoken_or_performed_as_intended(text: str, words: str, acts: list[str]):
+def test_markup_is_not_spoken_and_stage_directions_become_behaviours(text: str, words: str, acts: list[str]):
     spoken, _ = read_manuscript(text)
     assert spoken_words(spoken) == words.split()
     assert directions(spoken) == acts

@@ -78,14 +78,14 @@ def test_code_fence_ends_a_subtitle():
 
 
 @pytest.mark.parametrize("seed", CUT_SEEDS)
-def test_subtitles_cut_anywhere_are_read_like_whole_ones(seed: int):
+def test_subtitles_streamed_in_random_chunks_are_read_like_whole_ones(seed: int):
     generator = random.Random(seed)
     text = "".join(generator.choices(FRAGMENTS, k=generator.randrange(2, 30)))
     assert read_in_parts(text, generator) == read_subtitles(text)
 
 
 @pytest.mark.parametrize("text", [SUBRIP, WEBVTT, f"Read this:\n\n{SUBRIP}\nThank you."])
-def test_streamed_subtitles_become_the_manuscript_of_whole_ones(text: str):
+def test_subtitles_streamed_word_by_word_give_the_same_speech_text_as_whole_ones(text: str):
     state, spoken = Manuscript(), ""
     for word in text.split(" "):
         state, words, _ = read_more(state, f"{word} ")

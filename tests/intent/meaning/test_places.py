@@ -62,5 +62,5 @@ def test_place_words_in_other_senses_get_no_illustrating_gesture(text: str, gest
         ("She pushed the heavy gate open.", "open_door"),
     ],
 )
-def test_arguments_directions_and_movements_have_gestures(text: str, gesture: str):
+def test_phrases_of_argument_direction_and_movement_get_an_illustrating_gesture(text: str, gesture: str):
     assert gesture in gestures(text)

@@ -115,7 +115,7 @@ def test_two_sides_of_an_argument_are_shown_by_one_hand_each():
         ("Everybody out, now!", {"go_away"}),
     ],
 )
-def test_contrasts_refusals_and_sizes_have_their_gestures(text: str, gestures: set[str]):
+def test_each_sample_sentence_gets_only_its_listed_illustrating_gestures(text: str, gestures: set[str]):
     pictures = {name for name in shown(text) if not name.startswith("beat")}
     assert pictures <= gestures
     assert bool(pictures) == bool(gestures)

@@ -42,7 +42,7 @@ def is_beat(lexemes: set[str]) -> bool:
         ("I stood in the middle of the road.", "I was in the middle of a chapter.", "between_fingers"),
     ],
 )
-def test_gesture_shows_the_literal_sense_only(literal: str, other: str, gesture: str):
+def test_gesture_accompanies_only_the_literal_sense_of_its_words(literal: str, other: str, gesture: str):
     assert gesture in shown(literal)
     assert gesture not in shown(other)
 
@@ -66,7 +66,7 @@ def test_ironic_praise_and_an_admitted_mistake_get_no_positive_gesture():
     assert "heart" not in shown("It was a mistake, and I made it myself.")
 
 
-def test_tears_of_joy_are_not_sad():
+def test_crying_for_joy_does_not_show_sadness():
     assert "sadness" in shown("It was awful, I could cry.")
     assert "sadness" not in shown("I'm so happy for you, I could cry.")
 

@@ -36,7 +36,7 @@ def test_beat_moves_to_the_recorded_accent_of_its_phrase_or_is_dropped():
     assert follow_accents([beat_on(silent, 4)], silent, BEAT_INTENTS) == ()
 
 
-def test_text_without_recording_and_other_intents_keep_their_words():
+def test_beats_without_a_recording_and_other_intents_keep_their_words():
     beat = beat_on(PASSAGE, 4)
     assert follow_accents([beat], PASSAGE, BEAT_INTENTS) == (beat,)
     picture = replace(beat, name="picture")

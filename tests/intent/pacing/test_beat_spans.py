@@ -42,7 +42,7 @@ def test_each_beat_has_a_short_stroke_or_a_listed_time_span(lexeme: str):
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_beats_with_a_listed_time_span_are_chosen_only_with_this_time(seed: int):
+def test_beats_with_a_listed_time_span_are_chosen_only_if_the_span_is_free(seed: int):
     setup = set_up()
     _, selection = plan_behaviours(TEXT, setup.lexicon, Style.load("joyful"), seed=seed)
     gestures = [behaviour for behaviour in selection.behaviours if behaviour.channel == "gesture"]

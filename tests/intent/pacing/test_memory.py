@@ -41,7 +41,7 @@ def test_same_history_text_and_seed_give_the_same_bml(lexicon: Lexicon) -> None:
     assert first != second
 
 
-def test_gesture_memory_forgets_after_a_minute_of_speech_and_omits_unperformed_gestures() -> None:
+def test_gesture_memory_drops_gestures_older_than_a_minute_of_speech() -> None:
     memory = ChoiceMemory((PastGesture("beat", 10.0, "old"), PastGesture("large", 50.0, "new")), 55.0, 2)
     later = memory.extend((), REPEAT_WINDOW - 50.0, pause=5.5)
     assert [past.form for past in later.gestures] == ["large"]

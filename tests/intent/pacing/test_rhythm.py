@@ -47,7 +47,7 @@ def test_beats_occur_in_short_series_at_the_stroke_rate_of_the_tempo() -> None:
     assert not any(all(in_run[k : k + STEADY_TEMPO.run_length]) for k in range(len(in_run) - STEADY_TEMPO.run_length))
 
 
-def test_beats_keep_their_distance_from_other_gestures() -> None:
+def test_beats_keep_the_minimum_spacing_to_other_gestures() -> None:
     others = [2.0, 7.5, 9.0]
     times = times_of(place_beats([make_accent(0.3 * k) for k in range(40)], others, STEADY_TEMPO))
     assert times
@@ -135,6 +135,6 @@ def test_clause_in_a_lively_style_may_have_two_illustrating_gestures() -> None:
 
 
 @pytest.mark.parametrize("story", STORIES)
-def test_lively_stories_have_at_most_sixty_percent_of_beats(story: str) -> None:
+def test_40_to_60_percent_of_the_gestures_in_joyful_stories_are_beats(story: str) -> None:
     gestures = gestures_of(story, "joyful")
     assert 0.4 <= sum(is_beat(each.lexeme) for each in gestures) / len(gestures) <= 0.6

@@ -24,13 +24,13 @@ def test_word_in_capitals_is_an_acronym_or_stressed(text: str, words: str, stres
     assert " ".join(word.text for word in result if word.emphatic) == stressed
 
 
-def test_acronyms_and_abbreviations_of_other_languages_are_recognised():
+def test_german_acronyms_and_abbreviations_are_recognised():
     passage = read_text("Die EU hat z.B. Dr. Brandt, d.h. Nr. 5.", load_language("de"))
     assert len(passage.kinds) == 1
     assert not [word.text for word in passage.words if word.emphatic]
 
 
-def test_acronym_spelled_like_a_rule_word_matches_no_rule():
+def test_acronym_us_differs_from_the_pronoun_us():
     assert [word.plain for word in read_text("the US", load_language()).words] == ["the", "u.s"]
 
 

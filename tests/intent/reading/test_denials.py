@@ -35,7 +35,7 @@ def test_idioms_with_negative_words_get_no_head_shake_and_no_refusal_gesture(lan
     [("de", "Nein, das stimmt so."), ("fr", "Non, merci."), ("es", "No, eso es falso."), ("it", "No, è falso."),
      ("pt", "Não, isso é falso."), ("nl", "Nee, dat is fout."), ("ja", "いいえ、ちがいます。")],
 )  # fmt: skip
-def test_refusal_at_the_start_of_a_sentence_has_a_gesture(language: str, text: str):
+def test_refusal_at_the_start_of_a_sentence_gets_a_head_shake_and_a_refusal_gesture(language: str, text: str):
     assert "SHAKE" in shown(text, language, "head")
     assert shown(text, language, "gesture") & REFUSALS
 

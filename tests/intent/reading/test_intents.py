@@ -132,7 +132,7 @@ def test_emoticon_gives_an_emotion_to_its_whole_sentence(text: str, name: str, s
 @pytest.mark.parametrize(
     ("count", "begins", "looks"), [(LONG_TEXT, True, False), (LONG_TEXT + 1, True, True), (20, False, False)]
 )
-def test_long_speaking_turn_begins_with_averted_gaze(count: int, begins: bool, looks: bool) -> None:
+def test_only_a_long_text_at_the_start_of_a_turn_has_a_turn_begin_intent(count: int, begins: bool, looks: bool) -> None:
     text = " ".join(["word"] * count)
     result = intents(text, begins=begins)
     assert ("turn-begin" in result) == looks

@@ -28,7 +28,7 @@ def written(text: str, language: str = "en") -> str:
         ("Part 978-3-16-148410-0 is 1 2 3", "Part 978-3-16-148410-0 is 1 2 3"),
     ],
 )
-def test_numbers_with_signs_are_spoken_without_the_signs(text: str, spoken: str):
+def test_phone_numbers_dates_and_ranges_are_spoken_without_their_signs(text: str, spoken: str):
     assert written(text) == spoken
 
 
@@ -52,7 +52,7 @@ def test_fractions_ratings_and_units_are_spoken_by_their_names(text: str, spoken
 
 @pytest.mark.parametrize("language", ["de", "fi"])
 @pytest.mark.parametrize("text", ["1/2 x, 2 1/2 y", "2\xbd, \xbd z, 555-0123", "80 km/h"])
-def test_fractions_stay_as_written_without_their_names(text: str, language: str):
+def test_fractions_stay_as_written_in_languages_without_fraction_names(text: str, language: str):
     assert written(text, language) == text
 
 

@@ -87,7 +87,7 @@ def test_pause_by_punctuation_or_break_tag_precedes_the_next_word(text: str, pau
     assert [word.pause for word in read(text).words] == pytest.approx(pauses)
 
 
-def test_requested_pause_after_the_last_word_is_kept() -> None:
+def test_ellipsis_after_the_last_word_gives_a_trailing_pause() -> None:
     passage = read("one ...")
     assert passage.tail_pause == ELLIPSIS_PAUSE
     assert passage.tail == "..."
@@ -157,7 +157,7 @@ def test_function_words_are_not_content_words() -> None:
         (":-)", []),
     ],
 )
-def test_emoticons_are_emotions_of_their_sentence(text: str, feelings: list[tuple[int, str]]) -> None:
+def test_emoticons_give_an_emotion_to_their_sentence(text: str, feelings: list[tuple[int, str]]) -> None:
     assert [(sentence, name) for sentence, name in read(text).feelings] == feelings
 
 

@@ -41,7 +41,7 @@ def test_japanese_question_is_recognised_by_its_last_word_or_mark() -> None:
     assert kinds == ("question", "statement", "question", "exclamation", "question")
 
 
-def test_japanese_commas_pause_and_durations_follow_morae() -> None:
+def test_japanese_commas_add_a_pause_and_word_durations_follow_morae() -> None:
     japanese = load_language("ja")
     pausing = read_text("犬、猫", japanese)
     assert pausing.starts[1] > word_duration(pausing.words[0]) + 0.1
