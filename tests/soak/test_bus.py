@@ -14,7 +14,7 @@ RUNS, CYCLES = 20, 50_000
 
 
 @pytest.mark.parametrize("seed", range(RUNS))
-def test_servo_bus_reports_no_false_record_and_raises_no_exception(seed: int):
+def test_servo_bus_reports_no_wrong_servo_status_and_raises_no_exception(seed: int):
     trial = run_trial(MIXED, KinesicDriver, servos=SERVOS, baud=BAUD, seed=seed, cycles=CYCLES)
     print(  # noqa: T201  # the figures of docs/reference/servos.md
         f"seed {seed}: {CYCLES} cycles, fresh {100 * trial.fresh:.3f} %, oldest {1000 * trial.oldest:.0f} ms, "

@@ -15,13 +15,13 @@ COUNT, EVERY = 600, 4.0  # [s] between two kills
 MOST = 300.0  # [MB] of who called
 
 
-def test_killed_processes_lose_and_repeat_no_result(tmp_path):
+def test_dry_runs_of_killed_worker_processes_are_neither_lost_nor_repeated(tmp_path):
     outcome = perform_under_fire(Processes(2), COUNT, EVERY, tmp_path)
     assert outcome.is_good, outcome
     assert outcome.kills
 
 
-def test_killed_dask_workers_lose_and_repeat_no_result(tmp_path):
+def test_dry_runs_of_killed_dask_workers_are_neither_lost_nor_repeated(tmp_path):
     pytest.importorskip("distributed", reason="the extra cluster is not installed")
     with cluster("local:2") as engine:
         outcome = perform_under_fire(engine, COUNT, EVERY, tmp_path)

@@ -18,7 +18,7 @@ def test_all_gestures_in_all_styles_keep_limits_and_clearance_and_report_moved_t
     assert [result for result in results if result.style == "neutral" and not result.on_time] == []
 
 
-def test_every_gesture_of_one_hand_mirrors_that_of_the_other():
+def test_left_and_right_variants_of_every_one_handed_gesture_are_mirrored():
     known = set_up()
     names = list(known.robot.skeleton.names)
     swapped = [names.index({"l_": "r_", "r_": "l_"}.get(name[:2], name[:2]) + name[2:]) for name in names]

@@ -57,7 +57,7 @@ def stream(text: str, setup: Setup) -> tuple[list[str], list[float], list[float]
     return phrases, gaps, memory
 
 
-def test_long_text_streams_with_flat_memory_and_without_gaps():
+def test_long_text_streams_with_bounded_memory_growth_and_bounded_gaps():
     sentences = prose(SENTENCE_COUNT, 1)
     starts = range(0, SENTENCE_COUNT, PARAGRAPH_LENGTH)
     text = "\n\n".join(" ".join(sentences[k : k + PARAGRAPH_LENGTH]) for k in starts)

@@ -45,7 +45,7 @@ async def over_http_without_session(_folder: Path) -> list[StopTiming]:
 
 
 @pytest.mark.parametrize("transport", [over_stdio, over_http_sessions, over_http_without_session])
-def test_emergency_stops_of_mcp_clients_are_answered_within_0_1_s(
+def test_99_percent_of_emergency_stops_of_mcp_clients_are_answered_within_0_1_s(
     transport: Callable[[Path], Coroutine[None, None, list[StopTiming]]],
     tmp_path: Path,
     record_property: Callable[[str, object], None],

@@ -94,7 +94,7 @@ def test_merged_stream_of_blocks_keeps_limits_and_clearance(seed, known):
         motion = after
 
 
-def test_motion_replaced_at_random_times_keeps_every_limit_and_no_collision(known):
+def test_motion_replaced_at_random_times_keeps_joint_limits_without_collision(known):
     result = replace_at_random(known, REPLACEMENT_COUNT, seed=1)
     worst = max(result, key=lambda cut: cut.ratio)
     assert worst.ratio <= 1.001, worst

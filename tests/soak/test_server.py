@@ -32,14 +32,14 @@ STOPS, LOAD = 200, 4.0
 pytestmark = pytest.mark.soak
 
 
-def test_ten_blocks_a_second_for_ten_minutes_lose_no_block_with_constant_memory():
+def test_server_loses_no_block_at_ten_per_second_with_bounded_memory_growth():
     with open_server() as server:
         lasting = run_endurance(server, 60.0 * MINUTES)
     assert lasting.lost == 0, lasting
     assert lasting.growth is None or lasting.growth <= MAX_MEMORY_GROWTH, lasting
 
 
-def test_six_clients_get_all_feedback_once_in_order_with_constant_memory():
+def test_six_clients_get_all_feedback_once_in_order_with_bounded_memory_growth():
     duration = 60.0 * float(os.environ.get("KINESIC_SOAK_MINUTES", CROWD_MINUTES))
     with open_server() as server:
         report = crowd(server, duration)
@@ -53,7 +53,7 @@ def test_six_clients_get_all_feedback_once_in_order_with_constant_memory():
 
 
 @pytest.mark.parametrize("name", [NO_FLOOD, *FLOOD_FUNCTIONS])
-def test_emergency_stops_are_in_time_under_each_network_flood(name):
+def test_emergency_stops_meet_their_latency_limits_under_each_network_flood(name):
     if (load := os.getloadavg()[0]) > LOAD:
         pytest.skip(f"the load is {load:.1f}, stops are promised up to {LOAD:g}")
     with watched_server() as server:
