@@ -7,7 +7,7 @@ from tests.tutorials.pages import execute, read_tutorial
 pytestmark = [pytest.mark.tutorial, pytest.mark.realtime]
 
 
-def test_agent_tutorial_works_as_shown(tmp_path: Path):
+def test_commands_of_the_agent_tutorial_print_the_shown_outputs_and_write_a_report(tmp_path: Path):
     folder = tmp_path / "my-agent"
     folder.mkdir()
     execute(read_tutorial("agent"), folder)

@@ -36,7 +36,7 @@ def block(info: str, *lines: str) -> str:
     return "\n".join((f"```{info}", *lines, "```", ""))
 
 
-def test_tutorial_page_writes_its_files_and_compares_outputs(tmp_path: Path):
+def test_files_of_a_tutorial_are_written_and_its_outputs_compared(tmp_path: Path):
     file = block('python title="hello.py"', "print('one', 1.25)", "print('two')", "print('three')")
     follow(file + block("bash", "python hello.py") + block("text", "one   1.24", "...", "three"), tmp_path)
     assert (tmp_path / "empty" / "hello.py").is_file()
@@ -91,14 +91,14 @@ def test_outputs_are_compared_word_by_word_with_a_tolerance(shown: str, printed:
     assert matches(shown, printed) is same
 
 
-def test_decimals_of_a_measured_output_are_any_numbers(tmp_path: Path):
+def test_measured_output_allows_other_decimal_numbers_but_not_other_integers(tmp_path: Path):
     assert not matches("1.20 s 3", "7.5 s 4", is_measured=True)
     assert not matches("1.20 s", "7 s", is_measured=True)
     mark, shown = "<!-- measured: next -->\n", block("text", "1.20 s")
     follow(block("bash", "echo 1.21 s") + shown + block("bash", "echo 7.5 s") + mark + shown, tmp_path)
 
 
-def test_only_the_next_output_is_measured(tmp_path: Path):
+def test_measured_mark_applies_only_to_the_next_output(tmp_path: Path):
     text = "<!-- measured: next -->\n" + block("text", "1.20") + block("bash", "echo 8.5") + block("text", "1.20")
     with pytest.raises(TutorialError, match="but the page shows"):
         follow(block("bash", "echo 7.5") + text, tmp_path)

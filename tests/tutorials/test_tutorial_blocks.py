@@ -27,7 +27,7 @@ def test_three_tutorials_have_pages():
 
 
 @pytest.mark.parametrize("name", TUTORIALS)
-def test_each_block_of_a_tutorial_is_executed_or_compared(name: str):
+def test_each_code_block_of_a_tutorial_has_a_known_language_and_each_file_a_title(name: str):
     fences = re.findall(r"^```", (FOLDER / f"{name}.md").read_text(encoding="utf-8"), re.MULTILINE)
     blocks = [item.region.lexemes for item in read_tutorial(name) if "language" in item.region.lexemes]
     assert len(blocks) == len(fences) / 2
