@@ -37,7 +37,7 @@ def test_wording_check_reports_constant_names_of_one_word():
     assert not is_one_word("MAX_ROUNDS")
 
 
-def test_constants_and_docstrings_of_a_file_are_found(tmp_path: Path):
+def test_wording_check_lists_constants_and_docstrings_of_a_file(tmp_path: Path):
     file = tmp_path / "example.py"
     file.write_text('"""Who knows."""\nNEAR, FAR = 1, 2\nMAX_ROUNDS: int = 3\nlower = 1\n', encoding="utf-8")
     findings = [(item.kind, item.place, item.text, item.is_offender) for item in read_findings(file, "example.py")]
@@ -49,7 +49,7 @@ def test_constants_and_docstrings_of_a_file_are_found(tmp_path: Path):
     ]
 
 
-def test_sentences_of_a_page_exclude_tables_code_and_headings(tmp_path: Path):
+def test_wording_check_of_a_page_skips_tables_code_and_headings(tmp_path: Path):
     long_sentence = " ".join(["word"] * 31) + "."
     page = tmp_path / "page.md"
     page.write_text(
