@@ -112,7 +112,7 @@ def test_asynchronous_functions_have_the_same_mutants_as_synchronous_ones():
         "x = check(a, strict=True)",
     ],
 )
-def test_mutation_tool_leaves_docstrings_annotations_and_texts_unchanged(source: str):
+def test_mutation_tool_leaves_docstrings_imports_annotations_assertions_and_texts_unchanged(source: str):
     assert not find_sites(source.encode())
 
 
