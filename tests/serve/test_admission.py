@@ -84,7 +84,7 @@ def test_first_message_of_each_protocol_may_arrive_in_pieces() -> None:
     ("header", "status"),
     [(b"", b"101"), (b"Authorization: Bearer wrong\r\n", b"401"), (b"Origin: http://x\r\n", b"403")],
 )
-def test_websocket_without_valid_token_or_origin_is_refused_with_its_http_status(header: bytes, status: bytes) -> None:
+def test_websocket_handshake_status_depends_on_token_and_origin(header: bytes, status: bytes) -> None:
     async def run() -> None:
         async with opened(TOKEN_ACCESS) as door:
             reader, _writer = await door.connect(UPGRADE % (door.port, header))
@@ -126,7 +126,7 @@ def test_silent_clients_are_disconnected(first: bytes) -> None:
     asyncio.run(run())
 
 
-def test_admitted_client_may_stay_silent_and_send_much() -> None:
+def test_admitted_client_may_stay_silent_and_send_a_large_message() -> None:
     async def run() -> None:
         async with opened(TOKEN_ACCESS, SHORT) as door:
             reader, writer = await door.connect(b'{"do": "hello", "token": "open sesame"}\0')

@@ -45,7 +45,7 @@ def test_arrival_delay_of_resting_hinges_is_nan():
     assert np.isnan(seen(still, 0.0, 1.0).lateness(0.8, HINGES, still))
 
 
-def test_arrival_delay_of_unmoved_hinges_is_nan():
+def test_arrival_delay_at_a_sync_point_long_after_the_motion_is_nan():
     motion = moving(0.0)
     assert np.isnan(seen(motion, 0.0, 1.9).lateness(1.8, HINGES, motion))
 
@@ -60,14 +60,14 @@ def test_nan_and_unordered_measurements_are_ignored():
     assert gauge.lateness(0.8, HINGES, motion) == pytest.approx(0.02, abs=1e-3)
 
 
-def test_arrival_delay_of_hinges_that_tremble_around_their_posture_is_nan():
+def test_arrival_delay_of_hinges_that_oscillate_by_0_2_degrees_is_nan():
     controls = np.zeros((203, 2))
     controls[:, 0] = 0.004 * np.sin(np.arange(203) * np.pi / 2)
     trembling = Trajectory(controls, 0.0)
     assert np.isnan(seen(trembling, 0.0, 1.0).lateness(0.8, HINGES, trembling))
 
 
-def test_hinges_that_stay_one_degree_from_their_posture_have_not_arrived():
+def test_hinges_one_degree_away_from_the_planned_angle_have_not_arrived():
     controls = np.zeros((203, 2))
     controls[:, 0] = np.radians(4.0) * np.clip((np.arange(203) - 60) / 15, 0.0, 1.0)
     motion = Trajectory(controls, 0.0)
@@ -78,7 +78,7 @@ def test_hinges_that_stay_one_degree_from_their_posture_have_not_arrived():
 
 
 @pytest.mark.parametrize(("travel", "is_judged"), [(1.2, False), (1.9, False), (2.1, True), (8.0, True)])
-def test_arrival_delay_is_judged_from_two_degrees_of_travel_on(travel, is_judged):
+def test_arrival_delay_is_measured_only_for_a_travel_above_two_degrees(travel, is_judged):
     controls = np.zeros((203, 2))
     controls[:, 0] = np.radians(travel) * np.clip((np.arange(203) - 61) / 15, 0.0, 1.0)
     motion = Trajectory(controls, 0.0)

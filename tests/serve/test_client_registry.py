@@ -214,7 +214,7 @@ def test_message_burst_limit_recovers_with_the_rate_limit(time: Callable):
 
 
 @pytest.mark.parametrize("message", [{"do": "reach", "target": [0, 0, 1]}, {"do": "words", "text": "a"}])
-def test_streamed_words_have_four_times_the_rate_limit(time: Callable, message: dict):
+def test_streamed_words_and_reach_queries_have_four_times_the_message_burst(time: Callable, message: dict):
     registry = Registry()
     client = registry.join("a")
     refused = [bool(registry.say(client, message)) for _ in range(4 * TEST_QUOTAS.burst + 1)]
@@ -240,7 +240,7 @@ def test_invalid_control_message_is_refused_with_its_reason():
     assert client.open
 
 
-def test_no_message_is_accepted_after_disconnection():
+def test_disconnected_client_gets_no_further_messages():
     registry = Registry()
     client = registry.join("a")
     client.close(CLOSE_POLICY_VIOLATION, "for a reason")

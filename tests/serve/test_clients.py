@@ -72,7 +72,7 @@ def test_too_deeply_nested_block_is_refused(guarded):
         assert "the limit is 8 levels" in client.receive(20)
 
 
-def test_overlong_block_is_refused(guarded):
+def test_block_beyond_the_duration_quota_is_refused(guarded):
     with Client(port=guarded.port, token="open sesame") as client:
         client.send(BLOCK.format("endless", '<gesture id="g" lexeme="BEAT" stroke="30"/>'))
         assert "rule duration: endless lasts 31 s, at most 20 s are taken" in client.receive(20)

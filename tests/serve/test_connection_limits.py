@@ -68,7 +68,7 @@ def door(loop) -> Reception:
 
 
 @pytest.mark.parametrize(("count", "accepted"), [(31, 31), (99, 32)])
-def test_other_tasks_run_after_thirty_two_accepted_connections(door, loop, count, accepted):
+def test_at_most_32_connections_are_accepted_per_listener_event(door, loop, count, accepted):
     listener = PlayedListener(count, BlockingIOError())
     door._accept(listener)
     assert len(listener.accepted) == len(door._pending) == accepted
@@ -104,7 +104,7 @@ def test_listener_pauses_at_the_limit_of_open_files(door, loop):
     listener.close()
 
 
-def test_oldest_pending_connections_are_dropped_down_to_the_given_number(door):
+def test_at_least_the_given_number_of_oldest_pending_connections_is_dropped(door):
     listener = PlayedListener(6, BlockingIOError())
     door._max_pending = 4
     door._accept(listener)

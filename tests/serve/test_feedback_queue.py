@@ -57,7 +57,7 @@ def test_proposal_may_withdraw_a_feedback_text_that_was_sent(queue: FeedbackQueu
     assert queue.propose(block()[:2], block()[2:])
 
 
-def test_pending_blocks_have_their_start_and_end(queue: FeedbackQueue) -> None:
+def test_pending_blocks_have_a_start_and_end_time_and_begun_ones_start_at_minus_infinity(queue: FeedbackQueue) -> None:
     assert queue.pending_blocks() == [PendingBlock("b", 10.0, 12.0)]
     send(queue, 10.5)
     assert queue.pending_blocks() == [PendingBlock("b", -inf, 12.0)]
@@ -108,13 +108,13 @@ def test_first_queued_feedback_is_due_at_its_scheduled_time(queue: FeedbackQueue
     assert [message.time for message in queue.messages] == sorted(message.time for message in block())
 
 
-def test_due_feedback_is_sent_despite_later_planner_proposals(queue: FeedbackQueue) -> None:
+def test_irrevocable_feedback_is_sent_despite_a_later_proposal_without_it(queue: FeedbackQueue) -> None:
     assert queue.propose(block()[:2], block()[2:])
     assert queue.propose((), ())
     assert send(queue, 99.0) == [":start", "h:start"]
 
 
-def test_final_message_proposed_twice_is_queued_once(queue: FeedbackQueue) -> None:
+def test_irrevocable_messages_proposed_twice_are_queued_once(queue: FeedbackQueue) -> None:
     assert queue.propose(block(), ())
     assert queue.propose(block(), ())
     assert queue.messages == sorted(block(), key=lambda message: message.time)
@@ -159,12 +159,12 @@ def test_emergency_stop_keeps_texts_and_due_messages(queue: FeedbackQueue) -> No
     assert send(queue, 99.0) == ["<before/>", "h:stroke", ":end", "<after/>"]
 
 
-def test_emergency_stop_leaves_provisional_blocks_to_the_planner(queue: FeedbackQueue) -> None:
+def test_emergency_stop_drops_provisional_feedback_of_blocks_that_have_not_begun(queue: FeedbackQueue) -> None:
     queue.halt(9.0)
     assert queue.messages == []
 
 
-def test_block_end_at_an_emergency_stop_is_final(queue: FeedbackQueue) -> None:
+def test_block_end_at_an_emergency_stop_cannot_be_withdrawn(queue: FeedbackQueue) -> None:
     send(queue, 10.5)
     queue.halt(11.5)
     assert queue.propose(block()[:3], ())

@@ -82,7 +82,7 @@ def test_websocket_handshake_status_depends_on_host_origin_and_headers(server, h
         ((), 101),
     ],
 )
-def test_token_does_not_admit_foreign_pages(guarded, lines, status):
+def test_handshake_status_of_a_server_with_token_depends_on_origin_and_token(guarded, lines, status):
     assert handshake(guarded.port, "localhost", *lines).startswith(b"HTTP/1.1 %d" % status)
 
 
@@ -101,7 +101,7 @@ def test_browser_requests_are_not_read_as_messages(server, reached, method):
 
 
 @pytest.mark.parametrize("first", [b"\0\1\0\0!\x12\xa4B", b"\x16\3\1\2\0\1", b"\0", b"\x80\x80", b"[", b"stop"])
-def test_other_browser_protocols_are_not_read_as_messages(server, reached, first):
+def test_data_of_other_protocols_is_not_read_as_messages(server, reached, first):
     """STUN and TURN over TCP begin with NUL, TLS with 22."""
     assert answer(server.port, first + b"\0" + NOD.encode() + b"\0") == b""
     assert reached == []

@@ -34,7 +34,7 @@ def test_idle_motion_begins_three_seconds_after_the_last_motion(scene):
 
 
 @pytest.mark.parametrize(("now", "begins"), [(-547.1, False), (-546.9, True)])
-def test_idle_motion_is_allowed_for_ten_minutes(scene, now, begins):
+def test_idle_motion_begins_only_within_ten_minutes_after_it_was_allowed(scene, now, begins):
     assert (allowed(now).next_time(scene) < inf) is begins
 
 
@@ -52,7 +52,7 @@ def test_rejected_idle_motion_is_postponed_by_its_twelve_seconds(scene):
     assert scheduler.next_time(scene) == pytest.approx(53.0)
 
 
-def test_robot_does_not_idle_while_blocks_play_or_without_amount(scene):
+def test_robot_does_not_idle_while_blocks_play_or_with_an_idle_amount_of_zero(scene):
     assert allowed().next_time(replace(scene, blocks=("playing",))) == inf
     still = replace(scene, setup=replace(scene.setup, idling=Idling(0.0, 7)))
     assert allowed().next_time(still) == inf

@@ -16,7 +16,7 @@ def scene() -> Scene:
     return Scene.of(set_up(idle=1.0))
 
 
-def test_robot_idles_for_minutes_after_a_document(scene: Scene):
+def test_idle_motion_is_scheduled_after_a_rest_until_its_timeout(scene: Scene):
     scheduler = IdleScheduler()
     assert scheduler.next_time(scene) == inf
     scheduler.allow(0.0)

@@ -88,7 +88,7 @@ class Blind:
         return None
 
 
-def test_feedback_that_waits_for_arrival_is_sent_once_after_the_next_proposal(known, becomes):
+def test_feedback_delayed_until_arrival_is_sent_once_after_the_next_proposal(known, becomes):
     """Final messages of one proposal are not repeated, but may be sent after the next one."""
     clock, results, (ours, planners) = Clock(), [], Pipe()
     loop = Loop(

@@ -237,7 +237,7 @@ def test_progress_contains_the_measured_arrival_time(simulation: Simulation, lat
     assert 1.0 + late - TICK_PERIOD <= when <= 1.0 + late + 3 * TICK_PERIOD
 
 
-def test_missing_arrival_delays_feedback_only_briefly(simulation: Simulation):
+def test_feedback_of_a_motion_that_never_arrives_is_sent_after_the_maximum_wait(simulation: Simulation):
     when, message = stroke_sent(simulation, Frozen())
     assert "easured" not in message
     assert 1.0 + MAX_ARRIVAL_WAIT - TICK_PERIOD <= when <= 1.0 + MAX_ARRIVAL_WAIT + 2 * TICK_PERIOD
@@ -253,7 +253,7 @@ def test_missing_arrival_delays_feedback_only_briefly(simulation: Simulation):
         {"agenda": (ScheduledFeedback(1.0, "<written/>"),)},
     ],
 )
-def test_behaviour_without_hinges_does_not_wait_for_arrival(simulation: Simulation, changes: dict):
+def test_feedback_without_moving_hinges_does_not_wait_for_arrival(simulation: Simulation, changes: dict):
     when, message = stroke_sent(simulation, Frozen(), **changes)
     assert when < 1.0 + 2 * TICK_PERIOD
     assert "easured" not in message

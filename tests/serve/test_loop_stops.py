@@ -56,7 +56,7 @@ def test_motion_is_unchanged_while_the_deceleration_is_computed(simulation: Simu
     )
 
 
-def test_emergency_stop_decelerates_within_a_few_ticks(simulation: Simulation):
+def test_deceleration_begins_within_a_few_ticks_of_an_emergency_stop(simulation: Simulation):
     """The deceleration begins some ticks after the request, also for long motions."""
     recorder = played(simulation, 1.0, 3.0)
     planned = nod(simulation.setup, 0.1)
@@ -65,7 +65,7 @@ def test_emergency_stop_decelerates_within_a_few_ticks(simulation: Simulation):
     assert 1.0 < left <= 1.0 + STOP_COMPUTATION_TIME + 4 * TICK_PERIOD
 
 
-def test_sent_commands_are_replaced_after_a_stop(simulation: Simulation):
+def test_commands_sent_ahead_are_replaced_after_an_emergency_stop(simulation: Simulation):
     """A sink with commands in advance gets those of the deceleration, none in the past."""
     recorder = Recorder()
     loop = simulation.make([RealTimeSink(recorder, ahead=0.5)])
@@ -269,7 +269,7 @@ def test_blocked_planner_gets_the_last_stop_when_it_reads(simulation: Simulation
     assert seen == sorted(set(seen))
 
 
-def test_planner_that_starts_after_an_emergency_stop_knows_of_it(simulation: Simulation):
+def test_planner_started_after_an_emergency_stop_gets_the_stop_count_at_its_start(simulation: Simulation):
     loop = simulation.make()
 
     def script():

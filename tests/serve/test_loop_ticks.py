@@ -34,7 +34,7 @@ def test_each_sink_gets_the_command_of_each_tick_once(simulation: Simulation):
     assert loop.error is None
 
 
-def test_loop_ticks_are_one_period_apart(simulation: Simulation):
+def test_commands_are_written_within_a_quarter_tick_of_their_time(simulation: Simulation):
     """A delay of half a period is not counted, one of a whole period is."""
     seen = []
 
@@ -179,7 +179,7 @@ def test_unexpected_exception_in_the_loop_counts_as_failure(simulation: Simulati
     assert recorder.closed == 1
 
 
-def test_all_sinks_are_checked_for_resume(simulation: Simulation):
+def test_loop_needs_resume_until_its_held_sink_is_resumed(simulation: Simulation):
     held, free = Held(), Recorder()
     loop = simulation.make([RealTimeSink(free), RealTimeSink(held)])
     assert loop.needs_resume()
@@ -211,7 +211,7 @@ def test_control_loop_is_settled_when_motion_and_feedback_have_ended(simulation:
     assert list(settled.values()) == [False, False, False, True], settled
 
 
-def test_control_loop_is_settled_before_the_end_of_a_motion_that_rests(simulation: Simulation):
+def test_control_loop_is_settled_once_the_remaining_motion_is_at_rest(simulation: Simulation):
     """An interrupted block leaves such a motion, and the server would wait for its end before it folds."""
     loop = simulation.make()
     planner = simulation.link()
@@ -275,7 +275,7 @@ def test_loop_continues_without_a_planner(simulation: Simulation):
     assert np.allclose(recorder.times, np.arange(floor(0.5 / TICK_PERIOD) + 1) * TICK_PERIOD)
 
 
-def test_body_report_is_planned_without_measuring_sink(simulation: Simulation):
+def test_body_report_without_a_measuring_sink_contains_the_planned_angles(simulation: Simulation):
     loop = simulation.make([RealTimeSink(Recorder())])
     planner = simulation.link()
     reports = []
@@ -310,7 +310,7 @@ def test_body_report_uses_the_last_measuring_sink_and_servo_health(simulation: S
     assert report.angles == (0.5, 0.5)
 
 
-def test_planner_properties_contain_clock_and_accompaniment(simulation: Simulation):
+def test_loop_properties_contain_the_server_clock_and_the_face_output(simulation: Simulation):
     loop = simulation.make()
     assert loop.properties.clock is simulation.clock
     assert loop.properties.accompaniment.face

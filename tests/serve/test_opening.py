@@ -234,7 +234,7 @@ def test_failed_loop_ends_the_server(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("address", "ends_with_input", "ending"), [(None, False, True), (ADDRESS, True, True), (ADDRESS, False, False)]
 )
-def test_end_of_input_ends_a_server_without_other_clients(
+def test_end_of_standard_input_ends_a_server_without_an_address_or_if_requested(
     monkeypatch: pytest.MonkeyPatch, address: Address | None, ends_with_input: bool, ending: bool
 ) -> None:
     async def run() -> None:

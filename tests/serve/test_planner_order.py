@@ -80,7 +80,7 @@ class PlayedEnd:
         self.sent.append(message)
 
 
-def test_planner_handles_stops_first_then_requests_then_refined_plans(monkeypatch):
+def test_planner_handles_stops_before_requests_and_requests_before_refined_plans(monkeypatch):
     calls = []
 
     class PlayedState:

@@ -92,7 +92,7 @@ def test_dead_spare_planner_is_restarted(known):
     assert asyncio.run(plan_until(set_up, known, done)).is_warm
 
 
-def test_spare_planner_waits_for_a_quiet_time_after_the_first_requests(known):
+def test_request_postpones_the_spare_planner_start_up_to_its_deadline(known):
     starts = []
 
     def done(planner: Planner, news: News) -> bool:

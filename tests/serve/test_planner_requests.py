@@ -61,7 +61,7 @@ def test_invalid_document_is_refused(planning: Planning):
 
 
 @pytest.mark.parametrize("stops", [0, 2])
-def test_document_from_before_a_stop_is_refused(planning: Planning, stops: int):
+def test_document_is_refused_only_if_sent_before_the_last_emergency_stop(planning: Planning, stops: int):
     motion = stay(planning.setup.robot.skeleton.rest, start=0.0)
     planning.state.handle_stop(Halted(1, 0.1, motion))
     planning.said()
@@ -100,7 +100,7 @@ def test_resume_at_rest_proposes_a_motion(planning: Planning):
     assert proposal.motion is not None
 
 
-def test_stop_interrupts_all_blocks_without_proposing_a_motion(planning: Planning):
+def test_emergency_stop_interrupts_the_playing_block_without_proposing_a_motion(planning: Planning):
     planning.document("b", LONG_GESTURE_BML)
     planning.said()
     halted = stay(planning.setup.robot.skeleton.rest, start=0.5)
@@ -193,7 +193,7 @@ def test_idling_begins_after_a_fixed_rest_at_the_end_of_a_document(
     assert proposal.motion.end > planning.time + IDLE_SPELL_DURATION / 2
 
 
-def test_idle_motion_ends_after_interrupting_all_blocks(make_planning: Callable[..., Planning], lively: Setup):
+def test_no_idle_motion_begins_after_all_blocks_are_interrupted(make_planning: Callable[..., Planning], lively: Setup):
     planning = make_planning(lively)
     planning.document("b", NOD_BML)
     planning.state.execute(Interruption(None))
@@ -203,7 +203,7 @@ def test_idle_motion_ends_after_interrupting_all_blocks(make_planning: Callable[
     assert not planning.said()[0][-1].idles
 
 
-def test_idle_motion_continues_after_interrupting_one_block(make_planning: Callable[..., Planning], lively: Setup):
+def test_idle_motion_begins_after_a_single_block_is_interrupted(make_planning: Callable[..., Planning], lively: Setup):
     planning = make_planning(lively)
     planning.document("b", NOD_BML)
     planning.state.execute(Interruption("b"))

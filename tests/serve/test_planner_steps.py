@@ -113,7 +113,7 @@ def test_resumption_of_the_last_stop_returns_to_rest(state, stops, count):
         assert state._shared.scene.lasting == ()
 
 
-def test_only_movable_hinges_return_after_a_stop(state, monkeypatch):
+def test_only_hinges_with_a_nonzero_range_return_to_rest_on_resume(state, monkeypatch):
     given = []
 
     def release(motion, at, hinges, setup):
@@ -168,7 +168,7 @@ def planned(state, monkeypatch, *, start: float = 0.0, end: float = 20.0):
     return calls
 
 
-def test_document_is_predicted_and_planned_with_its_timeline(state, monkeypatch):
+def test_document_is_predicted_and_planned_and_idle_motion_allowed(state, monkeypatch):
     ((message, setup, context, size, depth),) = planned(state, monkeypatch)
     assert (message.sender, setup, context.now) == (7, state._shared.scene.setup, NOW)
     assert (size, depth) == (Quotas().message, 8)

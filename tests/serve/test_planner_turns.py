@@ -111,7 +111,7 @@ def test_ready_planner_takes_one_request_at_a_time(in_office) -> None:
     in_office(act)
 
 
-def test_overlong_request_kills_the_planner_without_waiting_for_its_end(in_office) -> None:
+def test_request_beyond_its_time_limit_kills_the_planner_without_waiting_for_its_end(in_office) -> None:
     async def act(office: Office) -> None:
         office.start()
         office.planner.send(DOCUMENT)
@@ -121,7 +121,7 @@ def test_overlong_request_kills_the_planner_without_waiting_for_its_end(in_offic
     in_office(act, planning=0.005)
 
 
-def test_answered_request_no_longer_kills_the_planner(in_office) -> None:
+def test_answer_cancels_the_planning_timeout_of_its_request(in_office) -> None:
     async def act(office: Office) -> None:
         office.start()
         office.planner.send(DOCUMENT)
@@ -187,7 +187,7 @@ def test_spare_planner_starts_at_once_without_a_delay_and_takes_over(in_office) 
     in_office(act, spare_delay=0.0)
 
 
-def test_spare_planner_starts_after_a_quiet_time(in_office) -> None:
+def test_one_spare_planner_starts_after_a_time_without_requests(in_office) -> None:
     async def act(office: Office) -> None:
         office.start()
         assert len(office.of("planner")) == 1
@@ -269,7 +269,7 @@ def test_closing_kills_all_processes_and_waits_for_the_planners(in_office) -> No
     in_office(act)
 
 
-def test_request_to_a_dead_planner_is_dropped(in_office) -> None:
+def test_request_to_a_dead_planner_raises_no_error(in_office) -> None:
     async def act(office: Office) -> None:
         office.start()
         office.of("planner")[0].kill()
@@ -280,7 +280,7 @@ def test_request_to_a_dead_planner_is_dropped(in_office) -> None:
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="only Linux has pipes of another size")
-def test_pipe_to_the_planner_holds_a_whole_document() -> None:
+def test_pipe_to_the_planner_is_widened_to_its_configured_capacity() -> None:
     receiver, sender = Pipe(duplex=False)
     _widen(sender)
     assert fcntl.fcntl(sender.fileno(), fcntl.F_GETPIPE_SZ) == PIPE_CAPACITY

@@ -100,7 +100,7 @@ def test_phrase_replaces_behaviours_of_the_block_before_it(planning: Planning, m
     assert [block for block, _ in planning.said()[0][-1].moving] == ["b"]
 
 
-def test_phrase_waits_for_running_speech(planning: Planning):
+def test_phrase_waits_for_the_running_speech_of_another_client(planning: Planning):
     text = "One two three four five six seven eight nine ten. "
     planning.state.execute(DocumentRequest(Words(text, 1, ends=True), 0))
     planning.state.execute(DocumentRequest(Words("Here I am.", 2, ends=True), 0))
@@ -132,7 +132,7 @@ def test_planner_refuses_words_if_too_many_characters_of_a_client_wait(planning:
     assert notices[0].sender == 7
 
 
-def test_planner_proposes_faces_and_sounds_only_with_outputs_for_them(make_planning: Callable[..., Planning]):
+def test_planner_proposes_a_face_track_once_and_only_with_a_face_output(make_planning: Callable[..., Planning]):
     smile = '<faceLexeme id="f" lexeme="RAISE_BROWS" start="0" end="2"/>'
     planning = make_planning(accompaniment=SoundAndFace(face=True))
     planning.document("b", smile)
@@ -177,7 +177,7 @@ def test_proposal_rejected_at_all_attempts_is_reported_with_its_reason(planning:
     assert {block for block, _ in proposal.moving} == {"c"}, "the other has left nothing behind"
 
 
-def test_emergency_stop_between_proposal_and_answer_is_handled(planning: Planning):
+def test_emergency_stop_between_proposal_and_verdict_refuses_the_document(planning: Planning):
     """The loop reports the stop before its verdict."""
     motion = stay(planning.setup.robot.skeleton.rest, start=0.0)
     verdicts = iter([False])

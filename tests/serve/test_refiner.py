@@ -155,7 +155,7 @@ def test_refiner_plans_each_job_in_its_style(known: Setup, refining):
     assert len(made) == 1
 
 
-def test_refiner_reloads_the_lexicon_once_per_reload(known: Setup, refining):
+def test_refiner_rebuilds_its_setup_once_per_new_reload_count_of_a_job(known: Setup, refining):
     line, made = refining
     for renewals, count in ((0, 1), (1, 2), (1, 2), (3, 3)):
         refined(line, replace(styled_job(known, known.style.name), renewals=renewals), known)

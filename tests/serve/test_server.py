@@ -90,7 +90,7 @@ def test_nod_moves_the_head_and_ends_at_rest(server):
     assert moved[-1] < 1e-3
 
 
-def test_websocket_client_gets_the_same_feedback(server):
+def test_websocket_client_gets_the_feedback_of_all_sync_points_of_a_nod(server):
     with connect(f"ws://127.0.0.1:{server.port}") as client:
         client.send(BLOCK.format("web", NOD))
         messages = []
@@ -216,7 +216,7 @@ def test_server_refuses_an_unknown_style_and_accepts_a_valid_style(server):
     assert progress(messages, "calmly")[-1] == "end"
 
 
-def test_interrupting_all_blocks_of_a_server_ends_them_soon(server):
+def test_interrupting_all_blocks_ends_the_playing_block_early(server):
     with server.client() as client:
         client.send(BLOCK.format("cut-short", LONG))
         messages = []
@@ -287,7 +287,7 @@ def test_block_with_overlong_planning_is_refused(server, becomes, monkeypatch):
     assert undisturbed(seen(server))
 
 
-def test_large_block_starts_immediately_and_is_refined(server):
+def test_strokes_of_a_block_with_six_gestures_are_reported_in_order(server):
     many = "".join(
         f'<gesture id="g{k}" lexeme="BEAT" mode="{("LEFT", "RIGHT")[k % 2]}_HAND" stroke="{0.8 + 0.5 * k}"/>'
         for k in range(6)
@@ -299,7 +299,7 @@ def test_large_block_starts_immediately_and_is_refined(server):
     assert undisturbed(seen(server))
 
 
-def test_amount_can_change_during_a_block(server):
+def test_block_whose_expressivity_amount_changes_during_it_performs_all_strokes(server):
     with server.client() as client:
         client.send(BLOCK.format("wide", LONG))
         messages = []

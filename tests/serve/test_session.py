@@ -14,7 +14,7 @@ from kinesic.speech.voice import HIBARI_TABLES_MODULE
 from .staged_session import Stage, settle
 
 
-def test_documents_wait_for_the_planner_in_turns(on_stage: Callable):
+def test_waiting_documents_of_several_clients_are_planned_in_turns(on_stage: Callable):
     async def act(stage: Stage) -> None:
         for name, sender in (("a", 1), ("b", 1), ("c", 2)):
             assert stage.session.perform(stage.document(name, sender)) is None
@@ -25,7 +25,7 @@ def test_documents_wait_for_the_planner_in_turns(on_stage: Callable):
     on_stage(act)
 
 
-def test_planner_and_desk_share_the_tables_of_the_voice(on_stage: Callable):
+def test_planner_and_query_service_get_the_text_tables_of_the_voice(on_stage: Callable):
     async def act(stage: Stage) -> None:
         assert stage.planner.tables == stage.desk_tables == (HIBARI_TABLES_MODULE,)
 
@@ -101,7 +101,7 @@ def test_stop_refuses_documents_until_resume(on_stage: Callable):
     on_stage(act)
 
 
-def test_resume_without_stop_sends_no_request(on_stage: Callable):
+def test_resume_without_a_stop_releases_held_servos_without_a_planner_request(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.loop.held = True
         stage.session.resume()
@@ -143,7 +143,7 @@ def test_servos_without_torque_refuse_documents(on_stage: Callable, armed: bool)
     on_stage(act)
 
 
-def test_only_interrupting_all_refuses_waiting_documents(on_stage: Callable):
+def test_waiting_documents_are_refused_only_if_all_blocks_are_interrupted(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.session.perform(stage.document("a", 7))
         stage.session.interrupt("x")
@@ -163,7 +163,7 @@ def test_only_interrupting_all_refuses_waiting_documents(on_stage: Callable):
     ("rests", "idles", "state", "hindered"),
     [(True, False, "resting", False), (False, True, "resting", False), (False, False, "playing", True)],
 )
-def test_status_answer_describes_state_queue_and_faults(
+def test_status_reports_motion_state_idling_planner_and_servos(
     on_stage: Callable, rests: bool, idles: bool, state: str, hindered: bool
 ):
     async def act(stage: Stage) -> None:
@@ -214,7 +214,7 @@ def test_planner_start_failure_raises_and_ends_the_loop(on_stage: Callable):
     on_stage(act)
 
 
-def test_servos_that_stop_while_the_planner_starts_end_the_start(on_stage: Callable):
+def test_servo_failure_while_the_planner_starts_aborts_the_session_start(on_stage: Callable):
     async def act(stage: Stage) -> None:
         starting = asyncio.create_task(stage.session.start())
         await settle()
@@ -238,7 +238,7 @@ def test_document_that_kills_the_planner_is_refused(on_stage: Callable):
     on_stage(act)
 
 
-def test_folding_waits_until_all_blocks_have_ended(on_stage: Callable):
+def test_folding_the_arms_waits_until_all_blocks_have_ended(on_stage: Callable):
     async def act(stage: Stage) -> None:
         folding = asyncio.create_task(stage.session.fold())
         for stage.loop.rests in (False, True):
@@ -257,7 +257,7 @@ def test_folding_waits_until_all_blocks_have_ended(on_stage: Callable):
     on_stage(act)
 
 
-def test_folding_does_not_wait_for_an_ended_loop(on_stage: Callable):
+def test_folding_the_arms_does_not_wait_for_an_ended_loop(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.loop.alive = False
         stage.planner.busy = True

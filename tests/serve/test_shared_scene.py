@@ -78,7 +78,7 @@ def test_document_whose_plans_are_all_rejected_is_refused_with_the_reason(
     assert "emergency" not in refusal
 
 
-def test_refusal_names_the_emergency_stop(wired: Wired):
+def test_refusal_of_a_plan_rejected_by_an_emergency_stop_names_the_stop(wired: Wired):
     halts = iter([False])
     message, _ = MESSAGES[0]
     loop = plan(wired, message, lambda _proposal: ProposalVerdict(next(halts, True), stops=1, time=0.0))

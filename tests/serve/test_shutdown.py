@@ -41,7 +41,7 @@ def heard(wire: socket.socket) -> bytes:
     return said
 
 
-def test_shutdown_notifies_clients_and_closes_everything(caplog: pytest.LogCaptureFixture, recwarn):
+def test_shutdown_notifies_clients_without_asyncio_or_resource_warnings(caplog: pytest.LogCaptureFixture, recwarn):
     with caplog.at_level(logging.WARNING, "asyncio"):
         with running(Quotas(patience=2.0)) as server:
             idle, half, deaf = opened(server, BLOCK), opened(server, BLOCK[:20]), opened(server)
@@ -65,7 +65,7 @@ def test_shutdown_notifies_clients_and_closes_everything(caplog: pytest.LogCaptu
     assert [str(warning.message) for warning in recwarn.list if warning.category is ResourceWarning] == []
 
 
-def test_clients_beyond_the_limit_are_always_notified():
+def test_18_clients_beyond_the_limit_are_told_the_reason_of_their_refusal():
     with running(Quotas(clients=3, patience=2.0)) as server, ExitStack() as opened_clients:
         inside = [opened_clients.enter_context(server.client()) for _ in range(3)]
         for client in inside:

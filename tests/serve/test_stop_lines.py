@@ -132,7 +132,7 @@ def test_stop_connections_beyond_the_limit_are_refused(server, monkeypatch):
         first.stop(MAX_WAIT)
 
 
-def test_missing_stop_acknowledgement_raises_an_error():
+def test_opening_a_stop_connection_to_a_silent_server_raises_an_error():
     with socket.create_server(("127.0.0.1", 0)) as silent, pytest.raises(ConnectionError, match="no answer came"):
         StopLine(port=silent.getsockname()[1], timeout=0.05)
 
@@ -199,7 +199,7 @@ def test_stop_connection_is_closed_and_an_error_logged_if_the_stop_fails(server,
 
 
 @pytest.mark.filterwarnings("ignore::pytest.PytestUnhandledThreadExceptionWarning")  # the error is reported this way
-def test_server_does_not_open_if_the_stop_thread_ends_at_once(monkeypatch):
+def test_opening_stop_connections_fails_if_their_thread_ends_at_once(monkeypatch):
     def refuse():
         raise OSError("too many open files")
 
@@ -210,7 +210,7 @@ def test_server_does_not_open_if_the_stop_thread_ends_at_once(monkeypatch):
     lines.close()
 
 
-def test_server_does_not_open_without_a_stop_thread(monkeypatch):
+def test_opening_stop_connections_fails_if_their_thread_cannot_start(monkeypatch):
     def refuse(_) -> None:
         raise RuntimeError("can't start new thread")
 

@@ -84,7 +84,7 @@ def test_additional_streamed_words_restart_the_silence_timeout(scene: Scene):
     assert talks.next_phrase(scene, 11.5 + MAX_SILENCE + 0.01) is not None
 
 
-def test_clients_take_turns_by_phrase(scene: Scene):
+def test_clients_that_stream_words_take_turns_by_phrase(scene: Scene):
     talks = Talks()
     talks.take(Words("We saw the sea and the sky above it. We went home after that, very late. ", 1, ends=True), 0.0)
     talks.take(Words("Here I am. ", 2, ends=True), 0.0)

@@ -48,7 +48,7 @@ def starts(messages):
     }
 
 
-def test_phrases_are_spoken_without_gap_or_overlap(server):
+def test_successive_streamed_phrases_do_not_overlap(server):
     with server.client() as client:
         for word in re.findall(r"\S+ ?", "Hello, my friend! I saw it, but it was dark. "):
             client.do("words", text=word)
@@ -151,7 +151,7 @@ def test_client_that_stops_sending_gets_feedback_on_all_text(talkative):
         assert any(end in message for message in messages) or told(client, end)
 
 
-def test_text_memory_per_client_is_limited():
+def test_waiting_text_of_a_client_is_limited():
     talks = Talks()
     assert talks.take(Words("x " * (MAX_TEXT_LENGTH // 4), 1), 0.0) == ""
     assert "characters already wait" in talks.take(Words("x " * MAX_TEXT_LENGTH, 1), 0.0)

@@ -53,12 +53,12 @@ def test_facial_motion_of_a_block_is_timed_by_the_server_clock(running):
     assert one.at(running.zero - 1.0) == one.at(running.zero + 60.0) == {}
 
 
-def test_face_and_sound_tracks_without_outputs_are_not_computed(running):
+def test_face_track_is_empty_without_a_face_output(running):
     assert make_track(running, SoundAndFace()).face == {}
     assert track_version(running) == track_version(running)
 
 
-def test_maximum_intensities_of_several_faces_are_shown():
+def test_overlapping_face_tracks_show_the_maximum_intensity_of_an_action_unit():
     effects = TrackEffects(face=True)
     effects.take({"a": shows(1.0, x=[0.2, 0.8], y=[0.5, 0.5]), "b": shows(1.01, x=[0.4])})
     assert effects.face(1.0) == {"x": 0.2, "y": 0.5}
@@ -89,7 +89,7 @@ def test_sounds_of_removed_blocks_stop_and_others_continue():
     assert speaker.told == ["stop", 2.0, "stop"]
 
 
-def test_failing_loudspeaker_is_ignored():
+def test_failed_loudspeaker_is_not_used_again_and_faces_continue():
     speaker = Recorder(SpeakerError("unplugged"))
     effects = TrackEffects(speaker, face=True)
     effects.take({"a": heard(1.0), "b": shows(0.0, x=[1.0])})

@@ -10,7 +10,7 @@ from kinesic.serve.warm_up import warm_up
 from kinesic.session.setup import set_up
 
 
-def test_warm_up_loads_all_data_of_the_first_streamed_phrase():
+def test_warm_up_loads_the_language_data_of_the_setup():
     load_language.cache_clear()
     warm_up(set_up(language="nl"), NO_ACCOMPANIMENT)
     before = load_language.cache_info()
@@ -26,6 +26,6 @@ def test_warm_up_indexes_the_gesture_names_of_the_lexicon_in_use():
     assert index_names.cache_info().hits == before.hits + 1
 
 
-def test_invalid_language_tag_is_refused_before_a_server_starts():
+def test_setup_with_an_invalid_language_tag_is_refused():
     with pytest.raises(ConfigError, match=r"'\.\./nl' is not a language tag"):
         set_up(language="../nl")

@@ -169,7 +169,7 @@ def test_answer_to_a_plan_query_repeats_the_query_id(upper22_setup: Setup):
     assert answer["behaviours"][0]["outcome"] == "realised"
 
 
-def test_plan_queries_respect_the_quotas(upper22_setup: Setup):
+def test_plan_query_beyond_a_quota_or_with_an_unknown_setting_returns_an_error(upper22_setup: Setup):
     long = NOD.replace('start="0"', 'start="9"')
     assert "at most 5 s" in answered(PlanQuestion(long), upper22_setup)["error"]["text"]
     deep = "<bml>" + "<a>" * 99 + "</a>" * 99 + "</bml>"
@@ -177,7 +177,7 @@ def test_plan_queries_respect_the_quotas(upper22_setup: Setup):
     assert "powr" in answered(PlanQuestion(NOD, ("powr=1",)), upper22_setup)["error"]["text"]
 
 
-def test_gestures_are_planned_and_built_in_ones_returned_as_toml(upper22_setup: Setup):
+def test_gesture_query_plans_a_toml_gesture_or_returns_a_built_in_one_as_toml(upper22_setup: Setup):
     answer = answered(GestureQuestion(toml=GESTURE, id=3), upper22_setup)
     assert (answer["told"], answer["id"], answer["gesture"]) == ("gesture", 3, "mine")
     ours = answered(GestureQuestion(lexeme="beat"), upper22_setup)
@@ -204,7 +204,7 @@ def test_gesture_query_needs_exactly_one_of_toml_and_lexeme(upper22_setup: Setup
     assert answered(question, upper22_setup)["error"]["text"] == "give either toml or lexeme"
 
 
-def test_gesture_files_are_valid_or_their_fault_is_named(upper22_setup: Setup):
+def test_gesture_file_query_returns_no_fault_or_the_reason_for_refusal(upper22_setup: Setup):
     assert answer_draft(FileQuestion("a.toml", GESTURE, None), upper22_setup, RULES) == NO_FAULT
     assert answer_draft(FileQuestion("a.toml", GESTURE, GESTURE), upper22_setup, RULES) == NO_FAULT
     assert "other data than gestures" in answer_draft(FileQuestion("a.toml", GESTURE, "[robot]"), upper22_setup, RULES)
@@ -275,7 +275,7 @@ def test_reach_query_moves_the_requested_hand(upper22_setup: Setup):
 
 
 @pytest.mark.parametrize("count", [0, 1, 21, 23])
-def test_posture_of_another_robot_is_refused(upper22_setup: Setup, count: int):
+def test_reach_query_with_a_wrong_number_of_joint_angles_is_refused(upper22_setup: Setup, count: int):
     result = reached(upper22_setup, target=(0, 0, 1), posture=(0.0,) * count, id=3)
     assert (result["told"], result["do"], result["id"]) == ("refused", "reach", 3)
     assert f"posture has {count} angles, upper22 has 22 hinges" in result["why"]

@@ -18,7 +18,7 @@ def backups(tmp_path, monkeypatch):
     return BackupFolder(tmp_path)
 
 
-def test_backup_keeps_the_exact_text_and_its_origin(backups):
+def test_backup_keeps_the_exact_text_with_key_file_name_revision_and_time(backups):
     for text in ("", "\n", "first line\r\n\n\ttab \N{GREEK SMALL LETTER ALPHA}\n", '{"key": "b"}\n'):
         backups.keep("a", "tea.bml", "r1", text)
         assert backups.read("a").text == text
@@ -75,7 +75,7 @@ def test_earlier_backup_survives_a_failed_write(backups, monkeypatch):
     assert backups.read("a").text == "one"
 
 
-def test_files_of_a_killed_process_are_removed_after_an_hour(backups, tmp_path):
+def test_temporary_backup_files_are_removed_if_older_than_an_hour(backups, tmp_path):
     backups.keep("a", "tea.bml", "", "x")
     old, new = (tmp_path / ARCHIVE_NAME / name_beside("backup_02.txt") for _ in range(2))
     for path in (old, new):
@@ -87,7 +87,7 @@ def test_files_of_a_killed_process_are_removed_after_an_hour(backups, tmp_path):
     assert new.exists()
 
 
-def test_text_beyond_the_limit_is_refused(backups):
+def test_backup_of_a_text_beyond_the_size_limit_is_refused(backups):
     with pytest.raises(ConfigError, match="limit for backups"):
         backups.keep("a", "tea.bml", "", "x" * (MAX_TEXT_SIZE + 1))
 

@@ -33,7 +33,7 @@ def told_any(client, kinds: set[str]) -> dict:
             return json.loads(message)
 
 
-def test_answer_to_a_reach_query_repeats_the_query_id(server, upper22_setup):
+def test_valid_reach_query_is_answered_with_its_id_and_invalid_ones_are_refused(server, upper22_setup):
     target = to_world(upper22_setup.robot, "r", np.array([0.5, 0.3, 0.2])).tolist()
     with server.client() as client:
         client.do("reach", side="right", target=target, id=7)
@@ -94,7 +94,7 @@ def test_death_of_the_preview_process_fails_at_most_one_plan_query(server):
         ("_reacher", "reach", {"side": "left", "target": [0.3, 0.2, 0.3]}),
     ],
 )
-def test_blocked_helper_process_delays_no_client(server, helper, question, settings):
+def test_blocked_helper_process_does_not_delay_another_client(server, helper, question, settings):
     with server.client() as client, server.client() as other:
         client.do(question, **settings)
         told(client, question)
@@ -110,7 +110,7 @@ def test_blocked_helper_process_delays_no_client(server, helper, question, setti
         told(client, question)
 
 
-def test_only_the_newest_waiting_reach_query_is_answered(server):
+def test_waiting_reach_queries_are_outdated_by_newer_ones_and_the_last_is_answered(server):
     with server.client() as client:
         for k in range(50):
             client.do("reach", side="left", target=[0.3, 0.2, 0.01 * k], id=k)
@@ -120,7 +120,7 @@ def test_only_the_newest_waiting_reach_query_is_answered(server):
         assert any(each.get("outdated") for each in answers)
 
 
-def test_clients_may_name_only_built_in_styles(server, tmp_path):
+def test_style_paths_named_by_clients_are_refused_without_file_contents(server, tmp_path):
     (tmp_path / "secret.toml").write_text('password = "hunter2"')
     with server.client() as client:
         for block in ({}, {"block": "b"}):

@@ -64,7 +64,7 @@ def test_links_and_folders_are_not_read_as_documents(tmp_path):
     assert (tmp_path / "secret").read_text() == "secret"
 
 
-def test_saving_without_an_existing_document_folder_fails():
+def test_saving_a_document_without_a_configured_folder_is_refused():
     with pytest.raises(ConfigError, match="--folder"):
         DocumentFolder(None).save("a.bml", "x")
     assert DocumentFolder(None).list().names == ()

@@ -18,7 +18,7 @@ def raised(robot):
 
 
 @pytest.mark.parametrize("part", PARTS)
-def test_dragged_posture_respects_ranges_and_clearance_and_other_joints_stay(upper22_setup, part):
+def test_dragged_body_part_keeps_joint_limits_and_clearance_and_moves_only_its_joints(upper22_setup, part):
     robot, distances = upper22_setup.robot, upper22_setup.distances
     skeleton, rng, stopped = robot.skeleton, np.random.default_rng(3), set()
     start, joints = raised(robot), robot.joints(PARTS[part])
@@ -43,7 +43,7 @@ def test_dragged_posture_respects_ranges_and_clearance_and_other_joints_stay(upp
     assert "limits" in stopped
 
 
-def test_dragged_elbow_reaches_its_position_in_another_posture(upper22_setup):
+def test_dragged_elbow_reaches_positions_on_its_swivel_circle(upper22_setup):
     robot, start = upper22_setup.robot, raised(upper22_setup.robot)
     arm, frames = robot.arm("l"), robot.skeleton.frames(raised(robot))
     shoulder, elbow, hand = (frames.origins[k] for k in (arm.shoulder, arm.elbow, arm.wrist))
@@ -83,7 +83,7 @@ def test_dragged_gaze_reaches_the_target_unless_the_neck_is_at_its_limit(upper22
     assert behind.residual > 0.5
 
 
-def test_dragged_trunk_leans_towards_the_target(upper22_setup):
+def test_dragged_trunk_reaches_a_near_target_and_names_its_limit_for_a_far_one(upper22_setup):
     robot, start = upper22_setup.robot, upper22_setup.robot.skeleton.rest
     neck = robot.skeleton.segment("skullbase")
     place = robot.skeleton.frames(start).origins[neck] + [0.03, 0.04, 0.0]

@@ -54,7 +54,7 @@ def test_exported_voice_has_the_performance_duration(planned):
         assert np.ptp(np.frombuffer(file.readframes(file.getnframes()), "<i2").astype(int)) > 1000
 
 
-def test_export_of_voice_needs_audio(upper22_setup):
+def test_wav_export_of_a_plan_without_audio_is_refused(upper22_setup):
     silent = plan_draft(WORDS, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
     with pytest.raises(ConfigError, match="there is no audio"):
         export(silent, "wav")

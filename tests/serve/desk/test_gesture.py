@@ -46,7 +46,7 @@ def test_gesture_preview_contains_key_times_and_results_of_gesture_checks(upper2
 
 
 @pytest.mark.parametrize(("excess", "is_clear"), [(-1e-6, True), (0.0, True), (1e-6, False)])
-def test_gesture_with_exactly_the_required_clearance_is_clear(upper22_setup, excess, is_clear):
+def test_gesture_clearance_check_passes_down_to_exactly_the_required_clearance(upper22_setup, excess, is_clear):
     (form, *_), lexicon = read_gesture_file(gesture_text("conduit", upper22_setup.lexicon), upper22_setup)
     plan = plan_alone(form, replace(upper22_setup, lexicon=lexicon))
     required = float(plan.clearance.distances.min()) + excess

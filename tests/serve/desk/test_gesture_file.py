@@ -44,6 +44,6 @@ def test_invalid_toml_error_contains_no_file_name(upper22_setup: Setup):
     assert "no gesture" in find_fault("# nothing\n", None, upper22_setup)
 
 
-def test_each_gesture_of_a_file_is_planned(upper22_setup: Setup):
+def test_gesture_file_with_an_unreachable_second_gesture_is_refused(upper22_setup: Setup):
     far = GESTURE.format("far").replace("0.3", "1e308")
     assert find_fault(FILE + far, None, upper22_setup) != ""

@@ -61,7 +61,7 @@ def ask_all(asked: Helper, questions, *, seconds: float = 30.0):
     return asyncio.run(all_of_them())
 
 
-def test_helper_process_that_never_starts_is_killed_without_delaying_clients(work, monkeypatch):
+def test_queries_to_a_helper_that_never_starts_fail_without_blocking_the_event_loop(work, monkeypatch):
     monkeypatch.setattr(helper, "SETUP_TIMEOUT", 1.0)
     asked = Helper(work.never_set_up, work.echo, HASTY, name="stuck")
     answers, longest = ask_all(asked, [(1, LONG, 0.0), (2, LONG, 0.0)])
@@ -69,7 +69,7 @@ def test_helper_process_that_never_starts_is_killed_without_delaying_clients(wor
     assert longest < 0.5
 
 
-def test_overlong_helper_answer_fails_only_the_query_that_caused_it(work):
+def test_helper_answer_beyond_its_time_limit_fails_only_the_query_that_caused_it(work):
     asked = Helper(set_up, work.echo, HASTY, name="slow")
     answers, longest = ask_all(asked, [(1, "sleep 600", 0.0), (2, "quick", 0.0)])
     assert answers == [Unanswered.FAILED, "5 upper22"]

@@ -148,7 +148,7 @@ def test_gesture_file_is_validated_saved_and_loaded_before_the_answer(work: Call
     assert (tmp_path / "a.toml").read_text() == "after"
 
 
-def test_new_gesture_file_overwrites_nothing(work: Callable, tmp_path: Path):
+def test_new_gesture_file_is_validated_without_previous_content_and_saved(work: Callable, tmp_path: Path):
     async def act(office: Office) -> None:
         office.drafter.always = NO_FAULT
         office.take(SaveRequest("a.toml", "new"))

@@ -156,7 +156,7 @@ def test_warm_up_starts_one_process_without_a_query(workshop: Workshop) -> None:
     workshop.run(work)
 
 
-def test_overlong_answer_kills_the_process_without_waiting_for_its_end(hasty: Workshop) -> None:
+def test_answer_beyond_its_time_limit_kills_the_process_without_waiting_for_its_end(hasty: Workshop) -> None:
     async def work() -> None:
         hasty.ask(1, "hindered")
         assert (await hasty.until_told(1))[0] == ("hindered", Unanswered.FAILED)
@@ -170,7 +170,7 @@ def test_overlong_answer_kills_the_process_without_waiting_for_its_end(hasty: Wo
     hasty.run(work)
 
 
-def test_overlong_setup_fails_the_query_and_kills_the_process(
+def test_setup_beyond_its_time_limit_fails_the_query_and_kills_the_process(
     workshop: Workshop, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(helper, "SETUP_TIMEOUT", 0.02)
@@ -223,7 +223,7 @@ def test_answer_with_a_lone_surrogate_is_sent_with_a_replacement(workshop: Works
     workshop.run(work)
 
 
-def test_process_ends_with_the_pipe_of_its_server(workshop: Workshop) -> None:
+def test_helper_process_ends_when_its_pipe_is_closed(workshop: Workshop) -> None:
     async def work() -> None:
         workshop.ask(1, "a")
         await workshop.until_told(1)

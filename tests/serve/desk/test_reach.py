@@ -29,7 +29,7 @@ def test_posture_of_a_dragged_hand_reaches_the_target_or_names_the_obstacle(uppe
     assert stopped >= {"contact", "limits"}
 
 
-def test_unreached_target_names_only_hinges_at_their_limits(upper22_setup):
+def test_only_hinges_of_the_given_arm_that_are_at_a_limit_are_named(upper22_setup):
     robot = upper22_setup.robot
     skeleton, joints = robot.skeleton, robot.arm("r").joints
     posture = (skeleton.lower + skeleton.upper) / 2

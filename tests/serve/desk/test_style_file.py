@@ -64,12 +64,12 @@ def test_invalid_styles_are_refused_with_their_fault(text: str, fault: str):
     assert fault in find_style_fault(text, None)
 
 
-def test_entry_without_a_style_has_no_numbers():
+def test_list_entry_of_an_incomplete_style_raises_a_config_error():
     with pytest.raises(ConfigError):
         StyleEntry("mine", "spatial = 0.5", is_own=True).as_json()
 
 
-def test_saved_style_is_listed_beside_the_builtin_ones(tmp_path: Path):
+def test_saved_style_is_listed_after_the_builtin_ones(tmp_path: Path):
     (tmp_path / "mine.toml").write_text(GESTURE)
     (tmp_path / "broken.toml").write_text("spatial = 0.5\n")
     with running(Quotas(planning=60.0), folder=tmp_path) as server, Client(port=server.port) as client:

@@ -19,7 +19,7 @@ def answered(question: AuthorQuestion | AlternativesQuestion, setup: Setup) -> d
     return json.loads(answer_draft(question, setup, Quotas()))
 
 
-def test_written_document_is_that_of_say(upper22_setup: Setup):
+def test_author_query_returns_the_document_of_the_say_command(upper22_setup: Setup):
     answer = answered(AuthorQuestion(TEXT, id=7), upper22_setup)
     assert answer == {
         "told": "author",
@@ -45,11 +45,13 @@ def test_style_of_a_written_document_changes_its_gestures(upper22_setup: Setup):
         (AuthorQuestion("word " * (MAX_TEXT_WORDS + 1)), f"{MAX_TEXT_WORDS + 1} words"),
     ],
 )
-def test_texts_that_cannot_be_performed_are_refused(upper22_setup: Setup, question: AuthorQuestion, text: str):
+def test_text_without_words_with_too_many_words_or_with_an_unknown_style_is_refused(
+    upper22_setup: Setup, question: AuthorQuestion, text: str
+):
     assert text in answered(question, upper22_setup)["error"]["text"]
 
 
-def test_alternatives_of_a_word_have_meanings_and_reasons(upper22_setup: Setup):
+def test_gesture_alternatives_of_a_word_have_meanings_and_reasons(upper22_setup: Setup):
     answer = answered(AlternativesQuestion(TEXT, TEXT.index("three"), "picture", id=3), upper22_setup)
     assert (answer["told"], answer["id"], answer["word"]) == ("alternatives", 3, "three")
     first = answer["gestures"][0]

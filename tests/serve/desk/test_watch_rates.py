@@ -62,7 +62,7 @@ def play(monkeypatch: pytest.MonkeyPatch) -> Callable:
 
 
 @pytest.mark.parametrize(("rate", "reports"), [(10.0, 10), (0.5, 1), (MAX_WATCH_RATE, 50), (1000.0, 50)])
-def test_each_subscription_has_its_rate_up_to_the_maximum(play: Callable, rate: float, reports: int):
+def test_telemetry_subscription_reports_at_its_rate_up_to_the_maximum(play: Callable, rate: float, reports: int):
     async def act(room: Room) -> None:
         room.watch(1, rate)
         await room.until(1.0)
@@ -112,7 +112,7 @@ def test_many_telemetry_subscriptions_divide_the_total_rate(play: Callable):
 
 
 @pytest.mark.parametrize("rate", [0.0, -1.0])
-def test_rate_of_zero_ends_a_telemetry_subscription(play: Callable, rate: float):
+def test_zero_or_negative_rate_ends_a_telemetry_subscription(play: Callable, rate: float):
     async def act(room: Room) -> None:
         room.watch(1, 10.0)
         room.watch(2, 10.0)

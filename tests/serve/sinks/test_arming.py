@@ -123,7 +123,7 @@ def test_arming_needs_the_token_in_the_message(guest: Guest, limp: Limp, token: 
 
 
 @pytest.mark.parametrize("code", ["", "0" * 16, "ä"])
-def test_arming_needs_a_confirmation(guest: Guest, limp: Limp, code: str):
+def test_wrong_confirmation_code_is_refused_and_invalidates_the_right_code(guest: Guest, limp: Limp, code: str):
     assert "not confirmed" in guest.ask(do="arm", token=TOKEN, code=code)["why"]
     right = guest.ask(do="arm", token=TOKEN)["code"]
     assert "not confirmed" in guest.ask(do="arm", token=TOKEN, code=code)["why"]

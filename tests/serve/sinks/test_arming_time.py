@@ -193,7 +193,7 @@ def test_servos_of_an_ended_loop_are_disarmed_immediately(play: Play):
     play(scene)
 
 
-def test_arming_failure_is_reported_and_the_next_request_accepted(play: Play):
+def test_disarming_failure_is_reported_and_the_next_request_accepted(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         servos.armed, servos.fault, client = True, "a limb is held", Client()
         assert await desk.disarm(client) == {"told": "refused", "id": 6, "why": "a limb is held"}
@@ -203,7 +203,7 @@ def test_arming_failure_is_reported_and_the_next_request_accepted(play: Play):
     play(scene)
 
 
-def test_pending_torque_change_ends_with_the_server(play: Play):
+def test_pending_disarm_request_is_cancelled_when_the_server_closes(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         desk.arming.close()
         servos.armed, desk.loop.rests, client = True, False, Client()

@@ -103,7 +103,7 @@ def test_short_motion_is_forgotten_after_a_rest(known):
     learner.close()
 
 
-def test_failed_identification_is_repeated_a_few_times(known):
+def test_failed_identification_is_repeated_up_to_the_maximum_number_of_attempts(known):
     learner = ServoLearner(known.robot, NOMINAL_FACTORS)
     for attempt in range(1, MAX_ATTEMPTS + 2):
         learner._motion_time, learner._rest_time = MIN_MOTION_DURATION, REST_DURATION

@@ -80,7 +80,7 @@ class Straying(Told):
 @pytest.mark.parametrize(
     ("angle", "slows", "stops"), [(0.02, False, False), (0.0335, True, False), (0.002, True, True)]
 )
-def test_servos_with_tracking_errors_are_slowed_and_stopped(angle: float, slows: bool, stops: bool):
+def test_servos_are_slowed_or_stopped_depending_on_the_tracking_error(angle: float, slows: bool, stops: bool):
     result = Straying(angle)
     servos = RealServos(lambda: result, distances=Wall(), min_clearance=0.01)
     for k in range(20):

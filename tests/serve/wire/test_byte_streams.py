@@ -106,7 +106,7 @@ def test_waiting_for_a_read_turn_counts_towards_the_silence_timeout() -> None:
         asyncio.run(read())
 
 
-def test_client_may_send_few_bytes_before_admission() -> None:
+def test_number_of_bytes_read_from_a_client_is_limited_until_admission() -> None:
     async def read() -> tuple[list[int], int]:
         async with connected() as (line, _, client):
             client.sendall(bytes(1000))
@@ -294,5 +294,5 @@ def test_closing_a_stream_sends_the_reason_if_there_is_one(why: str) -> None:
         assert line.written == b""
 
 
-def test_stream_may_still_receive_after_it_ended_sending() -> None:
+def test_byte_stream_client_may_still_receive_after_it_ended_sending() -> None:
     assert Stream(ScriptedLine(), b"", 100).lingers

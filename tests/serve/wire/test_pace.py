@@ -25,7 +25,7 @@ def waits(monkeypatch):
     return results
 
 
-def test_connection_with_little_traffic_never_waits(waits):
+def test_reads_within_their_burst_do_not_wait(waits):
     async def read():
         for _ in range(3):
             await ReadPace().await_turn(TokenBucket(1.0, 3))

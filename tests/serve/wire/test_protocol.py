@@ -126,7 +126,7 @@ def test_words_message_of_16_000_characters_is_decoded_with_its_flags():
         (b"Sure:\n```xml\n<bml/>\n```", False),
     ],
 )
-def test_plain_text_is_neither_xml_nor_json(message, is_one):
+def test_message_is_plain_text_or_ssml_unless_it_is_bml_or_json(message, is_one):
     assert is_text(message) is is_one
 
 
@@ -149,7 +149,7 @@ def test_plain_text_is_neither_xml_nor_json(message, is_one):
         ("styles", {}, {}),
     ],
 )
-def test_short_question_has_the_documented_defaults_and_no_id(verb, given_fields, defaults):
+def test_query_without_optional_fields_has_the_documented_defaults_and_id_zero(verb, given_fields, defaults):
     question = msgspec.json.decode(json.dumps({"do": verb, **given_fields}), type=Question)
     assert {name: getattr(question, name) for name in defaults} == defaults
     assert question.id == 0

@@ -12,7 +12,7 @@ LARGE_DATA = bytes(8_000_000)  # more than socket buffers hold
 ANSWER = b"too much"
 
 
-def test_overlong_client_still_reads_the_close_reason():
+def test_client_that_sends_too_much_data_still_reads_the_close_reason():
     assert asyncio.run(_sent_home(LARGE_DATA)) == ANSWER
 
 

@@ -144,7 +144,7 @@ def test_request_with_two_token_headers_is_refused() -> None:
     assert answer_of(client, line).status_code == 401
 
 
-def test_http_request_may_arrive_in_pieces_but_must_arrive_in_time() -> None:
+def test_http_request_may_arrive_in_pieces_and_is_read_with_a_time_limit() -> None:
     client = PlayedClient()
     begin, end = client.request[:30], client.request[30:]
     line, client.request = ScriptedLine(end), begin
@@ -271,7 +271,7 @@ def test_lost_connection_gets_no_close_frame() -> None:
     assert asyncio.run(run()) == b""
 
 
-def test_messages_are_sent_while_the_connection_is_open() -> None:
+def test_websocket_sends_messages_until_it_is_closed() -> None:
     async def run() -> tuple[bytes, bytes, bool]:
         line, client = ScriptedLine(), PlayedClient()
         web, _ = await open_socket(client, line)
@@ -292,5 +292,5 @@ def test_messages_are_sent_while_the_connection_is_open() -> None:
     assert closed
 
 
-def test_websocket_receives_nothing_after_it_ended() -> None:
+def test_websocket_client_receives_nothing_after_it_ended_sending() -> None:
     assert not WebSocket(ScriptedLine(), b"", Quotas()).lingers
