@@ -58,7 +58,7 @@ def test_tool_calls_run_sequentially_in_order_of_arrival():
     during(act)
 
 
-def test_full_queue_refuses_immediately_with_count_and_remedy():
+def test_full_call_queue_refuses_a_call_at_once_with_the_pending_count_and_a_remedy():
     async def act(calls: Calls) -> None:
         tasks = [calls.start(str(k)) for k in range(3)]
         await settle()
@@ -70,7 +70,7 @@ def test_full_queue_refuses_immediately_with_count_and_remedy():
     during(act, max_calls=3)
 
 
-def test_sixty_four_calls_fit_the_queue_and_the_server_rate_limit():
+def test_queue_holds_64_calls_sent_at_less_than_half_the_server_rate_limit():
     assert MAX_CALLS == 64
     assert DEFAULT_QUOTAS.rate > 2 / MIN_CALL_INTERVAL
     assert 0.0 < REFUSAL_DELAY < 1.0
@@ -95,7 +95,7 @@ def test_cancelled_tool_call_leaves_the_queue():
     during(act, max_calls=2)
 
 
-def test_discarding_cancels_pending_and_current_tool_calls():
+def test_discarding_the_queue_refuses_the_running_and_the_pending_tool_calls():
     async def act(calls: Calls) -> None:
         tasks = [calls.start(name) for name in "abc"]
         await settle()
@@ -109,7 +109,7 @@ def test_discarding_cancels_pending_and_current_tool_calls():
     during(act)
 
 
-def test_discarded_tool_calls_leave_the_queue_at_once_but_are_answered_later():
+def test_discarded_calls_free_the_full_queue_and_may_be_refused_before_the_refusal_delay():
     async def act(calls: Calls) -> None:
         tasks = [calls.start(name) for name in "ab"]
         await settle()
@@ -125,7 +125,7 @@ def test_discarded_tool_calls_leave_the_queue_at_once_but_are_answered_later():
     during(act, max_calls=2, refusal_delay=10.0)
 
 
-def test_tool_call_discarded_before_its_turn_is_answered_after_the_delay():
+def test_discarded_call_that_never_takes_its_turn_is_refused_after_the_refusal_delay():
     async def act(calls: Calls) -> None:
         async def endless() -> str:
             await asyncio.Event().wait()
@@ -183,7 +183,7 @@ def test_http_request_end_after_the_tool_answer_has_no_effect():
     during(act)
 
 
-def test_successive_tool_calls_start_at_least_one_interval_apart():
+def test_three_tool_calls_take_at_least_two_call_intervals():
     async def act(calls: Calls) -> None:
         calls.may_end.set()
         begun = monotonic()

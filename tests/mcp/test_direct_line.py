@@ -50,7 +50,7 @@ def becomes(condition: Callable[[], bool]) -> bool:
     return condition()
 
 
-def test_callers_waiting_on_one_connection_get_the_result_of_one_request():
+def test_callers_that_wait_for_a_running_request_share_the_next_request():
     server = Server()
 
     async def run() -> None:
@@ -109,7 +109,7 @@ def test_requests_to_the_robot_server_start_at_least_one_interval_apart():
     assert third - second >= 0.049
 
 
-def test_closed_direct_line_closes_its_server_connection():
+def test_closing_a_direct_line_closes_its_server_connections():
     server = Server()
     server.line.close()
     assert server.wires[0].closed

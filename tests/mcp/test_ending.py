@@ -18,7 +18,7 @@ pytestmark = [
 
 
 @pytest.mark.parametrize("end", ["input ends", "killed"])
-def test_robot_server_ends_with_the_tool_server(tmp_path: Path, end: str):
+def test_robot_server_started_by_the_mcp_server_ends_when_the_mcp_server_ends(tmp_path: Path, end: str):
     command = [sys.executable, "-m", "kinesic", "mcp", "--voice", "durations"]
     with subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, cwd=tmp_path) as tools:
         assert tools.stdin is not None

@@ -73,5 +73,5 @@ def test_behaviour_progress_is_not_block_progress():
 
 
 @pytest.mark.parametrize("message", ["", "hello", "<open", '{"told": "status"}'])
-def test_messages_that_are_not_xml_are_no_feedback(message: str):
+def test_messages_that_are_not_xml_are_not_read_as_feedback(message: str):
     assert read_feedback(message) is None

@@ -70,7 +70,7 @@ def test_block_id_is_taken_from_the_server_answer():
     assert robot.documents.performed[0][:2] == (document, "new")
 
 
-def test_perform_tool_sends_a_document_with_the_block_ids_of_possible_answers():
+def test_perform_tool_passes_the_planned_and_the_written_block_id_with_the_document():
     robot = FakeRobot()
     perform(robot, '{"id": "json", "behaviours": []}')
     assert robot.documents.performed == [('{"id": "json", "behaviours": []}', "b", "json")]
@@ -131,7 +131,7 @@ def test_perform_tool_refuses_a_block_without_id_with_a_remedy():
     assert '"id": "b1" in JSON, or <bml id="b1">' in result
 
 
-def test_document_whose_plan_is_outdated_is_refused():
+def test_perform_tool_refuses_a_document_whose_plan_is_outdated_or_refused():
     assert "send it again" in refused(FakeRobot(plan={"told": "plan", "outdated": True}), "<bml/>")
     assert refused(FakeRobot(plan={"told": "refused", "why": "unknown key"}), "<bml/>") == "unknown key"
 

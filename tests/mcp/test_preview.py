@@ -100,7 +100,7 @@ def test_preview_figures_show_postures_at_strokes_with_the_spoken_words():
     assert [float(figure.angles[0]) for figure in figures] == pytest.approx([0.0, 1.0, 2.0])
 
 
-def test_preview_figures_of_many_strokes_are_spread_evenly():
+def test_preview_of_20_strokes_shows_eight_figures_including_the_first_and_the_last():
     figures, total = choose_figures(planned(20), HINGES)
     assert total == 20
     assert len(figures) == MAX_FIGURES
@@ -108,7 +108,7 @@ def test_preview_figures_of_many_strokes_are_spread_evenly():
     assert preview(PlayedRobot(planned(20)))[0]["picture"] == "8 of 20 strokes"
 
 
-def test_document_without_hand_strokes_shows_its_other_strokes():
+def test_preview_shows_a_head_stroke_and_has_no_picture_without_any_stroke():
     assert choose_figures(planned(1, type_="head"), HINGES)[1] == 1
     answer, picture = preview(PlayedRobot(planned(0, speech=True)))
     assert (answer["picture"], picture) == ("no picture: no behaviour has a stroke", None)

@@ -59,7 +59,7 @@ def test_cancelled_tool_call_does_not_cancel_the_connection_to_the_server():
     asyncio.run(act())
 
 
-def test_invalid_planning_setup_is_reported_by_each_tool_call():
+def test_invalid_planning_setup_is_reported_to_a_call_that_moves_the_robot():
     async def act() -> None:
         loaded: Future[Setup] = Future()
         loaded.set_exception(ConfigError("no style odd"))

@@ -24,7 +24,7 @@ def ignore(_message: str, _say: Say) -> None:
     """Answer nothing."""
 
 
-def test_each_robot_connection_sends_a_message_when_opened():
+def test_opened_robot_connections_send_three_pings_and_one_stop_line_registration():
     with line(ignore) as (_, server):
         assert sorted(server.received) == [*['{"do": "ping"}'] * 3, '{"do": "stop_line"}']
 
@@ -74,7 +74,7 @@ def test_late_planning_answer_is_not_assigned_to_the_next_planning_request(monke
         run(act)
 
 
-def test_reused_block_id_ignores_feedback_of_the_old_block():
+def test_block_id_is_refused_until_its_block_has_ended_and_can_then_be_reused():
     sent = list[str]()
 
     def answer(document: str, say: Say) -> None:
@@ -138,7 +138,7 @@ def test_block_ids_with_colons_and_escapes_are_matched(name: str):
 
 
 @pytest.mark.parametrize("name", ["b", "message", "commented"])
-def test_refusal_under_any_possible_block_id_is_accepted(name: str):
+def test_refusal_is_matched_by_the_block_id_its_alternative_or_the_id_message(name: str):
     def answer(_document: str, say: Say) -> None:
         say(WARNING.format("other", "rule depth: another block"))
         say("no XML")
@@ -286,7 +286,7 @@ def test_missing_status_answer_is_reported(monkeypatch, answer: str):
         run(act)
 
 
-def test_missing_server_raises_an_error_and_leaves_no_connection():
+def test_connecting_to_a_missing_server_raises_an_os_error():
     with socket.create_server(("127.0.0.1", 0)) as listener:
         port = listener.getsockname()[1]
     with pytest.raises(OSError, match="refused"):

@@ -51,7 +51,7 @@ def wait(robot: PlayedRobot, block: str, timeout: float = 5.0) -> Mapping[str, o
     return asyncio.run(wait_for_end(RobotGate.of(cast(RobotLine, robot), cast(Setup, None)), block, timeout))
 
 
-def test_status_names_playing_and_next_blocks_with_seconds():
+def test_status_lists_playing_and_next_blocks_with_the_seconds_left():
     status = {"told": "status", "robot": "upper22", "state": "playing", "servos": None, "late": 0, "waiting": 3}
     assert summarise({**status, "blocks": [PLAYING, NEXT]}, ["g: moved"]) == {
         "robot": "upper22",

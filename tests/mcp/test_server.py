@@ -69,7 +69,7 @@ def text(result: object) -> str:
     return "".join(each.text for each in result.content)
 
 
-def test_mcp_client_can_use_all_tools(server: Running):
+def test_mcp_client_lists_nine_tools_and_calls_all_but_stop_and_resume(server: Running):
     async def act(client):
         tools = {tool.name for tool in (await client.list_tools()).tools}
         found = await client.call_tool("find_gesture", {"query": "weigh two things", "count": 3})
@@ -156,7 +156,7 @@ def test_all_tools_and_tool_parameters_have_descriptions(server: Running):
         ("arm_servos", {}, ""),
     ],
 )
-def test_invalid_calls_are_answered_and_move_nothing(server: Running, tool: str, arguments: dict, told: str):
+def test_invalid_tool_calls_are_answered_with_a_specific_error(server: Running, tool: str, arguments: dict, told: str):
     async def act(client):
         return await client.call_tool(tool, arguments)
 
@@ -196,7 +196,7 @@ def test_perform_tool_accepts_a_block_under_the_id_found_by_the_parser(server: R
     assert monotonic() - begun < MAX_WAIT
 
 
-def test_simultaneous_documents_are_all_performed(server: Running):
+def test_four_simultaneous_documents_and_four_status_calls_are_accepted(server: Running):
     async def act(client):
         nods = [{"id": f"at_once{k}", "behaviours": [{"type": "head", "id": "h", "lexeme": "NOD"}]} for k in range(4)]
         calls = [client.call_tool("perform", {"document": nod}) for nod in nods]
@@ -206,7 +206,7 @@ def test_simultaneous_documents_are_all_performed(server: Running):
     assert not [text(each) for each in results if each.is_error]
 
 
-def test_long_text_is_streamed_in_its_style_until_a_stop(server: Running):
+def test_long_text_is_streamed_until_an_emergency_stop(server: Running):
     async def act(client):
         story = "See https://a.eu/b " + "We saw the old house. " * 80
         said = await client.call_tool("say", {"text": story, "style": "sad"})
@@ -225,7 +225,7 @@ def test_long_text_is_streamed_in_its_style_until_a_stop(server: Running):
     assert ended["ended"]
 
 
-def test_pending_long_texts_are_not_read_before_their_turn(monkeypatch: pytest.MonkeyPatch):
+def test_long_texts_pending_at_an_emergency_stop_are_refused_unread(monkeypatch: pytest.MonkeyPatch):
     tools, read = import_module("kinesic.mcp.server"), list[str]()
     monkeypatch.setattr(tools, "list_omissions", read.append)
 
@@ -245,7 +245,7 @@ def test_pending_long_texts_are_not_read_before_their_turn(monkeypatch: pytest.M
     assert not read
 
 
-def test_stop_is_immediate_and_servos_need_a_person_to_resume(server: Running):
+def test_stop_is_answered_within_a_second_and_only_a_person_can_resume_servos(server: Running):
     async def act(client):
         slow = [asyncio.create_task(client.call_tool("say", {"text": "and so on. " * 300}))]
         await asyncio.sleep(0.5)  # planning takes seconds

@@ -123,7 +123,7 @@ def test_sessions_that_only_connect_do_not_end_an_active_session():
     with_sessions(3, act, opened=3)
 
 
-def test_session_with_a_pending_call_is_never_ended():
+def test_new_session_does_not_replace_a_session_with_a_pending_call():
     async def act(web: Web) -> None:
         calls = [web.later("POST", "s1", "/slow"), web.later("POST", "s2", "/slow")]
         await settle()
@@ -191,7 +191,7 @@ def test_tool_call_is_notified_when_its_http_request_ends():
     with_sessions(2, act, opened=1)
 
 
-def test_session_limit_passes_on_asgi_scopes_other_than_http():
+def test_session_limit_passes_an_asgi_lifespan_scope_to_the_application():
     handed = []
 
     async def app(scope: Scope, _receive: Receive, _send: Send) -> None:

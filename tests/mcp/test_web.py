@@ -72,7 +72,7 @@ def answer(port: int, **more: str) -> int:
 
 
 @pytest.mark.parametrize("port", [None], indirect=True)
-def test_mcp_http_server_accepts_local_programs_and_refuses_web_pages(port: int):
+def test_mcp_http_server_accepts_local_programs_and_refuses_foreign_web_pages(port: int):
     assert answer(port) == 200
     assert answer(port, Origin=f"http://127.0.0.1:{port}") == 200
     assert answer(port, Origin="https://evil.example") == 403
@@ -81,7 +81,7 @@ def test_mcp_http_server_accepts_local_programs_and_refuses_web_pages(port: int)
 
 
 @pytest.mark.parametrize("port", ["open sesame"], indirect=True)
-def test_mcp_http_client_with_the_token_is_admitted(port: int):
+def test_mcp_http_server_admits_a_client_with_the_token_and_refuses_others(port: int):
     assert answer(port, Authorization="Bearer open sesame") == 200
     assert answer(port) == 401
     assert answer(port, Authorization="Bearer wrong") == 401
