@@ -64,7 +64,7 @@ def show(studio: Studio, view: str) -> None:
             studio.until("s.name.endsWith('.toml') && s.draft?.keys?.length > 0")
 
 
-def test_no_view_violates_serious_rules_of_axe_in_light_or_dark(studio: Studio):
+def test_nine_page_views_have_no_severe_axe_violations_in_light_and_dark(studio: Studio):
     faults = []
     for view in ("words", "source", "manner", "gestures", "robot", "error", "save", "tour", "gesture"):
         show(studio, view)
@@ -74,13 +74,13 @@ def test_no_view_violates_serious_rules_of_axe_in_light_or_dark(studio: Studio):
     assert faults == []
 
 
-def test_axe_finds_a_control_without_a_name(studio: Studio):
+def test_axe_reports_a_button_without_an_accessible_name(studio: Studio):
     studio.page.value("document.querySelector('header').append(document.createElement('button')); 0")
     assert [each for each in severe_violations(studio.page) if each.startswith("button-name")]
     studio.page.value("document.querySelector('header > button:last-child').remove(); 0")
 
 
-def test_all_main_controls_are_reached_with_the_tabulator(studio: Studio):
+def test_main_controls_are_reached_with_the_tab_key(studio: Studio):
     open_template(studio, "greeting")
     page = studio.page
     page.click("#tab-words")
@@ -95,7 +95,7 @@ def test_all_main_controls_are_reached_with_the_tabulator(studio: Studio):
     assert {"canvas", "mode-robot", "play", "time", "add", "line", "choose-block", "loop"} <= reached
 
 
-def test_tour_has_six_steps_for_the_keyboard_and_is_remembered(studio: Studio):
+def test_tour_has_six_steps_driven_by_keys_and_is_remembered_after_a_reload(studio: Studio):
     open_template(studio, "greeting")
     page = studio.page
     page.value("localStorage.removeItem('tour-seen')")
@@ -127,7 +127,7 @@ def test_page_follows_the_colour_scheme_of_the_system(studio: Studio, scheme: st
     assert (max(colour) < 128) == is_dark
 
 
-def test_reduced_motion_plays_no_change_by_itself(studio: Studio):
+def test_reduced_motion_setting_disables_automatic_previews_and_css_transitions(studio: Studio):
     with media(studio, prefers_reduced_motion="reduce"):
         reload(studio)
         assert not studio.page.value("document.querySelector('#play-changes').checked")

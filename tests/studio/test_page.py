@@ -46,7 +46,7 @@ def status(client: ClientConnection) -> str:
     return message
 
 
-def test_page_opens_with_the_welcome_example(studio: Studio):
+def test_page_opens_with_a_planned_example_document_and_its_words(studio: Studio):
     studio.until("s.connection === 'open' && s.drawn > 0 && !s.flat")
     rows = "[...document.querySelectorAll('[data-block]')].map(block => block.dataset.block)"
     draft = studio.state("draft")
@@ -251,7 +251,7 @@ def test_gesture_is_copied_edited_saved_and_performed(studio: Studio):
     assert not [item for item in results if "warningFeedback" in item]
 
 
-def test_document_is_saved_unchanged_and_reopened(studio: Studio):
+def test_document_is_saved_unchanged_and_listed_among_saved_files(studio: Studio):
     studio.write(WORDS)
     studio.save_as("mine")
     studio.page.until("document.querySelector('#file').textContent === 'mine.bml'")
@@ -259,7 +259,7 @@ def test_document_is_saved_unchanged_and_reopened(studio: Studio):
     studio.page.until("[...document.querySelectorAll('#saved option')].some(each => each.value === 'file:mine.bml')")
 
 
-def test_studio_playback_leaks_no_memory(studio: Studio):
+def test_heap_grows_by_less_than_4_mb_in_1_5_s_of_looped_playback(studio: Studio):
     """Short form of the soak test in test_long.py."""
     studio.write(WORDS)
     studio.page.click("#loop")

@@ -18,7 +18,7 @@ def files():
     return page_files(ROBOT, LEXICON, style="joyful", document="mine.bml")
 
 
-def test_studio_page_files_have_types_and_index_is_the_root(files):
+def test_studio_page_files_have_media_types_and_index_html_is_served_as_root(files):
     assert {*files} == {
         "/",
         "/studio.json",

@@ -51,7 +51,7 @@ def touch(studio: Studio, kind: str, *place: float) -> None:
     studio.page.call("Input.dispatchTouchEvent", type=kind, touchPoints=points)
 
 
-def test_page_has_no_horizontal_scrolling_and_large_targets_in_every_view(phone: Studio):
+def test_phone_views_have_no_horizontal_scrolling_no_small_targets_and_no_axe_violations(phone: Studio):
     page = phone.page
     for selector in ("#tab-source", "#tab-words", "#choose-block", "#tour-start", "#tour-skip"):
         tap(phone, selector)
@@ -96,7 +96,7 @@ def test_gesture_is_found_and_added_by_touch(phone: Studio):
     phone.until(f"s.planned > {planned} && s.text.includes('lexeme=\"balance\"')")
 
 
-def test_line_is_said_in_a_style_by_touch(phone: Studio):
+def test_spoken_line_is_added_by_touch_and_gets_a_style(phone: Studio):
     tap(phone, "#line")
     phone.page.call("Input.insertText", text="Good morning")
     planned = phone.state("planned")

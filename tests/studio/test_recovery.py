@@ -50,7 +50,7 @@ def crash(studio: Studio) -> None:
     wait_for_studio(studio)
 
 
-def test_unsaved_changes_are_marked_until_they_are_saved(studio: Studio):
+def test_unsaved_changes_are_marked_and_backed_up_until_they_are_saved(studio: Studio):
     studio.write(EMPTY.format(GESTURE.format(1)))
     studio.page.until("document.title.startsWith('•')")
     studio.until("s.place === 'folder'")
@@ -64,7 +64,7 @@ def test_unsaved_changes_are_marked_until_they_are_saved(studio: Studio):
         sleep(0.02)
 
 
-def test_another_file_is_replaced_only_after_a_question_and_stays_a_version(studio: Studio):
+def test_existing_file_is_replaced_only_after_confirmation_and_kept_as_a_version(studio: Studio):
     (studio.folder / "other.bml").write_text("theirs")
     studio.write(EMPTY.format(GESTURE.format(2)))
     studio.save_as("other")
@@ -91,7 +91,7 @@ def test_reload_shows_the_unsaved_text_again(studio: Studio):
     assert studio.state("unsaved")
 
 
-def test_another_tab_is_not_offered_the_document_of_an_open_one(studio: Studio):
+def test_document_of_an_open_tab_is_not_listed_for_recovery(studio: Studio):
     type_text(studio, EMPTY.format(GESTURE.format(4)))
     studio.until("s.place === 'folder'")
     with_tab = "navigator.locks.query().then(({held}) => held.map(({name}) => name))"
@@ -104,7 +104,7 @@ def test_another_tab_is_not_offered_the_document_of_an_open_one(studio: Studio):
     assert studio.page.value("document.querySelectorAll('#unsaved option').length") == 0
 
 
-def test_another_browser_is_offered_the_backup_of_the_folder(studio: Studio):
+def test_another_browser_recovers_the_unsaved_text_from_the_backup_in_the_folder(studio: Studio):
     text = EMPTY.format(GESTURE.format(5))
     type_text(studio, text)
     studio.until("s.place === 'folder'")

@@ -86,7 +86,7 @@ def test_relay_closes_the_page_when_the_robot_disconnects():
     relayed(act)
 
 
-def test_relay_connects_to_the_robot_without_origin():
+def test_relay_connects_to_the_robot_without_origin_and_extension_headers():
     async def act(door: Address, robot: Robot) -> None:
         async with connect(f"ws://{door}/", origin=f"http://{door}") as page:
             await page.send("hello")

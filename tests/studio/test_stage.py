@@ -15,7 +15,7 @@ from .test_page import WORDS
 pytestmark = pytest.mark.realtime
 
 
-def test_dragged_hand_shows_what_limits_its_reach(studio: Studio):
+def test_dragged_hand_shows_its_reach_sector_and_whether_it_reaches_the_pointer(studio: Studio):
     studio.write(WORDS)
     hand = studio.state("right")
     begin, far = (hand["x"], hand["y"]), (hand["x"] - 120, hand["y"] - 150)
@@ -166,7 +166,7 @@ def test_robot_drawn_without_webgl_looks_like_the_webgl_drawing(studio: Studio):
     assert max(floor, floor_with_ghost) < 16
 
 
-def test_drag_sends_requests_at_the_rate_of_the_server(studio: Studio):
+def test_drag_sends_at_most_50_reach_requests_per_second(studio: Studio):
     """The server reads a client 50 times a second; faster requests would each wait longer than a frame."""
     studio.write(WORDS)
     studio.page.click("#mode-plan")
@@ -187,7 +187,7 @@ def test_drag_sends_requests_at_the_rate_of_the_server(studio: Studio):
 
 
 @pytest.mark.soak
-def test_bench_measures_drag_latency_and_first_paint(studio: Studio):
+def test_page_benchmark_measures_drag_latency_and_first_paint(studio: Studio):
     metrics = time_page(browser(), f"http://localhost:{studio.server.port}/", loads=1, seconds=0.5)
     assert [metric.name for metric in metrics] == list(PAGE_GOALS)
     drag, paint, robot = (metric.value or 0.0 for metric in metrics)

@@ -57,7 +57,7 @@ def save_style(studio: Studio, name: str) -> str:
     return studio.page.value("document.querySelector('#style-status').textContent")
 
 
-def test_sliders_show_the_numbers_of_the_style_and_mark_differences(studio: Studio):
+def test_sliders_show_the_expressivity_of_the_style_and_mark_differences(studio: Studio):
     begin(studio)
     assert set(sliders(studio).values()) == {0.0}
     assert not marked(studio, "differs")
@@ -77,7 +77,7 @@ def test_sliders_show_the_numbers_of_the_style_and_mark_differences(studio: Stud
     select(studio, "")
 
 
-def test_numbers_of_the_block_are_inherited_by_its_behaviours(studio: Studio):
+def test_expressivity_of_the_block_is_inherited_by_its_behaviours(studio: Studio):
     begin(studio)
     declared = 'id="doc" xmlns:kinesic="urn:kinesic" kinesic:style="calm" kinesic:power="0.75"'
     studio.write(WORDS.replace('id="doc"', declared))
@@ -87,7 +87,7 @@ def test_numbers_of_the_block_are_inherited_by_its_behaviours(studio: Studio):
     assert not marked(studio, "set")
 
 
-def test_own_style_is_saved_listed_and_written_as_numbers(studio: Studio):
+def test_user_style_is_saved_listed_and_written_into_the_document_as_numbers(studio: Studio):
     begin(studio)
     select(studio, "joyful")
     slide(studio, "power", -0.5)
@@ -110,7 +110,7 @@ def test_own_style_is_saved_listed_and_written_as_numbers(studio: Studio):
     assert studio.state("text") == WORDS
 
 
-def test_existing_style_is_replaced_only_after_a_question(studio: Studio):
+def test_existing_style_is_replaced_only_after_confirmation(studio: Studio):
     begin(studio)
     assert "Saved" in save_style(studio, "twice")
     first = (studio.folder / "twice.toml").read_text()
@@ -123,7 +123,7 @@ def test_existing_style_is_replaced_only_after_a_question(studio: Studio):
     assert "built-in" in save_style(studio, "joyful")
 
 
-def test_change_of_a_style_is_played_on_the_selected_behaviour(studio: Studio):
+def test_expressivity_change_is_previewed_over_the_time_of_the_selected_behaviour(studio: Studio):
     begin(studio)
     studio.page.value("document.querySelector('#play-changes').checked = true")
     studio.page.value("kinesicStudio.playback.player.seek(0); 0")

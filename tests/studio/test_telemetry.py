@@ -28,7 +28,7 @@ def perform(studio: Studio) -> None:
     studio.until("s.report.planned.every(angle => Math.abs(angle) < 0.6)")
 
 
-def test_earlier_posture_and_values_are_shown_until_live(studio: Studio):
+def test_recorded_posture_and_values_are_shown_until_return_to_live_telemetry(studio: Studio):
     perform(studio)
     page = studio.page
     highest = (
@@ -52,7 +52,7 @@ def test_earlier_posture_and_values_are_shown_until_live(studio: Studio):
     assert page.value(angles) != raised
 
 
-def test_chart_is_drawn_and_scrubbed_with_the_pointer(studio: Studio):
+def test_telemetry_chart_is_drawn_and_scrubbed_with_the_pointer(studio: Studio):
     page = studio.page
     page.value("document.querySelector('#measure').value = 'tracking'; 0")
     page.value("document.querySelector('#history-chart').scrollIntoView({block: 'center'})")
@@ -69,7 +69,7 @@ def test_chart_is_drawn_and_scrubbed_with_the_pointer(studio: Studio):
     page.click("#history-live")
 
 
-def test_recording_is_exported_as_a_table(studio: Studio, tmp_path: Path):
+def test_telemetry_recording_is_exported_as_a_csv_file(studio: Studio, tmp_path: Path):
     studio.page.call(
         "Browser.setDownloadBehavior",
         behavior="allow",

@@ -23,7 +23,7 @@ def performer(request: pytest.FixtureRequest) -> Performer:
 
 
 @pytest.mark.parametrize("path", TEMPLATES, ids=lambda path: path.stem)
-def test_template_is_performed_without_warnings_and_with_strokes_on_time(performer: Performer, path: Path):
+def test_template_is_planned_without_warnings_and_with_strokes_on_time(performer: Performer, path: Path):
     plan = performer.plan(path.read_text(encoding="utf-8"))
     assert plan.notices == ()
     assert {outcome.kind for outcome in plan.keyframes.outcomes.values()} <= {"realised"}

@@ -75,7 +75,7 @@ def test_gesture_of_a_word_has_a_reason_and_ranked_alternatives(studio: Studio):
     assert shown(studio)["No,"] == "no_low"
 
 
-def test_word_without_a_gesture_gets_one_and_loses_it_again(studio: Studio):
+def test_gesture_is_added_to_a_word_without_one_and_removed_again(studio: Studio):
     perform(studio, TEXT)
     before = studio.state("text")
     assert choose(studio, "coffee")

@@ -156,7 +156,7 @@ def test_block_dragged_in_time_moves_and_snaps_to_the_stroke_of_another(studio: 
     assert changed(studio, text) == text.replace('start="5"', 'stroke="two:stroke"')
 
 
-def test_stroke_dragged_to_an_accent_keeps_its_distance_from_the_mark(studio: Studio):
+def test_stroke_dragged_to_an_accent_is_written_as_an_offset_from_its_word(studio: Studio):
     show(studio, WORDS)
     accents = studio.state("draft")["accents"]
     if not accents:
@@ -182,7 +182,7 @@ def test_alt_key_drags_without_snapping(studio: Studio):
     assert "two:stroke" not in changed(studio, THREE)
 
 
-def test_shift_click_and_rectangle_select_several_which_move_together(studio: Studio):
+def test_shift_click_and_rectangle_select_several_behaviours_which_move_together(studio: Studio):
     show(studio, THREE)
     studio.page.click("[data-block=one]")
     click(studio, middle(studio, "[data-block=two]"), modifiers=SHIFT)
@@ -203,7 +203,7 @@ def test_shift_click_and_rectangle_select_several_which_move_together(studio: St
     assert studio.state("time") > 5.0, "a click seeks"
 
 
-def test_keys_copy_paste_duplicate_move_and_delete_with_undo(studio: Studio):
+def test_keys_move_copy_paste_duplicate_and_delete_behaviours_with_undo(studio: Studio):
     show(studio, THREE)
     studio.page.click("[data-block=one]")
     studio.page.value("document.querySelector('[data-block=one]').focus()")
@@ -233,7 +233,7 @@ def test_keys_copy_paste_duplicate_move_and_delete_with_undo(studio: Studio):
     assert studio.state("text") == THREE
 
 
-def test_right_click_opens_a_menu_that_keys_operate(studio: Studio):
+def test_right_click_opens_a_track_menu_that_arrow_keys_navigate(studio: Studio):
     show(studio, THREE)
     click(studio, onto(studio, "[data-block=three]", 0.0)[0], button="right")
     studio.page.until("document.querySelector('#track-menu') !== null")
@@ -273,7 +273,7 @@ def drop(studio: Studio, source: str, place: tuple[float, float]) -> None:
     studio.page.drag((x, y), (x + 8, y + 8), ((x + place[0]) / 2, (y + place[1]) / 2), place)
 
 
-def test_chip_of_the_palette_is_dropped_onto_a_word_and_onto_a_time(studio: Studio):
+def test_palette_entry_is_dropped_onto_a_word_and_onto_a_time(studio: Studio):
     show(studio, WORDS)
     studio.page.click("#show-palette")
     word = studio.page.value("[...document.querySelectorAll('.word')].findIndex(word => word.textContent === 'then')")
