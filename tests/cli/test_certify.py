@@ -29,7 +29,7 @@ def certify(*arguments: str) -> int:
     return command(["certify", *arguments], standalone_mode=False)
 
 
-def test_feasible_motion_passes_the_check(capsys):
+def test_feasible_motion_passes_option_check(capsys):
     assert certify("calm.bvh", "--check") == 0
     out = capsys.readouterr().out
     assert "calm.bvh on upper22: 7.96 s" in out
@@ -44,7 +44,7 @@ def test_too_fast_motion_fails_the_check_with_joint_and_ratio(capsys):
     assert "jerk" in out
 
 
-def test_nearest_motion_is_written_and_passes_the_check(capsys):
+def test_nearest_feasible_motion_is_written_and_passes_option_check(capsys):
     assert certify("fast.bvh", "--out", "near.npz") == 0
     out = capsys.readouterr().out
     assert "nearest motion: within all limits" in out
@@ -54,7 +54,7 @@ def test_nearest_motion_is_written_and_passes_the_check(capsys):
         certify("fast.bvh", "--out", "near.npz")
 
 
-def test_json_has_violations_and_distance(capsys):
+def test_certify_json_has_limit_violations_and_the_correlation_with_the_clip(capsys):
     assert certify("fast.bvh", "--robot", "upper36", "--json") == 0
     record = json.loads(capsys.readouterr().out)
     assert record["robot"] == "upper36"
@@ -64,18 +64,18 @@ def test_json_has_violations_and_distance(capsys):
     assert record["correlation"] > 0.9
 
 
-def test_check_writes_no_file():
+def test_option_check_with_an_output_file_is_refused():
     with pytest.raises(UsageError, match="--check"):
         certify("calm.bvh", "--check", "--out", "a.npz")
 
 
-def test_unreadable_file_is_refused_with_its_place(clips):
+def test_unreadable_capture_file_is_refused_with_its_line(clips):
     (clips / "bad.csv").write_bytes(joint_csv().replace(b"\n0.02,", b"\nx,"))
     with pytest.raises(CaptureError, match=r"bad\.csv:3"):
         certify("bad.csv")
 
 
-def test_python_function_returns_a_motion_within_limits(known, clips):
+def test_certify_function_returns_and_saves_a_motion_within_limits(known, clips):
     result = kinesic.certify("fast.bvh", known)
     assert result.is_certified
     assert_within_limits(result.trajectory, known.limits)
@@ -83,7 +83,7 @@ def test_python_function_returns_a_motion_within_limits(known, clips):
     assert np.loadtxt(path, delimiter=",", skiprows=1).shape[1] == 1 + len(known.robot.skeleton.names)
 
 
-def test_clip_is_performed_and_reported_like_a_document(clips):
+def test_bvh_clip_is_performed_and_reported_like_a_document(clips):
     assert command(["perform", "fast.bvh", "--out", "report"], standalone_mode=False) == 0
     report = json.loads((clips / "report" / "report.json").read_text())
     assert report["ok"] is True

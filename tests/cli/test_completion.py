@@ -15,7 +15,7 @@ def complete(*words: str) -> list[str]:
     return [item.value for item in completer.get_completions(list(before), incomplete) if item.type == "plain"]
 
 
-def test_shell_completion_completes_names():
+def test_shell_completion_completes_names_of_styles_robots_gestures_and_verbs():
     assert complete("perform", "my.bml", "--style", "j") == ["joyful"]
     assert complete("perform", "my.bml", "--robot", "upper") == ["upper22", "upper36"]
     assert complete("robots", "show", "hu") == ["human"]

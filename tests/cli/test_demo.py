@@ -47,12 +47,12 @@ def test_demo_with_no_open_skips_the_browser_and_keeps_user_folders(kinesic, tmp
     assert opened == []
 
 
-def test_demo_performs_the_greeting_on_the_robot_with_hands(kinesic):
+def test_demo_uses_a_builtin_document_and_the_robot_upper36_by_default(kinesic):
     assert demo.DEMO_DOCUMENT in builtin_documents()
     assert "upper36" in kinesic("demo", "-h").out
 
 
-def test_report_page_is_opened_only_on_a_desktop(monkeypatch, opened):
+def test_browser_is_opened_only_with_a_display(monkeypatch, opened):
     assert browser.open_in_browser("http://localhost/")
     monkeypatch.setattr(browser, "has_display", lambda: False)
     assert not browser.open_in_browser("http://localhost/")

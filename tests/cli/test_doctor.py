@@ -1,7 +1,7 @@
 from kinesic.cli import doctor
 
 
-def test_install_commands_are_printed_with_their_brackets(kinesic, monkeypatch):
+def test_doctor_prints_install_commands_with_their_brackets(kinesic, monkeypatch):
     remedy = "espeak-ng is missing: pip install 'kinesic[speech]'"
     monkeypatch.setattr(doctor, "COMPONENT_CHECKS", {"speech": lambda: remedy, "film": lambda: ""})
     ended = kinesic("doctor")

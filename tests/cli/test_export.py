@@ -75,7 +75,7 @@ PLAN = "plan of nod.bml with setup"
 
 
 @pytest.mark.parametrize("force", [False, True])
-def test_planned_motion_is_written_for_a_viewer(steps, capsys, force):
+def test_planned_motion_is_exported_as_a_rerun_recording(steps, capsys, force):
     planning = Planning("upper22", "neutral", {})
     assert verb.export_motion("nod.bml", planning, "rerun", False, None, force) == 0
     path = Path("nod.rrd")

@@ -38,7 +38,7 @@ def run_without(package: str, folder: Path, *arguments: str) -> subprocess.Compl
         pytest.param(("gestures", "render", "beat", "--out", "beat.png"), marks=pytest.mark.soak),
     ],
 )
-def test_missing_matplotlib_is_one_line_that_names_the_extra(arguments, tmp_path, monkeypatch):
+def test_missing_matplotlib_is_reported_in_one_line_with_its_extra(arguments, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     ended = run_without("matplotlib", tmp_path, *arguments)
     assert ended.returncode == 2
@@ -47,7 +47,7 @@ def test_missing_matplotlib_is_one_line_that_names_the_extra(arguments, tmp_path
 
 
 @pytest.mark.soak
-def test_missing_viewer_library_is_one_line_that_names_the_extra(tmp_path, monkeypatch):
+def test_missing_viewer_library_is_reported_in_one_line_with_its_extra(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     ended = run_without("rerun", tmp_path, "export", "welcome", "--to", "rerun")
     assert ended.returncode == 2
@@ -55,7 +55,7 @@ def test_missing_viewer_library_is_one_line_that_names_the_extra(tmp_path, monke
     assert list(tmp_path.iterdir()) == []
 
 
-def test_gestures_are_listed_without_matplotlib(tmp_path):
+def test_gesture_is_shown_without_matplotlib(tmp_path):
     ended = run_without("matplotlib", tmp_path, "gestures", "show", "beat")
     assert (ended.returncode, ended.stderr) == (0, "")
 
@@ -76,7 +76,7 @@ def test_extra_suggested_for_a_missing_package_contains_this_package(package):
     assert any(each.startswith(needed) for each in EXTRAS[extra])
 
 
-def test_extra_all_contains_every_extra_for_users():
+def test_extra_all_contains_all_user_extras_except_rerun():
     (named,) = EXTRAS["all"]
     for_maintainers, too_large = {"all", "bench", "robots", "dev", "docs", "release", "compiler"}, {"rerun"}
     assert (

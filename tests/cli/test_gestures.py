@@ -45,7 +45,7 @@ def test_gesture_list_is_filtered_by_category_and_unknown_ones_reported(kinesic)
     assert unknown.err.startswith("kinesic: no category emotions; did you mean emotion?")
 
 
-def test_show_prints_description_shapes_and_paths(kinesic, tmp_path):
+def test_gestures_show_prints_description_hand_shape_and_path(kinesic, tmp_path):
     (tmp_path / "own.toml").write_text(OWN_LEXICON)
     shown = kinesic("gestures", "show", "swirl", "--lexicon", "own.toml")
     assert shown.code == 0
@@ -56,7 +56,7 @@ def test_show_prints_description_shapes_and_paths(kinesic, tmp_path):
     assert "fist" in shown.out
 
 
-def test_show_prints_positions_and_directions_as_the_file_has_them(kinesic, tmp_path):
+def test_gestures_show_prints_positions_and_directions_of_the_lexicon_file(kinesic, tmp_path):
     pose = 'at = [0.1, 0.2, 0.4], palm = "in down", pointing = "forward", shape = "flat"'
     gesture = f'[[gesture]]\nid = "own"\nsays = "x."\nmeanings = ["own"]\nkeys = [{{ right = {{ {pose} }} }}]\n'
     (tmp_path / "own.toml").write_text(f'category = "emotion"\n{gesture}')
@@ -65,7 +65,7 @@ def test_show_prints_positions_and_directions_as_the_file_has_them(kinesic, tmp_
     assert row.split()[2:8] == ["0.10", "0.20", "0.40", "in", "down", "forward"]
 
 
-def test_render_draws_one_gesture(kinesic, tmp_path):
+def test_gestures_render_writes_a_picture_of_one_gesture(kinesic, tmp_path):
     (tmp_path / "own.toml").write_text(OWN_LEXICON)
     ended = kinesic("gestures", "render", "own", "--lexicon", "own.toml", "--out", "own.png")
     assert ended.code == 0

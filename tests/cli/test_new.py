@@ -26,7 +26,7 @@ def test_new_gesture_is_planned_without_warnings(kinesic, tmp_path: Path):
     assert re.search(r"gesture my_offer, (left|right) hand", " ".join(planned.out.split()))
 
 
-def test_printed_command_draws_the_new_gesture(kinesic, tmp_path: Path):
+def test_command_printed_by_new_draws_the_new_gesture(kinesic, tmp_path: Path):
     command = kinesic("new", "gesture", "my_offer").out.splitlines()[1]
     drawn = kinesic(*command.removeprefix("try: kinesic ").split(), "--drawn")
     assert drawn.code == 0, drawn.err
@@ -66,7 +66,7 @@ def test_new_refuses_names_that_are_no_identifiers(kinesic, tmp_path: Path, name
     assert list(tmp_path.iterdir()) == []
 
 
-def test_every_number_of_a_template_has_a_comment():
+def test_every_scalar_setting_of_the_templates_has_a_comment():
     for template in sorted((CONFIGS / "templates").glob("*.toml")):
         lines = template.read_text(encoding="utf-8").splitlines()
         settings = [line for line in lines if re.match(r"[a-z_]+ = [^\[]", line)]

@@ -158,7 +158,7 @@ def test_plan_writes_the_voice_next_to_a_scene_file(kinesic, tmp_path: Path):
     assert not (tmp_path / "talk.glb").exists()
 
 
-def test_voice_of_a_scene_never_replaces_the_recording(kinesic, tmp_path: Path):
+def test_voice_of_a_scene_does_not_replace_the_recording_even_with_force(kinesic, tmp_path: Path):
     with wave.open(str(tmp_path / "talk.wav"), "wb") as file:
         file.setparams((1, 2, 8000, 0, "NONE", ""))
         file.writeframes(bytes(16000))

@@ -64,7 +64,7 @@ def test_each_user_action_that_the_servos_await_is_printed_once(capsys):
     ]
 
 
-def test_performance_without_a_loudspeaker_is_silent(monkeypatch: pytest.MonkeyPatch, capsys):
+def test_performance_without_a_loudspeaker_continues_with_a_warning(monkeypatch: pytest.MonkeyPatch, capsys):
     def fail_to_open() -> None:
         raise SpeakerError("no device; plug one in")
 
@@ -92,11 +92,11 @@ def test_face_follows_the_time_of_the_servos_up_to_the_last_command(monkeypatch,
     assert shown == [commands[index]]
 
 
-def test_face_follows_no_servos_without_a_window():
+def test_servo_status_is_ignored_without_a_face_window():
     assert playback.follow_servos(PLAN, None)(Status(Stage.ACTIVE, time=1.0)) is None
 
 
-def test_commands_of_the_face_have_the_times_of_the_plan(monkeypatch):
+def test_face_commands_have_the_times_of_the_plan(monkeypatch):
     asked: list[object] = []
     monkeypatch.setattr(playback, "commands_with_face", lambda plan, times: asked.extend((plan, times)) or ["only"])
     plan = SimpleNamespace(command_times=(0.0,))
@@ -140,7 +140,7 @@ def test_no_face_window_opens_unrequested_or_without_a_display(monkeypatch, caps
     assert (captured.out, captured.err.split(";")[0].strip()) == ("", note)
 
 
-def test_face_window_that_does_not_open_is_an_error_of_the_configuration(monkeypatch):
+def test_face_window_that_fails_to_open_raises_a_configuration_error(monkeypatch):
     def fail_to_open(*_: object, **__: object) -> None:
         raise DisplayError("no GLX")
 

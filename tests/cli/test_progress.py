@@ -42,12 +42,12 @@ def test_terminal_shows_each_stage_with_its_progress(monkeypatch: pytest.MonkeyP
     os.close(ours)
 
 
-def test_steps_are_counted_with_a_note_behind_the_bar():
+def test_progress_line_shows_count_elapsed_time_and_note_behind_the_bar():
     progress = Progress("faces", fraction=0.25, count="3/12", note="1 failed", start=100.0)
     assert progress.line(3825.9) == f"faces [{'#' * 8}{'.' * 22}] 3/12 1:02:05 1 failed"
 
 
-def test_block_moves_through_the_bar_if_the_end_is_unknown():
+def test_progress_bar_shows_a_moving_marker_if_the_duration_is_unknown():
     bars = [Progress("planning", start=0.0).line(time).split()[1] for time in (0.0, 1.0, 2.4, 2.5)]
     assert [bar.index("#") - 1 for bar in bars] == [0, 10, 24, 0]
     assert {bar.count("#") for bar in bars} == {6}

@@ -30,7 +30,7 @@ def test_style_show_applies_settings_and_prints_json(kinesic):
     assert "joyful" in names
 
 
-def test_unknown_style_is_refused_with_the_known_names(kinesic):
+def test_unknown_style_is_refused_with_a_similar_name(kinesic):
     ended = kinesic("styles", "show", "joyfull")
     assert ended.code == 2
-    assert "joyful" in ended.err
+    assert "did you mean joyful?" in ended.err

@@ -55,7 +55,7 @@ def test_validate_searches_folders_and_ends_with_totals(kinesic, tmp_path):
     assert ended.code == 0
 
 
-def test_validate_prints_the_outcome_of_a_behaviour(kinesic, tmp_path):
+def test_validate_prints_a_table_of_behaviour_outcomes(kinesic, tmp_path):
     (tmp_path / "nod.bml").write_bytes(NOD)
     ended = kinesic("validate", tmp_path / "nod.bml")
     assert ended.code == 0

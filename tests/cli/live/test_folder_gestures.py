@@ -23,7 +23,7 @@ def read_names(folder: Path) -> tuple[list[str], int]:
     return [form.id for part in result.parts for form, _ in part.entries], len(result.faults)
 
 
-def test_gesture_files_are_read_in_order_of_name(tmp_path: Path) -> None:
+def test_gesture_files_of_a_folder_are_read_in_alphabetical_order(tmp_path: Path) -> None:
     for name in ("c", "a", "b"):
         write(tmp_path, name)
     (tmp_path / "style.toml").write_text('[style]\nname = "x"\n')
@@ -32,7 +32,7 @@ def test_gesture_files_are_read_in_order_of_name(tmp_path: Path) -> None:
     assert read_names(tmp_path / "missing") == ([], 0)
 
 
-def test_links_and_folders_in_a_gesture_folder_are_skipped(tmp_path: Path) -> None:
+def test_symlinks_and_subfolders_in_a_gesture_folder_are_skipped(tmp_path: Path) -> None:
     folder = tmp_path / "gestures"
     folder.mkdir()
     write(tmp_path, "outside")

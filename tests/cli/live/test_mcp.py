@@ -20,7 +20,7 @@ INITIALISE = {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo":
 
 
 @pytest.mark.soak  # starts two processes
-def test_mcp_tools_answer_without_a_robot_and_print_the_reason_in_one_line(tmp_path: Path):
+def test_mcp_server_answers_with_the_start_error_of_the_robot_server_and_exits_with_2(tmp_path: Path):
     (tmp_path / "wrong.toml").write_text("targets = 7")
     command = [sys.executable, "-m", "kinesic", "mcp", "--targets", "wrong.toml"]
     pipes = dict.fromkeys(("stdin", "stdout", "stderr"), subprocess.PIPE)

@@ -45,12 +45,12 @@ def no_connection(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize(
     ("text", "address"), [("127.0.0.1:88", ("127.0.0.1", 88)), ("[::1]:7", ("::1", 7)), ("::1:7", ("::1", 7))]
 )
-def test_address_of_a_running_server_is_its_host_and_port(text: str, address: tuple[str, int]) -> None:
+def test_address_of_a_running_server_is_parsed_into_host_and_port(text: str, address: tuple[str, int]) -> None:
     assert verb._read_server(text) == Address(*address)
 
 
 @pytest.mark.parametrize("text", ["88", ":88", "host:", "host:8a", "host:-1"])
-def test_incomplete_address_of_a_running_server_is_refused(text: str) -> None:
+def test_server_address_without_a_host_or_a_valid_port_is_refused(text: str) -> None:
     with pytest.raises(ConfigError, match="give HOST:PORT"):
         verb._read_server(text)
 
@@ -62,7 +62,7 @@ def test_connection_to_a_running_server_is_closed_when_the_mcp_tools_end() -> No
     assert not line.is_open
 
 
-def test_server_that_does_not_run_is_an_error_that_names_its_address() -> None:
+def test_connecting_to_a_server_that_does_not_run_raises_an_error_with_its_address() -> None:
     message = r"--connect host:1: refused; start kinesic serve there"
     with pytest.raises(ConfigError, match=message), verb._open_robot("host:1", PLANNING, TWIN, None):
         pass
@@ -118,7 +118,7 @@ def test_started_robot_server_gets_its_token_in_the_environment(monkeypatch, tok
 
 
 @pytest.mark.parametrize("hangs", [False, True])
-def test_started_robot_server_is_killed_after_fifteen_seconds(monkeypatch, hangs: bool) -> None:
+def test_robot_server_gets_fifteen_seconds_to_end_before_it_is_killed(monkeypatch, hangs: bool) -> None:
     server = started(monkeypatch, "listening at 127.0.0.1:88")
     server.hangs = hangs
     with verb._open_robot(None, PLANNING, TWIN, None) as opened:
@@ -143,14 +143,14 @@ def test_robot_server_that_refuses_the_connection_counts_as_not_started() -> Non
 
 
 @pytest.mark.parametrize("line", ["listening at host:2", "no robot"])
-def test_robot_server_state_is_not_reported_after_the_client_has_disconnected(line: str) -> None:
+def test_cancelled_robot_connection_stays_cancelled_if_the_server_starts_or_fails(line: str) -> None:
     opened: Future[object] = Future()
     assert opened.cancel()
     verb._follow(Server([line]), opened, None)
     assert opened.cancelled()
 
 
-def test_robot_connection_opened_after_the_client_has_disconnected_is_closed(monkeypatch) -> None:
+def test_robot_connection_that_opens_after_its_cancellation_is_closed(monkeypatch) -> None:
     opened: Future[object] = Future()
     lines: list[Line] = []
 
@@ -255,7 +255,7 @@ def test_mcp_tools_use_standard_streams_and_raise_the_process_priority(monkeypat
 
 
 @pytest.mark.parametrize(("connect", "performers"), [("host:88", TWIN), (None, SERVOS)])
-def test_language_model_may_not_resume_servos_or_another_running_server(monkeypatch, connect, performers) -> None:
+def test_mcp_tools_offer_no_resume_for_servos_or_a_remote_server(monkeypatch, connect, performers) -> None:
     tools = Tools(monkeypatch)
     verb.serve_tools(PLANNING, performers, connect, None, None)
     assert not tools.resumes
@@ -279,7 +279,7 @@ def test_mcp_tools_over_http_print_their_address_and_raise_setup_errors(monkeypa
         verb.serve_tools(PLANNING, TWIN, None, None, "127.0.0.1:88")
 
 
-def test_invalid_setup_is_printed_while_the_mcp_tools_run(monkeypatch, capsys) -> None:
+def test_mcp_tools_print_an_invalid_setup_and_still_exit_with_0(monkeypatch, capsys) -> None:
     tools = Tools(monkeypatch)
     tools.setup = ConfigError("no style")
     assert verb.serve_tools(PLANNING, TWIN, None, None, None) == 0

@@ -90,7 +90,7 @@ def test_valid_gestures_of_the_folder_are_loaded_and_invalid_files_reported(snap
         assert f"{name}.toml" not in faults, faults
 
 
-def test_studio_page_files_contain_robot_gestures_and_examples():
+def test_studio_page_data_contains_the_robot_its_gestures_and_example_documents():
     setup = set_up("upper36")
     files = page_files(setup.robot, setup.lexicon, document="mine.bml")
     assert {"/", "/studio.js", "/studio.css", "/icon.svg", "/studio.json"} == set(files)
@@ -165,7 +165,9 @@ def test_studio_without_a_document_serves_the_current_or_a_given_folder(served, 
 
 
 @pytest.mark.parametrize("browser", [False, True])
-def test_address_of_the_studio_is_printed_and_opened_if_requested(served, tmp_path, monkeypatch, capsys, browser):
+def test_studio_prints_its_address_and_opens_the_browser_only_on_request(
+    served, tmp_path, monkeypatch, capsys, browser
+):
     shown: list[str] = []
     monkeypatch.setattr(studio_verb, "open_in_browser", shown.append)
     open_page(None, tmp_path, browser=browser)
@@ -175,7 +177,7 @@ def test_address_of_the_studio_is_printed_and_opened_if_requested(served, tmp_pa
     assert shown == ["http://127.0.0.1:88/"] * browser
 
 
-def test_studio_with_a_remote_server_shows_the_robot_of_this_server(served):
+def test_studio_with_a_remote_server_shows_the_robot_of_the_remote_server(served):
     assert open_page(None, connect="127.0.0.1:9") == 6
     (page,) = served
     own, robot, files, _ = page["arguments"]

@@ -99,7 +99,7 @@ def test_server_requires_its_token_and_no_process_shows_it(source: str, token_fi
 @needs_proc
 @pytest.mark.skipif(find_spec("mcp") is None, reason="the extra mcp is not installed")
 @pytest.mark.parametrize("source", ["argument", pytest.param("environment", marks=pytest.mark.soak)])
-def test_mcp_server_never_shows_the_token_and_ends_its_robot_server_with_itself(source: str):
+def test_mcp_server_hides_the_token_and_ends_its_robot_server_with_itself(source: str):
     options, environment = TOKEN_SOURCES[source]
     with running("mcp", "--http", "127.0.0.1:0", *options, until=r"tools at", **environment) as (process, _, output):
         lines = command_lines(process.pid)

@@ -81,7 +81,7 @@ def test_token_option_and_token_file_together_are_refused(hidden: list[bool], to
     assert hidden == [True]
 
 
-def test_token_file_readable_by_others_is_refused(hidden: list[bool], token_file: Path) -> None:
+def test_token_file_that_is_missing_or_readable_by_others_is_refused(hidden: list[bool], token_file: Path) -> None:
     token_file.chmod(0o640)
     with pytest.raises(ConfigError, match=r"--token-file .*other users can read it"):
         run("--token-file", str(token_file))

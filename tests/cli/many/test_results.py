@@ -37,7 +37,7 @@ def test_invalid_query_is_reported_in_one_line(kinesic, folder):
     assert ended.err.count("\n") == 1
 
 
-def test_results_verb_writes_a_plot(kinesic, folder):
+def test_results_plot_is_written_and_replaces_no_file_of_another_name(kinesic, folder):
     plotted = kinesic("results", "plot", folder)
     assert (plotted.code, plotted.out) == (0, f"png: {folder / 'results.png'}\n")
     assert (folder / "results.png").read_bytes().startswith(b"\x89PNG")
@@ -95,7 +95,9 @@ def test_results_query_prints_a_table_with_four_digits_and_empty_cells(store, ca
 
 
 @pytest.mark.parametrize(("out", "force"), [(None, False), ("mine.png", False), ("mine.png", True)])
-def test_results_plot_replaces_its_default_file_and_other_files_with_force(store, capsys, tmp_path, out, force):
+def test_results_plot_replaces_its_default_file_without_force_and_other_files_with_force(
+    store, capsys, tmp_path, out, force
+):
     path = tmp_path / (out or "results.png")
     if out is None or force:
         path.write_bytes(b"old")

@@ -53,7 +53,7 @@ def test_search_prints_and_writes_pareto_optimal_designs(kinesic, tmp_path):
 
 
 @pytest.mark.realtime
-def test_robot_name_with_a_path_stays_inside_the_output_folder(kinesic, tmp_path):
+def test_search_of_a_robot_named_with_a_path_writes_only_into_the_output_folder(kinesic, tmp_path):
     (tmp_path / "mine_1.toml").write_text("dear")
     (tmp_path / "nod.bml").write_text(NOD)
     (tmp_path / "robot.toml").write_text('[robot]\nname = "../mine"\nextends = "upper22"\n')
@@ -150,7 +150,7 @@ def test_search_json_lists_changes_and_metrics_of_each_design():
     assert "mass" not in third
 
 
-def test_output_folder_continues_an_interrupted_search_but_keeps_a_finished_one(tmp_path):
+def test_folder_of_an_interrupted_search_is_reused_and_of_a_finished_one_needs_force(tmp_path):
     folder = tmp_path / "found"
     assert _prepare_folder(Output(None, False, False)) is None
     assert _prepare_folder(Output(folder, False, False)) == folder
@@ -254,7 +254,7 @@ def test_user_robot_file_is_copied_next_to_its_variants(searches):
     assert sorted(path.name for path in Path("found").glob("*.toml")) == ["mine.toml", "mine_1.toml", "mine_2.toml"]
 
 
-def test_search_replaces_the_files_of_an_earlier_search(tmp_path):
+def test_search_replaces_the_designs_file_of_an_earlier_search(tmp_path):
     path = locate_config("robot", "upper22")
     for text in ("old", ""):
         (tmp_path / DESIGNS_FILE).write_text(text)

@@ -81,7 +81,7 @@ def test_summary_of_no_documents_is_one_line():
         (NARROWEST - 13, "in", "one.…"),
     ],
 )
-def test_columns_for_place_and_file_divide_the_remaining_terminal_width(width, heading, row):
+def test_location_and_file_columns_share_the_remaining_terminal_width(width, heading, row):
     *_, header, _, late = summary([FAILED], width)
     assert header.split("unit   ")[1] == heading
     assert late.split("0.01  s      ")[1] == row
@@ -106,7 +106,7 @@ def test_only_the_total_row_of_all_folders_is_bold():
     assert ["\x1b[1m" in line for line in (header, first, second, total)] == [True, False, False, True]
 
 
-def test_folders_are_grouped_by_the_deepest_names_that_fit_the_table(tmp_path, monkeypatch):
+def test_folder_rows_show_the_deepest_path_levels_within_the_row_limit(tmp_path, monkeypatch):
     folders = [tmp_path / "a", tmp_path / "b" / "c", tmp_path / "b" / "d"]
     assert _group_folders(folders) == ["a", str(Path("b", "c")), str(Path("b", "d"))]
     monkeypatch.setattr("kinesic.cli.many.table.MAX_FOLDER_ROWS", 2)

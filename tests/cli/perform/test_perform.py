@@ -89,13 +89,13 @@ def test_repeated_perform_gives_an_equal_report_except_for_timings(json_run, tex
     assert first == second
 
 
-def test_pessimistic_twin_tracks_worse(kinesic_in, folder, piped_run):
+def test_pessimistic_twin_has_a_larger_tracking_error_than_the_nominal_twin(kinesic_in, folder, piped_run):
     options = ("--out", "pessimistic", "--no-film", "--json", "--twin", "pessimistic")
     runs = [json.loads(ended.out) for ended in (piped_run, kinesic_in(folder, "perform", "nod.bml", *options))]
     assert runs[0]["tracking"]["rmse_deg"] < runs[1]["tracking"]["rmse_deg"]
 
 
-def test_markup_and_control_characters_in_documents_are_escaped(kinesic, tmp_path):
+def test_printed_names_keep_their_brackets_and_escape_control_characters(kinesic, tmp_path):
     (tmp_path / "[red]m.bml").write_bytes(NOD.replace(b'id="h"', b'id="[/x]&#x9b;31m" amount="5"'))
     ended = kinesic("perform", "[red]m.bml", "--no-film", "--out", "o")
     assert ended.code == 0, ended.err

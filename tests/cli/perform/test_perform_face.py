@@ -79,7 +79,7 @@ def test_perform_on_the_face_without_a_display_only_warns(kinesic, smile, monkey
     assert "face: none (not requested)" in ended.out
 
 
-def test_unknown_sink_is_reported(kinesic, smile):
+def test_unknown_value_of_option_on_is_reported_with_the_valid_values(kinesic, smile):
     ended = kinesic("perform", smile, "--on", "nose", "--out", "there", "--no-film")
     assert ended.code == 2
     assert "'nose' is not one of twin, servos, face" in ended.err

@@ -98,7 +98,7 @@ def test_perform_exits_with_3_if_the_servos_fail(kinesic, drive: Drive):
     assert kinesic(*ON_SERVOS).code == 3
 
 
-def test_servo_parameters_are_learned_from_the_run(kinesic, drive: Drive):
+def test_servo_parameters_are_learned_from_the_log_of_the_servos(kinesic, drive: Drive):
     ended = kinesic(*ON_SERVOS, "--json")
     assert json.loads(ended.out)["learned"]
     assert drive.learned_from == [("log of the servos", drive)]

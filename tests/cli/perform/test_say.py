@@ -27,7 +27,7 @@ def test_plain_text_file_is_performed_with_a_reason_for_each_behaviour(kinesic, 
     assert "dropped" not in {row["outcome"] for row in rows}
 
 
-def test_report_of_say_contains_no_file_path(kinesic, tmp_path):
+def test_report_of_say_names_its_input_said_instead_of_a_file(kinesic, tmp_path):
     ended = kinesic("say", TEXT, "--no-film", "--voice", "durations", "--out", tmp_path / "out")
     assert ended.code == 0, ended.err
     assert json.loads((tmp_path / "out" / "report.json").read_text())["input"] == "said"
@@ -42,7 +42,7 @@ def write_noise(path):
     return path
 
 
-def test_recording_is_written_with_its_text_and_times(kinesic, tmp_path):
+def test_bml_of_a_recording_refers_to_the_audio_file_and_its_word_times(kinesic, tmp_path):
     (tmp_path / "talk.srt").write_text("1\n00:00:00,500 --> 00:00:01,500\nThree big boxes.\n")
     audio = write_noise(tmp_path / "talk.wav")
     ended = kinesic("say", "--audio", audio, "--words", tmp_path / "talk.srt", "--to", "bml", "--voice", "durations")
@@ -66,7 +66,7 @@ def test_say_reports_that_a_recording_has_no_text(kinesic, tmp_path):
         (("--audio", "missing.wav"), "missing.wav: No such file"),
     ],
 )
-def test_invalid_use_of_recordings_is_refused_in_one_line(kinesic, arguments, message):
+def test_invalid_use_of_recordings_is_refused_without_a_traceback(kinesic, arguments, message):
     ended = kinesic("say", *arguments, "--to", "bml")
     assert ended.code == 2
     assert message in ended.err

@@ -55,7 +55,7 @@ def test_options_for_a_single_robot_are_accepted_with_one_robot(kinesic_in, fold
     assert "one robot" not in ended.err
 
 
-def test_combined_film_aligns_the_start_of_the_block(tmp_path):
+def test_combined_film_of_two_robots_aligns_their_block_starts(tmp_path):
     """Each film turns from black to its colour at block zero, and so must both parts of the combined film."""
     for name, zero, width, colour in (("a", 0.5, 16, (250, 0, 0)), ("b", 0.25, 30, (0, 0, 250))):
         (tmp_path / name).mkdir()
@@ -86,11 +86,11 @@ def test_combined_film_aligns_the_start_of_the_block(tmp_path):
         ((900, 900), 3, (300, 225)),
     ],
 )
-def test_robots_side_by_side_fit_into_the_requested_size(film, count, part):
+def test_films_side_by_side_fit_into_the_requested_film_size(film, count, part):
     assert part_size(film, count) == part
 
 
-def test_combined_film_is_never_written_through_a_link(kinesic_in, tmp_path):
+def test_combined_film_is_not_written_through_a_symlink(kinesic_in, tmp_path):
     (tmp_path / "nod.bml").write_bytes(NOD)
     (tmp_path / "mine.webp").write_bytes(b"mine")
     (tmp_path / "both").mkdir()

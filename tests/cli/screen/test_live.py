@@ -40,7 +40,7 @@ def terminal(monkeypatch: pytest.MonkeyPatch) -> Terminal:
     return Terminal()
 
 
-def test_output_appears_above_the_lines_and_the_lines_disappear(terminal: Terminal, monkeypatch):
+def test_printed_output_appears_above_the_live_lines_which_disappear_at_the_end(terminal: Terminal, monkeypatch):
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setattr(sys, "stdout", terminal)
     lines = LiveLines(Console(terminal, 40, is_terminal=True), lambda: ("first", "second"), rate=SLOW)
@@ -54,14 +54,14 @@ def test_output_appears_above_the_lines_and_the_lines_disappear(terminal: Termin
     assert sys.stderr is terminal
 
 
-def test_lines_that_are_too_long_are_wrapped_and_cut_to_the_window(terminal: Terminal):
+def test_long_live_lines_are_wrapped_and_cut_to_the_terminal_size(terminal: Terminal):
     lines = LiveLines(Console(terminal, 5, height=3, is_terminal=True), lambda: ("one two three",), rate=SLOW)
     with lines.shown():
         lines.redraw()
         assert screen_of(terminal.getvalue()) == ["one", "two", ""]
 
 
-def test_output_to_a_pipe_does_not_move_to_the_terminal(terminal: Terminal, monkeypatch: pytest.MonkeyPatch):
+def test_output_to_a_pipe_is_not_redirected_to_the_terminal(terminal: Terminal, monkeypatch: pytest.MonkeyPatch):
     pipe = io.StringIO()
     monkeypatch.setattr(sys, "stdout", pipe)
     with LiveLines(Console(terminal, 40, is_terminal=True), lambda: ("line",), rate=SLOW).shown():
@@ -70,14 +70,14 @@ def test_output_to_a_pipe_does_not_move_to_the_terminal(terminal: Terminal, monk
     assert "result" not in terminal.getvalue()
 
 
-def test_nothing_is_drawn_without_a_terminal():
+def test_live_lines_are_not_drawn_without_a_terminal():
     pipe = io.StringIO()
     with LiveLines(Console(pipe, 40), lambda: ("line",), rate=SLOW).shown():
         pass
     assert pipe.getvalue() == ""
 
 
-def test_only_terminals_get_colours_and_no_color_switches_them_off(terminal: Terminal, monkeypatch):
+def test_only_terminals_get_colours_and_the_variable_no_color_disables_them(terminal: Terminal, monkeypatch):
     monkeypatch.setenv("NO_COLOR", "1")
     assert not Console.on(terminal, file_width=160).has_colour
     monkeypatch.delenv("NO_COLOR")

@@ -40,7 +40,7 @@ def test_window_narrower_than_all_columns_leaves_one_character_to_each():
     assert drawn(table, 1) == [" a  c", " b  d"]
 
 
-def test_headings_of_one_line_stand_beside_the_last_line_of_the_others():
+def test_one_line_heading_is_aligned_with_the_last_line_of_a_two_line_heading():
     table = Table("design")
     table.add_column("mass\nkg", justify="right")
     table.add_row("light\narm", "1.5")
@@ -53,7 +53,7 @@ def test_compact_table_has_single_spaces_and_no_margin():
     assert drawn(table, 80) == ["a   b", "one two"]
 
 
-def test_row_style_colours_only_cells_without_their_own_and_headings_are_bold():
+def test_row_style_colours_its_cells_and_headings_are_bold():
     table = Table("a")
     table.add_row("x", style="red")
     heading, row = table.lines(80)
@@ -61,7 +61,7 @@ def test_row_style_colours_only_cells_without_their_own_and_headings_are_bold():
     assert row.render() == " \x1b[31mx\x1b[0m"
 
 
-def test_wide_characters_do_not_move_the_next_column():
+def test_wide_characters_keep_the_next_column_aligned():
     table = Table("a", "b")
     table.add_row("手話", "x")
     table.add_row("abcd", "y")

@@ -165,7 +165,7 @@ def test_enter_ends_an_interactive_calibration(kinesic, table, mine, times, monk
 
 
 @pytest.mark.parametrize("height", [24, 12, 60])
-def test_progress_fits_the_terminal_with_prompt_and_whole_names(height: int):
+def test_calibration_progress_fits_the_terminal_with_prompt_and_untruncated_names(height: int):
     robot = Robot.load()
     manifest = Manifest.of(robot)
     hinges = measure_hinges(Travel.begin(np.full(len(manifest.members), 2048)), manifest, robot)
@@ -194,7 +194,7 @@ def test_calibrate_without_a_terminal_needs_both_yes_and_seconds(kinesic, table,
     assert ended.err == "kinesic: standard input is no terminal; give --yes and --seconds N\n"
 
 
-def test_calibrate_stops_if_a_servo_gets_torque_or_becomes_silent(kinesic, table, mine, monkeypatch, tmp_path):
+def test_calibrate_fails_without_writing_a_file_if_a_servo_stops_answering(kinesic, table, mine, monkeypatch, tmp_path):
     prepared = calibrate.prepare_servos
     options = ("--robot", mine, "--port", table.port, "--yes", "--seconds", "1")
 
@@ -210,7 +210,9 @@ def test_calibrate_stops_if_a_servo_gets_torque_or_becomes_silent(kinesic, table
     assert not mine.with_name("mine.calibration.toml").exists()
 
 
-def test_calibration_of_a_packaged_robot_is_written_into_a_new_folder(kinesic, table, tmp_path, monkeypatch):
+def test_calibration_of_a_packaged_robot_is_written_to_the_user_configuration_folder(
+    kinesic, table, tmp_path, monkeypatch
+):
     monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "new" / "config"))
     for _ in range(2):
         ended = kinesic("servos", "calibrate", "--port", table.port, "--yes", "--seconds", "0.2")

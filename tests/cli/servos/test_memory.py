@@ -119,7 +119,7 @@ def test_learned_factors_are_written_to_the_report_folder_by_default(tmp_path: P
     assert NO_SERVO_MEMORY.keep(IDENTIFICATION) is None
 
 
-def test_no_learned_file_is_written_without_learned_factors(learned: Path) -> None:
+def test_learned_file_is_unchanged_if_the_identification_failed(learned: Path) -> None:
     before = learned.read_text()
     memory = ServoMemory.of(ServoOptions(None, str(learned)))
     assert memory.keep(FakeIdentification(why="too few commands", estimate=WEAKER_FACTORS)) is None

@@ -78,7 +78,7 @@ def test_faulty_servos_are_refused_with_one_line(
         assert message in refused(kinesic, nod, table)
 
 
-def test_servo_limits_narrower_than_the_hinge_are_refused(kinesic: Callable, nod: Path, served: Table):
+def test_servo_limits_narrower_than_the_joint_range_are_refused(kinesic: Callable, nod: Path, served: Table):
     served.set(15, Register.MAX_POSITION_LIMIT, 2100)
     assert "its hinge needs" in refused(kinesic, nod, served)
 

@@ -93,7 +93,7 @@ def test_release_lists_joints_that_will_fall(kinesic, table):
     assert line == f"will fall: l_elbow_flexion at {angle:.0f} deg (rest: {rest:.0f})"
 
 
-def test_release_asks_for_confirmation(kinesic, table):
+def test_release_keeps_torque_on_if_the_user_declines(kinesic, table):
     table.energise()
     ended = kinesic("servos", "release", "--port", table.port, stdin=b"n\n")
     assert ended.code == 130

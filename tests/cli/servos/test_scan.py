@@ -45,7 +45,7 @@ def test_scan_lists_servos_with_joint_and_note(tried, capsys):
     assert tried == [(57_600, 0), (1_000_000, 0), (4_000_000, 0)]
 
 
-def test_scan_prints_json_and_tries_all_rates_and_ids(tried, capsys):
+def test_scan_prints_json_and_tries_all_baud_rates_and_ids(tried, capsys):
     assert scan.scan_ports("upper22", ("/dev/mine",), (), True, True) == 0
     row = {"port": str(Path("/dev/mine")), "baud": 1_000_000, "id": 15, "model": "xm430_w350"}
     assert json.loads(capsys.readouterr().out)[0] == row | {"firmware": 52, "shared": False}
@@ -54,7 +54,7 @@ def test_scan_prints_json_and_tries_all_rates_and_ids(tried, capsys):
     assert {ids for _, ids in tried} == {253}
 
 
-def test_scan_refuses_missing_ports_and_unknown_rates(tried):
+def test_scan_refuses_missing_ports_and_unsupported_baud_rates(tried):
     with pytest.raises(scan.ConfigError, match="no USB serial port here"):
         scan.scan_ports("upper22", (), (), False, False)
     with pytest.raises(scan.ConfigError, match="--baud is 1234, must be one of"):
@@ -63,7 +63,7 @@ def test_scan_refuses_missing_ports_and_unknown_rates(tried):
         scan.scan_ports("upper22", ("/dev/mine",), (4_000_000,), False, False)
 
 
-def test_scan_counts_every_port_at_every_rate(monkeypatch, tried):
+def test_scan_progress_counts_each_port_at_each_baud_rate(monkeypatch, tried):
     shown: list[object] = []
 
     @contextmanager
@@ -77,7 +77,7 @@ def test_scan_counts_every_port_at_every_rate(monkeypatch, tried):
     assert shown == [("scanning", 6), *["step"] * 6, "closed"]
 
 
-def test_scan_opens_each_port_at_each_rate(monkeypatch, capsys):
+def test_scan_opens_each_port_at_each_baud_rate(monkeypatch, capsys):
     opened: list[tuple[Path, int]] = []
 
     def scan_bus(open_wire, *, bauds, ids):

@@ -78,7 +78,7 @@ def test_dynamixel_sdk_finds_all_simulated_servos_except_a_silent_one(sdk: tuple
     assert protocol.ping(port, 1)[1] != COMM_SUCCESS
 
 
-def test_simulated_servos_support_all_group_commands_of_the_dynamixel_sdk(sdk: tuple[PortHandler, PacketHandler]):
+def test_simulated_servos_support_sync_and_bulk_commands_of_the_dynamixel_sdk(sdk: tuple[PortHandler, PacketHandler]):
     port, protocol = sdk
     neck = [5, 6, 7]
     read, write, bulk = (

@@ -64,7 +64,7 @@ def test_terminated_performance_folds_the_arms(arms, perform, ending: str):
 
 @pytest.mark.soak
 @pytest.mark.parametrize("ending", ["Ctrl-C", "SIGTERM", "SIGTERM to the process alone", "SIGKILL"])
-def test_terminated_server_folds_the_arms_first(robot, arms, run, ending: str):
+def test_terminated_server_folds_the_arms_before_it_exits(robot, arms, run, ending: str):
     command, client = serve(robot, arms, run)
     with client:
         client.send(RAISE_BML.format(RAISED_DURATION, RAISED_DURATION + 1.0))
@@ -78,7 +78,7 @@ def test_terminated_server_folds_the_arms_first(robot, arms, run, ending: str):
 
 
 @pytest.mark.soak
-def test_suspended_server_needs_confirmation_and_folds_arms_when_the_terminal_closes(robot, arms, run):
+def test_suspended_server_resumes_on_request_and_folds_arms_when_the_terminal_closes(robot, arms, run):
     command, client = serve(robot, arms, run, "--learn", "none")
     with client:
         client.send(RAISE_BML.format(RAISED_DURATION, RAISED_DURATION + 1.0))
