@@ -57,7 +57,7 @@ def test_data_frame_of_checks_equals_the_checks_of_the_performance(run: Performa
     assert frame.loc["limits.speed", "value"] == next(c.value for c in run.checks if c.name == "limits.speed")
 
 
-def test_error_for_an_unknown_data_frame_lists_valid_names(run: Performance):
+def test_error_for_an_unknown_data_frame_suggests_a_similar_name(run: Performance):
     with pytest.raises(ConfigError, match="no table 'sync'; did you mean syncs"):
         run.to_dataframe("sync")
 

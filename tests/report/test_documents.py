@@ -77,7 +77,7 @@ def test_document_without_performable_behaviours_is_refused_with_every_reason(fo
     assert data["input"] == str(folder / "unknown.bml")
 
 
-def test_unreadable_document_is_refused_like_by_perform(tmp_path: Path, known):
+def test_unreadable_document_is_refused_with_exit_code_2(tmp_path: Path, known):
     result, data = judge_document(tmp_path / "none.bml", known)
     assert result == DocumentVerdict(
         str(tmp_path / "none.bml"), "refused", 2, error=f"{tmp_path / 'none.bml'}: No such file or directory"
@@ -244,5 +244,5 @@ def test_batch_without_documents_has_no_totals():
         (-250.4, "-250"),
     ],
 )
-def test_numbers_in_batch_reports_have_three_significant_digits(value, said: str):
+def test_batch_numbers_are_rounded_to_three_significant_digits_or_to_an_integer(value, said: str):
     assert format_number(value) == said

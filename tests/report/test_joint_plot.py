@@ -24,7 +24,7 @@ def canvas() -> Iterator[None]:
     pytest.importorskip("matplotlib.pyplot").close("all")
 
 
-def test_named_hinges_have_a_panel_with_three_curves(run: Performance):
+def test_named_joint_has_a_panel_with_requested_planned_and_measured_curves(run: Performance):
     _, panel = run.plot(["r_elbow_flexion"])
     elbow = run.plan.setup.robot.skeleton.names.index("r_elbow_flexion")
     curves = {line.get_label(): line.get_ydata() for line in panel.lines}
@@ -33,7 +33,7 @@ def test_named_hinges_have_a_panel_with_three_curves(run: Performance):
     assert not np.allclose(curves["requested"], curves["planned"], atol=0.1)
 
 
-def test_default_hinges_are_those_that_move_most(run: Performance):
+def test_joint_plot_shows_the_four_joints_that_move_most_by_default(run: Performance):
     names = run.plan.setup.robot.skeleton.names
     travels = dict(zip(names, np.ptp(run.measured.angles, axis=0), strict=True))
     shown = [panel.get_title(loc="left") for panel in run.plot()[1:]]
@@ -47,7 +47,7 @@ def test_timeline_names_behaviours_and_words(run: Performance):
     assert any("Hello" in text.get_text() for text in timeline.texts)
 
 
-def test_unknown_hinge_is_named_with_a_suggestion(run: Performance):
+def test_error_for_an_unknown_joint_suggests_a_similar_name(run: Performance):
     with pytest.raises(ConfigError, match="no hinge r_elbow_flex; did you mean r_elbow_flexion"):
         run.plot(["r_elbow_flex"])
 

@@ -142,7 +142,7 @@ def test_films_are_added_to_the_report_and_its_page(smiling, drawing, tmp_path: 
     assert whole.face_on_head
 
 
-def test_face_on_the_head_is_drawn_and_filmed_apart_by_default(smiling, drawing, tmp_path: Path):
+def test_head_has_a_painted_face_and_the_face_film_is_separate_by_default(smiling, drawing, tmp_path: Path):
     said = report(smiling, source="smile.bml")
     whole = add_films(write_report(smiling, said, tmp_path / "smile"), smiling, said, object())
     assert whole.face == tmp_path / "smile" / "face.webp"
@@ -162,7 +162,9 @@ def test_undrawable_films_are_missing_with_a_reason(smiling, drawing, tmp_path: 
     assert "no OpenGL here" in page(tmp_path / "smile")
 
 
-def test_face_is_filmed_only_on_request(calm, smiling, data, drawing, tmp_path: Path, monkeypatch):
+def test_face_without_a_screen_is_filmed_only_if_the_plan_needs_it(
+    calm, smiling, data, drawing, tmp_path: Path, monkeypatch
+):
     assert face_film(calm.plan).robot is None  # its face is on a screen, and so always filmed
     monkeypatch.setattr(output, "build_face_screen", lambda robot: None)
     monkeypatch.setattr(output, "needs_face", lambda plan: plan is not calm.plan)
@@ -206,7 +208,7 @@ def test_report_file_paths_in_another_folder_keep_their_file_names(smiling, draw
     assert (empty.film, empty.face) == (None, None)
 
 
-def test_folder_is_named_after_the_source_and_the_time():
+def test_report_folder_is_named_after_the_source_and_the_date():
     assert default_folder("a/hello.bml").parent == Path("out")
     assert default_folder("a/hello.bml").name.startswith("hello-20")
     assert default_folder("-").name.startswith("--20")

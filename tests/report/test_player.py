@@ -164,7 +164,7 @@ def picture(page: Page, ghost: str, time: float) -> object:
     return page.value(f"new Promise(done => {{ {choice}; {slider}; s.dispatchEvent(new Event('input')); {drawn} }})")
 
 
-def test_ghost_appears_if_the_twin_deviates_by_over_one_degree(plain: Page):
+def test_plan_overlay_appears_if_the_twin_deviates_by_3_but_not_by_0_8_degrees(plain: Page):
     for time, seen in ((0.3, False), (0.7, True)):
         without = picture(plain, "", time)
         assert (picture(plain, "plan over astray", time) != without) == seen
@@ -176,7 +176,7 @@ def edges(selector: str) -> str:
     return f"(() => {{ const r = document.querySelector('{selector}').getBoundingClientRect(); return [r.x, r.y]; }})()"
 
 
-def test_player_time_line_is_above_the_timeline_plot_and_first_on_telephones(page: Page):
+def test_time_slider_aligns_with_the_plot_playhead_and_the_player_is_first_on_telephones(page: Page):
     with page.undrawn():
         for width, style in ((360, "narrow"), (390, "narrow"), (560, "narrow"), (700, "broad"), (1180, "broad")):
             resize(page, width, 900)
@@ -218,7 +218,7 @@ def brightest_change(page: Page) -> float:
     return float(str(page.value(f"new Promise(done => {{ {seek} {drawn} }})")))
 
 
-def test_page_draws_the_face_of_the_robot_film(plain: Page):
+def test_page_script_paints_the_same_face_as_the_robot_film(plain: Page):
     faces = (
         {},
         {"26": 0.8, "18": 0.6},

@@ -93,7 +93,9 @@ def test_player_marks_show_moved_sync_points_and_strokes(hurried: DryRun, calm: 
     assert [text for _, _, text in replay_data(hurried)["words"] if text] == ["Hello there,", "welcome"]
 
 
-def test_long_motion_has_a_lower_frame_rate(hurried: DryRun, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_replay_beyond_its_limits_has_fewer_frames_and_only_stroke_marks(
+    hurried: DryRun, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(module, "MAX_MARKS", 3)
     data = replay_data(hurried, max_frames=20)
     assert data["frames"] == 20

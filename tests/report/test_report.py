@@ -97,7 +97,7 @@ def test_prediction_feedback_is_first_and_warnings_precede_motion(plans, name):
 
 
 @pytest.mark.parametrize("name", BLOCKS)
-def test_only_shifts_above_10_ms_are_warned(plans, name):
+def test_only_sync_point_shifts_above_10_ms_cause_a_warning(plans, name):
     planned = plans[name]
     moved = Counter(
         (f"b:{sync.behaviour}", sync.sync)
@@ -127,7 +127,7 @@ def test_prediction_feedback_has_planned_times(plans, name):
 
 
 @pytest.mark.parametrize("name", MOVED)
-def test_shift_warning_names_both_times_and_the_limit(plans, name):
+def test_shift_warning_names_both_times_and_the_limiting_joint(plans, name):
     planned = plans[name]
     texts = [m.text for m in messages_of(planned) if local(m) == "warningFeedback" and " planned at " in m.text]
     hinges = planned.setup.robot.skeleton.names

@@ -25,6 +25,6 @@ def test_capsules_and_a_face_screen_replace_the_skin_without_scipy(without_scipy
     assert len(drawn["segments"]) == len(HUMAN.skeleton.segments)
 
 
-def test_robot_without_skin_is_drawn_as_it_is(without_scipy):
+def test_robot_without_skin_is_unchanged_if_scipy_is_missing(without_scipy):
     robot = Robot.load("upper22")
     assert drawable(robot) is robot

@@ -10,7 +10,7 @@ from kinesic.report.transcript import MAX_LISTED_WORDS, transcribe
 from kinesic.session.plan import plan
 
 
-def test_every_stroke_is_listed_under_the_spoken_word(hurried: DryRun):
+def test_stroke_is_listed_under_the_word_spoken_at_its_time(hurried: DryRun):
     transcript = transcribe(hurried.plan)
     assert [said.word for said in transcript if said.word] == ["Hello", "there,", "welcome"]
     nod = next(sync.planned for sync in hurried.plan.syncs if (sync.behaviour, sync.sync) == ("nod", "stroke"))
@@ -29,7 +29,7 @@ def test_without_speech_behaviours_are_listed_by_time(known: Setup):
     assert [meant.label for meant in silence.behaviours] == ["beat", "NOD"]
 
 
-def test_silence_precedes_the_first_and_follows_the_last_word(known: Setup):
+def test_silence_before_the_first_word_is_a_transcript_entry(known: Setup):
     block = (
         '<bml id="b"><speech id="s" start="2"><text>Yes.</text></speech><head id="h" lexeme="NOD" stroke="1"/>'
         '<gesture id="g" lexeme="beat" stroke="s:end+2"/></bml>'
@@ -38,7 +38,7 @@ def test_silence_precedes_the_first_and_follows_the_last_word(known: Setup):
     assert rows == [("", ["NOD"]), ("Yes.", ["beat"])] or rows == [("", ["NOD"]), ("Yes.", []), ("", ["beat"])]
 
 
-def test_long_pause_within_a_speech_is_a_separate_piece(known: Setup):
+def test_long_pause_between_speeches_is_a_separate_transcript_entry(known: Setup):
     block = (
         '<bml id="b"><speech id="s" start="0"><text>Yes.</text></speech>'
         '<speech id="t" start="5"><text>No.</text></speech><head id="h" lexeme="NOD" stroke="3"/></bml>'

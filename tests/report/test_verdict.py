@@ -39,7 +39,7 @@ def test_verdict_names_three_of_many_dropped_behaviours(data: dict[str, Json]) -
     assert "1 of 10 dropped: x0" in verdict(data | {"checks": [], "behaviours": few})
 
 
-def test_verdict_names_every_style_but_the_neutral_one(data: dict[str, Json]) -> None:
+def test_verdict_names_the_style_unless_it_is_neutral(data: dict[str, Json]) -> None:
     assert re.search(r"on upper22, [\d.]+ s", verdict(data | {"style": {"name": "neutral"}}))
     assert re.search(r"on upper22, joyful, [\d.]+ s", verdict(data | {"style": {"name": "joyful"}}))
 

@@ -73,7 +73,7 @@ def test_value_at_its_limit_passes_and_one_beyond_warns_or_fails(name: str):
 
 
 @pytest.mark.parametrize(("name", "bound"), POOR.items())
-def test_value_far_beyond_its_goal_is_poor(name: str, bound: float):
+def test_value_beyond_its_poor_threshold_is_graded_poor(name: str, bound: float):
     worse = -1.0 if name in LOW else 1.0
     limit = bound - 0.1 * worse
     assert Check.of(name, bound, limit).status == "warn"
@@ -82,7 +82,7 @@ def test_value_far_beyond_its_goal_is_poor(name: str, bound: float):
     assert (result.value, result.unit, result.where) == (bound + 0.001 * worse, CHECK_LIMITS[name].unit, "somewhere")
 
 
-def test_load_above_the_continuous_torque_fails():
+def test_holding_torque_above_80_percent_of_stall_torque_fails():
     assert Check.of("limits.holding", 0.8, 0.5).status == "warn"
     result = Check.of("limits.holding", 0.81, 0.5, "l_elbow")
     assert (result.status, result.limit, result.where) == ("fail", 0.8, "l_elbow")
@@ -113,7 +113,7 @@ def test_check_of_performed_fraction_names_dropped_behaviours(calm: DryRun, hurr
     assert part.where.startswith("dropped: xyzzy")
 
 
-def test_tracking_metrics_equal_those_of_the_strokes(hurried: DryRun):
+def test_tracking_metrics_summarise_stroke_times_clearance_and_tracking_errors(hurried: DryRun):
     tracking = measure_tracking(hurried)
     errors = [abs(error) for error, _ in stroke_errors(hurried) if error is not None]
     assert errors
@@ -137,7 +137,7 @@ def test_planned_duty_is_the_maximum_per_joint(hurried: DryRun):
     )
 
 
-def test_supply_draw_is_compared_with_the_supply(hurried: DryRun):
+def test_current_draw_is_compared_with_the_current_limit_of_the_supply(hurried: DryRun):
     supply, power = hurried.plan.setup.robot.supply, hurried.measured.power
     load = draw_load(hurried)
     assert load.allowed == supply.amps

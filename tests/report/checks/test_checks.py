@@ -151,7 +151,7 @@ def test_distance_checks_name_pair_and_time(done, distance, near, through):
 
 
 @pytest.mark.parametrize(("ticks", "status"), [(5, "warn"), (25, "poor")])
-def test_tracking_delay_of_the_twin_is_measured_and_warned(done, ticks, status):
+def test_tracking_delay_of_the_twin_is_measured_and_graded_warn_or_poor(done, ticks, status):
     angles = np.concatenate([np.repeat(done.measured.angles[:1], ticks, axis=0), done.measured.angles[:-ticks]])
     speeds = np.concatenate([np.zeros((ticks, angles.shape[1])), done.measured.velocities[:-ticks]])
     hands = {
@@ -176,7 +176,7 @@ def test_passed_tracking_checks_have_the_limits_of_the_reference_page(done):
     assert [check.limit for check in verdicts] == [0.2, 2.5, 5.0, 0.030]
 
 
-def test_missing_strokes_are_counted_and_named(done):
+def test_strokes_without_hand_motion_are_counted_and_named(done):
     still = {side: np.repeat(path[:1], len(path), axis=0) for side, path in done.measured.hands.items()}
     check = found(with_measured(done, hands=still))["timing.arrival"]
     assert (check.status, check.value, check.where) == ("poor", 1.0, "stroke of offer (g)")
@@ -195,7 +195,7 @@ def test_saturation_and_overload_cause_a_warning(done):
     assert verdicts["servo.load"].where == names[9]
 
 
-def test_current_is_compared_with_an_existing_supply(done):
+def test_current_is_checked_only_if_the_robot_has_a_supply(done):
     count = len(done.measured.times)
     peak = np.full(count, 2.0)
     peak[30] = 6.0
@@ -215,7 +215,7 @@ def test_current_is_compared_with_an_existing_supply(done):
 
 
 @pytest.mark.parametrize(("reach", "status"), [(0.002, "warn"), (0.01, "poor")])
-def test_trembling_hands_of_the_twin_cause_a_warning(done, reach, status):
+def test_trembling_hands_of_the_twin_are_graded_warn_or_poor(done, reach, status):
     times = done.measured.times
     tremble = reach * np.sin(2 * np.pi * 5 * times)
     hands = {side: path + tremble[:, None] for side, path in done.measured.hands.items()}
@@ -270,7 +270,7 @@ def test_most_severe_check_is_the_grade_of_the_report():
 
 
 @pytest.mark.parametrize(("share", "status"), [(1.0, "pass"), (0.95, "warn"), (0.9, "warn"), (0.8, "poor")])
-def test_performed_fraction_below_its_limit_is_poor(share, status):
+def test_performed_fraction_below_one_warns_and_a_low_one_is_poor(share, status):
     assert Check.of("meaning.performed", share, 1.0).status == status
 
 

@@ -45,7 +45,7 @@ def test_drive_is_saturated_while_its_demanded_duty_exceeds_full_duty(
     assert load.saturated == pytest.approx(seconds)
 
 
-def test_supply_draw_sums_all_servos(hurried: DryRun) -> None:
+def test_supply_draw_has_the_peak_and_energy_of_the_measured_power(hurried: DryRun) -> None:
     power = hurried.measured.power
     load = draw_load(hurried)
     assert 0.0 < load.mean < load.peak == power.peak.max()

@@ -25,7 +25,7 @@ def with_clearances(performance: DryRun, clearances) -> DryRun:
     ("room", "status"),
     [(SLOWING_FRACTION + 0.01, "pass"), (SLOWING_FRACTION - 0.01, "warn"), (0.01, "warn"), (-0.01, "poor")],
 )
-def test_low_clearance_warns_and_zero_clearance_is_poor(calm, room, status):
+def test_low_predicted_clearance_warns_and_a_negative_one_is_poor(calm, room, status):
     clearances = np.full_like(calm.clearance_forecast, 1.0)
     clearances[7] = room * calm.plan.setup.robot.min_clearance
     check = found(with_clearances(calm, clearances))["collision.foreseen"]

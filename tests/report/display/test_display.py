@@ -123,7 +123,7 @@ def test_notebook_display_of_a_style_shows_each_parameter_of_each_modality():
     assert "\u22120.75" in html
 
 
-def test_notebook_display_of_a_changed_gesture_form_shows_the_changed_motion():
+def test_notebook_display_of_a_modified_gesture_shows_the_modified_motion():
     """A changed form is planned, not the gesture of that name in the lexicon."""
     match = Lexicon.load().find("beat")
     assert match is not None

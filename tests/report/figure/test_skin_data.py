@@ -69,7 +69,7 @@ def test_skin_vertices_packed_for_the_page_equal_those_of_the_human_figure():
     assert np.array_equal(triangles, np.concatenate([FIGURE.mesh.triangles, len(packed) + FIGURE.locks.triangles]))
 
 
-def test_only_a_robot_with_skin_enlarges_the_page_and_only_slightly():
+def test_page_contains_skin_data_only_for_a_robot_with_skin_and_below_a_size_limit():
     assert len(json.dumps(skin_data(HUMAN))) + len(read_scripts(("skin.js",))) < MOST
     assert "skin" not in scene_data(Robot.load("upper36"))
     assert "skin" in scene_data(HUMAN)

@@ -59,7 +59,9 @@ def values(tables: dict, block: bytes, index: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("robot", ROBOTS.values(), ids=ROBOTS)
-def test_segment_positions_read_by_another_gltf_library_are_equal(trimesh: ModuleType, robot: Robot, tmp_path: Path):
+def test_segment_poses_read_by_another_gltf_library_equal_forward_kinematics(
+    trimesh: ModuleType, robot: Robot, tmp_path: Path
+):
     angles = wild(robot, 1)
     scene = trimesh.load(written(robot, angles, tmp_path / "robot.glb"))
     stand = robot.skeleton.frames(angles[0])
@@ -179,7 +181,7 @@ def test_exported_quaternions_have_no_sign_jumps():
     assert (np.einsum("mi,mi->m", result[1:], result[:-1]) > 0.9).all()
 
 
-def test_scene_of_a_plan_is_written_atomically(tmp_path: Path):
+def test_scene_file_of_a_plan_lasts_as_long_as_the_plan(tmp_path: Path):
     bml = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="1"/></bml>'
     planned = plan(bml, set_up())
     tables, block = read(save_scene(planned, tmp_path / "nod.glb", force=False))

@@ -103,7 +103,7 @@ def vertices_of(scene: GltfScene, primitive: dict, *parts: str) -> np.ndarray:
     return candidates[result]
 
 
-def test_linear_colours_become_screen_colours() -> None:
+def test_linear_colours_are_converted_to_srgb() -> None:
     linear = np.array([-1.0, 0.0, 0.001, 0.0031307, 0.0031309, 0.01, 0.5, 1.0, 2.0])
     expected = [0.0, 0.0, 0.01292, 0.04045, 0.04045, 0.09985, 0.73536, 1.0, 1.0]
     np.testing.assert_allclose(screen_colours(linear), expected, atol=2e-5)
@@ -191,7 +191,7 @@ def test_locks_of_hair_follow_the_head(scene: GltfScene) -> None:
     assert colours[roots].mean() < 0.7 * colours[~roots].mean()
 
 
-def test_blend_shapes_turn_the_normals_of_the_skin(scene: GltfScene) -> None:
+def test_jaw_blend_shape_turns_normals_of_the_skin_but_not_of_the_eyes(scene: GltfScene) -> None:
     (primitive,) = scene.primitives("face", "skin")
     own, shape = vertices_of(scene, primitive, "skin"), MESH.shapes.index("jawOpen")
     moves = MESH.deltas[:, [shape]].toarray().reshape(-1, 3)
@@ -203,7 +203,7 @@ def test_blend_shapes_turn_the_normals_of_the_skin(scene: GltfScene) -> None:
     assert all(not scene.values(target["NORMAL"]).any() for target in eyes["targets"])
 
 
-def test_hair_begins_at_the_hairline(scene: GltfScene) -> None:
+def test_hair_colour_of_the_skin_begins_at_the_hairline(scene: GltfScene) -> None:
     (primitive,) = scene.primitives("face", "skin")
     own = vertices_of(scene, primitive, "skin")
     height = compute_vertex_chart(MESH)[own, 3]
@@ -230,7 +230,7 @@ def test_iris_is_in_the_middle_of_its_texture(scene: GltfScene) -> None:
     np.testing.assert_allclose((0.5 - across[:, 1]) * 2 * EYE_HALF_WIDTH, chart[:, 1], atol=1e-5)  # from the top
 
 
-def test_texture_coordinates_of_skin_stay_inside_the_painting(scene: GltfScene) -> None:
+def test_texture_coordinates_of_the_skin_are_inside_its_texture(scene: GltfScene) -> None:
     for mesh in ("face", "hands and clothes"):
         (primitive,) = scene.primitives(mesh, "skin")
         across = scene.attribute(primitive, "TEXCOORD_0")

@@ -63,7 +63,7 @@ def test_plot_axes_may_be_inverted(drawn: tuple[Figure, PlotAxes]):
     )
 
 
-def test_missing_limit_leaves_headroom_above_the_data(drawn: tuple[Figure, PlotAxes]):
+def test_missing_upper_axis_limit_leaves_headroom_above_the_data(drawn: tuple[Figure, PlotAxes]):
     _, axes = drawn
     axes.line(np.array([0.0, 1.0]), np.array([2.0, 8.0]), ThemeColour.PLANNED)
     axes.limit_y(0.0)
@@ -78,14 +78,14 @@ def test_markup_in_plot_texts_is_escaped(drawn: tuple[Figure, PlotAxes]):
     assert (float(text.attrib["x"]), float(text.attrib["y"])) == (3 * UNITS_PER_INCH, UNITS_PER_INCH)
 
 
-def test_tick_labels_are_drawn_below_the_axes_on_request(drawn: tuple[Figure, PlotAxes]):
+def test_tick_labels_are_drawn_only_if_enabled(drawn: tuple[Figure, PlotAxes]):
     figure, axes = drawn
     assert {element.text for element in elements(figure, "text")} >= {"0", "10", "\u22121"}
     axes.labelled, axes.ticks = False, 0
     assert elements(figure, "text") == []
 
 
-def test_playhead_spans_the_time_axes():
+def test_playhead_spans_the_width_of_the_time_axes():
     figure = Figure(1.0)
     figure.axes(1.1, 0.3, 4.4, 0.5, timed=True)
     assert 'data-from="0.10000" data-to="0.50000"' in figure.svg()

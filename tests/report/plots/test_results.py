@@ -26,7 +26,7 @@ def height(path) -> int:
 
 
 @pytest.mark.soak
-def test_plot_of_results_has_one_panel_per_kind_of_result(tmp_path):
+def test_plot_of_results_grows_with_the_number_of_result_kinds(tmp_path):
     heights = []
     for name, data in RUNS.items():
         (tmp_path / name).write_text(json.dumps(data))
@@ -42,7 +42,7 @@ def test_error_names_a_result_table_that_cannot_be_plotted(tmp_path):
         draw_results(store, tmp_path / "results.png")
 
 
-def test_plot_draws_violated_minimum_checks_right_of_ratio_one(tmp_path):
+def test_violated_minimum_checks_have_ratios_above_one_in_the_result_plot(tmp_path):
     entries = [
         {"name": "collision.twin", "status": "fail", "value": 0.005, "limit": 0.01, "unit": "m", "where": ""},
         {"name": "meaning.performed", "status": "pass", "value": 1.0, "limit": 0.5, "unit": "ratio", "where": ""},
