@@ -12,7 +12,7 @@ from kinesic.bml.block import (
 )
 
 
-def test_openness_is_0_to_1_and_other_parameters_minus_1_to_1():
+def test_openness_ranges_from_0_to_1_and_other_parameters_from_minus_1_to_1():
     assert EXPRESSIVITY_RANGES["openness"] == (0.0, 1.0)
     ranges = {name: ends for name, ends in EXPRESSIVITY_RANGES.items() if name != "openness"}
     assert ranges.keys() == {"spatial", "temporal", "fluidity", "power", "tension", "repetition", "activation"}
@@ -37,5 +37,5 @@ def test_timeline_spans_all_sync_points_and_zero():
     assert (early.start, early.end) == (-3.0, 0.0)
 
 
-def test_document_error_names_place_problem_and_remedy():
+def test_document_error_names_line_column_problem_and_remedy():
     assert str(document_error("a.bml", Place(3, 7), "no end", "give one")) == "a.bml:3:7: no end; give one"

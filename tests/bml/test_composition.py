@@ -128,16 +128,16 @@ BLOCK_STATES = {"a": BlockState.IN_EXEC, "p": BlockState.PENDING, "l": BlockStat
         ('composition="REPLACE"', {}),
     ],
 )
-def test_block_start_waits_for_the_blocks_named_by_its_composition(text: str, waits: dict[str, str]) -> None:
+def test_prerequisites_of_a_block_follow_from_its_composition_and_order(text: str, waits: dict[str, str]) -> None:
     assert find_prerequisites(parse_block(text), BLOCK_STATES) == waits
 
 
-def test_append_before_applies_only_to_blocks_not_yet_started() -> None:
+def test_prepend_before_delays_only_blocks_that_have_not_started() -> None:
     parsed = replace(parse_block(), order=BlockOrder(before=("a", "p"), chunk_before=("l", "gone")))
     assert find_waiting_blocks(parsed, BLOCK_STATES) == {"p": "end", "l": "relax"}
 
 
-def test_circular_waiting_is_detected() -> None:
+def test_circular_waiting_of_blocks_is_detected() -> None:
     waits = {"a": {"b": "end"}, "b": {"c": "relax"}, "c": {}}
     assert not is_waiting_for_itself(waits, "a")
     assert is_waiting_for_itself({**waits, "c": {"a": "end"}}, "a")

@@ -132,7 +132,7 @@ def test_alternative_spellings_of_sync_points_give_equal_times(spoken: Callable[
     assert count >= 10
 
 
-def test_first_behaviour_of_each_document_can_end_with_its_block(
+def test_first_behaviour_type_of_each_document_can_end_at_the_block_end(
     spoken: Callable[[Block], dict[str, Utterance]],
 ) -> None:
     for path, _, block in blocks():
@@ -144,7 +144,7 @@ def test_first_behaviour_of_each_document_can_end_with_its_block(
             assert (timeline.dropped, timeline.start) == ((), 0.0)
 
 
-def test_speech_with_an_infeasible_end_time_is_never_dropped(spoken: Callable[[Block], dict[str, Utterance]]) -> None:
+def test_speech_with_an_infeasible_end_time_is_not_dropped(spoken: Callable[[Block], dict[str, Utterance]]) -> None:
     count = 0
     for path, text, _ in blocks():
         changed = re.sub(rb"<speech (?![^>]*\bend=)(?=[^>]*\bstart=.0)", b'<speech end="0.05" ', text)
@@ -157,7 +157,7 @@ def test_speech_with_an_infeasible_end_time_is_never_dropped(spoken: Callable[[B
     assert count > 50
 
 
-def test_smartbody_gesture_is_performed_with_the_hand_in_its_name() -> None:
+def test_smartbody_gestures_are_read_with_the_hand_in_their_name() -> None:
     fragments = [json.loads(line)["bml"] for line in FRAGMENTS_FILE.read_text(encoding="utf-8").splitlines()]
     hips = {parse(text).behaviours[0].action for text in fragments if "LHandOnHip" in text}
     assert hips == {Posture(poses=(("LEFT_ARM", "LHandOnHip_Motex"),), shift=True)}

@@ -14,6 +14,6 @@ def test_many_infeasible_behaviours_are_dropped(timed: Timing) -> None:
     assert (len(timeline.dropped), [x.behaviour.id for x in timeline.timed]) == (200, ["other"])
 
 
-def test_long_chain_of_dependent_behaviours_is_dropped(timed: Timing) -> None:
+def test_long_chain_of_behaviours_after_an_infeasible_one_is_dropped(timed: Timing) -> None:
     chain = "".join(gesture(f"g{i}", f'start="g{i - 1}:start"') for i in range(600, 0, -1))
     assert len(timed(chain + gesture("g0", 'start="2" end="1"')).dropped) == 601

@@ -25,7 +25,7 @@ Timing = Callable[[str], Timeline]
         'start="before(bml:end-3)"',
     ],
 )
-def test_block_end_without_fixed_time_is_its_natural_end(timed: Timing, syncs: str) -> None:
+def test_gesture_tied_to_an_unfixed_block_end_has_its_natural_times(timed: Timing, syncs: str) -> None:
     timeline, natural = timed(gesture("g", syncs)), timed(gesture("g"))
     assert timeline.timed[0].times == pytest.approx(natural.timed[0].times, abs=1e-6)
     assert timeline.notices == ()

@@ -32,7 +32,7 @@ def test_progress_feedback_contains_block_and_global_time() -> None:
     assert root.attrib == {"id": "b:h:stroke:2", "time": "1.25", "globalTime": "7.5"}
 
 
-def test_warning_text_is_escaped() -> None:
+def test_warning_id_and_text_are_escaped_in_xml() -> None:
     notice = Notice(NoticeType.CUSTOM_BEHAVIOUR_NOT_SUPPORTED, 'b:"<&>', "a < b & c > 'd' \"e\"")
     root = ElementTree.fromstring(write_warning(notice))
     assert root.attrib == {"id": 'b:"<&>', "type": "CUSTOM_BEHAVIOUR_NOT_SUPPORTED"}
@@ -72,7 +72,7 @@ def test_progress_feedback_contains_measured_time_and_lag_as_kinesic_attributes(
     )
 
 
-def test_prediction_feedback_removes_prefixes_and_names_unknown_types_behavior() -> None:
+def test_prediction_feedback_removes_element_prefixes_and_uses_behavior_for_unknown_ids() -> None:
     behaviours = (Behaviour("g", "own:gesture", Head("NOD"), Place(1, 1)),)
     root = ElementTree.fromstring(write_prediction(Block("b", behaviours), 0.0, 1.0, {"g": {"start": 1e-7}, "x": {}}))
     _, ids, other = root

@@ -153,7 +153,7 @@ def test_composition_attribute_is_read(text: str, composition: Composition, noti
     assert (block.composition, len(block.notices), block.character) == (composition, notices, "c")
 
 
-def test_unknown_extension_attributes_give_one_notice() -> None:
+def test_repeated_unknown_extension_attribute_gives_one_notice() -> None:
     block = parse_block('<head id="h" lexeme="NOD" z:a="1"/><head id="i" lexeme="NOD" z:a="1" z:b="2" xml:lang="en"/>')
     assert [n.type for n in block.notices] == [NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED] * 2
     assert "z:a" in block.notices[0].text
@@ -218,7 +218,7 @@ def test_greta_document_is_read() -> None:
     assert sorted(n.id for n in notices) == ["block:g", "block:s1"]  # openness is clipped, tm2 is duplicate
 
 
-def test_draft_namespaces_are_recognised() -> None:
+def test_draft_namespace_and_rest_prefix_of_a_lexeme_are_recognised() -> None:
     draft = parse('<bml xmlns="http://www.mindmakers.org/projects/BML" character="C"><speech xmlns="" id="s"/></bml>')
     assert (draft.dialect, draft.character) == ("draft", "C")
     assert isinstance(draft.behaviours[0].action, Speech)
@@ -253,7 +253,7 @@ def test_draft_namespaces_are_recognised() -> None:
         ),
     ],
 )
-def test_invalid_documents_are_rejected_with_place(text: str, place: str, problem: str) -> None:
+def test_invalid_documents_are_rejected_with_line_and_column(text: str, place: str, problem: str) -> None:
     with pytest.raises(BmlError, match=f"^f.xml:{place}: .*{problem}.*; .+"):
         parse(text, source="f.xml")
 

@@ -93,7 +93,7 @@ def test_strokes_coincide_with_speech_marks(timed: Timing) -> None:
     assert at(timeline, "g:end") == at(timeline, "s:end") + 1.0
 
 
-def test_behaviours_without_fixed_times_start_at_zero(timed: Timing) -> None:
+def test_earliest_of_linked_behaviours_without_fixed_times_starts_at_zero(timed: Timing) -> None:
     timeline = timed(SPEECH_XML + gesture("g", 'start="s:start-2" end="s:start"') + gesture("h"))
     assert (at(timeline, "g:start"), at(timeline, "s:start"), at(timeline, "h:start")) == (0.0, 2.0, 0.0)
 
@@ -115,7 +115,7 @@ def test_circular_but_consistent_references_are_scheduled(timed: Timing) -> None
     assert (at(timeline, "a:start"), at(timeline, "a:end")) == (at(timeline, "b:start"), at(timeline, "b:end"))
 
 
-def test_after_and_before_constraints_hold(timed: Timing) -> None:
+def test_schedule_satisfies_after_and_before_constraints(timed: Timing) -> None:
     order = '<constraint><{0} ref="s:m"><sync ref="g:stroke+2"/></{0}></constraint>'
     after = timed(SPEECH_XML + gesture("g") + order.format("after"))
     assert (at(after, "s:start"), at(after, "g:start")) == (0.0, 0.0)
@@ -175,7 +175,7 @@ def test_each_dropped_behaviour_has_a_notice(timed: Timing) -> None:
     assert [n.id for n in timeline.notices] == ["b:a", "b:b", "b:c"]
 
 
-def test_references_to_dropped_behaviours_are_removed_and_speech_stays(timed: Timing) -> None:
+def test_references_to_dropped_behaviours_are_removed_but_their_owners_are_kept(timed: Timing) -> None:
     others = gesture("b", 'start="a:end" stroke="9"') + SPEECH_XML.replace('id="s"', 'id="s" start="a:end"')
     timeline = timed(gesture("a", 'start="1" end="0"') + others)
     assert list(drop_reasons(timeline)) == ["a"]
@@ -218,7 +218,7 @@ def test_infeasible_required_behaviour_or_constraint_rejects_the_block(timed: Ti
         timed(content)
 
 
-def test_required_behaviour_stays_and_optional_one_is_dropped(timed: Timing) -> None:
+def test_optional_behaviour_that_contradicts_a_required_one_is_dropped(timed: Timing) -> None:
     loop = "<required>" + gesture("a", 'start="1"') + "</required>" + gesture("b", 'start="a:end" end="a:start"')
     assert list(drop_reasons(timed(loop + gesture("c", 'start="a:end"')))) == ["b"]
 
@@ -229,7 +229,7 @@ def test_speech_with_an_unknown_end_reference_keeps_its_start_time(timed: Timing
     assert [n.text for n in timeline.notices] == ["'s' is spoken without its end: other:x:end is unknown"]
 
 
-def test_speech_is_dropped_before_required_behaviours(timed: Timing) -> None:
+def test_speech_that_contradicts_a_required_behaviour_is_dropped(timed: Timing) -> None:
     order = '<constraint><before ref="g:start"><sync ref="s:end"/></before></constraint>'
     required = "<required>" + gesture("g", 'start="1"') + "</required>"
     timeline = timed(SPEECH_XML.replace('id="s"', 'id="s" start="5"') + required + order)
@@ -256,7 +256,7 @@ def test_times_beyond_the_maximum_duration_are_rejected(timed: Timing) -> None:
         timed(gesture("a", 'end="1200"') + gesture("b", 'start="a:end"'))
 
 
-def test_very_short_behaviour_is_scheduled(timed: Timing) -> None:
+def test_behaviour_of_zero_or_ten_microseconds_is_scheduled(timed: Timing) -> None:
     timeline = timed('<head id="h" lexeme="NOD" start="0" end="0.00001"/><head id="i" lexeme="NOD" start="1" end="1"/>')
     assert (at(timeline, "h:end"), at(timeline, "i:end"), timeline.dropped) == (1e-5, 1.0, ())
 
@@ -277,7 +277,7 @@ def test_recorded_speech_marks_are_sorted_by_time() -> None:
     ]
 
 
-def test_references_to_other_blocks_use_their_times() -> None:
+def test_references_to_other_blocks_use_the_given_times_of_those_blocks() -> None:
     block = parse('<bml id="b"><gesture id="g" lexeme="B" start="o:x:end+1"/></bml>')
     assert at(schedule(block, {}, {}, external_times={("o", "x", "end"): -0.5}), "g:start") == 0.5
 
@@ -307,7 +307,9 @@ RELAX_CONSTRAINT = (
         ('stroke_end="2"', RELAX_CONSTRAINT, 3.0, 3.4),
     ],
 )
-def test_bml_draft_face_relaxes_at_its_stroke_end(stroke_end: str, other_syncs: str, relax: float, end: float) -> None:
+def test_bml_draft_face_relaxes_at_its_stroke_end_unless_relax_is_constrained(
+    stroke_end: str, other_syncs: str, relax: float, end: float
+) -> None:
     timeline = schedule(parse(DRAFT_FACE.format(stroke_end, other_syncs)), {}, {})
     assert not timeline.dropped
     assert (at(timeline, "f:relax"), at(timeline, "f:end")) == pytest.approx((relax, end))

@@ -44,7 +44,7 @@ def test_bml_element_names_in_capitals_are_read_with_a_notice() -> None:
 
 
 @pytest.mark.parametrize("uri", ["VIBNameSpace", "gretaNameSpace", "GretaNameSpace"])
-def test_all_namespaces_of_greta_are_recognised(uri: str) -> None:
+def test_greta_namespaces_are_recognised(uri: str) -> None:
     block = parse(f'<bml id="b" xmlns:g="{uri}"><g:head g:id="h" g:lexeme="NOD" g:start="1"/></bml>')
     assert (block.behaviours[0].action, block.behaviours[0].syncs["start"].offset) == (Head("NOD"), 1.0)
     assert block.notices == ()

@@ -41,7 +41,7 @@ def test_utf_16_and_latin_1_documents_are_read_as_xml() -> None:
 @pytest.mark.parametrize(
     "text", [f'<bml id="b">{HEAD_ELEMENT}</bml>', HEAD_ELEMENT, '[{"type": "head", "lexeme": "NOD"}]']
 )
-def test_large_documents_are_rejected_in_all_notations(text: str) -> None:
+def test_documents_above_the_size_limit_are_rejected_in_xml_and_json(text: str) -> None:
     with pytest.raises(BmlError, match=r"^f:1:1: the document has \d+ characters; the limit is 20"):
         read_document(text, source="f", bounds=DocumentBounds(size=20))
 
@@ -49,7 +49,7 @@ def test_large_documents_are_rejected_in_all_notations(text: str) -> None:
 @pytest.mark.parametrize(
     "text", [f'<bml id="b">{3 * HEAD_ELEMENT}</bml>', 5 * HEAD_ELEMENT, "[" + ",".join(99 * "1") + "]"]
 )
-def test_documents_with_too_many_elements_are_rejected_in_all_notations(text: str) -> None:
+def test_documents_with_too_many_elements_are_rejected_in_xml_and_json(text: str) -> None:
     with pytest.raises(BmlError, match=r"^f:1:\d+: more than \d+ (elements|values); split the document"):
         read_document(text, source="f", bounds=DocumentBounds(elements=3))
 

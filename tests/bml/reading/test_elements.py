@@ -106,12 +106,12 @@ def test_ssml_description_with_priority_replaces_the_text_of_a_speech() -> None:
 
 
 @pytest.mark.parametrize(("repetition", "count"), [("1", 1), ("100", 100)])
-def test_head_movement_has_up_to_one_hundred_strokes(repetition: str, count: int) -> None:
+def test_head_repetition_of_1_and_of_100_is_accepted(repetition: str, count: int) -> None:
     block = parse(f'<bml id="b"><head id="h" lexeme="NOD" repetition="{repetition}"/></bml>')
     assert block.behaviours[0].action.repetition == count
 
 
 @pytest.mark.parametrize("repetition", ["0", "101", "9999", "1.5"])
-def test_head_movement_with_more_than_one_hundred_strokes_is_refused(repetition: str) -> None:
+def test_head_repetition_other_than_an_integer_from_1_to_100_is_refused(repetition: str) -> None:
     with pytest.raises(BmlError, match=f"repetition='{repetition}' is not an integer from 1 to 100"):
         parse(f'<bml id="b"><head id="h" lexeme="NOD" repetition="{repetition}"/></bml>')

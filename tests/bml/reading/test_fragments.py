@@ -42,7 +42,7 @@ def test_smartbody_fragment_is_translated_into_a_behaviour_action(text: str, act
     assert block.dialect == "smartbody"
 
 
-def test_sequence_of_behaviours_is_one_block() -> None:
+def test_sequence_of_smartbody_elements_is_read_as_one_block() -> None:
     block = parse('<speech type="text/plain">Hi <sync id="m"/>there</speech> + <face au="1"/> <head type="NOD"/>')
     speech = block.behaviours[0].action
     assert isinstance(speech, Speech)
@@ -62,7 +62,7 @@ def test_time_hint_of_a_smartbody_gaze_is_the_time_until_its_target() -> None:
     assert look.syncs["ready"] == SyncRef("block", "b", "start", offset=0.5)
 
 
-def test_hold_durations_become_sync_points() -> None:
+def test_hold_durations_of_a_smartbody_gesture_become_sync_points() -> None:
     (behaviour,) = parse('<gesture id="g" type="BEAT" prestroke_hold="0.5" poststroke_hold="2"/>').behaviours
     assert behaviour.syncs == {
         "strokeStart": SyncRef("block", "g", "ready", offset=0.5),
@@ -89,7 +89,7 @@ def test_smartbody_fragment_errors_give_line_and_column_of_the_document() -> Non
 
 
 @pytest.mark.parametrize("text", ["<gestuary><gesture/></gestuary>", "<html/>", "<foo:gaze2/>"])
-def test_documents_without_bml_or_behaviours_are_not_fragments(text: str) -> None:
+def test_documents_without_bml_or_behaviour_elements_are_rejected(text: str) -> None:
     with pytest.raises(BmlError, match="contains no <bml>"):
         parse(text)
 
@@ -98,7 +98,7 @@ def test_commented_behaviour_does_not_make_a_document_a_smartbody_fragment() -> 
     assert parse('<!-- <head/> --><bml id="b"><gaze id="g" target="t"/></bml>').dialect == "none"
 
 
-def test_fragments_in_the_corpus_are_read_or_reported() -> None:
+def test_bml_elements_of_corpus_fragments_are_read_as_known_actions() -> None:
     if not FRAGMENTS_FILE.exists():
         pytest.skip(f"no corpus at {CORPUS_FOLDER}")
     rows = [json.loads(line) for line in FRAGMENTS_FILE.read_text(encoding="utf-8").splitlines()]

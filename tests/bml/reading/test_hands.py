@@ -29,7 +29,7 @@ from kinesic.bml.reading.hands import infer_hands
         ("", "unspecified"),
     ],
 )
-def test_last_hand_named_in_an_animation_is_used(name: str, hands: HandMode) -> None:
+def test_hand_is_inferred_from_the_last_hand_named_in_a_gesture_name(name: str, hands: HandMode) -> None:
     assert infer_hands(name) == hands
 
 

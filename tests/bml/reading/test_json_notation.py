@@ -160,18 +160,18 @@ def test_invalid_json_documents_are_rejected(text: str, what: str) -> None:
 
 
 @pytest.mark.parametrize("text", ["[]", '{"behaviours": []}', " \n[] ", b"\xef\xbb\xbf[]"])
-def test_empty_document_is_an_empty_block(text: str | bytes) -> None:
+def test_empty_json_document_is_read_as_an_empty_block(text: str | bytes) -> None:
     assert parse(text).behaviours == ()
 
 
-def test_comma_before_a_closing_bracket_is_reported_and_ignored():
+def test_json_comma_before_a_closing_bracket_is_reported_and_ignored():
     block = parse('[\n{"type": "head", "id": "h"},\n]')
     assert [behaviour.id for behaviour in block.behaviours] == ["h"]
     assert "a comma before ']' in line 2, column 28 is ignored" in [notice.text for notice in block.notices]
 
 
 @pytest.mark.parametrize(("start", "end"), [({}, "0.25"), ({"start": 1}, "1.25"), ({"start": "g:end"}, "g:end+0.25")])
-def test_blink_ends_shortly_after_its_start(start: dict[str, Any], end: str) -> None:
+def test_json_blink_ends_a_quarter_second_after_its_start(start: dict[str, Any], end: str) -> None:
     texts = json.dumps([{"type": "blink", "id": "b", **start}, {"type": "gesture", "id": "g", "lexeme": "beat"}])
     explicit = json.dumps(
         [

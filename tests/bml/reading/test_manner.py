@@ -69,7 +69,7 @@ def test_kinesic_attributes_override_the_kinesic_description_element():
     assert manner(f'<head id="h" lexeme="NOD" kinesic:power="0.7">{inside}</head>') == Manner(power=0.7, spatial=1.0)
 
 
-def test_block_expressivity_applies_to_all_or_one_modality():
+def test_block_expressivity_applies_to_all_modalities_or_to_a_named_one():
     block = parse_block('<wait id="w"/>', 'kinesic:head.power="-1" kinesic:power="0.8" kinesic:face.style="sad"')
     assert block.manners == {
         "gesture": Manner(power=0.8),
@@ -95,7 +95,7 @@ def test_block_expressivity_applies_to_all_or_one_modality():
         ('kinesic:style="../styles/sad"', r"<text>:2:1: kinesic:style='../styles/sad' is not a style"),
     ],
 )
-def test_invalid_behaviour_attributes_are_rejected_with_place(attribute, message):
+def test_invalid_behaviour_attributes_are_rejected_with_line_and_column(attribute, message):
     with pytest.raises(BmlError, match=message):
         parse_block(f'<gesture id="g" lexeme="beat" {attribute}/>')
 
@@ -108,12 +108,12 @@ def test_invalid_behaviour_attributes_are_rejected_with_place(attribute, message
         ('kinesic:head.power="3"', r"<text>:1:1: kinesic:head.power='3' is out of range; use -1 to 1"),
     ],
 )
-def test_invalid_block_attributes_are_rejected_with_place(attribute, message):
+def test_invalid_block_attributes_are_rejected_with_line_and_column(attribute, message):
     with pytest.raises(BmlError, match=message):
         parse_block('<wait id="w"/>', attribute)
 
 
-def test_invalid_description_element_is_rejected_with_place():
+def test_invalid_description_element_is_rejected_with_line_and_column():
     with pytest.raises(BmlError, match=r"<text>:4:1: power='9' is out of range; use -1 to 1"):
         manner('<head id="h" lexeme="NOD">\n<description type="kinesic">\n<power>9</power></description></head>')
 
@@ -138,7 +138,7 @@ def test_greta_values_out_of_range_are_clipped_with_a_notice():
     ]
 
 
-def test_greta_openness_is_scaled_to_0_to_1():
+def test_greta_openness_is_scaled_to_the_range_0_to_1():
     wide = [scale_openness(value) for value in (-0.7, -0.1, 0.0, 0.565, 1.13, 5.0)]
     assert wide == pytest.approx([0.0, 0.0, 0.0, 0.5, 1.0, 1.0])
     assert manner(greta("<OPN.value>0.565</OPN.value>")) == Manner(openness=0.5)

@@ -31,7 +31,7 @@ COMMENTED_DOCUMENT = "<!---->" * 60 + '<bml id="b"><head id="h" lexeme="NOD"/></
         ("", ""),
     ],
 )
-def test_first_tag_is_found_behind_any_prologue(text: str, name: str) -> None:
+def test_first_tag_is_found_behind_an_xml_prologue_but_not_behind_text(text: str, name: str) -> None:
     assert find_first_tag(text) == name
 
 

@@ -32,13 +32,13 @@ def test_sync_references_accepted_by_the_corpus_grammar_are_parsed(case: dict[st
 
 
 @pytest.mark.parametrize("case", _cases("rejected"))
-def test_references_to_missing_behaviours_are_rejected(case: dict[str, Any]) -> None:
+def test_sync_references_rejected_by_the_corpus_grammar_raise_an_error(case: dict[str, Any]) -> None:
     with pytest.raises(BmlError, match="is not a sync reference; "):
         parse_ref(case["input"], Names(case["default_block"]))
 
 
 @pytest.mark.parametrize("kind", ["equal", "not_equal"])
-def test_equivalent_sync_references_parse_to_the_same_result(kind: str) -> None:
+def test_sync_references_are_equal_exactly_where_the_corpus_lists_them_as_equal(kind: str) -> None:
     for case in _cases(kind) if EXPECTED_RESULTS else ():
         names = Names(case["default_block"])
         assert (parse_ref(case["a"], names) == parse_ref(case["b"], names)) is (kind == "equal"), case

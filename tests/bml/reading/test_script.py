@@ -24,7 +24,7 @@ def ssml(content: str) -> Script:
 
 
 @pytest.mark.parametrize("read", [ssml, lambda content: script(f"<text>{content}</text>")])
-def test_ssml_breaks_prosody_and_emphasis_reach_the_script(read):
+def test_ssml_breaks_prosody_and_emphasis_are_read_into_the_speech_script(read):
     result = read(
         'One <prosody rate="slow" pitch="+10%" volume="soft">two <emphasis level="strong">three</emphasis></prosody>'
         '<break time="400ms"/> four'
@@ -72,7 +72,7 @@ def test_alias_of_an_ssml_sub_element_replaces_its_text():
     assert ssml('The <sub alias="World Wide Web">WWW</sub> is old').text == "The World Wide Web is old"
 
 
-def test_language_changes_of_a_speech_reach_the_script():
+def test_language_changes_of_a_speech_are_read_into_the_speech_script():
     result = ssml('One <lang xml:lang="fr">bonjour</lang> <voice gender="female">two</voice> <s xml:lang="de">drei</s>')
     assert result.text == "One bonjour two drei"
     assert [(e.begin, e.end, e.attributes) for e in result.emphases] == [
@@ -130,7 +130,7 @@ def recording(description: str, source: str = "/spoken/here.bml") -> Recording |
         '><audio src="one.wav"/><',
     ],
 )
-def test_speech_recording_file_name_is_read_from_each_description_form(kind: str, content: str):
+def test_speech_recording_file_name_is_read_from_each_description_notation(kind: str, content: str):
     assert recording(f'<description type="{kind}"{content}/description>') == Recording(
         Path("/spoken/one.wav"), folder=Path("/spoken")
     )
@@ -144,7 +144,7 @@ def test_sync_times_in_a_recording_description_are_read():
     assert result == Recording(Path("/spoken/sounds/one.wav"), (("m", 0.75), ("n", 1.0)), Path("/spoken"))
 
 
-def test_invalid_mark_time_is_rejected():
+def test_invalid_mark_time_of_a_recording_is_rejected():
     with pytest.raises(BmlError, match="time='late'"):
         recording('<description type="audio/wav" ref="a.wav"><sync id="m" time="late"/></description>')
 
@@ -157,7 +157,7 @@ def test_invalid_mark_time_is_rejected():
         '<description type="audio/mpeg">a.mp3</description>',
     ],
 )
-def test_description_without_recording_is_ignored(description: str):
+def test_audio_description_without_wav_file_or_with_negative_priority_is_ignored(description: str):
     assert recording(description) is None
 
 

@@ -24,12 +24,12 @@ from kinesic.bml.reading.sync_names import SYNC_ATTRIBUTES, find_sync_name
         ("strokes", None),
     ],
 )
-def test_sync_names_are_recognised_in_any_spelling(text: str, sync: str | None) -> None:
+def test_sync_names_are_recognised_regardless_of_case_and_separators(text: str, sync: str | None) -> None:
     assert find_sync_name(text) == sync
 
 
 @pytest.mark.parametrize("dialect", ["", ' xmlns="http://www.bml-initiative.org/bml/bml-1.0"'])
-def test_sync_attributes_and_references_accept_any_spelling(dialect: str) -> None:
+def test_sync_attributes_and_references_ignore_case_and_separators(dialect: str) -> None:
     block = parse(
         f'<bml id="b"{dialect}><gesture id="g" lexeme="BEAT" stroke_start="2" stroke-end="3" relax_start="4"/>'
         '<gesture id="h" lexeme="BEAT" stroke-start="g:stroke-end+0.5" stroke_end="b:g:RELAX_START - 0.25"/>'

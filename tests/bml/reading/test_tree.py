@@ -52,13 +52,13 @@ def test_xml_entities_are_rejected(text: str) -> None:
     "text",
     ["", b"", "  \n", "hello", "<a>", "<a></b>", '<a b="1" b="2"/>', b"\xff\xfe\x00", "<a/><b/>", "\ud800<a/>", "\x00"],
 )
-def test_invalid_xml_is_rejected_with_its_place(text: str | bytes) -> None:
+def test_invalid_xml_is_rejected_with_line_and_column(text: str | bytes) -> None:
     with pytest.raises(BmlError, match=r"^x:\d+:\d+: .*; "):
         read_tree(text, source="x")
 
 
 @pytest.mark.parametrize("encoding", ["no-such", "utf-7", "shift_jis", "idna"])
-def test_unknown_encodings_are_rejected(encoding: str) -> None:
+def test_unsupported_encodings_are_rejected(encoding: str) -> None:
     with pytest.raises(BmlError, match=r"^x:\d+:\d+: .*; "):
         read_tree(f'<?xml version="1.0" encoding="{encoding}"?><a>é</a>'.encode("latin-1"), source="x")
 

@@ -86,7 +86,7 @@ def test_supported_document_parts_give_no_notice(content: str) -> None:
     assert [text for text in notices(f'<bml id="b">{content}</bml>') if "a.wav" not in text] == []
 
 
-def test_elements_outside_the_block_give_a_notice() -> None:
+def test_ignored_document_elements_and_block_attributes_give_one_notice() -> None:
     text = '<fml-apml><fml><emotion/></fml><bml id="b"><wait id="w"/></bml><fml/></fml-apml>'
     assert notices(text) == ["<fml> (line 1) in <fml-apml> has no effect and is ignored"]
     assert len(notices('<bml id="b" agent="A" mood="good"><wait id="w"/></bml>')) == 1

@@ -62,7 +62,7 @@ def test_speech_marks_lie_between_start_and_end():
 
 
 @pytest.mark.parametrize("action", [*SHIFT_ACTIONS, *RETURNING_ACTIONS, Wait()])
-def test_natural_phases_have_human_durations(action):
+def test_natural_phases_last_from_0_1_to_2_seconds(action):
     spans, points = find_natural_spans(action, {}), list_sync_points(action, "bml-1.0")
     assert spans.keys() <= set(points[1:])
     assert all(0.1 <= seconds <= 2.0 for seconds in spans.values())

@@ -37,7 +37,7 @@ def test_too_short_duration_shortens_holds_first_and_then_all_phases_equally() -
     assert [times["ready"], times["stroke"] - times["strokeStart"]] == pytest.approx([0.3, 0.1])
 
 
-def test_spare_time_extends_the_pre_stroke_hold_or_else_the_preparation() -> None:
+def test_time_before_the_stroke_extends_the_pre_stroke_hold_or_the_preparation() -> None:
     times = fit_times(start=0.0, strokeStart=2.0)
     assert times["ready"] == pytest.approx(0.6)
     assert fit_times(start=0.0, ready=2.0)["strokeStart"] == pytest.approx(2.0)
