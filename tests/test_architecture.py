@@ -81,12 +81,12 @@ def test_symlinks_in_the_repository_root_are_relative(name: str):
     assert link.resolve() == PACKAGE / name
 
 
-def test_test_folders_mirror_the_packages():
+def test_each_package_has_a_test_folder_with_tests():
     for room in set(PACKAGES) - {"configs", "_kernel"}:
         assert next((ROOT / "tests" / room).rglob("test_*.py"), None), f"tests/{room} has no test"
 
 
-def test_each_test_folder_is_collected():
+def test_no_test_folder_of_a_package_is_excluded_from_collection():
     """A pattern without a slash that matches a root link would also skip the test folder of that name."""
     options = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]
     skipped = {*options["pytest"]["ini_options"].get("norecursedirs", []), *options["ruff"].get("extend-exclude", [])}

@@ -43,14 +43,14 @@ def test_build_on_linux_without_a_compiler_requires_zig(backend, monkeypatch):
 
 
 @pytest.mark.parametrize(("system", "processor"), [("darwin", "arm64"), ("win32", "AMD64"), ("linux", "riscv64")])
-def test_build_on_other_systems_leaves_the_compiler_to_setuptools(backend, monkeypatch, system: str, processor: str):
+def test_build_on_other_platforms_does_not_require_zig(backend, monkeypatch, system: str, processor: str):
     hide_compilers(backend, monkeypatch)
     monkeypatch.setattr(backend.sys, "platform", system)
     monkeypatch.setattr(backend.platform, "machine", lambda: processor)
     assert not backend.needs_zig()
 
 
-def test_compiler_named_in_cxx_is_used(backend, monkeypatch):
+def test_build_with_a_compiler_named_in_cxx_does_not_require_zig(backend, monkeypatch):
     hide_compilers(backend, monkeypatch)
     monkeypatch.setenv("CXX", "my-c++ -pipe")
     monkeypatch.setattr(backend.shutil, "which", lambda name: "/opt/my-c++" if name == "my-c++" else None)
@@ -73,7 +73,7 @@ def test_missing_python_headers_are_reported_with_a_remedy(backend, monkeypatch,
         backend.python_headers(tmp_path / "headers")
 
 
-def test_python_headers_of_the_interpreter_suffice(backend, monkeypatch, tmp_path):
+def test_no_python_headers_are_fetched_if_the_interpreter_has_them(backend, monkeypatch, tmp_path):
     (tmp_path / "Python.h").touch()
     monkeypatch.setattr(backend.sysconfig, "get_path", lambda name: str(tmp_path))
     assert backend.python_headers(tmp_path / "headers") == []
@@ -91,7 +91,7 @@ def test_published_wheel_is_compiled_by_zig_for_its_processor(backend, monkeypat
 @pytest.mark.parametrize(
     ("version", "requested", "expected"), [((3, 11), "1", False), ((3, 12), "1", True), ((3, 14), "0", False)]
 )
-def test_stable_abi_needs_python_3_12(backend, monkeypatch, version, requested, expected):
+def test_stable_abi_is_used_only_on_request_and_from_python_3_12(backend, monkeypatch, version, requested, expected):
     monkeypatch.setattr(backend.sys, "version_info", (*version, 1))
     monkeypatch.setenv("KINESIC_ABI3", requested)
     assert backend.uses_stable_abi() is expected

@@ -67,7 +67,7 @@ def test_child_process_ends_after_its_work():
     assert not child.is_alive
 
 
-def test_terminal_signals_do_not_reach_children():
+def test_child_process_has_a_process_group_of_its_own():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, tell_group, theirs)
     assert ours.recv() not in (os.getpgrp(), 0)
@@ -75,7 +75,7 @@ def test_terminal_signals_do_not_reach_children():
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux tells what forks share")
-def test_garbage_collection_does_not_copy_shared_pages():
+def test_garbage_collection_in_a_child_copies_few_shared_memory_pages():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, tell_copied, theirs)
     assert ours.recv() < MAX_COPIED
@@ -91,7 +91,7 @@ def test_process_list_shows_the_child_name():
 
 
 @pytest.mark.parametrize(("version", "method"), [((3, 11, 0), "spawn"), ((3, 11, 1), "forkserver")])
-def test_fork_server_is_not_used_if_other_users_can_reach_it(monkeypatch, version: tuple[int, ...], method: str):
+def test_fork_server_is_used_only_from_python_3_11_1(monkeypatch, version: tuple[int, ...], method: str):
     if "forkserver" not in multiprocessing.get_all_start_methods():
         pytest.skip("children are no forks here")
     monkeypatch.setattr(sys, "version_info", version)
@@ -137,7 +137,7 @@ if __name__ == "__main__":
 """
 
 
-def test_busy_child_ends_with_a_killed_parent(tmp_path):
+def test_busy_child_ends_when_its_parent_is_killed(tmp_path):
     script = tmp_path / "parent.py"
     script.write_text(ORPHAN_PROGRAM)
     with subprocess.Popen([sys.executable, str(script)], stdout=subprocess.PIPE, text=True) as parent:

@@ -46,7 +46,7 @@ def test_example_in_the_docstring_of_the_client_module_runs(server, capsys, monk
     assert 'id="b1:end"' in capsys.readouterr().out
 
 
-def test_missing_server_raises_os_error(server):
+def test_client_without_a_server_raises_connection_refused_error(server):
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         with pytest.raises(ConnectionRefusedError):
@@ -78,7 +78,7 @@ def test_refused_block_ends_a_client_perform_call(server):
     assert "PARSING_FAILURE" in results[-1]
 
 
-def test_block_refused_by_a_quota_ends_perform(server):
+def test_block_refused_by_a_stopped_server_ends_perform(server):
     with Client(port=server.port) as client:
         client.stop()
         results = list(client.perform('<bml id="late"><head id="h" lexeme="NOD" start="0"/></bml>'))

@@ -70,7 +70,7 @@ def test_client_connects_to_localhost_by_default(server: Server, asked: list[tup
     assert server.heard() == [], "nothing is said without a token"
 
 
-def test_client_sends_its_token_first(server: Server):
+def test_client_sends_its_token_before_other_messages(server: Server):
     server.say('{"told":"welcome"}')
     Client(token="open sesame").do("ping", id="x")
     assert [json.loads(item) for item in server.heard()] == [
@@ -104,7 +104,7 @@ def test_received_messages_are_split_independent_of_chunks(server: Server):
     assert client.receive(0.0) is None
 
 
-def test_incomplete_message_is_not_returned(server: Server):
+def test_client_returns_a_message_only_when_it_is_complete(server: Server):
     client = Client()
     server.say_bytes(b"<a")
     assert client.receive(0.01) is None
@@ -152,7 +152,7 @@ def test_client_stop_sends_one_message(server: Server):
         ('<bml <!-- <bml id="old"> --><bml id="b1', "block"),
     ],
 )
-def test_perform_ends_with_the_block_end(server: Server, document: str, name: str):
+def test_perform_returns_messages_up_to_the_end_of_its_block(server: Server, document: str, name: str):
     client = Client()
     others = ["<x/>", END.format(f"{name}2"), END.format(name).replace(":end", ":start"), "<!-- -->" + END.format(name)]
     server.say(*others, END.format(name), "<later/>")
@@ -211,7 +211,7 @@ WARNING = '<warningFeedback xmlns="u" id="{}" type="{}">{}</warningFeedback>'
         (WARNING.format("b1", "PARSING_FAILURE", "x").replace("warningFeedback", "otherFeedback"), False),
     ],
 )
-def test_perform_ends_with_a_refusal(server: Server, warning: str, ends: bool):
+def test_perform_ends_after_a_warning_only_if_it_refuses_the_block(server: Server, warning: str, ends: bool):
     client = Client()
     server.say(warning, END.format("b1"))
     assert list(client.perform('<bml id="b1"/>')) == [warning] + [END.format("b1")] * (not ends)
@@ -280,7 +280,7 @@ def test_emergency_stop_connection_is_closed_at_context_exit(server: Server, lin
     assert server._end.recv(1) == b""
 
 
-def test_close_ends_a_receive_in_another_thread():
+def test_closing_a_client_ends_its_receive_call_in_another_thread():
     with socket.create_server(("127.0.0.1", 0)) as listener:
         client = Client("127.0.0.1", listener.getsockname()[1])
         ended = Event()

@@ -96,7 +96,7 @@ def test_contributing_guide_has_at_most_eighty_lines():
     assert len((ROOT / "CONTRIBUTING.md").read_text(encoding="utf-8").splitlines()) <= 80
 
 
-def test_changelog_entries_have_one_line():
+def test_changelog_entries_have_one_line_below_140_characters():
     _, *releases = re.split(r"^## ", (ROOT / "CHANGELOG.md").read_text(encoding="utf-8"), flags=re.MULTILINE)
     lines = [line for release in releases for line in release.splitlines()[1:] if line]
     assert [line for line in lines if not re.match(r"( *- |### )", line)] == []
@@ -104,7 +104,7 @@ def test_changelog_entries_have_one_line():
     assert releases[0].startswith("[Unreleased]")
 
 
-def test_readme_is_at_most_one_and_a_half_screens_long_with_a_film():
+def test_readme_has_at_most_85_lines_and_one_small_film():
     readme = (ROOT / "README.md").read_text(encoding="utf-8")
     assert len(readme.splitlines()) <= 85
     (film,) = re.findall(r"!\[[^]]+\]\((docs/pictures/[\w-]+\.webp)\)", readme)
@@ -132,7 +132,7 @@ def test_gesture_table_matches_the_lexicon():
     assert (ROOT / "docs" / "pictures" / "gestures.png").stat().st_size < 1.5e6
 
 
-def test_docs_page_of_names_matches_the_synonym_table():
+def test_docs_page_of_synonyms_matches_the_lexicon():
     script = runpy.run_path(str(ROOT / "docs" / "make" / "synonyms.py"))
     written = (REFERENCE / "synonyms.md").read_text(encoding="utf-8")
     assert written == script["page"](Lexicon.load()), "run docs/make/synonyms.py"
@@ -158,7 +158,7 @@ def test_gesture_page_describes_each_hand_shape():
     assert all(f"| `{name}` | {shape.says} |" in page for name, shape in hand_shapes().items())
 
 
-def test_docs_page_of_hands_rates_only_gestures_with_fingers():
+def test_hand_shape_page_rates_only_gestures_that_need_fingers_and_counts_them():
     page = (REFERENCE / "hand-shapes.md").read_text(encoding="utf-8")
     rows = re.findall(r"^\| `(\w+)` \| (.*) \| (readable|partly|no) \| (readable|partly|no) \|$", page, re.MULTILINE)
     simple = {"relaxed", "open", "flat", "curved", "spread", "fist", "grip", "claw"}

@@ -55,7 +55,7 @@ def parse_command(words: list[str]) -> None:
 
 
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_shown_commands_have_valid_verbs_options_and_values(page: Path):
+def test_documented_commands_have_valid_verbs_options_and_values(page: Path):
     for words in list_commands(page):
         try:
             parse_command(words)
@@ -63,7 +63,7 @@ def test_shown_commands_have_valid_verbs_options_and_values(page: Path):
             pytest.fail(f"kinesic {shlex.join(words)}: {error.format_message()}")
 
 
-def test_wrong_options_and_values_of_shown_commands_are_rejected(tmp_path: Path):
+def test_wrong_options_and_verbs_of_documented_commands_are_rejected(tmp_path: Path):
     page = tmp_path / "page.md"
     page.write_text("```\nkinesic perform a.bml --styel joyful  # a style\n```\n", encoding="utf-8")
     (words,) = list_commands(page)

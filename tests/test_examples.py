@@ -24,7 +24,7 @@ def test_each_example_program_is_short_and_has_a_title(path):
     assert lines[0].startswith('"""')
 
 
-def test_ros_example_publishes_each_setpoint_on_a_topic(monkeypatch):
+def test_ros_example_publishes_the_positions_of_22_joints_on_a_topic(monkeypatch):
     sent = []
     node = SimpleNamespace(create_publisher=lambda kind, topic, depth: SimpleNamespace(publish=sent.append))
     ros = SimpleNamespace(init=lambda: None, shutdown=lambda: sent.append("shutdown"), create_node=lambda name: node)

@@ -37,7 +37,7 @@ def environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_every_install_command_of_the_program_is_composed_in_one_place():
+def test_pip_install_commands_are_composed_in_one_module():
     spelled = [path for path in SOURCES if "pip install" in path.read_text(encoding="utf-8")]
     assert spelled == [ROOT / "kinesic" / "extras.py"]
 
@@ -48,32 +48,32 @@ def test_every_extra_named_in_a_message_exists():
     assert requested <= EXTRAS.keys()
 
 
-def test_active_environment_gets_the_short_command(monkeypatch):
+def test_install_command_in_the_active_environment_is_a_plain_pip_command(monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda name: str(Path(sysconfig.get_path("scripts"), name)))
     assert install_extra("face") == 'pip install "kinesic[face]"'
 
 
-def test_command_names_the_interpreter_if_another_pip_comes_first(environment):
+def test_install_command_names_the_interpreter_if_another_pip_comes_first(environment):
     assert install_command() == f"{Path('.venv', 'bin', 'python')} -m pip install"
 
 
-def test_command_gives_the_full_path_from_other_folders(environment, monkeypatch):
+def test_install_command_gives_the_full_path_from_other_folders(environment, monkeypatch):
     (environment / "elsewhere").mkdir()
     monkeypatch.chdir(environment / "elsewhere")
     assert install_command() == f"{environment / '.venv' / 'bin' / 'python'} -m pip install"
 
 
-def test_command_quotes_an_interpreter_with_spaces(environment, monkeypatch):
+def test_install_command_quotes_an_interpreter_path_with_spaces(environment, monkeypatch):
     monkeypatch.setattr(sys, "executable", "/my programs/python")
     assert install_command() == '"/my programs/python" -m pip install'
 
 
-def test_command_uses_uv_in_an_environment_without_pip(environment, monkeypatch):
+def test_install_command_uses_uv_in_an_environment_without_pip(environment, monkeypatch):
     monkeypatch.setattr(extras, "_has_pip", lambda: False)
     assert install_command() == f"uv pip install --python {Path('.venv', 'bin', 'python')}"
 
 
-def test_command_does_not_prevent_a_later_import_of_setuptools():
+def test_install_command_does_not_prevent_a_later_import_of_setuptools():
     pytest.importorskip("setuptools")
     script = "import shutil; shutil.which = lambda name: None; from kinesic.extras import install_command"
     ended = subprocess.run(
@@ -84,7 +84,7 @@ def test_command_does_not_prevent_a_later_import_of_setuptools():
     assert ended.stdout.endswith(b"-m pip install\n")
 
 
-def test_sources_that_are_not_installed_are_named_by_their_folder(tmp_path):
+def test_install_command_of_uninstalled_sources_names_their_folder(tmp_path):
     """A folder in front of the search path, without metadata there and in site-packages."""
     (tmp_path / "kinesic").symlink_to(ROOT / "kinesic")
     script = "from kinesic.extras import install_extra; print(install_extra('mcp'))"
@@ -94,7 +94,7 @@ def test_sources_that_are_not_installed_are_named_by_their_folder(tmp_path):
     assert ended.stdout.endswith(f' "{ROOT}[mcp]"\n')
 
 
-def test_installed_kinesic_satisfies_its_own_name_without_an_index():
+def test_pip_accepts_the_installed_kinesic_for_an_extra_without_an_index():
     command = [sys.executable, "-m", "pip", "install", "--dry-run", "--no-index", "--no-deps", "kinesic[rerun]"]
     ended = subprocess.run(command, capture_output=True, text=True, check=False)
     assert ended.returncode == 0, ended.stderr

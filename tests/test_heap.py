@@ -42,7 +42,7 @@ def test_freed_heap_memory_is_returned_to_the_system(size: int) -> None:
     assert int(run.stdout) < MAX_RETAINED
 
 
-def test_frozen_objects_cost_no_collection_time() -> None:
+def test_freezing_the_heap_excludes_nine_tenths_of_the_objects_from_collection() -> None:
     heap.freeze_heap()
     try:
         count = gc.get_freeze_count()

@@ -75,7 +75,7 @@ def ended(tmp_path_factory) -> dict[tuple[str, ...], tuple[int, str, str]]:
     return {line: tuple(end) for line, end in zip(lines, answer["ended"], strict=True)}
 
 
-def test_every_verb_shows_its_help_on_windows(ended):
+def test_every_verb_shows_its_help_on_simulated_windows(ended):
     assert [line for line in help_lines(kinesic) if ended[line][0] != 0] == []
 
 
@@ -113,7 +113,7 @@ def test_simulated_windows_has_no_folder_descriptors_and_no_user_ids(tmp_path):
     [("linux", []), ("darwin", ["STOP_FROM_OUTSIDE", "VIRTUAL_PORTS"]), ("win32", None)],
     ids=["linux", "macos", "windows"],
 )
-def test_features_of_each_system_are_those_of_the_installation_page(monkeypatch, platform, missing):
+def test_linux_has_all_host_features_macos_lacks_two_and_windows_has_none(monkeypatch, platform, missing):
     monkeypatch.setattr(sys, "platform", platform)
     spec = spec_from_file_location("host_of_another_system", host.__file__)
     assert spec is not None

@@ -16,7 +16,7 @@ def watching(tmp_path, monkeypatch):
     sys.modules.pop("watching", None)
 
 
-def test_garbage_collection_is_disabled_only_during_import(watching):
+def test_garbage_collection_is_disabled_during_an_import_and_enabled_afterwards(watching):
     assert import_at_once("watching").WATCHED is False
     assert gc.isenabled()
 
@@ -59,7 +59,7 @@ BLOCK = '<bml id="b"><gesture id="g" lexeme="beat" stroke="1"/></bml>'
     ],
     ids=["a performer that plans", "a server that begins", "a portrait", "simulated servos", "tools of a model"],
 )
-def test_optional_modules_are_imported_only_when_they_are_used(code, late):
+def test_slow_modules_are_not_imported_before_they_are_used(code, late):
     """Checked in a separate process; each import takes longer than planning a gesture."""
     code = f"{code}; import sys; print([name for name in {late.split()} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

@@ -20,7 +20,7 @@ def test_machine_check_reports_missing_resources(seen: Look, missing: str):
     assert seen.complaint == missing
 
 
-def test_machine_check_waits_for_short_disturbances_and_caches_success(monkeypatch: pytest.MonkeyPatch):
+def test_machine_check_is_repeated_after_a_disturbance_and_its_success_is_cached(monkeypatch: pytest.MonkeyPatch):
     looks = [Look(0.1, 1.0, 0.002), Look(0.001, 1.0, 0.002)]
     monkeypatch.setattr(f"{Watch.__module__}.look", lambda: looks.pop(0))
     watch = Watch()
@@ -35,7 +35,7 @@ def test_persistently_slow_machine_is_reported(monkeypatch: pytest.MonkeyPatch):
     assert Watch().complaint() == "it wakes 100 ms late (at most 20)"
 
 
-def test_realtime_tests_wait_only_once_for_a_slow_machine(monkeypatch: pytest.MonkeyPatch):
+def test_second_check_of_a_slow_machine_measures_only_once(monkeypatch: pytest.MonkeyPatch):
     slow, looks = Look(0.1, 1.0, 0.002), []
     monkeypatch.setattr(f"{Watch.__module__}.PATIENCE", 0.1)
     monkeypatch.setattr(f"{Watch.__module__}.AGAIN", 0.0)
@@ -47,7 +47,7 @@ def test_realtime_tests_wait_only_once_for_a_slow_machine(monkeypatch: pytest.Mo
     assert len(looks) == 1
 
 
-def test_failure_without_a_free_core_is_excused_a_limited_number_of_times(monkeypatch: pytest.MonkeyPatch):
+def test_test_failures_without_a_free_core_are_excused_a_limited_number_of_times(monkeypatch: pytest.MonkeyPatch):
     shares = [0.9] + [0.2] * MAX_EXCUSED_FAILURES
     monkeypatch.setattr(f"{Watch.__module__}.look", lambda loops=0: Look(0.001, shares.pop(0) if loops else 1.0, 0.002))
     watch = Watch()
@@ -76,19 +76,19 @@ def test_perturbed_test_inputs_differ_by_a_few_ulps_deterministically():
 
 
 @pytest.mark.parametrize("wrong", [AttributeError, FileNotFoundError, NameError, TypeError])
-def test_programming_errors_never_count_as_timing_failures(wrong: type[Exception]):
+def test_programming_errors_do_not_count_as_timing_failures(wrong: type[Exception]):
     with pytest.raises(wrong) as failure:
         raise wrong("setpoints")
     assert not depends_on_time(failure)
 
 
-def test_unexpected_error_messages_never_count_as_timing_failures():
+def test_unexpected_error_message_does_not_count_as_a_timing_failure():
     with pytest.raises(AssertionError) as failure, pytest.raises(ValueError, match="token"):
         raise ValueError("bytes")
     assert not depends_on_time(failure)
 
 
-def test_timeouts_count_as_possible_timing_failures():
+def test_timeout_counts_as_a_possible_timing_failure():
     with pytest.raises(TimeoutError) as failure:
         raise TimeoutError("no answer within 1 s")
     assert depends_on_time(failure)

@@ -18,21 +18,21 @@ def report(when: str, outcome: str) -> dict[str, object]:
 
 
 @pytest.mark.parametrize("when", ["setup", "call", "teardown"])
-def test_failed_and_skipped_phases_of_a_test_are_sent(when):
+def test_workers_send_reports_of_failed_and_skipped_test_phases(when):
     assert all(is_needed("testreport", report(when, outcome)) for outcome in ("failed", "skipped", "rerun"))
 
 
-def test_passed_call_is_sent_and_its_passed_setup_and_teardown_are_not():
+def test_workers_send_only_the_call_report_of_a_passed_test():
     needed = {when: is_needed("testreport", report(when, "passed")) for when in ("setup", "call", "teardown")}
     assert needed == {"setup": False, "call": True, "teardown": False}
 
 
-def test_messages_that_schedule_tests_are_sent():
+def test_workers_send_messages_that_schedule_tests():
     names = ("collectionfinish", "runtest_protocol_complete", "warning_recorded", "workerfinished")
     assert all(is_needed(name, {}) for name in names)
 
 
-def test_verbose_output_and_durations_need_all_messages(pytestconfig):
+def test_short_output_is_used_unless_verbose_durations_or_xml_are_requested(pytestconfig):
     assert uses_short_output(pytestconfig) == (
         pytestconfig.option.verbose <= 0 and not pytestconfig.option.durations and not pytestconfig.option.xmlpath
     )

@@ -25,7 +25,7 @@ def test_notebook_is_committed_without_outputs_and_begins_with_a_title(path: Pat
     assert notebook["metadata"]["kernelspec"]["name"] == "python3"
 
 
-def test_each_notebook_is_executed():
+def test_each_notebook_has_a_list_of_expected_displays():
     assert {path.stem for path in NOTEBOOKS} == DISPLAYED.keys()
 
 

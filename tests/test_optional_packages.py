@@ -51,7 +51,7 @@ def imports(file: Path, package: str) -> bool:
 
 
 @pytest.mark.parametrize("package", USERS)
-def test_only_extras_import_optional_packages(package):
+def test_optional_packages_are_imported_only_by_their_listed_modules(package):
     users = [file.relative_to(PACKAGE).as_posix() for file in sorted(PACKAGE.rglob("*.py")) if imports(file, package)]
     assert [user for user in users if not user.startswith(USERS[package])] == []
 
@@ -85,7 +85,7 @@ def test_plan_performance_report_and_scene_need_no_optional_package(package, tmp
         ("PIL", ("gestures", "render", "hello", "--out", "hello.webp"), "film"),
     ],
 )
-def test_missing_package_is_one_line_that_names_the_extra(package, command, extra, tmp_path):
+def test_missing_package_is_reported_in_one_line_with_its_extra(package, command, extra, tmp_path):
     ended = run_without(package, tmp_path, command)
     assert ended.returncode != 0
     assert ended.stderr.count("\n") == 1

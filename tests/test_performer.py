@@ -55,7 +55,7 @@ def test_plan_repr_is_one_line(plan):
     assert repr(plan) == f"<{line}>"
 
 
-def test_plan_returns_times_and_sync_points(plan):
+def test_plan_returns_sync_points_by_name_and_postures_by_sync_point_or_time(plan):
     sync = plan.syncs["nod:stroke"]
     assert (sync.behaviour, sync.sync, sync.name) == ("nod", "stroke", "nod:stroke")
     assert plan.syncs[plan.syncs.index(sync)] is sync
@@ -99,7 +99,7 @@ def test_saved_motion_can_be_performed(performer, plan, tmp_path: Path):
     assert again.duration > 0.5 * plan.duration
 
 
-def test_performance_is_ok_if_all_checks_passed(run):
+def test_performance_with_a_poor_but_no_failed_check_is_ok(run):
     assert run.ok
     assert {check.name for check in run.checks if check.status not in ("pass", "warn")} == {"meaning.performed"}
     assert str(run).startswith("poor: <text> on upper22")
@@ -128,7 +128,7 @@ def test_perform_equals_a_dry_run(run, plan):
     assert run.reference.plan is plan
 
 
-def test_performance_report_is_written_and_replaces_only_reports(run, tmp_path: Path):
+def test_performance_report_replaces_an_earlier_report_but_no_folder_with_user_files(run, tmp_path: Path):
     folder = tmp_path / "nod"
     written = run.report(folder, film=False)
     assert written.page.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
@@ -158,7 +158,7 @@ def test_user_sinks_get_each_command_and_are_closed(performer, plan):
     assert any(command.face for command in first.commands)  # the face blinks
 
 
-def test_sink_without_close_is_refused_before_planning(performer):
+def test_sink_without_write_is_refused_before_planning(performer):
     with pytest.raises(TypeError, match=r"a sink needs write\(command\) and close\(\); list lacks write"):
         performer.perform("nowhere.bml", sinks=[[]])
 
@@ -176,7 +176,7 @@ def test_servos_without_ports_are_refused_before_performing(performer, plan):
 
 
 @pytest.mark.parametrize("saved", ["plan", "run"])
-def test_saved_motion_replaces_only_saved_files_and_follows_no_link(saved: str, request, tmp_path: Path):
+def test_saved_motion_replaces_user_files_only_with_force_and_follows_no_symlink(saved: str, request, tmp_path: Path):
     motion = request.getfixturevalue(saved)
     path, link = tmp_path / "motion.csv", tmp_path / "link.csv"
     path.write_text("dear")
@@ -227,7 +227,7 @@ def test_servos_perform_once_after_a_successful_twin_run(performer, plan, servo_
     assert servo_runs == []
 
 
-def test_twin_feedforward_uses_its_estimated_servo_parameters(performer, plan):
+def test_feedforward_uses_given_factors_of_the_twin_but_nominal_ones_for_a_named_twin(performer, plan):
     late = Factors(latency=0.05)
     own, usual = performer.perform(plan, twin=late), performer.perform(plan, twin=late, believed=NOMINAL_FACTORS)
     assert not np.array_equal(own.measured.angles, usual.measured.angles)

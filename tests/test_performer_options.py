@@ -35,13 +35,13 @@ def test_public_names_of_the_package_exist_and_are_listed_by_dir():
         kinesic.performe  # noqa: B018 - asking for it is what is tested
 
 
-def test_importing_kinesic_imports_nothing_heavy():
+def test_importing_kinesic_does_not_import_numpy_mujoco_or_msgspec():
     code = "import sys, kinesic; print([name for name in ('numpy', 'mujoco', 'msgspec') if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
 
 
-def test_python_options_match_the_command_line(tmp_path: Path):
+def test_performer_options_set_style_targets_idle_motion_and_variation(tmp_path: Path):
     performer = kinesic.Performer(
         style="calm",
         settings={"power": 0.5, "head.spatial": -0.5},
@@ -78,7 +78,7 @@ def test_python_options_match_the_command_line(tmp_path: Path):
         ({"targets": {"door": [1.0]}}, kinesic.ConfigError, "target door is .* three finite numbers"),
     ],
 )
-def test_invalid_options_name_valid_ones(wrong, error, said):
+def test_error_for_invalid_performer_options_names_valid_ones(wrong, error, said):
     with pytest.raises(error, match=said):
         kinesic.Performer(**wrong)
 
@@ -91,7 +91,7 @@ def test_invalid_options_name_valid_ones(wrong, error, said):
         ({"on": "servos", "feedforward": "none"}, "servos accept only 'full'"),
     ],
 )
-def test_invalid_perform_arguments_name_valid_ones(performer, plan, wrong, said):
+def test_error_for_invalid_perform_arguments_names_valid_ones(performer, plan, wrong, said):
     with pytest.raises(kinesic.ConfigError, match=said):
         performer.perform(plan, **wrong)
 
@@ -107,7 +107,7 @@ def test_document_may_be_a_path_or_text(performer):
         performer.plan("<bml", source="greeting")
 
 
-def test_module_level_functions_remain_available():
+def test_module_functions_perform_and_plan_accept_a_document():
     run = kinesic.perform(NOD)
     assert isinstance(run, kinesic.Performance)
     assert str(kinesic.plan(NOD)).startswith("plan of block b on upper22 (neutral)")

@@ -62,7 +62,7 @@ def performer() -> kinesic.Performer:
     return kinesic.Performer("upper22")
 
 
-def test_performer_on_servos_uses_ports_and_voice_and_can_be_stopped(performer, servos, monkeypatch):
+def test_performer_on_servos_passes_ports_voice_and_an_interrupt_to_the_servos(performer, servos, monkeypatch):
     kept = []
     monkeypatch.setattr("kinesic.report.run.performance_of", _kept(kept))
     plan = performer.plan(NOD)
@@ -100,7 +100,7 @@ def test_serial_ports_are_checked_before_performing(performer, servos, monkeypat
 
 
 @pytest.mark.parametrize("film", [True, False])
-def test_report_film_is_drawn_by_default(performer, monkeypatch, tmp_path, film: bool):
+def test_report_film_is_drawn_unless_film_is_false(performer, monkeypatch, tmp_path, film: bool):
     asked = []
     monkeypatch.setattr(kinesic.Performance, "report", lambda run, folder, *, film: asked.append((folder, film)))
     run = performer.perform(NOD)

@@ -53,7 +53,7 @@ def verbs(group: click.Command, path: str) -> list[str]:
 
 
 @pytest.mark.parametrize("name", PAGES)
-def test_generated_page_is_up_to_date(pages: dict[str, str], name: str):
+def test_generated_reference_page_is_up_to_date(pages: dict[str, str], name: str):
     written = (ROOT / "docs" / "reference" / name).read_text(encoding="utf-8")
     assert written == pages[name], "run make reference"
 

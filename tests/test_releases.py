@@ -23,13 +23,13 @@ def test_release_index_begins_with_the_current_version():
     assert listed == sorted((page.stem for page in RELEASES.glob("[0-9]*.[0-9].md")), reverse=True)
 
 
-def test_release_pages_begin_with_breaking_changes():
+def test_breaking_changes_come_first_on_release_pages():
     for page in RELEASES.glob("[0-9]*.[0-9].md"):
         headings = re.findall(r"^## (.*)$", page.read_text(encoding="utf-8"), re.M)
         assert "Breaking changes" not in headings[1:], page.name
 
 
-def test_list_of_unreleased_changes_is_short():
+def test_changelog_is_shorter_than_its_line_limit():
     lines = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8").splitlines()
     assert len(lines) <= MAX_UNRELEASED_LINES, "move what users notice to the page of the release in docs/releases"
 

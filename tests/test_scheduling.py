@@ -12,7 +12,7 @@ def test_each_test_process_collects_all_files_in_another_order():
     assert [own[0] for own in turned] == [0, 3, 6]
 
 
-def test_equal_sized_test_files_have_a_fixed_order(tmp_path: Path):
+def test_larger_test_files_come_first_and_equal_ones_in_order_of_name(tmp_path: Path):
     files = [tmp_path / name for name in ("test_b.py", "test_a.py", "test_large.py")]
     for file, size in zip(files, (3, 3, 9), strict=True):
         file.write_text("#" * size)
@@ -24,7 +24,7 @@ def test_test_files_listed_as_slowest_exist():
     assert all((Path(__file__).parents[1] / name).is_file() for name in SLOWEST_FILES)
 
 
-def test_pages_are_shown_by_one_process_while_others_have_files(tmp_path: Path):
+def test_browser_test_files_run_in_one_process_while_other_files_remain(tmp_path: Path):
     texts = {"sum.py": "", "tick.py": "pytest.mark.realtime", "page.py": "from ..chromium import opened"}
     for name, text in texts.items():
         (tmp_path / name).write_text(text)

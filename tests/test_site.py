@@ -16,7 +16,7 @@ def site() -> dict:
     return runpy.run_path(str(ROOT / "docs" / "make" / "site.py"), run_name="site")
 
 
-def test_navigation_has_sections_and_pages(site):
+def test_site_navigation_is_read_as_pages_with_their_sections(site):
     text = "site_name: a\n\nnav:\n  - Home: index.md\n  - Guides:\n    - guides/index.md\n    - One: guides/one.md\n"
     entries = [(entry.section, entry.page) for entry in site["read_navigation"](text)]
     assert entries == [("Home", "index.md"), ("Guides", "guides/index.md"), ("Guides", "guides/one.md")]

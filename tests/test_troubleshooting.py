@@ -30,7 +30,7 @@ def test_troubleshooting_page_explains_more_than_50_messages():
 
 
 @pytest.mark.parametrize("message", messages())
-def test_error_messages_quoted_in_troubleshooting_page_exist_in_the_code(message: str):
+def test_error_messages_quoted_on_the_troubleshooting_page_exist_in_the_code(message: str):
     parts = [part.strip(" '") for part in message.split("...")]
     words = [part for part in parts if LETTERS.search(part)]
     assert words
