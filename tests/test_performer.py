@@ -93,7 +93,7 @@ def test_motion_is_saved_in_three_formats(which, request, performer, tmp_path: P
         motion.save(tmp_path / "motion.txt")
 
 
-def test_saved_motion_can_be_performed(performer, plan, tmp_path: Path):
+def test_saved_motion_can_be_planned_again(performer, plan, tmp_path: Path):
     again = performer.plan(plan.save(tmp_path / "nod.bap"))
     assert again.timeline.block.source == str(tmp_path / "nod.bap")
     assert again.duration > 0.5 * plan.duration
@@ -122,7 +122,7 @@ def test_performance_contains_measured_sync_times(run):
         run.at("nodd:stroke")
 
 
-def test_perform_equals_a_dry_run(run, plan):
+def test_perform_measures_the_same_motion_as_a_dry_run(run, plan):
     before = dry_run(plan)
     np.testing.assert_array_equal(run.measured.angles, before.measured.angles)
     assert run.reference.plan is plan

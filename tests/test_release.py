@@ -41,7 +41,7 @@ def test_wheel_with_a_plain_linux_tag_is_refused():
         wheels.read_platform(shown.replace("manylinux_2_28", "linux"))
 
 
-def test_difference_of_smoke_results_is_the_largest_number_difference():
+def test_difference_of_smoke_test_results_is_their_largest_numeric_difference():
     import smoke  # noqa: PLC0415 - no part of the package
 
     one = {"plan": {"postures": [[0.0, 1.0], [2.0, 3.0]]}, "ping": "ff"}

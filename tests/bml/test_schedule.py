@@ -86,7 +86,7 @@ def test_preparation_is_kept_if_others_refer_to_its_start(timed: Timing) -> None
     assert at(after_start, "h:start") == at(after_start, "g:start") == pytest.approx(-0.25 * preparation)
 
 
-def test_strokes_coincide_with_speech_marks(timed: Timing) -> None:
+def test_stroke_coincides_with_the_speech_mark_that_it_references(timed: Timing) -> None:
     timeline = timed(SPEECH_XML.replace('id="s"', 'id="s" start="3"') + gesture("g", 'stroke="s:m" end="s:end+1"'))
     assert at(timeline, "s:m") == pytest.approx(3.6)
     assert at(timeline, "g:stroke") == at(timeline, "s:m")

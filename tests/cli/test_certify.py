@@ -37,7 +37,7 @@ def test_feasible_motion_passes_option_check(capsys):
     assert "nearest" not in out
 
 
-def test_too_fast_motion_fails_the_check_with_joint_and_ratio(capsys):
+def test_too_fast_motion_fails_option_check_with_its_joint_and_limit(capsys):
     assert certify("fast.bvh", "--check") == 1
     out = capsys.readouterr().out
     assert "r_shoulder" in out

@@ -26,7 +26,7 @@ def short(tmp_path, monkeypatch) -> None:
     monkeypatch.setattr(demo, "DEMO_DOCUMENT", str(nod))
 
 
-def test_demo_writes_a_report_opens_it_and_replaces_it(kinesic, tmp_path, opened, short):
+def test_demo_writes_a_report_opens_it_and_replaces_an_earlier_one(kinesic, tmp_path, opened, short):
     for _ in range(2):
         ended = kinesic("demo", "--no-film", "--robot", "upper22")
         assert ended.code == 0, ended.err

@@ -38,7 +38,7 @@ def test_face_picture_has_the_requested_size(
     assert np.asarray(Image.open(out)).shape == (64, 64, 3)
 
 
-def test_film_of_an_expression_has_many_frames(drawable: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_film_of_an_expression_has_more_than_20_frames(drawable: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     out = tmp_path / "x.webp"
     assert run_face(monkeypatch, "--au", "26=1", "--out", str(out), "--size", "32", "--preset", "draft") == 0
     with Image.open(out) as film:
@@ -83,7 +83,7 @@ def document(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize(("name", "max_width"), [("x.webp", 32), ("x.png", 2048)])
-def test_face_of_a_document_is_drawn_as_film_or_strip(
+def test_face_of_a_document_is_drawn_as_a_webp_film_or_a_png_strip(
     drawable: None, document: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, max_width: int
 ):
     out = tmp_path / name

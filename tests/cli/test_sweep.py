@@ -43,7 +43,7 @@ def test_invalid_input_of_sweep_is_reported_in_one_line(kinesic, arguments, mess
     assert not (tmp_path / "o").exists()
 
 
-def test_sweep_keeps_an_existing_folder(kinesic, tmp_path):
+def test_sweep_refuses_an_existing_output_folder_without_force(kinesic, tmp_path):
     (tmp_path / "o").mkdir()
     (tmp_path / "o" / "letter").write_text("dear")
     ended = kinesic("sweep", "beat", "--parameter", "power", "--out", "o")

@@ -160,7 +160,7 @@ def test_validation_tables_list_folders_checks_and_refused_documents(kinesic, fo
     assert any(line.split()[0] == "collision.twin" for line in lines if line.split())
 
 
-def test_twin_both_reports_errors_of_both_twins(kinesic, folder, tmp_path):
+def test_option_twin_both_reports_tracking_errors_of_both_twins(kinesic, folder, tmp_path):
     data = parsed(kinesic("validate", folder / "nods" / "one.bml", "--json", "--out", "reports", "--twin", "both"))
     report = json.loads((tmp_path / data["documents"][0]["report"]).read_text())
     assert list(report["twins"]) == ["nominal", "pessimistic"]

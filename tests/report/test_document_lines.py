@@ -15,7 +15,7 @@ def test_document_lines_list_behaviours_that_begin_on_them(hurried: DryRun, know
     assert begun == [(1, []), (2, []), (3, ["h"]), (4, [])]
 
 
-def test_only_xml_line_ends_split_lines():
+def test_document_lines_are_split_only_at_xml_line_ends():
     block = parse('<bml id="b">\r\n<!-- \u2028 -->\r<head id="h" lexeme="NOD"/>\n</bml>\r\n\n')
     rows = [(row.number, [behaviour.id for behaviour in row.behaviours]) for row in document_lines(block)]
     assert rows == [(1, []), (2, []), (3, ["h"]), (4, [])]

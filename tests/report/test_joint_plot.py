@@ -40,7 +40,7 @@ def test_joint_plot_shows_the_four_joints_that_move_most_by_default(run: Perform
     assert set(shown) == set(sorted(travels, key=lambda name: -travels[name])[:4])
 
 
-def test_timeline_names_behaviours_and_words(run: Performance):
+def test_timeline_of_the_joint_plot_names_behaviours_and_words(run: Performance):
     timeline = run.plot([])[0]
     rows = [label.get_text() for label in timeline.get_yticklabels()]
     assert {"offer", "NOD", "speech"} <= set(rows)

@@ -79,7 +79,7 @@ def test_strokes_are_listed_under_words_and_link_to_their_time(text: str) -> Non
     assert "xyzzy" not in transcript
 
 
-def test_page_shows_the_document_with_each_outcome(known: Setup, tmp_path: Path) -> None:
+def test_report_page_shows_document_lines_with_the_outcomes_of_their_behaviours(known: Setup, tmp_path: Path) -> None:
     gestures = [
         f'<gesture id="{id}" lexeme="{name}"/>' for id, name in zip("abc", ("beat", "xyzzy", "point_box"), strict=True)
     ]
@@ -218,7 +218,7 @@ def test_page_states_the_voice_and_the_reason_for_a_missing_face(text: str, data
     assert "No film of the face: not recorded" in words
 
 
-def test_markup_in_names_is_escaped(known: Setup, tmp_path: Path) -> None:
+def test_markup_in_behaviour_ids_is_escaped_on_the_report_page(known: Setup, tmp_path: Path) -> None:
     gesture = f'<gesture id={quoteattr(HOSTILE)} lexeme="beat" start="0" stroke="0.1"/>'
     performance = dry_run(plan(BLOCK.format(gesture), known))
     text = page(performance, report(performance, source=HOSTILE), tmp_path)

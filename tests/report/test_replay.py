@@ -35,7 +35,7 @@ def origins(data, angles):
     return np.stack([origin for _, origin in frames])
 
 
-def test_replay_has_the_motions_of_plan_and_twin(hurried: DryRun) -> None:
+def test_replay_has_the_requested_planned_and_measured_motions(hurried: DryRun) -> None:
     data = replay_data(hurried)
     moments = np.linspace(0.0, data["end"], data["frames"])
     assert np.diff(moments).max() <= 1 / module.REPLAY_RATE + 1e-12

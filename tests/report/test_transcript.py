@@ -22,7 +22,7 @@ def test_stroke_is_listed_under_the_word_spoken_at_its_time(hurried: DryRun):
     assert "xyzzy" not in [meant.label for said in transcript for meant in said.behaviours]
 
 
-def test_without_speech_behaviours_are_listed_by_time(known: Setup):
+def test_transcript_without_speech_lists_behaviours_by_time(known: Setup):
     block = '<bml id="b"><head id="h" lexeme="NOD" stroke="2"/><gesture id="g" lexeme="beat" stroke="1"/></bml>'
     (silence,) = transcribe(plan(block, known))
     assert silence.word == ""

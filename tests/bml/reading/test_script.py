@@ -84,7 +84,7 @@ def test_language_changes_of_a_speech_are_read_into_the_speech_script():
 @pytest.mark.parametrize(
     ("text", "tag"), [("english", "en"), ("FRENCH", "fr"), ("pt-BR", "pt-br"), ("", "en"), ("Klingon", "klingon")]
 )
-def test_language_name_or_tag_is_read(text: str, tag: str):
+def test_speech_language_is_read_from_a_name_or_a_tag(text: str, tag: str):
     assert script("<text>x</text>", f'language="{text}"').language == tag
 
 
@@ -103,7 +103,7 @@ def test_speech_and_block_set_the_maximum_pause(text: str, seconds: float):
 
 
 @pytest.mark.parametrize("text", ["soon", "-1", "nan", "inf", ""])
-def test_invalid_pause_is_rejected(text: str):
+def test_invalid_maximum_pause_of_a_speech_is_rejected(text: str):
     with pytest.raises(BmlError, match="pause"):
         speech("<text>x</text>", f'kinesic:pause="{text}"')
 

@@ -49,7 +49,7 @@ def test_nod_delay_to_the_syllable_end_is_reduced_by_the_reference_offset():
     assert nod("start") == {("n", "stroke"): pytest.approx(0.4)}
 
 
-def test_accents_are_in_the_middle_of_stressed_or_all_vowels():
+def test_accents_are_in_the_middle_of_stressed_vowels_or_else_of_all_vowels():
     assert find_accented_vowels(sounds("b i g 'i n ,u 'a")) == pytest.approx([0.35, 0.65])
     assert find_accented_vowels(sounds("h o u s e")) == pytest.approx([0.15, 0.25, 0.45])
     assert find_accented_vowels(sounds("p s t")) == []

@@ -286,7 +286,7 @@ def test_mcp_tools_print_an_invalid_setup_and_still_exit_with_0(monkeypatch, cap
     assert capsys.readouterr().err == "kinesic: no style\n"
 
 
-def test_missing_mcp_package_is_an_error_that_names_the_extra(monkeypatch) -> None:
+def test_missing_mcp_package_raises_an_error_with_its_extra(monkeypatch) -> None:
     Tools(monkeypatch)
 
     def fail_to_import(name: str) -> None:

@@ -20,7 +20,7 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.mcp.errors import RobotError
 
 
-def test_lexicon_option_or_else_the_builtin_lexicon_is_loaded(monkeypatch: pytest.MonkeyPatch):
+def test_lexicon_is_loaded_from_its_option_or_else_from_the_package(monkeypatch: pytest.MonkeyPatch):
     loaded: list[object] = []
     monkeypatch.setattr(Lexicon, "load", loaded.append)
     for options in ({}, {"lexicon": None}, {"lexicon": "mine.toml"}):

@@ -80,7 +80,7 @@ TOKEN_SOURCES: Mapping[str, tuple[tuple[str, ...], dict[str, str]]] = {
     "source",
     ["argument", *(pytest.param(name, marks=pytest.mark.soak) for name in TOKEN_SOURCES if name != "argument")],
 )
-def test_server_requires_its_token_and_no_process_shows_it(source: str, token_file: Path):
+def test_server_requires_its_token_and_hides_it_from_the_process_list(source: str, token_file: Path):
     options, environment = TOKEN_SOURCES[source]
     options = tuple(str(token_file) if option == "FILE" else option for option in options)
     serve = ("serve", "--voice", "durations", "--listen", "127.0.0.1:0", *options)

@@ -62,7 +62,7 @@ def test_token_file_causes_no_warning(hidden: list[bool], token_file: Path) -> N
     assert hidden == []
 
 
-def test_environment_token_is_the_default(
+def test_token_defaults_to_that_of_the_environment_variable(
     hidden: list[bool], token_file: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     assert run() == (None, "")

@@ -30,7 +30,7 @@ def test_results_verb_prints_a_summary_and_query_rows(kinesic, folder):
     assert summary.code == rows.code == 0
 
 
-def test_invalid_query_is_reported_in_one_line(kinesic, folder):
+def test_invalid_results_query_is_reported_in_one_line(kinesic, folder):
     ended = kinesic("results", "SELECT nothing FROM documents", folder)
     assert ended.code == 2
     assert "invalid query" in ended.err

@@ -213,7 +213,7 @@ def test_search_writes_one_robot_per_pareto_optimal_design_if_requested(searches
     assert sorted(NAMED.parent.glob("*.toml")) == files[:2]
 
 
-def test_json_of_a_search_is_alone_on_standard_output(searches, capsys):
+def test_search_with_option_json_prints_only_json_to_standard_output(searches, capsys):
     assert search_upper22(Output(Path("found"), False, True)) == 0
     printed = capsys.readouterr()
     text = Path("found", DESIGNS_FILE).read_text()

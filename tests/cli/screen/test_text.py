@@ -8,7 +8,7 @@ from kinesic.cli.screen.text import Text, cell_width
 @pytest.mark.parametrize(
     ("line", "width"), [("abc", 3), ("naïve", 5), ("e\u0301", 1), ("手話", 4), ("", 0), ("a\u200db", 2)]
 )
-def test_width_counts_wide_characters_twice_and_combining_marks_not_at_all(line: str, width: int):
+def test_text_width_counts_wide_characters_twice_and_combining_marks_not_at_all(line: str, width: int):
     assert cell_width(line) == width
 
 
@@ -27,7 +27,7 @@ def test_width_counts_wide_characters_twice_and_combining_marks_not_at_all(line:
         ("手", 1, ["手"]),
     ],
 )
-def test_text_is_broken_at_spaces_and_inside_words_that_are_too_long(text: str, width: int, lines: list[str]):
+def test_text_is_wrapped_at_spaces_and_inside_words_that_are_too_long(text: str, width: int, lines: list[str]):
     assert [line.plain for line in Text(text).wrapped(width)] == lines
 
 

@@ -99,7 +99,7 @@ def test_calibrate_refuses_a_symlink_as_output_file(kinesic, table, mine):
     assert not mine.with_name("nowhere.toml").exists()
 
 
-def test_calibrate_refuses_servos_with_torque(kinesic, table, mine):
+def test_calibrate_refuses_servos_whose_torque_is_on(kinesic, table, mine):
     table.energise()
     ended = kinesic("servos", "calibrate", "--robot", mine, "--port", table.port, "--yes", "--seconds", "1")
     assert ended.code == 2

@@ -38,7 +38,7 @@ def test_default_servo_factors_are_those_of_the_data_sheets() -> None:
     assert list_values(NO_SERVO_MEMORY) == ((NOMINAL_FACTORS,), NOMINAL_FACTORS, None, True)
 
 
-def test_named_twin_factors_do_not_change_the_servo_estimate() -> None:
+def test_factors_of_a_named_twin_do_not_change_the_estimated_servo_factors() -> None:
     assert list_values(ServoMemory.of(ServoOptions("both", None))) == (
         (NOMINAL_FACTORS, PESSIMISTIC_FACTORS),
         NOMINAL_FACTORS,
@@ -57,7 +57,7 @@ def test_learning_of_servo_factors_can_be_switched_off(twin_name: str | None) ->
     assert list_values(ServoMemory.of(ServoOptions(twin_name, "none"))) == (expected, NOMINAL_FACTORS, None, False)
 
 
-def test_servo_memory_uses_learned_factors_as_estimate_and_default_twin(learned: Path, twin: Path) -> None:
+def test_learned_servo_factors_are_the_estimate_and_the_default_twin(learned: Path, twin: Path) -> None:
     assert list_values(ServoMemory.of(ServoOptions(None, str(learned)))) == (
         (WEAK_FACTORS,),
         WEAK_FACTORS,

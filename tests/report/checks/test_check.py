@@ -47,7 +47,7 @@ FATAL = {name for name, limit in LIMITS.items() if limit.is_fatal}
 LOW = {name for name, limit in LIMITS.items() if limit.at_least}
 
 
-def test_report_page_documents_the_limit_of_each_check():
+def test_reference_page_of_reports_documents_the_limit_of_each_check():
     assert sorted(LIMITS) == sorted(CHECK_LIMITS), (
         "edit CHECK_LIMITS in kinesic/report/checks/check.py or the table of checks in docs/reference/report.md"
     )

@@ -115,7 +115,7 @@ def test_nan_servo_duty_fails_its_check(done):
 
 
 @pytest.mark.parametrize(("share", "status", "limit"), [(0.39, "pass", 0.4), (0.5, "warn", 0.4), (0.81, "fail", 0.8)])
-def test_excessive_holding_torque_is_reported(done, known, share, status, limit):
+def test_holding_torque_above_its_limits_warns_or_fails(done, known, share, status, limit):
     class Loaded:
         """Dynamics of a robot that needs a share of its stall torque in one hinge."""
 
@@ -137,7 +137,7 @@ def test_excessive_holding_torque_is_reported(done, known, share, status, limit)
 @pytest.mark.parametrize(
     ("distance", "near", "through"), [(0.011, "pass", "pass"), (0.009, "fail", "pass"), (-0.001, "fail", "fail")]
 )
-def test_distance_checks_name_pair_and_time(done, distance, near, through):
+def test_clearance_checks_name_the_body_pair_and_the_time(done, distance, near, through):
     distances = done.measured.clearance.distances.copy()
     distances[150] = distance
     pairs = list(done.measured.clearance.pairs)
@@ -224,7 +224,7 @@ def test_trembling_hands_of_the_twin_are_graded_warn_or_poor(done, reach, status
     assert check.where == "r_hand"
 
 
-def test_block_without_motion_has_no_motion_checks(known):
+def test_empty_block_is_checked_only_for_limits_collision_servos_power_and_shifts(known):
     verdicts = found(dry_run(plan('<bml id="b"/>', known)))
     assert NAMES & set(verdicts) == {
         name for name in NAMES if name.split(".")[0] in ("limits", "collision", "servo", "power")

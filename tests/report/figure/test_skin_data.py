@@ -102,7 +102,7 @@ def test_page_script_moves_the_skin_like_the_renderer():
 
 
 @pytest.mark.skipif(binary() is None, reason="no Chromium: apt-get install chromium")
-def test_page_draws_skin_clothes_highlight_servo_duty_face_and_ghost(tmp_path: Path):
+def test_page_draws_skin_clothes_highlight_servo_duty_face_and_plan_overlay(tmp_path: Path):
     data = {**scene_data(HUMAN), "features": face_data([{"26": 1.0}])}
     text = PAGE.replace("SIDE", str(SIDE)).replace("SCRIPTS", read_scripts(SCENE_SCRIPTS))
     (tmp_path / "page.html").write_text(text.replace("DATA", json.dumps(data)), encoding="utf-8")

@@ -69,7 +69,7 @@ def test_gltf_face_and_screen_are_children_of_the_head(scene: tuple[dict, bytes]
     assert {tables["nodes"][child]["name"] for child in head["children"]} == {"screen", "face"}
 
 
-def test_face_without_motion_has_no_morph_targets(tmp_path: Path):
+def test_gltf_face_without_motion_has_no_morph_targets(tmp_path: Path):
     tables, _ = write(tmp_path / "still.glb", ROBOT, ({}, {}))
     (face,) = [mesh for mesh in tables["meshes"] if mesh["name"] == "face"]
     assert all("targets" not in primitive for primitive in face["primitives"])
@@ -77,7 +77,7 @@ def test_face_without_motion_has_no_morph_targets(tmp_path: Path):
     assert {channel["target"]["path"] for channel in tables["animations"][0]["channels"]} == {"rotation"}
 
 
-def test_robot_without_a_screen_has_no_face(tmp_path: Path):
+def test_gltf_of_a_robot_without_a_screen_has_no_face(tmp_path: Path):
     blind = replace(ROBOT, sites={name: site for name, site in ROBOT.sites.items() if name != "eyes"})
     tables, _ = write(tmp_path / "blind.glb", blind, ({}, {}))
     assert "face" not in {mesh["name"] for mesh in tables["meshes"]}
