@@ -24,14 +24,14 @@ def test_clips_are_certified_and_unreadable_files_are_counted(tmp_path):
     assert metrics["capture.upper22.real_time"] > 0.0
 
 
-def test_folder_without_readable_clips_has_no_value(tmp_path):
+def test_folder_without_readable_clips_gives_a_null_metric_with_a_reason(tmp_path):
     (tmp_path / "broken.bvh").write_text("HIERARCHY\n")
     (metric,) = capture.robot_metrics("upper22", capture.list_clips(tmp_path))
     assert metric.value is None
     assert "broken.bvh" in metric.why
 
 
-def test_missing_corpus_is_reported(monkeypatch):
+def test_missing_corpus_gives_a_null_clip_metric(monkeypatch):
     monkeypatch.setattr(capture, "find_corpus", lambda: None)
     (metric,) = capture.bench()
     assert (metric.name, metric.value) == ("capture.clips", None)

@@ -23,5 +23,5 @@ def test_studio_benchmark_times_edits_and_drags_and_raises_server_errors(monkeyp
             studio.time_edits(client, 1)
 
 
-def test_browser_bundle_is_small():
+def test_browser_bundle_is_below_its_size_limit():
     assert 1.0 < studio.bundle_size() < studio.MAX_BUNDLE_SIZE

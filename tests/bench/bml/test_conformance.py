@@ -103,7 +103,7 @@ def test_conformance_scenario_passes_or_gives_the_reason_of_its_failure(
     assert verdict.passed is (why == "")
 
 
-def test_only_bml_draft_suites_count_a_document_without_behaviours_as_an_error(corpus: Path) -> None:
+def test_document_without_behaviours_is_an_error_in_draft_1_but_not_in_bml_1_scenarios(corpus: Path) -> None:
     steps = [step(do="send", inline_block={}), step(do="sleep", seconds=1), step(check="exceptions", count=1)]
     (verdict,) = play_suite("suite", corpus / "suite", suite(corpus, "draft1/test", *steps), set_up())
     assert verdict.passed
@@ -111,7 +111,7 @@ def test_only_bml_draft_suites_count_a_document_without_behaviours_as_an_error(c
     assert verdict.why.startswith("0 exceptions")
 
 
-def test_only_gaze_targets_missing_from_the_setup_get_a_position_before_the_robot() -> None:
+def test_only_gaze_targets_missing_from_the_setup_are_placed_in_front_of_the_robot() -> None:
     setup = set_up()
     positions = place_targets([LAMP_GAZE.encode(), b"no bml", b'<bml><gaze target="user"/></bml>'], setup)
     assert set(positions) == {"lamp"}
@@ -170,7 +170,7 @@ def feedback_of(*ids: str, kind: str = "syncPointProgress") -> FeedbackLog:
         ),
     ],
 )
-def test_each_scenario_check_of_feedback_passes_or_gives_its_reason(
+def test_scenario_check_of_feedback_passes_or_gives_the_reason_of_its_failure(
     check: ScenarioStep, feedback: FeedbackLog, why: str
 ) -> None:
     reason = CHECK_FUNCTIONS[check.check](check, feedback)
@@ -207,7 +207,7 @@ def test_metrics_of_conformance_suites_count_passed_and_failed_expectations() ->
     assert metrics[2].why == "too late"
 
 
-def test_missing_corpus_gives_null_conformance_metrics_with_reason(corpus: Path) -> None:
+def test_empty_corpus_gives_null_metrics_except_for_built_in_draft_scenarios(corpus: Path) -> None:
     metrics = bml.bench()
     own = [metric for metric in metrics if metric.name.startswith(f"bml.{SUITE_NAME}.")]
     others = [metric for metric in metrics if metric not in own]

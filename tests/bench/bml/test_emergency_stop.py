@@ -52,7 +52,7 @@ def test_emergency_stops_are_acknowledged_and_servo_goals_become_constant(server
     ],
 )
 @pytest.mark.usefixtures("no_start_time")
-def test_each_flood_client_starts_with_its_expected_bytes(name, first):
+def test_flood_client_first_sends_the_bytes_of_its_kind_of_flood(name, first):
     with socket.create_server(("127.0.0.1", 0)) as listener, flooding(name, listener.getsockname()[1]):
         connection, _ = listener.accept()
         with connection:
@@ -95,7 +95,7 @@ def test_flood_client_imports_only_the_standard_library():
     assert {name.split(".")[0] for name in imported} <= sys.stdlib_module_names
 
 
-def test_recorded_servo_goals_are_read_back_from_the_file(tmp_path):
+def test_last_recorded_servo_goals_are_read_back_from_the_file(tmp_path):
     recorder = GoalRecorder(tmp_path / "goals")
     zeros = np.zeros(3)
     for k in range(5):
@@ -107,7 +107,7 @@ def test_recorded_servo_goals_are_read_back_from_the_file(tmp_path):
 
 
 @pytest.mark.soak
-def test_stop_delay_metrics_are_99th_percentiles_or_say_that_nothing_moved():
+def test_stop_delay_metric_is_the_99th_percentile_or_null_if_no_servo_moved():
     stops = [StopDelay(float(k), None) for k in range(101)]
     acknowledged, still = stop_metrics(NO_FLOOD, stops)
     assert acknowledged.name == "bml.stop.acknowledged_p99.idle"

@@ -24,14 +24,14 @@ def server():
         yield running
 
 
-def test_latency_of_each_block_is_measured(server, monkeypatch):
+def test_server_benchmark_measures_feedback_and_command_latency_of_each_block(server, monkeypatch):
     monkeypatch.setattr(live_server, "BLOCK_INTERVAL", 0.5)
     delays = measure_latencies(server, len(SMALL_BEHAVIOURS))
     assert len(delays) == len(SMALL_BEHAVIOURS)
     assert all(0.0 < delay.feedback <= delay.command for delay in delays)
 
 
-def test_server_loses_no_block_and_limits_memory_at_ten_blocks_per_second(server):
+def test_server_loses_no_block_and_bounds_memory_growth_at_ten_blocks_per_second(server):
     run = run_endurance(server, SECONDS)
     assert run.sent == SECONDS * ENDURANCE_RATE
     assert run.lost == 0
@@ -39,7 +39,7 @@ def test_server_loses_no_block_and_limits_memory_at_ten_blocks_per_second(server
 
 
 @pytest.mark.soak
-def test_server_that_fails_to_start_gives_its_reason():
+def test_failed_server_start_raises_an_error_with_its_reason():
     with (
         pytest.raises(RuntimeError, match="did not open: kinesic: --rule rate=x"),
         open_server("--rule", "rate=x"),

@@ -16,7 +16,7 @@ def test_bus_cycle_is_measured_in_wire_time_and_cpu_time(count: int, baud: int):
 
 
 @pytest.mark.soak
-def test_cpu_load_is_measured_in_real_time(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_bus_benchmark_measures_cpu_load_with_14_servos(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(bus, "REAL_SECONDS", 0.3)
     metrics = bus.cpu_load(tmp_path / "port")
     assert [metric.name for metric in metrics] == ["bus.cpu_14_servos", "bus.cpu_supervisor_14_servos"]

@@ -25,7 +25,7 @@ def test_fault_benchmark_prints_a_table_or_a_reason_for_each_driver(monkeypatch:
     assert len(factories) == 3
 
 
-def test_fault_benchmark_json_lists_every_trial(monkeypatch: pytest.MonkeyPatch):
+def test_fault_benchmark_json_contains_trials_and_reasons_for_missing_drivers(monkeypatch: pytest.MonkeyPatch):
     def one_trial(make_driver: faults.DriverFactory, **named: object) -> list[faults.TrialResult]:
         return [faults.run_trial(FaultCase("calm"), make_driver, servos=2, baud=57_600, seed=3, cycles=4)]
 

@@ -55,7 +55,7 @@ def test_dynamixel_sdk_fails_with_silent_unplugged_or_duplicate_servos():
     assert run_driver("sdk", "duplicate id").wrong > 0
 
 
-def test_late_servo_answer_is_not_taken_for_the_requested_one():
+def test_late_replies_cause_no_exceptions_or_wrong_positions_in_the_kinesic_driver():
     result = run_trial(CASES["late 5%"], KinesicDriver, servos=7, baud=57_600, seed=0, cycles=150)
     assert (result.exceptions, result.wrong) == (0, 0)
 

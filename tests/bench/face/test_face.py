@@ -17,7 +17,7 @@ from kinesic.face.render.presets import Focus
 drawable = pytest.mark.skipif(find_display_problem() is not None, reason=find_display_problem() or "")
 
 
-def test_missing_opengl_gives_every_metric_a_reason(monkeypatch: pytest.MonkeyPatch):
+def test_missing_opengl_makes_every_face_metric_null_with_a_reason(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(face, "find_display_problem", lambda: "no OpenGL here")
     metrics = measure("face")
     assert {metric.value for metric in metrics} == {None}
@@ -54,7 +54,7 @@ def test_measured_wrinkle_errors_meet_their_benchmark_goals(monkeypatch: pytest.
 
 @pytest.mark.soak
 @drawable
-def test_lids_close_evenly_over_the_eyeballs(monkeypatch: pytest.MonkeyPatch):
+def test_eyelids_close_evenly_over_the_eyeballs(monkeypatch: pytest.MonkeyPatch):
     from kinesic.bench.face import eyes  # noqa: PLC0415 - needs OpenGL
 
     monkeypatch.setattr(eyes, "PICTURE_SIDE", 384)
@@ -96,7 +96,7 @@ def test_ambient_occlusion_benchmark_has_all_metrics_and_small_errors(monkeypatc
 
 
 @drawable
-def test_face_frame_rate_is_measured_for_every_quality_preset(monkeypatch: pytest.MonkeyPatch):
+def test_face_frame_rate_is_measured_for_the_draft_preset(monkeypatch: pytest.MonkeyPatch):
     from kinesic.bench.face import frame_rate  # noqa: PLC0415 - needs OpenGL
 
     monkeypatch.setattr(frame_rate, "MEASURED_FRAMES", 2)
@@ -154,7 +154,7 @@ def test_face_benchmark_times_drawing_and_skinning_of_the_full_body(monkeypatch:
     assert min(values.values()) > 0.0
 
 
-def test_colour_difference_follows_cie_lab():
+def test_lab_conversion_matches_reference_colours_and_equal_colours_have_no_difference():
     from kinesic.bench.face.occlusion import colour_difference, lab  # noqa: PLC0415 - imported where used
 
     grey, white = np.full((1, 1, 3), 119, np.uint8), np.full((1, 1, 3), 255, np.uint8)

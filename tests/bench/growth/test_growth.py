@@ -43,13 +43,13 @@ def test_growth_benchmark_robots_have_increasing_joint_counts():
     assert len(built[-1].skeleton.couplings) == 0
 
 
-def test_document_has_a_gesture_every_two_seconds():
+def test_growth_benchmark_document_has_a_gesture_every_two_seconds():
     assert write_gesture_document(1.0).count("<gesture") == 1
     assert write_gesture_document(60.0).count("<gesture") == 30
 
 
 @pytest.mark.soak
-def test_document_cost_is_measured_in_its_own_process(monkeypatch):
+def test_document_cost_contains_time_and_memory_of_planning_and_running(monkeypatch):
     monkeypatch.setattr("kinesic.bench.growth.DOCUMENT_LENGTHS", (2.0,))
     (cost,) = cost_by_length.__wrapped__()
     assert cost.size == 2.0

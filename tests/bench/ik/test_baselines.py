@@ -91,7 +91,7 @@ def test_repeated_ik_solve_gives_the_same_bytes(method: Method) -> None:
 
 
 @with_every_method
-def test_unreachable_targets_end_near_the_stretched_chain(method: Method) -> None:
+def test_ik_stretches_the_chain_towards_unreachable_targets(method: Method) -> None:
     runs = run_chain(method, make_curved_chain(6), draw_targets(50, 1.02, 2.0, 3))
     assert np.isfinite(runs.residuals).all()
     assert runs.iterations.max() <= MAX_ITERATIONS
@@ -143,7 +143,7 @@ def test_ik_solution_is_independent_of_scale_and_position(method: Method) -> Non
 
 
 @pytest.mark.parametrize(("small", "large"), [("pinv", "pinv_svd"), ("dls", "dls_dense")])
-def test_dense_matrix_forms_of_ik_methods_equal_their_3_by_3_forms(small: Method, large: Method) -> None:
+def test_ik_methods_give_the_same_solution_with_dense_and_3_by_3_matrices(small: Method, large: Method) -> None:
     for target in draw_targets(20, 0.1, 0.9, 6):
         quick, slow = (solve_chain(method, make_curved_chain(10), target) for method in (small, large))
         assert quick.iterations == slow.iterations

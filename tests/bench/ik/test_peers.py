@@ -44,7 +44,7 @@ def test_joints_of_the_hand_itself_do_not_move_its_centre(chain):
     np.testing.assert_allclose(chain.hand(angles), chain.hand(moved), atol=1e-12)
 
 
-def test_ik_success_requires_one_millimetre_and_joint_limits(chain):
+def test_ik_success_requires_an_error_below_1_mm_and_angles_within_limits(chain):
     inside, outside = chain.rest, chain.upper + 0.01
     requested = np.array([chain.hand(inside), chain.hand(outside), chain.hand(inside) + 0.002])
     replies = {requested[0].tobytes(): inside, requested[1].tobytes(): outside, requested[2].tobytes(): inside}
@@ -83,7 +83,7 @@ def test_ik_solvers_take_turns_with_blocks_of_targets_in_rotating_order(monkeypa
     assert all((call.seconds > 0.0).all() for call in calls.values())
 
 
-def test_ik_success_is_counted_for_each_target_of_a_turn(monkeypatch, chain):
+def test_ik_success_is_recorded_per_target_when_solvers_take_turns(monkeypatch, chain):
     monkeypatch.setattr(peers, "BLOCK_SIZE", 2)
     off = np.array([0.0, 0.002, 0.0, 0.0, 0.002])
     requested = chain.hand(chain.rest) + np.outer(off, [0.0, 0.0, 1.0])
@@ -145,7 +145,7 @@ def test_ik_comparison_rejects_oblique_joint_axes(chain):
         peer_solvers._make_rotation(oblique)
 
 
-def test_ik_benchmark_runs_all_parts(monkeypatch):
+def test_ik_benchmark_includes_the_library_comparison(monkeypatch):
     for part in (part for part in ik.IK_PARTS if part is not peers):
         monkeypatch.setattr(part, "bench", list)
     monkeypatch.setattr(peers, "bench", lambda: ["peers"])

@@ -47,7 +47,7 @@ def test_ik_solve_time_metric_ignores_interrupted_calls(monkeypatch):
 
 @pytest.mark.soak
 @pytest.mark.usefixtures("few_targets")
-def test_ik_task_success_rates_are_high():
+def test_ik_success_rates_are_at_least_95_percent_for_poses_and_80_for_unreachable_targets():
     metrics = {metric.name: metric for metric in tasks.bench()}
     assert metrics["ik.pose"].value >= 0.95
     assert metrics["ik.pose_random_arms"].value >= 0.95
@@ -69,7 +69,7 @@ def test_random_arms_cover_one_and_two_elbow_joints_with_and_without_twist():
     assert kinds == {(False, 1), (False, 2), (True, 2), (True, 3)}
 
 
-def test_targets_of_random_arms_are_reachable():
+def test_targets_of_random_arms_lie_within_the_arm_length():
     rng = np.random.default_rng(3)
     chain = random_arm(rng)
     reach_targets = draw_targets(rng, chain, 20)

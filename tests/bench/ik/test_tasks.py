@@ -34,7 +34,7 @@ def test_benchmark_optimum_meets_pointing_and_palm_directions():
         assert max(best.pointing_error, best.palm_error) < 1e-3
 
 
-def test_more_ik_starts_are_never_worse_and_repeatable_by_seed():
+def test_best_posture_with_more_starts_is_no_worse_and_repeatable_by_seed():
     reach = Reach(np.array([-0.5, -0.3, 0.1]))
     few, many, again = (best_posture(LEFT_ARM, reach, starts=count, seed=3) for count in (2, 12, 12))
     assert many.residual <= few.residual + 1e-9

@@ -60,7 +60,7 @@ def answer_early(listener: socket.socket) -> None:
     connection.close()
 
 
-def test_messages_get_their_arrival_time_while_words_are_sent():
+def test_first_command_delay_excludes_words_sent_after_the_block_start():
     with socket.create_server(("127.0.0.1", 0)) as listener:
         server = Thread(target=answer_early, args=(listener,))
         server.start()

@@ -31,7 +31,7 @@ def test_rotations_over_one_degree_count_as_motion():
     assert not BodyMeasures(0.9 * MIN_VISIBLE_TURN, 0.9 * MIN_VISIBLE_TURN, 0.9 * MIN_VISIBLE_TURN).moves
 
 
-def test_body_rotation_metrics_quote_the_values_of_people():
+def test_body_rotation_metrics_state_the_human_reference_range():
     bodies = [("beat", "beat", BodyMeasures(head=radians(3))), ("stop", "emblem", BodyMeasures())]
     metrics = {metric.name.removeprefix("naturalness."): metric for metric in body_metrics("naturalness", bodies)}
     assert (metrics["whole_body"].value, metrics["whole_body"].ok) == (0.5, False)

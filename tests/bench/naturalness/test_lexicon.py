@@ -58,7 +58,7 @@ SIMILAR_PAIRS = (("me_low", "tiny_low"), ("beat_purse", "beckon_finger"), ("vict
 
 
 @pytest.mark.parametrize("pair", SIMILAR_PAIRS)
-def test_similar_gesture_pairs_differ_by_1_3_times_the_similarity_threshold(known, pair):
+def test_similar_gesture_pairs_differ_by_over_1_3_times_the_similarity_threshold(known, pair):
     seen = {name: measure_gesture(form(known, name), known).seen for name in pair}
     (results,) = nearest_pairs(seen, 1.0)
     assert results.distance > 1.3 * ALIKE_DISTANCE

@@ -20,11 +20,11 @@ def distance_of(a, b):
 
 
 @pytest.mark.parametrize("hinge", ["skullbase_tilt", "vl5_roll", "l_elbow_twisting", "r_wrist_flexion"])
-def test_rotation_of_any_upper_body_joint_changes_the_gesture_distance(hinge):
+def test_rotation_of_a_head_trunk_or_arm_joint_changes_the_gesture_distance(hinge):
     assert distance_of(visible_points(), visible_points(**{hinge: 0.3})) > 0.005
 
 
-def test_gesture_distance_is_the_largest_distance_of_corresponding_body_points():
+def test_gesture_distance_is_the_largest_rms_distance_of_corresponding_body_points():
     a, b = np.zeros((4, 3, 3)), np.zeros((4, 3, 3))
     b[:, 0, 1] = 0.02
     b[:2, 2, 2] = 0.06

@@ -38,7 +38,7 @@ def test_speed_peaks_are_separate_movement_units_if_speed_halves_between_them(di
     assert count_units(np.array([0.0, 0.5, 1.0, dip, 1.5, 0.5, 0.0])) == count
 
 
-def test_small_speed_peaks_are_no_movement_units():
+def test_speed_peaks_below_a_tenth_of_the_maximum_are_no_movement_units():
     assert count_units(np.array([0.0, 0.09, 0.0, 1.0, 0.0, 0.09, 0.0])) == 1
     assert count_units(np.array([0.0, 0.11, 0.0, 1.0, 0.0])) == 2
     assert count_units(np.zeros(9)) == 0

@@ -71,7 +71,9 @@ def test_only_neutral_style_has_metrics_with_random_variation(few_gestures, monk
 
 
 @pytest.mark.soak
-def test_naturalness_plots_show_only_the_measured_styles(few_gestures, folder, tmp_path, capsys, monkeypatch):
+def test_naturalness_plot_is_written_for_a_style_but_not_for_clips_alone(
+    few_gestures, folder, tmp_path, capsys, monkeypatch
+):
     monkeypatch.setattr(
         naturalness, "measured", lambda styles: [gesture for gesture in few_gestures if gesture.style in styles]
     )
@@ -83,12 +85,12 @@ def test_naturalness_plots_show_only_the_measured_styles(few_gestures, folder, t
 
 
 @pytest.mark.parametrize("words", [("--style", "calm"), ("--capture", "clips")])
-def test_style_and_capture_options_are_rejected_except_for_naturalness(words):
+def test_style_and_capture_options_are_rejected_for_the_plan_benchmark(words):
     with pytest.raises(click.UsageError, match="apply only to naturalness"):
         run("plan", *words)
 
 
-def test_missing_corpus_is_reported(few_gestures, monkeypatch, tmp_path):
+def test_missing_corpus_gives_a_null_clip_metric_with_a_reason(few_gestures, monkeypatch, tmp_path):
     monkeypatch.setenv("KINESIC_CORPUS", str(tmp_path / "nowhere"))
     monkeypatch.setattr(naturalness, "measured", lambda _: few_gestures)
     missing = naturalness.bench()[-1]

@@ -37,7 +37,7 @@ def test_hands_are_at_their_required_positions(plans, known):
 
 
 @pytest.mark.parametrize("name", ["adjust_cuff", "watch_time", "cry", "me", "photo"])
-def test_varied_hands_are_at_their_required_positions(known, name):
+def test_hands_with_random_variation_are_at_their_required_positions(known, name):
     form, varied = known.lexicon.forms_by_id[name], replace(known, variation=Variation(1.0, 2))
     assert measure_place(form, plan_gesture(form, varied)) <= REQUIREMENTS[name].within
 
@@ -50,7 +50,7 @@ def test_stop_gesture_is_at_arms_length_in_front_of_the_chest(plans):
     assert abs(frames.origins[ROBOT.arm("r").wrist][1]) <= 0.06
 
 
-def test_violin_is_held_out_and_the_head_turns_to_it(plans):
+def test_violin_gesture_holds_the_left_hand_out_and_turns_the_head_to_it(plans):
     frames = ROBOT.skeleton.frames(sample_stroke(plans["violin"])[0])
     left = ROBOT.arm("l")
     assert np.linalg.norm(frames.origins[left.wrist] - frames.origins[left.shoulder]) > 0.65 * ROBOT.arm_length
@@ -88,7 +88,7 @@ def test_gestures_at_the_head_do_not_look_alike(plans):
 
 
 @pytest.mark.parametrize("name", ["applause", "prayer", "cry", "despair", "photo", "gasp", "pride", "akimbo"])
-def test_symmetric_gestures_are_mirror_images(plans, name):
+def test_arm_angles_of_symmetric_gestures_are_mirror_images(plans, name):
     angles = sample_stroke(plans[name])[0]
     left, right = (angles[list(ROBOT.arm(side).joints)] for side in "lr")
     assert degrees(np.abs(left - right).max()) < 3

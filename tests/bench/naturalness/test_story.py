@@ -31,7 +31,7 @@ def test_default_idle_motion_keeps_head_and_trunk_moving_during_a_story(setup):
     assert 0.0 < still.aside < 1.0
 
 
-def test_dropped_and_late_story_strokes_count_as_missed(setup):
+def test_one_of_two_overlapping_story_strokes_counts_as_missed(setup):
     overlapping = STORY.replace("</bml>", '<gesture id="h" lexeme="house" stroke="s:h+0.05"/></bml>')
     assert set(measure_story(plan(overlapping, setup)).missed) & {"g", "h"}
 

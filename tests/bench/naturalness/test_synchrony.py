@@ -25,14 +25,14 @@ def test_gesture_strokes_of_the_test_passage_coincide_with_word_accents(known):
     ("style", "limit"),
     [("neutral", 0.1), *(pytest.param(*row, marks=pytest.mark.soak) for row in (("calm", 0.16), ("joyful", 0.1)))],
 )
-def test_gesture_strokes_of_the_story_coincide_with_word_accents_in_every_style(style, limit):
+def test_gesture_strokes_of_the_story_coincide_with_word_accents_in_three_styles(style, limit):
     lags = story_lags(style)
     assert len(lags) == 16
     assert max(abs(lag.stroke - lag.accent) for lag in lags) < 0.011
     assert compute_median_lag(lags) <= limit
 
 
-def test_nods_end_with_the_accented_syllable():
+def test_nods_end_within_80_ms_of_the_accented_syllable():
     lags = nod_lags()
     assert len(lags) == len(NODDED_WORDS)
     assert max(map(abs, lags.values())) < 0.08

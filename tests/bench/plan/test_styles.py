@@ -15,7 +15,7 @@ def test_style_benchmark_writes_twenty_different_texts():
     assert all(text.endswith(".") and len(text) > 100 for text in texts)
 
 
-def test_stroke_with_too_little_time_has_the_error_of_its_planned_shift(known):
+def test_stroke_error_equals_the_planned_shift_if_a_stroke_has_too_little_time(known):
     errors = {time: measure_plans([plan(NOD_BML.format(time), known)]) for time in (5.0, 1.2)}
     assert errors[5.0].shift == 0.0
     assert errors[5.0].errors.max() < 0.05

@@ -37,7 +37,7 @@ def test_every_dry_run_and_planning_stage_is_timed(metrics):
 
 
 @pytest.mark.soak
-def test_dry_run_speed_is_close_to_bare_physics(metrics):
+def test_dry_run_speed_is_over_a_fifth_of_bare_physics_speed(metrics):
     # usually 0.6 and 0.66, but half of that on machines with slow or full memory
     assert metrics["speed.dry_run_of_bare"].value > 0.2
     assert metrics["speed.dry_run_both_of_bare"].value > 0.2

@@ -34,7 +34,7 @@ def test_arm_pose_is_named_by_the_positions_of_both_hands(left, right, pose):
     assert find_pose(make_stance(left, right)) == pose
 
 
-def test_pose_of_the_left_hand_before_the_body_is_mirrored_to_the_right():
+def test_pose_with_the_left_hand_in_front_of_the_body_is_mirrored_to_the_right():
     clips = [make_body(bend=(70.0, 20.0), head=20.0, set_name="s", name=f"A@Idle01_{k}") for k in range(5)]
     poses = group_poses(clips)
     assert [*poses["one_hand_before"]] == ["s Idle01"]

@@ -45,7 +45,7 @@ def test_shift_of_one_feature_separates_the_classes_as_predicted_by_theory(score
 
 
 @pytest.mark.parametrize("scorer", SCORERS)
-def test_features_of_single_performances_do_not_separate_the_classes(scorer):
+def test_cross_validation_by_performance_prevents_leakage_of_performance_features(scorer):
     generator = np.random.default_rng(3)
 
     def marked(name):

@@ -49,7 +49,7 @@ def test_actor_without_head_is_reported(folder):
     assert "known names" in clip.why
 
 
-def test_missing_folder_is_rejected(tmp_path):
+def test_missing_clip_folder_is_rejected(tmp_path):
     with pytest.raises(ConfigError, match="no such folder"):
         list(read_clips(tmp_path / "nowhere"))
 
@@ -64,7 +64,7 @@ def test_missing_folder_is_rejected(tmp_path):
         ("Fluid_gesture", "Fluid_gesture"),
     ],
 )
-def test_clips_that_differ_only_in_their_number_are_one_performance(tmp_path, name, performance):
+def test_performance_name_omits_the_side_and_number_of_a_clip(tmp_path, name, performance):
     assert performance_name(tmp_path / f"{name}.skm") == performance
 
 

@@ -13,7 +13,7 @@ def motion():
     return motion
 
 
-def test_body_of_the_robot_moves_in_a_gesture(motion):
+def test_trunk_and_hand_of_the_robot_move_during_a_gesture(motion):
     measures = measure_whole_body(motion)
     assert measures.largest_speed > 0.5
     assert measures.trunk > 0.5
@@ -21,13 +21,13 @@ def test_body_of_the_robot_moves_in_a_gesture(motion):
     assert 0.0 < measures.flow <= 1.0
 
 
-def test_arm_of_the_robot_has_its_length_in_every_frame(motion):
+def test_arm_length_of_the_robot_is_the_same_in_every_frame(motion):
     upper = np.linalg.norm(motion.elbows - motion.shoulders, axis=-1)
     fore = np.linalg.norm(motion.wrists - motion.elbows, axis=-1)
     assert upper + fore == pytest.approx(np.full(upper.shape, motion.arm), rel=1e-3)
 
 
-def test_robot_looks_ahead_at_rest(motion):
+def test_robot_at_rest_has_its_head_within_30_degrees_of_level_and_arms_hanging(motion):
     posture = measure_posture(motion)
     assert abs(posture.head_pitch) < 30.0
     assert 0.7 < posture.down < 1.0

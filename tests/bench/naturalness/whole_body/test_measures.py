@@ -20,7 +20,7 @@ def test_rotations_of_trunk_and_head_are_measured_in_degrees():
     assert measures.head_speed == pytest.approx(np.pi * 12.0 / 2.5, rel=0.02)
 
 
-def test_still_body_has_no_motion():
+def test_motion_measures_of_a_still_body_are_zero():
     measures = measure_whole_body(make_body())
     assert (measures.trunk, measures.head) == pytest.approx((0.0, 0.0), abs=1e-5)
     assert measures.free_arm == 0.0
@@ -65,7 +65,7 @@ def test_rotation_angles_are_exact_for_small_and_large_rotations(angle):
     assert rotation_angles(turn("x", angle)) == pytest.approx([angle], rel=1e-6)
 
 
-def test_gesture_ends_shortly_after_relax():
+def test_gesture_clip_ends_a_fixed_return_time_after_relax():
     (gesture,) = cut_clips(make_body(swing=(0.0, 0.2)))
     assert gesture.times[-1] == pytest.approx(1.5 + RETURN_TIME, abs=1 / 30)
     assert gesture.syncs["end"] == pytest.approx(1.5 + RETURN_TIME)

@@ -19,7 +19,7 @@ def test_stance_contains_link_directions_and_trunk_angles():
     assert stance["trunk_tilt"] == stance["head_turn"] == stance["shoulder_rise"] == pytest.approx(0.0)
 
 
-def test_trunk_turn_is_that_of_the_shoulders_from_the_hips():
+def test_trunk_turn_is_the_rotation_of_the_shoulders_relative_to_the_hips():
     turned = make_body(pelvis=-20.0)
     assert name_features(measure_stance(turned))["trunk_turn"] == pytest.approx(0.0)
     assert name_features(measure_stance(turned, len(turned.times) // 2))["trunk_turn"] == pytest.approx(20.0, abs=0.5)
@@ -45,13 +45,13 @@ def test_stances_exclude_a_person_with_four_clips():
     assert not group_hanging(make_turning_clips("Idle01", count=4))
 
 
-def test_hands_that_move_fast_do_not_rest():
+def test_frames_with_fast_hands_do_not_count_as_resting():
     resting = find_resting_frames(make_body(swing=(0.25, 0.0)))
     assert 0 in resting
     assert 18 not in resting  # a quarter of the clip, where the swing is fastest
 
 
-def test_fit_finds_mean_and_correlation_of_a_population():
+def test_stance_fit_recovers_mean_and_correlation_of_a_population():
     chance = np.random.default_rng(4)
     groups = {}
     for person in range(60):

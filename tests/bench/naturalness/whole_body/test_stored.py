@@ -9,7 +9,7 @@ from kinesic.bench.naturalness.whole_body.stored import CapturedBodyTable, forma
 from .bodies import make_body
 
 
-def test_stored_measures_equal_the_original_ones(monkeypatch, tmp_path):
+def test_body_measures_read_from_a_table_equal_the_measured_ones(monkeypatch, tmp_path):
     clips = [
         make_body(trunk=5.0, swing=(0.02, 0.3), set_name="One set", performance="x"),
         make_body(trunk=2.0, swing=(0.02, 0.3), set_name="Two", syncs={"start": 0.0, "end": 2.5}),
@@ -28,12 +28,12 @@ def test_stored_measures_equal_the_original_ones(monkeypatch, tmp_path):
     assert read[1].gestures[0].flow is None
 
 
-def test_supplied_table_has_tuned_and_unseen_sets():
+def test_supplied_table_of_captured_bodies_has_tuned_and_unseen_sets():
     names = [measured.name for measured in read_captured_sets()]
     assert set(names) >= TUNED_SETS
     assert set(names) - TUNED_SETS == {"PNGestures", "bvh gestures", "bvh other"}
 
 
-def test_unknown_keys_of_the_table_are_rejected():
+def test_unknown_keys_in_the_table_of_captured_bodies_are_rejected():
     with pytest.raises(msgspec.ValidationError):
         msgspec.convert({"sets": {}, "other": 1}, CapturedBodyTable)
