@@ -23,7 +23,7 @@ def _pose(chain: Chain, angles: Floats) -> tuple[Floats, Floats]:
 
 
 @pytest.mark.parametrize("side", ["l", "r"])
-def test_pointing_and_palm_agree_with_mujoco_kinematics(side: Side):
+def test_ik_meets_hand_position_pointing_and_palm_as_computed_by_mujoco(side: Side):
     """MuJoCo computes both target and result, without code of the solver."""
     model, chain = build_model(ROBOT), ARMS[side]
     data, random, held = mujoco.MjData(model), default_rng(41), []
@@ -60,7 +60,7 @@ def test_hand_pose_given_by_directions_or_rotation_has_the_same_ik_solution(side
         assert held.angles == pytest.approx(posed.angles, abs=1e-9)
 
 
-def test_palm_direction_not_perpendicular_to_pointing_is_met_approximately():
+def test_palm_direction_is_projected_perpendicular_to_the_pointing_direction():
     position, rotation = _pose(LEFT, LEFT.rest)
     along = LEFT.joints[-1].bone / np.linalg.norm(LEFT.joints[-1].bone)
     skewed = Reach(position, rotation @ along, rotation @ (LEFT.palm + 0.5 * along))
@@ -69,7 +69,7 @@ def test_palm_direction_not_perpendicular_to_pointing_is_met_approximately():
     assert solution.angles == pytest.approx(LEFT.rest, abs=1e-6)
 
 
-def test_invalid_pose_raises_a_clear_error():
+def test_invalid_hand_direction_or_position_raises_a_clear_error():
     place, ahead = LEFT.hand(LEFT.rest), np.array([1.0, 0.0, 0.0])
     with pytest.raises(ValueError, match=r"reach\.palm is None.*best_swivel"):
         hold_reach(LEFT, Reach(place, ahead), start=LEFT.rest)

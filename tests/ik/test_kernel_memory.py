@@ -50,7 +50,7 @@ print(calls() - before)
 
 @pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler for the counter")
 @pytest.mark.skipif(ctypes.util.find_library("c") != "libc.so.6", reason="the counter needs glibc")
-def test_ik_kernel_allocates_no_memory_while_solving(tmp_path):
+def test_ik_kernel_does_not_allocate_memory_for_each_solution(tmp_path):
     source, library = tmp_path / "counter.c", tmp_path / "counter.so"
     source.write_text(COUNTER)
     subprocess.run(["cc", "-shared", "-fPIC", "-O1", str(source), "-o", str(library)], check=True)

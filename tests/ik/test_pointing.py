@@ -81,14 +81,14 @@ def test_swivel_search_keeps_solutions_with_small_direction_errors():
         assert result.angles.tobytes() == first.angles.tobytes()
 
 
-def test_requested_elbow_swivel_is_kept_in_pointing():
+def test_swivel_search_keeps_a_requested_elbow_swivel():
     random = default_rng(33)
     held = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)
     reach = Reach(held.position, held.pointing, held.palm, swivel=0.5)
     assert np.array_equal(best_swivel(LEFT, reach, start=LEFT.rest).angles, solve(LEFT, reach, start=LEFT.rest).angles)
 
 
-def test_elbow_swivel_change_is_bounded():
+def test_swivel_search_changes_the_elbow_swivel_by_at_most_its_limit():
     random, swung = default_rng(34), 0
     for _ in range(30):
         reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)

@@ -83,7 +83,7 @@ def test_compiled_hand_pose_search_equals_the_python_reference(chain: Chain):
         assert np.abs(one.angles - two.angles).max() < (1e-12 if one.rounds == 0 else 1e-5)
 
 
-def test_ik_reaches_hand_poses_of_random_arms():
+def test_ik_reaches_over_99_percent_of_hand_poses_of_random_arms():
     random, held = default_rng(43), []
     for _ in range(24):
         chain = random_arm(random)
@@ -112,7 +112,7 @@ def test_ik_reaches_hand_poses_without_collar_bone_or_with_swapped_wrist_axes():
             assert solve_pose(chain, position, rotation, start=chain.rest).reached
 
 
-def test_two_hinge_wrist_keeps_position_and_minimises_rotation_error():
+def test_arm_without_forearm_twist_reaches_a_feasible_hand_pose():
     elbow = LEFT.joints[2]
     stiff = replace(LEFT, joints=(*LEFT.joints[:2], replace(elbow, hinges=elbow.hinges[:1]), LEFT.joints[3]))
     position, rotation = _pose(stiff, np.array([0.1, 0.6, 0.4, -0.3, 1.2, 0.1, -0.1]))
@@ -121,7 +121,7 @@ def test_two_hinge_wrist_keeps_position_and_minimises_rotation_error():
     assert solution.reached
 
 
-def test_unreachable_pose_returns_the_best_solution():
+def test_unreachable_hand_pose_returns_angles_in_range_and_reports_its_errors():
     position, rotation = np.array([2.0, 0.5, 0.0]), Rotation.from_rotvec([0.3, 2.0, -1.0]).as_matrix()
     solution = solve_pose(LEFT, position, rotation, start=LEFT.rest)
     _check(LEFT, solution, position, rotation)
@@ -172,7 +172,7 @@ def test_nearer_of_two_pose_solutions_is_chosen():
 
 
 @pytest.mark.parametrize("axis", [(0, 0, 1), (0, 1, 0), (0, 1, 1), (0, 1, -1), (1, 0, 1), (1, 1, 0), (1, 1, 1)])
-def test_ik_reaches_hand_poses_for_any_direction_of_the_last_wrist_axis(axis: tuple[int, int, int]):
+def test_ik_reaches_hand_poses_for_seven_directions_of_the_last_wrist_axis(axis: tuple[int, int, int]):
     """The axis lies along a coordinate axis or between two or three of them."""
     bend, tilt = BARE.joints[-1].hinges
     chain = with_hand(BARE, bend, replace(tilt, axis=np.array(axis) / np.linalg.norm(axis), **ANY_TURN))
@@ -247,7 +247,7 @@ def test_start_angle_outside_its_range_is_clipped_to_the_limit():
 @pytest.mark.parametrize(
     "convert", [np.ndarray.tolist, np.asfortranarray, np.float32], ids=["list", "Fortran", "float32"]
 )
-def test_hand_pose_is_solved_for_other_kinds_of_numbers(convert):
+def test_hand_pose_is_solved_for_lists_fortran_order_and_float32(convert):
     position, rotation = _pose(LEFT, LEFT.rest + 0.3 * (LEFT.upper - LEFT.rest))
     expected = solve_pose(LEFT, position, rotation, start=LEFT.rest)
     result = solve_pose(LEFT, convert(position), convert(rotation), start=LEFT.rest)

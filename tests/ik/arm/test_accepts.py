@@ -40,7 +40,7 @@ def _with(chain: Chain, joint: int, **changes: object) -> Chain:
 
 
 @pytest.mark.parametrize("side", ["l", "r"])
-def test_arms_of_the_default_robot_are_already_in_ik_normal_form(side):
+def test_accept_chain_does_not_change_the_arm_links_of_the_default_robot(side):
     chain = Robot.load().arms[side]
     assert linkage_of(accept_chain(chain)).links == linkage_of(chain).links
 
@@ -70,7 +70,7 @@ def test_common_arm_joint_layouts_are_accepted_and_solved_by_ik(arm):
         assert solve(chain, Reach(position), start=chain.rest).reached
 
 
-def test_arm_hinge_axes_need_not_be_perpendicular():
+def test_ik_solves_arms_with_oblique_hinge_axes():
     random = np.random.default_rng(73)
     for _ in range(4):
         chain = LEFT
@@ -109,7 +109,7 @@ def test_zero_length_bone_raises_an_error():
     assert accept_chain(_with(LEFT, 3, bone=sealed([0.0, 0.0, 0.0]))).lengths[-1] == 0.0
 
 
-def test_arm_chain_with_invalid_numbers_raises_an_error():
+def test_invalid_arm_chain_raises_an_error():
     with pytest.raises(ConfigError, match=r"has 2 joints; an arm has at least shoulder, elbow, wrist"):
         accept_chain(replace(LEFT, joints=LEFT.joints[:2]))
     with pytest.raises(ConfigError, match=r"bone of joint l_elbow is .*nan.*three finite numbers"):

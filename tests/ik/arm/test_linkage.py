@@ -61,7 +61,7 @@ def test_arm_reach_covers_the_extremes_of_all_elbow_hinges() -> None:
     assert kinds == {1, 2, 3}
 
 
-def test_limited_angle_is_an_equivalent_in_range_or_the_nearest_limit() -> None:
+def test_angle_out_of_range_becomes_its_equivalent_in_range_or_the_nearest_limit() -> None:
     pivot = Pivot((0.0, 0.0, 1.0), math.radians(-50), math.radians(190), 0.0)
     assert math.degrees(pivot.bring_into_range(math.radians(-175), 0.0)) == pytest.approx(185)
     assert math.degrees(pivot.bring_into_range(math.radians(20), 0.0)) == pytest.approx(20)
@@ -82,7 +82,7 @@ def test_zero_length_bone_raises_an_error(arm: Chain) -> None:
 
 
 @pytest.mark.parametrize(("lower", "upper"), [(1.0, -1.0), (math.nan, 1.0), (0.0, math.inf)])
-def test_hinge_with_an_empty_range_raises_an_error(arm: Chain, lower: float, upper: float) -> None:
+def test_hinge_with_an_empty_or_non_finite_range_raises_an_error(arm: Chain, lower: float, upper: float) -> None:
     first, *others = arm.joints[1].hinges
     joint = replace(arm.joints[1], hinges=(replace(first, lower=lower, upper=upper), *others))
     with pytest.raises(ValueError, match=f"hinge {first.name}: range"):

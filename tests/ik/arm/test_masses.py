@@ -71,7 +71,7 @@ def test_straight_mass_chain_bends_sideways_to_reach_a_near_target(line: Vector)
     assert max(norm(cross(line, point)) for point in settled.points) > 0.05
 
 
-def test_chain_with_its_target_at_the_base_is_solved() -> None:
+def test_settled_chain_keeps_bone_lengths_for_a_target_at_its_base() -> None:
     settled = settle_masses(POINTS, LENGTHS, POINTS[0])
     assert _stretch(settled.points, LENGTHS) < 1e-4
 

@@ -40,7 +40,7 @@ def test_ik_residual_of_unreachable_targets_is_close_to_the_optimum():
     assert np.mean(np.array(gaps) < 1e-3) >= 0.9
 
 
-def test_arm_reaching_behind_the_back_takes_the_nearer_side():
+def test_ik_residual_of_targets_behind_the_back_is_within_1_1_mm_of_the_optimum():
     random = default_rng(45)
     behind = [np.array([-0.52, -0.15, -0.052]), np.array([-1.932, -0.421, -0.073]), np.array([-2.568, -0.377, -0.184])]
     for _ in range(7):

@@ -43,7 +43,7 @@ def test_arms_with_offset_joint_axes_reach_targets_of_random_postures(offset):
         assert solution.residual < 1e-4
 
 
-def test_idealised_arm_has_all_axes_of_a_joint_in_one_centre():
+def test_idealised_arm_merges_joints_that_are_split_by_axis_offsets():
     ideal = nominal(_apart(0.02))
     assert [joint.name for joint in ideal.joints] == [joint.name for joint in LEFT.joints]
     assert [h.name for j in ideal.joints for h in j.hinges] == [h.name for j in LEFT.joints for h in j.hinges]

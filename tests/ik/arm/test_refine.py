@@ -76,7 +76,7 @@ def test_arm_with_axis_offsets_reaches_targets_that_the_ideal_solution_misses():
     assert np.median(missed) > 0.01
 
 
-def test_refined_hand_directions_are_met_as_nearly_as_possible():
+def test_refinement_turns_the_palm_towards_a_requested_direction():
     rest = ROBOT.skeleton.rest
     target = ROBOT.gesture_origin + ROBOT.arm_length * np.array([0.6, 0.3, 0.3])
     plain = refine_posture(ROBOT, "l", Reach(target), rest, near=rest)

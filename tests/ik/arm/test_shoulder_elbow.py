@@ -68,7 +68,7 @@ def test_requested_swivel_is_met_within_the_ranges() -> None:
         assert swivel_of(ARM, ARM.walk(bend.angles, 3)[1][-3:]) == pytest.approx(wished)
 
 
-def test_infeasible_swivel_is_met_as_nearly_as_possible() -> None:
+def test_infeasible_swivel_request_stops_at_a_joint_limit() -> None:
     place = place_shoulder(ARM, (0.25, 0.15, -0.05), near=REST, rest=REST)
     bend = bend_elbow(ARM, place, near=REST, swivel=2.5)
     swivel_angle = swivel_of(ARM, ARM.walk(bend.angles, 3)[1][-3:])
@@ -79,7 +79,7 @@ def test_infeasible_swivel_is_met_as_nearly_as_possible() -> None:
     assert min(stops[1:]) < 0.02
 
 
-def test_shoulder_and_elbow_of_a_solved_posture_are_recovered() -> None:
+def test_shoulder_position_and_target_of_a_posture_are_recovered() -> None:
     hand = vector(CHAIN.hand(CHAIN.rest))
     place = place_of(ARM, REST, hand)
     assert place.shoulder == SHOULDER
@@ -98,7 +98,7 @@ def test_shoulder_effort_moves_the_shoulder_towards_the_hand(target, sign):
     np.testing.assert_array_equal(carry_shoulder(CHAIN, target, 1.0)[1:], CHAIN.rest[1:])
 
 
-def test_stretched_arm_pulls_the_shoulder_more():
+def test_shoulder_moves_more_for_a_distant_target_than_for_a_near_one():
     shoulder = CHAIN.frames(CHAIN.rest)[1][1]
     near, far = (carry_shoulder(CHAIN, shoulder + share * (HIGH - shoulder), 0.5)[0] for share in (0.5, 0.9))
     assert far > near > 0.0

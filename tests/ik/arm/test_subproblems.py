@@ -47,7 +47,7 @@ def test_two_axis_aiming_in_gimbal_lock_has_no_solution_angle() -> None:
     assert first_of_two(Z, X, Z, Z) == ()
 
 
-def test_unreachable_direction_gives_the_nearest_angle() -> None:
+def test_two_axis_aiming_at_an_unreachable_direction_gives_the_best_angle() -> None:
     second = unit((0.0, 1.0, 1.0))
     wanted = unit((1.0, 0.0, -2.0))
     (branch,) = first_of_two(Z, second, Z, wanted)

@@ -47,7 +47,7 @@ def test_elbow_position_keeps_bone_lengths_and_swivel() -> None:
         assert swivel_of(ARM, (shoulder, elbow, hand)) == pytest.approx(wished)
 
 
-def test_positive_swivel_points_away_from_the_body() -> None:
+def test_positive_swivel_moves_the_elbow_away_from_the_body() -> None:
     hand = (0.3, 0.0, 0.0)
     left = elbow_at(ARM, (0.0, 0.0, 0.0), hand, 1.0)
     right = elbow_at(linkage_of(ROBOT.arms["r"]), (0.0, 0.0, 0.0), hand, 1.0)

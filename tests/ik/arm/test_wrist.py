@@ -143,7 +143,7 @@ def test_wrist_ignores_directions_along_its_axis() -> None:
 
 
 @pytest.mark.parametrize("rest", [(0.4, 0.0, 0.0), (-1.2, 0.0, 0.0)])
-def test_wrist_hinges_without_effect_on_the_directions_rest(rest: tuple[float, float, float]) -> None:
+def test_wrist_hinges_without_effect_on_the_directions_stay_at_rest(rest: tuple[float, float, float]) -> None:
     """The hand lies along the first hinge, so its twist does not change the direction."""
     wishes = [HandDirection("pointing", LINK.along, LINK.along)]
     assert orient(LINK, IDENTITY_ROTATION, wishes, rest) == pytest.approx(rest, abs=1e-6)

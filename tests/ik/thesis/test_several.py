@@ -34,7 +34,7 @@ def _pair(random: Generator) -> dict[str, Floats]:
 
 
 @pytest.mark.parametrize("priority", [(), ("l_arm",), ("r_arm", "l_arm")])
-def test_both_hands_reach_compatible_targets(priority):
+def test_both_hands_reach_over_90_percent_of_compatible_target_pairs(priority):
     random, both = default_rng(1), []
     for _ in range(30):
         targets = _pair(random)
@@ -62,7 +62,7 @@ def test_limb_priority_decides_between_conflicting_targets():
         assert reached[second] > 0.05
 
 
-def test_limb_weights_distribute_the_target_error():
+def test_larger_weight_of_a_limb_reduces_its_target_error():
     loss = {
         weight: solve_several(LIMBS, TORN, weights={"l_arm": weight}, effort=Effort(rounds=5)).residuals
         for weight in (0.2, 1.0, 5.0)
@@ -171,7 +171,7 @@ def test_common_joint_follows_the_limb_with_more_weight(weight: float, sign: flo
     assert sign * _turn(stances, "l_arm") > 0.05
 
 
-def test_equal_limb_weights_give_equal_target_errors():
+def test_common_joint_does_not_rotate_for_opposite_targets_of_equal_weight():
     assert _turn(_postured(0.3, -0.3, {"l_arm": 1.0, "r_arm": 1.0}), "l_arm") == pytest.approx(0.0, abs=1e-9)
 
 

@@ -17,7 +17,7 @@ def _chain(joints: int, size: float = 1.0) -> BallChain:
 
 @pytest.mark.parametrize("joints", JOINTS)
 @pytest.mark.parametrize("method", METHODS)
-def test_residual_is_the_hand_distance_and_bones_keep_their_lengths(method, joints):
+def test_ball_chain_residual_is_the_end_distance_and_bones_keep_their_lengths(method, joints):
     chain, random, reached = _chain(joints), default_rng(1), []
     for _ in range(12):
         line = random.normal(size=3)
@@ -90,7 +90,7 @@ def test_chain_solved_again_from_its_solution_needs_no_iterations(method):
     assert near.iterations < first.iterations
 
 
-def test_up_vector_turns_the_bend_of_the_solved_chain():
+def test_solved_chain_bends_towards_the_up_vector():
     target = np.array([0.5, 0.0, 0.0])
     for up in ([0.0, 1.0, 0.0], [0.0, 0.0, -1.0]):
         relaxed = solve_ball_chain(_chain(4), target, up=np.array(up))
@@ -99,7 +99,7 @@ def test_up_vector_turns_the_bend_of_the_solved_chain():
         assert middle @ np.array(up) == pytest.approx(np.linalg.norm(middle[1:]), rel=1e-3)
 
 
-def test_chain_on_a_moved_base_is_solved():
+def test_chain_on_a_moved_and_rotated_base_has_the_same_joint_rotations():
     quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     shift, target = np.array([1.0, 2.0, 3.0]), np.array([0.3, 0.4, 0.2])
     here = solve_ball_chain(_chain(6), target)
