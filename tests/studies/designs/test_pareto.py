@@ -21,19 +21,19 @@ BASE, CHEAP, SLOW, HEAVY = (
 )
 
 
-def test_design_dominates_if_no_worse_and_once_better():
+def test_design_dominates_if_no_worse_in_any_metric_and_better_in_one():
     assert beaten_by([BASE, CHEAP, SLOW, HEAVY]) == [[1], [], [1], []]
     assert unbeaten([BASE, CHEAP, SLOW, HEAVY]) == [CHEAP, HEAVY]
 
 
-def test_more_reach_and_a_longer_arm_are_better():
+def test_designs_with_more_reach_or_a_longer_arm_dominate_the_base():
     assert unbeaten([BASE, trial("reach", sectors=61), trial("arm", arm_length=0.5)]) == [
         trial("reach", sectors=61),
         trial("arm", arm_length=0.5),
     ]
 
 
-def test_nearly_equal_designs_keep_the_one_with_fewest_changes():
+def test_fewest_changes_decide_between_nearly_equal_designs():
     alike = trial("alike", torque=0.2501, mass=4.001, late=0.0201)
     more = replace(alike, design=(*alike.design, ("more", "1")))
     assert unbeaten([more, BASE, HEAVY]) == [BASE, HEAVY]

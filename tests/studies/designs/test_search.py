@@ -95,7 +95,7 @@ def test_number_of_documents_triples_with_each_round_of_the_design_search():
     assert [len(step) for step in document_steps(documents[:1])] == [1]
 
 
-def test_design_search_refuses_an_unfit_base_robot(tmp_path):
+def test_design_search_refuses_a_base_robot_that_cannot_hold_its_weight(tmp_path):
     (tmp_path / "weak.toml").write_text(
         '[robot]\nname = "weak"\nextends = "upper22"\n[[hinge]]\nname = "vl5_roll"\nservo = "xc330_t288"\n'
     )

@@ -19,14 +19,14 @@ FILE = read_robot(PATH, RobotFile)
 LONGER = (("l_shoulder.length", "0.33"),)
 
 
-def test_varied_feature_is_parsed_and_errors_suggest_names():
+def test_design_variable_is_parsed_and_its_errors_suggest_a_correction():
     assert Variable.parse("l_elbow.length=0.2, 0.3,0.2") == Variable("l_elbow.length", ("0.2", "0.3"))
     for text, message in (("l_elbow.lenght=1", "did you mean length"), ("l_elbow=1", "write WHAT.FEATURE")):
         with pytest.raises(ConfigError, match=message):
             Variable.parse(text)
 
 
-def test_all_designs_are_drawn_from_few_and_distinct_ones_from_many_combinations():
+def test_designs_are_all_combinations_if_few_and_a_distinct_seeded_sample_if_many():
     small = [Variable("a.length", ("1", "2")), Variable("b.length", ("3",))]
     assert draw_designs(small, 5) == [(("a.length", "1"), ("b.length", "3")), (("a.length", "2"), ("b.length", "3"))]
     large = [Variable(f"{name}.length", tuple("12345")) for name in "abcd"]

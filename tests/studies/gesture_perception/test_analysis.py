@@ -108,7 +108,7 @@ def test_preference_of_all_participants_for_the_first_stimulus_is_detected(tmp_p
     assert {share.rate for share in preferred.conditions.values()} == {0.5}, "balanced, so that no condition gains"
 
 
-def test_confusions_are_counted_relative_to_their_opportunities():
+def test_confusions_report_how_often_a_wrong_option_was_chosen_and_offered():
     options = ("a", "b", "c", "d", "e", "f")
     answers = [Recognition("p", "a", options, chosen) for chosen in ("a", "b", "b", "c")]
     answers += [Recognition("p", "a", ("a", "g", "c", "d", "e", "f"), "a"), Recognition("p", "b", options, "a")]

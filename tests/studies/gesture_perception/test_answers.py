@@ -69,7 +69,7 @@ def test_duplicate_answer_files_are_refused(tmp_path: Path):
         read_gesture_answers([file, again])
 
 
-def test_gesture_study_refuses_answers_of_the_face_study(tmp_path: Path):
+def test_face_study_or_empty_answer_file_is_not_of_the_gesture_study(tmp_path: Path):
     path = tmp_path / "answers.csv"
     path.write_text("participant,place,action\np,1,4\n")
     assert not are_of_gestures(path)

@@ -25,7 +25,7 @@ def judge(seed: int, participants: int = 60, repetitions: int = 3, spread: float
     return choices
 
 
-def test_ratings_of_judges_with_known_strength_are_recovered():
+def test_true_ratings_of_systems_are_recovered_from_simulated_judges():
     result = rate_systems(judge(1), 0.95)
     assert result is not None
     assert list(result.ratings) == ["captured", "rules", "beats", "idle"]
@@ -38,7 +38,7 @@ def test_ratings_of_judges_with_known_strength_are_recovered():
     )
 
 
-def test_strengths_equal_those_of_a_logistic_regression():
+def test_fitted_elo_strengths_equal_those_of_a_logistic_regression():
     wins = np.array([[0, 7, 12, 3.0], [4, 0, 5, 9], [2, 6, 0, 1], [8, 2, 3, 0]])
 
     def loss(strengths):
@@ -48,7 +48,7 @@ def test_strengths_equal_those_of_a_logistic_regression():
     assert fit_strengths(wins) == pytest.approx(reference - reference.mean(), abs=1e-5)
 
 
-def test_intervals_cover_the_true_ratings_although_judges_differ():
+def test_over_85_percent_of_rating_intervals_cover_the_true_ratings_of_varied_judges():
     covered = total = 0
     for seed in range(6):
         result = rate_systems(judge(seed, participants=25, repetitions=1, spread=120.0), 0.95)

@@ -21,7 +21,7 @@ from kinesic.studies.gesture_perception.speech import (
 from kinesic.studies.gesture_perception.stimuli import SampledMotion
 
 
-def test_each_speech_is_the_wrong_option_of_one_text_of_similar_length():
+def test_each_speech_is_the_wrong_option_of_exactly_one_other_text():
     durations = {"a": 5.0, "b": 9.0, "c": 5.2, "d": 9.1, "e": 20.0}
     foils = choose_foils(durations)
     assert sorted(foils.values()) == sorted(durations)
@@ -39,7 +39,7 @@ def test_motion_is_shown_equally_long_with_either_speech(own: float, other: floa
     assert shown_duration(one, two) == pytest.approx(expected)
 
 
-def test_texts_are_planned_with_every_system(known):
+def test_speech_study_plans_every_text_with_every_compared_system(known):
     texts = {"one": ("The roses are dry.", True), "two": ("We found three boxes.", True)}
     spoken = plan_spoken_motions(texts, known, ["whole_body=0"])
     assert [(item.system, item.text) for item in spoken] == [
@@ -61,7 +61,7 @@ def test_texts_are_planned_with_every_system(known):
         ),
     ],
 )
-def test_texts_without_speech_or_partner_are_refused(known, texts, why: str):
+def test_single_or_speechless_texts_and_names_with_a_separator_are_refused(known, texts, why: str):
     with pytest.raises(ConfigError, match=why.replace("|", r"\|")):
         plan_spoken_motions(texts, known, [])
 
@@ -86,7 +86,7 @@ def write_study(path: Path, participants: int = 30) -> Path:
     return path
 
 
-def test_analysis_prints_matched_speech_and_elo(tmp_path: Path):
+def test_analysis_of_a_speech_study_prints_match_rates_and_elo_ratings(tmp_path: Path):
     file = write_study(tmp_path / "answers.csv")
     data = json.loads(CliRunner().invoke(kinesic, ["study", "analyse", str(file), "--json"]).stdout)
     rules, idle = (data["mismatching"]["systems"][name] for name in ("rules", "idle"))

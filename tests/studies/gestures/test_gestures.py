@@ -82,7 +82,7 @@ def test_nearer_lines_of_a_robot_drawing_are_later_and_darker(known):
     assert all(line.colour == PALE_COLOUR for line in fade_lines(lines))
 
 
-def test_robot_drawing_mirrors_left_and_right():
+def test_front_view_draws_the_left_side_of_the_robot_on_the_right():
     assert project(np.array([0.0, 1.0, 0.0])) == pytest.approx([1.0, 0.0])
     assert project(np.array([0.0, 0.0, 1.0]))[1] > 0.9
     assert depth(np.array([1.0, 0.0, 0.0])) > 0.9

@@ -32,7 +32,7 @@ def test_gesture_hands_reach_their_targets_in_every_style(known, gesture):
 
 @pytest.mark.parametrize("robot", ["upper22", "upper36"])
 @pytest.mark.parametrize("style", ["joyful", "shy"])
-def test_clapping_hands_meet(robot, style):
+def test_clapping_hands_come_within_4_cm_at_every_clap(robot, style):
     setup = set_up(robot, style=style)
     planned = plan_gesture(setup.lexicon.forms_by_id["applause"], setup)
     claps = [sync.planned for sync in planned.syncs if sync.is_stroke]

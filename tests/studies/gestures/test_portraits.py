@@ -56,7 +56,7 @@ def test_portrait_of_the_human_shows_head_and_hands(drawable: None):  # noqa: F8
 
 
 @pytest.mark.parametrize("name", ["upper22", "upper36"])
-def test_turntable_film_turns_evenly_and_closes(name: str, modelled: None):
+def test_turntable_film_rotates_about_evenly_and_loops_without_a_jump(name: str, modelled: None):
     robot, shares = Robot.load(name), []
     with few_pictures(8):
         pictures = draw_turntable(robot, robot.skeleton.rest, progress=shares.append)
@@ -77,7 +77,7 @@ def test_turntable_of_the_human_shows_skin(drawable: None):  # noqa: F811 - the 
     assert right > 0
 
 
-def test_portrait_of_the_human_shows_the_face_of_the_gesture(drawable: None):  # noqa: F811 - the fixture
+def test_portrait_of_the_human_shows_its_facial_expression(drawable: None):  # noqa: F811 - the fixture
     rest = HUMAN.skeleton.rest
     _, (plain, smiling, again) = draw_stills(HUMAN, [rest] * 3, [{}, {"12": 1.0}, {}], (200, 230))
     changed = np.abs(plain.astype(int) - smiling).max(axis=-1) > 20

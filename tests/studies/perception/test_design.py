@@ -16,7 +16,7 @@ def test_answers_about_96_of_128_stimuli_are_evaluated():
     assert len({stimulus.id for stimulus in list_stimuli()}) == 128
 
 
-def test_stimulus_names_for_participants_tell_no_condition():
+def test_stimulus_names_for_participants_do_not_reveal_the_condition():
     stimuli = list_stimuli()
     assert len({stimulus.code for stimulus in stimuli}) == 128
     assert all(re.fullmatch("face-[0-9a-f]{8}", stimulus.code) for stimulus in stimuli)

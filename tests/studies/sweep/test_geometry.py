@@ -31,7 +31,7 @@ def test_peak_speed_and_length_of_a_straight_path_are_exact():
     assert peak_speed(path[:1], period=PERIOD) == 0.0
 
 
-def test_path_along_a_cube_has_its_volume():
+def test_hull_volume_of_cube_corners_is_the_volume_of_the_cube():
     corners = np.array([[x, y, z] for x in (0, 0.2) for y in (0, 0.2) for z in (0, 0.2)])
     assert hull_volume(corners) == pytest.approx(0.008)
     inside = np.concatenate([corners, [[0.1, 0.1, 0.1]] * 5])
@@ -54,7 +54,7 @@ def test_hand_paths_in_a_plane_have_no_volume(path):
 
 
 @pytest.mark.parametrize("radius", [0.1, 0.2, 0.4])
-def test_path_along_a_circle_has_its_curvature(radius):
+def test_mean_curvature_of_a_circular_path_is_one_over_its_radius(radius):
     assert curvature(circle(radius, 3)) == pytest.approx(1 / radius, rel=0.03)
 
 

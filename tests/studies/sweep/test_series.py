@@ -63,7 +63,9 @@ def test_every_expressivity_parameter_has_a_main_measure():
         ("power", (0.4,), True),
     ],
 )
-def test_parameter_series_is_monotone_only_if_its_measure_always_increases(parameter, values, monotone):
+def test_parameter_series_is_monotone_only_if_its_measure_changes_in_the_expected_direction(
+    parameter, values, monotone
+):
     assert series(parameter, *values).monotone is monotone
 
 
