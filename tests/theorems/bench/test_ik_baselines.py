@@ -17,7 +17,7 @@ chains = st.tuples(vectors, bones).map(lambda parts: np.cumsum([parts[0], *parts
 
 @examples(150, derandomize=True)
 @given(method=st.sampled_from(IK_METHODS), rest=chains, target=vectors, max_iterations=st.integers(1, 60))
-def test_bone_lengths_are_kept_and_the_residual_is_correct(
+def test_ik_methods_keep_bone_lengths_and_report_the_correct_residual(
     method: Method, rest: Floats, target: Floats, max_iterations: int
 ) -> None:
     solved = solve_chain(method, rest, 4.0 * target, max_iterations=max_iterations)
@@ -34,6 +34,8 @@ def test_bone_lengths_are_kept_and_the_residual_is_correct(
 
 @examples(60, derandomize=True)
 @given(method=st.sampled_from(IK_METHODS), rest=chains, target=vectors)
-def test_solver_stops_at_the_target_or_the_iteration_limit(method: Method, rest: Floats, target: Floats) -> None:
+def test_iterative_ik_methods_stop_at_the_target_or_the_iteration_limit(
+    method: Method, rest: Floats, target: Floats
+) -> None:
     solved = solve_chain(method, rest, target, tolerance=1e-3, max_iterations=100)
     assert solved.residual <= 1e-3 or solved.iterations == 100 or method == "triangulation"

@@ -81,7 +81,9 @@ def read_response(text: str) -> str:
 
 
 @given(st.lists(BEHAVIOUR_ITEMS, max_size=4), st.booleans())
-def test_json_behaviours_are_parsed_or_refused(behaviours: list[dict[str, object]], in_envelope: bool) -> None:
+def test_json_behaviours_are_parsed_or_refused_with_a_position(
+    behaviours: list[dict[str, object]], in_envelope: bool
+) -> None:
     is_parsed_or_refused(json.dumps({"id": "b", "data": behaviours} if in_envelope else behaviours))
 
 
@@ -91,12 +93,12 @@ def test_json_behaviours_are_parsed_or_refused(behaviours: list[dict[str, object
         st.dictionaries(st.sampled_from(["bml", "data", "required", "constraints"]), JSON_TREES),
     )
 )
-def test_any_json_is_parsed_or_refused(tree: object) -> None:
+def test_any_json_is_parsed_or_refused_with_a_position(tree: object) -> None:
     is_parsed_or_refused(json.dumps(tree))
 
 
 @given(st.lists(BEHAVIOUR_ITEMS, max_size=4))
-def test_xml_fragments_are_parsed_or_refused(behaviours: list[dict[str, object]]) -> None:
+def test_xml_fragments_are_parsed_or_refused_with_a_position(behaviours: list[dict[str, object]]) -> None:
     is_parsed_or_refused(
         "".join(f"<{behaviour['type']} {' '.join(map(attribute, behaviour.items()))}/>" for behaviour in behaviours)
     )
@@ -108,5 +110,5 @@ def attribute(item: tuple[str, object]) -> str:
 
 
 @given(st.text(alphabet='<>/[]{}":, bmlheadgztyp=\n', max_size=60))
-def test_any_text_is_parsed_or_refused(text: str) -> None:
+def test_any_text_is_parsed_or_refused_with_a_position(text: str) -> None:
     is_parsed_or_refused(text)

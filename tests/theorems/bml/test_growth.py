@@ -36,7 +36,7 @@ def test_parsing_time_grows_at_most_linearly_with_block_length(name: str) -> Non
     )
 
 
-def test_time_to_parse_breaks_and_marks_is_linear() -> None:
+def test_parsing_time_grows_at_most_linearly_with_the_number_of_breaks_and_marks() -> None:
     def document(count: int) -> str:
         words = "".join(f'word <sync id="m{k}"/><break time="1ms"/> ' for k in range(count))
         return f'<bml id="b"><speech id="s"><text>{words}</text></speech></bml>'
@@ -53,6 +53,6 @@ def test_parsing_time_grows_at_most_linearly_with_composition_length(inside: str
 
 
 @pytest.mark.parametrize("piece", ["<bml ", "<bml id", " id=", "<", "<a"])
-def test_time_to_find_the_block_id_is_linear(piece: str) -> None:
+def test_time_to_find_the_block_id_grows_at_most_linearly_with_text_length(piece: str) -> None:
     assert growth(block_id, lambda size: f"<bml {size * piece}", most=MAX_LENGTH) < LINEAR_GROWTH_LIMIT
     assert growth(block_id, lambda size: size * piece, most=MAX_LENGTH) < LINEAR_GROWTH_LIMIT

@@ -122,7 +122,7 @@ def test_time_constraints_hold_if_no_behaviour_is_dropped(text: str) -> None:
 
 @examples(80)
 @given(documents(), st.permutations([f"n{i}" for i in range(5)]))
-def test_schedule_is_independent_of_names(text: str, names: list[str]) -> None:
+def test_schedule_is_independent_of_behaviour_names(text: str, names: list[str]) -> None:
     block = parse(text)
     new = {b.id: names[i] for i, b in enumerate(block.behaviours)}
     _assert_same(_scheduled(block), _scheduled(_renamed(block, new)), new, shift=0.0)
@@ -144,7 +144,7 @@ def test_schedule_is_independent_of_the_time_origin(text: str, shift: float) -> 
 
 @pytest.mark.soak
 @pytest.mark.skipif(not CORPUS_FILES, reason=f"no corpus at {CORPUS_FOLDER}")
-def test_corpus_schedules_are_independent_of_names_and_origin() -> None:
+def test_corpus_schedules_are_independent_of_behaviour_names_and_time_origin() -> None:
     for path in CORPUS_FILES:
         with about(path):
             block = _shifted(_grounded(parse(path.read_bytes(), source=path.name)), 50.0)
@@ -208,7 +208,9 @@ def _shifted(block: Block, shift: float) -> Block:
 
 @examples(120)
 @given(documents(), st.lists(st.tuples(st.sampled_from(SYNC_POINTS), offsets, st.booleans()), min_size=1, max_size=3))
-def test_behaviours_relative_to_the_block_end_are_timed(text: str, ends: list[tuple[str, float, bool]]) -> None:
+def test_sync_times_relative_to_the_block_end_are_ordered_and_bounded(
+    text: str, ends: list[tuple[str, float, bool]]
+) -> None:
     refs = [f"bml:end{-abs(offset):+}" for _, offset, _ in ends]
     texts = [f"after({ref})" if after else ref for ref, (_, _, after) in zip(refs, ends, strict=True)]
     written = "".join(

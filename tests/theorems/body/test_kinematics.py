@@ -45,7 +45,7 @@ def test_mirrored_angles_give_mirror_postures(angles: Floats):
 
 
 @given(RANDOM_POSTURES)
-def test_bone_lengths_are_constant(angles: Floats):
+def test_bone_lengths_are_the_same_in_every_posture(angles: Floats):
     origins = ROBOT_SKELETON.frames(angles).origins
     for k, segment in enumerate(ROBOT_SKELETON.segments):
         if segment.parent is not None:

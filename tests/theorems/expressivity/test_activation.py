@@ -15,7 +15,7 @@ activations = st.floats(-1.0, 1.0)
 
 
 @given(manners)
-def test_zero_activation_is_the_identity(manner):
+def test_zero_activation_does_not_change_expressivity_parameters(manner):
     still = replace(manner, activation=0.0)
     assert fold_activation(still) == still
 
@@ -31,7 +31,7 @@ def test_higher_activation_never_lowers_the_parameters_that_it_affects(manner, a
 
 
 @given(manners)
-def test_folding_activation_keeps_expressivity_parameters_in_range(manner):
+def test_applying_activation_keeps_expressivity_parameters_in_range(manner):
     folded = fold_activation(manner)
     assert folded.activation == 0.0
     for name, (least, most) in EXPRESSIVITY_RANGES.items():

@@ -68,7 +68,7 @@ def same(found: HandArrangement, other: HandArrangement) -> bool:
 
 
 @given(st.floats(0.0, 5.0), gaps, usual, windows)
-def test_gesture_alone_in_a_block_uses_a_free_hand(start, phases, side, busy_hands):
+def test_gesture_alone_in_a_block_uses_a_free_hand_if_one_exists(start, phases, side, busy_hands):
     one = stroke("g", start, phases, side, either=True)
     arrangement = arrange_hands([one], HAND_PACE, busy_hands=busy_hands)
     busy = {busy_hand.side for busy_hand in busy_hands if busy_hand.meets(one.times, LEAST_TIME)}
@@ -78,7 +78,7 @@ def test_gesture_alone_in_a_block_uses_a_free_hand(start, phases, side, busy_han
 
 
 @given(st.floats(0.0, 5.0), gaps, windows)
-def test_two_handed_gesture_uses_the_only_free_hand(start, phases, busy_hands):
+def test_two_handed_gesture_uses_one_hand_if_only_that_hand_is_free(start, phases, busy_hands):
     both = Poses({side: POSE_OPTIONS[side].hands[side] for side in SIDES}, 1)
     one = replace(stroke("g", start, phases, "r", either=False), options=(both,), may_split=True)
     arrangement = arrange_hands([one], HAND_PACE, busy_hands=busy_hands)
@@ -115,7 +115,7 @@ def test_every_gesture_uses_allowed_hands_or_is_reported_dropped(row, busy_hands
 
 
 @given(rows, st.integers(0, 3))
-def test_most_important_gesture_is_unaffected_by_dropped_ones(row, place):
+def test_most_important_gesture_is_kept_and_dropped_ones_leave_hand_keys_unchanged(row, place):
     strokes = made(row, either=False)
     first = place % len(strokes)
     strokes = [replace(one, importance=int(k == first)) for k, one in enumerate(strokes)]

@@ -33,7 +33,7 @@ def test_mirrored_path_is_the_path_of_mirrored_keys(path: HandPath, start: np.nd
 
 
 @given(paths, places, places)
-def test_samples_are_ordered_and_between_the_keys(path: HandPath, start: np.ndarray, end: np.ndarray) -> None:
+def test_path_samples_are_ordered_and_between_the_end_keys(path: HandPath, start: np.ndarray, end: np.ndarray) -> None:
     shares = path.samples(start, end, 0.02, 0.3)
     assert np.all(np.diff([0.0, *shares, 1.0]) > 0)
 

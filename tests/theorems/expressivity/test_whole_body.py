@@ -129,7 +129,7 @@ def test_head_behaviours_replace_accompanying_head_motion(name, spans_, nodding,
 
 @examples(40)
 @given(names, spans, styles)
-def test_body_motion_is_in_range_and_returns_to_rest(name, spans_, style):
+def test_body_motion_of_a_gesture_ends_with_head_and_shoulders_at_rest(name, spans_, style):
     result = performed(timed("g", Gesture(name), spans_), style=style)
     assert turn_angles(result.frames[0].head) == turn_angles(result.frames[-1].head) == (0.0, 0.0, 0.0)
     if not BUILTIN_LEXICON.forms_by_id[name].rest:

@@ -21,7 +21,7 @@ pressed = st.builds(lambda told, seal: {**told, seal: 1.0}, units, st.sampled_fr
 
 @examples(60)
 @given(units)
-def test_weights_are_between_0_and_1_and_the_mesh_stays_bounded(told: dict[str, float]):
+def test_shape_weights_are_between_0_and_1_and_vertices_move_less_than_8_cm(told: dict[str, float]):
     shape_weights = compute_shape_weights(FEMALE_MESH, told)
     assert shape_weights.min() >= 0.0
     assert shape_weights.max() <= 1.0
@@ -38,7 +38,7 @@ def test_weights_are_between_0_and_1_and_the_mesh_stays_bounded(told: dict[str, 
     st.floats(0.0, 0.99),
     st.sampled_from(STEP_SIZES),
 )
-def test_small_changes_of_units_give_small_displacements(
+def test_small_changes_of_action_units_give_small_vertex_displacements(
     mesh: Mesh, told: dict[str, float], channel: str, value: float, step: float
 ):
     assert farthest(mesh, told, channel, value, step) < step * MAX_DISPLACEMENT
@@ -52,7 +52,7 @@ def test_small_changes_of_units_give_small_displacements(
     st.floats(0.0, 0.99),
     st.sampled_from(STEP_SIZES),
 )
-def test_small_changes_of_pressed_lips_give_small_displacements(
+def test_small_changes_of_action_units_with_pressed_lips_give_small_displacements(
     mesh: Mesh, told: dict[str, float], channel: str, value: float, step: float
 ):
     assert farthest(mesh, told, channel, value, step) < step * MAX_DISPLACEMENT

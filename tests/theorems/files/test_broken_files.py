@@ -218,7 +218,7 @@ def entries(data: bytes) -> dict[str, np.ndarray]:
 @pytest.mark.parametrize("kind", ["log", "shell"])
 @given(seed=st.integers(0, 2**32 - 1))
 @examples(200)
-def test_altered_arrays_are_read_or_refused(kind: str, seed: int):
+def test_npz_files_with_altered_arrays_are_read_or_refused(kind: str, seed: int):
     name, valid, read = BINARY_READERS[kind]
     choose, arrays = random.Random(seed), dict(entries(valid()))
     for _ in range(choose.choice((1, 1, 2))):
@@ -247,7 +247,7 @@ def repacked(data: bytes, name: str, shape: bytes) -> bytes:
 
 @pytest.mark.parametrize("kind", ["log", "shell"])
 @pytest.mark.parametrize("damage", ["encrypted", "method", "huge"])
-def test_corrupt_archives_are_refused(kind: str, damage: str, tmp_path: Path):
+def test_corrupt_npz_archives_are_refused(kind: str, damage: str, tmp_path: Path):
     name, valid, read = BINARY_READERS[kind]
     data = bytearray(valid())
     flag = {"encrypted": (6, 8, 1), "method": (8, 10, 99)}

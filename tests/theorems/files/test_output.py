@@ -81,7 +81,7 @@ def test_output_folder_replaces_only_marked_or_empty_folders(tree, names, force,
 
 
 @given(FOLDER_TREES, ITEM_PATHS, st.booleans())
-def test_output_file_removes_no_path_and_keeps_an_existing_file_unless_forced(tree, names, force):
+def test_output_file_deletes_no_path_and_overwrites_no_existing_file_without_force(tree, names, force):
     with TemporaryDirectory() as place:
         grow(Path(place), tree)
         target, before = Path(place).joinpath(*names), letters(Path(place))

@@ -17,7 +17,7 @@ HOSTILE_TEXTS = st.one_of(
 
 
 @given(HOSTILE_TEXTS)
-def test_plain_stem_is_a_single_unreserved_name(text: str):
+def test_plain_stem_is_a_short_portable_file_name(text: str):
     stem = plain_stem(text, fallback="performance")
     assert re.fullmatch(r"[A-Za-z0-9][A-Za-z0-9_-]*", stem)
     assert len(stem) <= MAX_STEM_LENGTH + 1  # A device name is extended by one character

@@ -159,7 +159,7 @@ def compare(own: Host, manual: Host, data: bytes) -> None:
 
 @examples(80)
 @given(st.sampled_from(TESTED_MODELS), st.lists(instructions(), max_size=25))
-def test_virtual_servos_answer_like_the_reference(model: str, stream: list[bytes]):
+def test_virtual_servos_answer_random_instructions_like_the_manual_model(model: str, stream: list[bytes]):
     cable = Cable("body", tuple(ServoFitting(servo, model=model) for servo in SERVO_IDS))
     own = Host(MemoryWire(build_bus([cable])[1]["body"]))
     manual = Host(ManualWire(build_manual([cable])[1]["body"]))
@@ -177,7 +177,7 @@ TRIED_VALUES = (*EDGE_VALUES, -1, -100, -886, -1024, -2048, 16_383, 16_384, 32_7
 @pytest.mark.parametrize("share", [len(TESTED_MODELS), pytest.param(1, marks=pytest.mark.soak)])
 @pytest.mark.parametrize("torque", [0, 1])
 @pytest.mark.parametrize("model", TESTED_MODELS)
-def test_virtual_servos_accept_the_same_values_as_the_reference(model: str, torque: int, share: int):
+def test_virtual_servos_accept_the_same_register_values_as_the_manual_model(model: str, torque: int, share: int):
     cable = Cable("body", (ServoFitting(1, model=model),))
     own = Host(MemoryWire(build_bus([cable])[1]["body"]))
     manual = Host(ManualWire(build_manual([cable])[1]["body"]))

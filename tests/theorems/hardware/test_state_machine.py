@@ -150,13 +150,13 @@ def test_no_motion_or_arming_after_an_emergency_stop(steps: list[TakenStep]):
             assert before.stage is not Stage.STOPPED or after.stage is not Stage.HOLD
 
 
-def test_torque_is_enabled_in_arm_and_disabled_in_release_only(steps: list[TakenStep]):
+def test_torque_is_enabled_only_on_arming_and_disabled_only_on_release(steps: list[TakenStep]):
     for _, _, _, after, actions in steps:
         assert ("arm" in actions) == (after.stage is Stage.ARM and bool(actions))
         assert ("release" in actions) == (after.stage is Stage.RELEASE and bool(actions))
 
 
-def test_torque_of_raised_limbs_is_removed_only_by_a_person(steps: list[TakenStep]):
+def test_torque_of_raised_limbs_is_disabled_only_on_confirmation_or_a_torque_off_stop(steps: list[TakenStep]):
     for _, event, known, _, actions in steps:
         if "release" in actions and known.raised:
             assert known.confirmed or (event == "estop" and known.policy == "limp")
@@ -187,14 +187,14 @@ def good_end(state: SupervisorState, known: Observation) -> SupervisorState:
     raise AssertionError(f"{state} changes for ever")
 
 
-def test_every_state_reaches_release_after_the_planner_ends(states: Iterator[SupervisorState]):
+def test_every_state_reaches_the_closed_stage_after_the_planner_ends(states: Iterator[SupervisorState]):
     for number, state in enumerate(states):
         release = bool(number % 2)
         known = Observation(energised=True, reached=True, idle=True, ended=True, alone=not release, release=release)
         assert good_end(state, known).stage is Stage.CLOSED
 
 
-def test_robot_that_cannot_rest_holds_until_a_person_confirms(states: Iterator[SupervisorState]):
+def test_robot_with_raised_limbs_holds_at_the_end_until_a_person_confirms(states: Iterator[SupervisorState]):
     for number, state in enumerate(states):
         known = Observation(energised=True, reached=True, idle=True, ended=True, release=True, raised=True)
         known = replace(known, alone=bool(number % 2))
@@ -205,7 +205,7 @@ def test_robot_that_cannot_rest_holds_until_a_person_confirms(states: Iterator[S
             assert good_end(end, replace(known, confirmed=True)).stage is Stage.CLOSED
 
 
-def test_dead_planner_after_an_emergency_stop_means_hold_then_fold(states: Iterator[SupervisorState]):
+def test_robot_holds_and_then_folds_if_the_planner_dies_during_an_emergency_stop(states: Iterator[SupervisorState]):
     known = Observation(energised=True, raised=True, ended=True, alone=True)
     for before in states:
         state, _ = step(before, "estop", known)
@@ -218,7 +218,7 @@ def test_dead_planner_after_an_emergency_stop_means_hold_then_fold(states: Itera
         assert actions == ("fold",)
 
 
-def test_every_state_reaches_rest_or_a_hold_with_a_stated_reason(states: Iterator[SupervisorState]):
+def test_every_state_ends_in_a_safe_stage_that_states_the_awaited_input(states: Iterator[SupervisorState]):
     for state in states:
         end = good_end(state, Observation(energised=True, reached=True, idle=True))
         assert end.stage in (Stage.CLOSED, Stage.LIMP, Stage.STOPPED) or (end.stage is Stage.HOLD and end.folded)

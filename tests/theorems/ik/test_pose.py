@@ -33,7 +33,7 @@ def _posture(share: Floats) -> Floats:
 
 @examples(50, derandomize=True)
 @given(share=inner, start=shares)
-def test_poses_of_postures_in_range_are_reached(share, start):
+def test_hand_poses_of_postures_inside_the_joint_ranges_are_reached(share, start):
     rotations, centres = LEFT_ARM.frames(_posture(share))
     solution = solve_pose(LEFT_ARM, centres[-2], rotations[-1], start=_posture(start))
     assert solution.residual < 1e-3

@@ -21,7 +21,9 @@ MIRROR_SIGNS = np.array([1.0, -1.0, 1.0])
 
 @examples(80, derandomize=True)
 @given(sizes=lengths, share=places, method=methods)
-def test_bone_lengths_are_kept_and_the_residual_is_correct(sizes: list[float], share: np.ndarray, method: Method):
+def test_ball_chain_solution_keeps_bone_lengths_and_reports_its_residual(
+    sizes: list[float], share: np.ndarray, method: Method
+):
     chain = BallChain.curved(sizes)
     target = 1.3 * chain.size * share
     relaxed = solve_ball_chain(chain, target, method=method)
@@ -36,7 +38,9 @@ def test_bone_lengths_are_kept_and_the_residual_is_correct(sizes: list[float], s
 
 @examples(40, derandomize=True)
 @given(sizes=lengths, share=places, method=methods, box=boxes)
-def test_ball_chain_joint_limits_hold(sizes: list[float], share: np.ndarray, method: Method, box: np.ndarray):
+def test_ball_chain_solution_is_within_joint_limits(
+    sizes: list[float], share: np.ndarray, method: Method, box: np.ndarray
+):
     limits = EulerBoxes.of(-box, box, joints=len(sizes))
     rest = BallChain.curved(sizes)
     relaxed = solve_ball_chain(BallChain.of(rest.points, limits=limits), rest.size * share, method=method)
@@ -45,7 +49,9 @@ def test_ball_chain_joint_limits_hold(sizes: list[float], share: np.ndarray, met
 
 @examples(40, derandomize=True)
 @given(sizes=lengths, share=places, method=methods)
-def test_solving_is_deterministic_and_arms_are_mirror_images(sizes: list[float], share: np.ndarray, method: Method):
+def test_ball_chain_solution_is_deterministic_and_mirrors_with_its_target(
+    sizes: list[float], share: np.ndarray, method: Method
+):
     chain = BallChain.curved(sizes)
     target = chain.size * share
     first, again = (solve_ball_chain(chain, target, method=method) for _ in range(2))

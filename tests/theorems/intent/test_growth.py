@@ -59,7 +59,7 @@ def test_authoring_time_grows_at_most_linearly_with_the_number_of_intents(kind: 
     assert growth(author_fml, document, size=INITIAL_SIZE) < LINEAR_GROWTH_LIMIT
 
 
-def test_time_for_a_long_intent_name_is_linear() -> None:
+def test_authoring_time_grows_at_most_linearly_with_intent_name_length() -> None:
     def document(size: int) -> str:
         return f'<fml-apml><bml id="b"/><fml><emotion type="{size * "a-"}" start="0"/></fml></fml-apml>'
 

@@ -130,12 +130,12 @@ def check(rows, wishes):
 
 @settings(max_examples=20, deadline=None)
 @given(rows, wished)
-def test_any_motion_is_conditioned_to_the_limits(rows, wishes):
+def test_conditioned_motion_keeps_limits_passes_keys_and_reports_time_shifts(rows, wishes):
     check(rows, wishes)
 
 
 @pytest.mark.soak
 @settings(max_examples=1000, deadline=None, derandomize=True, suppress_health_check=list(HealthCheck))
 @given(rows, wished)
-def test_1000_motions_are_conditioned_to_the_limits(rows, wishes):
+def test_1000_conditioned_motions_keep_limits_pass_keys_and_report_time_shifts(rows, wishes):
     check(rows, wishes)

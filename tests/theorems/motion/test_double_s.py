@@ -20,7 +20,7 @@ def test_higher_limits_never_increase_the_minimum_duration(limits, way, which, f
 
 
 @given(PROFILE_LIMITS, st.floats(1e-6, 10), st.floats(0.1, 10))
-def test_minimum_duration_scales_with_time_if_limits_are_scaled(limits, way, factor):
+def test_minimum_duration_scales_with_the_time_unit_of_the_limits(limits, way, factor):
     speed, acceleration, jerk = limits
     slower = least_time(way, speed / factor, acceleration / factor**2, jerk / factor**3)
     np.testing.assert_allclose(slower, factor * least_time(way, *limits), rtol=1e-9)

@@ -68,6 +68,6 @@ def test_idle_motion_is_planned_and_begins_and_ends_at_rest(known, waiting):
 
 
 @pytest.mark.parametrize("time", [1.7, 3.1, 4.9, 7.3])
-def test_emergency_stop_ends_idle_motion_quickly(known, waiting, time: float):
+def test_emergency_stop_ends_idle_motion_within_0_3_s(known, waiting, time: float):
     stopped = stop(waiting.trajectory, time, known.limits)
     assert stopped.end <= time + SETTLING_TIME

@@ -65,7 +65,7 @@ def test_later_of_two_gazes_sent_during_a_held_one_is_held(first_pause: float, p
     np.testing.assert_allclose(chain.end, held_alone(last), atol=1e-6)
 
 
-def test_block_that_waits_is_restyled_before_its_first_motion() -> None:
+def test_style_change_before_the_first_motion_of_a_block_keeps_its_held_posture() -> None:
     chain = Chain(ahead=0.0).send(WAITING_BLOCK).wait(2.0).do("restyle", 0)
     chain.finish()
     np.testing.assert_allclose(chain.end, held_alone(WAITING_BLOCK), atol=1e-6)

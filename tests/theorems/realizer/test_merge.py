@@ -65,7 +65,7 @@ def check(before: Trajectory, after: Trajectory, time: float) -> None:
 
 @settings(max_examples=12, deadline=None)
 @given(st.lists(SCENE_ACTIONS, min_size=2, max_size=5), st.booleans())
-def test_any_merge_keeps_limits_continuity_and_clearance(deeds, quickly):
+def test_merging_replacing_and_releasing_blocks_keeps_limits_and_clearance(deeds, quickly):
     motion, time, playing = stay(known().robot.skeleton.rest), 0.0, []
     for what, index, later in deeds:
         time += later

@@ -36,7 +36,7 @@ def posture(shares):
 
 @given(RANGE_FRACTIONS)
 @examples(100)
-def test_mirror_postures_have_equal_torques_and_distances(shares):
+def test_mirror_postures_have_mirrored_torques_and_equal_distances(shares):
     angles = posture(shares)
     mirrored = MIRROR_SIGNS * angles[MIRROR_HINGES]
     held = DYNAMICS.holding(np.array([angles, mirrored]))
@@ -47,7 +47,7 @@ def test_mirror_postures_have_equal_torques_and_distances(shares):
 
 @given(RANGE_FRACTIONS, RANGE_FRACTIONS)
 @examples(100)
-def test_distance_changes_no_faster_than_the_segments_move(one, other):
+def test_clearance_changes_by_at_most_twice_the_largest_motion_of_a_segment(one, other):
     """The approach of a pair is bounded by the motion of both."""
     a, b = posture(one), posture(one + 0.05 * (other - one))
     distances = DISTANCES.clearance(np.array([a, b])).distances

@@ -30,7 +30,7 @@ def test_marks_are_ordered_and_within_the_speech(script: Script):
 
 
 @given(scripts(), st.floats(0.1, 10.0))
-def test_times_are_inversely_proportional_to_the_rate(script: Script, rate: float):
+def test_speech_times_are_inversely_proportional_to_the_rate(script: Script, rate: float):
     normal, said = DURATION_MODEL.say(script), DURATION_MODEL.say(script, rate=rate)
     assert said.duration * rate == pytest.approx(normal.duration)
     assert {name: time * rate for name, time in said.marks.items()} == pytest.approx(dict(normal.marks))
