@@ -24,7 +24,7 @@ def test_arms_are_measured_from_the_shoulder_in_arm_lengths():
     assert clip.head == pytest.approx(np.zeros((40, 3)), abs=1e-9)
 
 
-def test_heading_and_place_of_the_actor_do_not_matter():
+def test_arm_paths_are_independent_of_heading_and_position_of_the_actor():
     rotations = reach(40)
     turned = rotations | {"Hips": np.tile([0.0, 0.0, 130.0], (40, 1))}
     here, there = read(bvh(rotations)), read(bvh(turned, place=(300, 80, -50)))
@@ -56,7 +56,7 @@ def test_prefixes_of_joint_names_are_ignored(prefix):
     assert clip.arms["l"].wrist[0] == pytest.approx([0, 1, 0], abs=1e-9)
 
 
-def test_unknown_names_are_replaced_by_bone_lengths():
+def test_joints_with_unknown_names_are_identified_by_bone_lengths():
     rename = lambda name: OTHER_NAMES.get(name, name.replace("Left", "l_").replace("Right", "r_").replace("Arm", "X"))  # noqa: E731
     rotations = reach(40)
     expected, clip = read(bvh(rotations)), read(bvh(rotations, rename=rename))
@@ -77,7 +77,7 @@ def test_arms_without_sides_in_their_names_are_rejected():
         read(bvh(rename=rename))
 
 
-def test_body_without_named_arms_is_rejected_although_it_has_legs():
+def test_body_with_side_names_on_the_left_only_is_rejected():
     data = bvh(rename=lambda name: OTHER_NAMES.get(name, name.replace("Arm", "X").replace("Right", "Q")))
     with pytest.raises(CaptureError, match="left from right"):
         read(data)

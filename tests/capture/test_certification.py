@@ -47,7 +47,7 @@ def test_feasible_clip_is_returned_within_half_a_degree(known):
     assert result.distance.correlation > 0.9999
 
 
-def test_too_fast_file_names_the_limit_and_is_stretched(known):
+def test_too_fast_clip_reports_violated_limits_and_is_stretched_in_time(known):
     result = certify_clip(own_clip(known, speed=2.5), known, "own.csv")
     assert {violation.limit for violation in result.violations} >= {"velocity", "acceleration", "jerk"}
     assert result.is_certified
@@ -66,7 +66,7 @@ def test_captured_reach_is_certified_from_rest_to_rest(known):
     assert result.distance.correlation > 0.99
 
 
-def test_clip_that_ends_where_it_began_is_not_still(known):
+def test_clip_with_equal_ends_keeps_over_80_percent_of_its_motion_range(known):
     result = certify_clip(clip_of(reach(60)), known, "a.bvh")
     extent = np.ptp(result.nearest.angles, axis=0).max()
     assert extent > 0.8 * np.ptp(result.desired.angles, axis=0).max()
@@ -89,7 +89,7 @@ def test_time_is_stretched_only_around_the_fast_part(known):
     assert stretch[400:].max() == pytest.approx(1.0)
 
 
-def test_hand_in_the_body_is_led_around_it(known):
+def test_hand_path_through_the_body_is_moved_around_it(known):
     """The right wrist goes from the side through the belly and back."""
     u = np.linspace(0.0, 1.0, 120)[:, None]
     blend = np.sin(np.pi * u) ** 2
@@ -107,7 +107,7 @@ def test_hand_in_the_body_is_led_around_it(known):
     assert known.distances.clearance(result.trajectory.angles(times)).distances.min() > known.robot.min_clearance - 1e-3
 
 
-def test_clear_motion_gets_no_detour(known):
+def test_collision_free_motion_gets_no_detour(known):
     angles = retarget(clip_of(reach(60)), known, "a").angles
     assert known.distances.clearance(angles).distances.min() > 0.012
     np.testing.assert_array_equal(clear_path(angles, known, min_clearance=0.012), angles)
@@ -143,7 +143,7 @@ def test_approach_and_return_are_added_unless_the_clip_is_at_rest(known):
     np.testing.assert_array_equal(course.clip, angles)
 
 
-def test_approach_from_rest_is_led_around_the_body(known):
+def test_approach_from_rest_keeps_clearance_to_the_body(known):
     """A clip with hands at the belly throughout; the arms come from rest beside the body."""
     wrist, elbow = np.tile([0.45, 0.35, -0.55], (60, 1)), np.tile([-0.05, -0.12, -0.5], (60, 1))
     paths = {side: ArmPath(sealed(elbow * sign), sealed(wrist * sign)) for side, sign in BOTH_SIDES.items()}
@@ -153,7 +153,7 @@ def test_approach_from_rest_is_led_around_the_body(known):
     assert result.distance.wrist_max < 0.5
 
 
-def test_differences_are_exact_for_cubic_motion():
+def test_finite_differences_give_the_derivatives_of_cubic_motion():
     times = np.arange(50) / 100.0
     velocity, acceleration, jerk = differentiate((times**3)[:, None])
     assert jerk[5:45, 0] == pytest.approx(6.0)
@@ -161,7 +161,7 @@ def test_differences_are_exact_for_cubic_motion():
     assert velocity[20, 0] == pytest.approx(3 * times[20] ** 2, abs=0.02)
 
 
-def test_required_time_ratio_is_that_of_the_slowest_joint(known):
+def test_required_time_ratio_is_at_least_two_for_a_joint_at_twice_its_velocity_limit(known):
     limits = known.limits
     times = np.arange(100) / 100.0
     angles = np.outer(times, 2.0 * limits.speed * (np.arange(len(limits.speed)) == 4))

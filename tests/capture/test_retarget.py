@@ -38,7 +38,7 @@ def test_wrists_and_elbows_of_the_robot_follow_those_of_the_actor(robot, known):
         assert np.degrees(np.arccos(cosines)).max() < 15.0
 
 
-def test_head_moves_the_neck_about_the_same_axes(robot, known):
+def test_head_turn_of_the_actor_turns_the_neck_by_the_same_angle(robot, known):
     turn = np.zeros((60, 3))
     turn[:, 2] = 30.0 * np.sin(np.linspace(0, 3, 60))  # to the left
     motion = retarget(clip_of({"Head": turn}), known, "a.bvh")
@@ -60,7 +60,7 @@ def test_raised_elbow_is_imitated_by_the_swivel(robot, known):
     assert np.degrees(angles[1] - angles[0]) == pytest.approx(90.0, abs=10.0)
 
 
-def test_straight_arm_takes_the_swivel_of_its_neighbours(robot, known):
+def test_straight_arm_takes_the_swivel_of_neighbouring_frames(robot, known):
     elbow = np.tile([0.35, 0.0, -0.36], (30, 1))
     wrist = np.tile([0.7, 0.0, 0.0], (30, 1))
     elbow[10:20], wrist[10:20] = [0.5, 0.0, 0.0], [1.0, 0.0, 0.0]
@@ -68,7 +68,7 @@ def test_straight_arm_takes_the_swivel_of_its_neighbours(robot, known):
     assert swivels == pytest.approx(np.zeros(30), abs=1e-6)
 
 
-def test_leap_is_bridged_without_a_step():
+def test_jump_of_a_joint_angle_is_replaced_by_a_continuous_transition():
     angles = np.zeros((100, 2))
     angles[50:, 1] = 2.0
     bridged, leaps = bridge_leaps(angles)
@@ -78,7 +78,7 @@ def test_leap_is_bridged_without_a_step():
     assert bridge_leaps(bridged)[1] == 0
 
 
-def test_joint_files_are_taken_by_name_and_unknown_joints_are_noted(robot, known):
+def test_joint_columns_are_matched_by_name_and_unknown_ones_are_noted(robot, known):
     name = robot.skeleton.names[3]
     wave = 0.1 * np.sin(2 * TIMES)
     clip = JointClip(sealed(TIMES), (name, "tail"), sealed(np.stack([wave, wave], axis=1)))
@@ -105,7 +105,7 @@ def test_too_long_clip_is_rejected(robot, known):
         retarget(clip, known, "a.csv")
 
 
-def test_rough_rotations_become_smooth_near_the_same_path(robot, known):
+def test_smoothing_reduces_arm_angle_noise_and_keeps_the_wrist_path(robot, known):
     motion = retarget(clip_of(reach(60)), known, "a")
     noise = np.random.default_rng(2).normal(scale=0.02, size=motion.angles.shape)
     rough = np.clip(motion.angles + noise, robot.skeleton.lower, robot.skeleton.upper)
@@ -124,7 +124,7 @@ def list_arm_hinges(robot: Robot) -> list[int]:
     return [k for chain in robot.arms.values() for k in chain.indices]
 
 
-def test_low_pass_keeps_gestures_and_removes_noise():
+def test_low_pass_keeps_1_hz_motion_and_removes_25_hz_noise():
     times = resample_times(np.array([0.0, 3.0]))
     slow, fast = np.sin(2 * np.pi * times)[:, None], np.sin(2 * np.pi * 25 * times)[:, None]
     assert low_pass(slow + 0.1 * fast)[50:250] == pytest.approx(slow[50:250], abs=0.01)

@@ -57,7 +57,7 @@ def test_first_frame_in_another_pose_is_dropped(tmp_path):
     assert motion.frames[0, motion.columns["Hips", "XPos"]] == pytest.approx([1.0])
 
 
-def test_skeleton_has_joints_but_no_end_sites(tmp_path):
+def test_bvh_skeleton_has_joints_but_no_end_sites(tmp_path):
     joints = load(read_bvh_skeleton, write(tmp_path / "a.bvh"))
     assert [(joint.name, joint.parent) for joint in joints] == [("Hips", None), ("Arm", "Hips")]
     assert joints[1].offset == pytest.approx([10, 0, 0])
@@ -73,13 +73,13 @@ def test_skeleton_has_joints_but_no_end_sites(tmp_path):
         ("Frame Time: 0.05", "Frame Time: -1", "positive"),
     ],
 )
-def test_broken_files_are_rejected_with_their_path(tmp_path, old, new, message):
+def test_broken_bvh_file_is_rejected_with_its_path(tmp_path, old, new, message):
     path = write(tmp_path / "a.bvh", text=TEXT.replace(old, new))
     with pytest.raises(ConfigError, match=message) as error:
         load(read_bvh, path)
     assert str(path) in str(error.value)
 
 
-def test_non_finite_motion_is_rejected(tmp_path):
+def test_non_finite_bvh_motion_is_rejected(tmp_path):
     with pytest.raises(ConfigError, match="finite"):
         load(read_bvh, write(tmp_path / "a.bvh", (FRAMES[0], (np.nan, *FRAMES[1][1:]))))

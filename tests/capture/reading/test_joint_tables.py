@@ -75,7 +75,7 @@ def test_invalid_npz_is_rejected(changes, message):
         from_npz(joint_npz(**(arrays | changes)), "a.npz")
 
 
-def test_own_exports_are_read_with_their_angles(known, tmp_path):
+def test_exported_joint_motion_is_read_back_with_equal_angles(known, tmp_path):
     trajectory = plan(CALM_BML, known).trajectory
     for suffix, read in ((".npz", from_npz), (".csv", read_joint_csv)):
         clip = load(read, save_motion(trajectory, known.robot, tmp_path / f"a{suffix}", force=False))

@@ -10,7 +10,7 @@ from ..clips import reachy_move
 NOD = [rotation_about(np.array([0.0, 1.0, 0.0]), angle) for angle in (0.0, 0.1, 0.2, 0.1)]
 
 
-def test_nod_becomes_a_pitch_of_the_head_from_time_zero():
+def test_reachy_nod_becomes_a_pitch_of_the_head_from_time_zero():
     clip = read_reachy_move(reachy_move(NOD), "a.json")
     assert clip.times == pytest.approx([0, 0.01, 0.02, 0.03])
     assert clip.head == pytest.approx(np.outer([0, 0.1, 0.2, 0.1], [0, 1, 0]))
@@ -40,6 +40,6 @@ def test_setpoints_without_pose_are_left_out():
         (b'{"time": [0, 1], "set_target_data": [{"head": [1, 2]}, {"head": [1]}]}', "2 numbers"),
     ],
 )
-def test_invalid_move_is_rejected(data, message):
+def test_invalid_reachy_move_is_rejected(data, message):
     with pytest.raises(CaptureError, match=message):
         read_reachy_move(data, "a.json")

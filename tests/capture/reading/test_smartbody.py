@@ -75,7 +75,7 @@ def test_smartbody_joint_rotations_move_all_child_joints(skeleton, tmp_path):
         (("kt", "key"), "0 frames"),
     ],
 )
-def test_broken_motion_is_rejected_with_its_reason(tmp_path, change, reason):
+def test_broken_smartbody_motion_is_rejected_with_path_and_reason(tmp_path, change, reason):
     path = write_clip(tmp_path / "a.skm", {"JtRoot XPos": np.zeros((3, 1))})
     path.write_text(path.read_text().replace(*change))
     with pytest.raises(ConfigError, match=reason) as raised:

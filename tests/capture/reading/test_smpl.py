@@ -36,7 +36,7 @@ def test_arm_rotations_move_elbow_and_wrist(tmp_path):
     assert clip.head == pytest.approx(np.zeros((10, 3)), abs=1e-9)
 
 
-def test_body_poses_of_amass_equal_those_of_all_joints(tmp_path):
+def test_amass_pose_body_array_gives_the_same_arms_as_poses_of_all_joints(tmp_path):
     expected = read_clip(write(tmp_path / "a.npz", poses=poses(), mocap_framerate=np.array([120])))
     body = {"root_orient": np.ones((10, 3)), "pose_body": poses()[:, 3:66]}
     clip = read_clip(write(tmp_path / "b.npz", mocap_frame_rate=np.array(120.0), **body))
@@ -50,7 +50,7 @@ def test_missing_frame_rate_is_guessed_and_noted(tmp_path):
     assert clip.guesses == ("frame rate taken as 30 Hz",)
 
 
-def test_head_is_measured_in_the_chest(tmp_path):
+def test_head_rotation_is_measured_relative_to_the_chest(tmp_path):
     rotations = poses()
     rotations[:, HEAD] = [0.3, 0.0, 0.0]  # about x, to the left: nods down
     clip = read_clip(write(tmp_path / "a.npz", poses=rotations))
