@@ -46,7 +46,7 @@ def nodding(known: Setup) -> Scene:
     return sent(Scene.of(known), "a", NODS, 0.0)
 
 
-def test_held_gaze_shift_survives_a_style_change_and_returns(known: Setup) -> None:
+def test_style_change_keeps_a_held_gaze_and_its_return_to_rest(known: Setup) -> None:
     look = '<gaze id="z" target="left" start="0" ready="1" relax="6" end="7"/><head id="h" lexeme="NOD" stroke="8"/>'
     scene = sent(Scene.of(known), "a", look, 0.0)
     held = scene.motion.at(5.0 - scene.motion.start).angles
@@ -74,7 +74,7 @@ def test_changed_movement_amount_applies_to_future_movements(nodding: Scene) -> 
     assert take_replans(scene)[1] == ()
 
 
-def test_style_for_all_blocks_also_applies_to_future_blocks(nodding: Scene) -> None:
+def test_style_change_without_a_block_replans_running_blocks_and_sets_the_default_style(nodding: Scene) -> None:
     tense = Style.load("neutral").changed(["spatial=-0.8"])
     scene = change_style(nodding, 0.2, style=tense)
     assert scene.setup.style is tense
@@ -98,7 +98,7 @@ def test_style_change_of_a_block_keeps_an_earlier_movement_amount(nodding: Scene
     assert (behaviour.action.amount, behaviour.manner.style) == (0.4, "neutral")
 
 
-def test_started_speech_is_not_changed(known: Setup) -> None:
+def test_style_change_does_not_change_a_started_speech(known: Setup) -> None:
     scene = sent(Scene.of(known), "a", SPEECH + NODS, 0.0)
     before = scene.speeches
     scene = change_style(scene, 0.5, style=Style.load("neutral").changed(["temporal=0.9"]))
@@ -107,7 +107,7 @@ def test_started_speech_is_not_changed(known: Setup) -> None:
     assert scene.speeches == before
 
 
-def test_invalid_style_changes_are_refused(nodding: Scene) -> None:
+def test_movement_amount_above_one_and_unknown_style_are_refused(nodding: Scene) -> None:
     with pytest.raises(ValueError, match=r"amount is 1\.5, outside \[0, 1\]"):
         change_style(nodding, 0.1, amount=1.5)
     with pytest.raises(ConfigError, match="nobody"):
@@ -145,7 +145,9 @@ def test_block_changes_a_parameter_of_another_block(
         ("style", str(CONFIGS / "styles" / "calm.toml"), "no style "),
     ],
 )
-def test_impossible_parameter_change_causes_a_warning(nodding: Scene, parameter: str, value: str, said: str) -> None:
+def test_invalid_parameter_change_causes_a_warning_and_no_replan(
+    nodding: Scene, parameter: str, value: str, said: str
+) -> None:
     scene = advance(sent(nodding, "b", CHANGE.format("a", parameter, value), 0.2), 0.21)
     warnings = [due.xml for due in scene.outgoing_feedback if 'id="b:p"' in due.xml]
     assert len(warnings) == 1
@@ -156,7 +158,7 @@ def test_impossible_parameter_change_causes_a_warning(nodding: Scene, parameter:
 HURRIED = "".join(f'<gesture id="g{k}" lexeme="BEAT" mode="RIGHT_HAND" stroke="{1.2 + 0.5 * k}"/>' for k in range(5))
 
 
-def test_large_block_is_refined_while_it_runs(play):
+def test_quick_plan_of_a_running_block_is_replaced_once_by_its_refined_plan(play):
     play.send("a", HURRIED)
     assert play.warnings() == []
     play.scene, (request,) = take_replans(play.scene)
@@ -185,7 +187,7 @@ def test_prediction_of_a_new_plan_precedes_its_warnings(play):
     assert len(messages) > len(quick.plan.notices) > 1
 
 
-def test_refined_plan_keeps_using_the_free_hand(play):
+def test_refined_plan_uses_the_same_hands_as_the_quick_plan(play):
     play.send("a", '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>').until(0.3)
     open_ = "".join(f'<gesture id="g{k}" lexeme="BEAT" stroke="{0.8 + 1.2 * k}"/>' for k in range(5))
     play.send("b", open_)
@@ -198,7 +200,7 @@ def test_refined_plan_keeps_using_the_free_hand(play):
     assert improve_block(play.scene, "b", better, play.now) is not None
 
 
-def test_provisional_warnings_are_sent_without_refinement(play):
+def test_provisional_warnings_are_sent_if_the_plan_is_not_refined(play):
     coming = play.ready("a", HURRIED)
     play.take(begin(play.scene, coming, play.now)).until(8.0)
     assert len(play.warnings()) == len(coming.plan.notices) > 0
@@ -225,7 +227,7 @@ def test_waiting_block_takes_its_refined_plan(play):
     assert play.at("a:g4:stroke") == pytest.approx(1.0 + 1.2 + 0.5 * 4, abs=0.03)
 
 
-def test_trunk_turns_to_another_held_gaze_after_the_motion_has_ended(play):
+def test_new_plan_with_another_gaze_shift_turns_the_trunk_after_the_motion_has_ended(play):
     wait, look = '<wait id="w" duration="6"/>', '<gazeShift id="l" target="{}"/>'
     play.send("a", wait + look.format("left")).until(3.0)
     assert play.scene.motion.end < play.now

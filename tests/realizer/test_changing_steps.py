@@ -104,7 +104,7 @@ def test_block_whose_motion_cannot_join_the_new_plan_keeps_its_plan(scene, bette
     assert improve_block(scene, "a", better, 0.5) is None
 
 
-def test_playing_block_joins_its_new_plan_with_its_speech(scene, running, better, steps):
+def test_running_block_takes_its_new_plan_but_keeps_its_speech(scene, running, better, steps):
     results, given = steps
     waiting = (ScheduledFeedback(0.1, "to be sent", 0),)
     before = replace(scene, outgoing_feedback=waiting)
@@ -132,7 +132,7 @@ def test_playing_block_joins_its_new_plan_with_its_speech(scene, running, better
     assert stroke == pytest.approx(running.zero + 0.66)
 
 
-def test_speech_with_other_durations_or_marks_is_different():
+def test_speech_with_another_duration_mark_or_id_is_not_equal():
     def plan(duration: float, id: str = "s", **marks: float):
         return SimpleNamespace(utterances={id: SimpleNamespace(duration=duration, marks=marks)})
 
@@ -160,13 +160,13 @@ def test_movement_amount_outside_zero_to_one_is_refused(scene, amount):
         change_style(scene, 0.2, amount=amount)
 
 
-def test_replanning_request_of_a_waiting_block_keeps_its_plan_open(scene, running):
+def test_speech_of_a_waiting_block_may_still_change_when_it_is_replanned(scene, running):
     waiting = scene.with_block(replace(running, state=BlockState.LURKING))
     (request,) = change_style(waiting, 0.2, amount=0.5).replans
     assert not request.is_decided
 
 
-def test_style_of_one_block_keeps_the_style_of_later_blocks(scene):
+def test_style_change_of_one_block_changes_its_behaviours_and_that_of_all_the_default(scene):
     after = change_style(scene, 0.2, style="calm", block="a")
     assert after.setup is scene.setup
     assert after.replans[0].block.behaviours[0].manner.style == "calm"
@@ -184,7 +184,7 @@ def test_movement_amount_changed_after_the_style_keeps_the_style(scene):
 @pytest.mark.parametrize(
     ("target", "replans", "spatial"), [("a", 1, 0.5), ("a:h", 1, 0.5), ("a:other", 1, None), ("b", 0, None)]
 )
-def test_parameter_of_one_behaviour_or_of_all_behaviours_of_a_block_changes(scene, running, target, replans, spatial):
+def test_parameter_change_applies_to_the_behaviours_that_its_target_names(scene, running, target, replans, spatial):
     after = change_parameter(scene, running, "p", ParameterChange(target, "spatial", "0.5"), 0.2)
     remaining, requests = take_replans(after)
     assert (remaining.replans, len(requests)) == ((), replans)
@@ -201,7 +201,7 @@ def test_sender_of_an_invalid_parameter_change_is_warned(scene, running):
     assert warning.time == 0.2
 
 
-def test_block_whose_changed_behaviours_cannot_be_timed_is_warned(scene, monkeypatch):
+def test_amount_change_that_cannot_be_timed_is_dropped_with_a_warning(scene, monkeypatch):
     def refuse(*_):
         raise module.BmlError("no time")
 
@@ -259,7 +259,7 @@ def test_parameter_changes_only_one_property_of_a_behaviour(id, parameter, value
         ("volume", "1", "parameter 'volume' cannot be changed; style, activation, amount, fluidity"),
     ],
 )
-def test_invalid_parameter_is_refused_with_its_range(parameter, value, message):
+def test_error_for_an_invalid_parameter_names_the_allowed_range_or_names(parameter, value, message):
     with pytest.raises(ValueError, match=message):
         _parameter_change(parameter, value)
 
@@ -291,7 +291,9 @@ def test_new_plan_reports_only_notices_that_were_not_sent_yet(scene, running, be
 
 
 @pytest.mark.parametrize(("shift", "is_predicted"), [(0.9 * SHIFT_TO_WARN, False), (1.1 * SHIFT_TO_WARN, True)])
-def test_new_plan_is_predicted_if_its_times_change(scene, running, better, shift, is_predicted):
+def test_new_plan_is_predicted_only_if_its_times_change_by_more_than_a_threshold(
+    scene, running, better, shift, is_predicted
+):
     new = replace(running, predicted=(running.zero + shift, running.times))
     noticed = replace(better, notices=(NEW, OLD))
     new = replace(new, prepared=replace(new.prepared, plan=noticed))

@@ -57,12 +57,14 @@ def test_merged_motion_equal_to_that_of_the_block_is_not_checked(known, checks):
 
 
 @pytest.mark.parametrize(("row", "is_checked"), [(CUT + 2, False), (CUT + 3, True), (CUT + 4, True)])
-def test_merged_motion_is_checked_only_if_it_changes_at_least_three_knots_after_the_cut(known, checks, row, is_checked):
+def test_merged_motion_is_checked_only_if_it_differs_three_or_more_knots_after_the_change_time(
+    known, checks, row, is_checked
+):
     find_conflict(work(), summed(5, row), known)
     assert bool(checks[1]) is is_checked
 
 
-def test_merged_motion_is_checked_from_the_cut_to_its_last_difference_from_both_motions(known, checks):
+def test_merged_motion_is_checked_from_the_change_time_to_its_last_difference_from_both_motions(known, checks):
     find_conflict(work(base_rows=20), summed(5, 40), known)
     controls = checks[1]["_find_collision"].controls
     np.testing.assert_array_equal(controls, motion_from_knot(summed(5, 40)[:43], CUT).controls)
@@ -70,7 +72,7 @@ def test_merged_motion_is_checked_from_the_cut_to_its_last_difference_from_both_
     assert checks[1]["_find_overload"].controls is controls
 
 
-def test_collision_is_reported_before_an_overload(known, checks):
+def test_collision_is_reported_instead_of_an_overload(known, checks):
     results, given = checks
     results["_find_overload"] = MergeFailure("heavy", "")
     assert find_conflict(work(), summed(30), known).behaviour == "heavy"
@@ -93,7 +95,7 @@ def collision(known, monkeypatch):
     return at
 
 
-def test_distance_above_the_required_one_is_no_collision(known, collision):
+def test_only_a_distance_below_the_required_clearance_is_a_collision(known, collision):
     least = known.robot.min_clearance + MIN_LAG_RESERVE
     assert collision(least, ("torso", "head"), ()) is None
     assert collision(least + 0.001, ("torso", "head"), ()) is None
@@ -116,7 +118,7 @@ def test_collision_of_an_arm_names_the_behaviour_of_this_arm(known, collision, s
     assert collision(0.0, ("torso", body), performed).behaviour == side
 
 
-def test_collision_without_arms_names_the_behaviour_at_its_time(collision):
+def test_collision_of_torso_and_head_names_the_behaviour_at_its_time(collision):
     performed = [use("early", begin=0.0, end=0.1), use("at", begin=0.28, end=0.29), use("late", begin=0.5, end=0.9)]
     assert collision(0.0, ("torso", "head"), performed).behaviour == "at"
 
@@ -151,7 +153,7 @@ def overload(known, monkeypatch):
         ((1.3, 1.1), (1.4, 1.0), True),
     ],
 )
-def test_duty_above_one_counts_only_if_the_block_raises_it(overload, after, before, is_overload):
+def test_duty_above_one_is_an_overload_only_if_the_block_raises_it(overload, after, before, is_overload):
     assert (overload(after, before) is not None) == is_overload
 
 

@@ -49,13 +49,13 @@ def test_interrupt_stops_the_included_behaviours_except_the_excluded_ones(includ
     assert interrupted_by(Interrupt("a", include, exclude), small_block("a", {"g": {}, "h": {}})) == stopped
 
 
-def test_first_interruption_of_each_behaviour_counts(scene):
+def test_earliest_of_two_interruptions_of_a_behaviour_is_planned(scene):
     scene = scene.with_block(small_block("a", {"g": {}, "h": {}})).with_block(stopping("b", "a", 2.0, zero=10.0))
     assert planned_interruptions(scene, stopping("c", "a", 1.0, zero=10.0)) == {("a", "g"): 11.0, ("a", "h"): 11.0}
     assert planned_interruptions(scene, stopping("c", "a", 3.0, zero=10.0)) == {("a", "g"): 12.0, ("a", "h"): 12.0}
 
 
-def test_interrupts_of_waiting_blocks_dropped_or_without_target_stop_nothing(scene):
+def test_waiting_dropped_and_untargeted_interrupts_stop_nothing(scene):
     scene = scene.with_block(small_block("a", {"g": {}}))
     waiting = scene.with_block(stopping("w", "a", 1.0, state=BlockState.LURKING))
     dropped = small_block("d", {}, inside=STOP.format("a") + '<head id="h" lexeme="NOD"/>')
@@ -66,7 +66,7 @@ def test_interrupts_of_waiting_blocks_dropped_or_without_target_stop_nothing(sce
 @pytest.mark.parametrize(
     ("stop", "ready", "relax"), [(3.0, 2.0, 3.0), (1.5, 1.5, 1.5), (0.5, 1.0, 1.0), (9.0, 2.0, 4.0)]
 )
-def test_occupancy_ends_at_the_planned_interruption(scene, stop, ready, relax):
+def test_occupancy_relaxes_at_the_planned_interruption_and_keeps_its_end(scene, stop, ready, relax):
     entries = [use("g", "l_hand"), use("k", "r_hand")]
     scene = scene.with_block(small_block("a", {"g": {}}, motion=small_motion(), occupancy=entries))
     cut, whole = occupancy_of_others(scene, stopping("b", "a", stop))
@@ -86,7 +86,7 @@ def busy(scene) -> Scene:
     return scene.with_block(small_block("a", {"g": {}}, motion=small_motion(), occupancy=entries))
 
 
-def test_hands_of_other_blocks_are_busy_in_block_time(busy):
+def test_busy_hands_of_running_blocks_are_given_in_the_time_of_the_new_block(busy):
     left, right = with_busy_hands(busy, request()).busy_hands
     assert left == BusyHand("l", pytest.approx(2.0 - 1.0 - 0.15), 3.0, "a:g")
     assert right == BusyHand("r", pytest.approx(2.5 - 1.0 - 0.15), 2.5, "a:k")
@@ -108,7 +108,7 @@ def test_hand_that_relaxes_before_the_block_starts_is_free(busy, start, busy_sid
         ('bmla:preplan="true"', 0),
     ],
 )
-def test_hands_are_free_for_a_block_that_replaces_or_interrupts_others(busy, attributes, count):
+def test_hands_are_free_for_a_block_that_is_preplanned_or_stops_the_block_that_uses_them(busy, attributes, count):
     assert len(with_busy_hands(busy, request(attributes)).busy_hands) == count
 
 

@@ -29,7 +29,7 @@ def test_replace_composition_stops_all_blocks(play):
     assert play.scene.motion.controls[-1] == pytest.approx(play.scene.setup.robot.skeleton.rest, abs=1e-6)
 
 
-def test_block_replaced_during_a_stroke_keeps_motion_limits(play):
+def test_motion_stays_within_limits_if_a_block_is_replaced_during_a_stroke(play):
     play.send("a", BEAT).until(0.7).send("b", LEFT, 'composition="REPLACE"')
     for name, peak in check_limits(play.scene.motion, play.scene.setup.limits).by_quantity.items():
         assert peak.ratios.max() <= 1.001, name
@@ -52,7 +52,7 @@ def test_interrupting_all_blocks_ends_them(play):
     assert play.scene.motion.controls[-1] == pytest.approx(play.scene.setup.robot.skeleton.rest, abs=1e-6)
 
 
-def test_block_with_interrupt_ends_another_at_its_start(play):
+def test_block_with_an_interrupt_attribute_interrupts_its_target_at_its_start(play):
     play.send("a", BEAT).until(0.5).send("b", NOD, 'bmla:interrupt="a"')
     assert play.state("a") is BlockState.INTERRUPTED
     assert play.state("b") is BlockState.IN_EXEC
@@ -68,7 +68,7 @@ def test_interrupt_behaviour_acts_at_its_start_time(play):
     assert play.at("b:i:start") == pytest.approx(1.0)
 
 
-def test_interrupted_block_frees_its_hinges(play):
+def test_interrupted_block_frees_head_and_voice_for_the_interrupting_block(play):
     long = '<head id="h" lexeme="NOD" repetition="8"/><speech id="s"><text>One two three four five six</text></speech>'
     inside = '<head id="h" lexeme="SHAKE" start="i:start"/><speech id="s" start="i:start"><text>No</text></speech>'
     play.send("a", long).send("b", '<bmla:interrupt id="i" target="a" start="0.8"/>' + inside).until(5.0)

@@ -67,7 +67,7 @@ def progress(scene: Scene) -> list[tuple]:
     ]
 
 
-def test_interrupted_block_reports_the_sync_points_sent_in_advance(scene_of):
+def test_interrupted_block_reports_its_sync_points_up_to_the_change_time_and_its_end(scene_of):
     block = playing()
     after = end_block(scene_of(block), block, 10.75, "no reason")
     assert progress(after) == [
@@ -168,7 +168,7 @@ def test_block_without_motion_or_at_its_end_releases_no_hinges(scene_of, release
 
 
 @pytest.mark.parametrize(("share", "is_warned"), [(0.99, False), (1.01, True), (-1.01, True)])
-def test_sender_is_warned_if_the_trunk_cannot_return(scene_of, monkeypatch, share, is_warned):
+def test_sender_is_warned_if_the_trunk_cannot_return_to_the_held_posture(scene_of, monkeypatch, share, is_warned):
     block = playing(NECK)
     scene = scene_of(block)
     left = small_motion(angle=0.0)
@@ -182,7 +182,7 @@ def test_sender_is_warned_if_the_trunk_cannot_return(scene_of, monkeypatch, shar
         assert (texts[0].time, texts[0].sender) == (11.0, 5)
 
 
-def test_stopped_block_leaves_hinges_of_other_blocks(scene_of, released):
+def test_stopped_block_leaves_a_shared_hinge_to_the_other_block(scene_of, released):
     """The hinges that both move keep the motion of the other block, so the layer is zero there."""
     block = playing(NECK, 5, occupancy=(use("n", "look", offset=np.ones(HINGE_COUNT), hinges=[NECK], end=20.0),))
     scene = replace(scene_of(block), lasting=(use("o", "look", end=30.0, offset=np.zeros(HINGE_COUNT)),))
@@ -225,7 +225,7 @@ def test_block_is_interrupted_when_its_last_behaviours_are_ended(scene_of, relea
     assert after.ended[-1].state is BlockState.INTERRUPTED
 
 
-def test_behaviours_of_a_block_that_is_over_do_not_end(scene_of, released, replanned):
+def test_ending_behaviours_of_a_block_that_is_over_changes_nothing(scene_of, released, replanned):
     block = both()
     scene = scene_of(block)
     assert end_behaviours(scene, block, frozenset({"g"}), 13.75) is scene
@@ -272,7 +272,7 @@ def test_shared_trunk_hinge_is_replanned_with_the_remaining_behaviours(scene_of,
     assert [item.time for item in after.agenda if item.is_block_end] == [14.5]
 
 
-def test_arm_hinges_alone_are_released_after_replanning_the_trunk(known, scene_of, released, replanned):
+def test_only_arm_hinges_are_released_if_the_trunk_is_replanned(known, scene_of, released, replanned):
     """The replanned motion contains the trunk hinges already."""
     arm = arm_hinges("r_hand", known.robot)[0]
     entries = (

@@ -51,7 +51,7 @@ def test_empty_block_has_start_relax_and_end_feedback() -> None:
     assert keys(schedule_feedback("b", {}, 1.0, sender=0)) == [":start", ":relax", ":end"]
 
 
-def test_sync_point_times_are_monotonic() -> None:
+def test_sync_points_keep_their_order_despite_rounding_errors_of_their_times() -> None:
     dues = schedule_feedback("b", {"h": {"start": 0.0, "ready": 0.3, "stroke": 0.3 - 1e-9, "end": 1.0}}, 0.0, sender=0)
     assert keys(dues) == [":start", "h:start", "h:ready", "h:stroke", "h:end", ":relax", ":end"]
 
@@ -92,5 +92,5 @@ def test_measured_times_use_the_kinesic_namespace() -> None:
     assert "kinesic" not in ScheduledFeedback(3.0, Progress("b", None, "end", 2.0)).xml
 
 
-def test_complete_feedback_message_is_sent_unchanged() -> None:
+def test_feedback_given_as_xml_text_is_sent_unchanged() -> None:
     assert (ScheduledFeedback(1.0, "<x/>").xml, ScheduledFeedback(1.0, "<x/>").block) == ("<x/>", None)

@@ -45,7 +45,7 @@ def test_message_keys_differ_by_run_behaviour_and_point_but_not_by_time():
     assert TEXT.key == (12.0, "<x/>", 5)
 
 
-def test_only_progress_belongs_to_a_run_and_a_block():
+def test_only_progress_feedback_belongs_to_a_run_and_a_block():
     assert passed("start").belongs_to(3)
     assert not passed("start").belongs_to(2)
     assert not replace(TEXT, sender=3).belongs_to(3)
@@ -63,7 +63,7 @@ def test_only_progress_belongs_to_a_run_and_a_block():
         (TEXT, False, False),
     ],
 )
-def test_block_start_and_end_are_those_of_the_block_itself(message, is_start, is_end):
+def test_sync_points_of_behaviours_are_not_block_start_or_block_end(message, is_start, is_end):
     assert (message.is_block_start, message.is_block_end) == (is_start, is_end)
 
 
@@ -73,7 +73,7 @@ def test_feedback_message_keeps_planned_and_measured_time():
     assert passed("start").measured is None
 
 
-def test_block_relaxes_with_its_last_behaviour():
+def test_relax_of_a_block_is_the_last_relax_or_else_end_of_its_behaviours():
     assert block_span({"h": {"start": 1.0, "relax": 2.0, "end": 5.0}, "g": {"start": 1.0, "end": 3.0}}) == (0, 3, 5)
     assert block_span({"h": {"start": -3.0, "end": -1.0}}) == (-3.0, 0.0, 0.0)
     assert block_span({"h": {}}) == (0.0, 0.0, 0.0)
@@ -93,12 +93,12 @@ def test_scheduled_messages_name_character_and_run():
 
 
 @pytest.mark.parametrize(("after", "kept"), [(-inf, []), (11.9, []), (12.0, ["stroke"]), (13.0, ["stroke", "end"])])
-def test_withdrawal_keeps_points_up_to_a_time(after, kept):
+def test_withdrawal_after_a_time_keeps_the_sync_points_up_to_it(after, kept):
     agenda = (passed("stroke", "h"), passed("end", "h", time=13.0))
     assert [item.content.point for item in withdraw_feedback(agenda, 3, after=after)] == kept
 
 
-def test_withdrawn_feedback_excludes_texts_other_runs_and_other_behaviours():
+def test_withdrawal_keeps_texts_and_feedback_of_other_runs_and_behaviours():
     agenda = (TEXT, passed("end", run=4), passed("end", "h"), passed("end", "g"), passed("end"))
     assert withdraw_feedback(agenda, 3) == agenda[:2]
     assert withdraw_feedback(agenda, 3, frozenset({"h"})) == (*agenda[:2], *agenda[3:])

@@ -50,7 +50,7 @@ def test_gaze_shift_is_superseded_by_a_previously_scheduled_later_one(played, en
     np.testing.assert_allclose(end(play), end(played().send("b", look("left"))), atol=ANGLE_TOLERANCE)
 
 
-def test_gaze_during_a_later_gaze_shift_reaches_its_target(played):
+def test_gaze_reaches_its_target_despite_a_gaze_shift_that_was_sent_after_it(played):
     asked = '<gaze id="g" target="left" start="4" ready="4.8" relax="6" end="7"/>'
     alone, play = played().send("g", asked), played().send("g", asked).until(0.5).send("soon", look("right"))
     torsion = play.scene.setup.robot.joints("neck")[0]
@@ -95,7 +95,7 @@ def test_upright_posture_shift_ends_a_lean(played, end):
     np.testing.assert_allclose(end(play.send("b", LEAN.format("BODY", "upright"))), 0.0, atol=ANGLE_TOLERANCE)
 
 
-def test_older_gaze_shift_of_a_longer_block_does_not_return(played, end):
+def test_interrupting_a_block_keeps_the_newer_gaze_shift_of_another_block(played, end):
     play = played().send("long", '<wait id="w" duration="8"/>' + look("left")).until(3.0)
     play.send("short", look("right")).until(7.0)
     assert play.state("short") is not None

@@ -56,7 +56,7 @@ def test_posture_listed_last_is_held_if_two_end_at_the_same_time():
     assert last_held("look", both[::-1], ALL_HINGES)[NECK] == 0.1
 
 
-def test_block_gaze_supersedes_the_last_gaze_before_it(steps):
+def test_gaze_of_a_new_block_removes_the_held_angle_of_the_last_gaze_before_it(steps):
     first = need(0.1, begin=-5.0, ready=-4.0, end=-4.0)
     second = need(0.3, begin=-3.0, ready=-2.0, end=-2.0)
     for running in ([first, second], [second, first]):
@@ -74,13 +74,13 @@ def test_held_angle_without_a_holding_gaze_is_removed_by_the_next_gaze(steps):
     assert steps([], [need(-0.2, role="trunk")], ends=0.1) == [(-0.1, 1.0, 2.0)]
 
 
-def test_gazes_of_a_block_follow_in_order_of_time(steps):
+def test_gazes_of_a_block_are_applied_in_order_of_time(steps):
     running = need(0.3, begin=-3.0, ready=-2.0, end=-2.0)
     late, soon = need(0.2, begin=5.0, ready=7.0, end=7.0), need(-0.2)
     assert steps([running], [late, soon], ends=0.3) == [(-0.3, 1.0, 2.0), (0.0, 5.0, 7.0)]
 
 
-def test_running_gaze_that_begins_late_changes_from_the_start_of_the_first_gaze_of_the_block(steps):
+def test_correction_of_a_running_gaze_that_is_ready_last_starts_with_the_first_new_gaze(steps):
     running = need(0.3, begin=0.5, ready=5.0, end=5.0)
     performed = [need(0.1, begin=3.0, ready=4.0, end=4.0), need(-0.2)]
     assert steps([running], performed, ends=0.3) == [(0.0, 1.0, 2.0), (0.0, 3.0, 4.0), (-0.1, 1.0, 5.0)]
@@ -94,7 +94,7 @@ def test_gazes_with_equal_ready_times_are_ordered_by_their_relax_times(steps):
     assert len(expected) == 2
 
 
-def test_new_gaze_occupies_only_trunk_hinges_of_earlier_held_gazes(known):
+def test_new_gaze_also_occupies_the_trunk_hinges_of_earlier_held_gazes(known):
     arm = known.robot.joints("l_arm")[0]
     others = [need(0.1, moved=(NECK, arm)), need(None, moved=(TILT,)), need(0.1, role="trunk", moved=(TILT,))]
     (entry,) = with_superseded_hinges([need(None, moved=(5,))], others, known.robot)

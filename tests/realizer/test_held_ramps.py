@@ -170,7 +170,7 @@ def test_block_without_holding_behaviour_gets_no_warning(known, need):
     assert end_warnings(motion(known, 0.5), [need(None)], [need(0.2)], known.robot) == []
 
 
-def test_trunk_transition_begins_later_by_the_knots_before_the_motion(known):
+def test_sampled_trunk_transition_is_shifted_by_the_knots_before_the_motion_start(known):
     ramp = HeldRamp(np.array([2.0, 0.0]), begin=2 * KNOT_INTERVAL, end=4 * KNOT_INTERVAL)
     np.testing.assert_allclose(ramp.at(8, lead=3)[:, 0], [0, 0, 0, 0, 0, 0, 1, 2], atol=1e-12)
     assert not ramp.at(8, lead=3)[:, 1].any()
@@ -199,7 +199,7 @@ def test_held_angle_reduced_by_limits_is_removed_once(steps, need):
     assert steps([], [need(-0.2)], ends=0.1) == [(-0.1, 1.0, 2.0)]
 
 
-def test_temporary_gaze_replaces_a_permanent_gaze_and_restores_it(steps, need, least):
+def test_temporary_gaze_replaces_a_held_gaze_and_restores_it(steps, need, least):
     running = need(0.3, begin=-3.0, ready=-2.0, end=-2.0)
     gaze = need(None, begin=1.0, ready=2.0, relax=4.0, end=6.0)
     assert steps([running], [gaze], ends=0.3) == [(-0.3, 1.0, 2.0), (0.3, 4.0, 6.0)]
@@ -216,7 +216,7 @@ def test_gaze_that_starts_before_another_gaze_has_returned_replaces_its_return(s
     assert steps([running], [gaze, later], ends=0.3) == [(-0.3, 1.0, 2.0), (0.3, 4.0, 6.0), (-0.3, 6.0, 8.0)]
 
 
-def test_rest_of_a_running_gaze_after_a_new_gaze_is_removed_by_a_second_trunk_transition(steps, need):
+def test_held_angle_of_a_new_gaze_is_removed_by_a_running_gaze_that_is_ready_later(steps, need):
     late = need(0.3, begin=0.5, ready=5.0, end=5.0)
     result = steps([late], [need(-0.2, begin=1.0, ready=2.0, end=2.0)], ends=0.3)
     assert result == [(0.0, 1.0, 2.0), (0.2, 1.0, 5.0)]
@@ -225,13 +225,13 @@ def test_rest_of_a_running_gaze_after_a_new_gaze_is_removed_by_a_second_trunk_tr
     assert result == [(0.0, 1.0, 2.0), (0.2, 3.0, 5.0)]
 
 
-def test_full_return_offset_of_a_gaze_is_kept_although_joint_limits_reduced_it(steps, need):
+def test_running_gaze_ready_after_a_new_gaze_ends_at_its_angle_reduced_by_joint_limits(steps, need):
     before, late = need(0.1, begin=-3.0, ready=-2.0, end=-2.0), need(0.3, begin=3.0, ready=5.0, end=5.0)
     result = steps([before, late], [need(-0.2, begin=1.0, ready=2.0, end=2.0)], ends=0.25)
     assert result == [(-0.1, 1.0, 2.0), (pytest.approx(0.3), 3.0, 5.0)]
 
 
-def test_running_gaze_during_a_later_gaze_reaches_its_target(steps, need):
+def test_held_angle_of_a_new_gaze_is_suspended_during_a_temporary_gaze_scheduled_before_it(steps, need):
     gaze = need(None, begin=3.0, ready=4.0, relax=5.0, end=7.0)
     result = steps([gaze], [need(-0.2, begin=1.0, ready=2.0, end=2.0)], ends=0.0)
     assert result == [(0.0, 1.0, 2.0), (0.2, 3.0, 4.0), (-0.2, 5.0, 7.0)]

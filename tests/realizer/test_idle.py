@@ -31,7 +31,7 @@ def test_speech_only_block_has_idle_motion(idling: Play, play: Play):
     assert away(play.send("a", STORY)) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_idle_motion_of_a_block_delays_nothing_and_ends_with_it(idling: Play, play: Play):
+def test_idle_motion_of_a_block_does_not_delay_the_next_block_and_ends_at_rest(idling: Play, play: Play):
     times = []
     for item in (idling, play):
         item.send("a", STORY).until(2.0).send("b", WAVE)

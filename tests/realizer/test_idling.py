@@ -46,7 +46,7 @@ def test_idle_motion_sends_no_feedback_messages(idling: Play):
     assert idling.scene.states == {}
 
 
-def test_block_starts_as_planned_on_an_idling_robot(idling: Play, lively: Setup):
+def test_block_has_the_same_times_on_an_idling_robot_as_on_a_resting_one(idling: Play, lively: Setup):
     resting = Play(Scene.of(lively, ahead=0.02))
     outcomes = []
     for play in (idling.until(5.3), resting.until(5.3)):
@@ -66,7 +66,7 @@ def test_idling_begins_only_without_running_blocks(lively: Setup, spell: Prepare
     assert begin_idle(play.scene, spell, play.now) is play.scene
 
 
-def test_held_postures_persist_during_idling(lively: Setup, spell: PreparedBlock):
+def test_held_gaze_shift_is_restored_when_idle_motion_is_interrupted(lively: Setup, spell: PreparedBlock):
     play = Play(Scene.of(lively)).send("b", '<gazeShift id="z" target="left" start="0" end="1"/>').until(4.0)
     before = play.scene.motion.controls[-1]
     play.take(begin_idle(play.scene, spell, play.now)).until(7.0)
@@ -74,7 +74,7 @@ def test_held_postures_persist_during_idling(lively: Setup, spell: PreparedBlock
     assert play.scene.motion.controls[-1] == pytest.approx(before, abs=1e-9)
 
 
-def test_interruption_and_stop_end_idling_soon(idling: Play, lively: Setup):
+def test_idle_motion_ends_within_0_8_s_of_an_interruption_and_0_3_s_of_a_stop(idling: Play, lively: Setup):
     idling.until(5.0)
     halted = stop(idling.scene.motion, 5.0, lively.limits)
     assert halted.end < 5.0 + 0.3

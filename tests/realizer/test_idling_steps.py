@@ -34,7 +34,7 @@ def merged(monkeypatch):
     return calls, result
 
 
-def test_idle_motion_is_merged_at_the_first_change(scene, merged):
+def test_idle_motion_is_merged_at_the_earliest_change_time(scene, merged):
     calls, (result,) = merged
     spell = small_block("i", {"n": {"start": 0.0}}).prepared
     after = begin_idle(scene, spell, 4.0)
@@ -46,11 +46,11 @@ def test_idle_motion_is_merged_at_the_first_change(scene, merged):
 
 
 @pytest.mark.parametrize(("now", "begins"), [(3.71, False), (3.72, True), (9.0, True)])
-def test_idle_motion_begins_when_the_robot_rests(scene, merged, now, begins):
+def test_idle_motion_begins_only_after_the_running_motion_has_ended(scene, merged, now, begins):
     assert (begin_idle(scene, small_block("i").prepared, now) is not scene) is begins
 
 
-def test_idle_motion_begins_only_with_motion_and_without_running_blocks(scene, merged):
+def test_idle_motion_without_effect_or_during_a_running_block_does_not_begin(scene, merged):
     assert begin_idle(scene, small_block("i", moves=False).prepared, 9.0) is scene
     busy = scene.with_block(small_block("a"))
     assert begin_idle(busy, small_block("i").prepared, 9.0) is busy

@@ -33,7 +33,7 @@ def test_interrupted_hand_returns_while_the_head_continues(play: Play):
     assert play.at("a:h:end") > 7.0
 
 
-def test_ended_behaviour_leaves_a_hand_used_by_another_block(play: Play):
+def test_ending_a_left_hand_gesture_keeps_the_right_hand_gesture_of_another_block(play: Play):
     """Both blocks move the trunk, so its motion stays for the other one."""
     play.send("a", HELD + NODS).until(3.0)
     other = HELD.replace("LEFT_HAND", "RIGHT_HAND")
@@ -64,7 +64,7 @@ def test_ending_a_speech_leaves_the_motion_unchanged(play: Play):
     assert play.was_told("a:h:end")
 
 
-def test_ended_gaze_does_not_return_with_another_style(play: Play):
+def test_ended_gaze_is_not_resumed_when_the_style_changes(play: Play):
     """The block continues with a new plan, which leaves the gaze out."""
     play.send("a", '<gaze id="z" target="left" start="4" end="8"/>' + NODS).until(1.0)
     running = play.scene.find("a")
@@ -78,7 +78,7 @@ def test_ended_gaze_does_not_return_with_another_style(play: Play):
     assert not play.until(12.0).was_told("a:z:ready")
 
 
-def test_ended_gaze_returns_while_the_block_nods(play: Play):
+def test_head_returns_from_an_ended_gaze_while_the_block_continues_to_nod(play: Play):
     """Gaze and nod move the neck together."""
     look = '<gaze id="z" target="left" start="0" ready="1" relax="9" end="10"/>'
     play.send("a", look + '<head id="h" lexeme="NOD" start="1" end="9" repetition="6"/>').until(2.0)

@@ -133,7 +133,9 @@ def tried(monkeypatch, nod, rest):
         (False, 5, 0, [(0, False)]),
     ],
 )
-def test_block_waits_for_the_first_delay_without_conflicts(tried, nod, rest, waits, free, delay, expected):
+def test_block_is_delayed_by_the_smallest_tried_delay_without_conflicts_or_not_at_all(
+    tried, nod, rest, waits, free, delay, expected
+):
     calls, first_free = tried
     first_free[0] = free
     assert _Merge(rest, nod, 0, (), 0.0).merged(waits=waits) == delay
@@ -193,7 +195,7 @@ def test_merged_block_has_clock_times_and_its_offsets_from_the_running_motion(ou
     assert (merged.syncs, merged.dropped, merged.notices) == (tuple(nod.syncs), (), ())
 
 
-def test_block_that_changes_nothing_keeps_the_running_motion_itself(outcome, rest):
+def test_merge_without_changes_returns_the_running_motion_object(outcome, rest):
     base = np.tile(rest.controls[:1], (9, 1))
     assert outcome(base=base).trajectory is rest
     assert not outcome(base=base).layer.controls.any()
@@ -208,7 +210,7 @@ def test_behaviours_dropped_by_a_merge_have_no_times_and_cause_a_notice(outcome)
 
 
 @pytest.mark.parametrize(("late", "is_reported"), [(SHIFT_TO_WARN - 1e-6, False), (SHIFT_TO_WARN + 1e-6, True)])
-def test_only_strokes_of_a_late_block_are_reported(outcome, late, is_reported):
+def test_block_later_than_the_warning_threshold_reports_only_its_delayed_stroke(outcome, late, is_reported):
     texts = [(notice.id, notice.text) for notice in outcome(late=late).notices]
     assert texts == [("b:n", "stroke is delayed by 0.010 s with the block")] * is_reported
 
@@ -220,7 +222,7 @@ def test_held_posture_that_is_not_reached_causes_a_notice(outcome):
     assert "ends 34 deg off its held posture" in merged.notices[0].text
 
 
-def test_gaze_of_a_block_also_moves_the_hinges_of_the_gaze_that_it_supersedes(outcome):
+def test_gaze_of_a_block_also_occupies_the_hinges_of_the_gaze_that_it_supersedes(outcome):
     neck = np.arange(22) == NECK
     held = replace(use("o", "look", offset=np.zeros(22)), hinges=neck)
     (entry,) = outcome(performed=[use("n", "look")], others=[held]).occupancy
@@ -267,7 +269,9 @@ def test_longer_running_motion_continues_after_the_block(overlays, nod, rest):
 
 
 @pytest.mark.parametrize("whole", [False, True])
-def test_conflicting_behaviour_is_left_out_and_the_rest_planned_again(overlays, planned, rest, whole):
+def test_conflicting_behaviour_is_dropped_and_the_rest_overlaid_unless_conflicts_end_the_attempt(
+    overlays, planned, rest, whole
+):
     plan = planned(NOD + BEAT)
     others = (use("o", "r_hand", ready=-1.0, relax=99.0),)
     attempt = _Merge(rest, plan, 0, others, 1.0).attempt(whole=whole)

@@ -42,7 +42,7 @@ def test_silent_block_is_delayed_to_resolve_conflicts(planned, rest, known):
     assert need.ready >= first.occupancy[0].relax - 1e-9
 
 
-def test_replacing_block_is_not_reported_as_late_if_it_moves_before_its_zero(planned, rest):
+def test_replacing_block_is_not_reported_as_late_if_it_moves_before_its_time_zero(planned, rest):
     plan = planned(gesture("RIGHT", 0.2, lexeme="offer"))
     assert plan.trajectory.zero > 0.3
     replaced = replace_motion(rest, 1.0, plan)
@@ -60,7 +60,7 @@ def test_block_with_speech_is_not_delayed(planned, rest):
 
 
 @pytest.mark.parametrize(("spare", "delay"), [(0.07, 0.4), (0.22, 0.2), (0.37, 0.1), (0.52, 0.0)])
-def test_block_waits_the_shortest_delay_without_colliding_arms(planned, rest, known, spare, delay):
+def test_block_is_delayed_until_its_arm_no_longer_collides_with_the_other_arm(planned, rest, known, spare, delay):
     """`spare` [s] after the first arm has relaxed, the second one is raised."""
     point = '<pointing id="{}" target="{}" mode="{}_HAND"/>'
     first = merge(rest, 0.0, planned(point.format("r", "left", "RIGHT")), begin=0.0)
@@ -70,7 +70,7 @@ def test_block_waits_the_shortest_delay_without_colliding_arms(planned, rest, kn
     assert merged.zero - plan.trajectory.zero - time == pytest.approx(delay, abs=0.0101)
 
 
-def test_block_with_an_early_stroke_begins_before_its_zero(planned, rest):
+def test_motion_of_a_block_with_its_stroke_at_time_zero_begins_before_the_block_start(planned, rest):
     plan = planned('<head id="n" lexeme="NOD" stroke="0"/>')
     assert plan.trajectory.zero > 0.2
     merged = merge(rest, 0.0, plan, begin=3.0)
@@ -78,7 +78,7 @@ def test_block_with_an_early_stroke_begins_before_its_zero(planned, rest):
     assert merged.occupancy[0].begin == pytest.approx(3.0 - plan.trajectory.zero, abs=0.01)
 
 
-def test_behaviour_relaxed_before_the_splice_time_causes_no_conflict(planned, rest):
+def test_behaviour_relaxed_before_the_change_time_causes_no_conflict(planned, rest):
     first = merge(rest, 0.0, planned(gesture("RIGHT", 1.0, lexeme="offer")), begin=0.0)
     over = first.occupancy[0].relax + 0.005
     merged = merge(

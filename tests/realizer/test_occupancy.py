@@ -79,7 +79,7 @@ def test_occupancy_times_match_the_plan(planned):
     )
 
 
-def test_occupancy_of_a_gaze_shift_contains_its_final_joint_offset(planned, known):
+def test_occupancy_of_a_gaze_shift_contains_its_joint_offset_at_the_end(planned, known):
     plan = planned('<gazeShift id="z" target="left" start="0" end="1"/>')
     (need,) = occupancy_of(plan)
     assert need.is_held
@@ -134,7 +134,7 @@ def test_interrupted_gaze_that_was_superseded_releases_no_hinges(known):
     assert not freed_hinges([own], neck, 2.0, known.robot, others=[need("look", offset=np.ones(22)).shifted(1.0)]).any()
 
 
-def test_interrupted_gaze_is_released_if_another_one_ends_with_it(known):
+def test_interrupted_gaze_is_released_if_another_one_ends_at_the_same_time(known):
     own = need("look", offset=np.full(22, 0.3))
     free = freed_hinges([own], np.ones(22, dtype=bool), 2.0, known.robot, others=[need("look", offset=np.ones(22))])
     assert free.all()

@@ -106,7 +106,7 @@ def turning(known, *, rows: dict[int, float], row_count: int = ROW_COUNT) -> np.
 
 
 @pytest.mark.parametrize(("end", "expected"), [(0.3, 0.1), (0.304, 0.1), (0.306, 0.2), (0.31, 0.2), (ROW_COUNT, 0.5)])
-def test_arm_of_a_held_posture_has_its_angle_at_the_end_of_the_behaviour(planned, known, end, expected):
+def test_held_arm_angle_is_the_planned_angle_at_the_end_of_the_posture_shift(planned, known, end, expected):
     """The control point after a knot shapes the angle at the knot most."""
     arm = arm_hinges("l_hand", known.robot)[0]
     controls = turning(known, rows={1: 0.05, 31: 0.1, 32: 0.2, ROW_COUNT - 2: 0.5, ROW_COUNT - 1: 0.7})
@@ -134,7 +134,7 @@ def look(turn: float) -> HeldTurns:
         ({"p": HeldTurns("posture")}, 0.25, {"p": 0.25}),
     ],
 )
-def test_last_posture_of_a_plan_or_else_its_last_gaze_holds_the_rest_of_the_final_angle(
+def test_last_posture_shift_or_else_last_gaze_shift_holds_the_remainder_of_the_end_angle(
     planned, known, held, ends, expected
 ):
     neck = known.robot.joints("neck")[0]
@@ -181,13 +181,13 @@ def test_held_gaze_subtracts_the_torso_angle_from_the_neck_angle(known):
 @pytest.mark.parametrize(
     ("ready", "relax", "conflicts"), [(1.0, 2.0, False), (0.99, 2.0, True), (0.1, 0.5, False), (0.1, 0.51, True)]
 )
-def test_occupancies_that_follow_without_overlap_cause_no_conflict(ready, relax, conflicts):
+def test_occupancies_conflict_only_if_their_busy_times_overlap(ready, relax, conflicts):
     first, second = use("a", "sign"), use("b", "sign", ready=ready, relax=relax)
     assert first.conflicts_with(second) is conflicts
     assert second.conflicts_with(first) is conflicts
 
 
-def test_occupancy_holds_a_role_only_if_it_has_this_role_and_a_final_offset():
+def test_occupancy_holds_a_role_only_if_it_has_this_role_and_a_held_offset():
     assert use("a", "look", offset=np.zeros(HINGE_COUNT)).holds("look")
     assert not use("a", "look", offset=np.zeros(HINGE_COUNT)).holds("trunk")
     assert not use("a", "look").holds("look")
@@ -198,7 +198,7 @@ def test_shifted_occupancy_moves_all_its_times():
     assert (entry.begin, entry.ready, entry.relax, entry.end) == (2.0, 2.5, 3.0, 3.5)
 
 
-def test_times_that_differ_by_rounding_keep_their_order():
+def test_times_within_a_microsecond_are_sorted_as_equal():
     for entries in ([(1.0, 5.0), (2.0, 1.0)], [(1.0 - 0.9e-6, 4.0), (1.0, 5.0)], [(1.0 - 1.1e-6, 5.0), (1.0, 4.0)]):
         assert sort_by_time(entries, lambda entry: entry) == entries
         assert sort_by_time(entries[::-1], lambda entry: entry) == entries

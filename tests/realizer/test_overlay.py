@@ -42,7 +42,7 @@ def test_sum_of_motions_is_projected_onto_limits_where_every_control_point_chang
     assert largest_limit_ratios(total, limits).max() <= MAX_LIMIT_RATIO
 
 
-def test_behaviour_whose_hand_cannot_return_to_rest_is_named(known):
+def test_failure_to_return_a_hand_to_rest_names_its_behaviour(known):
     hinge = known.robot.joints("r_arm")[0]
     limits = replace(known.limits, speed=np.full(len(known.limits.speed), 1e-6))
     start = known.robot.skeleton.rest

@@ -65,7 +65,7 @@ def test_hand_passes_from_the_running_motion_to_the_block_and_returns(transition
     assert transitions == [(0.0, 1.0, CUT * KNOT_INTERVAL, "g")]
 
 
-def test_hand_changes_motions_after_its_last_relaxed_behaviour(transitions):
+def test_hand_transition_to_the_block_starts_after_all_earlier_behaviours_have_relaxed(transitions):
     assert joined(work([use("g", 0.6)], [use("a", 0.3, 0.5), use("b", 0.4, 0.45)])) == ("return", 11.0, "g")
     assert transitions == [(0.0, 1.0, 0.5, "g")]
 
@@ -100,7 +100,7 @@ def test_hand_ready_before_the_change_time_needs_no_transition(transitions, read
         ([("g", 0.05)], [], [0.04], []),
     ],
 )
-def test_hand_leaves_the_block_between_its_behaviours_only_for_one_that_finishes_there(
+def test_hand_needs_a_transition_between_two_block_behaviours_only_for_a_finishing_one_between(
     transitions, performed, holding, finishing, expected
 ):
     joined(
@@ -145,7 +145,7 @@ def test_behaviours_of_a_hand_are_sorted_by_their_ready_time():
         (0.3, "l_hand", False),
     ],
 )
-def test_behaviour_lies_between_two_others_if_its_ready_time_does(ready, role, is_between):
+def test_finishing_behaviour_lies_between_two_others_of_its_hand_if_its_ready_time_does(ready, role, is_between):
     finishing = [use("past", 0.0), use("f", ready, role=role)]
     assert _has_finishing_between(finishing, "r_hand", use("g", 0.2), use("h", 0.5)) is is_between
 
@@ -175,7 +175,7 @@ def crossings(monkeypatch):
         (slice(30, 32), 20),
     ],
 )
-def test_hand_changes_motions_where_they_last_coincide_or_at_the_next_behaviour(crossings, equal, leave):
+def test_hand_transition_starts_where_motions_last_coincide_or_when_the_next_behaviour_begins(crossings, equal, leave):
     """Three equal control points make two motions coincide at a knot."""
     current, after = np.zeros(ROW_COUNT), np.ones(ROW_COUNT)
     after[equal] = SAME_ANGLE
@@ -187,7 +187,7 @@ def test_hand_changes_motions_where_they_last_coincide_or_at_the_next_behaviour(
     assert following is after
 
 
-def test_motions_may_coincide_at_any_angle(crossings):
+def test_hand_transition_starts_where_motions_coincide_at_a_nonzero_angle(crossings):
     current, after = np.full(ROW_COUNT, 0.4), np.zeros(ROW_COUNT)
     after[20:30] = 0.4
     _cross_over_to(current, after, 0.1, use("g", 0.6, begin=0.2), LIMITS, HINGE)
@@ -203,7 +203,7 @@ def test_motions_may_coincide_at_any_angle(crossings):
         (0.3, 0.2, 0.6, [(30, 60), (30, 60)]),
     ],
 )
-def test_hand_first_changes_motions_when_the_next_behaviour_begins_and_then_earlier(
+def test_hand_transition_is_tried_from_the_begin_of_the_next_behaviour_and_then_from_earlier(
     crossings, left, begin, ready, knots
 ):
     crossings[1][0] = 2
@@ -212,7 +212,7 @@ def test_hand_first_changes_motions_when_the_next_behaviour_begins_and_then_earl
     assert [call[:2] for call in crossings[0]] == knots
 
 
-def test_second_attempt_to_leave_is_used_if_the_first_one_fails(crossings):
+def test_second_hand_transition_is_used_if_the_first_one_fails(crossings):
     crossings[1][0] = 1
     current, after = np.zeros(ROW_COUNT), np.ones(ROW_COUNT)
     result = _cross_over_to(current, after, 0.1, use("g", 0.6, begin=0.2), LIMITS, HINGE)
@@ -243,7 +243,7 @@ def resting(*, block_end=0.0, running_end=0.5, finishing=(), count=ROW_COUNT) ->
         (0.0, 0.0, (use("f", 0.3, role="l_hand"),), False),
     ],
 )
-def test_hand_returns_if_the_running_motion_ends_elsewhere_or_its_behaviour_finishes_later(
+def test_hand_returns_if_only_the_running_motion_ends_away_from_rest_or_a_behaviour_finishes(
     crossings, block_end, running_end, finishing, returns
 ):
     column = np.full(ROW_COUNT, 0.7)
@@ -258,7 +258,7 @@ def test_hand_returns_if_the_running_motion_ends_elsewhere_or_its_behaviour_fini
         np.testing.assert_array_equal(result, running_end + 5.0)
 
 
-def test_hand_stays_if_both_motions_end_at_the_start_of_the_block():
+def test_hand_stays_if_both_motions_end_in_the_start_posture_or_the_block_ends_elsewhere():
     task = resting(block_end=0.3, running_end=0.3)
     task.start[HINGE] = 0.3
     column = np.full(ROW_COUNT, 0.7)
@@ -282,7 +282,7 @@ def test_hand_returns_from_the_first_knot_at_which_it_is_relaxed(crossings):
         (4.201, []),
     ],
 )
-def test_return_takes_as_long_as_planned_and_then_half_as_long_again_up_to_4_seconds(crossings, end, pieces):
+def test_failed_hand_return_is_retried_1_5_times_longer_up_to_4_seconds(crossings, end, pieces):
     crossings[1][0] = 99
     failure = _return_to_rest(np.ones(60), use("g", 0.1, 0.2, end=end), resting(count=60), "r_hand", LIMITS, HINGE)
     assert failure == MergeFailure("g", "its hand cannot return to rest within its limits")

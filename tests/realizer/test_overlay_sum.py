@@ -92,7 +92,7 @@ def test_summed_motion_ends_six_knots_after_the_change_of_a_held_posture(known, 
         (slice(20, ROW_COUNT), 0, [(17, ROW_COUNT - 3)]),
     ],
 )
-def test_summed_motion_is_corrected_from_three_knots_before_its_change_to_its_end(
+def test_summed_motion_is_corrected_from_three_knots_before_its_change_to_the_end_of_it(
     known, limits, corrections, rows, cut, corrected
 ):
     coming = still()
@@ -115,7 +115,7 @@ def test_summed_motion_is_corrected_if_it_exceeds_limits_where_it_changes(
     assert corrections == [(NECK, 17, 21)] * is_over
 
 
-def test_hinges_and_rows_with_negligible_change_are_not_corrected(known, limits, corrections):
+def test_hinges_and_control_points_with_negligible_change_are_not_corrected(known, limits, corrections):
     base, coming = still(), still()
     base[:, NECK] = jerky({20: 1.5})
     base[:, TORSO] = jerky({30: 1.5})
@@ -186,7 +186,9 @@ def parts(monkeypatch):
         ({"finishing": ["r_hand"]}, ("l_hand", "r_hand")),
     ],
 )
-def test_only_idle_motion_is_added_to_arms_and_only_to_free_ones(known, limits, parts, entries, roles):
+def test_arm_motions_are_joined_instead_of_added_except_for_idle_motion_of_free_arms(
+    known, limits, parts, entries, roles
+):
     alone, joined = parts
     uses = {name: [use(role, role) for role in given] for name, given in entries.items()}
     whole = overlay_motions(work(still(), still(), **uses), known, limits)
@@ -199,7 +201,7 @@ def test_only_idle_motion_is_added_to_arms_and_only_to_free_ones(known, limits, 
     assert not np.delete(whole, arms, axis=1).any()
 
 
-def test_failure_of_the_trunk_is_reported_before_that_of_a_hand(known, limits, monkeypatch):
+def test_failure_of_the_trunk_is_reported_instead_of_that_of_a_hand(known, limits, monkeypatch):
     first, second = MergeFailure("a", "sum"), MergeFailure("b", "hand")
     task = work(still(), still(), performed=[use("beat", "r_hand")])
     monkeypatch.setattr(module, "join_hinge_motions", lambda *_: second)

@@ -80,7 +80,7 @@ def test_behaviours_in_progress_stay_in_the_running_motion_until_they_relax(swit
 
 
 @pytest.mark.parametrize(("knot", "count"), [(20, 160), (77, 160), (78, 161)])
-def test_trunk_joins_the_new_motion_within_at_least_83_knots(switch, attempts, knot, count):
+def test_goal_of_a_plan_change_extends_at_least_83_knots_beyond_the_change(switch, attempts, knot, count):
     assert switch(knot=knot).attempt(set()) == "a merged motion"
     (goal,) = attempts[1]["_catch_up"]
     assert len(goal) == count
@@ -96,12 +96,12 @@ def test_trunk_joins_the_new_motion_within_at_least_83_knots(switch, attempts, k
         ("find_conflict", MergeFailure("n", "collides"), MergeFailure("n", "collides")),
     ],
 )
-def test_plan_change_fails_with_the_reason_of_the_step_without_a_solution(switch, attempts, step, result, failure):
+def test_plan_change_fails_with_the_reason_of_the_failed_step(switch, attempts, step, result, failure):
     attempts[0][step] = result
     assert switch().attempt(set()) == failure
 
 
-def test_new_gaze_also_moves_the_hinges_of_the_gaze_that_it_supersedes(switch, attempts, known):
+def test_new_gaze_also_occupies_the_hinges_of_the_gaze_that_it_supersedes(switch, attempts, known):
     neck = np.arange(HINGE_COUNT) == NECK
     held = replace(use("a", "look", offset=np.zeros(HINGE_COUNT)), hinges=neck)
     moved = switch(others=[held])

@@ -50,7 +50,7 @@ def timed(*times: tuple[float, float], inside: str | None = None, **options):
         ([(-30.0, -29.0)], False),
     ],
 )
-def test_large_blocks_are_planned_quickly_first(known, planners, times, is_quick):
+def test_block_of_more_than_four_behaviours_or_20_s_gets_a_quick_plan_first(known, planners, times, is_quick):
     request = timed(*times)
     prepared = prepare_block(request, known)
     ((name, given, options),) = planners
@@ -64,13 +64,13 @@ def test_large_blocks_are_planned_quickly_first(known, planners, times, is_quick
         assert options["conditioned"].keywords == {"lead_in": 0.0}
 
 
-def test_speech_and_faces_do_not_make_a_block_large(known, planners):
+def test_speech_and_face_behaviours_do_not_cause_a_quick_plan(known, planners):
     faces = "".join(f'<faceLexeme id="f{k}" lexeme="RAISE_BROWS"/>' for k in range(5))
     request = timed(*[(0.0, 99.0)] * 6, inside=faces + '<speech id="s"><text>Yes</text></speech>')
     assert not prepare_block(request, known).is_provisional
 
 
-def test_block_with_a_decided_plan_is_planned_fully_with_its_speech(known, planners):
+def test_block_whose_speech_has_started_gets_a_full_plan_with_the_same_speech(known, planners):
     request = replace(timed(*[(0.0, 99.0)] * 9), is_decided=True)
     prepared = prepare_block(request, known, is_scheduled=True)
     ((name, given, options),) = planners

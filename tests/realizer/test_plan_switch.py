@@ -47,7 +47,7 @@ def test_new_plan_lacks_the_behaviours_that_the_merge_has_dropped(known, monkeyp
 
 
 @pytest.mark.parametrize(("late", "knots"), [(0.0, 0), (0.126, 13), (0.124, 12), (-0.2, -20)])
-def test_new_plan_keeps_the_zero_of_the_block_to_the_nearest_knot(switch, nod, late, knots):
+def test_new_plan_keeps_time_zero_of_the_block_to_the_nearest_knot(switch, nod, late, knots):
     moved = switch(playing_zero=nod.trajectory.zero + late)
     assert moved.offset == knots
     assert moved.zero == pytest.approx(nod.trajectory.zero + knots * KNOT_INTERVAL)
@@ -80,7 +80,9 @@ def test_only_hand_behaviours_that_have_begun_count_as_in_progress(switch, monke
     ],
 )
 @pytest.mark.parametrize("sync", ["stroke", "strokeStart"])
-def test_new_plan_keeps_past_strokes_past_and_future_strokes_three_knots_away(switch, nod, before, after, keeps, sync):
+def test_strokes_are_kept_if_past_ones_stay_past_and_future_ones_are_three_knots_away(
+    switch, nod, before, after, keeps, sync
+):
     """The transition begins at 0.2 s, and a stroke at that time is past."""
     at = [Syncs([SyncTime("n", sync, 0.0, time)]) for time in (before - 0.25, after - nod.trajectory.zero)]
     playing = merged(syncs=at[0])
@@ -100,7 +102,7 @@ def test_only_strokes_in_both_plans_decide_whether_strokes_are_kept(switch, nod)
     ("running", "layer", "knot", "offset", "count"),
     [(300, 90, 20, 0, 300), (90, 310, 20, 0, 310), (90, 90, 400, 0, 406), (90, 90, 20, 500, None)],
 )
-def test_transition_covers_both_motions_and_six_knots(switch, nod, running, layer, knot, offset, count):
+def test_transition_covers_all_motions_and_six_knots_after_the_change(switch, nod, running, layer, knot, offset, count):
     moved = switch(
         running=motion(running),
         playing=merged(layer=motion(layer)),
@@ -133,7 +135,7 @@ def test_motion_without_the_block_ends_in_the_posture_held_by_other_blocks(switc
 
 @pytest.mark.parametrize(("knot", "is_corrected"), [(24, True), (25, False)])
 @pytest.mark.parametrize("is_possible", [True, False])
-def test_motion_without_the_block_is_corrected_after_the_cut(
+def test_motion_without_the_block_is_corrected_if_it_exceeds_limits_after_the_change_time(
     switch, known, monkeypatch, knot, is_corrected, is_possible
 ):
     """Without the block, the neck jumps in the knot intervals 22 to 24."""
@@ -168,7 +170,7 @@ def joins(monkeypatch):
     return calls
 
 
-def test_only_hinges_that_differ_after_the_cut_join_their_new_motion(switch, joins):
+def test_only_hinges_that_differ_after_the_change_time_join_their_new_motion(switch, joins):
     goal = np.zeros((60, HINGE_COUNT))
     goal[20, 0] = 0.1
     goal[19, 1] = 0.1
@@ -183,7 +185,7 @@ def test_only_hinges_that_differ_after_the_cut_join_their_new_motion(switch, joi
     np.testing.assert_array_equal(controls, expected)
 
 
-def test_arms_join_at_keys_at_least_three_knots_away(switch, joins, known):
+def test_arms_join_the_new_plan_at_keys_at_least_three_knots_away(switch, joins, known):
     plan = plan_quickly(parse(ROOT.format('<gesture id="g" lexeme="beat" mode="RIGHT_HAND"/>')), known)
     hinge = next(h for h in arm_hinges("r_hand", known.robot) if np.ptp(plan.trajectory.controls[:, h]) > 0.1)
     times = 0.25 * np.arange(len(plan.motion.planned))
@@ -209,7 +211,7 @@ def test_arm_joins_a_motionless_plan_without_keys(switch, joins, known):
     assert joins == {hinge: (0.0, 20, [])}
 
 
-def test_no_motion_joins_a_new_one_if_a_hinge_cannot(switch, monkeypatch):
+def test_change_to_a_new_motion_fails_if_one_hinge_cannot_join_it(switch, monkeypatch):
     monkeypatch.setattr(module, "_join", lambda *_: None)
     goal = np.zeros((60, HINGE_COUNT))
     assert switch(running=motion(60))._catch_up(goal) is not None

@@ -73,13 +73,13 @@ def test_arm_compensates_for_a_turned_trunk(leaning, alone, stroke, known):
     np.testing.assert_array_equal(mended[others], off[others])
 
 
-def test_hand_without_a_position_is_not_aimed(alone, stroke, known):
+def test_arm_of_a_pointing_hand_without_a_reach_target_is_unchanged(alone, stroke, known):
     (one,), angles = pointing_hands(alone), posture(alone.trajectory, stroke)
     hanging = replace(one, hand=replace(one.hand, reach=None))
     assert hanging.arm(angles, known.robot) is angles
 
 
-def test_correction_changes_only_the_pointing_arm_during_its_stroke(leaning, alone, stroke, known):
+def test_pointing_correction_changes_only_the_pointing_arm_after_the_change_time(leaning, alone, stroke, known):
     (one,), needs = pointing_hands(alone), {item.behaviour: item for item in occupancy_of(alone)}
     cut = stroke - 0.4
     result = correct_pointing(leaning, cut, PointingStroke(one, stroke, needs["p"]), [needs["g"]], known)
@@ -137,14 +137,14 @@ def test_pending_pointing_hand_accounts_for_a_later_trunk_motion(play, other):
     assert play.warnings() == []
 
 
-def test_early_return_of_the_trunk_keeps_the_hand_pointing(play):
+def test_hand_still_points_at_its_target_if_the_lean_of_the_trunk_is_interrupted(play):
     play.send("a", LEAN).until(0.4).send("b", POINT_AUDIENCE).until(0.5)
     play.take(interrupt(play.scene, play.now, "a"))
     assert missed(play, "b") < pointing.POINTING_TOLERANCE
     check(play)
 
 
-def test_interrupted_pointing_hand_rests_while_the_trunk_moves(play):
+def test_interrupted_pointing_hand_ends_at_rest_and_the_trunk_motion_continues(play):
     play.send("a", LEAN).until(0.4).send("b", POINT_AUDIENCE).until(0.8)
     play.take(interrupt(play.scene, play.now, "b"))
     check(play)
@@ -174,7 +174,7 @@ def still_trunk(known) -> Play:
     return Play(Scene.of(replace(known, style=known.style.changed(["whole_body=0"]))))
 
 
-def test_uncorrectable_pointing_error_is_warned(still_trunk, monkeypatch):
+def test_uncorrectable_pointing_error_causes_one_warning(still_trunk, monkeypatch):
     play = still_trunk
     monkeypatch.setattr(pointing, "correct_pointing", lambda *_: None)
     play.send("a", LEAN).until(0.4).send("b", POINT_AUDIENCE)
@@ -194,7 +194,7 @@ def test_trunk_motion_just_before_a_pointing_stroke_causes_a_warning_if_the_hand
     check(play)
 
 
-def test_pointing_hand_next_to_the_other_arm_stays_as_planned(still_trunk):
+def test_gesture_of_the_left_arm_does_not_change_the_travel_of_the_right_pointing_arm(still_trunk):
     play = still_trunk
     play.send("a", LEFT).until(0.3).send("b", POINT_AUDIENCE)
     alone = play.ready("c", POINT_AUDIENCE).plan.trajectory.controls
@@ -203,7 +203,7 @@ def test_pointing_hand_next_to_the_other_arm_stays_as_planned(still_trunk):
     assert np.ptp(own, axis=0) == pytest.approx(np.ptp(alone[:, arm], axis=0), abs=1e-6)
 
 
-def test_refined_plan_keeps_pointing(play):
+def test_refined_plan_still_points_at_its_target_while_the_trunk_leans(play):
     nods = "".join(f'<head id="h{k}" lexeme="NOD" stroke="{1.0 + 1.2 * k}"/>' for k in range(4))
     play.send("a", LEAN).until(0.3)
     coming = play.ready("b", POINT_AUDIENCE.replace("/>", ' stroke="1.3"/>') + nods)

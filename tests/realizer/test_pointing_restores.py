@@ -119,7 +119,7 @@ def test_hand_that_misses_its_target_is_corrected(restored):
         ({"block": "unknown"}, False),
     ],
 )
-def test_only_future_strokes_that_miss_more_than_usual_are_corrected(restored, changes, is_tried):
+def test_only_future_strokes_whose_pointing_error_has_increased_are_corrected(restored, changes, is_tried):
     stage, calls = restored(**changes)
     assert len(calls) == is_tried
     assert stage.warnings == []
@@ -154,7 +154,7 @@ def test_remaining_pointing_error_is_reported(restored, changes, motion, error):
         (False, True, True, "plan"),
     ],
 )
-def test_pointing_error_before_a_change_is_that_of_the_scene_or_of_a_new_plan(
+def test_reference_pointing_error_is_that_of_the_previous_motion_or_else_of_the_plan(
     is_there, is_merged, is_same_plan, expected
 ):
     plan = SimpleNamespace(
@@ -180,7 +180,7 @@ def test_pointing_error_before_a_change_is_that_of_the_scene_or_of_a_new_plan(
     assert times == pytest.approx([0.9 if expected == "before" else 0.35])
 
 
-def test_correction_becomes_part_of_the_motion_of_its_behaviour(known):
+def test_pointing_correction_becomes_part_of_the_motion_of_its_behaviour(known):
     layer = motion(40, angle=0.1, start=START)
     merged = MergedMotion(motion(), 0.5, layer, (use("p"), use("q")), (), (), ())
     prepared = SimpleNamespace(plan=SimpleNamespace(timeline=SimpleNamespace(block=SimpleNamespace(id="a"))))

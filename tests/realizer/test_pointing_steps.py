@@ -32,7 +32,7 @@ def test_pointing_error_is_the_angle_at_the_wrist_between_the_palm_and_the_targe
     assert np.degrees(hand.miss(np.zeros(HINGE_COUNT), robot)) == pytest.approx(degrees, abs=1e-9)
 
 
-def test_hands_point_only_in_their_own_strokes_at_a_target():
+def test_pointing_hands_are_those_that_aim_in_a_stroke_of_their_own_behaviour():
     aim = np.ones(3)
     right, left, free = SimpleNamespace(aim=aim), SimpleNamespace(aim=aim), SimpleNamespace(aim=None)
     frames = [
@@ -75,7 +75,7 @@ def correct(known, *, time=0.1, others=(), count=100, angle=0.3, **options):
     return correct_pointing(motion(count, angle=angle, start=START), START + time, stroke(**options), others, known)
 
 
-def test_correction_is_complete_from_the_stroke_to_its_relax_point(known, corrections):
+def test_pointing_correction_is_complete_from_the_stroke_to_its_relax_point(known, corrections):
     result = correct(known)
     columns, judged, _ = corrections
     ((hinge, first, last, desired),) = columns
@@ -109,7 +109,7 @@ def test_correction_is_complete_from_the_stroke_to_its_relax_point(known, correc
         (0.1, [use("o", "l_hand", ready=0.1, relax=0.3), use("n", "sign", ready=0.7)], (20, 83)),
     ],
 )
-def test_correction_stays_between_the_other_behaviours_of_the_hand(known, corrections, time, others, knots):
+def test_pointing_correction_stays_between_the_other_behaviours_of_the_hand(known, corrections, time, others, knots):
     correct(known, time=time, others=others)
     assert corrections[0][0][1:3] == knots
 
@@ -121,14 +121,14 @@ def test_pointing_correction_beyond_the_end_of_the_motion_extends_it(known, corr
 
 
 @pytest.mark.parametrize(("time", "is_tried"), [(0.8, True), (0.81, False)])
-def test_pointing_correction_needs_three_knots_before_the_stroke_ends(known, corrections, time, is_tried):
+def test_pointing_correction_is_tried_only_up_to_the_end_of_the_behaviour(known, corrections, time, is_tried):
     result = correct(known, time=time)
     assert (result is not None) is is_tried
     assert bool(corrections[1]) is is_tried
 
 
 @pytest.mark.parametrize(("failures", "factors"), [(0, [1.0]), (2, [1.0, 0.8, 0.5]), (3, [1.0, 0.8, 0.5])])
-def test_infeasible_pointing_correction_is_reduced_up_to_two_times(known, corrections, failures, factors):
+def test_infeasible_pointing_correction_is_reduced_at_most_twice(known, corrections, failures, factors):
     corrections[2][0] = failures
     result = correct(known)
     turns = [(desired[55] - 0.3) / 0.1 for *_, desired in corrections[0]]
@@ -148,7 +148,7 @@ def test_hinge_without_a_correction_within_limits_keeps_its_motion(known, correc
     ("after", "before", "is_feasible"),
     [(0.9, 0.1, True), (1.0, 0.1, True), (1.01, 0.1, False), (1.2, 1.2, True), (1.3, 1.2, False)],
 )
-def test_correction_may_not_overload_a_drive_more_than_before(known, monkeypatch, after, before, is_feasible):
+def test_pointing_correction_may_not_overload_a_drive_more_than_before(known, monkeypatch, after, before, is_feasible):
     peaks, seen = [], []
 
     def compute_peak_duties(trajectory, _setup):

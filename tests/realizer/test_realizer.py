@@ -53,7 +53,7 @@ def test_each_sync_point_is_reported_once_in_order(play):
     assert [due.time for due in play.told] == sorted(due.time for due in play.told)
 
 
-def test_prediction_is_sent_immediately_and_is_correct(play):
+def test_prediction_is_sent_first_and_its_end_is_that_of_the_block(play):
     play.send("b", BEAT)
     assert "<predictionFeedback" in play.told[0].xml
     end = re.search(r'globalEnd="([^"]*)"', play.told[0].xml)
@@ -83,7 +83,7 @@ def test_block_for_another_character_is_refused(played):
     assert play.was_told("c:end")
 
 
-def test_blocks_beyond_the_maximum_are_refused(play):
+def test_blocks_beyond_256_are_refused(play):
     waiting = play.ready("w", "", 'composition="APPEND"')
     play.send("a", '<wait id="w" duration="9"/>')
     for number in range(300):
@@ -134,7 +134,7 @@ def test_block_scheduled_with_the_same_setup_keeps_its_timeline(known: Setup):
     assert np.array_equal(fresh.trajectory.sample(times)[0], reused.trajectory.sample(times)[0])
 
 
-def test_block_is_scheduled_again_for_the_hand_that_is_free(known: Setup):
+def test_block_is_scheduled_again_if_its_preferred_hand_is_busy(known: Setup):
     request = read_request(Message('<bml id="b"><gesture id="g" lexeme="BEAT" stroke="1"/></bml>'), known)
     busy = replace(request, busy_hands=(BusyHand("r", -1.0, 9.0, "other:g"),))
     assert prepare_block(busy, known, is_scheduled=True).plan.timeline is not request.timeline

@@ -85,7 +85,7 @@ def test_preplanned_block_waits_for_its_activation(scene, steps):
     assert steps == []
 
 
-def test_notices_follow_the_prediction_and_provisional_ones_wait(scene, steps):
+def test_provisional_notices_are_sent_one_second_later_unless_the_plan_is_refined(scene, steps):
     known, late = (Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, "b", text) for text in ("known", "late"))
     block = small_block("b", TIMES, notices=(known, late), quick_notices=(known,), is_provisional=True)
     after = begin(scene, block.prepared, 10.0)
@@ -120,7 +120,9 @@ def test_block_with_a_used_id_is_refused_with_the_state_of_the_other_block(scene
         ("Anna", "", "", None),
     ],
 )
-def test_block_is_refused_only_if_all_of_it_is_for_others(scene, steps, performer, attributes, inside, refusal):
+def test_empty_block_is_refused_only_if_it_is_for_another_character(
+    scene, steps, performer, attributes, inside, refusal
+):
     named = replace(scene, setup=replace(scene.setup, character=performer))
     found = texts(begin(named, small_block("b", inside=inside, attributes=attributes).prepared, 10.0))
     assert [text for text in found if "performs here" in text] == [text for text in found if refusal]
@@ -157,7 +159,7 @@ def test_refusal_names_the_agents_of_all_behaviours(scene, steps, names, refusal
 
 
 @pytest.mark.parametrize(("count", "is_refused"), [(255, False), (256, True)])
-def test_block_beyond_the_maximum_is_refused(scene, steps, count, is_refused):
+def test_block_beyond_256_others_is_refused(scene, steps, count, is_refused):
     block = small_block("a")
     full = replace(scene, blocks=(block,) * count)
     found = texts(begin(full, small_block("b").prepared, 10.0))
@@ -234,14 +236,14 @@ def test_command_is_executed_at_its_start(scene, steps, command, expected):
     assert steps == [expected]
 
 
-def test_interrupt_command_may_name_a_behaviour_of_its_block(scene, steps):
+def test_activate_command_that_names_a_behaviour_activates_its_block(scene, steps):
     playing = commanded(scene, commanding(ACTIVATE, "a:g"))
     advance(playing, 10.0)
     assert steps == [("activate_block", "a", 10.0)]
 
 
 @pytest.mark.parametrize("command", [INTERRUPT, ACTIVATE])
-def test_command_to_a_missing_block_is_warned(scene, steps, command):
+def test_command_to_a_missing_block_causes_a_warning(scene, steps, command):
     after = advance(commanded(scene, commanding(command, "gone")), 10.0)
     warnings = [item for item in after.outgoing_feedback if "warningFeedback" in item.xml]
     assert steps == []
@@ -252,7 +254,7 @@ def test_command_to_a_missing_block_is_warned(scene, steps, command):
 
 
 @pytest.mark.parametrize(("block", "stopped"), [(None, ["a", "b"]), ("b", ["b"]), ("gone", [])])
-def test_interruption_stops_one_block_or_all_with_idle_motion(scene, steps, block, stopped):
+def test_interruption_stops_one_block_or_all_blocks_and_idle_motion(scene, steps, block, stopped):
     busy = scene.with_block(small_block("a")).with_block(small_block("b"))
     after = interrupt(busy, 10.0, block)
     expected = [("stop_block", id, 10.0, "it was interrupted") for id in stopped]
@@ -260,7 +262,7 @@ def test_interruption_stops_one_block_or_all_with_idle_motion(scene, steps, bloc
     assert [active.id for active in after.blocks] == [id for id in "ab" if id not in stopped]
 
 
-def test_emergency_stop_ends_all_blocks_and_keeps_texts(scene, steps):
+def test_emergency_stop_ends_all_blocks_and_keeps_other_scheduled_feedback(scene, steps):
     block = small_block("a", TIMES, zero=20.0, run=3)
     text, motion = ScheduledFeedback(30.0, "text"), small_motion()
     busy = replace(scene.with_block(block), agenda=(*block.agenda(), text), idle=small_block("i"))

@@ -44,14 +44,14 @@ def test_release_at_sampled_times_returns_to_rest_within_2_5_s(planned, known, r
 @pytest.mark.parametrize(
     ("duration", "delays"), [(20.0, [0, 10, 20, 40, 80, 160, 320]), (1.41, [0, 10, 20, 40]), (1.4, [0, 10, 20])]
 )
-def test_release_that_collides_is_tried_later_until_the_motion_ends(known, monkeypatch, duration, delays):
+def test_failed_release_is_retried_at_doubling_delays_until_the_motion_ends(known, monkeypatch, duration, delays):
     running, tried = stay(known.robot.skeleton.rest, duration), list[int]()
     monkeypatch.setattr(module, "_release_from", lambda _running, knot, *_: tried.append(knot - 100))
     assert release_motion(running, 1.0, np.ones(22, dtype=bool), known) is running
     assert tried == delays
 
 
-def test_released_hinges_have_the_time_to_stop_from_their_velocity(known):
+def test_minimum_return_time_of_a_hinge_covers_the_stop_from_its_velocity(known):
     velocities = np.linspace(-1.0, 1.0, 22)  # [rad/s]
     moving = np.arange(5)[:, None] * KNOT_INTERVAL * velocities
     times = module._minimum_times(moving, moving, 2, known.limits)
@@ -65,7 +65,7 @@ def test_releasing_hinges_at_rest_keeps_the_rest_posture(known, rest):
     np.testing.assert_allclose(released.at(5.0).angles, rest.controls[0], atol=1e-12)
 
 
-def test_released_hinges_rest_while_others_continue(planned, known):
+def test_released_arm_returns_to_rest_while_the_other_hinges_keep_their_motion(planned, known):
     running, left = planned(passage_text(0)).trajectory, list(arm_hinges("l_hand", known.robot))
     free = np.isin(np.arange(22), left)
     released = release_motion(running, 1.0, free, known)
@@ -75,7 +75,7 @@ def test_released_hinges_rest_while_others_continue(planned, known):
     np.testing.assert_allclose(released.sample(times)[0][:, ~free], running.sample(times)[0][:, ~free], atol=1e-12)
 
 
-def test_removing_a_head_shake_restores_the_motion_of_the_gaze_below(planned, known, rest):
+def test_removing_a_head_shake_restores_the_motion_of_the_underlying_gaze(planned, known, rest):
     gaze = merge(rest, 0.0, planned(GAZE), begin=0.0)
     shake = planned('<head id="s" lexeme="SHAKE" repetition="3" start="0"/>')
     both = merge(gaze.trajectory, 1.5, shake, begin=1.5, occupied=gaze.occupancy)

@@ -33,7 +33,7 @@ def use(id: str, *roles: str, begin=0.3, ready=0.5, offset=None) -> Occupancy:
     return Occupancy(id, frozenset(roles), NO_HINGES, begin, ready, 0.6, 0.7, offset)
 
 
-def test_release_is_tried_in_the_time_of_the_running_motion(known, monkeypatch):
+def test_release_times_are_relative_to_the_start_of_the_running_motion(known, monkeypatch):
     calls = []
 
     def release_from(*given):
@@ -78,7 +78,7 @@ def test_motion_without_released_hinges_is_unchanged(known, tries):
     assert tries[0] == []
 
 
-def test_released_hinges_share_the_first_possible_return(known, tries):
+def test_released_hinges_return_together_in_the_first_feasible_duration(known, tries):
     calls, times, ends = tries
     times[[NECK, 5]] = 0.16, 0.9
     running, others = motion(60), [use("now", "r_hand", ready=0.2), use("soon", "r_hand", ready=0.201)]
@@ -105,7 +105,7 @@ def test_released_hinges_share_the_first_possible_return(known, tries):
         (2.67, []),
     ],
 )
-def test_return_lasts_one_and_a_half_minimum_durations_and_then_a_quarter_longer_up_to_4_seconds(
+def test_tried_returns_last_1_5_minimum_durations_and_then_a_quarter_longer_up_to_4_seconds(
     known, tries, monkeypatch, least, pieces
 ):
     calls, times, _ = tries
@@ -144,13 +144,13 @@ def test_minimum_time_includes_the_stop_from_velocity_and_acceleration(known):
     assert _minimum_times(moving, moving, 20, limits)[NECK] == pytest.approx(float(stop))
 
 
-def test_motion_without_other_blocks_rests_in_all_hinges(known):
+def test_motion_without_offsets_and_other_blocks_is_the_rest_posture(known):
     rest = known.robot.skeleton.rest
     np.testing.assert_array_equal(_motion_without_block(motion(9).controls, None, (), known.robot), [rest] * 9)
 
 
 @pytest.mark.parametrize("count", [20, 40])
-def test_motion_without_a_block_lacks_its_offsets_and_rests_its_arms(known, count):
+def test_motion_without_a_block_lacks_its_trunk_offsets_and_holds_the_last_arm_posture(known, count):
     robot, arm = known.robot, arm_hinges("r_hand", known.robot)[1]
     layer, current = motion(count).controls, np.tile(robot.skeleton.rest, (30, 1))
     layer[10:15, [NECK, arm]] = 0.1
@@ -217,7 +217,7 @@ def test_resting_arm_rejoins_its_next_behaviour(known, rejoins, knot, leave):
     assert not np.delete(back, arm, axis=1).any()
 
 
-def test_arm_without_time_to_rejoin_keeps_the_running_motion(known, rejoins):
+def test_arm_with_a_hinge_that_cannot_rejoin_keeps_the_running_motion(known, rejoins):
     back, current = motion(60).controls, motion(60, angle=1.0).controls
     arm = list(arm_hinges("l_hand", known.robot))
     rejoins[1].add(arm[2])
@@ -245,7 +245,9 @@ def checks(monkeypatch):
 
 
 @pytest.mark.parametrize(("knot", "corrections"), [(24, [(NECK, 24, 57)]), (25, [])])
-def test_returning_hinge_is_corrected_only_after_the_cut(known, checks, knot, corrections):
+def test_returning_hinge_is_corrected_only_if_it_exceeds_limits_after_the_release_time(
+    known, checks, knot, corrections
+):
     """The neck jumps in the knot intervals 22 to 24."""
     calls, _, seen = checks
     controls = np.tile(known.robot.skeleton.rest, (60, 1))
@@ -266,7 +268,7 @@ def test_return_to_rest_that_cannot_be_corrected_is_rejected(known, checks, monk
 
 
 @pytest.mark.parametrize(("spare", "is_rejected"), [(0.0, False), (-1e-9, True), (-1.0, True)])
-def test_return_to_rest_that_comes_too_near_is_rejected(known, checks, spare, is_rejected):
+def test_return_to_rest_below_the_required_clearance_is_rejected(known, checks, spare, is_rejected):
     checks[1][0] = known.robot.min_clearance + MIN_LAG_RESERVE + spare
     controls = np.tile(known.robot.skeleton.rest, (60, 1))
     assert (_certified_motion(controls, motion(9), 0, known) is None) is is_rejected

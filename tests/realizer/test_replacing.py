@@ -31,7 +31,7 @@ def test_next_event_of_a_scene_is_the_next_feedback_time(play: Play):
     assert play.scene.next_time == np.inf
 
 
-def test_next_event_while_a_block_waits_is_before_the_end_of_the_running_block(play: Play):
+def test_next_event_while_a_block_waits_is_not_after_the_end_of_the_running_block(play: Play):
     play.send("a", '<head id="h" lexeme="NOD" start="0" end="3"/>').send("b", NOD, 'composition="APPEND"')
     play.until(0.5)
     end = play.scene.blocks[0].end

@@ -43,7 +43,7 @@ def reached(motion, zero, plan, sync, hinges) -> float:
     return float(np.abs(motion.at(zero + sync.planned).angles[hinges] - wanted).max())
 
 
-def test_refined_plan_is_used_immediately(known, playing, others):
+def test_running_block_reaches_the_strokes_of_its_refined_plan(known, playing, others):
     replanned = replan(playing.trajectory, 0.35, playing, others["neutral"])
     certified(replanned.trajectory, known, playing.trajectory, 0.35)
     hinges = list(arm_hinges("r_hand", known.robot))
@@ -60,7 +60,9 @@ def test_refined_plan_is_used_immediately(known, playing, others):
 
 @pytest.mark.parametrize("time", [0.3, 1.3, 1.9, 2.6, 3.6, 4.7])
 @pytest.mark.parametrize("style", ["joyful", "sad"])
-def test_style_change_at_sampled_times_keeps_limits_and_moves_strokes_little(known, playing, others, time, style):
+def test_style_change_at_sampled_times_keeps_limits_and_moves_strokes_by_at_most_0_3_s(
+    known, playing, others, time, style
+):
     replanned = replan(playing.trajectory, time, playing, others[style])
     certified(replanned.trajectory, known, playing.trajectory, time)
     strokes = {(sync.behaviour, sync.sync): sync.planned for sync in playing.syncs}
@@ -70,7 +72,7 @@ def test_style_change_at_sampled_times_keeps_limits_and_moves_strokes_little(kno
     assert {sync.behaviour for sync in replanned.syncs} == {sync.behaviour for sync in playing.syncs}
 
 
-def test_started_gesture_finishes_in_the_old_plan(known, playing, others):
+def test_started_gesture_keeps_its_times_of_the_old_plan(known, playing, others):
     begun = next(need for need in playing.occupancy if need.behaviour == "g3")
     time = begun.ready + 0.25
     replanned = replan(playing.trajectory, time, playing, others["joyful"])
@@ -78,7 +80,7 @@ def test_started_gesture_finishes_in_the_old_plan(known, playing, others):
     assert [sync for sync in replanned.syncs if sync.behaviour == "g3"] == kept
 
 
-def test_later_merged_blocks_continue_after_a_replan(known, playing, others):
+def test_block_merged_later_still_reaches_its_stroke_after_a_replan(known, playing, others):
     nod = plan_quickly(parse(ROOT.format('<gesture id="late" lexeme="beat" mode="RIGHT_HAND"/>')), known)
     both = merge(playing.trajectory, 0.3, nod, begin=5.6, occupied=playing.occupancy)
     assert both.dropped == ()
@@ -89,7 +91,7 @@ def test_later_merged_blocks_continue_after_a_replan(known, playing, others):
     assert reached(replanned.trajectory, both.zero, nod, stroke, hinges) < 1e-6
 
 
-def test_restyled_block_can_be_removed(known, playing, others):
+def test_removing_a_restyled_block_returns_the_motion_to_rest(known, playing, others):
     replanned = replan(playing.trajectory, 1.3, playing, others["sad"])
     free = np.ptp(replanned.layer.controls, axis=0) > 0.0
     gone = release_motion(replanned.trajectory, 2.0, free, known, layer=replanned.layer)
@@ -110,7 +112,7 @@ def test_block_whose_new_plan_has_ended_returns_to_rest(known):
     assert found.trajectory.duration < nodding.trajectory.duration
 
 
-def test_block_with_a_motionless_new_plan_is_removed(known, block):
+def test_block_whose_new_plan_is_motionless_returns_to_rest(known, block):
     nod = parse(ROOT.format('<head id="n" lexeme="NOD" repetition="3"/>'))
     nodding = merge(stay(known.robot.skeleton.rest), 0.0, plan_block(nod, known), begin=0.0)
     still = plan_block(replace(nod, behaviours=()), known)

@@ -37,7 +37,7 @@ def message(inside: str = "", attributes: str = "", sender: int = 0) -> Message:
     return Message(BML.format(attributes, inside), sender, "m.xml")
 
 
-def test_block_is_timed_and_predicted_immediately(known: Setup) -> None:
+def test_request_contains_the_schedule_and_the_prediction_of_its_block(known: Setup) -> None:
     found = read_request(message(NOD.format("1"), 'characterId="Anna"', sender=3), known, context=CONTEXT)
     assert found.sender == 3
     assert found.timeline.timed[0].times["start"] == 1.0
@@ -48,7 +48,7 @@ def test_block_is_timed_and_predicted_immediately(known: Setup) -> None:
     assert found.notices == ()
 
 
-def test_block_starting_before_time_zero_is_expected_earlier(known: Setup) -> None:
+def test_time_zero_of_a_block_is_delayed_if_a_behaviour_starts_before_it(known: Setup) -> None:
     found = read_request(message(NOD.format("-0.5")), known, context=CONTEXT)
     assert (found.zero, found.timeline.start) == (10.5, -0.5)
     assert 'globalStart="10.0"' in found.prediction
@@ -87,7 +87,7 @@ def test_constraint_references_to_other_blocks_become_block_times() -> None:
     assert offsets == pytest.approx([3.0, 1.0])
 
 
-def test_unknown_references_are_kept_and_warned(known: Setup) -> None:
+def test_behaviour_with_a_reference_to_a_missing_block_is_dropped_with_a_notice(known: Setup) -> None:
     found = read_request(
         message(NOD.format("gone:g:stroke") + NOD.replace('"h"', '"i"').format("1")), known, context=CONTEXT
     )
@@ -120,7 +120,7 @@ def test_refusal_of_a_document_uses_its_block_id(known: Setup) -> None:
     assert 'id="block"' in refusal_feedback(Message(b"\xff<nothing", 1), BmlError("no XML"))
 
 
-def test_fenced_document_and_fml_of_a_client_are_read(known: Setup) -> None:
+def test_document_in_a_markdown_fence_and_fml_document_are_read(known: Setup) -> None:
     fenced = Message(f"Sure:\n```xml\n{BML.format('', NOD.format(1))}\n```", 0, "m.xml")
     assert [each.type for each in read_request(fenced, known).block.behaviours] == ["head"]
     assert block_id(fenced.text) == "b"
@@ -133,7 +133,7 @@ def test_expected_start_ignores_references_to_missing_blocks() -> None:
     assert CONTEXT.expected_start(block) == 10.0
 
 
-def test_block_id_is_found_near_the_beginning_of_hostile_documents_or_is_the_default():
+def test_block_id_is_found_near_the_beginning_of_malformed_documents_or_is_the_default():
     """Text with many opening tags used to take hours and blocked other clients."""
     assert block_id(b"<bml " * 200_000) == DEFAULT_BLOCK_ID
     assert block_id('\n{"behaviours": [{"id": "g"}], "id": "b1"}') == "b1"

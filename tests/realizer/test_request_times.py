@@ -41,7 +41,7 @@ def block(inside: str = "", attributes: str = ""):
     return parse(BML.format(attributes, inside))
 
 
-def test_empty_context_has_no_blocks_at_time_zero():
+def test_default_context_is_at_time_zero_without_blocks():
     empty = SceneContext()
     assert (empty.now, empty.states, empty.relaxes, empty.ends, empty.times) == (0.0, {}, {}, {}, {})
     assert empty.expected_start(block()) == 0.0
@@ -59,7 +59,7 @@ def test_empty_context_has_no_blocks_at_time_zero():
         ('bmla:chunkAfter="w"', "", 10.0),
     ],
 )
-def test_block_is_expected_after_planning_and_its_dependencies(attributes, inside, start):
+def test_expected_start_is_after_planning_of_references_and_after_dependencies(attributes, inside, start):
     assert CONTEXT.expected_start(block(inside, attributes)) == pytest.approx(start)
 
 
@@ -122,7 +122,7 @@ def test_client_message_has_sender_zero_by_default():
         ("", False, 10.0),
     ],
 )
-def test_block_time_zero_is_fixed_by_references_only(known, inside, is_anchored, zero):
+def test_only_a_block_with_references_is_anchored_and_starts_after_the_planning_time(known, inside, is_anchored, zero):
     found = read_request(Message(BML.format("", inside), 4), known, context=CONTEXT)
     assert (found.is_anchored, found.sender) == (is_anchored, 4)
     assert found.zero == pytest.approx(zero)
@@ -155,7 +155,7 @@ def readers(monkeypatch):
         ("auto", BML.format("", ""), 9999, "parse"),
     ],
 )
-def test_documents_of_intentions_are_read_unless_too_large(known, readers, dialect, text, size, name):
+def test_fml_document_is_parsed_as_fml_unless_too_large_or_declared_as_bml(known, readers, dialect, text, size, name):
     setup = replace(known, dialect=dialect, character="Anna")
     bounds = SimpleNamespace(size=size)
     assert parse_message(text, setup, source="m.xml", known_blocks=("a",), bounds=bounds) == name

@@ -29,7 +29,7 @@ def test_new_block_has_the_times_of_its_plan_and_its_request():
     assert RunningBlock.of(prepared, BlockState.LURKING, {}).run == 0
 
 
-def test_times_of_a_block_are_global():
+def test_start_relax_and_end_of_a_running_block_are_clock_times():
     block = small_block("b", TIMES, zero=10.0)
     assert (block.lead_in, block.relax, block.end) == (0.5, 11.5, 12.0)
     assert block.points == {
@@ -99,7 +99,7 @@ def test_times_differ_from_the_prediction_beyond_the_tolerance(zero, times, diff
     assert replace(block, predicted=(zero, times)).differs_from_prediction(0.25) is differs
 
 
-def test_provisional_warnings_wait_for_a_refined_plan():
+def test_provisional_warnings_are_scheduled_one_second_later_unless_the_plan_is_refined():
     known, late = notice("known"), notice("late")
     quick = small_block("b", notices=(known, late), quick_notices=(known,), is_provisional=True)
     assert quick.final_notices == (known,)

@@ -62,7 +62,7 @@ def test_blocks_are_found_by_id_and_listed_in_order_of_arrival(scene):
     assert both.playing == (subsiding,)
 
 
-def test_new_version_of_a_block_takes_its_place(scene):
+def test_new_version_of_a_block_replaces_it_at_the_same_position(scene):
     first, second, later = small_block("a"), small_block("b"), small_block("a", zero=9.0)
     assert scene.with_block(first).with_block(second).with_block(later).blocks == (later, second)
 
@@ -102,7 +102,7 @@ def test_waiting_block_starts_after_the_last_of_its_dependencies(scene, waits, e
     assert busy.earliest_start(small_block("w", waits=waits)) == earliest
 
 
-def test_waiting_block_is_merged_shortly_before_its_start(scene):
+def test_waiting_block_may_start_50_ms_before_the_commands_of_its_start_are_sent(scene):
     waiting = small_block("w", state=BlockState.LURKING, waits={"a": "end"})
     busy = scene.with_block(small_block("a", TIMES, zero=10.0)).with_block(waiting)
     assert busy.next_time == pytest.approx(12.0 - 0.25 - 0.05)
@@ -159,7 +159,7 @@ def test_replanning_request_of_an_ended_block_is_removed(scene):
     assert after.replans == requests[1:]
 
 
-def test_last_ended_blocks_are_remembered_once_by_id(scene):
+def test_last_32_ended_blocks_are_remembered_once_per_id(scene):
     for number in range(34):
         scene = scene.without_block(small_block(f"b{number}"), BlockState.DONE)
     assert [ended.id for ended in scene.ended] == [f"b{number}" for number in range(2, 34)]
@@ -169,7 +169,7 @@ def test_last_ended_blocks_are_remembered_once_by_id(scene):
     assert again.ended[-1].id == "b5"
 
 
-def test_hinges_of_occupancies_are_united(scene):
+def test_hinges_of_several_occupancies_are_their_union(scene):
     assert not scene.hinges_of([]).any()
     assert np.flatnonzero(scene.hinges_of([use(hinges=[1, 4]), use(hinges=[4, 6])])).tolist() == [1, 4, 6]
 

@@ -30,7 +30,7 @@ def test_merge_composition_drops_behaviours_of_busy_body_parts(play):
     assert play.at("a:g:stroke") < play.at("a:end")
 
 
-def test_block_with_a_busy_required_part_is_not_performed(play):
+def test_block_that_requires_a_gesture_of_a_busy_hand_is_not_performed(play):
     play.send("a", HELD).until(0.5)
     play.send("b", f"<required>{BEAT}</required>{NOD}").until(5.0)
     assert play.state("b") is BlockState.FAILED
@@ -42,7 +42,7 @@ def test_block_with_a_busy_required_part_is_not_performed(play):
     assert play.was_told("c:h:stroke")
 
 
-def test_gesture_of_a_new_block_uses_the_hand_left_free_by_others(play):
+def test_gesture_of_a_new_block_moves_to_the_free_hand_with_a_warning(play):
     alone = play.ready("b", OPEN).plan
     play.send("a", HELD).until(0.5).send("b", OPEN).until(5.0)
     (text,) = play.warnings()
@@ -64,7 +64,7 @@ def test_two_handed_gesture_is_reduced_to_the_free_hand(play):
     assert play.was_told("b:g:stroke")
 
 
-def test_strictly_two_handed_gesture_waits_or_is_dropped(play):
+def test_gesture_requested_for_both_hands_is_not_reduced_to_the_free_hand(play):
     play.send("a", HELD).until(0.5).send("b", '<gesture id="g" lexeme="WELCOME" mode="BOTH_HANDS"/>').until(6.0)
     assert not any("alone" in text for text in play.warnings())
 
@@ -80,7 +80,7 @@ def test_required_gesture_may_use_the_other_hand(play):
     assert play.was_told("b:g:stroke")
 
 
-def test_pointing_of_a_new_block_uses_the_hand_left_free_by_others(play):
+def test_pointing_of_a_new_block_uses_the_free_hand_unless_its_hand_is_given(play):
     point = '<pointing id="p" target="audience"{}/>'
     play.send("a", BEAT).until(0.5).send("b", point.format("")).until(6.0)
     assert "moved to the left hand" in play.warnings("b:p")[0]
@@ -106,7 +106,7 @@ def test_gesture_is_dropped_if_both_hands_are_busy(play):
         'bmla:preplan="true"',
     ],
 )
-def test_hand_that_becomes_free_in_time_is_used(play, how):
+def test_hands_are_not_busy_for_a_block_that_waits_for_or_stops_the_running_block(play, how):
     play.send("a", BEAT).until(0.5)
     assert play.ready("b", OPEN, how).request.busy_hands == ()
 
@@ -151,13 +151,13 @@ def test_chunk_before_composition_delays_a_waiting_block(play):
     assert play.at("c:start") == pytest.approx(play.at("b:relax"), abs=2 * KNOT_INTERVAL)
 
 
-def test_block_order_that_would_be_cyclic_lets_the_block_start(play):
+def test_chunk_before_that_would_cause_a_cycle_is_ignored(play):
     play.send("a", NOD).send("b", LEFT, 'composition="APPEND-AFTER(a)"')
     play.send("c", BEAT, 'composition="APPEND-AFTER(b)" bmla:chunkBefore="b"').until(10.0)
     assert play.at("b:end") <= play.at("c:start") + KNOT_INTERVAL
 
 
-def test_overlapping_speech_is_dropped_and_named(play):
+def test_overlapping_speech_is_dropped_with_a_warning_that_names_the_running_speech(play):
     play.send("a", HELLO).until(0.1).send("b", HELLO + NOD).until(3.0)
     assert len(play.warnings("b:s")) == 1
     assert "a:s" in play.warnings("b:s")[0]
@@ -181,7 +181,7 @@ def test_block_can_interrupt_one_block_and_activate_another_at_the_same_time(pla
     assert play.at("c:s:start") == pytest.approx(play.at("a:s:m"), abs=2 * TICK_PERIOD)
 
 
-def test_reference_to_the_past_is_reported_immediately(play):
+def test_sync_point_that_refers_to_a_past_one_is_reported_immediately(play):
     play.send("a", HELLO).until(0.5)
     play.send("b", '<wait id="w" start="a:s:start" end="a:s:end"/>').until(3.0)
     assert 0.5 <= play.at("b:w:start") < 0.5 + TICK_PERIOD
@@ -202,7 +202,7 @@ def test_appended_block_does_not_wait_for_the_block_that_it_activates(play):
     assert play.scene.states == {"a": BlockState.IN_EXEC, "b": BlockState.IN_EXEC}
 
 
-def test_references_to_other_blocks_are_synchronised(play):
+def test_reference_to_another_block_sets_the_start_and_a_missing_block_causes_a_warning(play):
     play.send("a", BEAT).until(0.2)
     play.send("b", '<head id="h" lexeme="NOD" start="a:g:stroke + 0.2"/>').until(6.0)
     assert play.at("b:h:start") == pytest.approx(play.at("a:g:stroke") + 0.2, abs=0.011)
@@ -217,7 +217,7 @@ def test_block_that_references_a_past_sync_point_causes_a_warning(play):
     assert any("too late" in text for text in play.warnings("b"))
 
 
-def test_block_starts_later_if_motion_is_sent_ahead(played):
+def test_block_starts_0_3_s_after_its_request_if_commands_are_sent_0_3_s_ahead(played):
     play = played(ahead=0.3).send("a", BEAT)
     play.until(4.0)
     assert play.at("a:start") == pytest.approx(0.3, abs=KNOT_INTERVAL)

@@ -87,7 +87,7 @@ def test_prediction_precedes_the_notices_of_the_merge(scene, merged):
 
 
 @pytest.mark.parametrize(("shift", "is_told"), [(0.9 * SHIFT_TO_WARN, False), (1.1 * SHIFT_TO_WARN, True)])
-def test_prediction_is_only_repeated_if_the_times_changed(scene, merged, shift, is_told):
+def test_prediction_is_repeated_only_if_the_times_changed_by_more_than_a_threshold(scene, merged, shift, is_told):
     running = replace(coming(), predicted=(10.75 + shift, TIMES))
     found = texts(start_block(scene, running, 10.0))
     assert any("predictionFeedback" in text for text in found) is is_told
@@ -96,12 +96,14 @@ def test_prediction_is_only_repeated_if_the_times_changed(scene, merged, shift, 
 @pytest.mark.parametrize(
     ("is_anchored", "zero", "desired"), [(False, 20.0, 10.75), (True, 20.0, 20.0), (True, 5.0, 10.25)]
 )
-def test_block_with_references_starts_at_its_fixed_time(scene, merged, is_anchored, zero, desired):
+def test_block_with_references_begins_at_its_fixed_time_but_not_before_the_change_time(
+    scene, merged, is_anchored, zero, desired
+):
     start_block(scene, coming(is_anchored=is_anchored, zero=zero), 10.0)
     assert merged[0][0][4]["begin"] == desired
 
 
-def test_waiting_block_starts_at_the_end_of_its_dependency(scene, merged):
+def test_waiting_block_begins_at_the_relax_point_of_its_dependency(scene, merged):
     other = small_block("a", {"h": {"start": 0.0, "relax": 1.0, "end": 2.0}}, zero=12.0)
     start_block(scene.with_block(other), coming(waits={"a": "relax"}), 10.0)
     assert merged[0][0][4]["begin"] == 13.5
@@ -109,7 +111,7 @@ def test_waiting_block_starts_at_the_end_of_its_dependency(scene, merged):
 
 @pytest.mark.parametrize("late", [0.5, 2 * SHIFT_TO_WARN, -0.5, 0.9 * SHIFT_TO_WARN])
 @pytest.mark.parametrize("is_anchored", [True, False])
-def test_block_that_begins_too_late_for_its_references_is_warned(scene, merged, late, is_anchored):
+def test_block_that_begins_too_late_for_its_references_causes_a_warning(scene, merged, late, is_anchored):
     found = texts(start_block(scene, coming(is_anchored=is_anchored, zero=10.75 - late), 10.0))
     warnings = [text for text in found if "too late" in text]
     assert len(warnings) == (is_anchored and late > SHIFT_TO_WARN)
@@ -190,7 +192,7 @@ def test_block_whose_required_behaviour_was_dropped_fails(crowd, merged, ends):
     assert 'id="b"' in refusal
 
 
-def test_block_whose_other_behaviours_were_dropped_is_performed(scene, merged):
+def test_block_whose_optional_behaviour_was_dropped_is_performed(scene, merged):
     inside = f'<required>{NOD}</required><head id="k" lexeme="NOD"/>'
     running = coming(times={"n": {"end": 1.0}, "k": {"end": 1.0}}, inside=inside)
     assert start_block(scene, running, 10.0).find("b").state is BlockState.IN_EXEC
