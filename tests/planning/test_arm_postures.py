@@ -38,7 +38,7 @@ def elbow(angles, side="l"):
 
 
 @pytest.mark.parametrize("place", HAND_POSITIONS)
-def test_growing_openness_moves_the_elbow_outwards_without_a_jump(place):
+def test_growing_elbow_openness_moves_the_elbow_outwards_without_a_jump(place):
     offsets = [elbow(solved(place, openness=share)) for share in np.linspace(0.0, 1.0, 21)]
     steps = np.diff(offsets)
     assert np.all(steps > 0.0)
@@ -54,7 +54,7 @@ def test_elbow_openness_has_priority_over_the_palm_direction(palm):
 
 
 @pytest.mark.parametrize("manner", [{}, {"openness": 0.6}, {"effort": 1.0}, {"openness": 1.0, "effort": 1.0}])
-def test_elbow_openness_keeps_the_hand_position_on_both_sides(manner):
+def test_elbow_openness_and_effort_keep_the_hand_position_on_both_sides(manner):
     angles = [solved(HAND_POSITIONS[1], side=side, **manner) for side in SIDES]
     for side, found in zip(SIDES, angles, strict=True):
         wrist = ROBOT.skeleton.frames(found).origins[ROBOT.skeleton.segment(f"{side}_wrist")]
@@ -63,7 +63,7 @@ def test_elbow_openness_keeps_the_hand_position_on_both_sides(manner):
     np.testing.assert_allclose(left, right, atol=1e-9)
 
 
-def test_shoulder_effort_lets_the_arm_pull_the_collar_bone():
+def test_collar_bone_rotation_increases_with_shoulder_effort():
     collar = ROBOT.joints("l_arm")[0]
     turned = [abs(solved(HAND_POSITIONS[1], effort=share)[collar]) for share in (0.0, 0.5, 1.0)]
     assert turned[0] == 0.0
@@ -171,7 +171,7 @@ def test_ik_of_a_text_passage_needs_one_kernel_call_per_arm(frames_of, calls):
     assert sum(calls) > 10
 
 
-def test_ik_solves_at_most_twice_as_many_keys_if_hands_collide(frames_of, calls):
+def test_ik_solves_at_most_twice_as_many_keys_plus_one_batch_if_hands_collide(frames_of, calls):
     """Batches double without collisions, so that at least half of the solved keys are kept."""
     frames = frames_of(_texts()[2])
     solve_postures(frames, KNOWN.robot, KNOWN.distances)

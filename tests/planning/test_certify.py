@@ -121,7 +121,7 @@ def test_drive_duty_combines_torque_and_velocity(known: Setup):
     assert asked == pytest.approx(angles)
 
 
-def test_motion_within_duty_is_unchanged(known: Setup, first: Conditioned):
+def test_motion_within_the_maximum_duty_is_unchanged(known: Setup, first: Conditioned):
     setup = under(known, nothing)
     same(certify(keys_of(known), setup), first)
     assert len(setup.dynamics.asked) == 1
@@ -134,7 +134,7 @@ def test_torque_certification_passes_its_options_on_to_conditioning(known: Setup
         same(certify(keys, setup, **asked), condition(keys, known.limits, **asked))
 
 
-def test_all_searches_of_one_certification_share_a_plane_memory(
+def test_all_conditionings_of_one_certification_share_a_cutting_plane_memory(
     known: Setup, first: Conditioned, monkeypatch: pytest.MonkeyPatch
 ):
     memories: list[PlaneMemory | None] = []
@@ -234,7 +234,7 @@ def moving_slowly(known: Setup, knots: int, *, bump: int) -> Trajectory:
     return Trajectory(sealed(heights), 0.0)
 
 
-def test_torques_between_low_duties_are_evaluated_only_at_long_intervals(known: Setup):
+def test_time_between_two_low_duties_is_evaluated_only_if_they_are_over_two_knots_apart(known: Setup):
     motion, stall = moving_slowly(known, 20, bump=7), known.robot.drives.stall[LOADED_HINGE]
     peak = motion.sample(np.array([7 * KNOT_INTERVAL]))[0][0, LOADED_HINGE]
     setup = under(
@@ -266,7 +266,7 @@ def test_times_between_duties_of_at_most_one_half_are_skipped(duty: float, evalu
     assert sum(map(len, setup.dynamics.asked)) == evaluated
 
 
-def test_overloaded_times_are_found_with_fewer_torque_evaluations(known: Setup, first: Conditioned):
+def test_overloaded_times_match_an_evaluation_of_all_times_and_need_fewer_at_rest(known: Setup, first: Conditioned):
     motion, setup = first.trajectory, under(known, pulling(known, first, 1.2))
     still = stay(motion.sample(np.zeros(1))[0][0], motion.duration)
     knots = motion.start + KNOT_INTERVAL * np.arange(round(motion.duration / KNOT_INTERVAL) + 1)

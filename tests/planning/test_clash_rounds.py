@@ -43,7 +43,7 @@ def look(finder: ClashFinder) -> str:
     return "".join(sorted(finder.look(None, ())))
 
 
-def test_only_the_worst_timing_conflict_in_a_row_of_gestures_is_resolved(row):
+def test_worst_timing_conflict_is_resolved_first_and_those_of_its_neighbours_are_postponed(row):
     finder = row(ROW)
     assert look(finder) == "bcef"
     assert {"".join(sorted(pair)): clash.delay for pair, clash in finder.clashes.items()} == {"bc": 0.5, "ef": 0.3}

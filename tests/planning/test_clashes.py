@@ -79,7 +79,7 @@ def test_beat_is_dropped_for_a_later_more_important_gesture(planned):
     assert times(result) == pytest.approx(times(planned(alone)), abs=1e-3)
 
 
-def test_two_gestures_close_in_time_are_both_performed(planned):
+def test_two_gestures_with_strokes_0_6_s_apart_are_both_performed(planned):
     for later in (0.6, 0.8):
         result = planned(document("offer", "large", later, BOTH)[0])
         assert "dropped" not in fates(result).values()
@@ -93,7 +93,7 @@ def test_gesture_in_timing_conflict_moves_to_the_free_hand(planned):
     assert result.keyframes.uses["next"] == {"l_hand"}
 
 
-def test_quick_and_final_plans_drop_the_same_conflicting_gestures(known):
+def test_quick_and_full_plans_drop_the_same_conflicting_gestures(known):
     for case in (("love", "contrast_left_right", 0.55, BOTH), ("offer", "large", 0.6, BOTH)):
         block = parse(document(*case)[0])
         assert fates(plan_quickly(block, known)) == fates(plan_block(block, known))
@@ -210,14 +210,14 @@ def counted(apart: float) -> str:
 
 
 @pytest.mark.parametrize("apart", [0.24, 0.28, 0.3, 0.31])
-def test_conflicting_finger_counts_become_brief_before_any_is_dropped(planned, apart):
+def test_finger_counts_at_least_0_24_s_apart_are_performed_on_time_without_drops(planned, apart):
     result = planned(counted(apart))
     assert "dropped" not in {outcome.kind for outcome in result.keyframes.outcomes.values()}
     strokes = [times(result)[f"g{k}:stroke"] for k in range(5)]
     assert strokes == pytest.approx([1 + apart * k for k in range(5)], abs=0.01)
 
 
-def test_finger_counts_that_still_conflict_are_dropped_with_a_reason(planned):
+def test_some_finger_counts_0_06_s_apart_are_dropped_with_a_reason(planned):
     outcomes = planned(counted(0.06)).keyframes.outcomes
     dropped = [outcome.why for outcome in outcomes.values() if outcome.kind == "dropped"]
     assert 0 < len(dropped) < 5

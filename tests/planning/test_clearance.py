@@ -110,7 +110,7 @@ def test_unavoidable_collision_drops_behaviour_with_reason():
     assert re.fullmatch(r"brings \w+ within -?\d+ mm of \w+ at -?\d+\.\d\d s", why)
 
 
-def test_behaviours_of_distant_collisions_are_dropped_in_one_planning_round():
+def test_behaviours_that_collide_at_distant_times_are_dropped_in_one_planning_round():
     """The clear behaviour is kept."""
     conditioned: list[int] = []
 
@@ -126,7 +126,7 @@ def test_behaviours_of_distant_collisions_are_dropped_in_one_planning_round():
     assert rounds <= 1
 
 
-def test_detour_that_gives_too_little_clearance_is_widened():
+def test_crossed_arms_in_a_calm_style_are_performed_with_the_required_clearance():
     """Crossed arms in a calm style deviate by 1 mm, and the first detour hardly helps."""
     block_plan = plan_block(
         parse(ROOT.format('<gesture id="g" lexeme="arms_crossed" stroke="2"/>')),

@@ -37,7 +37,7 @@ def gaps(posture):
     return DISTANCES.gaps(posture[None])[0]
 
 
-def test_nearly_every_posture_has_a_collision_free_neighbour():
+def test_at_least_23_of_25_slightly_colliding_postures_become_collision_free():
     results = [separate(posture, ARMS, ROBOT, DISTANCES, Spacing(MIN_CLEARANCE)) for posture in near_ones(25)]
     clear = [posture for posture in results if posture is not None]
     assert len(clear) >= 23
@@ -47,7 +47,7 @@ def test_nearly_every_posture_has_a_collision_free_neighbour():
         assert np.all(posture <= ROBOT.skeleton.upper)
 
 
-def test_collision_free_posture_has_just_the_required_clearance():
+def test_corrected_posture_has_just_the_required_clearance():
     for posture in near_ones(10):
         clear = separate(posture, ARMS, ROBOT, DISTANCES, Spacing(MIN_CLEARANCE))
         if clear is not None:
@@ -60,7 +60,7 @@ def test_collision_free_posture_is_unchanged():
     assert np.array_equal(separate(rest, ARMS, ROBOT, DISTANCES, Spacing(MIN_CLEARANCE)), rest)
 
 
-def test_collision_of_an_upper_arm_moves_the_elbow_more_than_the_hand():
+def test_collision_correction_of_an_upper_arm_moves_the_elbow_more_than_the_hand():
     """An upper arm at the shoulder girdle moves the hand by less than half of its own path."""
     wrist = ROBOT.skeleton.segment("r_wrist")
     elbow = ROBOT.skeleton.segment("r_elbow")
@@ -128,7 +128,7 @@ def test_hand_far_from_the_touched_body_part_is_not_moved():
     assert np.array_equal(clear_hands(angles, hands, ROBOT, DISTANCES), angles)
 
 
-def test_collision_correction_moves_only_the_colliding_hand():
+def test_collision_correction_of_one_hand_leaves_the_other_arm_unchanged():
     angles = ROBOT.skeleton.rest.copy()
     angles[ROBOT.skeleton.joint("l_shoulder_abduct")] = np.radians(-13)
     clear = clear_hands(angles, {"l": Hand(REST_HAND["l"])}, ROBOT, DISTANCES)
@@ -139,14 +139,14 @@ def test_collision_correction_moves_only_the_colliding_hand():
     assert np.array_equal(clear[right], angles[right])
 
 
-def test_hanging_arms_are_unchanged():
+def test_collision_correction_leaves_hanging_arms_unchanged():
     angles = np.zeros(22)
     assert np.array_equal(clear_hands(angles, {"l": Hand(), "r": Hand()}, ROBOT, DISTANCES), angles)
 
 
 @pytest.mark.parametrize("touch", ["hand", "forearm", "chest", "head"])
 @pytest.mark.parametrize("seed", range(3))
-def test_hand_touches_the_body_with_its_nearest_part(touch, seed):
+def test_touched_pair_is_the_nearest_pair_of_a_hand_segment_and_the_touched_part(touch, seed):
     robot = Robot.load("upper36")
     gaps = np.random.default_rng(seed).uniform(0.0, 0.1, len(robot.counted_pairs))
     pair = touched_pair("l", touch, robot, gaps)

@@ -61,7 +61,7 @@ def test_left_hand_touches_parts_of_the_right_arm_and_of_the_body(known, touch, 
     assert touched_segment("l", touch, known.robot) == segment
 
 
-def test_fingertip_needs_a_touched_part(tmp_path):
+def test_lexicon_gesture_with_a_fingertip_but_no_touched_part_is_refused(tmp_path):
     file = tmp_path / "mine.toml"
     hand = '{ right = { at = [0.3, 0.2, 0.5], tip = "index" } }'
     file.write_text(f'category = "emblem"\n[[gesture]]\nid = "poke"\nkeys = [{hand}]\n', encoding="utf-8")
@@ -118,7 +118,7 @@ def test_touch_by_fingertip_then_by_hand_then_without_contact_is_tried(known, mo
 
 
 @pytest.mark.parametrize("name", ["human", "upper36", "upper22"])
-def test_palm_balls_reach_the_surface_of_the_hand_along_its_facing(name):
+def test_palm_spheres_reach_the_surface_of_the_hand_in_the_palm_direction(name):
     robot = Robot.load(name)
     for side in SIDES:
         arm = robot.arm(side)
@@ -138,7 +138,7 @@ def test_touched_chest_includes_segments_without_a_hinge():
     assert touched == {"vl5", "vt1", "r_wrist", "r_fingers"}
 
 
-def test_touching_hands_are_not_spread_apart(known):
+def test_scaling_a_prayer_gesture_does_not_spread_its_touching_hands(known):
     form = known.lexicon.forms_by_id["prayer"]
     apart = [abs(pose.position[1]) for pose in widen_key(form.keys[-1], 0.0, known.robot).hands.values()]
     assert max(apart) <= 0.07  # [arm lengths]

@@ -134,7 +134,7 @@ def mixed_crowd(count: int) -> str:
 
 
 @pytest.mark.soak
-def test_four_times_more_overlapping_behaviours_take_one_more_planning_round(known: Setup, monkeypatch):
+def test_four_times_more_overlapping_behaviours_take_at_most_one_more_planning_round(known: Setup, monkeypatch):
     monkeypatch.setattr(plan_module, "WORK_BUDGET", 3000)
     monkeypatch.setattr(clashes, "SEARCH_BUDGET", 3000)
     rounds: list[int] = []
@@ -161,7 +161,7 @@ def test_four_times_more_overlapping_behaviours_take_one_more_planning_round(kno
 
 
 @pytest.mark.soak
-def test_simultaneous_repeated_nods_need_no_long_linear_program(known: Setup, monkeypatch):
+def test_simultaneous_repeated_nods_need_no_large_linear_program(known: Setup, monkeypatch):
     solved: list[int] = []
     exact = key_time_lp.solve_exactly
 

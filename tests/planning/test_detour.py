@@ -14,7 +14,7 @@ from ..performances import ROBOT
 from .courses import DISTANCES, HIGHER, IN_FRONT, LEFT, MIN_CLEARANCE, REST, RIGHT, course, key, least
 
 
-def test_clear_motion_has_no_detour():
+def test_collision_free_motion_has_no_detour():
     clear = course(key(0.0), key(1.0, right=IN_FRONT), key(2.0))
     assert least(clear) >= MIN_CLEARANCE
     assert add_detours(clear, DISTANCES, min_clearance=MIN_CLEARANCE) is clear
@@ -92,7 +92,7 @@ def between(one, other, share):
     return Trajectory(angles, one.motion.zero)
 
 
-def test_detours_follow_the_deviating_trajectory():
+def test_detours_reduce_a_collision_of_a_trajectory_that_deviates_from_its_course():
     together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
     clear = add_detours(together, DISTANCES, min_clearance=MIN_CLEARANCE)
     trajectory = between(clear, together, 0.5)
@@ -106,7 +106,7 @@ def test_detours_follow_the_deviating_trajectory():
     assert MIN_CLEARANCE - DISTANCES.clearance(led.samples()).distances.min() < 0.2 * lacking
 
 
-def test_clear_posture_search_is_cached(monkeypatch):
+def test_search_for_collision_free_postures_is_cached(monkeypatch):
     asked = []
     separate = detour.separate
     monkeypatch.setattr(detour, "separate", lambda *given: asked.append(given) or separate(*given))

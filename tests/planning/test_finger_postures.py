@@ -28,7 +28,7 @@ def counted(known):
     return plan(BLOCK.format(mode="right_hand"), known)
 
 
-def test_finger_keys_are_followed_only_within_limits_and_have_distinct_times():
+def test_added_finger_keys_are_inexact_and_have_distinct_times():
     rest = ROBOT.skeleton.rest
     postures = [KeyPosture.whole(time, rest) for time in (0.0, 0.5, 2.0)]
     finger_keys = add_finger_keys(postures, {"l": (FIST, OPEN), "r": (FIST,)}, ROBOT)
@@ -56,7 +56,7 @@ def test_first_and_last_finger_key_hold_outside_their_times(time, key):
     np.testing.assert_array_equal(angles[list(finger_joints(ROBOT, "l"))], key.angles)
 
 
-def test_hand_shape_is_complete_at_stroke_start_within_limits(counted):
+def test_hand_shape_is_reached_within_5_degrees_at_the_stroke_and_within_limits(counted):
     two = shape_angles(hand_shapes()["two"], ROBOT, "r")
     angles = counted.at("g:stroke").angles[list(finger_joints(ROBOT, "r"))]
     assert np.degrees(np.abs(angles - two)).max() < 5.0
@@ -75,7 +75,7 @@ def test_finger_postures_of_left_and_right_are_mirrored(known, counted):
 
 
 @pytest.mark.parametrize("robot", ["upper36", "human"])
-def test_wringing_hands_keep_clearance(robot: str) -> None:
+def test_wringing_hands_are_planned_without_notices(robot: str) -> None:
     """The paths have enough clearance, so that nothing is dropped while fingers cross."""
     planned = plan('<bml id="b"><gesture id="g" lexeme="nervous_wring"/></bml>', set_up(robot, voice="durations"))
     assert not planned.notices

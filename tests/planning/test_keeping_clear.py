@@ -58,7 +58,7 @@ def test_behaviour_is_dropped_only_if_clearance_is_below_the_minimum_reserve(bea
     assert blamed(beats, {1.0: 0.99 * MIN_LAG_RESERVE}).keys() == {"g0"}
 
 
-def test_close_collisions_are_merged_and_distant_ones_are_not(beats):
+def test_collisions_close_in_time_are_merged_and_distant_ones_are_not(beats):
     least = beats.setup.robot.min_clearance
     result = blamed(beats, {1.0: -0.004, 1.2: -0.007, 5.0: -0.001, 9.0: 0.1})
     assert result == {
@@ -70,7 +70,7 @@ def test_close_collisions_are_merged_and_distant_ones_are_not(beats):
     assert len(blamed(beats, near)) == 1
 
 
-def test_empty_block_has_no_collision(known):
+def test_collision_in_an_empty_block_drops_no_behaviour(known):
     empty = plan_block(parse(ROOT.format("")), known)
     assert (
         find_colliding_behaviours(
@@ -199,6 +199,6 @@ def test_detour_with_further_withdrawal_must_improve_clearance_clearly(changes):
     assert changes(0.5, 0.6, plainly - 0.01) == 2
 
 
-def test_collision_free_detour_is_accepted_immediately(changes):
+def test_first_collision_free_detour_is_accepted_without_trying_further_ones(changes):
     assert changes(0.0, -5.0) == 0
     assert changes(0.5, 0.0, -5.0) == 1

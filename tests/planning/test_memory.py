@@ -15,7 +15,7 @@ MAX_RETAINED_SIZE = 100_000  # [bytes] by which the caches may still grow
 
 
 @pytest.mark.soak
-def test_planning_process_memory_stops_growing_after_a_few_documents() -> None:
+def test_planning_memory_grows_by_less_than_100_kb_after_140_documents() -> None:
     """A long-lived planner must not collect the objects of documents that are over."""
     setup, chance = set_up(), Random(4)
 

@@ -41,7 +41,7 @@ def test_optimal_plan_keeps_all_limits(plans: tuple[Plan, Plan]):
     assert max(float(peak.ratios.max()) for peak in ratios) <= MAX_LIMIT_RATIO
 
 
-def test_optimal_plan_reports_shifts_from_the_requested_times(plans: tuple[Plan, Plan]):
+def test_optimal_plan_has_the_requested_times_of_the_usual_plan(plans: tuple[Plan, Plan]):
     usual, optimal = plans
     assert np.array_equal(optimal.motion.requested_times, usual.motion.requested_times)
     assert {sync.sync: sync.requested for sync in optimal.syncs} == {sync.sync: sync.requested for sync in usual.syncs}

@@ -52,14 +52,14 @@ def test_delay_below_the_warning_threshold_needs_no_speech_pause(pauses):
     assert len(pauses({"a": 1.01 * SHIFT_TO_WARN})) == 1
 
 
-def test_speech_pause_is_limited(pauses):
+def test_speech_pauses_are_limited_to_the_maximum_duration(pauses):
     assert told(pauses({"a": 0.5, "b": 1.5}, most=0.3)) == {"a": (1.3, 0.3), "b": (2.6, 0.3)}
     (first,) = pauses({"a": 0.5}, most=0.6)
     (again,) = pauses({"a": 0.5}, most=0.6, before=(first,))
     assert again.later == pytest.approx(0.6)
 
 
-def test_existing_speech_pause_is_kept(pauses):
+def test_existing_speech_pause_without_a_new_delay_is_kept(pauses):
     made = SpeechPause("s", "b", 2.4, STROKE, later=0.4, duration=0.4)
     assert told(pauses({}, before=(made,))) == {"b": (2.0, 0.4)}
 

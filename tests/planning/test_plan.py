@@ -226,7 +226,7 @@ def test_block_with_allowed_speech_pauses_is_planned_without_and_then_with_confl
         ("SAMPLE_COST", plan_module.WORK_BUDGET / 100),
     ],
 )
-def test_block_is_not_replanned_after_replanning_costs_exceed_the_budget(planned, monkeypatch, constant, cost):
+def test_block_is_replanned_without_repairs_if_replanning_costs_exceed_the_budget(planned, monkeypatch, constant, cost):
     """A discarded motion costs as much as its samples, of which there are hundreds."""
     usual, asked = plan_module.keep_clear, []
 
@@ -277,7 +277,7 @@ def test_performance_lasts_until_both_motion_and_speech_have_ended(planned):
     assert nodded.duration == nodded.trajectory.duration > nodded.trajectory.zero + nodded.utterances["s"].duration
 
 
-def test_long_speech_has_more_planning_work_in_proportion(planned):
+def test_planning_budget_is_proportional_to_the_duration_of_a_long_speech(planned):
     words = "and so we went along the river " * 20
     utterances = planned(f'<speech id="s"><text>{words}</text></speech>').utterances
     seconds = utterances["s"].duration
@@ -296,7 +296,7 @@ def test_style_parameters_are_resolved_for_each_behaviour_that_moves_the_body(pl
     assert made.numbers["h"].expressivity == made.setup.style.of("head")
 
 
-def test_motion_replaces_another_kind_of_file_only_if_forced(planned, tmp_path):
+def test_saving_a_motion_requires_force_only_to_overwrite_a_file_of_other_content(planned, tmp_path):
     made, path = planned(""), tmp_path / "notes.csv"
     path.write_text("my notes")
     with pytest.raises(ConfigError):

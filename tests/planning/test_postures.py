@@ -102,7 +102,7 @@ def test_gesture_postures_of_left_and_right_are_mirror_images():
         np.testing.assert_allclose(one.angles[indices[0]], other.angles[indices[1]], atol=1e-9)
 
 
-def test_unreachable_target_is_reported():
+def test_reachable_hand_targets_have_no_position_error():
     result = solved(Gesture("offer", "both"))
     assert max(result.misses.values()) < 1e-6
 
@@ -207,7 +207,7 @@ TURNED = {
 
 
 @pytest.mark.parametrize("field", TURNED)
-def test_hand_at_the_same_place_turns_if_its_orientation_changes(field: str):
+def test_arm_turns_at_the_same_hand_position_if_swivel_palm_or_pointing_changes(field: str):
     plain, turned, again = left_arms(Reach(PLACE), Reach(PLACE, **TURNED[field]), Reach(PLACE, **TURNED[field]))
     assert np.abs(turned - plain).max() > 0.05
     np.testing.assert_array_equal(turned, again)

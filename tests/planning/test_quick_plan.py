@@ -49,7 +49,7 @@ def test_quintic_duration_keeps_all_limits():
     ("binding", "peak", "order"),
     [("speed", 1.875, 1), ("acceleration", 10 / 3**0.5, 2), ("jerk", 60.0, 3), ("duty", None, 0)],
 )
-def test_quintic_duration_meets_binding_limit(way, binding, peak, order):
+def test_motion_of_the_quintic_duration_reaches_its_binding_limit(way, binding, peak, order):
     """Peak velocity, acceleration, jerk or duty is at its limit."""
     wide = {
         name: sealed(np.full_like(getattr(LIMITS, name), 1e9)) for name in ("speed", "acceleration", "jerk", "duty")
@@ -65,7 +65,7 @@ def test_quintic_duration_meets_binding_limit(way, binding, peak, order):
         assert peak * way / duration**order == pytest.approx(getattr(LIMITS, binding)[0], rel=1e-3)
 
 
-def test_quick_plan_is_certified_and_begins_with_block(slow, known):
+def test_quick_plan_keeps_limits_and_clearance_and_starts_with_its_block(slow, known):
     assert largest(slow.trajectory, known.limits) <= 1.001
     assert slow.trajectory.zero == pytest.approx(-slow.timeline.start)
     assert slow.clearance.distances.min() >= known.robot.min_clearance
@@ -85,7 +85,7 @@ def test_quick_plan_reaches_its_keys_at_the_planned_times(slow):
         np.testing.assert_allclose(reached[row, keyed], posture.angles[keyed], atol=1.1e-3)
 
 
-def test_quick_plan_solves_all_hinges_in_one_call(known, monkeypatch):
+def test_quick_plan_solves_all_hinges_in_at_most_three_calls(known, monkeypatch):
     solved = []
 
     def find(*given):
@@ -98,7 +98,7 @@ def test_quick_plan_solves_all_hinges_in_one_call(known, monkeypatch):
     assert 1 <= len(solved) <= 3
 
 
-def test_desired_motion_of_a_quick_plan_passes_through_all_keys(slow):
+def test_desired_motion_of_a_quick_plan_passes_through_a_requested_key(slow):
     requested = slow.requested_postures[3]
     there = slow.desired.angles(np.array([requested.time + slow.desired.zero]))[0]
     np.testing.assert_allclose(there[list(requested.keyed)], requested.angles[list(requested.keyed)], atol=1.1e-3)

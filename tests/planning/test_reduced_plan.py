@@ -47,7 +47,7 @@ def test_required_behaviour_can_be_left_out(planned):
     assert "another block" in reduced.keyframes.outcomes["z"].why
 
 
-def test_behaviour_dropped_for_lack_of_a_hand_does_not_return(planned):
+def test_behaviour_dropped_for_a_busy_hand_stays_dropped_in_a_reduced_plan(planned):
     plan = planned(BEATS + NOD)
     (kept,) = moved(plan) - {"n"}
     (dropped,) = {"a", "b"} - {kept}
@@ -56,7 +56,7 @@ def test_behaviour_dropped_for_lack_of_a_hand_does_not_return(planned):
     assert reduced.keyframes.outcomes[dropped].why == plan.keyframes.outcomes[dropped].why
 
 
-def test_speech_of_the_block_is_kept(planned):
+def test_reduced_plan_keeps_the_speech_of_the_block(planned):
     plan = planned(SPOKEN + '<head id="n" lexeme="NOD" stroke="s:m"/>' + LOOK)
     reduced = plan_without(plan, {"z"})
     assert reduced.utterances is plan.utterances
@@ -69,7 +69,7 @@ def test_plan_without_the_same_behaviours_is_cached(planned):
     assert plan_without(plan, ["n"]) is not plan_without(plan, ["z"])
 
 
-def test_pickled_plan_keeps_its_conditioner(planned):
+def test_pickled_conditioner_of_a_plan_is_restored_as_the_same_function(planned):
     """The background replanner returns pickled plans."""
     restored = pickle.loads(pickle.dumps(planned(NOD).conditioned))
     assert restored is rest_at_keys

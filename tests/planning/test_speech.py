@@ -93,7 +93,7 @@ def test_speech_pauses_are_inserted_only_if_allowed(known: Setup):
     assert hurried(known, block='kinesic:pause="0.3"', speech='kinesic:pause="false"').utterances == without.utterances
 
 
-def test_speech_pause_never_exceeds_its_limit(known: Setup):
+def test_speech_pauses_stay_within_their_requested_limit(known: Setup):
     planned = hurried(known, block='kinesic:pause="0.12"')
     assert pauses(planned)
     assert all(float(text.split()[3]) <= 0.12 for text in pauses(planned))
@@ -180,7 +180,7 @@ class LongVoice:
         return Utterance(700.0, sound=Sound.of(10, np.zeros(7000)))
 
 
-def test_simultaneous_speech_has_bounded_memory(known: Setup):
+def test_speeches_beyond_the_maximum_sound_duration_are_silent_with_a_notice(known: Setup):
     speeches = "".join(f'<speech id="s{k}" start="0"><text>Yes.</text></speech>' for k in range(40))
     text = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{speeches}</bml>'
     planned = plan_block(parse(text), replace(known, voice=LongVoice()))
@@ -202,7 +202,7 @@ class SilentThenLoudVoice(LongVoice):
         return Utterance(700.0) if self.said <= 100 else super().say(script, rate=rate, pitch=pitch)
 
 
-def test_silent_speech_does_not_count_as_audible(known: Setup, monkeypatch: pytest.MonkeyPatch):
+def test_silent_speech_does_not_count_towards_the_maximum_sound_duration(known: Setup, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(speech, "MAX_SOUND_DURATION", 50.0)
     speeches = "".join(f'<speech id="s{k}" start="0"><text>Yes.</text></speech>' for k in range(103))
     block = parse(f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{speeches}</bml>')

@@ -77,7 +77,7 @@ def test_drawn_stances_have_the_distribution_of_their_table():
     assert np.corrcoef(left[:, 0], right[:, 0])[0, 1] > 0.5
 
 
-def test_drawn_stances_are_asymmetric_within_human_ranges():
+def test_drawn_stances_have_median_arm_asymmetries_and_head_deviations_in_given_ranges():
     draws = draw_many(read_stances().hanging)
     left, right = draws[:, -2 * len(ARM_FEATURES) :].reshape(len(draws), 2, -1).transpose(1, 0, 2)
     differences = np.median(np.abs(left - right), axis=0)

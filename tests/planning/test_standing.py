@@ -43,7 +43,7 @@ def wrist(robot, side="l"):
 
 @pytest.mark.parametrize("name", ROBOTS)
 @pytest.mark.parametrize("style", names_of("style"))
-def test_standing_posture_is_within_joint_ranges_and_clear(name, style, lexicon):
+def test_standing_posture_keeps_joint_ranges_and_clearance(name, style, lexicon):
     robot = ROBOTS[name]
     standing = standing_robot(robot, Style.load(style), lexicon, CapsuleDistances(robot))
     rest, skeleton = standing.skeleton.rest, standing.skeleton
@@ -54,7 +54,7 @@ def test_standing_posture_is_within_joint_ranges_and_clear(name, style, lexicon)
 
 
 @pytest.mark.parametrize("style", ["sad", "angry"])
-def test_body_that_is_clear_in_no_standing_posture_keeps_its_own(style, lexicon, monkeypatch):
+def test_robot_keeps_its_rest_posture_if_no_standing_posture_is_collision_free(style, lexicon, monkeypatch):
     monkeypatch.setattr(standing_module, "_is_clear", lambda *_: False)
     robot = ROBOTS["upper22"]
     without_gesture = replace(Style.load(style), standing=replace(Style.load(style).standing, rest=""))
@@ -62,7 +62,7 @@ def test_body_that_is_clear_in_no_standing_posture_keeps_its_own(style, lexicon,
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_standing_postures_of_emotional_styles_differ_as_in_people(name, lexicon):
+def test_standing_postures_of_styles_differ_in_head_trunk_shoulders_and_hands(name, lexicon):
     robot = ROBOTS[name]
     bodies = {s: standing_robot(robot, Style.load(s), lexicon, CapsuleDistances(robot)) for s in names_of("style")}
     tilts = {style: np.degrees(rest_head_turn(body).tilt) for style, body in bodies.items()}
@@ -74,7 +74,7 @@ def test_standing_postures_of_emotional_styles_differ_as_in_people(name, lexicon
     assert abs(wrist(bodies["angry"])[1]) > abs(wrist(bodies["neutral"])[1]) + 0.05
 
 
-def test_angry_hands_rest_half_closed(lexicon):
+def test_middle_finger_of_an_angry_standing_posture_is_bent_by_over_20_degrees(lexicon):
     robot = ROBOTS["upper36"]
     angry = standing_robot(robot, Style.load("angry"), lexicon, CapsuleDistances(robot))
     bend = robot.skeleton.joint("l_middle_flexion1")
@@ -128,7 +128,7 @@ def test_style_of_a_block_sets_its_facial_affect():
 
 
 @pytest.mark.parametrize("style", ["sad", "proud"])
-def test_standing_posture_of_a_style_is_the_mean_of_its_random_variations(style):
+def test_standing_posture_with_negligible_variation_equals_that_of_the_style(style):
     own, varied = (set_up(style=style, variation=amount).robot.skeleton.rest for amount in (0.0, 1e-6))
     np.testing.assert_allclose(varied, own, atol=np.radians(0.01))
 
@@ -174,7 +174,7 @@ def test_forearms_of_a_varied_standing_posture_rise_with_the_variation():
     assert bends[0] < bends[1] - 10.0 < bends[2] - 20.0
 
 
-def test_variation_keeps_the_arms_of_a_sad_style_near_its_own_posture():
+def test_variation_turns_the_forearms_of_a_sad_standing_posture_by_less_than_30_degrees():
     for seed in find_seeds(hanging=False, count=3):
         body = set_up("human", style="sad", variation=1.0, seed=seed).robot
         own = set_up("human", style="sad").robot

@@ -37,7 +37,7 @@ def refuse_raised_hands(monkeypatch, setup):
     monkeypatch.setattr(standing_plan, "plan_block", plan)
 
 
-def test_gesture_in_the_way_of_a_raised_hand_is_performed_from_hanging_arms(with_raised_hand, monkeypatch):
+def test_gesture_blocked_by_a_raised_hand_is_performed_from_hanging_arms(with_raised_hand, monkeypatch):
     setup = with_raised_hand
     refuse_raised_hands(monkeypatch, setup)
     plan = plan_gesture(setup, "wave")
@@ -57,7 +57,7 @@ def test_raised_hand_stays_if_hanging_arms_perform_no_more_gestures(with_raised_
     assert plan.setup is with_raised_hand
 
 
-def test_setup_with_a_fixed_posture_is_planned_once(with_raised_hand, monkeypatch):
+def test_blocked_gesture_stays_dropped_if_the_setup_has_a_fixed_posture(with_raised_hand, monkeypatch):
     refuse_raised_hands(monkeypatch, with_raised_hand)
     plan = plan_gesture(replace(with_raised_hand, unstyled=None), "wave")
     assert plan.keyframes.outcomes["g"].kind == "dropped"

@@ -94,7 +94,7 @@ def test_rushed_circular_gesture_shrinks_instead_of_delaying_its_stroke(lexeme):
     assert [notice.id for notice in made.notices if " % smaller" in notice.text] == ["b:g"]
 
 
-def test_slow_hand_path_is_followed_completely():
+def test_slow_hand_path_is_followed_within_1_cm():
     made = planned("stir", 2.0)
     assert not said(made)
     hand = SETUP.robot.skeleton.segment("r_wrist")
@@ -125,7 +125,7 @@ def test_only_hand_path_shortenings_above_a_tenth_are_reported():
     assert wider(2.0)
 
 
-def test_sync_points_with_equal_times_have_precedences_in_both_directions():
+def test_synchronised_sync_points_have_precedences_in_both_directions():
     block = parse(BLOCK)
     natural = {name: {"ready": 0.3, "stroke": 0.2, "relax": 0.1, "end": 0.3} for name in ("one", "two", "three")}
     bonds = set(find_bonds(schedule(block, {}, natural)))

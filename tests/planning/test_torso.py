@@ -36,7 +36,7 @@ def test_torso_hinges_are_found_by_name():
     assert angles[:3] == pytest.approx([0.2, 0.1, 0.3])
 
 
-def test_torso_joints_with_one_axis_divide_a_rotation_by_their_ranges():
+def test_torso_joints_about_one_axis_divide_a_rotation_in_proportion_to_their_ranges():
     skeleton = UPPER22.skeleton
     hinges = (replace(skeleton.hinges[0], name="vt1_tilt", lower=-0.2, upper=0.2), *skeleton.hinges[1:])
     robot = replace(UPPER22, skeleton=replace(skeleton, hinges=hinges))
@@ -46,7 +46,7 @@ def test_torso_joints_with_one_axis_divide_a_rotation_by_their_ranges():
     assert compute_torso_turn(robot, "torso", angles) == pytest.approx([0.0, 0.3, 0.0])
 
 
-def test_torso_turn_keeps_joint_ranges():
+def test_neck_rotation_is_clamped_to_joint_ranges():
     angles = np.array(UPPER22.skeleton.rest)
     set_turn(UPPER22, "neck", np.array([9.0, -9.0, 9.0]), angles)
     assert np.all(angles == UPPER22.skeleton.clamp(angles))

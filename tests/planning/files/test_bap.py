@@ -53,12 +53,12 @@ def test_bap_angle_signs_follow_the_standard(written):
     assert angle(frames, "l_shoulder_abduct") == angle(frames, "r_shoulder_abduct") == [0.2]  # mirror images
 
 
-def test_leaning_forward_is_negative_tilt(written):
+def test_negative_bap_tilt_of_the_spine_is_a_positive_hinge_angle(written):
     frames = read_bap(written(HEADER.format(1), mask(PARAMETER_NUMBERS["vl5_tilt"]), "0 -5000"), ROBOT)
     assert angle(frames, "vl5_tilt") == [0.05]
 
 
-def test_masked_bap_parameter_keeps_its_previous_value(written):
+def test_bap_parameter_missing_in_a_frame_keeps_its_previous_value(written):
     elbow, neck = PARAMETER_NUMBERS["l_elbow_flexion"], PARAMETER_NUMBERS["skullbase_torsion"]
     frames = read_bap(
         written(HEADER.format(3), mask(elbow), "0 50000", mask(neck), "1 20000", mask(), "4"),
@@ -72,7 +72,7 @@ def test_masked_bap_parameter_keeps_its_previous_value(written):
     assert set(frames.given) == {"l_elbow_flexion", "skullbase_torsion"}
 
 
-def test_bap_files_of_version_2_and_leg_parameters_are_read(written):
+def test_bap_file_of_version_2_is_read_and_its_leg_parameter_listed_as_unknown(written):
     frames = read_bap(written("2.1 old name 30 1", mask(4, 38, of=186), "0 7 60000"), ROBOT)
     assert frames.strangers == (4,)
     assert angle(frames, "l_elbow_flexion") == [0.6]
@@ -156,7 +156,7 @@ def test_oblique_hinge_has_the_sign_of_the_body_axis_of_its_parameter(name, axis
         assert (column.number, column.sign) == (PARAMETER_NUMBERS[name], sign)
 
 
-def test_spine_parameters_count_from_the_skull_down():
+def test_bap_numbers_of_the_spine_increase_from_the_skull_down():
     first = {"skullbase": 48, "vc1": 51, "vc7": 69, "vt1": 72, "vt12": 105, "vl1": 108, "vl5": 120}
     assert {bone: PARAMETER_NUMBERS[f"{bone}_roll"] for bone in first} == first
     assert [PARAMETER_NUMBERS[f"vl5_{turn}"] for turn in ("torsion", "tilt")] == [121, 122]

@@ -57,7 +57,7 @@ def test_imported_motion_begins_and_ends_at_rest(known, wave):
     np.testing.assert_allclose(motion.at(motion.duration).angles, known.robot.skeleton.rest, atol=2e-3)
 
 
-def test_twin_performs_imported_motion(known, wave):
+def test_twin_follows_imported_motion_within_one_degree_and_all_limits(known, wave):
     performed = dry_run(plan_imported(wave, known, source="wave.bap"))
     apart = np.abs(performed.measured.angles - performed.reference.angles).max()
     assert np.degrees(apart) < 1.0
@@ -80,7 +80,7 @@ def test_angles_beyond_range_are_clipped_and_reported(known, wave):
     assert "l_elbow_flexion is requested 5.7 deg beyond its range" in notice.text
 
 
-def test_imported_motion_with_a_single_frame_is_a_posture(known):
+def test_single_frame_of_an_imported_motion_is_reached_as_a_posture(known):
     posture = known.robot.skeleton.rest.copy()
     posture[known.robot.skeleton.joint("skullbase_torsion")] = 0.3
     planned = plan_imported(
@@ -89,7 +89,7 @@ def test_imported_motion_with_a_single_frame_is_a_posture(known):
     np.testing.assert_allclose(planned.trajectory.at(planned.trajectory.zero).angles, posture, atol=2e-3)
 
 
-def test_parameters_without_hinge_are_reported(known, wave):
+def test_parameters_without_hinge_are_reported_and_refused_if_there_are_no_others(known, wave):
     legs = BapFrames(wave.times, wave.angles, wave.given, (4, 5))
     (notice,) = plan_imported(legs, known, source="legs.bap").notices
     assert notice == Notice(
@@ -100,7 +100,7 @@ def test_parameters_without_hinge_are_reported(known, wave):
 
 
 @pytest.mark.parametrize("begin", [-3.0, 0.0, 7.0])
-def test_keys_of_an_imported_motion_are_even_from_its_first_to_its_last_frame(known, begin):
+def test_keys_of_an_imported_motion_are_evenly_spaced_from_its_first_to_its_last_frame(known, begin):
     still = np.tile(known.robot.skeleton.rest, (101, 1))
     times = [key.time - begin for key in _keys(BapFrames(begin + np.linspace(0.0, 1.0, 101), still, (), ()), known)]
     np.testing.assert_allclose(times[1:-1], np.linspace(0.0, 1.0, 11), atol=1e-9)
@@ -120,7 +120,7 @@ def test_notice_of_a_slowed_motion_names_the_posture_with_the_largest_shift(know
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_reversals_of_an_imported_hinge_match_scipy(seed: int):
+def test_reversals_of_an_imported_hinge_match_the_prominent_peaks_found_by_scipy(seed: int):
     find_peaks = pytest.importorskip(
         "scipy.signal", reason="SciPy, the oracle of this test, is not installed"
     ).find_peaks

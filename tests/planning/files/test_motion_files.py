@@ -26,7 +26,7 @@ def test_motion_npz_file_contains_joint_names_times_and_angles(motion, tmp_path)
         assert data["times"][-1] == pytest.approx(1.0)
 
 
-def test_csv_has_one_column_per_hinge(motion, tmp_path):
+def test_motion_csv_file_has_a_time_column_and_one_column_per_hinge(motion, tmp_path):
     write_motion(motion, ROBOT, tmp_path / "m.csv")
     with (tmp_path / "m.csv").open() as file:
         rows = list(csv.reader(file))

@@ -46,7 +46,7 @@ def moving(planned, chain, span=None):
     return float(np.mean(speeds.max(axis=1) > VELOCITY_RANGE[0]))
 
 
-def test_trunk_and_head_move_during_speech_and_gestures(still, alive):
+def test_idle_motion_moves_trunk_and_head_during_most_of_a_speech(still, alive):
     assert moving(still, "torso") < 0.6
     assert moving(alive, "torso") > 0.9
     assert moving(alive, "neck") > 0.9
@@ -57,7 +57,7 @@ def test_secondary_motion_moves_no_sync_point(still, alive):
     assert {(sync.behaviour, sync.sync): sync.planned for sync in alive.syncs} == pytest.approx(planned, abs=1e-9)
 
 
-def test_held_hands_drift_by_millimetres(still, alive):
+def test_held_hand_drifts_by_2_to_25_mm_with_idle_motion(still, alive):
     def swept(planned, span):
         times = planned.trajectory.zero + np.arange(*span, 0.02)
         origins = planned.setup.robot.skeleton.frames(planned.trajectory.sample(times)[0]).origins
@@ -79,7 +79,7 @@ def test_secondary_motion_keeps_limits_torques_and_distances(known, alive):
     assert [*alive.clearance.pairs] == [*again.pairs]
 
 
-def test_secondary_motion_depends_only_on_seed(known, alive):
+def test_secondary_motion_is_repeatable_for_one_seed_and_differs_for_another(known, alive):
     again, other = (plan(TOLD, replace(known, idling=Idling(1.0, seed))) for seed in (2, 3))
     np.testing.assert_array_equal(again.trajectory.controls, alive.trajectory.controls)
     assert np.abs(other.trajectory.controls[: len(alive.trajectory.controls)] - alive.trajectory.controls).max() > 1e-3
@@ -104,7 +104,7 @@ def test_no_secondary_motion_while_pointing(known):
     assert moving(alive, "torso", (8.5, 13.0)) > 0.8
 
 
-def test_style_without_body_weight_breathes_and_turns_less(known):
+def test_style_with_whole_body_zero_still_moves_the_torso_but_turns_the_head_less(known):
     def turned(whole_body):
         style = replace(Style.load("neutral"), whole_body=whole_body)
         planned = plan(
@@ -119,7 +119,7 @@ def test_style_without_body_weight_breathes_and_turns_less(known):
     assert turned(1.0)[1] > turned(0.0)[1]
 
 
-def test_head_arcs_leave_out_only_nods_and_shakes(known, monkeypatch):
+def test_head_arcs_are_omitted_during_a_nod_but_not_during_a_gaze(known, monkeypatch):
     taken = []
     monkeypatch.setattr(add, "make_head_arcs", lambda motion, spans, *_: taken.append(spans) or iter(()))
     nod = '<head id="h" lexeme="NOD" start="1" end="2"/>'

@@ -92,7 +92,7 @@ def turning(angle, duration, *, still=2.0):
         (1.05 * MIN_TURN_ANGLE, 1.1 * 1.05 * MIN_TURN_ANGLE / MIN_TURN_VELOCITY, False),
     ],
 )
-def test_head_turn_counts_from_its_smallest_angle_time_and_velocity_on(sign, still, angle, duration, counts):
+def test_head_turn_is_detected_only_above_a_minimum_angle_duration_and_velocity(sign, still, angle, duration, counts):
     motion = turning(sign * angle, duration, still=still)
     turns = [*find_head_turns(motion, ROBOT)]
     assert len(turns) == counts

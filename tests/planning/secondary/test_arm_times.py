@@ -20,7 +20,7 @@ def moving(*spans: tuple[int, int], count: int = 100) -> Trajectory:
     return Trajectory(sealed(np.cumsum(steps)[:, None]), START, START)
 
 
-def test_rest_between_two_arm_strokes_ends_and_begins_with_the_spline_motion():
+def test_rest_between_two_arm_strokes_lasts_from_the_end_to_the_start_of_motion():
     motion = moving((30, 50), (70, 90))
     times = np.arange(START, motion.end, KNOT_INTERVAL / 50)
     is_moving = np.abs(motion.sample(times)[1][:, 0]) > 1e-6
@@ -54,5 +54,5 @@ def test_short_standstill_of_an_arm_does_not_count_as_rest():
         (Gap(1.0, 5.0, ((2.0, 3.0), (4.0, 4.5))), (3.0, 4.0)),
     ],
 )
-def test_return_path_ends_at_the_last_rest_posture_of_a_gap(gap: Gap, way: tuple[float, float] | None):
+def test_return_path_of_a_gap_ends_at_the_start_of_its_last_rest(gap: Gap, way: tuple[float, float] | None):
     assert gap.return_span == way

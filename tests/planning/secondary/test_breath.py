@@ -18,7 +18,7 @@ def of(swells, name):
     return [swell for swell in swells if swell.away[NAMES.index(name)]]
 
 
-def test_breathing_rate_is_in_the_human_range():
+def test_breathing_rate_is_12_to_18_breaths_per_minute():
     trunk = of(found((0.0, 60.6)), "vl5_tilt")
     assert 0.2 <= len(trunk) / 60.0 <= 0.3
     assert all(a.end == b.begin for a, b in pairwise(trunk)), "one breath after the other"

@@ -57,7 +57,7 @@ def test_hand_without_time_to_catch_up_is_not_delayed(before: Gap, after: Gap):
         (1.0, Gap(0.0, 9.0, ((0.0, 0.1), (0.2, 1.0))), 0.0, 0.8 * MAX_DELAY_RATE),  # 0.8 s of rest
     ],
 )
-def test_delay_on_approach_is_zero_at_the_stroke_and_fits_into_rest_and_motion(
+def test_joint_delay_on_approach_is_zero_at_the_stroke_and_fits_into_rest_and_motion(
     delay: float, gap: Gap, start: float, applied: float
 ):
     begin, leave, end = _delay_on_approach(delay, gap, start)
@@ -66,7 +66,7 @@ def test_delay_on_approach_is_zero_at_the_stroke_and_fits_into_rest_and_motion(
     assert end == (gap.end, 0.0)
 
 
-def test_delay_on_approach_needs_a_rest():
+def test_joint_delay_on_approach_needs_a_rest_of_the_arm():
     assert _delay_on_approach(0.1, MOVING_BEFORE, 0.0) == ()
     assert _delay_on_approach(0.1, Gap(0.0, 2.0, ((1.0, 1.0),)), 0.0) == ()
     assert _delay_on_approach(0.0, RESTING_BEFORE, 0.0) == ()
@@ -82,7 +82,7 @@ def test_delay_on_approach_needs_a_rest():
         (0.1, Gap(1.0, inf, ((4.0, inf),)), [1.0, 4.0, 4.0], 0.1),
     ],
 )
-def test_delay_on_return_builds_up_before_it_and_ends_in_the_last_rest(
+def test_joint_delay_on_return_builds_up_before_it_and_ends_in_the_last_rest(
     sign: float, delay: float, gap: Gap, times: list[float], applied: float
 ):
     lateness = _delay_on_return(sign * delay, gap)

@@ -49,7 +49,7 @@ def test_other_arm_swings_outward_until_the_stroke_ends_and_returns(exact):
     assert left[2] == pytest.approx(left[0], abs=1e-4)
 
 
-def test_swing_grows_with_the_amount_and_follows_the_seed(exact):
+def test_free_arm_swing_is_proportional_to_the_amount_and_varies_with_the_seed(exact):
     full, half, other = (find_swings(exact, **options) for options in ({}, {"amount": 0.5}, {"seed": (3, "b")}))
     assert half[0].away == pytest.approx(0.5 * full[0].away, abs=1e-6)
     assert np.abs(other[0].away - full[0].away).max() > 0.005

@@ -19,7 +19,7 @@ def test_smooth_offset_rises_to_its_peak_and_returns_to_zero():
     np.testing.assert_allclose(np.delete(angles, TILT, axis=1), np.tile(np.delete(REST, TILT), (5, 1)), atol=1e-12)
 
 
-def test_motion_is_unchanged_outside_offsets():
+def test_motion_is_unchanged_outside_the_time_spans_of_offsets():
     laid = laid_on(STILL, [(swell(1.0, 1.5, 2.0), 1.0), (swell(3.0, 3.5, 4.0), 0.5), (swell(2.2, 2.4, 2.6), 0.0)])
     outside = np.array([0.5, 0.97, 2.03, 2.4, 2.97, 4.03, 4.9])
     np.testing.assert_allclose(laid.sample(outside)[0], STILL.sample(outside)[0], atol=1e-12)

@@ -36,7 +36,7 @@ def test_long_rest_changes_its_posture_every_10_to_20_seconds():
     assert all(1.0 < abs(np.degrees(change.away[roll])) < 3.0 for change in found)
 
 
-def test_hands_sometimes_change_to_another_rest_posture_of_the_style():
+def test_20_to_80_percent_of_rest_changes_use_a_pause_posture_of_the_style():
     folding = replace(UNPOSED_STANDING, pauses=(("hands_folded_low", 1.0),))
     found = [change for seed in range(4) for change in changes(30.0, seed, folding)]
     rest, wrist = ROBOT.skeleton.rest, ROBOT.arm("l").wrist

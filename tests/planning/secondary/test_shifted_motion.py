@@ -87,7 +87,7 @@ def test_drifts_of_a_hold_join_and_last_about_one_period(begin: float):
 
 
 @pytest.mark.parametrize("begin", [0.0, 50.0])
-def test_rest_changes_begin_and_end_at_rest_and_pass_into_each_other(begin: float):
+def test_rest_changes_lie_within_the_rest_and_follow_one_another_without_gaps(begin: float):
     motion = held(begin)
     bumps = rest_changes(motion, np.random.default_rng(1))
     assert bumps[0].begin == pytest.approx(begin + 12.4 + REST_MARGIN, abs=0.3)
@@ -99,7 +99,7 @@ def test_rest_changes_begin_and_end_at_rest_and_pass_into_each_other(begin: floa
         assert one.peak + one.stays == pytest.approx(other.begin)
 
 
-def test_larger_amount_of_idle_motion_gives_proportional_rest_changes():
+def test_half_the_amount_of_idle_motion_halves_the_rest_changes():
     motion = held(0.0)
     full, half = (
         [*make_rest_changes(motion, span(motion), setup, UNPOSED_STANDING, np.random.default_rng(4))]

@@ -89,7 +89,7 @@ def test_nods_and_head_turns_during_speech_have_separate_amounts(known):
         assert (moved == {"skullbase_tilt"}) == (amount == 0.0)
 
 
-def test_emphasised_word_has_a_nod_above_the_usual_size(known):
+def test_emphasised_word_gets_a_larger_nod_than_any_word_without_emphasis(known):
     stressed = SPEECH.replace("every", "<emphasis>every</emphasis>")
     _, result, moved = swells(known, stressed)
     dips = [swell.away.max() for swell, names in zip(result, moved, strict=True) if names == {"skullbase_tilt"}]
