@@ -130,4 +130,4 @@ def test_invalid_argument_is_explained_in_a_sentence(robot: Robot, tool: str, ar
 def test_several_invalid_arguments_get_a_line_each_and_a_near_name_is_suggested(robot: Robot) -> None:
     text, _ = robot.call("say", style="joyfull")
     assert [line.partition(" ")[0] for line in text.splitlines()] == ["say", "style:"]
-    assert text.endswith("did you mean 'joyful'?") or "did you mean" in text
+    assert text.endswith("did you mean joyful?")

@@ -35,7 +35,6 @@ def test_each_sink_gets_the_command_of_each_tick_once(simulation: Simulation):
 
 
 def test_commands_are_written_within_a_quarter_tick_of_their_time(simulation: Simulation):
-    """A delay of half a period is not counted, one of a whole period is."""
     seen = []
 
     class Watch(Recorder):

@@ -221,5 +221,5 @@ def test_rejected_idle_motion_is_postponed(make_planning: Callable[..., Planning
     planning.said()
     planning.loop.rule = lambda proposal: ProposalVerdict(proposal.motion is None, 0, 0.0)
     planning.state.advance_scene()
-    if planning.state.pause is not None:
-        assert planning.state.pause > 1.0
+    assert planning.state.pause is not None
+    assert planning.state.pause > 1.0
