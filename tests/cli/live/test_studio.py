@@ -93,7 +93,7 @@ def test_valid_gestures_of_the_folder_are_loaded_and_invalid_files_reported(snap
 def test_studio_page_data_contains_the_robot_its_gestures_and_example_documents():
     setup = set_up("upper36")
     files = page_files(setup.robot, setup.lexicon, document="mine.bml")
-    assert {"/", "/studio.js", "/studio.css", "/icon.svg", "/studio.json"} == set(files)
+    assert {"/", "/studio.js", "/studio.css", "/panels.css", "/figures.json", "/icon.svg", "/studio.json"} == set(files)
     page_data = json.loads(files["/studio.json"].body)
     robot = page_data["robot"]
     assert len(robot["hinges"]) == len(robot["rest"]) == len(robot["lower"]) == len(robot["upper"]) == 36

@@ -38,7 +38,7 @@ def few_pictures(count: int) -> Iterator[None]:
 
 def is_skin(picture: np.ndarray) -> np.ndarray:
     red, green, blue = (picture[..., k].astype(int) for k in range(3))
-    return (red > green + 20) & (green > blue)
+    return (red > 150) & (red > green + 20) & (green > blue)  # hair is darker
 
 
 def test_portrait_of_the_human_shows_head_and_hands(drawable: None):  # noqa: F811 - the fixture
