@@ -210,7 +210,7 @@ def _ease(start: Floats, end: Floats, duration: float) -> Floats:
 
 
 def _warp(times: Floats, keys: Keys, *, course_times: Floats, course: Floats) -> DesiredMotion:
-    """Return the desired motion at shifted key times (m,) [s]."""
+    """Return the desired motion, warped so that its keys are at times (m,) [s]."""
     performance = np.interp(course_times, keys.requested_times, times) - times[0]
     curve = CubicSpline(performance, course, bc_type="clamped")
     states = sealed([course, curve(performance, 1), curve(performance, 2)])

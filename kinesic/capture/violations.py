@@ -14,7 +14,7 @@ from kinesic.planning.setup import Setup
 LimitName = Literal["position", "velocity", "acceleration", "jerk", "duty", "torque", "clearance"]
 
 MAX_RATIO = 1.001  # largest value / limit that counts as satisfied
-CLEARANCE_UNIT = 0.01  # [m] missing clearance that counts as one more limit
+CLEARANCE_UNIT = 0.01  # [m] missing clearance that adds 1 to the ratio of a violation
 SAMPLES_PER_WINDOW = 4096  # samples whose torques are computed together, which bounds the memory
 
 

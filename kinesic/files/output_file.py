@@ -98,7 +98,7 @@ def open_to_add(path: Path) -> BinaryIO:
 
 
 def _check_name(parent: HeldFolder, name: str, path: Path, *, force: bool) -> int | None:
-    """Refuse to replace links, folders, devices and protected files.
+    """Refuse to replace links, folders, devices, read-only and unforced files.
 
     Returns:
         Permissions of the existing file; None without one.

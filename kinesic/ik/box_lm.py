@@ -13,8 +13,8 @@ from kinesic.body.arrays import Floats, sealed
 MAX_ROUNDS = 40  # largest number of solver iterations
 ERROR_DAMPING = 0.1  # damping per squared error: lambda^2 = ERROR_DAMPING e^2 + MIN_DAMPING (Sugihara)
 MIN_DAMPING = 1e-9  # damping at zero error
-POSTURE_GAIN = 0.4  # fraction of the distance to the preferred values moved in the first iteration
-POSTURE_DECAY = 0.7  # factor on `POSTURE_GAIN` per iteration
+POSTURE_GAIN = 0.4  # fraction of the distance to the preferred values, before `POSTURE_DECAY`
+POSTURE_DECAY = 0.7  # factor on `POSTURE_GAIN` per iteration, from the first on
 STALL_RATIO = 0.98  # error ratio of successive iterations above which progress has stalled
 MAX_STALLED_STEPS = 6  # successive stalled iterations that end the solver
 DAMPING_GROWTH = 8.0  # factor on the damping after an iteration that increases the error

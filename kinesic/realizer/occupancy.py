@@ -183,9 +183,9 @@ def held_angles(turns: HeldTurns, robot: Robot) -> Floats:
 
 
 def remaining_occupancy(occupancy: Iterable[Occupancy], time: float) -> tuple[Occupancy, ...]:
-    """Return occupancies that relax after a time [s] or hold on.
+    """Return occupancies that relax after a time [s], and held postures.
 
-    A posture holds on if it is the last one of a role to end.
+    Of each role, the posture that ended last is held.
     """
     all_occupancies = tuple(occupancy)
     over = sort_by_time((entry for entry in all_occupancies if entry.is_held and entry.relax <= time), end_time)
@@ -201,7 +201,7 @@ def _hinges(parts: frozenset[PartName], robot: Robot) -> Flags:
 
 
 def _roles(action: Action, parts: frozenset[PartName]) -> frozenset[Role]:
-    """Return the arms and the trunk role that a behaviour uses.
+    """Return the roles that a behaviour uses: arms, and head sign, gaze or trunk.
 
     Trunk movements of different roles add up.
     """

@@ -172,7 +172,7 @@ class PlannerState:
             self._idling.postpone(now)
 
     def execute(self, request: ClientRequest) -> None:
-        """Execute a client request, after any emergency stop that came before it."""
+        """Execute a client request; documents wait for earlier emergency stops."""
         if isinstance(request, DocumentRequest | Resumption):
             self._shared.wait_for_stops(request.stops)
         match request:

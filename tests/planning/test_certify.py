@@ -258,7 +258,9 @@ def test_time_between_two_low_duties_is_evaluated_only_if_they_are_over_two_knot
 
 
 @pytest.mark.parametrize(("duty", "evaluated"), [(0.5, 3), (0.51, 5)])
-def test_times_between_duties_of_at_most_one_half_are_skipped(duty: float, evaluated: int, known: Setup):
+def test_duty_is_not_evaluated_between_two_times_with_duty_of_at_most_one_half(
+    duty: float, evaluated: int, known: Setup
+):
     motion, stall = moving_slowly(known, 20, bump=15), known.robot.drives.stall[LOADED_HINGE]
     share = np.where(np.arange(len(known.limits.lower)) == LOADED_HINGE, duty * stall, 0.0)
     setup = under(known, lambda angles, *_: share + np.zeros_like(angles))

@@ -94,7 +94,7 @@ def _down(shape: Capsule) -> bool:
 
 
 @every_robot
-def test_camera_view_contains_the_robot_and_a_raised_hand(robot: Robot):
+def test_camera_view_contains_head_and_arms_at_rest_and_with_a_raised_hand(robot: Robot):
     raised = robot.skeleton.rest.copy()
     raised[robot.skeleton.joint("r_shoulder_flexion")] = 2.8
     half = np.tan(np.radians(VIEW_ANGLE) / 2)

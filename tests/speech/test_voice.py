@@ -228,7 +228,7 @@ def write_damaged(path: Path, damage: str) -> Path:
 
 
 @pytest.mark.parametrize("damage", ["empty", "text", "short", "float"])
-def test_invalid_recording_is_replaced_by_synthesis(damage: str, tmp_path: Path):
+def test_invalid_recording_is_replaced_by_the_fallback_voice(damage: str, tmp_path: Path):
     path = write_damaged(tmp_path / "broken.wav", damage)
     with pytest.raises(RecordingError, match=r"broken\.wav"):
         read_wav(path)

@@ -50,7 +50,7 @@ def sweep_all() -> tuple[Series, ...]:
 
 
 def bench() -> list[Metric]:
-    """Measure monotonicity, worst stroke error and effect size of each parameter."""
+    """Measure monotonicity, worst stroke timing error and effect of each parameter."""
     return [
         metric
         for parameter in MEASURE_OF

@@ -156,7 +156,7 @@ def watch_hands(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, key
 
 
 def count_ticks(snapshot: Snapshot) -> Ticks:
-    """Return each servo's position in ticks over several turns, (m,).
+    """Return each servo's multi-turn position [ticks], (m,).
 
     A silent servo has its last known position.
     """

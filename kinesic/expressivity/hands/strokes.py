@@ -18,7 +18,7 @@ from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY, Expressivity
 from kinesic.expressivity.turns import MIN_KEY_SPACING
 
-PATH_LENGTH_FACTOR = 1.5  # equivalent straight distance / length of a swing, as not all joints move at once
+PATH_LENGTH_FACTOR = 1.5  # factor on the length of a swing in its minimum-time estimate
 PATH_TIME_FACTOR = 1.4  # minimum time of a swing / that of a straight movement, as its joint angles are not free
 
 _TIME_TOLERANCE = 1e-9  # [s] times that differ by less count as equal

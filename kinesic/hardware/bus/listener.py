@@ -28,7 +28,7 @@ TIMEOUT_TUNING = TimeoutTuning()  # bounds and rates of the timeouts on every bu
 
 
 class TimeoutEstimate:
-    """Adaptive timeout: a running 90 % quantile of reply delays.
+    """Adaptive timeout: twice the running 90 % quantile of reply delays.
 
     A delay is the time beyond that of the bytes on the wire. A tight fixed timeout fails on a loaded host, and with a
     wide one each lost reply costs a cycle. The estimate rises by 9 steps after a slower reply, but hardly beyond its

@@ -17,7 +17,7 @@ LIMIT_TOLERANCE = 1e-6  # Relative tolerance of the limits against rounding
 
 @dataclass(frozen=True, eq=False)
 class GoalBounds:
-    """Range, velocity and distance limits of the goal positions, by servo."""
+    """Limits of goal positions: range, velocity, distance from the present position."""
 
     lower: Floats  # (m,) [ticks]
     upper: Floats  # (m,) [ticks]

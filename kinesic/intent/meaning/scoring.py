@@ -143,7 +143,7 @@ def _is_about_grave(context: Context, candidate: Candidate) -> bool:
 
 
 def _sounds_ironic(context: Context, candidate: Candidate) -> bool:
-    """Return whether praise follows an exclamation, or its sentence names a repetition."""
+    """Return whether praise follows `oh`, or its sentence has `again` or `another`."""
     indices = context.sentence(candidate.first)
     before = context.plain[candidate.first - 1] if candidate.first > indices[0] else ""
     outside = (k for k in indices if not candidate.first <= k <= candidate.last)

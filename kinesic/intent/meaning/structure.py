@@ -17,7 +17,7 @@ MIN_PERSON_WORDS = 3  # [words] length of the shortest sentence with a gesture t
 MIN_TOPIC_WORDS = 7  # [words] length of the shortest statement that open hands present
 TOPIC_CERTAINTY = 0.52  # certainty of open hands that present a statement
 TOPIC_GESTURES = ("conduit", "inform_spread", "open_low", "present")  # open hands that present a statement
-GRAVE_CLASSES = ("denial", "sad", "stern")  # word classes of statements that are not presented
+GRAVE_CLASSES = ("denial", "sad", "stern")  # word classes of statements without open-hand presenting gestures
 COUNT_GESTURES = {  # gesture by number word or digit
     "two": "count_two",
     "three": "count_three",

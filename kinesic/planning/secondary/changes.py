@@ -51,7 +51,7 @@ class Changes:
 
     @cached_property
     def _parts(self) -> Indices:
-        """Offset, hinge and control point count of each moved hinge, (h, 3)."""
+        """Offset index, hinge index and control point count by moved hinge, (h, 3)."""
         counts = (self._spans[:, 1] - self._spans[:, 0]).tolist()
         rows = ((k, hinge, counts[k]) for k, change in enumerate(self.offsets) for hinge in change.hinges)
         return np.array([*rows], dtype=np.intp).reshape(-1, 3)

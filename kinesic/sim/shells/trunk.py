@@ -48,7 +48,7 @@ COLLAR_LEVELS = sealed(
     [[0.55, 0.62], [1.0, 0.22], [1.45, 0.0]]
 )  # rows: height above the shoulder girdle's capsule / its radius, and width / its width
 COLLAR_RADII = sealed([0.92, 0.86, 0.78])  # depth of the collar at `COLLAR_LEVELS` / depth of the girdle
-COLLAR_TOP = 1.88  # height of the collar's rim above the girdle / the girdle's radius
+COLLAR_TOP = 1.88  # height of the collar's rim above the axis of the shoulder girdle / its radius
 PEDESTAL_LEVELS = (0.0, 0.010, 0.030, 0.060, 0.110, 0.190)  # [m] heights of the pedestal's cross-sections
 PEDESTAL_RADII = (2.80, 2.78, 2.50, 1.55, 1.05, 0.82)  # radius of the pedestal at `PEDESTAL_LEVELS` / column radius
 PEDESTAL_RIM = 0.007  # [m] height of the pedestal's dark rim

@@ -70,7 +70,7 @@ def test_servo_watch_updates_its_time_scale_once_per_clearance_check_period():
     assert sum(looks) == pytest.approx(1.0 / LOOK_PERIOD, abs=1)
 
 
-def test_small_tracking_errors_slow_time_and_large_ones_end_the_performance():
+def test_tracking_error_slows_time_and_too_small_measured_clearance_ends_the_performance():
     mild, grave = watch(), watch()
     mild.ingest(cycles(0.2, 0.0335))
     assert CREEP_PACE <= mild.pace < 1.0

@@ -25,7 +25,7 @@ words = ["dance"]
 """
 
 
-def test_user_synonyms_override_builtin_ones_and_serve_as_class_substitutes(tmp_path: Path):
+def test_user_synonyms_override_builtin_ones_and_user_classes_give_substitutes(tmp_path: Path):
     (tmp_path / "own.toml").write_text(GESTURE_TOML + SYNONYM_TOML.lstrip())
     lexicon = Lexicon.load(tmp_path)
     assert [lexicon.find(name).form.id for name in ("Mine_RH", "hello", "ciao", "hi")] == [
