@@ -32,7 +32,7 @@ class TimeoutEstimate:
 
     A delay is the time beyond that of the bytes on the wire. A tight fixed timeout fails on a loaded host, and with a
     wide one each lost reply costs a cycle. The estimate rises by 9 steps after a slower reply, but hardly beyond its
-    delay, and falls by 1 step after a faster one. One reply in ten may miss the timeout: it is accepted when it
+    delay, and falls by 1 step after a faster one. A reply that misses the timeout is accepted when it
     arrives.
     """
 
