@@ -1,4 +1,4 @@
-"""Listening address of a server, quick to import."""
+"""Host and port at which a server listens, without slow imports."""
 
 from dataclasses import dataclass
 

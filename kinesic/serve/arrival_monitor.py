@@ -1,6 +1,6 @@
 """Measurement of arrival delays at sync points.
 
-The rule is that of the reports, applied to joints: the joints of a behaviour arrive when they first enter a ball around
+The rule is that of the reports, applied to joints: the joints of a behaviour arrive when they last enter a ball around
 their planned posture. The planned motion is judged by the same rule. The delay is the difference between both times.
 """
 
@@ -13,7 +13,7 @@ from kinesic.body.command import COMMAND_RATE
 from kinesic.metrics.arrival import find_entry
 from kinesic.motion.trajectory import Trajectory
 
-ARRIVAL_WINDOW = 0.3  # [s] time before a sync point in which joints must approach their planned posture
+ARRIVAL_WINDOW = 0.3  # [s] time before a sync point from which the arrival of joints is searched
 HISTORY_DURATION = 1.0  # [s] duration of stored measurements
 MIN_BALL_RADIUS = np.radians(0.5)  # [rad] smallest radius of the arrival region around the planned posture
 BALL_RADIUS_RATIO = 0.05  # radius of the arrival region / joint travel within `ARRIVAL_WINDOW`

@@ -117,7 +117,7 @@ class ClientRegistry:
         return client
 
     def place(self, client: ConnectedClient) -> bool:
-        """Reserve a client place and return whether the client has one.
+        """Reserve one of `Quotas.clients` slots, and return whether the client has one.
 
         A client that is not admitted, or comes when all places are taken, has none.
         """
@@ -183,7 +183,7 @@ class ClientRegistry:
             client.send(refusal)
 
     def refuse_overlong(self, client: ConnectedClient, error: ValueError) -> None:
-        """Report a message that exceeds the size limit."""
+        """Warn a client that its message exceeds the size limit."""
         client.send(quota_feedback("message", str(error), type_=NoticeType.PARSING_FAILURE))
 
     def tell(self, message: str, sender: int) -> None:
@@ -193,7 +193,7 @@ class ClientRegistry:
             client.send(message)
 
     def close(self, code: int, why: str) -> None:
-        """Close the connections of all clients."""
+        """Close all client connections once their queued messages are read."""
         for client in self._clients.values():
             client.close(code, why)
 

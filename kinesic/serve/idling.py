@@ -7,7 +7,7 @@ from kinesic.planning.setup import Setup
 from kinesic.realizer.realizer import PreparedBlock, Scene, prepare_block
 from kinesic.realizer.request import Message, read_request
 
-REST_BEFORE_IDLING = 3.0  # [s] duration of rest before idle motion begins
+REST_BEFORE_IDLING = 3.0  # [s] duration of rest between a block and idle motion
 IDLE_SPELL_DURATION = 12.0  # [s] duration of one planned block of idle motion; spells follow without a gap
 IDLING_TIMEOUT = 600.0  # [s] time since the last document after which no idle motion begins
 # BML block that only waits; planning fills the wait with idle motion.
@@ -15,7 +15,7 @@ EMPTY_BLOCK = f'<bml id="idle"><wait id="w" duration="{IDLE_SPELL_DURATION}"/></
 
 
 class IdleScheduler:
-    """Scheduler of idle motion spells, in planner time [s]."""
+    """Scheduler of the start times of idle motion blocks (spells)."""
 
     def __init__(self) -> None:
         """Create a scheduler that allows no idle motion yet."""

@@ -129,8 +129,8 @@ class Words(Message):
     """
 
     ends: bool = False  # whether the text is complete
-    instead: bool = False  # whether they replace all unspoken words
-    style: str = ""  # name of their style; empty: that of the server
+    instead: bool = False  # whether this text replaces all unspoken text
+    style: str = ""  # name of the style of this text; empty: that of the server
 
 
 @dataclass(frozen=True)
@@ -150,7 +150,7 @@ class Interruption:
 
 @dataclass(frozen=True)
 class Restyling:
-    """Request to the planner: change the style of running and future blocks."""
+    """Request to the planner: change the style of one or all blocks."""
 
     style: str | None
     changes: tuple[str, ...]  # NAME=VALUE
@@ -203,7 +203,7 @@ class Halted:
 
 @dataclass(frozen=True)
 class ProposalVerdict:
-    """Message from the loop to the planner: acceptance of a proposal."""
+    """Message from the loop to the planner: acceptance or rejection of a proposal."""
 
     accepted: bool
     stops: int

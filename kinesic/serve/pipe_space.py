@@ -7,7 +7,10 @@ from kinesic.child import PipeEnd
 
 
 def has_space(pipe: PipeEnd) -> bool:
-    """Return whether a message of some kB can be sent without blocking."""
+    """Return whether a message of some kB can be sent without blocking.
+
+    Always true on Windows.
+    """
     is_free = True
     if sys.platform != "win32":
         poller = select.poll()

@@ -53,7 +53,7 @@ from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.quotas import Quotas, quota_feedback
 
 TEXT_TABLES_MODULE = (
-    "kinesic.intent.read_ahead"  # module that planners share with the process that they are forked from
+    "kinesic.intent.read_ahead"  # module with the tables for texts, imported once and shared by all planners
 )
 MIN_POLL_PERIOD = 0.05  # [s] smallest time between two checks for due events
 DEFECT_TYPES = (
@@ -233,7 +233,7 @@ class PlannerState:
         self._shared.handle_stop(halted)
 
     def _cancel_pending(self) -> None:
-        """Cancel idle motion and all unspoken text."""
+        """Drop all unspoken text, and begin no further idle motion."""
         self._idling.forbid()
         self._talks.clear()
 

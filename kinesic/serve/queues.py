@@ -15,7 +15,7 @@ from kinesic.realizer.request import Message
 from kinesic.serve.messages import Words
 from kinesic.serve.wire.quotas import UNKNOWN_ID
 
-MAX_TEXT_LENGTH = 1_000_000  # [characters] longest joined text in a queue
+MAX_TEXT_LENGTH = 1_000_000  # [characters] longest text of one client that may wait to be spoken
 PROGRESS_PREFIX = "<syncPointProgress"  # beginning of messages that a full queue drops first
 
 

@@ -1,7 +1,8 @@
 """Connection acceptor of the server.
 
-New connections stay pending until the client is admitted. When too many are pending, new ones replace the oldest, so
-that silent or invalid connections cannot block other clients. A connection costs almost nothing before its first byte.
+New connections stay pending until the client has one of the limited client slots. When too many are pending, new ones
+replace the oldest, so that silent or invalid connections cannot block other clients. A connection costs almost nothing
+before its first byte.
 """
 
 import socket
@@ -31,12 +32,12 @@ ACCEPT_RETRY_DELAY = 0.1  # [s] pause of accepting after the open file limit was
 ACCEPTS_PER_TURN = 32  # connections accepted in succession before other tasks run
 SEND_BUFFER_SIZE = 65_536  # [bytes] send buffer of the operating system for a client that does not read
 INITIAL_READ_BURST = 4  # reads of a new connection before it waits for others; small, because a flood opens many
-ADMITTED_READ_BURST = 20  # reads of an admitted client before it waits for other connections
+ADMITTED_READ_BURST = 20  # reads of a client with a slot before it waits for other connections
 CLOSING_TIMEOUT = 1.5  # [s] time for clients to read the last messages
 
 
 class PendingConnection:
-    """Pending connection that has no place among the clients yet."""
+    """Connection that has no reserved client slot yet."""
 
     def __init__(self, connection: socket.socket, address: str) -> None:
         """Create a pending connection that has sent nothing yet.
@@ -119,7 +120,7 @@ class Reception:
         self._listeners.clear()
 
     async def end(self) -> None:
-        """End all connections after a short time to read the last messages."""
+        """Give clients `CLOSING_TIMEOUT` to read last messages, then end all connections."""
         for pending in tuple(self._pending):
             if pending.task is None:
                 self._dismiss(pending)

@@ -35,7 +35,7 @@ class Verdict(Enum):
     ACCEPTED = auto()  # possibly interrupted by a later emergency stop
     STOPPED = auto()  # an emergency stop preceded the proposal
     LATE = auto()  # at the last attempt, later commands were sent already
-    UNSTEADY = auto()  # at the last attempt, the motion had a step
+    UNSTEADY = auto()  # at the last attempt, a step in the motion, or a conflict with sent feedback
 
 
 class SharedScene:

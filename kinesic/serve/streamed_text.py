@@ -62,5 +62,5 @@ class StreamedText:
             self.talk = add_words(self.talk, piece, ends=ends and not rest)
 
     def quiet(self, now: float) -> float:
-        """Return the time [s] since the last text, 0 with unparsed text."""
+        """Return the time [s] since text arrived, 0 while some is unparsed."""
         return now - self.heard if self.is_read else 0.0

@@ -40,7 +40,7 @@ class Phrase:
 
     @property
     def answer(self) -> str:
-        """Message to the client with the words of the block."""
+        """Answer to the client: id, text and warnings of the block."""
         warnings = {"warnings": self.warnings} if self.warnings else {}
         return json_answer("saying", block=self.block, text=self.text, waiting=self.waiting, **warnings)
 

@@ -28,14 +28,14 @@ NO_ACCOMPANIMENT = SoundAndFace()  # settings without outputs for face and sound
 
 @dataclass(frozen=True, eq=False)
 class Track:
-    """Face and sounds of one running block."""
+    """Action unit intensities and sounds of one running block over time."""
 
     begin: float  # [s] clock time of the first row
     face: Mapping[str, Floats]  # action unit -> (m,) intensities 0..1 at 100 Hz
     sounds: tuple[tuple[float, Sound], ...]  # start [s] in clock time, and sound
 
     def at(self, time: float) -> dict[str, float]:
-        """Return the action units at a clock time [s].
+        """Return the intensities (0..1) of the action units at a clock time [s].
 
         Empty outside the track.
         """
@@ -68,6 +68,8 @@ def changed_tracks(
     scene: Scene, old_versions: Mapping[str, Version], accompaniment: SoundAndFace
 ) -> tuple[dict[str, Version], dict[str, Track | None]]:
     """Return the versions of all tracks, and the changed tracks.
+
+    A track of an ended block is None.
 
     Args:
         scene: running blocks.
@@ -130,7 +132,7 @@ class TrackEffects:
         self.take(dict.fromkeys(self._tracks))
 
     def face(self, time: float) -> dict[str, float]:
-        """Return each action unit's maximum over the tracks at a time [s]."""
+        """Return each action unit's maximum intensity over the tracks at a time [s]."""
         intensities: dict[str, float] = {}
         for track in self._tracks.values():
             for unit, value in track.at(time).items():

@@ -1,1 +1,1 @@
-"""Query service of the server: reach, plans, exports, telemetry and documents."""
+"""Query service of the server: inverse kinematics, plans, exports, telemetry and documents."""

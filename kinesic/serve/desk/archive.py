@@ -1,4 +1,4 @@
-"""Folder of versions and backups of documents, inside their folder."""
+"""Archive folder with earlier versions and backups of documents."""
 
 import errno
 import os
@@ -14,12 +14,12 @@ from kinesic.files.held_folder import HeldFolder, hold_folder
 ARCHIVE_NAME = ".kinesic-studio"  # name of the folder with versions and backups
 PRIVATE_MODE = 0o700  # permissions of a new archive
 MIN_ABANDONED_AGE = 3600.0  # [s] age from which an incomplete file counts as abandoned by a killed process
-LINK_ERRORS = frozenset({errno.ENOTDIR, errno.ELOOP})  # errors of opening a folder that is a file or a link
+LINK_ERRORS = frozenset({errno.ENOTDIR, errno.ELOOP})  # error codes of opening a file or a link as a folder
 
 
 @contextmanager
 def hold_archive(folder: Path | None) -> Iterator[HeldFolder]:
-    """Open the archive of a document folder, and make a missing one.
+    """Open a document folder's archive within the context, creating it if missing.
 
     Raises:
         ConfigError: the archive cannot be made, is a link or is not a folder.
@@ -39,7 +39,7 @@ def hold_archive(folder: Path | None) -> Iterator[HeldFolder]:
 
 
 def remove_abandoned_files(archive: HeldFolder) -> None:
-    """Remove incomplete files that a killed process has left."""
+    """Remove incomplete files older than an hour, left by killed processes."""
     for name in filter(DRAFT_NAME.fullmatch, archive.names()):
         with suppress(OSError):
             if time() - archive.entry_status(name).st_mtime > MIN_ABANDONED_AGE:

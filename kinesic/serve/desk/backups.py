@@ -1,4 +1,4 @@
-"""Backups of unsaved documents, written by clients while a person edits.
+"""Backups of unsaved documents, sent by clients while a person edits.
 
 A backup is one of twenty files with fixed names. Its first line is a JSON object with key, document name, revision and
 time; the text of the document follows unchanged. The key of a client is compared only, never used as a name.
@@ -33,7 +33,7 @@ class Header(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True)
 class Backup:
-    """Unsaved document."""
+    """Backup of an unsaved document."""
 
     header: Header
     text: str
@@ -43,11 +43,16 @@ class BackupFolder:
     """Backups of unsaved documents in the archive of a document folder."""
 
     def __init__(self, folder: Path | None) -> None:
-        """Take the document folder, and refuse all requests without one."""
+        """Create the backup store of a document folder.
+
+        With None, all requests are refused.
+        """
         self._folder = folder
 
     def keep(self, key: str, name: str, revision: str, text: str) -> None:
         """Store an unsaved document durably, and replace its earlier backup.
+
+        A new key replaces the oldest of `MAX_BACKUPS` backups.
 
         Raises:
             ConfigError: the backup is not stored.
@@ -97,7 +102,7 @@ def _choose_file(headers: dict[str, Header], key: str) -> str:
 
 
 def _headers(archive: HeldFolder) -> Iterator[tuple[str, Header]]:
-    """Yield file and header of each valid backup."""
+    """Yield file name and header of each valid backup."""
     for file in BACKUP_FILES:
         beginning = read_held(archive, file, limit=MAX_HEADER_SIZE)
         if beginning is None:

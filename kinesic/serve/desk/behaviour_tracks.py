@@ -27,13 +27,13 @@ MODE_TRACKS: dict[str, tuple[Track, ...]] = {
     "both": ("r_hand", "l_hand"),
     "unspecified": ("r_hand",),
 }
-MAX_LABEL_LENGTH = 40  # characters
+MAX_LABEL_LENGTH = 40  # [characters] longest label, with its ellipsis
 
 
 def list_tracks(behaviour: Behaviour, plan: Plan) -> tuple[Track, ...]:
-    """Return the body parts that a behaviour moves, the main one first.
+    """Return the timeline tracks of a behaviour, the main one first.
 
-    A gesture that the plan drops has the hands that the document requests.
+    A gesture that the plan drops has the tracks of the hands that the document requests.
     """
     used: tuple[Track, ...] = tuple(
         part for part in USED_TRACKS if part in plan.keyframes.uses.get(behaviour.id, frozenset())
@@ -58,7 +58,10 @@ def list_tracks(behaviour: Behaviour, plan: Plan) -> tuple[Track, ...]:
 
 
 def label_behaviour(behaviour: Behaviour) -> str:
-    """Return the lexeme, target or spoken text of a behaviour."""
+    """Return a behaviour's timeline label, cut to `MAX_LABEL_LENGTH` characters.
+
+    The label is a lexeme, target, spoken text or similar.
+    """
     match behaviour.action:
         case Gesture(lexeme=lexeme) | Head(lexeme=lexeme) | Torso(lexeme=lexeme):
             text = lexeme

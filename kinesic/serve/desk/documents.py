@@ -23,8 +23,8 @@ MAX_DOCUMENT_SIZE = 1_000_000  # [bytes] largest document that is read
 MAX_LISTED_NAMES = 1000  # largest number of document names in a listing
 MAX_SCANNED_ENTRIES = 5000  # largest number of folder entries examined for a listing
 MAX_SUGGESTIONS = 20  # largest number of document names in an error message
-REVISION_LENGTH = 16  # [hexadecimal digits] of a revision
-OPEN_FLAGS = os.O_RDONLY | NO_LINK_FLAG | NO_WAIT_FLAG  # flags that open a document without waiting for a pipe
+REVISION_LENGTH = 16  # [hexadecimal digits] length of a revision, the beginning of a SHA-256 digest
+OPEN_FLAGS = os.O_RDONLY | NO_LINK_FLAG | NO_WAIT_FLAG  # flags against following links and blocking on pipes
 
 
 def is_document_name(name: str) -> bool:
@@ -33,7 +33,7 @@ def is_document_name(name: str) -> bool:
 
 
 class RevisionError(ConfigError):
-    """Error of saving over a file that the client does not know."""
+    """Refusal to overwrite a file of another revision than the client expects."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +79,7 @@ class DocumentFolder:
         )
 
     def read(self, name: str) -> Document:
-        """Read a document.
+        """Return text and revision of a document in the folder.
 
         Raises:
             ConfigError: the name is invalid, or the document does not exist or is too large.

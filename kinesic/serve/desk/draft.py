@@ -21,7 +21,7 @@ from kinesic.serve.desk.behaviour_tracks import label_behaviour, list_tracks
 Json = str | int | float | bool | None | Sequence["Json"] | Mapping[str, "Json"]
 
 ANGLE_RATE = 50.0  # [Hz] sample rate of the joint angles in a preview
-DOCUMENT_SOURCE = "<document>"  # source name of client documents; no file, so that relative paths do not resolve
+DOCUMENT_SOURCE = "<document>"  # source name of client documents; not a path, so that relative paths do not resolve
 ERROR_PATTERN = re.compile(rf"{DOCUMENT_SOURCE}:(\d+):(\d+): (.*)", re.DOTALL)  # line, column and text of an error
 
 
@@ -121,7 +121,7 @@ def locate_error(text: str) -> dict[str, Json]:
 
 
 def _words(plan: Plan) -> Iterator[dict[str, Json]]:
-    """Yield each spoken piece between marks with start and end [s].
+    """Yield each caption of a speech with its start and end [s].
 
     Times count from the first command.
     """
@@ -150,7 +150,7 @@ def _accents(plan: Plan) -> Iterator[float]:
 
 
 def _loudness(plan: Plan) -> str:
-    """Return the speech's peak amplitude per row of angles, in base64.
+    """Return the speech's peak amplitude per angle sample, as base64 bytes.
 
     Values are 0 to 255, relative to the loudest row; empty without sound.
     """

@@ -1,4 +1,4 @@
-"""Answers of the drafting process: previews, exports and checks of gesture files."""
+"""Answers of the planning helper process: previews, exports and checks of files."""
 
 import os
 import traceback
@@ -33,7 +33,7 @@ NO_FAULT = ""  # answer to a `FileQuestion` about a gesture file that may be sav
 
 @dataclass(frozen=True)
 class FileQuestion:
-    """Query whether a gesture file may be saved."""
+    """Query whether a gesture or style file may be saved."""
 
     name: str
     text: str

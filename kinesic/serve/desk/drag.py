@@ -29,7 +29,7 @@ class DragTuning:
     wrist_weight: float = 10.0  # weight of the wrist position relative to the elbow position
     solve_tolerance: float = 1e-4  # norm of the residuals at which the solver stops
     path_steps: int = 16  # postures checked for collisions on the path from the start
-    arrival_tolerance: float = 2e-3  # largest residual norm of a reached target [arm lengths or rad]
+    arrival_tolerance: float = 2e-3  # largest dimensionless residual norm of a reached target
 
 
 DRAG_TUNING = DragTuning()  # values used for every drag

@@ -107,7 +107,7 @@ def read_gesture_file(toml: str, setup: Setup) -> tuple[tuple[GestureForm, ...],
 
 
 def _key_times(plan: Plan, form: GestureForm) -> Sequence[float]:
-    """Return the approximate performance times [s] of the stroke's keys."""
+    """Return approximate times of the stroke's keys [s after the first command]."""
     zero, at = plan.trajectory.zero, {sync.sync: sync.planned for sync in plan.syncs}
     if not at:
         return [0.0] * len(form.keys)
@@ -119,7 +119,7 @@ def _key_times(plan: Plan, form: GestureForm) -> Sequence[float]:
 
 
 def _checks(plan: Plan, form: GestureForm) -> list[Mapping[str, Json]]:
-    """Check reach, clearance, distinctness and duration of a planned gesture."""
+    """Check reach, clearance and distinctness of a gesture, and report its duration."""
     robot, rest = plan.setup.robot, plan.setup.robot.skeleton.rest
     clearance = float(plan.clearance.distances.min())
     checks: list[Mapping[str, Json]] = []

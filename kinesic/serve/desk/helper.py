@@ -61,7 +61,7 @@ def run_helper(make_setup: MakeSetup, line: PipeEnd, answer: Answer[Q], rules: Q
 class Helper(Generic[Q]):
     """Process that answers queries in sequence.
 
-    New ones replace a client's waiting ones.
+    A new query replaces the client's waiting query of the same kind.
     """
 
     def __init__(

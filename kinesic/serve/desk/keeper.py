@@ -41,7 +41,7 @@ T = TypeVar("T")
 
 @dataclass(eq=False)
 class _RequestQueue:
-    """Pending requests of one client."""
+    """Lock and number of the pending requests of one client."""
 
     lock: Lock = field(default_factory=Lock)  # held by the request in progress
     count: int = 0
@@ -73,7 +73,9 @@ class DocumentKeeper:
         self._tasks: set[Task[None]] = set()
 
     def take(self, requester: Requester, request: StorageRequest) -> None:
-        """Execute a request after all earlier ones of the same client.
+        """Execute a request after the earlier ones in its client's queue.
+
+        Each client has one queue for backup requests, and one for all others.
 
         Refuse it if `MAX_WAITING_REQUESTS` of this client are pending.
         """
@@ -132,7 +134,7 @@ class DocumentKeeper:
                 return json_answer("saved", id=request.id, name=name, revision=saved)
 
     async def _save_gestures(self, client: int, request: SaveRequest) -> str:
-        """Validate and save a gesture file, and return its revision.
+        """Validate and save a gesture or style file, and return its revision.
 
         Never overwrite other content.
 

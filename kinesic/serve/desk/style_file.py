@@ -21,7 +21,7 @@ class StyleEntry:
     is_own: bool  # whether it is a file of the client's folder
 
     def as_json(self) -> Json:
-        """Return name, text and the eight numbers for gestures.
+        """Return name, origin, text and gesture parameters of the style.
 
         Raises:
             ConfigError: the text is no style.
@@ -39,7 +39,7 @@ def list_builtin_styles() -> tuple[StyleEntry, ...]:
 
 
 def is_style(text: str) -> bool:
-    """Return whether the text of a TOML file is meant as a style."""
+    """Return whether a TOML text has the key of style files."""
     try:
         return STYLE_KEY in parse_tables(text, UNNAMED_PATH)
     except ConfigError:

@@ -29,11 +29,16 @@ class VersionFolder:
     """Earlier versions of the documents of a folder."""
 
     def __init__(self, folder: Path | None, *, max_size: int) -> None:
-        """Take the document folder and the largest document size [bytes]."""
+        """Create the version store of a document folder.
+
+        Args:
+            folder: document folder; None refuses all requests.
+            max_size: largest document that is read [bytes].
+        """
         self._folder, self._max_size = folder, max_size
 
     def keep(self, name: str, content: bytes) -> None:
-        """Store the content to be replaced, and keep only ten versions.
+        """Store replaced content as a new version, and keep the last ten.
 
         Content equal to the newest version is not stored again.
 

@@ -1,1 +1,1 @@
-"""Real-time sinks of the server, and arming of servos."""
+"""Real-time sinks of the server, and arming (enabling of torque) of servos."""

@@ -1,4 +1,4 @@
-"""Arming and disarming of servos by clients.
+"""Enabling and disabling of servo torque by clients (arming, disarming).
 
 Arming needs the token and a person's confirmation that the robot's workspace is clear.
 """
@@ -17,7 +17,7 @@ from kinesic.serve.sinks.real_time import ServoSink
 from kinesic.serve.wire.protocol import Arm, Disarm, json_answer
 
 CONFIRMATION_TIMEOUT = 30.0  # [s] time limit for a person to confirm that torque may be enabled
-CODE_SIZE = 8  # [bytes] size of a confirmation code
+CODE_SIZE = 8  # [bytes] random part of a confirmation code, sent as hexadecimal digits
 ARMING_POLL_PERIOD = 0.02  # [s] between two checks of the servo state
 BLOCK_END_TIMEOUT = 10.0  # [s] time limit for blocks to end before the servos fold
 BUSY_REFUSAL = "a change of the torque is in progress; wait for its answer"
@@ -25,7 +25,7 @@ NO_SERVOS_REFUSAL = "this server drives no servos; start it with --on servos"
 
 
 class ArmingClient(Protocol):
-    """Client that requests torque."""
+    """Client that requests to enable or disable the servo torque."""
 
     @property
     def number(self) -> int:

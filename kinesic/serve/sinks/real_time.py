@@ -27,10 +27,10 @@ MAX_POSITION_STEP = 1e-6  # [rad] position step below which two motions join smo
 MAX_VELOCITY_STEP = 1e-4  # [rad/s] velocity step below which two motions join smoothly
 MAX_ACCELERATION_STEP = 1e-1  # [rad/s^2] acceleration step below which two motions join smoothly
 TICK_TOLERANCE = 1e-6  # [ticks] rounding tolerance of command times
-SERVO_LOOKAHEAD = 0.7  # [s] time by which commands are sent ahead; the supervisor starts with 0.5 s
+SERVO_LOOKAHEAD = 0.7  # [s] time by which commands are sent ahead; the supervisor waits for 0.5 s of commands
 Face = Callable[[float], Mapping[str, float]]  # action units at a clock time [s]
 
-LOG_CAPACITY = 1000  # largest number of kept cycles, and of commands until the twin drops its record
+LOG_CAPACITY = 1000  # number of kept cycles, and of commands after which the twin drops its record
 
 
 @runtime_checkable
@@ -136,7 +136,7 @@ class RealTwin:
         return cycles
 
     def measurement(self) -> tuple[float, Floats]:
-        """Return time [s] and joint angles [rad] of the last command."""
+        """Return time [s] of the last command and simulated joint angles [rad]."""
         return self._time, self._twin.positions()
 
     def close(self) -> None:
@@ -200,7 +200,7 @@ class RealTimeSink:
                 self._feedforward.change(lesson.estimate, self._next / COMMAND_RATE)
 
     def repeat_from(self, cut: float) -> None:
-        """Resend commands from a time [s] after a motion change."""
+        """Let the next `follow` resend the commands after a time [s]."""
         self._next = min(self._next, ceil(cut * COMMAND_RATE - TICK_TOLERANCE))
 
 

@@ -72,13 +72,13 @@ class Resume(Struct, tag="resume", tag_field="do", forbid_unknown_fields=True):
 
 
 class InterruptCommand(Struct, tag="interrupt", tag_field="do", forbid_unknown_fields=True):
-    """Request to end one block or all blocks softly."""
+    """Request to end one block or all blocks with smooth motion."""
 
     block: str | None = None  # id of the block; without it all blocks
 
 
 class Restyle(Struct, tag="style", tag_field="do", forbid_unknown_fields=True):
-    """Request to change the style of running and future blocks."""
+    """Request to change the style of one block or all blocks."""
 
     style: str | None = None  # name of a style
     set: tuple[str, ...] = ()  # NAME=VALUE, as in the option --set
@@ -119,7 +119,7 @@ class Enquiry(Struct, tag="status", tag_field="do", forbid_unknown_fields=True):
 
 
 class Ping(Struct, tag="ping", tag_field="do", forbid_unknown_fields=True):
-    """Request for a sign of life."""
+    """Request for a `pong` answer, which tests the connection."""
 
     id: str = ""  # repeated in the answer
 

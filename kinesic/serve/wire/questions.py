@@ -1,4 +1,4 @@
-"""Client queries that move nothing on the robot: reach, plans, files, telemetry."""
+"""Client queries without robot motion: inverse kinematics, plans, files, telemetry."""
 
 from typing import Annotated, Literal
 
@@ -13,7 +13,7 @@ BackupName = Annotated[str, Meta(max_length=100)]
 Revision = Annotated[str, Meta(max_length=64)]
 LONG_VERBS = frozenset(
     {"plan", "export", "gesture", "author", "alternatives", "save", "backup", "words"}
-)  # verbs of messages with documents or texts, which may be as long as a document
+)  # `do` values of messages that may be as long as a document
 
 
 class ReachQuestion(Struct, tag="reach", tag_field="do", forbid_unknown_fields=True):
@@ -105,7 +105,7 @@ class OpenRequest(Struct, tag="open", tag_field="do", forbid_unknown_fields=True
 
 
 class VersionsRequest(Struct, tag="versions", tag_field="do", forbid_unknown_fields=True):
-    """Request for an earlier version of a document or their list."""
+    """Request for an earlier version of a document, or for the list."""
 
     name: str  # file name of the document
     number: int | None = None  # number of the version; without it the answer lists all versions

@@ -25,7 +25,7 @@ class Quotas:
     rate: float = 50.0  # [1/s] long-term message rate of one client
     burst: int = 100  # messages of one client in a burst
     waiting: int = 256  # blocks of one client waiting to be planned
-    clients: int = 256  # connected clients with a place
+    clients: int = 256  # connected clients that may do more than stop the robot
     fragments: int = 1000  # WebSocket frames of one client in a burst; half as many per second in the long term
     unread: int = 512  # unread messages of one client
     unread_bytes: int = 8_000_000  # [bytes] of unread messages of one client

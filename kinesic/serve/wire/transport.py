@@ -30,7 +30,7 @@ class HalfError(EOFError):
 
 
 class OverlongError(ValueError):
-    """Data from a client beyond its size limit."""
+    """Excess data from a client that is not admitted yet."""
 
 
 class Transport:
