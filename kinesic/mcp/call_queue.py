@@ -1,4 +1,4 @@
-"""Bounded queue of the calls that move the robot."""
+"""Bounded queue of tool calls, all of which can be discarded at once."""
 
 from asyncio import CancelledError, Future, Lock, Task, create_task, current_task, get_running_loop, sleep
 from collections.abc import AsyncIterator, Callable, Coroutine
@@ -40,7 +40,7 @@ class CallQueue:
         self._earliest = 0.0  # [s] monotonic clock time at which the next call may start
 
     async def run(self, act: Callable[[], Coroutine[None, None, T]]) -> T:
-        """Execute a tool call after all earlier ones.
+        """Run a tool call, whose `turn` follows those of earlier calls.
 
         The call is cancelled if its client cancels it or disconnects, and at an emergency stop.
 

@@ -8,7 +8,7 @@ from kinesic.bml.reading.namespaces import KINESIC_NAMESPACE
 REFUSAL_PREFIXES = ("rule ", "not performed")  # beginnings of warnings about blocks that do not start
 # Beginnings of warnings after which the server sends no end feedback for a block, even after its prediction.
 FINAL_PREFIXES = (*REFUSAL_PREFIXES, "revoked", "a block of this id", "it is for ")
-CROWDED_SERVER = "blocks play and wait already"  # text in the warning of a server with too many blocks
+CROWDED_SERVER = "blocks play and wait already"  # part of the warning text if the server has too many blocks
 BLOCK_END = ":end"  # suffix of the feedback's subject at a block end
 STATE_ATTRIBUTE = f"{{{KINESIC_NAMESPACE}}}state"  # XML name of kinesic's attribute `state`
 

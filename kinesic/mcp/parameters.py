@@ -12,8 +12,8 @@ MAX_TEXT_LENGTH = 20_000  # [characters] longest text of a call
 MAX_DOCUMENT_LENGTH = 900_000  # [characters] longest document of a call
 MAX_QUERY_LENGTH = 200  # [characters] longest query of a gesture search
 MAX_NAME_LENGTH = 64  # [characters] longest block id in a call
-DEFAULT_WAIT = 30.0  # [s] default duration of a call to `wait`
-MAX_WAIT = 50.0  # [s] longest call to `wait`; many clients give up after 60 s
+DEFAULT_WAIT = 30.0  # [s] default time limit of a call to `wait`
+MAX_WAIT = 50.0  # [s] largest time limit of a call to `wait`; many clients give up after 60 s
 MAX_RESULTS = 25  # largest number of gestures in an answer
 DEFAULT_RESULTS = 8  # default number of gestures in an answer
 

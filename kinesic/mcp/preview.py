@@ -94,6 +94,8 @@ def summarise_plan(planned: RobotAnswer) -> RobotAnswer:
 def choose_figures(planned: RobotAnswer, hinges: int) -> "tuple[list[StrokeFigure], int]":
     """Return the stroke postures to draw, and the number of strokes.
 
+    If hands have strokes, all others are omitted.
+
     Args:
         planned: the server's answer to `plan`.
         hinges: number of hinges of the robot.

@@ -46,7 +46,7 @@ def summarise(status: RobotAnswer, warnings: Sequence[str], accepted: Iterable[s
 
 
 def describe_state(status: RobotAnswer) -> Json:
-    """Return resting, starting, playing, settling or stopped.
+    """Return the robot state: resting, starting, playing, settling or stopped.
 
     A server's state is playing as long as the robot moves, also after the end of the last block.
     """

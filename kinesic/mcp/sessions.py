@@ -1,4 +1,4 @@
-"""Limit on HTTP sessions: the longest idle session is replaced."""
+"""Limit on HTTP sessions: idle sessions end when new ones open."""
 
 from asyncio import get_running_loop
 from collections.abc import Iterator
@@ -11,7 +11,7 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from kinesic.mcp.call_queue import request_end
 
 SESSION_HEADER = "mcp-session-id"  # HTTP header with the session id
-MAX_SESSIONS = 16  # largest number of HTTP sessions without pending calls
+MAX_SESSIONS = 16  # number of HTTP sessions above which those without pending calls are ended
 OPENING_REQUESTS = 2  # POST requests of a client that only opens a session: `initialize` and its confirmation
 
 
@@ -25,7 +25,7 @@ class _Session:
 
     @contextmanager
     def used(self, method: str) -> Iterator[None]:
-        """Count a request of the session while it is answered."""
+        """Record a request or stream of the session within the context."""
         is_stream = method == "GET"
         self.streams += is_stream
         self.requests += not is_stream

@@ -17,8 +17,8 @@ FIGURE_COLUMNS = 4  # largest number of robot figures in a row
 SUPERSAMPLING_FACTOR = 3  # drawn pixels per picture pixel along each side
 MIN_FIGURE_WIDTH = 170  # [pixels] smallest width of a robot figure, so that its text fits
 PICTURE_COLOURS = 64  # number of colours of the PNG, low for a small file
-TEXT_COLOUR = (34, 34, 34)  # RGB colour of titles
-NOTE_COLOUR = (110, 110, 110)  # RGB colour of notes
+TEXT_COLOUR = (34, 34, 34)  # RGB colour of the title below each robot figure
+NOTE_COLOUR = (110, 110, 110)  # RGB colour of the note below each title
 
 
 @dataclass(frozen=True, eq=False)
