@@ -23,7 +23,7 @@ VIOLATION_EXIT_CODE = 1  # exit code if limits are violated
 
 
 def certify_file(file: Path, robot: str, check: bool, out: Path | None, force: bool, as_json: bool) -> int:
-    """Print the violations of a motion file and the distance of the nearest motion.
+    """Print a motion's violations and its distance to the nearest feasible motion.
 
     Returns:
         With `check` 1 if the file violates a limit; otherwise 1 if the nearest motion does.

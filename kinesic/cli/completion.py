@@ -41,7 +41,7 @@ class DocumentPath(click.Path):
 
 
 def complete_names(names: Iterable[str], incomplete: str, *, has_files: bool = True) -> list[CompletionItem]:
-    """Return completion items of the names that begin with a text."""
+    """Return completion items: names that begin with a text, and files."""
     files = [CompletionItem(incomplete, type="file")] if has_files else []  # first: bash drops what precedes it
     return [*files, *(CompletionItem(name) for name in names if name.startswith(incomplete))]
 

@@ -28,7 +28,7 @@ COMPONENT_CHECKS: Mapping[str, Callable[[], str | None]] = {  # each returns the
     "speech (espeak-ng)": espeak_pool.espeak_fault,
     "loudspeaker (PortAudio)": loudspeaker.audio_fault,
 }
-CHECK_FAILED_EXIT_CODE = 1  # exit code if a component does not work
+CHECK_FAILED_EXIT_CODE = 1  # exit code if `kinesic servos doctor` finds a fault
 
 
 def examine_machine() -> int:

@@ -55,7 +55,7 @@ MAX_BRIGHTNESS = 4.0  # brightest light, relative to the default
 LIGHT_REMEDY = (
     f"give a brightness relative to the default, {MIN_BRIGHTNESS:g} to {MAX_BRIGHTNESS:g}, or two such as 0.05:1"
 )
-EXPRESSION_RISE_TIME = 0.5  # [s] duration of the transition from the neutral face, and back
+EXPRESSION_RISE_TIME = 0.5  # [s] duration of the rise from the neutral face, and of the fall back to it
 
 
 @dataclass(frozen=True)

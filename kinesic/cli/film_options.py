@@ -14,7 +14,7 @@ MAX_FILM_RATE = 60.0  # [Hz] highest frame rate of a film
 
 
 class FilmSize(click.ParamType[tuple[int, int]]):
-    """Film size as WIDTHxHEIGHT, such as 1280x720."""
+    """Parameter type for a film size WIDTHxHEIGHT, such as 1280x720."""
 
     name = "size"
 

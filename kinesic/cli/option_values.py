@@ -16,7 +16,7 @@ class SpokenInput:
 
 @dataclass(frozen=True)
 class MetricsOutput:
-    """Forms in which benchmark metrics are printed, plotted and stored."""
+    """Output options of benchmark metrics: JSON, plots, folder and overwriting."""
 
     as_json: bool
     plots: Path | None  # folder

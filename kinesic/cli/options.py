@@ -71,7 +71,7 @@ def read_input(file: str) -> bytes:
 
 
 class SinkNames(click.ParamType[frozenset[str]]):
-    """Comma-separated names of sinks."""
+    """Parameter type for comma-separated names of sinks."""
 
     name = "sinks"
 

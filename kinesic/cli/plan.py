@@ -85,7 +85,7 @@ def plan_file(file: str, planning: Planning, out: Path | None, force: bool, to: 
 
 
 def _choose_conditioner(optimal: bool) -> Conditioner:
-    """Return the limit solver: key times by linear programs, or by IPOPT."""
+    """Return the limit solver: linear programs, or IPOPT for optimal key times."""
     if not optimal:
         return certify
     from kinesic.planning.optimal import certify_optimal  # noqa: PLC0415 - CasADi is slow to import

@@ -77,7 +77,7 @@ def preview_window(robot: Robot, *, requested: bool, body_film: Path | None = No
 
 
 def play_whole(plan: Plan, preview: Preview) -> None:
-    """Show a whole performance in real time, with its voice if possible."""
+    """Play a plan in the face window, with its voice if possible."""
     commands, voice = tuple(commands_with_face(plan, plan.command_times)), sound(plan)
     with ExitStack() as stack:
         speaker = None if voice is None else stack.enter_context(open_speaker(warn))
@@ -87,7 +87,7 @@ def play_whole(plan: Plan, preview: Preview) -> None:
 
 
 def follow_servos(plan: Plan, preview: Preview | None) -> Callable[[Status], None]:
-    """Make a callback that shows the face at the servos' time."""
+    """Make a callback that shows the face at the servos' performance time."""
     if preview is None:
         return lambda status: None
     commands = tuple(commands_with_face(plan, plan.command_times))

@@ -9,7 +9,7 @@ from typing import Protocol
 
 BAR_WIDTH = 30  # [characters] width of a bar
 BLOCK_WIDTH = 6  # [characters] width of the block that moves in a bar without a known end
-BLOCK_SPEED = 10.0  # [characters/s] speed of this block
+BLOCK_SPEED = 10.0  # [characters/s] speed of the block in a bar without a known end
 
 
 class Stage(Protocol):
@@ -75,7 +75,10 @@ def show_stages(*, rate: float = 10.0) -> Iterator[Stage]:
 
 @contextmanager
 def show_steps(label: str, total: int) -> Iterator[Step]:
-    """Open a progress bar that counts steps, likewise."""
+    """Open a progress bar on standard error that counts steps.
+
+    The bar disappears at the end. Without a terminal, nothing is displayed.
+    """
     completed = 0
 
     def step(note: str = "", /) -> None:

@@ -1,4 +1,4 @@
-"""Reading of addresses given on the command line."""
+"""Parsing of listening addresses given on the command line."""
 
 from ipaddress import ip_address
 

@@ -24,9 +24,9 @@ class FolderGestures:
 
 
 def read_folder(folder: Path) -> FolderGestures:
-    """Read all gesture files (TOML) of a folder in order of name.
+    """Read at most `MAX_GESTURE_FILES` gesture files (TOML) of a folder.
 
-    Links are ignored.
+    Links are ignored. Files are read in order of name.
     """
     parts, faults, remaining_bytes = list[LexiconPart](), list[str](), MAX_GESTURE_BYTES
     for path in sorted(islice(folder.glob("*.toml"), MAX_GESTURE_FILES)):

@@ -41,7 +41,7 @@ def token_option(help_text: str) -> Callable[[Verb], Verb]:
 
 
 def hide_token() -> None:
-    """Overwrite the value of --token in the process list."""
+    """Overwrite the value of --token in the process list (Linux only)."""
     try:
         fields = Path("/proc/self/stat").read_text(encoding="ascii").rpartition(")")[2].split()
         start, end = (int(fields[number - 2]) for number in (ARGUMENT_START_FIELD, ARGUMENT_END_FIELD))

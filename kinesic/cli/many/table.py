@@ -13,10 +13,10 @@ from kinesic.report.batch import DocumentVerdict
 from kinesic.report.batch_totals import BEHAVIOUR_OUTCOMES, DOCUMENT_OUTCOMES, counts, tallies
 from kinesic.report.checks import SEVERITY_RANKS
 
-FAILURE_LABELS = {"fail": "failed", "poor": "poor"}  # check status -> its word in the table
+FAILURE_LABELS = {"fail": "failed", "poor": "poor"}  # check status -> word at the beginning of its line
 COLUMN_GAP = 2  # [characters] space between the columns of a table
 TEXT_COLUMNS = 3  # number of last columns with text in the table of checks: unit, place and file
-MIN_TEXT_WIDTH = 8  # [characters] smallest width of the columns of time and place, and of the file name
+MIN_TEXT_WIDTH = 8  # [characters] smallest width of the place column and of the file column
 MAX_FOLDER_ROWS = 16  # largest number of rows; more folders are grouped by their parents
 
 
@@ -87,7 +87,7 @@ def _group_folders(folders: list[Path]) -> list[str]:
 def _tabulate_checks(verdicts: list[DocumentVerdict], width: int) -> Table:
     """Tabulate status counts and the worst value of each check.
 
-    Names and numbers stay whole; places and files share what is left of the width [characters].
+    Names and numbers stay whole; places and files share the remaining width [characters].
     """
     headings = ("check", *reversed(SEVERITY_RANKS), "worst", "limit", "unit", "worst where", "in")
     rows = [

@@ -12,12 +12,12 @@ from kinesic.cli.screen.text import Text, as_text
 Content: TypeAlias = str | Text | Table
 
 DEFAULT_WIDTH = 80  # [terminal columns] if the terminal does not report its width
-DEFAULT_HEIGHT = 24  # [lines] likewise
+DEFAULT_HEIGHT = 24  # [lines] if the terminal does not report its height
 
 
 @dataclass(frozen=True, eq=False)
 class Console:
-    """Stream with the size of its window; only terminals get colours."""
+    """Output stream with the size of its terminal window."""
 
     file: TextIO
     width: int  # [terminal columns]
@@ -43,19 +43,19 @@ class Console:
         return cls(file, width or DEFAULT_WIDTH, lines or DEFAULT_HEIGHT, is_terminal=True)
 
     def print(self, *contents: Content) -> None:
-        """Print each content on lines of its own; long lines of text are not broken."""
+        """Print each content on separate lines, without breaking long text."""
         for content in contents or ("",):
             lines = content.lines(self.width) if isinstance(content, Table) else [as_text(content)]
             for line in lines:
                 self.write((line.render() if self.has_colour else line.plain) + "\n")
 
     def write(self, text: str) -> None:
-        """Write text with escape codes, also on terminals of Windows."""
+        """Write text, with its escape codes only on terminals."""
         click.echo(text, self.file, nl=False, color=self.is_terminal)
 
     @property
     def has_colour(self) -> bool:
-        """Whether colours are printed; the variable NO_COLOR switches them off."""
+        """Whether colours are printed: on terminals, unless NO_COLOR is set."""
         return self.is_terminal and not os.environ.get("NO_COLOR")
 
     def fit(self, *contents: Content) -> list[Text]:

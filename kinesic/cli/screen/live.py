@@ -14,19 +14,19 @@ CURSOR_UP = "\x1b[1A"
 
 
 class LiveLines:
-    """Lines that are replaced until they are closed.
+    """Lines at the end of the terminal, redrawn until they are closed.
 
-    A thread redraws them, so that times go on while the program computes. What the program prints meanwhile appears
-    above them. Without a terminal, nothing is drawn.
+    A thread redraws them, so that displayed times advance while the program computes. Other output of the program
+    appears above them. Without a terminal, nothing is drawn.
     """
 
     def __init__(self, console: Console, draw: Callable[[], tuple[Content, ...]], *, rate: float) -> None:
-        """Prepare lines.
+        """Create live lines that are not drawn yet.
 
         Args:
-            console: where they are drawn.
-            draw: returns what the lines show now.
-            rate: redraws per second.
+            console: terminal on which they are drawn.
+            draw: returns the current contents of the lines.
+            rate: redraw rate [Hz].
         """
         self._console, self._draw, self._rate = console, draw, rate
         self._lock = RLock()
@@ -35,7 +35,7 @@ class LiveLines:
 
     @contextmanager
     def shown(self) -> Iterator[None]:
-        """Draw the lines during a block, and erase them at its end."""
+        """Draw the lines within the context, and erase them at its end."""
         if not self._console.is_terminal:
             yield
             return
@@ -56,7 +56,7 @@ class LiveLines:
                     self._erase()
 
     def redraw(self) -> None:
-        """Replace the drawn lines by the present ones."""
+        """Replace the drawn lines by the current contents."""
         with self._lock:
             lines = self._console.fit(*self._draw())
             self._erase()
@@ -64,7 +64,7 @@ class LiveLines:
             self._drawn_count = len(lines)
 
     def print_above(self, text: str) -> None:
-        """Print whole lines above the drawn ones."""
+        """Print complete lines above the live lines."""
         with self._lock:
             self._erase()
             self._console.write(text)
@@ -84,7 +84,7 @@ class LiveLines:
 
 
 class PrintedAbove(io.StringIO):
-    """Stream that hands whole lines on, and acts like the terminal that it replaces."""
+    """Replacement of a terminal stream that prints complete lines above live lines."""
 
     def __init__(self, terminal: TextIO, print_above: Callable[[str], None]) -> None:
         super().__init__()
@@ -92,14 +92,14 @@ class PrintedAbove(io.StringIO):
         self._rest = ""  # characters of an unfinished line
 
     def write(self, text: str, /) -> int:
-        """Hand on all finished lines, and keep the rest."""
+        """Print all complete lines, and keep the rest."""
         lines, end, self._rest = (self._rest + text).rpartition("\n")
         if end:
             self._print_above(lines + end)
         return len(text)
 
     def finish(self) -> None:
-        """Hand on an unfinished line."""
+        """Print the kept incomplete line, if any."""
         if self._rest:
             self._print_above(self._rest)
         self._rest = ""

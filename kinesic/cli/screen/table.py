@@ -1,4 +1,4 @@
-"""Tables without lines, laid out for the width of the terminal."""
+"""Text tables without border lines, laid out for the terminal width."""
 
 from dataclasses import dataclass
 from itertools import zip_longest
@@ -22,12 +22,12 @@ class Column:
 class Table:
     """Rows of cells under bold headings.
 
-    Columns that may wrap share what is left of the width. If even that does not suffice, all columns
+    Columns that may wrap share the remaining width. If it does not suffice, all columns
     without a fixed width are shortened.
     """
 
     def __init__(self, *headings: str | Text, title: str | Text = "", is_compact: bool = False) -> None:
-        """Start a table of columns that may wrap.
+        """Create a table without rows, whose columns may wrap.
 
         Args:
             headings: headings of the columns.
@@ -51,7 +51,7 @@ class Table:
         self._columns.append(Column(as_text(heading), justify, no_wrap, width))
 
     def add_row(self, *cells: str | Text, style: str = "") -> None:
-        """Add a row; missing cells on the right are empty."""
+        """Add a row, filled with empty cells on the right."""
         self._rows.append(tuple(as_text(cell).with_style(style) for cell in cells))
 
     def lines(self, width: int) -> list[Text]:
@@ -63,7 +63,7 @@ class Table:
         return title + [line for k, row in enumerate(rows) for line in self._layout(row, widths, is_heading=k == 0)]
 
     def _fit_widths(self, rows: list[tuple[Text, ...]], width: int) -> list[int]:
-        """Return the width of each column, shortened to fit in all."""
+        """Return the column widths [terminal columns], reduced to fit the total width."""
         widths = [
             max(row[k].width for row in rows) if column.width is None else column.width
             for k, column in enumerate(self._columns)
@@ -75,7 +75,7 @@ class Table:
         return widths
 
     def _layout(self, row: tuple[Text, ...], widths: list[int], *, is_heading: bool) -> list[Text]:
-        """Return the lines of a row; headings end at its last line."""
+        """Return the lines of a row, with headings aligned at the bottom."""
         cells = [
             [line.shortened(width) for line in _split_lines(cell)] if column.no_wrap else cell.wrapped(width)
             for cell, column, width in zip(row, self._columns, widths, strict=True)
@@ -106,7 +106,10 @@ def _split_lines(cell: Text) -> list[Text]:
 
 
 def _shrink_widest(widths: list[int], columns: list[int], available: int) -> None:
-    """Narrow the widest of the columns, one by one, until all fit or are one wide."""
+    """Narrow the widest column repeatedly until all columns fit.
+
+    Each column keeps at least one character.
+    """
     while sum(widths) > available:
         widest = max(columns, key=widths.__getitem__, default=None)
         if widest is None or widths[widest] <= 1:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 
 import click
 
-FONT_STYLES = frozenset({"bold", "italic"})  # styles that are no colours
+FONT_STYLES = frozenset({"bold", "italic"})  # text styles that are font attributes instead of colours
 ZERO_WIDTH_CATEGORIES = frozenset({"Mn", "Me", "Cf"})  # Unicode categories of combining and invisible characters
 ELLIPSIS = "…"
 WORD = re.compile(r"\s*\S+")
@@ -68,7 +68,7 @@ class Text:
 
 
 def as_text(content: Text | str) -> Text:
-    """Return a string as text without a style, and a text itself."""
+    """Convert a string to unstyled text, and return a text unchanged."""
     return content if isinstance(content, Text) else Text(content)
 
 
@@ -98,7 +98,7 @@ def _paint(text: str, style: str) -> str:
 
 
 def _wrap(plain: str, width: int) -> Iterator[tuple[int, int]]:
-    """Yield the first and one past the last character of each line."""
+    """Yield the start and end character indices of each wrapped line."""
     offset = 0
     for line in plain.split("\n"):
         start = stop = 0
@@ -115,7 +115,7 @@ def _wrap(plain: str, width: int) -> Iterator[tuple[int, int]]:
 
 
 def _fitting_length(line: str, width: int) -> int:
-    """Return how many of the first characters fit into a width."""
+    """Return the number of leading characters that fit into a width."""
     if cell_width(line) <= width:
         return len(line)
     used = 0

@@ -173,7 +173,7 @@ def _poll_servos(axes: Axes, seconds: float) -> Iterator[Snapshot]:
 
 
 def show_progress(hinges: tuple[HingeCalibration, ...], robot: Robot, *, height: int) -> tuple[Table, Text]:
-    """Return the table of hinges with a prompt, shortened on low terminals."""
+    """Return hinge table and prompt, shortened on terminals with few lines."""
     finished_count = sum(hinge.is_whole for hinge in hinges)
     whole = f" {finished_count} of {len(hinges)} hinges are whole." if finished_count else ""
     prompt = Text(f"{TURN_HINGES_PROMPT} Enter ends.{whole}", "bold")

@@ -17,7 +17,7 @@ def print_learned_factors(identification: Identification, path: Path | None, *, 
 
 
 def warn_of_lost_events(notes: Iterable[Note]) -> None:
-    """Print to standard error why servo events could not be logged."""
+    """Print the reasons for unlogged servo events to standard error."""
     for note in notes:
         if note.kind == "journal":
             click.echo(note.text, err=True)

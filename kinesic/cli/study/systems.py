@@ -12,7 +12,7 @@ from kinesic.studies.gesture_perception.elo import RatingResult
 
 
 def print_matches(result: MatchResult, screen: Console) -> None:
-    """Print how often participants matched a motion with its speech, by system."""
+    """Print each system's rate of motions that participants matched with their speech."""
     screen.print("speech of the motion found (guessing: 0.50); detectable: smallest rate shown with a power of 80 %")
     table = Table("system", "answers", "found", "interval", "p", "detectable")
     for system, fraction in result.systems.items():
@@ -22,7 +22,7 @@ def print_matches(result: MatchResult, screen: Console) -> None:
 
 
 def print_ratings(result: RatingResult, screen: Console) -> None:
-    """Print the ratings of systems by pairwise choices."""
+    """Print the Elo ratings of systems from pairwise choices."""
     screen.print("rating of systems (Elo: a lead of 200 points is 76 %); interval: participants resampled")
     table = Table("system", "answers", "preferred", "rating", "interval")
     for system, rating in result.ratings.items():
