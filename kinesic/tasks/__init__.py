@@ -1,1 +1,1 @@
-"""Execution of tasks in local processes or on a cluster, each once."""
+"""Execution of independent tasks in local processes or on a dask cluster."""

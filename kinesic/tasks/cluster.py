@@ -58,7 +58,7 @@ class Cluster:
     def run(
         self, tasks: Iterable[Task], prepare: Callable[[], Callable[[Task], Result]], *, preload: str = ""
     ) -> Generator[tuple[Task, Result | WorkerCrash], None, None]:
-        """Yield tasks with their results or crashes in order of completion.
+        """Run tasks and yield (task, result or crash) in order of completion.
 
         See `Engine`.
         """
@@ -92,7 +92,7 @@ class Cluster:
     def _submit_more(
         self, code: bytes, left: Iterator[Task], begun: "dict[str, _SubmittedGroup[Task]]", workers: int, *, size: int
     ) -> "Iterator[Future]":
-        """Submit task groups up to `GROUPS_PER_WORKER`, and yield their futures."""
+        """Submit groups until each worker has `GROUPS_PER_WORKER`, yielding their futures."""
         while len(begun) < GROUPS_PER_WORKER * max(1, workers):
             tasks = tuple(islice(left, size))
             if not tasks:
@@ -112,14 +112,14 @@ class Cluster:
 
 @dataclass(frozen=True)
 class _SubmittedGroup(Generic[Task]):
-    """Group of tasks that was sent to the workers."""
+    """Group of tasks that was sent to the scheduler."""
 
     tasks: tuple[Task, ...]
     future: "Future"
     tries: int  # attempts including this one
 
     def may_try_again(self, crash: WorkerCrash) -> bool:
-        """Return whether the group's tasks may be repeated individually after a crash."""
+        """Return whether to resubmit the group's tasks individually after a crash."""
         return len(self.tasks) > 1 or (crash.is_killed and self.tries < MAX_TRIES)
 
 
@@ -128,11 +128,11 @@ class _GroupResult(Generic[Result]):
     """Results of a task group, with its computing time."""
 
     results: list[Result]
-    seconds: float  # [s] computing time
+    seconds: float  # [s] duration of all tasks of the group
 
 
 def _group_size(done: int, spent: float) -> int:
-    """Compute the number of tasks that fill a group's target time.
+    """Compute the group size that takes `GROUP_TIME`, 1 to `MAX_GROUP_SIZE`.
 
     Args:
         done: finished tasks.
@@ -224,12 +224,12 @@ class WrongProgramError(Exception):
     """Error if worker and caller run different versions of the program."""
 
 
-_TASK_LOCK = Lock()  # lock for the tasks of a worker, because a robot's model serves one thread only
+_TASK_LOCK = Lock()  # held while a group runs in this worker: robot models are not thread-safe
 _PREPARED_TASKS: dict[bytes, Callable[[object], object]] = {}  # pickled `prepare` -> task function in this worker
 
 
 def _run_group(code: bytes, tasks: tuple[object, ...], version: str) -> _GroupResult[object]:
-    """Run a group of tasks in a worker.
+    """Run a group of tasks in this worker and time them.
 
     The task function is prepared at the first group that needs it.
     """

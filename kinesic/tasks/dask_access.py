@@ -101,7 +101,7 @@ def open_client(
 
 @contextmanager
 def _local_workers(count: int) -> Iterator[object]:
-    """Start workers that only this process can reach."""
+    """Start local dask workers that only this process can reach."""
     import dask  # noqa: PLC0415 - an extra
     import distributed  # noqa: PLC0415 - an extra
 

@@ -14,7 +14,7 @@ Result = TypeVar("Result")
 
 
 class Engine(Protocol):
-    """Executor of tasks in several workers.
+    """Interface for running tasks in several workers.
 
     If a worker is killed, its task is repeated, and each result comes once.
     """
@@ -26,7 +26,7 @@ class Engine(Protocol):
     def run(
         self, tasks: Iterable[Task], prepare: Callable[[], Callable[[Task], Result]], *, preload: str = ""
     ) -> Generator[tuple[Task, Result | WorkerCrash], None, None]:
-        """Yield tasks with their results or crashes in order of completion.
+        """Run tasks and yield (task, result or crash) in order of completion.
 
         Args:
             tasks: distinct, picklable and hashable tasks.
@@ -49,7 +49,7 @@ class Processes:
     def run(
         self, tasks: Iterable[Task], prepare: Callable[[], Callable[[Task], Result]], *, preload: str = ""
     ) -> Generator[tuple[Task, Result | WorkerCrash], None, None]:
-        """Yield tasks with their results or crashes in order of completion."""
+        """Run tasks and yield (task, result or crash) in order of completion."""
         return run_pool(tasks, prepare, jobs=self.jobs, preload=preload)
 
 

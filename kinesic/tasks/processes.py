@@ -28,10 +28,10 @@ MAX_TRIES = 4  # most attempts per task whose worker process is killed from outs
 
 @dataclass(frozen=True)
 class WorkerCrash:
-    """Reason why a worker process died during a task."""
+    """Reason why a task has no result, such as a dead worker."""
 
     reason: str  # one line
-    trace: str  # what it wrote to standard error
+    trace: str  # standard error of the process, or the full message of the cluster
     is_killed: bool = False  # whether it was killed from outside
 
 
@@ -69,7 +69,7 @@ class _Worker(Generic[Task, Result]):
 def run_pool(
     tasks: Iterable[Task], prepare: Callable[[], Callable[[Task], Result]], *, jobs: int, preload: str = ""
 ) -> Generator[tuple[Task, Result | WorkerCrash], None, None]:
-    """Run tasks in a pool of worker processes.
+    """Run tasks in a pool of worker processes and yield the results.
 
     The processes end when the caller stops iterating or is interrupted.
 
@@ -120,7 +120,7 @@ def run_pool(
 
 
 def _work(line: PipeEnd, prepare: Callable[[], Callable[[Task], Result]], task: Task, errors: Path) -> None:
-    """Run tasks in a worker process as they arrive."""
+    """Run tasks received over a pipe (main function of a worker process)."""
     with errors.open("wb") as file:
         os.dup2(file.fileno(), 2)
     faulthandler.enable(file=2)
@@ -134,7 +134,7 @@ def _work(line: PipeEnd, prepare: Callable[[], Callable[[Task], Result]], task: 
 
 
 def _describe_crash(code: int, trace: str) -> WorkerCrash:
-    """Describe the unexpected end of a worker process.
+    """Make the crash description of a worker process that ended unexpectedly.
 
     The description has its exit code or signal, and its last error.
     """

@@ -11,18 +11,18 @@ from pathlib import Path
 from platform import python_version
 
 PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
-SOURCE_SUFFIXES = (".py", ".toml", ".cpp", ".h")  # Suffixes of sources, which are identical on all machines
-VERSIONED_LIBRARIES = ("numpy", "mujoco-core", "casadi", "highspy")  # Libraries that affect numerical results
+SOURCE_SUFFIXES = (".py", ".toml", ".cpp", ".h")  # suffixes of files in the source hash
+VERSIONED_LIBRARIES = ("numpy", "mujoco-core", "casadi", "highspy")  # libraries that affect numerical results
 
 
 def program_files(endings: tuple[str, ...]) -> Iterator[Path]:
-    """Yield the files of this program with given suffixes, sorted by path."""
+    """Yield the package's files with given suffixes, sorted by path."""
     return (file for file in sorted(PACKAGE_FOLDER.rglob("*")) if file.suffix in endings)
 
 
 @cache
 def program_version() -> str:
-    """Return a hash of the sources, with the versions of numerical libraries."""
+    """Return source hash, Python version and numerical library versions as text."""
     digest = hashlib.blake2b(digest_size=6)
     for file in program_files(SOURCE_SUFFIXES):
         digest.update(str(file.relative_to(PACKAGE_FOLDER)).encode() + b"\0" + file.read_bytes())

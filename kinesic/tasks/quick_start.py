@@ -9,11 +9,14 @@ from distributed.utils import get_mp_context
 
 from kinesic.child import child_context, has_private_forkserver
 
-PRELOADED_MODULE = "kinesic.report.batch"  # module that most tasks import
+PRELOADED_MODULE = "kinesic.report.batch"  # imported before workers are forked, since most tasks need it
 
 
 def quick_start() -> dict[str, str]:
-    """Prepare this process and return dask settings that start workers as forks."""
+    """Prepare this process and return dask settings that fork workers.
+
+    The settings are empty on systems without a private fork server.
+    """
     if not has_private_forkserver():
         return {}
     method = {"distributed.worker.multiprocessing-method": "forkserver"}

@@ -13,10 +13,10 @@ from kinesic.files.output_file import new_file
 if TYPE_CHECKING:
     from duckdb import DuckDBPyConnection
 
-JOURNAL_FILE = "finished.jsonl"  # Name of the file with the journal of performed documents
-SWEEP_FILE = "sweep.json"  # Name of the file with the results of a sweep
+JOURNAL_FILE = "finished.jsonl"  # name of the file with the journal of performed documents
+SWEEP_FILE = "sweep.json"  # name of the file with the results of a parameter sweep
 METRICS_FILE = "bench.json"  # name of the file with the results of a benchmark
-DESIGNS_FILE = "designs.json"  # Name of the file with the results of a design search
+DESIGNS_FILE = "designs.json"  # name of the file with the results of a design search
 
 ENTRY_TYPE = (
     "STRUCT(file VARCHAR, outcome VARCHAR, exit INTEGER, error VARCHAR, report VARCHAR, behaviours VARCHAR[][], "
@@ -77,7 +77,7 @@ class Store:
 
 @contextmanager
 def open_store(folder: Path) -> Iterator[Store]:
-    """Open the results of a folder, and update outdated tables.
+    """Open a folder's results for SQL, updating outdated Parquet tables.
 
     Args:
         folder: folder of a run; each NAME.parquet in it is a table NAME.
