@@ -1,1 +1,1 @@
-"""Safe file output that follows no links and replaces only kinesic's files."""
+"""Safe reading and atomic writing of files, folders, films and glTF."""

@@ -20,7 +20,7 @@ from kinesic.files.input_file import open_regular
 Array = NDArray[np.generic]
 
 NPY_MAGIC = b"\x93NUMPY"  # first bytes of an .npy file
-MAX_HEADER_SIZE = 4096  # [bytes] largest header of an .npy file
+MAX_HEADER_SIZE = 4096  # [bytes] largest .npy header, including magic and length
 MAX_DIMENSIONS = 8  # Largest number of dimensions of an array
 NUMBER_KINDS = "biuf"  # NumPy dtype kinds of numbers and booleans
 INTEGER_KINDS = "iu"  # NumPy dtype kinds of signed and unsigned integers
@@ -113,7 +113,7 @@ def _parse(data: bytes) -> Array:
 
 
 def numbers_of(arrays: Mapping[str, Array], name: str, dimensions: int) -> Array:
-    """Return a numeric array by name after checking its dimensions.
+    """Return a numeric or boolean array, checking its number of dimensions.
 
     Raises:
         ValueError: the array is missing, not numeric, or has another number of dimensions.
@@ -122,7 +122,7 @@ def numbers_of(arrays: Mapping[str, Array], name: str, dimensions: int) -> Array
 
 
 def integers_of(arrays: Mapping[str, Array], name: str, dimensions: int) -> Array:
-    """Return an integer array by name after checking its dimensions.
+    """Return an integer array, checking its number of dimensions.
 
     Raises:
         ValueError: the array is missing, of another type, or has another number of dimensions.
@@ -131,7 +131,7 @@ def integers_of(arrays: Mapping[str, Array], name: str, dimensions: int) -> Arra
 
 
 def text_of(arrays: Mapping[str, Array], name: str, dimensions: int) -> Array:
-    """Return a text array by name after checking its dimensions.
+    """Return a text array, checking its number of dimensions.
 
     Raises:
         ValueError: the array is missing, not text, or has another number of dimensions.

@@ -10,10 +10,10 @@ from kinesic.body.arrays import Picture
 from kinesic.files.film_file import PixelBox
 from kinesic.files.late_pillow import Image, ImageDraw, ImageFont
 
-LETTER_HEIGHT = 0.04  # Letter height / picture height
+LETTER_HEIGHT = 0.04  # font size / picture height
 MAX_LINE_WIDTH = 0.86  # Largest line width / picture width
 BAND_MARGIN = 0.025  # Distance of the caption band from the lower edge / picture height
-BAND_PADDING = 0.45  # Space around the words / letter height
+BAND_PADDING = 0.45  # space between words and edges of the band / font size
 BAND_COLOUR = (16, 20, 28, 190)  # RGBA of the band behind the words
 TEXT_COLOUR = (255, 255, 255, 255)  # RGBA of the words
 MAX_LINES = 2  # Largest number of lines of a caption
@@ -22,7 +22,7 @@ Spoken = tuple[float, float, str]  # [s] begin, [s] end, and the spoken words
 
 
 def words_at(spoken: Sequence[Spoken], time: float) -> str:
-    """Return the caption words that are spoken at a time [s]."""
+    """Return the texts spoken at a time [s], joined by spaces."""
     return " ".join(text for begin, end, text in spoken if begin <= time < end)
 
 
@@ -45,7 +45,7 @@ def write_caption(picture: Picture, text: str) -> None:
 
 @lru_cache(maxsize=4)
 def _render_band(text: str, size: tuple[int, int]) -> tuple[PixelBox, NDArray[np.float32], NDArray[np.float32]]:
-    """Render the caption box: colours (h, w, 3), opacity (h, w, 1)."""
+    """Render a caption: pixel box, colours (h, w, 3), opacity (h, w, 1)."""
     width, height = size
     font = ImageFont.load_default(max(round(LETTER_HEIGHT * height), 8))
     lines = _break_lines(text, font, MAX_LINE_WIDTH * width)
@@ -65,7 +65,7 @@ def _render_band(text: str, size: tuple[int, int]) -> tuple[PixelBox, NDArray[np
 def _break_lines(text: str, font: "ImageFont.FreeTypeFont | ImageFont.ImageFont", most: float) -> list[str]:
     """Break caption words into lines of at most `most` [pixels].
 
-    Words beyond the last line are replaced by an ellipsis.
+    A wider word has its own line. Words beyond the last line are replaced by an ellipsis.
     """
     lines = [""]
     for word in text.split():

@@ -19,12 +19,12 @@ from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG, user_id
 
 DRAFT_FILE = ".kinesic-draft"  # name of the file that marks a draft folder
 DRAFT_TEXT = b"kinesic writes this folder, or was killed as it did; then the next run removes the folder.\n"
-DRAFT_NAME = re.compile(r"\..*-[0-9a-f]{12}(\..*)?", re.DOTALL)  # Pattern of names from `name_beside`
+DRAFT_NAME = re.compile(r"\..*-[0-9a-f]{12}(\..*)?", re.DOTALL)  # pattern of the hidden names made by `name_beside`
 PRIVATE_MODE = 0o700  # Permissions of drafts of files
 PUBLIC_MODE = 0o777  # Permissions of drafts of folders, before the umask
 LOCK_FLAGS = os.O_RDWR | NO_LINK_FLAG | NO_WAIT_FLAG  # Flags that open the draft file for locking
 
-_swept_folders: set[tuple[int, int]] = set()  # device and inode, once per process: listing large folders takes time
+_swept_folders: set[tuple[int, int]] = set()  # (device, inode) of folders already cleared of abandoned drafts
 
 
 @dataclass(frozen=True)

@@ -32,9 +32,9 @@ H264_OPTIONS = (  # ffmpeg options that all players support; they need even side
     *("-movflags", "+faststart"),  # lets a browser start before the download ends
 )
 WEBP_QUALITY = 80  # Picture quality, 0..100
-ENCODER_THREADS = 2  # Number of threads that encode pictures
-MAX_PENDING_PICTURES = 6  # Largest number of pictures queued for encoding
-REPLACE_FLAG = 0b10  # Flag of a picture that replaces the pixels below it
+ENCODER_THREADS = 2  # number of threads that encode WebP pictures
+MAX_PENDING_PICTURES = 6  # largest number of WebP pictures queued for encoding
+REPLACE_FLAG = 0b10  # WebP frame flag: replace pixels instead of blending with them
 
 
 class EncodingError(RuntimeError):
@@ -44,7 +44,7 @@ class EncodingError(RuntimeError):
 class FilmFile(Protocol):
     """Interface for writing a film picture by picture.
 
-    As a context manager it completes its file, or removes it after an error.
+    As a context manager it completes its file, unless an error occurs.
     """
 
     def write(self, picture: Picture, changed: PixelBox | None, milliseconds: int, /) -> None:
@@ -59,7 +59,7 @@ class FilmFile(Protocol):
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        """Complete the film file."""
+        """Complete the film file, or abandon it after an error."""
 
 
 def open_film(path: Path, size: tuple[int, int], *, rate: float, sound: Path | None = None) -> FilmFile:
@@ -92,9 +92,9 @@ def find_encoder() -> str | None:
 
 
 class WebpFilm:
-    """Animated WebP (RFC 9649) of changed picture regions.
+    """Writer of animated WebP films (RFC 9649).
 
-    Equal successive pictures are merged.
+    By default only changed regions are stored. Equal successive pictures are merged.
     """
 
     def __init__(
@@ -124,7 +124,7 @@ class WebpFilm:
         self._last: tuple[Picture, PixelBox, int] | None = None
 
     def write(self, picture: Picture, changed: PixelBox | None, milliseconds: int, /) -> None:
-        """Add a picture's changed region to the WebP film."""
+        """Add a picture to the WebP film, shown for a duration [ms]."""
         if self._last is None:
             self._last = (picture, (0, 0, *self._size), milliseconds)
             return
@@ -175,7 +175,7 @@ class WebpFilm:
 
 
 class Mp4Film:
-    """H.264 film of an external encoder, with optional sound."""
+    """Writer of H.264 films through ffmpeg, with optional sound."""
 
     def __init__(self, path: Path, size: tuple[int, int], *, rate: float, sound: Path | None = None) -> None:
         """Find the encoder and prepare its command.
@@ -192,7 +192,7 @@ class Mp4Film:
         self._path = path
 
     def write(self, picture: Picture, changed: PixelBox | None, milliseconds: int, /) -> None:
-        """Add a picture of constant duration to the H.264 film."""
+        """Add a picture to the H.264 film, shown for one picture period."""
         try:
             self._pipe.write(picture.tobytes())
         except BrokenPipeError:
@@ -221,7 +221,7 @@ class Mp4Film:
                 raise EncodingError(f"{self._path}: {self._read_encoder_error()}")
 
     def _read_encoder_error(self) -> str:
-        """Return the film encoder's last message."""
+        """Wait for the encoder to end and return its last message."""
         self._process.wait()
         self._errors.seek(0)
         lines = self._errors.read().decode(errors="replace").strip().splitlines()
@@ -229,12 +229,12 @@ class Mp4Film:
 
 
 def picture_durations(count: int, rate: float) -> list[int]:
-    """Compute integer picture durations [ms] for a frame rate [Hz]."""
+    """Compute `count` whole picture durations [ms] for a picture rate [Hz]."""
     return [int(value) for value in np.diff(np.round(1000 / rate * np.arange(count + 1)))]
 
 
 def _encode_webp(picture: Picture, *, quality: int, method: int) -> bytes:
-    """Encode one picture as a WebP chunk, without the file header."""
+    """Encode one picture as WebP without the 12-byte file header."""
     held = BytesIO()
     Image.fromarray(picture).save(held, format="WEBP", quality=quality, method=method)
     return held.getvalue()[12:]

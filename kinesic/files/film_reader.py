@@ -1,4 +1,4 @@
-"""Sequential reading of animated pictures, with one picture in memory."""
+"""Sequential reading of animated WebP films, with one picture in memory."""
 
 from pathlib import Path
 

@@ -25,7 +25,7 @@ BINARY_CHUNK = 0x004E4942  # Type of the binary chunk: "BIN"
 class GltfFile:
     """Builder of a glTF file from tables and binary data.
 
-    Every method returns the index of the entry that it adds.
+    A method that adds an entry returns its index in the table.
     """
 
     def __init__(self, generator: str) -> None:
@@ -74,7 +74,7 @@ class GltfFile:
     def weights(self, values: NDArray[np.float64]) -> int:
         """Add a glTF accessor of vertex weights (n, 4) in 0..1.
 
-        Each row keeps its sum, to 1/255.
+        Values are rounded to multiples of 1/255.
         """
         index = self.numbers(np.rint(255.0 * values).astype(np.uint8), "u1", "vertices")
         self.entry("accessors", index)["normalized"] = True
@@ -83,7 +83,7 @@ class GltfFile:
     def sparse(self, count: int, places: NDArray[np.integer], values: NDArray[np.float64]) -> int:
         """Add a sparse glTF accessor (count, 3) with values (k, 3).
 
-        Values are at the indices (k,), and all other rows are zero.
+        `places` (k,) are the rows of the values; all other rows are zero.
         """
         bounds = (values if len(places) == count else np.vstack([values, np.zeros((1, 3))])).astype("<f4")
         entry: Entry = {

@@ -11,7 +11,7 @@ from kinesic.body.arrays import Picture
 from kinesic.files.late_pillow import Image
 
 FILE_HEADER_SIZE = 12  # [bytes] size of the WebP file header: RIFF, file size and WEBP
-PICTURE_HEADER_SIZE = 16  # [bytes] size of a picture header: half left, half top, width, height, duration, flags
+PICTURE_HEADER_SIZE = 16  # [bytes] size of a picture header: left / 2, top / 2, width, height, duration, flags
 POLL_INTERVAL = 0.004  # [s] between checks of the file's size
 WRITER_TIMEOUT = 60.0  # [s] without a new picture after which the writer counts as dead
 
@@ -39,7 +39,7 @@ class GrowingFilm:
     def at(self, time_s: float) -> Picture | None:
         """Wait for the film's picture (height, width, 3) at a time [s].
 
-        Times must not decrease. None if the picture never comes.
+        Times must not decrease. After the end it is the last picture; None if the film breaks off before the time.
         """
         while self._picture is None or self._ends <= time_s:
             chunk = self._read_chunk()

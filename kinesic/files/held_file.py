@@ -9,14 +9,14 @@ import stat
 from kinesic.files.held_folder import HeldFolder, name_beside
 from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG
 
-READ_FLAGS = os.O_RDONLY | NO_LINK_FLAG | NO_WAIT_FLAG  # flags that open a file without waiting for a pipe
-CREATE_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | NO_LINK_FLAG  # flags that create a new file
+READ_FLAGS = os.O_RDONLY | NO_LINK_FLAG | NO_WAIT_FLAG  # for reading, without following links or waiting
+CREATE_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | NO_LINK_FLAG  # flags that create a file unless the name exists
 
 
 def read_held(folder: HeldFolder, name: str, *, limit: int) -> bytes | None:
-    """Return the first `limit` bytes of a regular file.
+    """Return a regular file's first `limit` bytes, or None.
 
-    None if the file is missing, unreadable or not regular.
+    None if the file is missing, unreadable, a link or not regular.
     """
     try:
         descriptor = folder.open_entry(name, READ_FLAGS)
@@ -30,7 +30,7 @@ def read_held(folder: HeldFolder, name: str, *, limit: int) -> bytes | None:
 
 
 def replace_held(folder: HeldFolder, name: str, content: bytes) -> None:
-    """Write a file durably, keeping an earlier one until it is complete.
+    """Replace a file atomically, after flushing the new content to disk.
 
     Raises:
         OSError: the file is not written.

@@ -30,11 +30,14 @@ class HeldFolder:
     descriptor: int | None
 
     def entry_path(self, name: str) -> str:
-        """Return the path of an entry, relative to the folder's open descriptor."""
+        """Return an entry's path for calls with this folder's descriptor.
+
+        It is the whole path if there is no descriptor.
+        """
         return name if self.descriptor is not None else str(self.path / name)
 
     def renamed(self, name: str) -> "HeldFolder":
-        """Return the same folder after it was renamed."""
+        """Return a handle of this folder with a new name, renaming nothing."""
         return HeldFolder(self.path.with_name(name), self.descriptor)
 
     def names(self) -> list[str]:

@@ -16,7 +16,7 @@ from kinesic.files.draft import hold_draft
 from kinesic.files.held_folder import HeldFolder, check_above, find_place, hold_folder, name_failures
 from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG
 
-CREATE_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | NO_LINK_FLAG  # Flags that create a new file
+CREATE_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | NO_LINK_FLAG  # flags that create a file unless the name exists
 SYNC_FLAGS = NO_LINK_FLAG | (os.O_RDONLY if sys.platform != "win32" else os.O_RDWR)  # Flags for fsync (Windows: O_RDWR)
 WRITE_BITS = stat.S_IWUSR | stat.S_IWGRP | stat.S_IWOTH  # Write permissions of user, group and others
 PERMISSION_BITS = stat.S_IRWXU | stat.S_IRWXG | stat.S_IRWXO  # All permissions of user, group and others
@@ -98,7 +98,7 @@ def open_to_add(path: Path) -> BinaryIO:
 
 
 def _check_name(parent: HeldFolder, name: str, path: Path, *, force: bool) -> int | None:
-    """Refuse to replace links, folders, devices, read-only and unforced files.
+    """Refuse links, folders, devices, read-only files, and existing ones without `force`.
 
     Returns:
         Permissions of the existing file; None without one.
@@ -125,7 +125,7 @@ def _check_name(parent: HeldFolder, name: str, path: Path, *, force: bool) -> in
 
 
 def _settle(folder: HeldFolder, name: str, mode: int | None, *, durable: bool) -> None:
-    """Restore a replaced file's permissions and flush the file to disk."""
+    """Restore a replaced file's permissions, and flush it if `durable`."""
     if mode is None and not durable:
         return
     descriptor = folder.open_entry(name, SYNC_FLAGS)

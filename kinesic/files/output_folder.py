@@ -71,7 +71,7 @@ def new_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
 
 
 def is_made(folder: Path) -> bool:
-    """Return whether kinesic has created a folder.
+    """Return whether a folder has kinesic's marker file.
 
     False for a link.
     """
@@ -104,7 +104,7 @@ def _rename_in_errors(folder: Path, fresh: Path) -> Iterator[None]:
 
 
 def _put_aside(name: str, held: HeldFolder, folder: Path, *, parent: HeldFolder) -> str:
-    """Rename an open folder and return its hidden name.
+    """Rename an open folder to a new hidden name and return that.
 
     Raises:
         ConfigError: another folder has its name by now, and is left as it is.

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from kinesic.body.config import ConfigError
 
-MAX_SECRET_BYTES = 4096  # [bytes] longest first line; a file with a longer one holds no secret
+MAX_SECRET_BYTES = 4096  # [bytes] longest accepted first line of a secret's file
 
 
 def check_private(path: Path, option: str) -> None:
