@@ -31,7 +31,7 @@ from kinesic.sim.twin import Twin
 
 COMMANDS_PER_WINDOW = 2048  # commands per batch, whose recorded steps fit into the processor cache
 
-SetpointFunction = Callable[[Floats], FeedForwardSetpoints]  # setpoints by sending times (m,) [s]
+SetpointFunction = Callable[[Floats], FeedForwardSetpoints]  # maps sending times (m,) [s] to setpoints
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,15 +26,15 @@ MOVING_FRACTION = 0.05  # setpoint velocity / no-load velocity above which a ser
 INITIAL_REST = 0.2  # [s] duration of the log that is used before the first motion
 IDENTIFICATION_TIME = 8.0  # [s] duration of the log that is used after the initial rest
 MIN_MOTION_TIME = 0.4  # [s] motion time required for an estimate
-GAIN_TOLERANCE = 0.02  # relative difference up to which two gains count as equal
-MAX_RESIDUAL = np.radians(1.5)  # [rad] RMS error after the fit, above which another cause is likely
+GAIN_TOLERANCE = 0.02  # relative clipping of a gain above which `bounded` is reported
+MAX_RESIDUAL = np.radians(1.5)  # [rad] RMS error after the fit above which the fit is rejected
 
 
 @dataclass(frozen=True, eq=False)
 class LearnedGains:
-    """Relative corrections of the feed-forward offsets, in joint order.
+    """Learned relative corrections of feed-forward offsets, and the bus delay.
 
-    0 leaves the offset of the data sheet.
+    In joint order; 0 leaves the offset of the data sheet.
     """
 
     load: Floats  # (n,) of the torque offsets, or (m, n) for m times
@@ -159,14 +159,14 @@ def identify_servos(log: Log, robot: Robot, believed: Factors = NOMINAL_FACTORS)
 
 
 def _find_motion(log: Log, robot: Robot) -> Flags:
-    """Return for each log interval, (m - 1,), whether any setpoint moves."""
+    """Return whether any setpoint moves in each log interval, (m - 1,)."""
     speeds = np.abs(np.diff(log.setpoints, axis=0)) / np.diff(log.times)[:, None]
     moving: Flags = np.any(speeds > MOVING_FRACTION * robot.drives.no_load, axis=1)
     return moving
 
 
 def _combine_gains(fit: Fit, robot: Robot, believed: Factors) -> Identification:
-    """Combine identified gains with the earlier estimate, within safe bounds."""
+    """Apply fitted gain factors and latency to the earlier estimate, within bounds."""
     late = next(estimate for estimate in fit.estimates if estimate.unknown.figure == "latency")
     servos, bounded = {}, False
     for name in _models(robot):

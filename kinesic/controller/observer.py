@@ -92,10 +92,10 @@ class ObserverInputs:
     lowest: Floats  # (m, n) [rad] smallest corrected setpoint
     highest: Floats  # (m, n) [rad] largest corrected setpoint
     loads: Floats  # (m, n) [rad] setpoint offsets for torque
-    noticed: Floats  # (m, n) [rad] torque offsets, delayed as their effects
+    noticed: Floats  # (m, n) [rad] torque offsets, delayed and smoothed like their measured effects
     trust: Floats  # (m, n) [1/rad] gain from the disturbance to the load error
     leads: Floats  # (m, n) [rad] setpoint offsets for velocity
-    noticed_leads: Floats  # (m, n) [rad] velocity offsets, delayed as their effects
+    noticed_leads: Floats  # (m, n) [rad] velocity offsets, delayed and smoothed like their measured effects
     trust_leads: Floats  # (m, n) [1/rad] gain from the disturbance to the velocity error
 
     @cached_property
@@ -114,7 +114,7 @@ class Observer:
     arrival: Floats  # (h,) fraction of each setpoint in flight that acts in this tick, the newest first
     lower: Floats  # (n,) [rad] smallest setpoint
     upper: Floats  # (n,) [rad] largest setpoint
-    step: Floats  # (n,) [rad] change of the correction per tick: velocity that plans leave to the servos
+    step: Floats  # (n,) [rad] largest change of the correction per tick, from the velocity reserve of the servos
     full: Floats  # (n,) [rad] error at which the duty is certainly full
     restoring: float = 1.0  # fraction of RESTORING_GAINS that is used; see `controller.stability`
 

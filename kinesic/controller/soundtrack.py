@@ -21,7 +21,7 @@ from kinesic.speech.speaker import Speaker
 MAX_SAMPLE_VALUE = 32767  # largest value of a 16-bit sample
 MAX_SAMPLE_RATE = 48_000  # [Hz] highest rate of the mix, which bounds the memory
 FILTER_REACH = 10  # zero crossings of the resampling filter before and after its peak
-FILTER_SHAPE = 5.0  # parameter of the Kaiser window, which attenuates what is above half of the lower rate by 54 dB
+FILTER_SHAPE = 5.0  # beta of the Kaiser window, for a stopband attenuation of 54 dB
 MAX_SYNC_ERROR = 0.03  # [s] time error of the sound above which it restarts at the robot's position
 
 

@@ -13,7 +13,7 @@ from kinesic.controller.observer import Observer, forecast_servo
 from kinesic.controller.observer_step import RESTORING_GAINS
 
 MAX_POLE = 0.97  # largest pole magnitude of a well-damped loop, unless the servo alone is slower
-RESTORING_FRACTIONS = (1.0, 0.75, 0.5, 0.25)  # fractions of the correction gains, tried in turn
+RESTORING_FRACTIONS = (1.0, 0.75, 0.5, 0.25)  # fractions of `RESTORING_GAINS`, tried in turn
 
 
 def find_stable_fraction(observer: Observer, robot: Robot, dynamics: Dynamics, late: float) -> float:

@@ -76,7 +76,7 @@ def look_ahead(
 
 
 def choose_pace(forecast_clearance: float, min_clearance: float) -> float:
-    """Return the fraction of the planned speed for a forecast clearance.
+    """Return the time scale for a forecast clearance.
 
     Args:
         forecast_clearance: [m] smallest clearance within the lookahead time.
@@ -90,7 +90,7 @@ def choose_pace(forecast_clearance: float, min_clearance: float) -> float:
 
 
 def lookahead_times(time: float, end: float) -> Floats:
-    """Return the performance times [s] of the next lookahead.
+    """Return the performance times [s] of the postures to check next.
 
     They start now and do not exceed the end of the motion.
     """

@@ -18,10 +18,10 @@ from kinesic.controller.watch.clearance import ClearanceWatch, look_ahead, looka
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.metrics.clearance_forecast import LOOK_PERIOD
 
-MAX_STORED_CYCLES = 100  # number of bus cycles with stored times: 1 s, longer than the age of any used reading
+MAX_STORED_CYCLES = 100  # number of bus cycles with stored times: 1 s, longer than `MAX_READING_AGE`
 MIN_LOOK_INTERVAL = 0.9 * LOOK_PERIOD  # [s] shortest time between clearance checks; tolerates bus jitter
-POSTURE_MEMORY = 3.0  # [s] duration of stored commanded postures, longer than the age of any used reading
-TRIM_COUNT = 100  # number of outdated commands above which all of them are deleted
+POSTURE_MEMORY = 3.0  # [s] duration of stored commanded postures, longer than `MAX_READING_AGE`
+TRIM_COUNT = 100  # number of outdated commands above which the outdated ones are deleted
 MAX_READING_AGE = 2 * LOOK_PERIOD  # [s] oldest position reading used for the tracking error
 
 
@@ -116,7 +116,7 @@ class ServoWatch:
         self.watch = look_ahead(self.watch, coming, sealed(strayed), self._distances, min_clearance=self._min_clearance)
 
     def _forget(self) -> None:
-        """Discard all tracking errors after a stop or a new motion.
+        """Discard all tracking errors once the servos stop performing.
 
         They say nothing about the coming motion.
         """
