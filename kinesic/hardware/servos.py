@@ -160,12 +160,12 @@ class Servos:
         """Request an emergency stop of the servos.
 
         Args:
-            policy: hold the position until `release`, or switch torque off.
+            policy: hold the position until `resume` or `release`, or switch torque off.
         """
         self._channel.stop(policy)
 
     def slow_to(self, pace: float) -> None:
-        """Set the time scale, between 0 and 1, until the next call."""
+        """Set an upper limit of the time scale, 0..1."""
         self._channel.slow_to(pace)
 
     def resume(self) -> None:

@@ -18,14 +18,14 @@ from kinesic.hardware.protocol.registers import TICK_ANGLE, VELOCITY_UNIT, Regis
 
 TickRange = tuple[int, int]  # [ticks] lowest and highest
 
-MAX_PUSHED_VELOCITY = 2 * TICKS_PER_TURN  # [ticks/s] largest plausible velocity of a joint pushed by hand
+MAX_PUSHED_VELOCITY = 2 * TICKS_PER_TURN  # [ticks/s] largest plausible velocity of a servo turned by hand
 LIMIT_FACTOR = 2.0  # Largest plausible velocity or current / factory limit of the servo model
-RANGE_MARGIN = TICKS_PER_TURN // 8  # [ticks] by which a servo with torque may be pushed beyond its hinge's range
+RANGE_MARGIN = TICKS_PER_TURN // 8  # [ticks] by which a servo with torque may be pushed beyond its goal range
 MAX_WOUND_POSITION = 8 * TICKS_PER_TURN  # [ticks] largest plausible distance from 0 of a servo turned without torque
 STALL_LOAD = 1000  # [0.1 %] PRESENT_CURRENT at stall of a servo without current sensor
 MIN_VOLTAGE = 25  # [0.1 V] lowest supply voltage at which a servo's processor works
 MAX_SUPPLY_RATIO = 1.5  # Largest plausible supply voltage / factory voltage limit of the servo
-MAX_TEMPERATURE = 125  # [C] upper end of the sensor's range
+MAX_TEMPERATURE = 125  # [C] largest plausible temperature, the end of the sensor's range
 ERROR_BITS = 0x3F  # Valid bits of HARDWARE_ERROR_STATUS
 
 CHECKED_FIELDS: tuple[FieldName, ...] = (
@@ -46,11 +46,11 @@ class RecordBounds:
     lower: Floats  # (7, n) of the fields in CHECKED_FIELDS
     upper: Floats  # (7, n)
     torque_range: Floats  # (2, n) [ticks] position range of a servo with torque
-    max_velocity: Floats  # (n,) [ticks/s] plausible velocity of a joint
+    max_velocity: Floats  # (n,) [ticks/s] largest plausible velocity of each servo
 
     @classmethod
     def of(cls, models: Sequence[Model], spans: Sequence[TickRange]) -> "RecordBounds":
-        """Derive the bounds of the servos' record values from their models.
+        """Derive the bounds of record values from servo models and goal ranges.
 
         Args:
             models: servo models.

@@ -14,7 +14,7 @@ from kinesic.hardware.protocol.device import ServoAccess
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE, BusError, Wire
 
-FAST_TRIES = 3  # Fast reads without a reply, after which the bus uses plain reads
+FAST_TRIES = 3  # attempts of a fast read before the bus uses plain reads
 FAST_TIMEOUT = 0.02  # [s] wait for a fast reply, in addition to its transmission time
 
 

@@ -28,7 +28,7 @@ from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
 
 CYCLE_FRACTION = 0.95  # Fraction of the period that a cycle may use, unless HOST_RESERVE allows more
-HOST_RESERVE = 0.0005  # [s] longest part of the period that a cycle must leave unused
+HOST_RESERVE = 0.0005  # [s] upper limit of the unused time per period
 MAX_RETRIES = 4  # Largest number of repeated queries per cycle, for servos without a fresh record
 FAST_OVERHEAD = 22  # [bytes] size of a fast query and its reply, without the bytes per servo
 REOPEN_INTERVAL = 0.05  # [s] between attempts to reopen a lost port
@@ -188,7 +188,7 @@ class Bus:
         return answer is not None and answer.whole
 
     def _repair(self) -> None:
-        """Query missing records again while the cycle has time."""
+        """Query missing and silent servos again while the cycle has time."""
         accepted, polling, listener = self._accepted, self._polling, self._listener
         if accepted.fresh.all():
             return
@@ -219,7 +219,7 @@ class Bus:
         return max(1, int(left / wire_time(BLOCK_DTYPE.itemsize + 1 if self.fast else status_size)))
 
     def _request(self, places: tuple[int, ...], *, must: bool = False) -> bool:
-        """Query servos again, unless time is short and `must` is false."""
+        """Query servos if time suffices or `must` is true, and return whether."""
         question = self._question_to(places)
         listener = self._listener
         ends = self.wire.now() + listener.wire_time(len(question.data) + question.length) + listener.slack.usual

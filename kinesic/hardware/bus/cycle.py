@@ -67,7 +67,7 @@ _STEADY_OFFSETS = np.array([0, *(2 + sum(_REGISTER_SIZES[: FIELD_NAMES.index(nam
 
 
 def signature(blocks: Records) -> bytes:
-    """Return the record bytes for errors, torque, watchdogs and temperatures.
+    """Return the bytes of errors, torque, watchdogs and temperatures, for comparison.
 
     Equal bytes mean that none of these values, nor the error byte of a block, has changed.
     """
@@ -86,7 +86,7 @@ class Event:
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """Result of one cycle, with servos in the order of the bus."""
+    """Result of one bus cycle, with servos in the order of the bus."""
 
     time: float  # [s] start, on the wire's clock
     duration: float  # [s]

@@ -80,7 +80,7 @@ class Punctuality:
 
     @property
     def pace(self) -> float:
-        """Time scale of the motion, below 1 while the host delays cycles."""
+        """Time scale of the motion, below 1 at the longest watchdog time."""
         return BUSY_TIME_SCALE if self.watchdog_factor == WATCHDOG_FACTORS[-1] else 1.0
 
 

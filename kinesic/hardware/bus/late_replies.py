@@ -15,7 +15,7 @@ from kinesic.hardware.bus.query import Query, ServoReplies
 
 CLOCK_TOLERANCE = 0.004  # [s] a record older than its transmission time plus this answers an earlier query
 LATE_REPLY_WINDOW = 0.05  # [s] longest delay of a missing reply after the end of its transmission time
-MAX_STALE_CYCLES = 2  # Consecutive cycles with only seemingly late records, after which a cycle sends no query
+MAX_STALE_CYCLES = 2  # consecutive cycles with only seemingly late records before a cycle without query
 TRIAL_PAUSE = 100  # Additional stale cycles before another cycle without a query, if the last one received late replies
 
 _Unfinished = tuple[Query, ServoSelection, bytes, float]  # query, its servos, received bytes, [s] query time
@@ -43,7 +43,7 @@ class LateReplies:
         return self._listener.sent_at <= self._until
 
     def note_missed(self, question: Query) -> None:
-        """Record that the last query was not answered completely."""
+        """Open the window for late replies after a missing or incomplete reply."""
         self._until = self._listener.sent_at + self._listener.wire_time(question.length) + LATE_REPLY_WINDOW
 
     def admit_earlier(self, question: Query, places: ServoSelection, answer: ServoReplies) -> bool:

@@ -18,9 +18,9 @@ class TimeoutTuning:
     max_timeout: float = 0.020  # [s] upper bound of the timeout and of its estimate
     quantile_step: float = 50e-6  # [s] decrease of the estimate per fast reply
     target_quantile: float = 0.9  # fraction of replies that the estimate covers
-    max_extra_pause: float = 0.0003  # [s] pause inside a reply beyond the usual delay
+    max_extra_pause: float = 0.0003  # [s] longest accepted pause inside a reply, beyond the usual delay
     alert_replies: int = 10  # intact replies after a damaged one until the listener sleeps again
-    full_burst_fraction: float = 0.75  # fraction of a full burst; the adapter's timer delivers smaller bursts
+    full_burst_fraction: float = 0.75  # of a full burst; smaller ones waited for the adapter's timer
     max_burst_fall: float = 0.05  # largest relative decrease of the burst interval per reply
 
 
@@ -247,9 +247,9 @@ class _Wait:
     end: float  # [s] latest deadline
     patient: bool  # whether pauses are ignored
     tight: bool  # whether a truncated reply must be noticed at once, to leave time for a repeated query
-    spare: bool  # whether the full query could be repeated after its own time
+    spare: bool  # whether the cycle has time to repeat the full query after this wait
     replies_late: bool  # whether a missing reply is late rather than lost
-    behind: float = inf  # [s] smallest delay of the reply
+    behind: float = inf  # [s] smallest delay of its received bytes so far
     began: float = inf  # [s] arrival of the first bytes
 
     @property

@@ -21,7 +21,7 @@ from kinesic.hardware.bus.query import ServoReplies
 from kinesic.hardware.protocol.packet import ALERT_BIT
 from kinesic.hardware.protocol.registers import CLOCK_WRAP
 
-MAX_CLOCK_ADVANCE = CLOCK_WRAP // 2  # [ms] largest advance of a servo's clock; a larger one means an older record
+MAX_CLOCK_ADVANCE = CLOCK_WRAP // 2  # [ms] largest clock advance between records; a larger one means an older record
 
 ServoSelection = slice | np.ndarray[tuple[int], np.dtype[np.intp]]
 
@@ -30,7 +30,7 @@ ServoSelection = slice | np.ndarray[tuple[int], np.dtype[np.intp]]
 class PlausibilityTuning:
     """Tolerances for changes between two records of a servo."""
 
-    position_tolerance: int = 40  # [ticks] jump of a joint that is always plausible
+    position_tolerance: int = 40  # [ticks] position jump of a servo that is always plausible
     temperature_tolerance: int = 5  # [C] temperature change that is always plausible
     max_heating_rate: float = 60.0  # [C/s] plausible temperature change over time
     clock_resolution: float = 0.0015  # [s] largest lag of a clock that counts milliseconds
@@ -178,7 +178,7 @@ class PlausibilityFilter:
         return answer._replace(received=answer.received & ~overdue)
 
     def forget(self, place: int) -> None:
-        """Forget the last accepted records of a rebooted servo.
+        """Treat a rebooted servo as one without an accepted record.
 
         Its next record is then accepted.
         """
@@ -261,7 +261,7 @@ class PlausibilityFilter:
             self.impossible[index] = reason
 
     def _is_near(self, index: int, block: np.void, before: np.void, elapsed: float) -> bool:
-        """Return whether a joint can have moved this far between two records.
+        """Return whether a servo can have moved this far between two records.
 
         Switching torque on resets the count of whole turns.
         """

@@ -39,7 +39,7 @@ class ServoReplies(NamedTuple):
     blocks: Records  # (m,) of dtype BLOCK_DTYPE, valid where `received`
     received: Flags  # (m,) whether the servo's block was received intact
     whole: bool  # whether all blocks were received intact
-    end: int  # [bytes] offset of its end; the expected end if it is not whole
+    end: int  # [bytes] offset of the reply's end; the expected one if it is not whole
 
 
 @dataclass(frozen=True)

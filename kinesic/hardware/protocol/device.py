@@ -59,7 +59,7 @@ def enable_replies(wire: Wire) -> None:
 
 
 class ServoAccess:
-    """Access to single servos of a wire with retries, outside the cycle."""
+    """Access to single servos of a wire with retries, between bus cycles."""
 
     def __init__(self, wire: Wire, *, tries: int = MAX_TRIES) -> None:
         """Use a wire, with at most `tries` attempts per instruction."""

@@ -38,7 +38,7 @@ class Field:
     writable: bool = True
     initial: int = 0
     lower: int = 0
-    upper: int = 0  # writable ones only
+    upper: int = 0  # 0 for read-only registers
     unit: str = ""
     scale: float = 1.0  # units per count
     firmware: int = 0  # first firmware with this register, in the larger families
@@ -89,7 +89,7 @@ class Register(Enum):
 
     __hash__ = object.__hash__  # members are unique, and Enum's own hash is slow Python
     field: Field
-    """Address and contents."""
+    """Address, size, range and unit of the register."""
 
     def __init__(self, field: Field) -> None:
         self.field = field  # read at every access, where Enum's `value` is slow

@@ -1,4 +1,4 @@
-"""Conversion between radians and servo ticks, the only one in the project."""
+"""Conversion between hinge angles [rad] and servo positions [ticks]."""
 
 from dataclasses import dataclass
 from functools import cached_property

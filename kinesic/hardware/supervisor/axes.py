@@ -97,7 +97,7 @@ class Axes:
             bus.wire.sleep(until)
 
     def put(self, register: Register, values: Mapping[int, int]) -> None:
-        """Write a register of some servos with the next cycle.
+        """Queue a register write to some servos for the next cycle.
 
         Members without the register are skipped.
 
@@ -118,7 +118,7 @@ class Axes:
                 bus.put(register, bus_values)
 
     def put_all(self, register: Register, places: Sequence[int], value: int) -> None:
-        """Write the same register value to several servos with the next cycle."""
+        """Queue a write of one register value to several servos."""
         self.put(register, dict.fromkeys(places, value))
 
     def cycle(self, goals: Ticks | None) -> Snapshot:
@@ -156,7 +156,7 @@ class Axes:
         return self._quick_access[member.bus].read_several(member.id, registers)
 
     def write(self, place: int, register: Register, value: int) -> None:
-        """Set a register of one servo.
+        """Set a register of one servo at once, with retries.
 
         Raises:
             BusError: the member does not answer or refuses, or the port is gone.

@@ -25,10 +25,10 @@ from kinesic.hardware.supervisor.state_machine import Awaited, Stage
 
 COMMAND_CAPACITY = 16_384  # Largest number of commands in the ring buffer, more than two minutes at 100 Hz
 EVENT_CAPACITY = 512  # Largest number of events in the ring buffer
-STATUS_CAPACITY = 4096  # Largest number of cycles in the ring buffer, more than half a minute at 100 Hz
+STATUS_CAPACITY = 4096  # largest number of statuses in the ring buffer, more than half a minute at 100 Hz
 TELEMETRY_CAPACITY = 8  # Largest number of telemetry rows in the ring buffer
 MAX_TELEMETRY_SERVOS = 256  # Largest number of servos in a telemetry row
-MEMORY_NAME = "kinesic"  # Name of the shared memory in the host's process list
+MEMORY_NAME = "kinesic"  # name of the shared memory in /proc/PID/fd
 PACE_STEPS = 1000  # Resolution of the requested time scale, in steps from 0 to 1
 READ_ATTEMPTS = 50  # Attempts to read a ring row that is being written
 STAGE_VALUES = tuple(Stage)
@@ -122,7 +122,7 @@ class Channel:
         self.set("estop", STOP_POLICIES.index(policy) + 1)
 
     def slow_to(self, pace: float) -> None:
-        """Request a time scale in 0..1 until the next request."""
+        """Request an upper limit of the time scale, 0..1."""
         self.set("pace", 1 + round(PACE_STEPS * pace))
 
     @property
@@ -163,7 +163,7 @@ class Channel:
         return new_commands
 
     def write_status(self, status: Status) -> None:
-        """Add a status of the supervisor."""
+        """Add a supervisor status to the ring buffer."""
         number = self.word("cycles")
         words = STAGE_VALUES.index(status.stage), AWAITED_VALUES.index(status.waits)
         _store(self._status, number % STATUS_CAPACITY, number + 1, *words, *_row(status))
@@ -300,7 +300,7 @@ def memory_file(octets: int) -> int:
 
 
 def map_memory(descriptor: int, octets: int) -> mmap.mmap:
-    """Map the memory behind a descriptor."""
+    """Map a file descriptor's `octets` bytes as shared memory."""
     return mmap.mmap(descriptor, octets)
 
 

@@ -43,7 +43,7 @@ class GoalBuffer:
         return len(self._times)
 
     def add(self, time: float, goals: Floats, leads: Floats | None = None) -> None:
-        """Add a command, which replaces all commands that are not earlier.
+        """Add a command, replacing commands at the same or later times.
 
         Args:
             time: [s].
@@ -59,7 +59,7 @@ class GoalBuffer:
         self._leads.append(np.zeros_like(goals) if leads is None else leads)
 
     def forget(self, time: float) -> None:
-        """Drop the commands that are not needed from a time [s] on."""
+        """Drop past commands not needed to interpolate from a time [s] on."""
         while len(self._times) > KEPT_COMMANDS and self._times[KEPT_COMMANDS] <= time:
             self._times.popleft()
             self._goals.popleft()

@@ -11,7 +11,7 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats, sealed
 
 MAX_LEAD_RATIO = 2.0  # Largest distance from servo position to goal / position error at full power
-VELOCITY_RISE_TIME = 0.01  # [s] shortest acceleration of a goal from rest to the servo's no-load velocity
+VELOCITY_RISE_TIME = 0.01  # [s] shortest time for a goal to accelerate from rest to no-load velocity
 LIMIT_TOLERANCE = 1e-6  # Relative tolerance of the limits against rounding
 
 
@@ -46,7 +46,7 @@ class GoalCourse:
 def limit_goals(
     course: GoalCourse, desired: Floats, present: Floats, seconds: float, bounds: GoalBounds
 ) -> tuple[GoalCourse, Flags]:
-    """Return the goals nearest to the desired ones within the limits.
+    """Move goals one step towards the desired ones, within the limits.
 
     Args:
         course: previous goals.
@@ -91,9 +91,9 @@ def _lock_in_place(values: Floats) -> Floats:
 
 
 def _braking_velocities(course: GoalCourse, target: Floats, seconds: float, bounds: GoalBounds) -> Floats:
-    """Compute velocities (m,) [ticks/s] that reach the targets within the limits.
+    """Compute velocities (m,) [ticks/s] towards the targets within the limits.
 
-    They allow braking in time.
+    From these velocities, the goals can still stop at the targets.
     """
     distance = target - course.goals
     reach = bounds.acceleration * seconds

@@ -76,7 +76,7 @@ class GoalSteering:
         self.player.fold(present, np.where(is_held, present, self._manifest.rest))
 
     def move(self, seconds: float, present: Floats, *, target: float, slow: float) -> Flags:
-        """Advance the goals by one step, and return which were limited.
+        """Advance the goals by one step, and flag the limited ones.
 
         Args:
             seconds: [s] duration of the step.

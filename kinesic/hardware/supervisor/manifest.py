@@ -60,10 +60,7 @@ class Member:
 
     @property
     def eeprom_values(self) -> Mapping[Register, int]:
-        """Required EEPROM values, except position limits.
-
-        Those depend on the present ones.
-        """
+        """Required EEPROM values that do not depend on present register values."""
         return {
             Register.RETURN_DELAY_TIME: 0,
             Register.DRIVE_MODE: 0,

@@ -25,13 +25,13 @@ class LoadTuning:
     """Thresholds for load, heat and blockage, assumed without measurement."""
 
     time_constant: float = 10.0  # [s] time constant of the mean square current
-    slowing_load: float = 0.5  # squared current / squared limit at which time begins to slow down
-    stopping_load: float = 0.8  # squared current / squared limit at which the performance stops
-    slowing_margin: float = 10.0  # [C] margin to the temperature limit at which time begins to slow down
+    slowing_load: float = 0.5  # mean square current / squared limit at which performance time begins to slow down
+    stopping_load: float = 0.8  # mean square current / squared limit at which the performance stops
+    slowing_margin: float = 10.0  # [C] margin to the temperature limit at which performance time begins to slow down
     stopping_margin: float = 3.0  # [C] margin to the temperature limit at which the performance stops
     stuck_error_ratio: float = 1.1  # position error of a stuck servo / position error at full power
     stuck_time: float = 0.3  # [s] time with such an error and without motion until a servo counts as stuck
-    min_moving_velocity: int = 3  # [counts of PRESENT_VELOCITY] velocity of the slowest moving servo
+    min_moving_velocity: int = 3  # [counts of PRESENT_VELOCITY] lower ones count as standing still
     interval: float = 0.05  # [s] time between evaluations of currents and temperatures
     max_record_gap: float = 0.15  # [s] longest time between two records, after which stall times restart
 

@@ -22,7 +22,7 @@ class Observation:
     raised: bool = False  # a servo with torque may be away from the rest posture
     confirmed: bool = False  # a person has confirmed to let raised limbs fall
     interrupted: bool = False  # a long interruption has just ended or still lasts
-    still: bool = True  # time stands still
+    still: bool = True  # the time of the performance or move stands still
     reached: bool = False  # the present move has ended
     idle: bool = False  # the hold has lasted long enough to fold
     hopeless: bool = False  # a port is gone for too long to wait for it

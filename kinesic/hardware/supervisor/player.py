@@ -15,7 +15,7 @@ from kinesic.hardware.supervisor.settings import SupervisorSettings
 
 PEAK_VELOCITY_RATIO = 15 / 8  # Peak / mean velocity of the minimum-jerk curve
 PEAK_ACCELERATION_FACTOR = 10 / sqrt(3)  # Peak acceleration of the minimum-jerk curve * duration^2 / travel
-MAX_MOVE_ACCELERATION = 7.0  # [rad/s^2] largest joint acceleration of moves without a plan
+MAX_MOVE_ACCELERATION = 7.0  # [rad/s^2] largest joint acceleration of moves to rest or to the performance
 NEW_PERFORMANCE_GAP = 0.5  # [s] longest gap between commands of one performance
 END_TOLERANCE = 1e-6  # [s] rounding tolerance for the end of a motion
 
@@ -24,21 +24,21 @@ Source = Literal["performance", "move"]
 
 @dataclass(frozen=True)
 class TimeScale:
-    """Performance time [s] and its rate relative to real time."""
+    """Time [s] of a performance or move, with its rate."""
 
     time: float = 0.0  # [s]
-    scale: float = 0.0  # rate of performance time
+    scale: float = 0.0  # rate relative to real time
 
     @property
     def still(self) -> bool:
-        """Whether performance time stands still."""
+        """Whether the rate is zero, so that the motion is stopped."""
         return self.scale <= 0.0
 
 
 def advance_time(time_scale: TimeScale, seconds: float, *, target: float, end: float, slow: float) -> TimeScale:
-    """Advance the performance time by one time step.
+    """Advance the time of a performance or move by one step.
 
-    Its scale changes linearly, and it stops at the end of the buffered commands.
+    Its scale changes linearly, and it stops at the latest time.
 
     Args:
         time_scale: current time and scale.

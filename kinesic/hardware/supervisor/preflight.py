@@ -30,7 +30,7 @@ _TABLE_END = Register.PRESENT_TEMPERATURE.field.end
 
 @dataclass(frozen=True)
 class RegisterTable:
-    """Registers of one servo, read at once."""
+    """Register values of one servo, read in a single span."""
 
     member: Member
     data: bytes

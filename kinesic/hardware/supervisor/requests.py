@@ -34,7 +34,7 @@ class Requests:
 
     @property
     def pace(self) -> float:
-        """Time scale in 0..1 requested by the clearance watch.
+        """Upper limit of the time scale, 0..1, requested by the clearance watch.
 
         1 without one.
         """

@@ -28,7 +28,7 @@ class SupervisorSettings:
     startle: float = 0.85  # longest interruption that needs no consent; detection and visible motion take 0.1 s more
     consent: float = 60.0  # time of waiting for consent before a performance ends
     hopeless: float = 20.0  # time without a port before the supervisor gives up
-    pace: float = 0.7  # [rad/s] joint velocity of moves to rest and to the first command
+    pace: float = 0.7  # [rad/s] largest joint velocity of moves to rest or to the performance
     policy: Policy = "hold"  # reaction to an emergency stop
 
     def __post_init__(self) -> None:

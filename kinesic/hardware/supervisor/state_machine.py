@@ -73,7 +73,7 @@ class SupervisorState:
     paused: bool = False  # after an emergency stop or long interruption, nothing continues without consent
     faulty: bool = False  # a servo has failed, and the performance has ended
     refused: bool = False  # torque did not come on, and is not tried again until a servo recovers
-    careful: bool = False  # a limb that could not fold can fold again, perhaps by hand, so that it holds for a while
+    careful: bool = False  # hold for a while before folding, since a limb that could not fold may be free again
     folded: bool = False  # at rest since the last performance
     slowed: Literal[Stage.APPROACH, Stage.ACTIVE] = Stage.ACTIVE  # stage before DEGRADED
 

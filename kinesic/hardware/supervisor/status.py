@@ -74,7 +74,7 @@ class StatusWriter:
         self._measured, self._hottest, self._volts = -inf, nan, nan  # [s] time of the other two values
 
     def note(self, clock: float, kind: str, text: str, servo: int = -1) -> None:
-        """Report a supervisor event at a time [s]."""
+        """Report an event to planner and log, with its time [s]."""
         note = Note(clock, servo, kind, text)
         self._channel.note(note)
         self._journal.write(note)

@@ -36,7 +36,7 @@ from kinesic.hardware.supervisor.torque import (
 
 MAX_COMMANDS_PER_CYCLE = 32  # Largest number of commands read per cycle, which bounds the cycle's duration
 COMMAND_LOOKAHEAD = 2.0  # [s] duration of commands read ahead from the channel
-WIRE_TIME_FRACTION = 0.9  # Fraction of a period for the wires; the rest is for computation
+WIRE_TIME_FRACTION = 0.9  # fraction of a cycle period for bus traffic; the rest is for computation
 MIN_STEP_TIME = 1e-4  # [s] smallest time step between two cycles
 CHECK_CYCLES = 100  # Cycles after the start within which all servos must have answered
 
@@ -77,11 +77,11 @@ class Supervisor:
 
     @property
     def done(self) -> bool:
-        """Whether the supervisor has ended."""
+        """Whether no port is open, as before `open` and after the end."""
         return self._axes is None
 
     def open(self) -> None:
-        """Open the ports and check the servos, without torque."""
+        """Open the ports, check the servos and configure them, without torque."""
         self._advance("open")
         self._write_status()
 

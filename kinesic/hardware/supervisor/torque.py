@@ -16,9 +16,9 @@ from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Axes, Snapshot, fold_turns
 from kinesic.hardware.supervisor.goal_limits import MAX_LEAD_RATIO
 
-STEP_CYCLES = 25  # Largest number of cycles for each step of switching torque on or off
+STEP_CYCLES = 25  # cycles after which a servo counts as not reacting to a command
 REPEAT_CYCLES = 5  # Cycles between repeated commands to switch torque on
-MAX_SETTLING_CYCLES = 200  # Cycles within which servos without torque must come to rest
+MAX_SETTLING_CYCLES = 200  # largest number of cycles for servos to come to rest, or to take commands
 STILL_TOLERANCE = 1.0  # [ticks] largest servo motion between reading its position and switching torque on
 INITIAL_POWER = 0.1  # Initial PWM / PWM limit when torque is switched on
 POWER_RAMP_TIME = 0.3  # [s] duration of the ramp from initial to full power

@@ -20,14 +20,14 @@ from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.supervisor.manifest import Manifest
 
 DIRECTION_THRESHOLD = np.radians(8.0)  # [rad] smallest rotation from the zero posture that shows a hinge's direction
-STOP_TOLERANCE = np.radians(3.0)  # [rad] largest distance from the end of its range at which a hinge counts as there
+STOP_TOLERANCE = np.radians(3.0)  # [rad] distance from a configured limit within which the limit counts as reached
 MIN_RANGE_FRACTION = 0.6  # Fraction of the configured range that must be covered before a measured end counts
 MAX_TANDEM_OFFSET = 12  # [ticks] largest position difference between the servos of one hinge
 
 Signs = NDArray[np.int64]
 # Words for motion along +-x, +-y, +-z
 DIRECTION_WORDS = (("forward", "backward"), ("to its left", "to its right"), ("up", "down"))
-MIN_MOTION_RATIO = 0.5  # Tip motion / lever length above which a direction is described by the tip's motion
+MIN_MOTION_RATIO = 0.5  # tip motion / lever length, or axis component, that decides the wording
 FORWARD_AXIS = np.array([1.0, 0.0, 0.0])  # Unit vector forward in the world
 UP_AXIS = np.array([0.0, 0.0, 1.0])  # Unit vector upward in the world
 
@@ -75,8 +75,8 @@ class HingeCalibration:
     present: float  # [deg] present angle
     lowest: float  # [deg] lowest angle that was reached
     highest: float  # [deg] highest angle that was reached
-    lower: float  # lower limit in the robot's file
-    upper: float  # upper limit in the robot's file
+    lower: float  # [deg] lower limit in the robot's file
+    upper: float  # [deg] upper limit in the robot's file
 
     @property
     def is_whole(self) -> bool:

@@ -95,7 +95,7 @@ def survey(manifest: Manifest, wires: Mapping[str, Wire]) -> tuple[SurveyedServo
 
 
 def open_slow_access(wire: Wire) -> ServoAccess:
-    """Enable replies to all instructions, and return slow access.
+    """Make servos answer all instructions, and return access with retries.
 
     Raises:
         BusError: the port is gone.

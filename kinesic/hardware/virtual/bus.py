@@ -109,13 +109,13 @@ class VirtualBus:
         return bytes(received)
 
     def _collide(self, begun: float, ended: float) -> None:
-        """Drop unread bytes, and those sent during an overlap [s]."""
+        """Drop unparsed host bytes, and reply bytes sent during an overlap [s]."""
         self._reader.clear()
         remaining = (piece.without(begun, ended) for piece in self._coming)
         self._coming = deque(piece for piece in remaining if piece.data)
 
     def _answer(self, packet: Packet, clock: float, byte: float) -> float:
-        """Execute a packet on the servos.
+        """Execute a packet on the servos and queue their replies.
 
         Returns the end [s] of their replies.
         """

@@ -92,7 +92,7 @@ class Memory:
         self.model, self.firmware = model, firmware
         self._layout = table_layout(model.number, firmware)
         self._bytes = bytearray(self._layout.extent)
-        self._values: dict[Register, int] = {}  # cached values of registers other than sensors
+        self._values: dict[Register, int] = {}  # cached values of writable registers
         self._views: dict[tuple[int, int], tuple[int, ...]] = {}  # span -> addresses behind its indirect cells
         self._splits: dict[tuple[int, int], list[Piece]] = {}  # span -> registers and cells that a write changes
         self.eeprom_version = 0  # number of changes of the EEPROM
@@ -123,7 +123,7 @@ class Memory:
             self.eeprom_version += 1
 
     def put(self, address: int, data: bytes) -> None:
-        """Write bytes of sensor registers or indirect data without access checks."""
+        """Write bytes without access checks, leaving cached register values unchanged."""
         self._bytes[address : address + len(data)] = data
 
     def restore_eeprom(self) -> None:
@@ -148,7 +148,7 @@ class Memory:
             self[register] = self.model.factory_value(register)
 
     def read(self, address: int, size: int) -> bytes:
-        """Read a span of bytes through its indirect cells.
+        """Read a span of bytes, resolving indirect cells.
 
         Raises:
             RefusalError: the span begins at no register, or exceeds the table.
@@ -165,7 +165,7 @@ class Memory:
         return bytes([memory[origin] for origin in origins])
 
     def _origin(self, address: int) -> int:
-        """Return the register address that an indirect cell refers to."""
+        """Return an indirect cell's target address, or another address unchanged."""
         pointer = self._layout.shown.get(address)
         return address if pointer is None else int.from_bytes(self._bytes[pointer : pointer + POINTER_SIZE], "little")
 
@@ -277,7 +277,10 @@ def _goal_fault(memory: Memory, value: int) -> Fault:
 
 
 def _is_defined(memory: Memory, register: Register, value: int) -> bool:
-    """Return whether the manual defines a meaning for this register value."""
+    """Return whether model and firmware support a mode or drive mode.
+
+    True for other registers.
+    """
     model, firmware = memory.model, memory.firmware
     small = model.family == "330"
     if register is Register.OPERATING_MODE:

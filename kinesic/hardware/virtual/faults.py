@@ -173,14 +173,14 @@ class WireFaults:
         self._random = Random(plan.seed)
 
     def request(self, data: bytes, time: float) -> bytes:
-        """Return the bytes that servos receive from the host."""
+        """Apply request faults to host bytes, and return the received bytes."""
         for fault in self._on_requests:
             if fault.start <= time - self._since < fault.end and self._random.random() < fault.rate:
                 data = self._damaged(fault, data)
         return data
 
     def replies(self, sent: "Sequence[Sent]", time: float) -> list[Transmission]:
-        """Return the transmissions that the host receives as reply.
+        """Apply reply faults, and return the transmissions that reach the host.
 
         The reply is one status, several, or a common reply. A fault affects one place of it. In a common reply, servos
         after a lost block stay silent.

@@ -7,7 +7,7 @@ from typing import Literal, NamedTuple, Protocol
 
 from kinesic.body.servo import FULL_DUTY_PWM, TICKS_PER_RADIAN, ServoModel
 
-MAX_STEP = 0.01  # [s] longest time step, which samples profiles; the motors are integrated exactly
+MAX_STEP = 0.01  # [s] longest time step, since set points are held during a step
 
 DemandKind = Literal["limp", "angle", "speed", "current", "duty"]
 

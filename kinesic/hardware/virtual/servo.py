@@ -120,13 +120,13 @@ class VirtualServo:
         return self.memory.firmware >= self.memory.model.fast_firmware
 
     def answers(self, instruction: int) -> bool:
-        """Return whether the status return level allows a reply."""
+        """Return whether STATUS_RETURN_LEVEL permits a reply to an instruction."""
         if instruction == Instruction.PING:
             return True
         return self.memory[Register.STATUS_RETURN_LEVEL] > (instruction != Instruction.READ)
 
     def execute(self, instruction: int, parameters: bytes) -> tuple[int, bytes]:
-        """Execute an instruction, and return error byte and data of the reply.
+        """Execute an instruction unless the servo refuses it.
 
         Returns:
             Error byte and data of the reply.

@@ -19,7 +19,7 @@ class ShaftSimulation:
     """
 
     def __init__(self, servos: Sequence[VirtualServo], physics: Physics, *, time: float = 0.0) -> None:
-        """Start with supply voltage on all servos.
+        """Start the simulation with all servos powered.
 
         Args:
             servos: servos in the order of the physics' shafts.
