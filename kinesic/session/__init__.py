@@ -1,1 +1,1 @@
-"""Composition root: planning setups and plans from names, files and options."""
+"""Planning setups and plans, built from names, files and options."""

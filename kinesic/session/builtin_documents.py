@@ -11,7 +11,7 @@ NAME_CUTOFF = 0.6  # smallest similarity, 0 to 1, between a missing name and a s
 
 
 def builtin_documents() -> dict[str, Path]:
-    """Return the built-in documents by name, sorted."""
+    """Return the paths of the built-in documents by name, sorted."""
     return {file.stem: file for file in sorted(DOCUMENT_FOLDER.glob(f"*{DOCUMENT_SUFFIX}"))}
 
 

@@ -10,7 +10,7 @@ from kinesic.session.setup import set_up
 
 
 def certify(path: str | Path, robot: Robot | str | Path | Setup = "upper22") -> Certification:
-    """Find what a motion file violates on a robot, and the nearest motion within all limits.
+    """Find a motion file's limit violations and the nearest motion within limits.
 
     Args:
         path: of the motion (.bvh, .skm, .csv, .npz, or a move of Reachy Mini in .json).

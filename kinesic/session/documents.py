@@ -20,7 +20,7 @@ from kinesic.intent.recorded import RecordedAudio
 from kinesic.planning.setup import Setup
 
 MAX_TEXT_WORDS = 4000  # largest number of spoken words of one plan, about 27 minutes
-MAX_TEXT_DURATION = 2400.0  # [s] longest plan of a text
+MAX_TEXT_DURATION = 2400.0  # [s] maximum duration of the plan of a text
 # Limits of the BML written for a text: size [bytes], numbers of elements and behaviours.
 TEXT_BOUNDS = DocumentBounds(size=40_000_000, elements=200_000, behaviours=50_000)
 _WORD_PATTERN = re.compile(r"\w+(?:['\u2019.,-]\w+)*")
@@ -28,7 +28,7 @@ TEXT_SUFFIXES = (".txt", ".md", ".markdown", ".srt", ".vtt", ".ssml")  # suffixe
 
 
 def is_spoken_file(name: str, content: str | bytes) -> bool:
-    """Return whether a file contains text or SSML instead of BML."""
+    """Return whether a file holds spoken text, by suffix or SSML root."""
     return name.lower().endswith(TEXT_SUFFIXES) or is_ssml(content)
 
 
@@ -41,7 +41,7 @@ def is_ssml(text: str | bytes) -> bool:
 def read_block(text: str | bytes, setup: Setup, *, source: str = "<text>") -> Block:
     """Read the block of a BML, FML or SSML document.
 
-    Intentions of FML become behaviours by the lexicon and the agent of the setup.
+    The setup's lexicon and agent turn intentions of FML into behaviours.
 
     Args:
         text: of the document.
@@ -116,7 +116,7 @@ def write_bml(text: str, setup: Setup) -> str:
 
 
 def write_text(text: str | bytes, setup: Setup, memory: ChoiceMemory = NO_MEMORY) -> AuthoredText:
-    """Convert a text or text file to BML, with warnings.
+    """Convert a text, or a text file's content, to BML with warnings.
 
     Style, seed and language are those of the setup.
 

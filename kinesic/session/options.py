@@ -36,12 +36,12 @@ PAUSE_HELP = "Longest pause before a word that would wait for the body, unless d
 
 @dataclass(frozen=True)
 class CliOption:
-    """Command-line name, type and help of a planning option."""
+    """Command-line form of a planning option: flag, type, range and help."""
 
     help: str
     default: str | int | float | None = None
     kind: type = str  # type of the value
-    flag: str = ""  # empty: the name of the option
+    flag: str = ""  # such as --set; empty: derived from the name of the option
     metavar: str | None = None
     many: bool = False  # whether the option may be repeated
     show_default: bool = False
@@ -89,7 +89,7 @@ class PlanningOptions(TypedDict, total=False):
     recordings: Annotated[str | Path | None, CliOption(RECORDINGS_HELP, kind=Path, metavar="FOLDER")]
 
 
-INTERACTIVE_DEFAULTS: PlanningOptions = {"idle": 1.0, "variation": 1.0}  # defaults of Performer and command line
+INTERACTIVE_DEFAULTS: PlanningOptions = {"idle": 1.0, "variation": 1.0}  # of Performer and command line; set_up has 0
 
 OPTION_CHOICES: Mapping[str, tuple[str, ...]] = {
     "dialect": ("auto", *get_args(Dialect)),

@@ -19,14 +19,14 @@ from kinesic.session.documents import TEXT_SUFFIXES, read_block, read_plain_text
 from kinesic.session.recorded import SpokenRecording, read_recording
 from kinesic.session.setup import set_up
 
-MOTION_FILE_SUFFIXES = (BAP_SUFFIX, ".bvh", ".skm", ".csv", ".npz")  # suffixes of motion files that are performed
-DocumentSource = str | bytes | Path  # a path, or BML text
+MOTION_FILE_SUFFIXES = (BAP_SUFFIX, ".bvh", ".skm", ".csv", ".npz")  # suffixes of motion files that can be planned
+DocumentSource = str | bytes | Path  # path, name of a built-in document, or content of a document
 
 
 def plan(
     text: str | bytes, setup: Setup | None = None, *, source: str = "<text>", conditioned: Conditioner = certify
 ) -> Plan:
-    """Plan the text of a BML or FML document.
+    """Plan the text of a BML, FML or SSML document.
 
     Args:
         text: of the document.
@@ -78,7 +78,7 @@ def plan_recording(
 
 
 def plan_motion_file(path: str | Path, setup: Setup, *, source: str | None = None) -> Plan:
-    """Plan the motion of a file.
+    """Plan the motion of a BAP or captured-motion file.
 
     Args:
         path: of the file (.bap, or captured motion such as .bvh).
@@ -103,7 +103,7 @@ def is_motion_file(path: str | Path) -> bool:
 
 
 def plan_document(document: DocumentSource, setup: Setup, *, source: str | None = None) -> Plan:
-    """Plan a BML, FML or text document, given as path or text.
+    """Plan a document or motion file, given as path, name or content.
 
     Args:
         document: path (BML, a text such as .txt, or a motion such as .bap or .bvh), name of a built-in document, or
@@ -131,7 +131,7 @@ def _is_content(text: str) -> bool:
 
 
 def _plan_read(read: Callable[[], Block], setup: Setup, conditioned: Conditioner) -> Plan:
-    """Read and plan a document, recording the reading time."""
+    """Call `read` and plan its block, recording the time [s] of `read`."""
     began = perf_counter()
     block = read()
     parse_seconds = perf_counter() - began
@@ -139,7 +139,7 @@ def _plan_read(read: Callable[[], Block], setup: Setup, conditioned: Conditioner
 
 
 def _read_bytes(path: Path) -> bytes:
-    """Read a document file as bytes.
+    """Read a document file, or built-in document of this name, as bytes.
 
     Raises:
         BmlError: the file does not exist or cannot be read.

@@ -27,7 +27,7 @@ UNWORDED_WARNING = (
 
 @dataclass(frozen=True)
 class SpokenRecording:
-    """Sound file to perform, and file with the times of its words."""
+    """Sound file to perform, and optional file with its word times."""
 
     audio: Path  # WAV file
     words: Path | None = None  # Whisper, ElevenLabs, Polly or Azure JSON, TextGrid, EAF, SRT, VTT
@@ -53,7 +53,9 @@ def read_recording(text: str | None, recording: SpokenRecording, setup: Setup, *
 
 
 def write_recording(text: str | None, recording: SpokenRecording, setup: Setup) -> AuthoredText:
-    """Write BML that plays a recording with matching gestures, with warnings.
+    """Return BML that plays a recording with matching gestures, and warnings.
+
+    Without a text, the gestures are beats on audible accents.
 
     Raises:
         ConfigError: the sound, or the file of words, cannot be read.
@@ -73,7 +75,13 @@ def write_recording(text: str | None, recording: SpokenRecording, setup: Setup) 
 
 
 def _check_files(recording: SpokenRecording) -> str:
-    """Read the files, and return the text of the words file."""
+    """Check a recording's files and return the text of the words file.
+
+    The text is empty without a words file.
+
+    Raises:
+        ConfigError: a file cannot be read.
+    """
     try:
         read_wav(recording.audio)
         return "" if recording.words is None else read_words_file(recording.words).text
@@ -82,7 +90,10 @@ def _check_files(recording: SpokenRecording) -> str:
 
 
 def _use_recording(behaviour: Behaviour, recording: SpokenRecording) -> Behaviour:
-    """Let a speech play the recording, which the user may have anywhere."""
+    """Return a speech behaviour with its sound replaced by the recording.
+
+    Other behaviours are returned unchanged. The recording may lie in any folder.
+    """
     if not isinstance(behaviour.action, Speech):
         return behaviour
     script = replace(behaviour.action.script, recording=Recording(recording.audio, words=recording.words))
