@@ -14,7 +14,7 @@ from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SyncTime, find_planned_spans
 from kinesic.sim.kinematics import body_frames
 
-HAND_PARTS: tuple[PartName, PartName] = ("l_hand", "r_hand")  # body parts with arrivals measured by position
+HAND_PARTS: tuple[PartName, PartName] = ("l_hand", "r_hand")  # body parts whose arrival is measured by position
 ENTRY_WINDOW = 0.3  # [s] time before and after the planned time in which an arrival is searched
 MIN_ARRIVAL_RADIUS = 0.005  # [m] smallest radius of a hand's target ball
 MIN_ARRIVAL_ANGLE = np.radians(0.5)  # [rad] smallest radius of the target region of head and torso
@@ -25,7 +25,7 @@ POSTURES_PER_WINDOW = 1024  # postures evaluated at once; more need more memory
 def compute_part_paths(
     angles: Floats, robot: Robot, hands: Mapping[str, Floats] | None = None
 ) -> Mapping[PartName, Floats]:
-    """Compute the paths of hands, head and torso along a motion.
+    """Return wrist positions and head and torso joint angles along a motion.
 
     Args:
         angles: (m, n) [rad].
@@ -66,10 +66,10 @@ class Arrival:
 def find_arrivals(
     plan: Plan, times: Floats, reference: Mapping[PartName, Floats]
 ) -> Mapping[SyncTime, tuple[Arrival, ...]]:
-    """Find each sync point's target region and its planned arrival time.
+    """Find body parts' target regions and planned arrivals at each sync point.
 
     A part arrives when it first enters a ball around the planned position, within a window around the planned time. The
-    radius is 5 mm or 5 % of the path of the behaviour, whichever is larger.
+    radius is 5 mm (0.5 deg for head and torso) or 5 % of the path of the behaviour, whichever is larger.
 
     Args:
         plan: with the sync points.
@@ -104,7 +104,7 @@ def find_arrivals(
 def measure_arrival_lags(
     targets: Mapping[SyncTime, tuple[Arrival, ...]], times: Floats, performed: Mapping[PartName, Floats]
 ) -> dict[SyncTime, float | None]:
-    """Measure each body part's arrival delay at its sync points [s].
+    """Measure the body parts' largest arrival delay at each sync point [s].
 
     Planned and performed motion are compared by the same rule, so that the size of the ball does not count as early.
 

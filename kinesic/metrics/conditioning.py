@@ -47,7 +47,7 @@ class SyncShift:
 
 @dataclass(frozen=True)
 class StrokeLoss:
-    """Speed or path of a stroke, as requested and as planned.
+    """Peak speed or path length of a stroke, requested and planned.
 
     The fields are keys of report.json.
     """
@@ -117,7 +117,10 @@ def find_changes(plan: Plan, times: Floats, paths: Mapping[PartName, Floats]) ->
 
 
 def find_deviations(plan: Plan) -> tuple[HingeDeviation, ...]:
-    """Find the hinges whose planned motion deviates most from the desired one."""
+    """Find the hinges whose planned motion deviates most from the desired one.
+
+    At most `MAX_REPORTED_HINGES` are returned, each above `MIN_REPORTED_DEVIATION`.
+    """
     names, lost = plan.setup.robot.skeleton.names, np.degrees(plan.motion.rms_distances)
     order = np.argsort(-lost)[:MAX_REPORTED_HINGES]
     return tuple(

@@ -52,10 +52,10 @@ class DryRun:
     reference: Reference  # planned motion at the command times
     twin: Factors  # deviations of the twin's servos and masses from the robot's description
     measured: Measurements
-    dry_run_seconds: float  # feed-forward and all twins of the same run [s]
+    dry_run_seconds: float  # [s] time to compute the feed-forward and all twins of the same run
     min_pace: float = 1.0  # smallest time scale, in seconds of performance per second
     servo_estimate: Factors = NOMINAL_FACTORS  # estimate used by the feed-forward
-    restoring: float = 1.0  # fraction of the correction gain that stiff, late servos tolerate
+    restoring: float = 1.0  # largest fraction of the observer's restoring gains that these servos tolerate
 
     @cached_property
     def clearance_forecast(self) -> Floats:
@@ -99,7 +99,7 @@ class DryRun:
 
     @cached_property
     def lags(self) -> dict[SyncTime, float | None]:
-        """Arrival delay at each sync point [s], None if never reached."""
+        """Largest arrival delay at each sync point [s], None if never reached."""
         performed = compute_part_paths(self.measured.angles, self.plan.setup.robot, self.measured.hands)
         return measure_arrival_lags(self.reference.arrivals, self.measured.times, performed)
 

@@ -123,7 +123,7 @@ class Reference:
 
     @cached_property
     def arrivals(self) -> Mapping[SyncTime, tuple[Arrival, ...]]:
-        """Target region and planned arrival time of each sync point."""
+        """Body parts' target regions and planned arrivals at each sync point."""
         return find_arrivals(self.plan, self.times, self.paths)
 
     @cached_property
@@ -133,7 +133,10 @@ class Reference:
 
     @cached_property
     def moving(self) -> Flags:
-        """Whether each hinge moves at each command, (m, n)."""
+        """Whether each hinge moves at each command, (m, n).
+
+        A hinge moves if it is faster than `MOVING_FRACTION` of its velocity limit.
+        """
         thresholds, moving = MOVING_FRACTION * self.plan.setup.limits.speed, np.empty(self.duties.shape, dtype=np.bool_)
         for rows, (_, speeds, _) in self.motions():
             moving[rows] = (speeds > thresholds) | (speeds < -thresholds)
@@ -141,10 +144,7 @@ class Reference:
 
     @cached_property
     def holding_torques(self) -> tuple[Floats, Floats]:
-        """Static load torque of each hinge, relative to its stall torque.
-
-        Returns times (k,) [s] and fractions (k, n).
-        """
+        """Times (k,) [s] and absolute static load / stall torque (k, n)."""
         setup = self.plan.setup
         times = np.arange(0.0, self.plan.trajectory.duration + 1 / HOLDING_RATE, 1 / HOLDING_RATE)
         fractions = np.empty((len(times), len(setup.robot.drives)))

@@ -24,7 +24,7 @@ Ending = Literal["performed", "ended", "stopped", "failed"]
 class ServoRun:
     """Record of a plan performed on servos, with all servo statuses."""
 
-    performance: DryRun  # dry run in the twin before, with the plan
+    performance: DryRun  # earlier dry run of the same plan in the twin
     history: tuple[Status, ...]  # statuses while the performance time ran
     notes: tuple[Note, ...]
     ending: Ending
@@ -103,7 +103,7 @@ class ServoRun:
     def full_speed_fraction(self) -> float:
         """Fraction of usable statuses in which time was not slowed.
 
-        The gentle start and stop of time do not count, unless the run is too short to have anything between them.
+        The first and last `RAMP_TIME` are excluded, unless the run is too short to have statuses between them.
         """
         if not self._rows:
             return 0.0
@@ -113,7 +113,7 @@ class ServoRun:
 
     @cached_property
     def lags(self) -> dict[SyncTime, float | None]:
-        """Arrival delay at each sync point [s], None if never reached."""
+        """Largest arrival delay at each sync point [s], None if never reached."""
         arrivals = self.performance.reference.arrivals
         if len(self.times) < 2:
             return dict.fromkeys(arrivals)

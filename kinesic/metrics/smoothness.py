@@ -10,12 +10,12 @@ from kinesic.body.smoothing import smooth_curve
 CUTOFF_FREQUENCY = 10.0  # [Hz] upper limit of voluntary movement (low-pass filter)
 NOISE_THRESHOLD = 0.05  # fraction of the peak below which speed or spectrum counts as noise
 SPECTRUM_OVERSAMPLING = 16  # interpolation factor of the spectrum, by zero padding
-MIN_SPECTRUM_SAMPLES = 3  # fewest speeds whose spectrum is measured
+MIN_SPECTRUM_SAMPLES = 3  # minimum number of speed samples for a spectrum
 
 
 @dataclass(frozen=True)
 class HandSmoothness:
-    """Smoothness of one hand's path, as planned and as performed."""
+    """Smoothness of a hand's path: planned jerk, planned and performed arc length."""
 
     planned_jerk: float | None  # dimensionless; None without motion
     planned_arc_length: float | None  # SPARC; None without motion
@@ -48,7 +48,7 @@ def dimensionless_jerk(path: Floats, *, period: float) -> float | None:
         period: [s] between samples.
 
     Returns:
-        Dimensionless jerk; None for a path without motion.
+        Dimensionless jerk; None for a path without motion or with fewer than four samples.
     """
     speeds = np.diff(path, axis=0) / period
     peak = float(np.linalg.norm(speeds, axis=1).max(initial=0.0))

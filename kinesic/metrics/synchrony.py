@@ -26,8 +26,8 @@ class StrokeLag:
     sync: str  # `stroke`, or `stroke:2` for a repetition
     word: str  # sync point of the speech, such as `s:mark`
     accent: float  # [s] time of the word plus the offset in the document
-    stroke: float  # [s] planned stroke
-    fastest: float  # [s] highest wrist speed within the span of this stroke
+    stroke: float  # [s] planned time of the stroke
+    fastest: float  # [s] time of the highest wrist speed within the span of this stroke
 
     @property
     def lag(self) -> float:
@@ -46,7 +46,7 @@ def measure_planned_lags(plan: Plan) -> tuple[StrokeLag, ...]:
 
 
 def measure_lags(plan: Plan, times: Floats, hands: Mapping[str, Floats]) -> tuple[StrokeLag, ...]:
-    """Measure stroke delays after words, given the paths of the hands.
+    """Measure each stroke's delay after its word, from given hand paths.
 
     The faster hand counts, between `ready` and `strokeEnd`. Strokes after a stop are left out. The order is the planned
     one.

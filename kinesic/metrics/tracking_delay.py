@@ -14,7 +14,7 @@ VELOCITIES_PER_WINDOW = 100_000  # velocities correlated at once; more need more
 def estimate_tracking_delays(
     planned: Callable[[Indices], Floats], performed: Floats, moving: Flags, *, period: float
 ) -> Floats:
-    """Estimate the delay of each hinge by cross-correlation.
+    """Estimate the delay [s] of each hinge by cross-correlation of velocities.
 
     Args:
         planned: returns the planned velocities (m, k) [rad/s] of (k,) hinges.

@@ -15,9 +15,9 @@ class TrackingErrors:
     rmse: float
     p95: float
     max: float
-    row: int  # sample with the largest error
-    hinge: int  # hinge with the largest error
-    most: int  # hinge with the largest sum of squared errors
+    row: int  # index of the sample with the largest error
+    hinge: int  # index of the hinge with the largest error
+    most: int  # index of the hinge with the largest sum of squared errors
 
 
 def measure_errors(errors: Floats, moving: Flags) -> TrackingErrors:
@@ -28,7 +28,7 @@ def measure_errors(errors: Floats, moving: Flags) -> TrackingErrors:
         moving: (m, n) whether a hinge moves at a sample; True k times.
 
     Returns:
-        NaN statistics if an error is NaN, with the place of the first one.
+        NaN statistics if an error is NaN, with the sample and hinge of the first NaN.
     """
     if not moving.any():
         return TrackingErrors(0.0, 0.0, 0.0, 0, 0, 0)
