@@ -33,9 +33,9 @@ MAX_BLOCK_DURATION = 60.0  # [s] corpus documents with a longer plan are skipped
 
 
 def write_passage(repetition: int) -> str:
-    """Return the benchmark passage as BML, shifted by a repetition's delay.
+    """Return the benchmark's fixed BML block, delayed by 0 to 48 ms.
 
-    The delay is 0 to 48 ms in steps of 3 ms, so that planning reuses few cached results.
+    The delay is 3 ms times `repetition` modulo 17, so that planning reuses few cached results.
     """
     return PASSAGE_BML.format(*(time + 0.003 * (repetition % 17) for time in PASSAGE_TIMES))
 

@@ -16,11 +16,11 @@ from kinesic.session.setup import set_up
 CAPTURE_FOLDER = "capture"  # corpus folder of captured motion
 CLIP_SUFFIXES = (".skm", ".bvh")  # suffixes of clips in the corpus
 COMPARED_ROBOTS = ("upper22", "upper36", "human")  # robots for which clips are certified
-KEPT_STRETCH = 1.001  # largest time stretch that counts as none
-SMALL_STRETCH = 1.3  # time stretch that most motions should not exceed
-MIN_CORRELATION = 0.95  # goal of the correlation of wrist paths at the 5th percentile
+KEPT_STRETCH = 1.001  # largest certified / original duration of an unstretched motion
+SMALL_STRETCH = 1.3  # certified / original duration that most motions should not exceed
+MIN_CORRELATION = 0.95  # goal of the 5th percentile of the clips' wrist-path correlations
 MEDIAN_CORRELATION = 0.98  # goal of the median correlation of wrist paths
-MAX_ELBOW_ANGLE = 15.0  # [deg] goal of the 95th percentile of elbow directions
+MAX_ELBOW_ANGLE = 15.0  # [deg] goal of the 95th percentile of upper-arm direction errors
 
 
 def bench() -> list[Metric]:
@@ -38,7 +38,7 @@ def list_clips(folder: Path) -> list[Path]:
 
 
 def robot_metrics(robot: str, paths: Sequence[Path]) -> list[Metric]:
-    """Certify clips for a robot, and measure violations, distances, stretch and computing time."""
+    """Certify clips for a robot and measure violations, distances, stretch and computing time."""
     setup = set_up(robot)
     unread: list[str] = []
 

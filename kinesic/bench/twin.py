@@ -44,7 +44,7 @@ DETUNED_TWINS: tuple[tuple[str, Factors], ...] = (  # twins that each differ fro
     ("mass_1.25", Factors(mass=1.25)),
     ("sag_0.2_ohm", Factors(resistance=0.2)),
 )
-# Twin with half the gain, latency, backlash and a weak supply.
+# Twin with half the gain, 15 ms of latency, backlash and a weak supply.
 SOFT_LATE_LOOSE_FACTORS = Factors(gain=0.5, latency=0.015, play=LOOSE_PLAY, resistance=0.2)
 WORST_TWINS: tuple[
     tuple[str, Factors], ...

@@ -111,7 +111,7 @@ def watched_server() -> Iterator[WatchedServer]:
 
 @contextmanager
 def flooding(name: str, port: int) -> Iterator[None]:
-    """Flood a server with requests while the context is open."""
+    """Flood a server from another process while the context is open."""
     if name == NO_FLOOD:
         yield
         return
@@ -124,7 +124,7 @@ def flooding(name: str, port: int) -> Iterator[None]:
 
 
 def measure_stops(server: WatchedServer, name: str, stops: int) -> list[StopDelay]:
-    """Measure emergency stops of a flooded server, through alternating channels.
+    """Measure emergency-stop delays under a flood, by all channels in turn.
 
     Args:
         server: to stop.

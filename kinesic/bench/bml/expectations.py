@@ -182,7 +182,7 @@ class ExpectationVerdict:
 
 
 def verdict_metrics(verdicts: Sequence[ExpectationVerdict]) -> Iterator[Metric]:
-    """Yield the numbers of passed and failed expectations, then each failure.
+    """Yield each suite's numbers of passed and failed expectations, then each failure.
 
     Args:
         verdicts: verdicts of any suites.

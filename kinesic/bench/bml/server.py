@@ -80,7 +80,7 @@ class Endurance:
     sent: int
     lost: int  # blocks without a reported end
     growth: float | None  # [%] growth of memory after it had settled
-    late: int  # late ticks of the loop
+    late: int  # late ticks of the server's loop
 
 
 def bench() -> list[Metric]:

@@ -40,7 +40,7 @@ MARK_PAUSE = 0.3  # [s] pause inserted before each mark
 UTTERANCE_INTERVAL = 0.1  # [s] between utterances when their latency is measured
 SILENCE_RATIO = 1e-3  # silence threshold / amplitude of the loudest sample
 MIN_SILENCE = 0.15  # [s] shortest pause between words; closed lips within a word are silent for less
-STROKE_MARGIN = 0.15  # [s] margin before and after a stroke in which the twin's hand is searched
+STROKE_MARGIN = 0.15  # [s] margin around a stroke for the comparison of planned and performed hand speed
 MAX_ERRORS = {"mark": 5.0, "stroke": 30.0}  # [ms] goals of mark and stroke errors
 
 WORDS_BY_LANGUAGE: Mapping[str, tuple[str, ...]] = {

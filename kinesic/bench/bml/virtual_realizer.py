@@ -84,7 +84,7 @@ class FeedbackLog:
 
 
 class Realizer:
-    """A realizer of documents in virtual time, from rest at time 0."""
+    """BML realizer in virtual time that begins at rest at time 0."""
 
     def __init__(self, setup: Setup) -> None:
         self.feedback = FeedbackLog()

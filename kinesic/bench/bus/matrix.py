@@ -39,7 +39,7 @@ DriverFactory = Callable[[Wire, Sequence[Servo], float], Driver]
 
 @dataclass(frozen=True)
 class FaultCase:
-    """Bus faults of one trial and its duration."""
+    """Bus faults of one trial and its number of cycles."""
 
     name: str
     faults: tuple[PlannedFault, ...] = ()
@@ -72,7 +72,7 @@ class TrialResult:
 
 
 def list_cases() -> tuple[FaultCase, ...]:
-    """List all fault cases of the matrix, with one without faults."""
+    """List all fault cases of the matrix, including one without faults."""
     rates = [
         FaultCase(f"{kind} {rate:.0%}", (PlannedFault(kind, rate=rate),))
         for rate in FAULT_RATES

@@ -30,7 +30,7 @@ class FingerResult:
 
     gesture: str
     dropped: bool
-    shape_errors: tuple[float, ...]  # [rad] largest drive error at strokeStart, for each hand with a shape
+    shape_errors: tuple[float, ...]  # [rad] largest finger joint error at strokeStart, for each hand with a shape
     clearance: float  # [m] smallest distance of a finger from other segments
 
 

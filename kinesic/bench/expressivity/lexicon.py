@@ -48,7 +48,7 @@ class GestureResult:
     stroke_error: float  # [s] deviation in the twin from the requested time; infinite if the stroke never arrived
     on_time: bool  # whether the planned stroke is at the requested time
     reported: bool  # whether every moved sync point and every drop has a warning
-    miss: float  # [m] distance of a wrist from the gesture's position
+    miss: float  # [m] largest distance of a wrist from its required position
 
 
 def bench() -> list[Metric]:

@@ -22,7 +22,7 @@ LIP_PREFIX = "face.lips."
 PROSODY_PREFIX = "face.prosody."
 OCCLUSION_SIZES = (5, 11, 21)  # filter widths of ambient occlusion [samples], as in thesis Table 3.1
 PICTURE_SIZES = ((512, 512), (1024, 768))  # [pixels] sizes of the timed pictures
-MIN_FRAME_RATE = 24.0  # [Hz] frame rate goal of preset normal and of the draft figure
+MIN_FRAME_RATE = 24.0  # [Hz] frame rate goal of the face (preset normal) and full body (draft)
 THESIS_MS = {  # (estimator, filter width) -> times [ms] of exact and separable blur on a GTX 480: the thesis, Table 3.1
     ("crytek", 5): (3.2, 3.4),
     ("crytek", 11): (13.9, 5.8),
@@ -37,7 +37,7 @@ THESIS_MS = {  # (estimator, filter width) -> times [ms] of exact and separable 
 
 
 def bench() -> list[Metric]:
-    """Measure rendering quality and speed, lids and lips of the face."""
+    """Measure the face's rendering quality and speed, lids, lips and prosody motion."""
     reason = find_display_problem()
     lips_reason = reason or espeak_fault()
     prosody_reason = reason or ("" if find_package() else "hibari-tts is not installed")

@@ -12,8 +12,8 @@ from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import DRAFT_PRESET, NORMAL_PRESET, QUALITY_PRESETS
 
 WARM_UP_FRAMES = 3  # frames drawn before the measurement
-MEASURED_FRAMES = 48  # number of timed frames per preset and size
-SLOW_PRESET_FRAMES = 6  # number of timed frames of slow presets
+MEASURED_FRAMES = 48  # number of timed frames of the draft and normal presets, per size
+SLOW_PRESET_FRAMES = 6  # number of timed frames of all other presets, per size
 
 
 def measure_frame_rates(sizes: Sequence[Size]) -> dict[str, float]:

@@ -56,10 +56,10 @@ class Closing(NamedTuple):
     """
 
     sounds: str
-    shut: float | None  # lips closed; None: never
-    open: float | None  # lips open again
-    stops: float | None  # end of the vowel before, from the sound; None: no vowel
-    bursts: float | None  # opening of the lips, from the sound; None: not audible
+    shut: float | None  # [s] the lips close; None: never
+    open: float | None  # [s] the lips open again; None: never closed
+    stops: float | None  # [s] audible end of the preceding vowel; None: no vowel
+    bursts: float | None  # [s] audible opening of the lips; None: not audible
 
     @property
     def is_late(self) -> bool:
@@ -189,7 +189,7 @@ def _measure_closing(run: _Run, mouth: tuple[Floats, Floats], loudness: tuple[Fl
 
 
 def _find_crossing_time(times: Floats, gap: Floats, index: int) -> float:
-    """Interpolate the time [s] at which the lip gap becomes visible."""
+    """Interpolate the time [s] of the lip gap's crossing of `MIN_VISIBLE_GAP`."""
     if not 0 <= index < len(times) - 1:
         return float(times[0 if index < 0 else -1])
     return float(times[index] + CONTROL_PERIOD * (MIN_VISIBLE_GAP - gap[index]) / (gap[index + 1] - gap[index]))

@@ -91,7 +91,7 @@ def _compare_passes(
 
 
 def _measure_boxes(context: GlContext) -> dict[str, float]:
-    """Measure errors of occlusion estimators on a picture of random boxes."""
+    """Measure errors of separable against exact occlusion on random boxes."""
     position, normal = (make_texture(context, values, "f4") for values in render_boxes())
     for source in (position, normal):
         source.filter = (gl.GL_NEAREST, gl.GL_NEAREST)
@@ -139,7 +139,7 @@ def render_boxes() -> tuple[Floats, Floats]:
 
 
 def _measure_picture() -> dict[str, float]:
-    """Measure the occlusion estimators' colour difference on the head.
+    """Measure colour differences between exact and separable occlusion on the head.
 
     It is measured in the occlusion buffers and in the pictures (thesis Figure 3.10).
     """

@@ -15,13 +15,13 @@ STORY_TEXT = (
     "you leave. We had a small dog when I was a child, and he came with us on every walk. He was afraid of the sea! "
     "Each time a wave came in, he ran back to my father, sat down behind him, and waited until it was gone."
 )
-STORY_SEEDS = range(10)  # seeds of the stories that are compared
-BLINK_MINUTES = 10  # [min] duration of the story that is repeated to count blinks
+STORY_SEEDS = range(10)  # random seeds with which the story is performed
+BLINK_MINUTES = 10  # [min] duration of the repeated story in which blinks are counted
 MINUTE_DURATION = 60.0  # [s] duration of a minute
 
 
 def measure_prosody(voice: Voice) -> Mapping[str, float]:
-    """Measure accents with motion, raised brows and blinks per minute."""
+    """Measure accents with motion [%], raised brows and blinks per minute."""
     script = Script(STORY_TEXT)
     utterance = voice.say(script)
     accents = utterance.accents or find_accented_vowels(utterance.phonemes)

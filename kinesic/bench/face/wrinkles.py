@@ -50,7 +50,7 @@ class _Head:
         return int(changed[is_head & (forward < BACK_LIMIT)].sum())
 
     def support(self, numbers: tuple[int, ...]) -> Flags:
-        """Return the mask (height, width) of pixels near some wrinkle maps."""
+        """Return the mask (height, width) of pixels near the numbered wrinkle maps."""
         with self._pipeline.geometry.context:
             positions = self._pipeline.geometry.draw({}, FRONT_CAMERA).read(1)
         drawn = binary_dilation(np.any(draw_wrinkle_maps()[list(numbers)] != 0.0, axis=0), iterations=SUPPORT_MARGIN)

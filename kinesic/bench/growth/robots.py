@@ -12,7 +12,7 @@ from kinesic.body.robot_schema import HingeTable, MountTable, RobotFile
 
 # (body, chain) pairs that are removed from upper22 one after another.
 REMOVABLE_PARTS = (("skullbase", "neck"), ("vl5", "torso"), ("l_sternoclavicular", "clavicles"))
-FOREARM_ENDINGS = ("_elbow_twisting", "_wrist_flexion", "_wrist_pivot")  # name endings of the joints behind the elbow
+FOREARM_ENDINGS = ("_elbow_twisting", "_wrist_flexion", "_wrist_pivot")  # name endings of joints distal to the elbow
 FINGER_SERVO = "xc330_t181"  # servo that drives a joint in place of a linkage
 
 

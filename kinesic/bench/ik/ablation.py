@@ -1,6 +1,6 @@
 """Ablation study of the IK solver: its stages measured separately.
 
-The same targets with only some of its stages.
+Every row solves the same targets, with only some of the stages.
 
 The compiled stages run one after another. Only rows that are one call of the solver are timed. There are no goals. The
 plots show the solver on one target, and the success without some of its stages.
@@ -289,7 +289,7 @@ def _posture(arm: AblationArm, angles: Sequence[float]) -> list[Vector]:
 
 
 def _draw_line(axes: Axes, points: Sequence[Sequence[float]], colour: str, label: str) -> None:
-    """Draw joints from the front: y to the left, z up [m]."""
+    """Draw connected points, seen from the front: y to the left, z up [m]."""
     axes.plot([y for _, y, _ in points], [z for _, _, z in points], "o-", color=colour, markersize=4, label=label)
 
 

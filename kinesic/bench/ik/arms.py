@@ -42,7 +42,7 @@ def random_arm(rng: Generator) -> Chain:
 
 
 def draw_targets(rng: Generator, chain: Chain, count: int) -> Floats:
-    """Draw targets (count, 3) [m] from random postures within the ranges."""
+    """Sample reachable hand targets (count, 3) [m] from random postures within ranges."""
     return np.array([chain.hand(rng.uniform(chain.lower, chain.upper)) for _ in range(count)])
 
 

@@ -28,7 +28,7 @@ Solver = Callable[[Floats], Floats]  # (3,) [m] in the chain's base -> (k,) [rad
 
 STOP_DISTANCE = 5e-4  # [m] hand error at which a peer's search may stop
 MAX_STEPS = 100  # maximum iterations per target of differential IK libraries
-TIME_LIMIT = 0.1  # [s] time limit per target of IK libraries with random restarts
+TIME_LIMIT = 0.1  # [s] time limit per target of optik, which restarts at random
 QP_DAMPING = 1e-6  # damping of the peers' quadratic programs
 
 

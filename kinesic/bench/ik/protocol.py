@@ -1,7 +1,5 @@
 """Benchmark of reaching: start postures, joint travel, closed paths and narrowed ranges.
 
-Other starts, travel, narrow ranges, paths and swivel.
-
 The plots show accuracy and time, the travel of the joints, and the joint angles on a path.
 """
 
@@ -30,7 +28,7 @@ TRAVEL_TARGETS = 100  # targets for which joint travel is measured
 STRICT_POSITION_ERROR = 1e-4  # [m] strict bound of the hand's position error
 TRACKING_RATES = (50, 200, 1000)  # [Hz] compared sample rates of a closed hand path
 DRAWN_TARGETS = 1500  # hand targets whose errors are plotted
-ERROR_FLOOR = 1e-17  # [m] added to plotted errors, so that zero has a logarithm
+ERROR_FLOOR = 1e-17  # [mm] added to plotted errors, so that zero has a logarithm
 
 
 def bench() -> list[Metric]:
@@ -135,7 +133,7 @@ def _measure_swivel(chain: Chain) -> list[Metric]:
 
 
 def draw(path: Path) -> Path:
-    """Plot IK errors, times and travel, and return the picture's path."""
+    """Plot IK errors, times, travel and joint angles on a closed path."""
     chain = Robot.load().arms["l"]
     misses, seconds, travel = _solve_targets(chain)
     with picture(path, 11.0, 6.4) as drawn:

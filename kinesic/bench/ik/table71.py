@@ -165,7 +165,7 @@ def _join_runs(parts: Sequence[ChainRuns]) -> ChainRuns:
 
 
 def _draw_targets(count: int, nearest: float, farthest: float) -> Floats:
-    """Draw targets (count, 3) [chain lengths], uniform in volume between two spheres."""
+    """Sample targets (count, 3) [chain lengths], uniform in volume between two spheres."""
     random = np.random.default_rng(71)
     directions = random.normal(size=(count, 3))
     distances = np.cbrt(random.uniform(nearest**3, farthest**3, count))

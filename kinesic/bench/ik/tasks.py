@@ -173,7 +173,7 @@ def best_posture(chain: Chain, reach: Reach, *, starts: int = 20, seed: int = 0)
         seed: seed of the random starts.
 
     Returns:
-        The posture of least cost: squared error in arm lengths, plus (1 - cosine) of the directions.
+        The posture of least cost: squared error in arm lengths, plus `DIRECTION_WEIGHT` (1 - cosine) per direction.
     """
     minimise, random = _make_minimiser(chain), np.random.default_rng(seed)
     target_vector = np.concatenate(

@@ -17,7 +17,7 @@ from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.scalar3 import cross, minus
 from kinesic.ik.track import Tracker
 
-Path = Callable[[float], Floats]  # turn [rad] -> (3,) [m] in the chain's base
+Path = Callable[[float], Floats]  # lap phase [rad] -> hand position (3,) [m] in the chain's base
 
 DLS_ITERATIONS = 50  # iterations per target of the damped least squares
 DLS_DAMPING = 1e-3  # damping of the damped least squares
@@ -37,7 +37,7 @@ def damped_least_squares(chain: Chain, path: Callable[[float], Floats], steps: i
 
     Args:
         chain: a left arm.
-        path: function from turn [rad] to position (3,) [m].
+        path: function from lap phase [rad] to position (3,) [m].
         steps: number of steps of one lap.
         laps: number of laps.
 
@@ -65,14 +65,14 @@ def damped_least_squares(chain: Chain, path: Callable[[float], Floats], steps: i
 def jerk(laps: Floats, rate: int) -> float:
     """Return the RMS joint jerk [rad/s^3] of laps (laps, steps, h) [rad].
 
-    The first quarter of a lap, while the arm moves to the path, is left out.
+    The first quarter of the first lap, while the arm moves to the path, is left out.
     """
     angles = np.concatenate(laps)[laps.shape[1] // 4 :]
     return float(np.sqrt((np.diff(angles, 3, axis=0) ** 2).sum(axis=1).mean()) * rate**3)
 
 
 def ellipse(turn: float) -> Floats:
-    """Return a point (3,) [m] of the elliptic hand path.
+    """Return the elliptic hand path's point (3,) [m] at a phase [rad].
 
     The frame is that of the chain's base.
     """
@@ -96,7 +96,7 @@ def tracking_paths(chain: Chain) -> dict[str, Path]:
 
 
 def _follow(chain: Chain, path: Path) -> tuple[float, float]:
-    """Return hand error [m] and joint drift [rad] of the last lap."""
+    """Return the last lap's largest hand error [m] and joint drift [rad]."""
     tracker, steps = Tracker(chain, period=1 / TRACKING_RATE), round(LAP_DURATION * TRACKING_RATE)
     goals = [path(2 * np.pi * step / steps) for step in range(steps)]
     laps = np.array([[tracker.step(target) for target in goals] for _ in range(LAP_COUNT)])

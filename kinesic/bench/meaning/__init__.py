@@ -50,7 +50,7 @@ class GesturedText:
 
 
 def bench() -> Iterable[Metric]:
-    """Measure gestures chosen for generated texts and deictic sentences."""
+    """Measure gesture choice, timing and computing time for several kinds of texts."""
     lexicon, style = Lexicon.load(), Style.load("neutral")
     sentences = prose(SENTENCE_COUNT)
     texts = [" ".join(sentences[k : k + SENTENCES_PER_TEXT]) for k in range(0, SENTENCE_COUNT, SENTENCES_PER_TEXT)]
@@ -74,7 +74,7 @@ def bench() -> Iterable[Metric]:
 
 
 def _measure_spacy(texts: Iterable[str], lexicon: Lexicon, style: Style) -> Metric:
-    """Measure the writing time of texts parsed by spaCy."""
+    """Measure the CPU time to write BML for texts parsed by spaCy."""
     why, slow = parser_fault(), None
     if not why:
         author("Hello", lexicon, style, grammar="spacy")  # loads the model
@@ -98,7 +98,7 @@ def _author_text(text: str, lexicon: Lexicon, style: Style) -> GesturedText:
 def _stressed_fraction(written: Iterable[GesturedText]) -> float:
     """Return the fraction of strokes on stressed syllables.
 
-    Long drawing strokes, which accompany their word instead of ending at it, are left out.
+    Strokes of `LONG_STROKES`, which accompany their word instead of ending at it, are left out.
     """
     hits = []
     for text in written:

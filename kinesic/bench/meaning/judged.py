@@ -1,4 +1,4 @@
-"""Benchmark of gestures against judged utterances."""
+"""Benchmark of chosen gestures against utterances with judged gestures."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -27,7 +27,7 @@ FACE_EMOTIONS = {
     "despair": "sadness", "disappointment": "sadness", "LOWER_MOUTH_CORNERS": "sadness", "surprise": "surprise",
     "anger": "anger", "hate": "anger", "fear": "fear", "panic": "fear", "worry": "fear", "anxiety": "fear",
     "disgust": "disgust", "contempt": "disgust", "pride": "joy", "relief": "joy",
-}  # face lexeme -> emotion that a viewer reads in it  # fmt: skip
+}  # face lexeme -> emotion that a viewer recognises  # fmt: skip
 # Head lexeme -> kind of head movement.
 HEAD_KINDS = {"NOD": "nod", "SHAKE": "shake", "ASIDE_LEFT": "tilt", "ASIDE_RIGHT": "tilt", "TILT": "tilt"}
 # Reason for missing metrics.

@@ -45,7 +45,7 @@ class ShownGesture:
     """Gesture chosen for an utterance, and the word of its stroke."""
 
     lexeme: str
-    token: int
+    token: int  # index of the word
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,6 @@
-"""Benchmark of the rhythm of gesture strokes in stories of a minute.
+"""Benchmark of the rate, gaps and repeats of gesture strokes in stories.
+
+Each story lasts about a minute.
 
 The stories are planned, so that dropped and late strokes and the paths of the hands count. Speech is that of the best
 voice of this machine.
@@ -30,7 +32,7 @@ MAX_STROKE_DELAY = 0.1  # [s] deviation from the requested time above which a st
 RETURN_RATIO = 0.3  # distance from rest / distance at the strokes, below which a hand has returned
 SAMPLE_PERIOD = 0.02  # [s] between samples of the hands' paths
 MAX_LOSSES = 2.0  # goals for the number of dropped gestures and for that of late strokes, in three stories
-MAX_SILENCE = 14.0  # [s] goal for the longest time without strokes, in the restrained style
+MAX_SILENCE = 14.0  # [s] goal for the longest time without strokes
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,7 @@ class PlannedStroke:
     """Stroke of a planned gesture."""
 
     time: float  # [s] block time
-    delay: float  # [s] behind the requested time
+    delay: float  # [s] planned minus requested time
     lexeme: str
     hands: frozenset[Side]
 
@@ -50,7 +52,7 @@ class StoryRhythm:
     seconds: float  # [s] duration of the speech
     strokes: tuple[PlannedStroke, ...]  # in time order
     lost: int  # dropped gestures
-    returns: tuple[bool, ...]  # whether a hand returned to rest, for each two strokes of one hand in a run
+    returns: tuple[bool, ...]  # whether a hand returned to rest, for successive strokes of one hand
 
     @property
     def rate(self) -> float:
@@ -70,7 +72,7 @@ class StoryRhythm:
 
     @property
     def repeats(self) -> int:
-        """Number of gestures that the same hands showed within a minute."""
+        """Number of gestures already shown by the same hands within a minute."""
         last: dict[tuple[str, frozenset[Side]], float] = {}
         count = 0
         for stroke in self.strokes:
@@ -86,7 +88,9 @@ class StoryRhythm:
 
 
 def bench(robot: str = "human") -> Iterator[Metric]:
-    """Measure the stroke rhythm of three stories in three styles.
+    """Measure rate, gaps, repeats and returns of strokes in three stories.
+
+    Each story is planned in three styles.
 
     Args:
         robot: name of the body.
@@ -97,7 +101,7 @@ def bench(robot: str = "human") -> Iterator[Metric]:
 
 
 def rhythm_metrics(part: str, stories: Sequence[StoryRhythm]) -> Iterator[Metric]:
-    """Yield the rhythm metrics of several stories in one style.
+    """Yield the gesture-stroke metrics of several stories in one style.
 
     Args:
         part: prefix of the names.
@@ -118,13 +122,13 @@ def rhythm_metrics(part: str, stories: Sequence[StoryRhythm]) -> Iterator[Metric
 
 
 def measure_story_rhythm(text: str, style: str, robot: str) -> StoryRhythm:
-    """Plan a story in a style, and measure its rhythm."""
+    """Plan a story in a style and measure its gesture strokes."""
     setup = replace(set_up(robot, voice="auto"), style=Style.load(style))
     return measure_rhythm(plan(write_text(text, setup).bml, setup))
 
 
 def measure_rhythm(planned: Plan) -> StoryRhythm:
-    """Measure gesture strokes, dropped gestures and resting hands of a plan."""
+    """Measure a plan's gesture strokes, dropped gestures and hand returns to rest."""
     gestures = {
         behaviour.id: behaviour.action for behaviour in planned.timeline.block.behaviours if behaviour.type == "gesture"
     }
@@ -148,7 +152,10 @@ def measure_rhythm(planned: Plan) -> StoryRhythm:
 
 
 def _returns(planned: Plan, strokes: Sequence[PlannedStroke]) -> Iterator[bool]:
-    """Yield whether hands returned to rest between strokes of a run."""
+    """Yield whether a hand returned to rest between its successive strokes.
+
+    Only strokes at most `RUN_SPACING` apart are compared.
+    """
     times = np.arange(0.0, planned.trajectory.duration, SAMPLE_PERIOD)
     angles = planned.trajectory.sample(times)[0]
     distances = {side: _distance_from_rest(planned.setup.robot, side, angles) for side in SIDES}

@@ -1,4 +1,4 @@
-"""Sentences from templates: spoken prose and sentences with one deictic word."""
+"""Sentences from templates: spoken prose, and sentences for tests of deixis."""
 
 import random
 from collections.abc import Sequence

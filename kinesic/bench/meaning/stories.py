@@ -1,4 +1,4 @@
-"""Three stories of a minute, for measurements of rhythm."""
+"""Texts of three one-minute stories for measurements of gesture strokes."""
 
 from collections.abc import Mapping
 

@@ -69,7 +69,7 @@ def _receive(client: Client, timeout: float, messages: list[tuple[str, float]]) 
 
 
 def _compute_delay(sent: Sequence[float], messages: Iterable[tuple[str, float]]) -> float:
-    """Return the delay of the first block [ms], infinite without start.
+    """Return the first block's delay [ms] after its words, infinite without start.
 
     Args:
         sent: times of the words [s].

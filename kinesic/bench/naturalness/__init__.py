@@ -40,7 +40,7 @@ def bench() -> list[Metric]:
 def bench_styles(styles: Sequence[str]) -> list[Metric]:
     """Measure the hand motion of gestures, each planned alone, in given styles.
 
-    The neutral style gets all metrics, other styles only the rows.
+    The neutral style gets all metrics, other styles only the medians of the hand-motion measures.
     """
     metrics = style_metrics(measured(tuple(styles)), Robot.load().arm_length)
     return [*metrics, *document_metrics(), *varied_metrics()] if NEUTRAL_STYLE in styles else metrics
@@ -135,7 +135,10 @@ def people_metrics(robots: Sequence[str], every: int = 1) -> list[Metric]:
 
 
 def category_metrics(gestures: Sequence[MeasuredGesture]) -> list[Metric]:
-    """Return the median hand speeds and flow of each gesture category."""
+    """Return each gesture category's median hand speeds and flow.
+
+    Flow is the speed at strokeStart / largest speed before strokeEnd.
+    """
     metrics: list[Metric] = []
     for category in sorted({gesture.category for gesture in gestures}):
         hands = [gesture.hand for gesture in gestures if gesture.hand and gesture.category == category]

@@ -19,7 +19,7 @@ MEDIAN_GOALS: Mapping[str, float] = {  # goals for medians
     "sparc": -3.0,  # lower bound
 }
 MAX_RETURN_SPEED = 2.6  # [arm lengths/s] goal for the 95th percentile of the return speed
-MIN_FLOW = 0.3  # smallest ratio of speed at strokeStart to largest speed in a flowing gesture
+MIN_FLOW = 0.3  # smallest speed at strokeStart / largest speed before strokeEnd of a flowing gesture
 EXPRESSIVE_CATEGORIES = frozenset(("beat", "deictic", "emblem"))  # categories whose fastest phase is the stroke
 MIN_VARIETY = 4.0  # goal for the 95th / 5th percentile of gestures' largest speeds
 MAX_DISTANCE = 0.25  # goal for the Kolmogorov-Smirnov distance from captured distributions
@@ -33,7 +33,7 @@ COMPARED_ROWS = (
 
 
 def bar_metrics(gestures: Sequence[MeasuredGesture], arm: float) -> list[Metric]:
-    """Return the metrics of hand motion: effort, variety and violations.
+    """Return hand-motion metrics: phase speeds, speed variety and limit violations.
 
     Args:
         gestures: lexicon in one style, with at least one performed gesture.
@@ -103,7 +103,7 @@ def _measure_effort(gestures: Sequence[MeasuredGesture]) -> list[Metric]:
 
 
 def _measure_variety(hands: Sequence[GestureMeasures], arm: float) -> list[Metric]:
-    """Return the variety of hand speeds and distances from captured distributions."""
+    """Return speed variety and Kolmogorov-Smirnov distances from captured distributions."""
     table, speeds = read_captured_table(), values("largest_speed", hands)
     people = {name: np.array(sample) for name, sample in table.values.items()}
     low, high = np.percentile(speeds, (5, 95)).tolist()
@@ -136,7 +136,7 @@ def _measure_variety(hands: Sequence[GestureMeasures], arm: float) -> list[Metri
 
 
 def _count_violations(gestures: Sequence[MeasuredGesture]) -> list[Metric]:
-    """Count dropped gestures, late strokes and violated limits."""
+    """Count dropped gestures, shifted strokes and violated limits."""
     late = [gesture.gesture for gesture in gestures if gesture.is_late]
     dropped = [gesture.gesture for gesture in gestures if gesture.hand is None]
     violations = float(sum(gesture.violations for gesture in gestures))

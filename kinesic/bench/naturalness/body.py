@@ -33,7 +33,7 @@ class BodyMeasures:
 
     head: float = 0.0  # in world coordinates
     trunk: float = 0.0
-    shoulders: float = 0.0  # clavicles, the one with the larger rotation
+    shoulders: float = 0.0  # range of the clavicle joint that moves most
 
     @property
     def moves(self) -> bool:

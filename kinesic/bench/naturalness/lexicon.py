@@ -46,7 +46,7 @@ class MeasuredGesture:
     keys: int  # number of keys of its stroke
     hand: GestureMeasures | None  # None: the gesture was dropped
     body: BodyMeasures  # motion of head, trunk and clavicles
-    stroke_error: float  # [s] delay of the planned stroke after its requested time
+    stroke_error: float  # [s] delay of the planned stroke after its requested time; NaN without a stroke
     violations: int  # exceeded limits at 1 kHz
     seen: Floats | None = field(default=None, compare=False, repr=False)  # (m, p, 3) [m] from `measure_appearance`
     place: float | None = None  # [m] distance of the hand from its required position; None: no required position

@@ -40,8 +40,8 @@ class GestureMeasures:
     flow: float | None  # speed at strokeStart / largest speed before strokeEnd
     lead: float | None  # [s] from the largest speed between ready and strokeEnd to the stroke
     units: int  # movement units
-    sparc: float | None  # spectral arc length, a smoothness
-    preparation_sparc: float | None  # the same of the preparation
+    sparc: float | None  # spectral arc length of the speed, more negative if rougher
+    preparation_sparc: float | None  # spectral arc length of the preparation's speed
     path: float  # [m] of the wrist relative to the chest
     arm_lengths: float  # [arm lengths] the same path
     stroke_path: float | None  # [arm lengths] path during the stroke
@@ -139,7 +139,7 @@ class _Profile:
     def samples(self, begin: str, end: str) -> Flags:
         """Return the mask (m,) of samples between two sync points.
 
-        The mask is empty if one of the points is missing.
+        All samples are False if one of the points is missing.
         """
         first, last = self.syncs.get(begin, np.inf), self.syncs.get(end, -np.inf)
         within: Flags = (self.times >= first - TIME_ROUNDING) & (self.times <= last + TIME_ROUNDING)

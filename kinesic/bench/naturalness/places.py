@@ -1,4 +1,4 @@
-"""Distance of the palm from the body position that a gesture requires.
+"""Distance of the palm or finger tips from a gesture's required position.
 
 Positions follow from the robot's own shape; those on the face are relative to the head, from the height of the eyes.
 """

@@ -29,7 +29,7 @@ class Row:
 
 
 def has_complete_return(hand: GestureMeasures) -> bool:
-    """Return whether the hand's return is long enough to be measured."""
+    """Return whether the hand's return lasts longer than `MIN_COMPLETE_RETURN`."""
     return hand.return_time is not None and hand.return_time > MIN_COMPLETE_RETURN
 
 

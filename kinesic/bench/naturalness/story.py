@@ -41,7 +41,7 @@ class StoryMeasures:
     still_head: float  # fraction of the time
     longest_trunk: float  # [s] longest stillness of the trunk
     longest_all: float  # [s] longest stillness of all joints
-    holds: tuple[float, ...]  # [m] motion of the wrist in each hold
+    holds: tuple[float, ...]  # [m] range of the wrist in each hold
     aside: float  # fraction of the time with the head turned away from the listener
     missed: tuple[str, ...]  # strokes dropped or not at their word
 
@@ -98,7 +98,7 @@ def _is_slower(velocities: Floats, limit: float) -> Flags:
 
 
 def _measure_holds(planned: Plan) -> tuple[float, ...]:
-    """Return the wrist's motion [m] during every gesture hold."""
+    """Return the wrist's range of motion [m] during every gesture hold."""
     motions, robot = [], planned.setup.robot
     for arm in (robot.arm(side) for side in SIDES):
         joints, rest = list(arm.joints), robot.skeleton.rest[list(arm.joints)]

@@ -39,7 +39,7 @@ PASSAGE_COUNT = 5  # number of time-shifted copies of the passage
 MIN_RATIO_ONE = 0.6  # goal for bare physics time / dry run time with one twin
 MIN_RATIO_BOTH = 0.7  # goal for bare physics time / dry run time with two twins
 MAX_VARIANT_TIME = 20.0  # [ms] goal for the time of one servo variant
-VARIANT_GROUPS = 3  # number of timed groups of servo variants; the first warms up
+VARIANT_GROUPS = 3  # number of groups of servo variants; the first warms up and is not timed
 FLOAT_BYTES = 8  # [bytes] size of a 64-bit float
 MEASURED_ARRAYS = 12  # number of posture arrays over all steps that measurements read or write
 COPY_SIZE = 32 * 1024 * 1024  # [bytes] size of the array copied to measure memory bandwidth
@@ -114,7 +114,7 @@ def _time_bare_physics(performance: DryRun) -> float:
 
 
 def stages(plans: list[Plan]) -> list[Metric]:
-    """Measure the time of each dry-run stage with one twin."""
+    """Measure each dry-run stage's CPU time per second of motion [ms/s]."""
     spent: dict[str, list[float]] = {}
     limits_by_stage: dict[str, list[float]] = {}
     for planned in plans * (RUN_REPETITIONS // len(plans)):

@@ -37,7 +37,7 @@ BEFORE_BODY = {
 MAX_COMPONENTS = 6  # principal components of each posture
 MIN_ANGLE = 0.5  # [deg] smaller angles are left out
 # Weights of features in the choice of principal components: viewers see a turned head sooner than a bent wrist.
-BODY_WEIGHT = 2.0  # of trunk and head
+BODY_WEIGHT = 2.0  # of trunk and head features
 HAND_WEIGHT = 0.3
 
 
@@ -65,7 +65,7 @@ def find_pose(stance: Floats) -> str | None:
 
 
 def weigh_poses(clips: Iterable[BodyMotion]) -> Mapping[str, float]:
-    """Return the mean fraction of each pose in a set's resting frames.
+    """Return each pose's fraction of resting frames, averaged over sets.
 
     Frames in the first pose of their clip count as well. The fractions of hanging arms and of all poses sum to one.
     """
@@ -81,7 +81,7 @@ def weigh_poses(clips: Iterable[BodyMotion]) -> Mapping[str, float]:
 
 
 def fit_poses(poses: Mapping[str, StanceGroups], weights: Mapping[str, float]) -> Sequence[ArmPoseTable]:
-    """Fit mean and components of each pose.
+    """Fit the mean and principal components of each pose's stances.
 
     Args:
         poses: stances (k, s) [deg] by pose and person, with mirror images.

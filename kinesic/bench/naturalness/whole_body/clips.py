@@ -103,7 +103,7 @@ def read_body_motion(path: Path, skeletons: Mapping[str, Path]) -> BodyMotion:
 
 
 def skip_calibration(motion: BodyMotion) -> BodyMotion:
-    """Drop the calibration T-pose at the beginning of a clip."""
+    """Drop the calibration T-pose, if any, at the beginning of a clip."""
     hands = motion.wrists - motion.shoulders
     heights = hands[..., 2] / motion.arm
     is_straight = np.linalg.norm(hands[:, 0], axis=1).min() > STRAIGHT_RATIO * motion.arm

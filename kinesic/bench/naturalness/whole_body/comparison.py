@@ -30,7 +30,7 @@ BREATH_SPEED = 2.5  # [deg/s] largest rotation speed of the trunk from breath an
 MIN_FREE_ARM_RATIO = 0.02  # path of the free arm / path of the main arm, below which the free arm counts as still
 MIN_DYNAMIC_PATH = 0.25  # [arm lengths] shortest path of a dynamic stroke
 MAX_KS_DISTANCE = 0.3  # goal for Kolmogorov-Smirnov distances
-MAX_AUC = 0.85  # goal for the area under the ROC curve of whole-body motion
+MAX_AUC = 0.85  # goal for the ROC area of the classifier of whole-body motion
 MAX_ACCURACY = 0.65  # goal for the accuracy of classifying first frames
 COMPARED_MEASURES = ("trunk", "stroke_speed", "flow", "path")  # measures whose distributions are compared
 CLASSIFIER_SCORERS: Mapping[str, Scorer] = {
@@ -74,7 +74,7 @@ def _dynamic_stroke(measured: MeasuredSet) -> float:
 def measure_rest_spread(measured: MeasuredSet) -> float:
     """Return the spread of the resting wrists [arm lengths].
 
-    It is the root mean square of the standard deviations of their places, over the three axes.
+    It is the root sum square of the wrist position's standard deviations along the three axes.
     """
     spreads = [float(measured.posture_values(name).std()) for name in REST_AXES]
     return float(np.linalg.norm(spreads))
@@ -184,7 +184,7 @@ def separation_metrics(
     goal_auc: float | None,
     goal_accuracy: float | None,
 ) -> list[Metric]:
-    """Return how well classifiers distinguish our gestures from captured human gestures.
+    """Return AUC and accuracy of classifiers of our against captured gestures.
 
     Each classifier is tried twice: trained on tuned sets and tested on unseen ones, and tested on every left-out set.
     """

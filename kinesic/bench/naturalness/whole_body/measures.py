@@ -38,7 +38,7 @@ class WholeBodyMeasures:
     collar: float  # [arm lengths] largest displacement of a shoulder in the chest since the first frame
     free_arm: float  # path of the hand that moves less / path of the other one
     hand_turning: float  # [deg/s] largest rotation speed of the main hand in the chest
-    wrist_range: float  # [deg] largest rotation of the main hand relative to its forearm's direction
+    wrist_range: float  # [deg] range of the angle between main hand and forearm
     elbow_range: float  # [deg] range of the main elbow
     largest_speed: float  # [arm lengths/s] main wrist
     path: float  # [arm lengths] main wrist relative to the chest

@@ -67,7 +67,7 @@ def smooth_frames(values: Floats) -> Floats:
 
 
 def make_motion(robot: Robot, angles: Floats, syncs: Mapping[str, float], name: str, performance: str) -> BodyMotion:
-    """Make the body motion of a robot.
+    """Convert a robot's joint angles to skeleton-independent body motion.
 
     Args:
         robot: robot that performs.

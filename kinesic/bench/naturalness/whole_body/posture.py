@@ -89,6 +89,6 @@ def posture_axes(motion: BodyMotion, frame: int) -> Floats:
 
 
 def posture_vector(posture: StandingPosture) -> Floats:
-    """Return the features (k,) that do not depend on the skeleton."""
+    """Return a posture's features (k,) that do not depend on the skeleton."""
     values = dict(zip(POSTURE_NAMES, astuple(posture), strict=True))
     return np.array([values[name] for name in COMPARED_FEATURES])

@@ -59,10 +59,11 @@ def group_hanging(clips: Iterable[BodyMotion]) -> StanceGroups:
 
 
 def group_changed(clips: Iterable[BodyMotion], is_counted: Callable[[Floats], bool]) -> StanceGroups:
-    """Return counted stances (k, s) [deg] of resting frames by clip group.
+    """Return selected stances (k, s) [deg] of resting frames by clip group.
 
-    Frames in the pose of the first frame are left out. A group has the clips of one set whose names agree between `@`
-    and the first `_`. Groups with stances from fewer than `MIN_CLIP_COUNT` clips are left out.
+    `is_counted` selects the stances. Frames in the pose of the first frame are left out. A group has the clips of one
+    set whose names agree between `@` and the first `_`. Groups with stances from fewer than `MIN_CLIP_COUNT` clips are
+    left out.
     """
     groups: dict[str, list[Floats]] = {}
     for clip in clips:
@@ -76,7 +77,7 @@ def group_changed(clips: Iterable[BodyMotion], is_counted: Callable[[Floats], bo
 
 
 def find_resting_frames(motion: BodyMotion) -> Indices:
-    """Return the frames (k,) in which both hands are slow."""
+    """Return the indices (k,) of frames in which both hands are slow."""
     hands = (motion.wrists - motion.chest) / motion.arm
     speeds = np.linalg.norm(np.gradient(hands, 1.0 / PROFILE_RATE, axis=1), axis=-1)
     return np.flatnonzero(speeds.max(axis=0) < MAX_REST_SPEED)

@@ -12,7 +12,7 @@ from kinesic.body.config import CONFIGS, read_toml
 
 TABLE_FILE = CONFIGS / "captured_bodies.toml"
 OPTIONAL_MEASURES = ("stroke_speed", "stroke_path", "flow")  # measures that need sync points
-MISSING_VALUE = -1.0  # stored value of a measure without sync points
+MISSING_VALUE = -1.0  # stored value of a measure that is not available
 SIGNIFICANT_DIGITS = 4  # digits of stored values
 LINE_WIDTH = 118  # characters of a written line
 
