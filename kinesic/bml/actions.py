@@ -11,7 +11,7 @@ Modality = Literal["gesture", "head", "torso", "face"]  # body parts with separa
 
 @dataclass(frozen=True)
 class Gesture:
-    """Gesture from the lexicon."""
+    """Gesture named by a lexeme, with hands, target and hand shape."""
 
     lexeme: str
     mode: HandMode = "unspecified"
@@ -25,12 +25,12 @@ class Pointing:
 
     target: str
     mode: HandMode = "unspecified"
-    shape: str = ""  # hand shape that replaces the stretched forefinger
+    shape: str = ""  # hand shape that replaces the extended index finger
 
 
 @dataclass(frozen=True)
 class Head:
-    """Temporary head movement: NOD, SHAKE or a direction of Greta's lexicon."""
+    """Temporary head movement, such as NOD, SHAKE or a Greta head direction."""
 
     lexeme: str
     repetition: int = 1
@@ -46,11 +46,11 @@ class HeadDirectionShift:
 
 @dataclass(frozen=True)
 class Gaze:
-    """Gaze at a target, or an angle away from the current direction."""
+    """Gaze at a target or the held direction, plus an offset angle."""
 
     target: str | None = None
     influence: str | None = None
-    offset_angle: float = 0.0  # [deg]
+    offset_angle: float = 0.0  # [deg]; up to 1 in drafts: fraction of 50 deg
     offset_direction: str | None = None
     shift: bool = False  # whether the gaze persists (gazeShift)
 
@@ -111,7 +111,7 @@ class Wait:
 
 @dataclass(frozen=True)
 class Interrupt:
-    """Interruption of another block or of some of its behaviours."""
+    """Command to stop another block or some of its behaviours."""
 
     target: str  # id of the block
     include: tuple[str, ...] = ()  # behaviours to stop; empty: all
@@ -120,14 +120,14 @@ class Interrupt:
 
 @dataclass(frozen=True)
 class Activate:
-    """Start of a block that was sent in advance."""
+    """Command to start a preplanned block."""
 
     target: str  # id of the block
 
 
 @dataclass(frozen=True)
 class ParameterChange:
-    """Change of the expressivity of another block while it plays."""
+    """Command to change the expressivity of a playing block or behaviour."""
 
     target: str  # "block" or "block:behaviour"
     parameter: str  # "amount", "style", or a parameter of expressivity
@@ -136,7 +136,7 @@ class ParameterChange:
 
 @dataclass(frozen=True)
 class Custom:
-    """Behaviour of an unknown extension, by its prefixed name."""
+    """Behaviour of an unknown type, identified by its element name."""
 
     name: str
 

@@ -83,7 +83,7 @@ Dialect = Literal["bml-1.0", "draft", "none", "fml-apml", "smartbody", "json"]
 GESTURE_SYNCS = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
 GAZE_SYNCS = ("start", "ready", "relax", "end")  # sync points of gazes in order
 FACE_SYNCS = ("start", "attackPeak", "relax", "end")  # sync points of facial expressions in order
-SHIFT_SYNCS = ("start", "end")  # sync points of `<gazeShift>` and other shifts, in order
+SHIFT_SYNCS = ("start", "end")  # sync points of shifts, waits and block commands, in order
 
 EXPRESSIVITY_RANGES: Mapping[str, tuple[float, float]] = {  # allowed values of each parameter (thesis 8.7)
     "spatial": (-1.0, 1.0),
@@ -131,12 +131,12 @@ class DocumentBounds:
     behaviours: int = 1000
 
 
-MAX_BLOCK_DURATION = 1200.0  # [s] longest block, and largest distance of a time from its start
+MAX_BLOCK_DURATION = 1200.0  # [s] maximum time before or after the start of a block
 DEFAULT_BOUNDS = DocumentBounds()  # maximum size of documents
 
 
 class Composition(Enum):
-    """Composition of a block with the blocks that are already playing."""
+    """BML composition mode of a block relative to earlier blocks."""
 
     MERGE = "MERGE"
     APPEND = "APPEND"

@@ -38,7 +38,7 @@ _COMPOSITIONS_BY_NAME = {
 _COMPOSITION_PATTERN = re.compile(r"([\w-]*+)(?:\s*\((.*)\))?", re.DOTALL)
 _ID_SEPARATOR = re.compile(r"[\s,]+")
 _COMMAND_ELEMENTS = ("interrupt", "activate", "parametervaluechange")
-_VALUE_ATTRIBUTES = ("targetValue", "finalValue", "value")  # attributes with the new value of a change
+_VALUE_ATTRIBUTES = ("targetValue", "finalValue", "value")  # attributes with the new value of a <parametervaluechange>
 
 
 class BlockState(Enum):

@@ -199,7 +199,7 @@ class _ActiveSet:
         """Remove an infeasible time constraint from an optional speech.
 
         Returns:
-            False if the behaviour is not an optional speech with such a time.
+            False if the behaviour is not an optional speech with such a time, or the time is its start.
         """
         is_spoken = isinstance(behaviour.action, Speech) and not behaviour.required
         if not is_spoken or sync == "start" or sync not in behaviour.syncs:

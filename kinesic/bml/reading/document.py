@@ -61,7 +61,7 @@ def read_document(text: str | bytes, *, source: str, bounds: DocumentBounds = DE
 
 
 def is_bml_start(start: bytes) -> bool:
-    """Return whether a file starts as a BML or FML-APML document.
+    """Return whether a file starts as BML or FML-APML in XML.
 
     Args:
         start: first bytes of the file; its name does not matter.

@@ -36,7 +36,7 @@ from kinesic.bml.reading.tree import Element
 from kinesic.bml.reading.vocabulary import HAND_SHAPE_NAMES, NOTATION_TYPES
 
 MAX_HEAD_STROKES = 100  # largest number of strokes per head movement
-MAX_ACTION_UNIT = 99  # largest accepted number of an action unit
+MAX_ACTION_UNIT = 99  # largest accepted FACS action unit number
 # types of descriptions that supplement the core form instead of replacing it
 SUPPLEMENTARY_TYPES = frozenset({"gretabml", "kinesic", "application/ssml+xml", "audio/x-wav", "audio/wav"})
 
@@ -45,7 +45,7 @@ OFFSET_DIRECTIONS = ("NONE", "RIGHT", "LEFT", "UP", "DOWN", "UPRIGHT", "UPLEFT",
 
 _HAND_MODES: dict[str, HandMode] = {"left": "left", "right": "right", "both": "both", "unspecified": "unspecified"}
 _ROTATION_LEXEMES = {"X": "NOD", "Y": "SHAKE", "Z": "TILT"}  # rotation axis in the BML draft -> head lexeme
-_WHOLE_BODY = "WHOLEBODY"  # default part of a pose
+_WHOLE_BODY = "WHOLEBODY"  # default body part of a <pose>
 _SIDE_NAMES: dict[str, Literal["left", "right", "both"]] = {"left": "left", "right": "right", "both": "both"}
 
 
@@ -183,7 +183,7 @@ ACTION_READERS: dict[str, Callable[[BehaviourElement, DocumentReading], Action]]
 
 
 def select_form(element: Element, *, home: str | None) -> Element:
-    """Return the supported <description> with the highest priority, or the core form.
+    """Return the behaviour in the highest-priority supported description, or the core form.
 
     A BML behaviour in a description replaces the core form at the same times. Expressivity, and speech with its own
     markup, supplement the core form. Without a supported description the core form stays.

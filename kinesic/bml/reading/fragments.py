@@ -75,7 +75,7 @@ def _translate(element: Element, counts: dict[str, int]) -> Element:
 def _translate_gaze(element: Element) -> Element:
     """Translate a SmartBody gaze into BML.
 
-    It becomes a gazeShift unless it has an end.
+    It becomes a gazeShift unless it has an end or relax attribute.
     """
     attributes = element.attributes
     joints = attributes.get("sbm:joint-range", "").upper().split()

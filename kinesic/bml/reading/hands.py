@@ -24,7 +24,7 @@ def infer_hands(name: str, *, of_animation: bool = False) -> HandMode:
     """Return the hands that a gesture or animation name indicates.
 
     The last indication counts, since the posture comes before the action in such names. A single letter (`Ges_L`) and
-    the plain words left and right are left to the lexicon. Without an indication the result is `unspecified`.
+    the plain words left and right are interpreted by the lexicon. Without an indication the result is `unspecified`.
 
     Args:
         name: name of a gesture, a pose or an animation.

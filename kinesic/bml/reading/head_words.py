@@ -6,7 +6,7 @@ _WORD_PATTERN = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
 _HEAD_MOVEMENT_WORDS = frozenset(
     {"nod", "nods", "nodding", "shake", "shakes", "tilt", "tilts", "headnod", "headshake", "headtilt", "nodhead"}
 )
-_MODIFIER_WORDS = frozenset(  # words for direction, size, speed or count
+_MODIFIER_WORDS = frozenset(  # words for direction, size, speed, count or hand
     {
         "head",
         "left",

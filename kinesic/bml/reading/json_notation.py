@@ -2,7 +2,7 @@
 
 A document is a list of behaviours, or an object with `behaviours` (or `data`) and the attributes of a <bml>. In each
 object `type` is the element name; strings, numbers and booleans are its attributes; objects and lists under another
-key are nested elements of that name. Every object knows its line and column.
+key are nested elements of that name. Every object stores its line and column.
 """
 
 import json
@@ -202,7 +202,7 @@ def _read_block(block: _Object, source: str) -> Element:
 
 
 def _suggest_document(block: _Object) -> str:
-    """Return the document that a JSON object without behaviours probably means."""
+    """Return an error remedy: the document that a JSON object probably means."""
     behaviour = _suggest_behaviour(block) or '{"type": "head", "lexeme": "NOD"}'
     return f'write {{"id": "b1", "behaviours": [{behaviour}]}}'
 

@@ -92,7 +92,7 @@ def scale_openness(greta: float) -> float:
 
 
 def read_lexeme_reference(element: Element) -> str:
-    """Return the lexeme that a description refers to, without its category.
+    """Return the lexeme named by a `gretabml` description, without its category.
 
     The result is empty if there is no such description.
     """

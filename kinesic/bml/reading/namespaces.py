@@ -16,13 +16,13 @@ ELCKERLYC_NAMESPACE = "http://hmi.ewi.utwente.nl/bmlt"  # predecessor of ASAP
 CORE_NAMESPACES = frozenset({"", BML_1_0, CORE_EXTENSIONS, *DRAFT_NAMESPACES})
 CORE_PREFIXES = frozenset({"bml", "ext", "greta"})  # prefixes of supported elements, accepted without a declaration
 KINESIC_PREFIX = "kinesic"  # prefix of kinesic's attributes, accepted without a declaration
-COMPOSITION_NAMESPACES = frozenset({ASAP_NAMESPACE, ELCKERLYC_NAMESPACE})  # namespaces of commands to other blocks
-COMPOSITION_PREFIXES = frozenset({"bmla", "bmlt"})  # prefixes of commands to other blocks, accepted undeclared
+COMPOSITION_NAMESPACES = frozenset({ASAP_NAMESPACE, ELCKERLYC_NAMESPACE})  # of block commands and attributes
+COMPOSITION_PREFIXES = frozenset({"bmla", "bmlt"})  # of block commands and attributes, accepted undeclared
 COMPOSITION_ATTRIBUTES = frozenset(  # attributes for block composition, in lower case
     {"appendafter", "chunkafter", "prependbefore", "chunkbefore", "preplan", "interrupt", "onstart"}
     | {"allowexternalrefs"}  # has no effect: external references are always allowed
 )
-NEUTRAL_PREFIXES = frozenset({"xml", "xmlns", "xsi"})  # prefixes of XML itself
+NEUTRAL_PREFIXES = frozenset({"xml", "xmlns", "xsi"})  # prefixes reserved by XML and XML Schema
 
 
 def find_namespace(element: Element) -> str | None:

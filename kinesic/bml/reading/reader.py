@@ -8,7 +8,7 @@ from pathlib import Path
 from kinesic.bml.block import BmlError, Dialect, Notice, NoticeType, Place, document_error
 from kinesic.bml.reading.tree import Element
 
-MAX_NUMBER = 1e4  # largest absolute value of a number in a document, except times
+MAX_NUMBER = 1e4  # largest absolute value of a number, except in sync references
 
 
 @dataclass(frozen=True)
@@ -40,13 +40,13 @@ class BehaviourElement:
     attributes: Mapping[str, str]
 
     def attribute(self, *names: str, default: str = "") -> str:
-        """Return the first present attribute, stripped, or the default."""
+        """Return the stripped value of the first present attribute, or the default."""
         values = (self.attributes[name].strip() for name in names if name in self.attributes)
         return next(values, default)
 
 
 def read_number(named: BehaviourElement, name: str, reading: DocumentReading, *, default: float) -> float:
-    """Read an attribute as a finite number.
+    """Read an attribute as a finite number, or return the default.
 
     Raises:
         BmlError: not a number, not finite, or beyond `MAX_NUMBER`.
@@ -56,7 +56,7 @@ def read_number(named: BehaviourElement, name: str, reading: DocumentReading, *,
 
 
 def read_integer(named: BehaviourElement, name: str, reading: DocumentReading, *, default: int, largest: int) -> int:
-    """Read an attribute as a positive integer.
+    """Read an attribute as a positive integer, or return the default.
 
     Raises:
         BmlError: not an integer, or outside 1 to `largest`.

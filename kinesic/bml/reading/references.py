@@ -35,7 +35,7 @@ _BARE_NUMBER_PATTERN = re.compile(rf"[+-]?{_NUMBER_PATTERN}")
 _SIGN_PATTERN = re.compile(r"[+-]")
 _OFFSET_PATTERN = re.compile(rf"([+-])\s*({_NUMBER_PATTERN})")
 _RELATION_PATTERN = re.compile(r"(after|before)\s*\((.*)\)", re.DOTALL)
-_ARRIVAL_SYNCS = ("ready", "attackPeak")  # sync points that mean the end of a persistent behaviour
+_ARRIVAL_SYNCS = ("ready", "attackPeak")  # mean `end` if a behaviour lacks them, such as a shift
 
 
 @dataclass(frozen=True)
@@ -99,7 +99,7 @@ def parse_ref(text: str, names: Names) -> SyncRef:
 
 
 def write_reference(ref: SyncRef, *, relative_to: str | None = None) -> str:
-    """Return a sync reference as text, relative to a block."""
+    """Return a sync reference as text, without the block id `relative_to`."""
     if relative_to == ref.block and (ref.behaviour, ref.sync) == ("bml", "start"):
         return repr(ref.offset)
     path = [ref.behaviour, ref.sync] if relative_to == ref.block else [ref.block, ref.behaviour, ref.sync]
@@ -187,7 +187,7 @@ def _make_error(text: str) -> BmlError:
 
 @dataclass(frozen=True)
 class ReferenceReader:
-    """Reader of references whose errors name line and column."""
+    """Reader of sync references that reports errors with line and column."""
 
     reading: DocumentReading
     names: Names

@@ -1,4 +1,4 @@
-"""Parser of `<speech>`: text with marks, recordings and longest pauses.
+"""Parser of `<speech>`: text with marks, recordings and maximum pauses.
 
 The text is plain, with `sync` elements, with Greta's `tm`, or SSML. The SSML elements mark, break, prosody, emphasis,
 say-as, sub and language changes are passed to the voice at any depth; only the text of other elements is kept.
@@ -28,7 +28,7 @@ BREAK_DURATIONS = {
 }  # [s] duration of a break by its SSML strength
 MAX_BREAK_DURATION = 60.0  # [s] longest accepted break in a speech; a longer one is invalid
 WAV_TYPES = frozenset({"audio/wav", "audio/x-wav", "audio/wave", "audio/vnd.wave"})
-PAUSE_ATTRIBUTE = "pause"  # kinesic attribute with the longest pause before a word
+PAUSE_ATTRIBUTE = "pause"  # kinesic attribute: maximum pause before a word ([s], true or false)
 MAX_AUTOMATIC_PAUSE = 2.0  # [s] longest pause for `kinesic:pause="true"`
 
 _PASSED_ELEMENTS: tuple[Stress, ...] = ("prosody", "emphasis", "say-as")  # elements passed to the voice unchanged

@@ -77,7 +77,7 @@ class _Open:
 
 
 class _Builder:
-    """Builder of the tree from expat's events.
+    """Builder of an `Element` tree from expat's events.
 
     Rejects deep nesting and entities.
     """

@@ -98,7 +98,7 @@ class _Notes:
             self._note((name, f"{element.local}="), NoticeType.CUSTOM_ATTRIBUTE_NOT_SUPPORTED, problem)
 
     def note_element(self, element: Element, parent: Element) -> None:
-        """Add a notice about an element without effect at its place."""
+        """Add a notice that an element has no effect in its parent."""
         problem = f"{_describe_place(element)} in <{parent.tag}> has no effect and is ignored"
         self._note((f"<{element.local}", parent.local), NoticeType.PARSING_FAILURE, problem)
 

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 
 _FACE_ATTRIBUTES = ("lexeme", "au", "side", "amount", "type")
 _GAZE_ATTRIBUTES = ("target", "type", "influence", "modality", "offsetAngle", "offsetDirection")
-HAND_SHAPE_NAMES = ("handShape", "handshape")  # names of the attribute or nested element of a gesture
+HAND_SHAPE_NAMES = ("handShape", "handshape")  # attribute or nested element with a gesture's hand shape
 _POSTURE_ATTRIBUTES = ("stance", "part", "shape")
 BLOCK_ATTRIBUTES = ("id", "characterId", "character", "agent", "composition")  # attributes of a <bml>
 AGENT_ATTRIBUTES = ("characterId", "character", "agent")  # attributes that name the performing agent
@@ -92,4 +92,4 @@ NEEDED_ATTRIBUTES: Mapping[tuple[str, str], str] = {  # (element, attribute) -> 
     **dict.fromkeys((("gaze", "offsetAngle"), ("gazeShift", "offsetAngle")), "offsetDirection"),
     **dict.fromkeys((("gaze", "offsetDirection"), ("gazeShift", "offsetDirection")), "offsetAngle"),
 }
-NOTATION_TYPES = frozenset({"lexicalized", "lexicalised", "facs"})  # values of `type` that name a notation
+NOTATION_TYPES = frozenset({"lexicalized", "lexicalised", "facs"})  # `type` values that name a notation, not a lexeme

@@ -135,7 +135,7 @@ def _find_json(text: str, begin: int) -> tuple[int, int] | None:
 def _json_end(text: str, begin: int) -> int:
     """Return the end of the JSON value that begins at an index.
 
-    The end of the text if brackets are missing, so that the reader of JSON reports their place.
+    The end of the text if brackets are missing or another value follows, so that the reader of JSON reports it.
     """
     depth = 0
     for token in _JSON_TOKEN.finditer(text, begin):

@@ -35,7 +35,7 @@ def get_point(ref: SyncRef) -> Point:
 
 
 def find_equalities(block: Block) -> Iterator[Equality]:
-    """Yield all equality constraints of a block in document order."""
+    """Yield the equality constraints of a block's sync attributes and <synchronize> elements."""
     for behaviour in block.behaviours:
         yield from find_attribute_equalities(behaviour, block.id)
     for constraint in block.constraints:
@@ -53,7 +53,7 @@ def find_attribute_equalities(behaviour: Behaviour, block: str) -> Iterator[Equa
 def find_relax_equalities(
     behaviour: Behaviour, block: str, constrained_points: Collection[Point]
 ) -> Iterator[Equality]:
-    """Yield relax = strokeEnd for a face unless the document constrains relax.
+    """Yield relax = strokeEnd for a face with strokeEnd but unconstrained relax.
 
     Args:
         behaviour: behaviour of the block.

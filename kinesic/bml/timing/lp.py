@@ -143,7 +143,7 @@ class TimingProgram:
     def times(
         self, chains: Sequence[SyncChain], spans: Mapping[str, Mapping[str, float]], orders: Sequence[Edge]
     ) -> dict[Point, float]:
-        """Solve for the times of all linked sync points.
+        """Solve for the unknown time [s] of each set's root sync point.
 
         Args:
             chains: behaviours.

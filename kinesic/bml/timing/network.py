@@ -126,7 +126,7 @@ class Network:
         return edges
 
     def find_order_conflicts(self) -> list[list[Edge]]:
-        """Return contradicting constraints between sync points of single behaviours."""
+        """Return contradictions between a behaviour's sync point order and fixed time differences."""
         loops = []
         for chain in self.chains:
             last: dict[Point, tuple[Point, float]] = {}  # root -> last visited point of its set

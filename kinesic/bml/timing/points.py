@@ -97,7 +97,7 @@ def find_speech_offsets(utterance: Utterance) -> dict[str, float]:
 
 
 def is_repeated(action: Action, sync: str) -> bool:
-    """Return whether a sync point is an additional, repeated stroke.
+    """Return whether a sync point is a repeated stroke of a gesture.
 
     Such a stroke yields to all others.
     """

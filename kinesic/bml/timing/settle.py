@@ -164,7 +164,7 @@ class _Solver:
             yield _Group(tuple(group_chains), tuple(group_orders))
 
     def _is_single(self, group: _Group, fixed_times: Mapping[Point, float]) -> bool:
-        """Return whether a group is one behaviour with independent unknown times."""
+        """Return whether a group is one behaviour solvable without the linear program."""
         if len(group.chains) != 1 or group.orders:
             return False
         chain = group.chains[0]

@@ -13,7 +13,7 @@ TIME_ROUNDING = 1e-6  # [s] tolerance for phonemes that start just before a mark
 
 
 def find_syllables(block: Block, utterances: Mapping[str, Utterance]) -> Mapping[tuple[str, str], float]:
-    """Return times [s] from word-tied sync points to ends of accented syllables.
+    """Return times [s] from word-tied sync points to ends of accented vowels.
 
     Args:
         block: block with its speeches.
@@ -50,9 +50,9 @@ def find_syllable_end(phonemes: Sequence[Phoneme], start: float) -> float | None
 
 
 def find_accented_vowels(phonemes: Sequence[Phoneme]) -> list[float]:
-    """Return the middle times [s] of accented vowels.
+    """Return the middle times [s] of the vowels with primary stress.
 
-    Without accents in the voice, all vowels count.
+    Without any, those of all vowels.
     """
     vowels = [phoneme for phoneme in phonemes if _is_vowel(phoneme)]
     accented = [phoneme for phoneme in vowels if phoneme.symbol.startswith(STRESS_MARKS[0])] or vowels
