@@ -15,11 +15,11 @@ from kinesic.intent.reading.language import load_language
 from kinesic.intent.reading.passage import Passage
 from kinesic.intent.reading.words import read_text
 
-MAX_ALTERNATIVES = 24  # largest number of alternatives
-MAX_OWN = 8  # largest number of gestures of the user
-OWN_REASON = "your own gesture"  # reason for a gesture that does not come with kinesic
-MAX_BEATS = 6  # largest number of beats
-MAX_FOUND = 10  # largest number of gestures taken from the search for a word
+MAX_ALTERNATIVES = 24  # maximum number of ranked gestures per word
+MAX_OWN = 8  # maximum number of user-defined gestures among the alternatives
+OWN_REASON = "your own gesture"  # reason for a user-defined gesture
+MAX_BEATS = 6  # maximum number of beat gestures among the alternatives
+MAX_FOUND = 10  # maximum number of gestures from the lexicon search
 BEAT_REASON = "stresses the word"  # reason for a beat, which fits every word
 
 
@@ -97,7 +97,7 @@ def _propose(
 
 
 def _own_gestures(lexicon: Lexicon) -> Iterator[str]:
-    """Yield the gestures of a lexicon that do not come with kinesic."""
+    """Yield the gestures of a lexicon that are not built in."""
     builtin = {entry.id for entry in builtin_gestures().entries}
     yield from (entry.id for entry in lexicon.entries if entry.id not in builtin)
 

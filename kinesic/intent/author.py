@@ -26,10 +26,10 @@ from kinesic.intent.recorded import RecordedAudio
 from kinesic.intent.writing import write_block
 
 EARLY_STROKE_TIME = 1.6  # [s] time after the first word; gestures with earlier strokes start before the speech
-GESTURE_LEAD_TIME = 0.4  # [s] time by which an early gesture starts before the first word; more would delay the speech
+GESTURE_LEAD_TIME = 0.4  # [s] from the start of an early gesture to the first word; more delays the speech
 MIN_STROKE_DELAY = 0.55  # [s] shortest time from the first word to a reachable stroke
-REACH_TOLERANCE = 0.15  # [s] smaller delays would only move the stroke off its word
-MIN_WAVE_DELAY = 1.4  # [s] shortest time from the first word to the end of a wave
+REACH_TOLERANCE = 0.15  # [s] delays up to this are omitted to keep strokes on words
+MIN_WAVE_DELAY = 1.4  # [s] shortest time from the first word to the stroke of a wave
 GREETING_INTENT = "performative-greet"  # intent of greetings, shown by waves
 PLAIN_STYLE = "neutral"  # only style in which emotions may set the style of their sentences
 
@@ -166,7 +166,7 @@ def plan_behaviours(
 
 
 def add_accents(intents: Sequence[Intent], passage: Passage) -> tuple[Intent, ...]:
-    """Add the missing beat intents of accented words, sorted by stroke time."""
+    """Move beats to recorded accents and add missing ones, sorted by stroke."""
     intents = follow_accents(intents, passage, BEAT_INTENTS)
     taken = frozenset(intent.word for intent in intents if intent.name in BEAT_INTENTS)
     ordered = sorted([*intents, *find_accents(passage, taken)], key=lambda intent: intent.stroke.seconds)
@@ -187,6 +187,8 @@ def merge_directed(
     chosen: Sequence[ChosenBehaviour], directed: Sequence[ChosenBehaviour], since: float = 0.0
 ) -> tuple[ChosenBehaviour, ...]:
     """Merge chosen behaviours and those of stage directions by stroke time.
+
+    If the first gesture has an early stroke, it starts before the speech.
 
     Args:
         chosen: behaviours that show intents.

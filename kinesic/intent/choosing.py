@@ -119,7 +119,7 @@ def choose_behaviours(
 
 
 def _drop_covered_beats(drawn: Sequence[ChosenBehaviour]) -> list[ChosenBehaviour]:
-    """Return the gestures without beats during the drawing movement of another one."""
+    """Drop beats between start and stroke of a long gesture."""
     drawings = [(each.lexeme, each.intent.stroke.seconds) for each in drawn if not is_beat(each.lexeme)]
     return [
         each for each in drawn if not (is_beat(each.lexeme) and is_in_long_stroke(each.intent.stroke.seconds, drawings))
@@ -155,7 +155,7 @@ def _beat_forms(sets: BehaviourSets) -> Sequence[Choice]:
 def _recall(
     memory: ChoiceMemory, fixed: Sequence[ChosenBehaviour], budget: MovementBudget, since: float
 ) -> GestureUses:
-    """Return the gestures shown in earlier texts and in this one."""
+    """Collect stroke times of gestures shown in earlier texts and this one."""
     uses = GestureUses(budget.repeat_window)
     for past in memory.gestures:
         uses.add(past)
@@ -166,7 +166,7 @@ def _recall(
 
 
 def _make_candidate(behaviour: ChosenBehaviour) -> Candidate:
-    """Convert an earlier behaviour to a candidate preferred over equal ones."""
+    """Convert an earlier behaviour to a candidate preferred over equally certain ones."""
     choices = (Choice(behaviour.lexeme, 1.0),)
     signal = Signal(behaviour.channel, behaviour.channel, choices)
     return Candidate(behaviour.intent, signal, behaviour.intent.certainty + CORE_BONUS, choices, behaviour)

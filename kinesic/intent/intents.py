@@ -14,7 +14,7 @@ class Moment:
     seconds: float  # [s] estimated time in the block, only for order and spacing
 
     def later(self, seconds: float) -> "Moment":
-        """Return the moment shifted by some seconds, possibly negative ones."""
+        """Return the moment shifted by a signed time [s]."""
         return Moment(shift_reference(self, seconds), self.seconds + seconds)
 
 
@@ -39,7 +39,7 @@ class Intent:
 
 
 def shift_reference(moment: Moment, seconds: float) -> str:
-    """Return the BML reference of a moment shifted by some seconds.
+    """Return the BML reference of a moment shifted by a signed time [s].
 
     A time in the block is at least 0.
     """

@@ -1,4 +1,4 @@
-"""Tables for English texts, read once for all forked processes."""
+"""Cues, rules and behaviour sets for English, loaded before processes fork."""
 
 from kinesic.intent.behaviour_sets import builtin_sets
 from kinesic.intent.meaning.cues import load_cues

@@ -14,7 +14,7 @@ from kinesic.intent.reading.passage import SPEECH_ID, Passage
 
 ACCENT_INTENT = "accent"  # intent of a beat, a nod or raised brows
 ACCENT_CERTAINTY = 0.4  # certainty of an accent that is heard
-ACCENT_LEAD = 0.1  # [s] from the start of an accented syllable to its peak
+ACCENT_LEAD = 0.1  # [s] from start to stroke, and from stroke to end of an accent
 MIN_STROKE_TIME = 0.55  # [s] earliest stroke that a hand can reach
 
 

@@ -29,7 +29,7 @@ from kinesic.intent.reading.prosody import reopen
 from kinesic.intent.reading.words import read_text
 from kinesic.intent.writing import name_behaviours, write_block
 
-SETTLING_TIME = 0.12  # [s] silence of the sender after which the last word is complete and punctuation ends a phrase
+SETTLING_TIME = 0.12  # [s] silence of the sender that completes the last word and short punctuated phrases
 MAX_SILENCE = 2.0  # [s] silence of the sender after which an incomplete phrase is spoken
 LETTERS_PER_WINDOW = 800  # number of letters of streamed text that are read at once
 LONGEST_PHRASE = 16  # [words] longest incomplete phrase that waits for its end

@@ -19,7 +19,7 @@ ACCENT_DELAY = 0.2  # [s] approximate time from the start of an accented word to
 
 @dataclass(frozen=True)
 class Unreadable:
-    """FML intention without a valid time."""
+    """FML intention without a valid start time."""
 
     name: str
     why: str
@@ -28,7 +28,7 @@ class Unreadable:
 def read_intentions(
     roots: Sequence[Element], speeches: Sequence[Element], marks: MarkTimes
 ) -> Iterator[Intent | Unreadable]:
-    """Convert each intention of an FML document to an intent, if readable.
+    """Yield an intent, or `Unreadable`, for each intention of an FML document.
 
     The stroke of an intention is on its first pitch accent. Without one it is half way, but soon after the start of a
     long intention.

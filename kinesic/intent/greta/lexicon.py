@@ -34,7 +34,7 @@ CHANNEL_BY_MODALITY: dict[str, Channel] = {
     "shoulder": "torso",
 }
 SEQUENCE_TYPE = "mse"  # type of a set of successive signals
-POINTING_GESTURE = "this_index"  # gesture of a signal that only names the shape of a pointing hand
+POINTING_GESTURE = "this_index"  # gesture for all signals with the modality `pointing`
 DEFAULT_DURATIONS = (1.0, 3.0)  # [s] shortest and longest signal in a sequence, if the file gives none
 
 _STAGE_SUFFIX = re.compile(r"_signal_\d+$", re.IGNORECASE)  # end of the names of expressions with several stages

@@ -10,7 +10,7 @@ _LANGUAGE_NAME = re.compile(r"[\w+#.-]*[ \t]*")  # name of a programming languag
 
 
 def read_code(state: Manuscript, *, ends: bool) -> Step | None:
-    """Read code between runs of backticks, or of three tildes or more.
+    """Read code between backticks, or between three or more tildes.
 
     A single word is spoken. A run before the end of a line opens a code block. Other tildes are not spoken.
 

@@ -6,7 +6,7 @@ import re
 from kinesic.intent.manuscript.pieces import Step
 
 MAX_DATA_LENGTH = 4000  # [characters] longest JSON value that is left out
-MAX_COMMAND_LENGTH = 200  # [characters] longest name and argument of a LaTeX command
+MAX_COMMAND_LENGTH = 200  # [characters] longest incomplete LaTeX command that waits for its end
 _JSON_START = re.compile(r"\{\s*\"[^\"\n]{0,60}\"\s*:|\[\s*\{\s*\"")
 _OPEN_JSON = re.compile(r"\{\s*(?:\"[^\"\n]{0,60}\"?\s*)?|\[\s*(?:\{\s*)?")
 _SPOKEN_KEYS = ("say", "speech", "text", "answer", "response", "message")  # keys of data whose values are spoken

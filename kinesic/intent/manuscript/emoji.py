@@ -7,7 +7,7 @@ from kinesic.body.pictographs import JOINER_RANGES, PICTOGRAPH_RANGES
 from kinesic.intent.manuscript.acts import load_acts
 from kinesic.intent.manuscript.pieces import Step, direct
 
-_SHORT_CODE = re.compile(r":([a-z][a-z_]{2,28}|[+-]1)(?::t[1-6]|::skin-tone-[1-6])?:(?!\w)")  # a tone may follow
+_SHORT_CODE = re.compile(r":([a-z][a-z_]{2,28}|[+-]1)(?::t[1-6]|::skin-tone-[1-6])?:(?!\w)")  # name, optional skin tone
 _OPEN_SHORT_CODE = re.compile(r":(?:[a-z_]{0,29}|[+-]1?):?(?:(?<=:)(?:t[1-6]?|:[a-z0-9-]{0,11}):?)?")
 _TERMINAL_COMMAND = re.compile(r"\x1b(?:\[[0-9;?]*[A-Za-z]?)?")  # colour or position in a terminal
 _OPEN_COMMAND = re.compile(r"\x1b(?:\[[0-9;?]{0,20})?")
@@ -20,7 +20,7 @@ _EMOJI_PATTERN = re.compile(
 
 
 def read_short_code(rest: str, *, ends: bool) -> Step | None:
-    """Read the name of an emoji between colons."""
+    """Convert an emoji short code such as `:smile:` to a stage direction."""
     if not ends and _OPEN_SHORT_CODE.fullmatch(rest):
         return None
     match = _SHORT_CODE.match(rest)
@@ -57,10 +57,10 @@ def perform_emoji(emoji: str, length: int) -> Step:
 
 
 def read_control(rest: str, *, ends: bool) -> Step | None:
-    """Skip a command to a terminal, or the emoji of a key.
+    """Skip a terminal escape sequence or a keycap emoji.
 
     Returns:
-        Length 0 for a digit that is no key.
+        Length 0 for a digit without a keycap.
     """
     pattern, opening = (_KEYCAP, _OPEN_KEYCAP) if rest[0].isdigit() else (_TERMINAL_COMMAND, _OPEN_COMMAND)
     if not ends and opening.fullmatch(rest):

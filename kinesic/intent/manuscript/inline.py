@@ -34,7 +34,7 @@ _PROMPT_MARKS = frozenset(
 )  # bracketed marks of prompts for language models
 _VOICE_TAG = re.compile(r"\\{1,2}([A-Za-z]+)(?:=([^\\\s]*))?\\{1,2}")
 _HTML_ENTITY = re.compile(r"&(?:#\d{1,6}|#x[0-9a-fA-F]{1,6}|[A-Za-z]{2,10});")  # `&amp;`, `&#39;`
-_SILENT_COMMANDS = frozenset(("wait", "waitTag", "stop", "stopTag"))  # ignored without a warning
+_SILENT_COMMANDS = frozenset(("wait", "waitTag", "stop", "stopTag"))  # NAOqi commands ignored without a warning
 _VOICE_COMMANDS = {"rspd": "rate", "vct": "pitch", "vol": "volume"}  # speech command -> its prosody attribute [%]
 _PLAYED_COMMANDS = frozenset(("start", "run", "startTag", "runTag", "startSound", "runSound"))
 
@@ -149,7 +149,7 @@ def _begins(state: Manuscript) -> bool:
 
 
 def _is_interjected(state: Manuscript, after: str) -> bool:
-    """Return whether a sentence is complete without the text in brackets."""
+    """Return whether a sentence would be complete without the marked text."""
     before = re.search(r"([^\W\d_]+)\s+$", state.spoken)
     following = re.match(r"[ \t]+([^\W\d_]+)", after)
     if before is None or following is None:
@@ -204,7 +204,7 @@ def _read_bracket(state: Manuscript, *, ends: bool) -> Step | None:
 
 
 def _read_link(rest: str, begin: int, *, ends: bool) -> Step | None:
-    """Read a link or picture whose text begins with a bracket."""
+    """Read a Markdown link or picture from its opening bracket."""
     match = re.match(r"\[([^\]\n]*)\]", rest)
     if match is None:
         is_over = ends or "\n" in rest or "]" in rest or len(rest) > MAX_BRACKET_LENGTH
@@ -243,7 +243,7 @@ def _read_command(rest: str, *, ends: bool) -> Step | None:
 
 
 def _read_slashed(rest: str, before: str, *, ends: bool) -> Step | None:
-    """Read a command between backslashes, or a character escaped by a backslash."""
+    """Read a LaTeX command, a backslash speech command or an escaped character."""
     latex = read_latex(rest, ends=ends)
     if latex is None or latex.length:
         return latex

@@ -18,7 +18,7 @@ FRONT_MATTER_SIGN = "---"  # line before and after the settings of a document
 _SETTING_PATTERN = re.compile(r"\w[\w-]*:(?:[ \t]|$)")
 _OPEN_SETTING = re.compile(r"[\w-]*:?")
 _FENCE_PATTERN = re.compile(r"[ \t]*(`{3,}|~{3,})([^\n`~]*)")
-_TILDE_FENCE = re.compile(r"~{3,4}[ \t]*")  # longer lines of tildes are rules
+_TILDE_FENCE = re.compile(r"~{3,4}[ \t]*")  # opens a code block; longer lines of tildes are horizontal rules
 # Markdown definition of the address of a link: `[name]: address`.
 _REFERENCE_PATTERN = re.compile(r"[ \t]*\[[^\]\n]+\]:[ \t]*(?:<[^>\n]*>|\S*[/#]\S*)(?:[ \t]+[\"'(][^\n]*)?[ \t]*")
 _LABEL_PATTERN = re.compile(r"(\*\*|__|\[(?=[^\]:\n]*\]))?([^\W\d_][\w .'\u2019()-]*?)(\*\*|__|\])?:(\*\*|__)?[ \t]+")
@@ -130,7 +130,7 @@ def _upper(name: str) -> str:
 
 
 def skip_other_speaker(state: Manuscript, *, ends: bool) -> Step | None:
-    """Skip a line of another speaker, or read this speaker's label."""
+    """Skip another speaker's line, or read the label of the played character."""
     line, newline, _ = state.rest.partition("\n")
     if not newline and not ends and len(line) < MAX_SKIPPED_LENGTH:
         return None

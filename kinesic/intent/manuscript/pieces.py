@@ -8,7 +8,7 @@ from kinesic.body.scripts import SENTENCE_STOPS
 Place = Literal["text", "silent", "cue"]  # part of a text with subtitles in which a line begins
 Mode = Literal["text", "thought", "code", "skipped", "other"]  # kind of text that the reader is in
 END_OF_SENTENCE = SENTENCE_STOPS  # punctuation signs at the end of a sentence
-LINE_PAUSE = 0.25  # [s] silence after a heading, list item or short line, beside punctuation
+LINE_PAUSE = 0.25  # [s] silence after a heading, list item or short line, in addition to punctuation
 PARAGRAPH_PAUSE = 0.45  # [s] silence between paragraphs, in addition to that of punctuation
 DIRECTED_PAUSE = 0.8  # [s] silence for a pause that a stage direction requests
 

@@ -21,7 +21,7 @@ _TIME_PATTERN = r"(?:(\d+):)?(\d{1,2}):(\d{2})[.,](\d{3})"
 _CUE_TIMES = re.compile(rf"[ \t]*{_TIME_PATTERN}[ \t]*-->[ \t]*{_TIME_PATTERN}(?:[ \t].*)?")
 _OPEN_TIMES = re.compile(r"[ \t]*(?:\d[\d:.,]*[ \t]*(?:-{1,2}|-->[ \t\d:.,]*|-->[ \t]*\d[\d:.,]*[ \t].*)?)?")
 _CUE_NUMBER = re.compile(r"[ \t]*\d+[ \t]*")
-_CUE_SIGN = re.compile(r"[\u266a\u266b#]+(?=\s|\Z)|^[-\u2013\u2014]+[ \t]*")  # song, change of speaker
+_CUE_SIGN = re.compile(r"[\u266a\u266b#]+(?=\s|\Z)|^[-\u2013\u2014]+[ \t]*")  # signs of songs and changes of speaker
 _CUE_TAG = re.compile(r"</?(?:v|c|i|b|u|lang|ruby|rt|font)(?:[ .][^<>]*)?>|<\d[\d:.]*>|\{\\[^{}]*\}")
 
 
@@ -58,7 +58,7 @@ def read_more_subtitles(state: SubtitleState, text: str, *, ends: bool = False) 
 
 
 def _read_line(state: SubtitleState, text: str, begin: int, *, ends: bool) -> tuple[SubtitleState, str, int] | None:
-    """Read a line or its rest from an index.
+    """Read a subtitle line, or the rest of one, from an index.
 
     Returns:
         State, spoken text and index of the next line; None if the line may be incomplete.

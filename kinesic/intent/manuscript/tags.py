@@ -8,7 +8,7 @@ from kinesic.intent.manuscript.acts import load_acts
 from kinesic.intent.manuscript.pieces import LINE_PAUSE, Step, direct, pause
 from kinesic.intent.reading.prosody import PROSODY_TAG, write_tag
 
-MAX_TAG_LENGTH = 400  # [characters] longest tag
+MAX_TAG_LENGTH = 400  # [characters] longest incomplete tag that waits for its end
 BREAK_DURATIONS: Mapping[str, float] = {  # [s] duration of a break by its strength
     "none": 0.0,
     "x-weak": 0.1,

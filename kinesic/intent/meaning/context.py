@@ -13,7 +13,7 @@ NEGATION_REACH = 5  # [words] largest distance of a denied word after the negati
 REPORT_DISTANCE = 3  # [words] largest distance of a reporting verb from its quotation
 OPENING_QUOTES = frozenset('"\u201c\u201e\xab')
 CLOSING_QUOTES = frozenset('"\u201d\u201c\xbb')
-FRAGMENT_LENGTH = 4  # [words] length up to which a sentence is an exclamation rather than a report
+FRAGMENT_LENGTH = 4  # [words] sentences up to this length count as addressed to the listener
 NUMBER_DIGITS = frozenset("0123456789")  # characters with which a number in digits begins
 
 
@@ -31,7 +31,7 @@ class Context:
 
     @cached_property
     def clauses(self) -> tuple[int, ...]:
-        """Index of the clause that each word belongs to."""
+        """Clause index of each word."""
         numbers = list[int]()
         for k in range(len(self.passage.words)):
             numbers.append(numbers[-1] + self._begins_clause(k) if k else 0)
@@ -100,7 +100,7 @@ class Context:
         return any(self.language.has("wish", self.plain[j]) for j in self.sentence(k) if j < k)
 
     def is_reported(self, k: int) -> bool:
-        """Return whether a word quotes somebody, or a reporting verb about others precedes it.
+        """Return whether a word is quoted or follows another person's reporting verb.
 
         The verb stands earlier in the sentence and does not follow `I` or `we`.
         """
@@ -118,7 +118,7 @@ class Context:
 
     @cached_property
     def _quoted(self) -> frozenset[int]:
-        """Words between quotation marks, next to a reporting verb."""
+        """Indices of the words in quotations next to a reporting verb."""
         quotations, opening = list[range](), -1
         for k, word in enumerate(self.passage.words):
             is_closed = opening >= 0 and not CLOSING_QUOTES.isdisjoint(word.before)
@@ -160,7 +160,7 @@ class Context:
         return self.passage.words[j].is_content and not self.language.has("own_body", self.plain[j])
 
     def is_others(self, k: int) -> bool:
-        """Return whether the clause's nearest earlier person is a third one."""
+        """Return whether the nearest person before a word is a third person."""
         clause = self.clause_words(k)
         for j in reversed(range(clause.start, k)):
             if self.language.has("listener", self.plain[j]):

@@ -8,7 +8,7 @@ from kinesic.intent.meaning.context import Context
 
 HEAD_CHANNEL = frozenset({"head"})  # channel of head movements
 GRAVE_REACH = 12  # [words] distance from a word within which denials, sad and stern words count
-MIN_RHYTHM_WORDS = 16  # [words] length of text from which nods on accents are read as rhythm, not as assent
+MIN_RHYTHM_WORDS = 16  # [words] shortest text in which viewers take accent nods as rhythm, not assent
 NOD_PREFIXES = ("accent", "noun", "first-noun", "emphasis")  # prefixes of intents that cause a small nod
 STRUCTURE_PREFIXES = (
     "turn",

@@ -36,7 +36,7 @@ ANY_NUMBER = "#"  # sign in a pattern that matches a number word
 
 @dataclass(frozen=True)
 class Slot:
-    """Place in a pattern, with the words that it accepts."""
+    """Position in a pattern, with the words that it accepts."""
 
     words: frozenset[str]
     stems: frozenset[str] = frozenset()  # of words in any inflection
@@ -107,7 +107,7 @@ class Pattern:
     def _extend(
         self, span: "Span", slot_index: int, words: Sequence[str], stop: int, is_number: Callable[[str], bool]
     ) -> "Span | None":
-        """Extend a match of the slots before an index by the slots from it on."""
+        """Extend a match by the pattern's slots from an index on."""
         if slot_index == len(self.slots):
             return span if span.last >= span.first else None
         slot, at = self.slots[slot_index], span.last + 1

@@ -20,9 +20,9 @@ from kinesic.intent.reading.language import Language
 from kinesic.intent.reading.passage import Passage
 from kinesic.intent.reading.text import EMOTION_STYLES, find_intents
 
-HAND_CHANNEL = frozenset({"gesture"})  # channel muted for a cue without a gesture of its own
+HAND_CHANNEL = frozenset({"gesture"})  # channel of hand gestures
 MIN_TOPIC_LIVELINESS = 0.5  # liveliness from which open hands present a sentence without another gesture
-MIN_TOPIC_DURATION = 8.0  # [s] topic gestures occur only in texts whose last word starts at this time or later
+MIN_TOPIC_DURATION = 8.0  # [s] shortest text with topic gestures
 HAND_INTENTS = frozenset(
     {"emphasis-strong", "listing-left", "listing-right"}
 )  # intents whose hand gestures are kept in addition to those of cues
@@ -57,7 +57,7 @@ def read_meanings(
         grammar: method that finds the phrase structure.
         begins: whether a turn begins with it.
         ends: whether a turn ends with it.
-        liveliness: 0..1 of the style; a lively speaker also draws what plain reports name.
+        liveliness: 0..1 of the style; a lively speaker also illustrates words of plain reports.
     """
     intents = find_intents(passage, language, lexicon, grammar=grammar, begins=begins, ends=ends)
     table = load_cues(language.tag)
@@ -79,7 +79,7 @@ def read_meanings(
 
 
 def list_pictures(passage: Passage, language: Language, lexicon: Lexicon) -> tuple[Picture, ...]:
-    """Return all candidate gestures of a text with their scores, the highest first.
+    """Return all candidate gestures of a text, ordered by decreasing score.
 
     Candidates below their threshold are included; `read_meanings` omits them.
     """
@@ -96,7 +96,7 @@ def list_pictures(passage: Passage, language: Language, lexicon: Lexicon) -> tup
 
 
 def _find_idioms(cues: Sequence[Candidate]) -> tuple[frozenset[int], frozenset[int]]:
-    """Return the words of all idioms, and those of idioms that negate nothing."""
+    """Return word indices of all idioms, and of idioms without negation."""
     spans = [(each.cue.intent, range(each.first, each.last + 1)) for each in cues if each.cue.kind != "word"]
     harmless = frozenset(k for intent, span in spans for k in span if intent not in NEGATION_INTENTS)
     return frozenset(k for _, span in spans for k in span), harmless
@@ -142,7 +142,7 @@ def _builtin_names() -> frozenset[str]:
 
 
 def _mute(intent: Intent, lexicon: Lexicon) -> Intent:
-    """Mute a rule's hand gesture where gestures of cues replace it.
+    """Mute a rule's hand gesture, since cues choose the gestures.
 
     Gestures of accents, emoticons and `HAND_INTENTS` remain, and illustrations by gestures that are not built in.
     """

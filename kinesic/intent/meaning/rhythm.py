@@ -7,7 +7,7 @@ from kinesic.intent.intents import Intent
 from kinesic.intent.meaning.context import Context
 from kinesic.intent.reading.passage import Passage
 
-MAIN_BEAT_CERTAINTY = 0.42  # certainty of a beat on the last content word of a sentence
+MAIN_BEAT_CERTAINTY = 0.42  # minimum certainty of a beat on the last content word of a sentence
 SECOND_BEAT_CERTAINTY = 0.36  # certainty of a beat on another content word of a long sentence
 LONG_SENTENCE = 6  # [words] length of a sentence from which it has a second beat
 SHORT_SENTENCE = 2  # [words] length of a sentence up to which it has no beat
@@ -17,7 +17,7 @@ HAND_CHANNEL = frozenset({"gesture"})  # channel of hand gestures
 
 
 def place_beats(context: Context, intents: Sequence[Intent], pictures: Sequence[int]) -> Iterator[Intent]:
-    """Yield the intents, with main accents and beats of long sentences.
+    """Yield the intents with adjusted accents and added beats of long sentences.
 
     The accent on the last content word of a sentence becomes more certain, and a long sentence gets a further beat. The
     accents of short sentences show no gesture unless they are emphasised.
@@ -25,7 +25,7 @@ def place_beats(context: Context, intents: Sequence[Intent], pictures: Sequence[
     Args:
         context: the text.
         intents: of the rules, with an accent for each phrase.
-        pictures: words of pictures.
+        pictures: indices of words with illustrating gestures.
     """
     main = {_last_content(indices, context) for indices in context.passage.sentences if indices}
     accented = set[int]()

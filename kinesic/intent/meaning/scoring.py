@@ -60,10 +60,10 @@ REPORT_CATEGORIES = frozenset(
 )  # gesture categories that plain reports rarely need
 GRAVE_CLASSES = ("sad", "stern")  # word classes of sentences without praise or joy
 SENSITIVE_INTENTS = ("emotion", "performative")  # prefixes of intents penalised in reports and questions
-# Prefixes of intents of gladness.
+# Prefixes of intents of praise, agreement, joy and pride.
 GLAD_INTENTS = ("performative-praise", "performative-agree", "emotion-joy", "emotion-pride")
 SHRUG_GESTURES = frozenset({"doubt_shrug", "shrug_small"})  # gestures of uncertainty, which fit a question
-# Further gestures that address the listener.
+# Further gestures penalised in reports and questions.
 SENSITIVE_GESTURES = SHRUG_GESTURES | {"you", "you_all", "left", "right", "we", "between_us"}
 LISTENER_GESTURES = frozenset({"you", "you_low", "you_all", "gotcha", "watching_you"})  # gestures towards the listener
 

@@ -23,11 +23,11 @@ BEAT_SPANS: Mapping[str, BeatSpan] = {
     "beat_purse": BeatSpan(after=1.5),
     "beat_roll": BeatSpan(before=1.8),
 }
-PLAIN_SPAN = BeatSpan()  # of a beat with one short stroke
+PLAIN_SPAN = BeatSpan()  # span of gestures not in `BEAT_SPANS`
 
 
 def select_fitting(choices: Sequence[Choice], before: float, after: float) -> Sequence[Choice]:
-    """Return the gestures that fit between two strokes, or all.
+    """Return the gestures that fit between two strokes, all if none fits.
 
     Args:
         choices: gestures for one word.

@@ -2,7 +2,7 @@
 
 from collections.abc import Collection, Iterable, Mapping
 
-STROKE_LEAD = 0.6  # [s] from the start of a long stroke to its word; earlier ones seem to show the words before
+STROKE_LEAD = 0.6  # [s] from the start of a long stroke to its word
 MAX_STROKE_DELAY = 1.6  # [s] longest delay of a gesture's stroke point after its word
 LONG_STROKES: Mapping[str, float] = {
     "around_here": 1.6,
@@ -44,7 +44,7 @@ LONG_STROKES: Mapping[str, float] = {
     "vase": 1.2,
     "walk_fingers": 2.3,
     "wind": 1.9,
-}  # [s] natural time from the start of a gesture to its stroke point, in the neutral style
+}  # [s] natural time from a gesture's start to its stroke point, in the neutral style
 
 
 def stroke_delay(lexemes: Collection[str]) -> float:

@@ -46,7 +46,7 @@ class GestureUses:
         return min((abs(at - time) for time in times[max(place - 1, 0) : place + 1]), default=float("inf"))
 
     def select(self, candidate: Candidate, at: float) -> Sequence[Choice]:
-        """Return the alternative gestures that repeat no recent one.
+        """Return the alternative gestures not shown recently.
 
         A beat may use the one shown longest ago. So may a gesture for words that the text repeats, unless it is one of
         the last two.
@@ -97,7 +97,7 @@ def prefer(choices: Sequence[Choice], preferences: Mapping[str, float], intent: 
 
 
 def _make_beat(intent: Intent) -> Intent:
-    """Return the intent of a beat in place of a gesture that was shown a moment ago.
+    """Convert an intent with a recently shown gesture into a beat intent.
 
     Its stroke falls on the word, without the delay of a long stroke.
     """
@@ -141,7 +141,7 @@ class LexemeSampler:
     preferences: Mapping[str, float]  # gesture -> factor on its probability
 
     def draw(self, kept: Sequence[Candidate], *, others: Sequence[float] = ()) -> Iterable[ChosenBehaviour]:
-        """Choose a random lexeme for each candidate.
+        """Yield a behaviour with a random lexeme for each new candidate.
 
         Preferred beats are added to the alternatives of beats.
 

@@ -140,7 +140,7 @@ class Language:
 
     @cached_property
     def unit(self) -> str:
-        """Regular expression that matches every unit; it never matches without units."""
+        """Regular expression that matches every unit, or nothing without units."""
         return "|".join(rf"(?<![^\W\d]|/){re.escape(unit)}(?![\w/])" for unit in self.units) or r"(?!)"
 
 

@@ -90,7 +90,7 @@ class Passage:
         return Moment(f"{SPEECH_ID}:{mark(index)}", self.starts[index])
 
     def stress(self, index: int) -> Moment:
-        """Return the time of a word's stressed syllable."""
+        """Return the time of a word's stressed vowel."""
         later = (stressed_syllable(self.words[index].plain, self.language) + VOWEL_FRACTION) * SYLLABLE_DURATION
         return Moment(f"{SPEECH_ID}:{mark(index)}+{later:.2f}", self.starts[index] + later)
 
