@@ -9,7 +9,7 @@ import numpy as np
 from kinesic.body.utterance import Phoneme, Sound
 
 WINDOW_DURATION = 0.01  # [s] duration of the windows in which a recording's amplitude is measured
-AUDIBLE_RATIO = 0.03  # amplitude of a window / loud amplitude of the recording (-30 dB) above which it is audible
+AUDIBLE_RATIO = 0.03  # audibility threshold (-30 dB): amplitude of a window / loud amplitude of the recording
 LOUD_PERCENTILE = 99  # percentile of the windows' amplitudes that counts as loud
 MAX_BRIDGED_GAP = 0.12  # [s] longest silence within a word, such as before a plosive
 MIN_AUDIBLE_TIME = 0.05  # [s] with less audible time between two anchors, sounds fill the whole time between them

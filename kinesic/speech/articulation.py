@@ -17,8 +17,8 @@ NASAL_SOUNDS = frozenset("mnŋɲɳɱ")  # phonetic letters of nasals
 GLIDE_SOUNDS = frozenset("lɹrwjʎ")  # phonetic letters of glides and liquids
 CLOSURE_TIME = 0.036  # [s] duration of the closure before the burst of a voiceless stop, at rate 1
 MAX_GAP = 0.02  # [s] a longer gap between two sounds counts as a pause
-FINAL_BURST_FRACTION = 0.5  # fraction of the duration of a voiced stop before a pause at which its burst occurs
-OPENING_FRACTIONS = (  # phonetic letters -> fraction of the sound's duration at which the mouth opens for a vowel
+FINAL_BURST_FRACTION = 0.5  # fraction of a voiced stop's duration at its burst, if a pause follows
+OPENING_FRACTIONS = (  # phonetic letters -> fraction of their duration at which the mouth opens for a vowel
     (VOICED_STOPS, 0.62),
     (NASAL_SOUNDS, 0.7),
     (GLIDE_SOUNDS, 0.6),

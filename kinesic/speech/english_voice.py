@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 from kinesic.body.utterance import Script, Utterance, Voice
 
-AMERICAN_TAGS = frozenset({"", "en", "en-us"})  # language tags that need no other accent
+AMERICAN_TAGS = frozenset({"", "en", "en-us"})  # language tags spoken with an American accent
 
 
 @dataclass(frozen=True)

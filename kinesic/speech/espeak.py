@@ -135,7 +135,7 @@ def _list_letters(letters: str) -> str:
 
 
 def _convert_reply(script: Script, reply: EngineReply) -> Utterance:
-    """Convert an engine reply to an utterance in seconds, without final silence."""
+    """Convert an engine reply to an utterance, without the engine's final silence."""
     ends = [sample for _, sample in reply.phonemes[1:]]
     sounds = [(symbol, begin, end) for (symbol, begin), end in zip(reply.phonemes, ends, strict=False) if symbol]
     spoken = sounds[-1][2] if sounds else 0

@@ -54,7 +54,7 @@ def voice(name: VoiceName = "durations", *, engine: SpeechEngine | None = None) 
 
 
 def table_modules(voice: Voice) -> tuple[str, ...]:
-    """Return modules that read a voice's tables at import."""
+    """Return names of modules that load a voice's lexicon at import."""
     match voice:
         case RecordedVoice():
             return table_modules(voice.voice)

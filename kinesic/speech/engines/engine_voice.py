@@ -59,7 +59,7 @@ class EngineVoice:
     def _speak_phrases(
         self, placed: Iterable[PlacedPhrase]
     ) -> tuple[list[tuple[PlacedPhrase, SpokenPhrase]], list[str]]:
-        """Speak the readable phrases, and return a remark on each other one.
+        """Speak the readable phrases, and return remarks on unreadable ones.
 
         Raises:
             EngineError: the engine fails, or can read none of them.

@@ -46,7 +46,7 @@ def place_marks(script: Script, words: Sequence[SpokenWord], duration: float) ->
 
 
 def _stays_behind(text: str, stops: Sequence[Mark | Pause], next_word: int) -> bool:
-    """Return whether the first stop stays at the previous word's end."""
+    """Return whether the first mark stays at the previous word's end."""
     if _CLOSING_PATTERN.match(text[stops[0].position : next_word]):
         return True
     later = takewhile(lambda stop: stop.position <= next_word, stops[1:])

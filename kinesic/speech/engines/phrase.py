@@ -18,7 +18,7 @@ class EngineError(RuntimeError):
 
 
 class UnreadableError(EngineError):
-    """Omitted phrase, without a word that the engine can read."""
+    """Failure of an engine on a phrase without any readable word."""
 
 
 @dataclass(frozen=True)
@@ -75,7 +75,7 @@ class SpeechEngine(Protocol):
 
     @property
     def name(self) -> str:
-        """Name in reports."""
+        """Name of the engine in reports."""
 
     def __hash__(self) -> int:
         """Return the hash of an engine, equal for engines that speak alike."""

@@ -39,7 +39,7 @@ TITLE_ABBREVIATIONS = frozenset(  # words before a name or number, whose full st
         "vs",
     }
 )
-CONTINUATION_SIGN = ","  # added to a phrase that a pause cuts, so that its pitch does not fall as at an end
+CONTINUATION_SIGN = ","  # added to a phrase cut inside a sentence, against a final fall of pitch
 CLOSING_SIGNS = "\"'\u2019\u201d\u00bb)\\]"  # signs between a stop and the space after it
 
 _SENTENCE_END = re.compile(rf"[{SENTENCE_STOPS}]+[{CLOSING_SIGNS}]*(?=\s)")
@@ -88,7 +88,7 @@ def divide(script: Script, *, rate: float, pitch: float) -> tuple[tuple[PlacedPh
 
 
 def is_closed(text: str) -> bool:
-    """Return whether a text ends with closing punctuation."""
+    """Return whether a text ends with sentence or phrase punctuation."""
     return _FINAL_STOP.search(text.rstrip()) is not None
 
 
@@ -165,7 +165,7 @@ def _after_word(text: str, position: int) -> int:
 
 
 def _final_silence(text: str) -> float:
-    """Return the silence [s] after a text, by its last stop."""
+    """Return the silence [s] after a text, by its final punctuation."""
     stop = _FINAL_STOP.search(text.rstrip())
     if stop is None:
         return 0.0

@@ -30,14 +30,14 @@ MAX_HEADER = 1_000_000  # [bytes] longest line of an answer
 MAX_SOUND = 100_000_000  # [bytes] longest sound of a phrase
 MIN_SAMPLE_RATE = 1000  # [Hz] lowest accepted sample rate of a program's sound
 MAX_SAMPLE_RATE = 384_000  # [Hz] highest accepted sample rate of a program's sound
-MAX_NAME = 60  # [characters] longest name in reports
+MAX_NAME = 60  # [characters] longest engine name in reports
 
 _running: "dict[tuple[int, tuple[str, ...]], _Process]" = {}  # by process id of the parent, and command
 _lock = threading.Lock()
 
 
 class _Word(msgspec.Struct, frozen=True):
-    """Word of an answer."""
+    """Word of a program's answer: characters and times [s]."""
 
     begin: int
     end: int
@@ -46,7 +46,7 @@ class _Word(msgspec.Struct, frozen=True):
 
 
 class _Phoneme(msgspec.Struct, frozen=True):
-    """Phoneme of an answer."""
+    """Phoneme of a program's answer, with times [s]."""
 
     symbol: str
     start: float
@@ -56,7 +56,7 @@ class _Phoneme(msgspec.Struct, frozen=True):
 
 
 class _Answer(msgspec.Struct, frozen=True):
-    """First line of an answer."""
+    """First line of a program's answer, in JSON."""
 
     bytes: int = 0  # length of the sound that follows
     format: Literal["s16le", "wav"] = "s16le"
@@ -71,13 +71,13 @@ class _Answer(msgspec.Struct, frozen=True):
 
 @dataclass(frozen=True)
 class EngineProgram:
-    """Engine that a command runs."""
+    """Speech engine that runs a command as a separate program."""
 
     command: tuple[str, ...]
 
     @classmethod
     def of(cls, text: str) -> "EngineProgram":
-        """Make an engine of a command line.
+        """Create an engine from a command line.
 
         Raises:
             ConfigError: there is no such program.
@@ -130,7 +130,7 @@ class _Process:
             raise EngineError(f"the program cannot be run: {error}") from None
 
     def ask(self, request: bytes) -> tuple[_Answer, bytes]:
-        """Send one line, and return the answer and its sound.
+        """Send one line to the program, and return its answer and sound.
 
         Raises:
             EngineError: the answer is wrong, too late or missing; the program is ended.

@@ -23,7 +23,7 @@ _QUANTITY_PATTERN = re.compile(r"([+-]?)(\d+(?:\.\d+)?)(%|st|db|hz)?")
 
 
 def convert_sections(emphases: Sequence[Emphasis]) -> tuple[ProsodySection, ...]:
-    """Convert SSML elements to sections with factors."""
+    """Convert SSML `prosody` and `emphasis` elements to sections with factors."""
     sections = []
     for emphasis in emphases:
         attributes = dict(emphasis.attributes)

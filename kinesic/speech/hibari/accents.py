@@ -14,7 +14,7 @@ PEAK_MARGIN = (0.06, 0.10)  # [s] before and after a vowel in which its peak may
 
 
 def find_pitch_accents(pitch: Floats32, phonemes: Sequence[Phoneme]) -> tuple[float, ...]:
-    """Return the time [s] of the pitch peak on each stressed vowel.
+    """Return times [s] of prominent pitch peaks on stressed vowels.
 
     Args:
         pitch: (frames,) [Hz], near 0 where unvoiced.

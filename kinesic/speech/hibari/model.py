@@ -70,7 +70,7 @@ class HibariModel:
     duration_output: str
 
     def predict(self, letters: str, rates: Sequence[float], pitch: Floats32) -> Prediction:
-        """Synthesise phoneme letters.
+        """Predict samples, letter durations and pitch of phoneme letters.
 
         Args:
             letters: of the model's alphabet.
@@ -101,7 +101,7 @@ class HibariModel:
 
 @lru_cache(maxsize=1)
 def find_package() -> Path | None:
-    """Return the folder of hibari, or None if it cannot run."""
+    """Return the folder of hibari, or None without hibari or onnxruntime."""
     specs = [importlib.util.find_spec(name) for name in (PACKAGE_NAME, RUNTIME_NAME)]
     spec = specs[0]
     if spec is None or None in specs or not spec.submodule_search_locations:

@@ -22,8 +22,8 @@ IPA_SYMBOLS: Mapping[str, str] = {  # letters of hibari that differ from the pho
 DIPHTHONG_LETTERS = frozenset("AIOQWY")  # letters of hibari for two vowels
 MODIFIER_LETTERS = frozenset("\u02d0\u02b0\u02b2\u0303")  # letters that change the sound before them
 INITIAL_ONSET_SHIFT = -0.090  # [s] from the start of a word's first consonant to its closure or constriction
-SIBILANT_ONSET_SHIFT = -0.105  # [s] likewise of a sibilant at the start of a word
-ONSET_SHIFT = -0.060  # [s] likewise of any other sound
+SIBILANT_ONSET_SHIFT = -0.105  # [s] from the start of a word's first sibilant to its constriction
+ONSET_SHIFT = -0.060  # [s] from the start of any other sound to its onset
 BURST_SHIFTS: Mapping[str, tuple[float, float]] = {  # [s] from a stop's start to its burst: first in a word, elsewhere
     **{"p": (-0.040, -0.006), "t": (-0.052, -0.018), "k": (-0.047, -0.015), "ʧ": (-0.047, -0.018)},
     **{"b": (-0.027, -0.020), "d": (-0.034, -0.018), "\u0261": (-0.040, -0.020), "ʤ": (-0.034, -0.018)},
@@ -35,16 +35,16 @@ NASAL_RELEASE_SHIFT = 0.0  # [s] from a nasal's start to its release before a vo
 OPEN_LETTERS = (
     VOWEL_LETTERS | DIPHTHONG_LETTERS | frozenset("ᵊlɹwj")
 )  # letters before which a nasal is released audibly
-CLOSURE_LEAD = 0.010  # [s] time before the audible closure of a stop or nasal at which its lips or tongue close
+CLOSURE_LEAD = 0.010  # [s] from closing lips or tongue to the audible closure of a stop or nasal
 MIN_SILENCE = 0.06  # [s] shortest silence at punctuation between two sounds
-MIN_SOUND = 0.005  # [s] shortest sound
+MIN_SOUND = 0.005  # [s] shortest duration of a placed sound
 
 Span = tuple[float, float]  # begin and end [s]
 
 
 @dataclass(frozen=True)
 class _Unit:
-    """Sound with its place in the letters."""
+    """Sound with its index in the phoneme letters."""
 
     symbol: str  # in the phonetic alphabet, with its stress
     letter: str  # of the model, without stress
@@ -68,7 +68,7 @@ class _Unit:
 
     @property
     def closure(self) -> float:
-        """Time [s] before its start at which its mouth shape is reached."""
+        """Duration [s] from reaching the mouth shape to the start."""
         is_closed = self.letter in BURST_SHIFTS or self.letter in NASAL_LETTERS
         return max(self.start - self.onset, 0.0) + (CLOSURE_LEAD if is_closed else 0.0)
 

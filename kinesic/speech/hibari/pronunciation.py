@@ -106,7 +106,7 @@ def pronounce(text: str, alphabet: Iterable[str]) -> Pronunciation:
 def _write_letters(
     tokens: Sequence[_Token], text: str, alphabet: frozenset[str]
 ) -> tuple[str, list[tuple[Span, Span]]]:
-    """Return all letters, and characters and letters of audible tokens."""
+    """Return the phoneme letters, and character and letter ranges of audible tokens."""
     letters = ""
     spans: list[tuple[Span, Span]] = []
     position = 0
@@ -126,7 +126,7 @@ def _write_letters(
 
 
 def _chunks(text: str) -> list[Span]:
-    """Return the spans of a text between spaces."""
+    """Return the character range of each space-separated chunk of a text."""
     spans: list[Span] = []
     begin = 0
     for chunk in text.split():

@@ -15,7 +15,7 @@ MAX_CLICK_FRAMES = 3  # [frames] longest sound in silence that does not count as
 
 
 def find_speech(levels: Floats, *, bridged: int = MAX_BRIDGED_FRAMES) -> Flags:
-    """Return which frames have speech, shape (n,).
+    """Return the mask of frames with speech, shape (n,).
 
     Args:
         levels: level of each frame [dB].

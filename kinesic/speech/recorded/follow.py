@@ -1,4 +1,4 @@
-"""Lip sounds, word times and accents from comparison with a rendition."""
+"""Phonemes, word times and accents of a recording, from a synthesised rendition."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -14,8 +14,8 @@ from kinesic.speech.recorded.prominence import find_prominences, find_prominent_
 from kinesic.speech.recorded.rendition import Rendition
 from kinesic.speech.recorded.spectrum import FRAME_PERIOD
 
-RENDITION_BRIDGE = 5  # [frames] longest silence inside speech of a rendition
-BURST_FRACTION = 0.7  # fraction of a given stop after which its lips or tongue open
+RENDITION_BRIDGE = 5  # [frames] longest silence inside speech of a synthesised rendition
+BURST_FRACTION = 0.7  # fraction of a stop consonant's duration at which it is released
 STOP_LETTERS = frozenset("pbtdkgɡ")  # noqa: RUF001 - phonetic letters of stops
 
 
@@ -33,7 +33,7 @@ class FollowedSpeech:
 def follow_recording(
     rendition: Rendition, sound: Sound, given: Sequence[GivenTime], phonemes: Sequence[Phoneme] = ()
 ) -> FollowedSpeech | None:
-    """Find the times of a rendition's words and sounds in a recording.
+    """Find times of a synthesised rendition's words and sounds in a recording.
 
     Args:
         rendition: speech of the recording's text.
@@ -83,7 +83,7 @@ def _mean_in(openings: Floats, sound: Phoneme) -> float:
 
 
 def _find_stressed(rendition: Rendition) -> Flags:
-    """Return which words of a rendition have a sound with primary stress."""
+    """Return the mask of a rendition's words with primary stress."""
     is_stressed = np.zeros(len(rendition.starts), dtype=bool)
     for sound in rendition.utterance.phonemes:
         if sound.symbol.startswith(STRESS_MARKS[0]):

@@ -17,14 +17,14 @@ from kinesic.speech.recorded.rendition import Rendition
 from kinesic.speech.recorded.spectrum import FRAME_PERIOD, compute_band_powers, compute_features, compute_levels
 from kinesic.speech.recorded.warping import FrameSequence, warp
 
-RENDITION_BRIDGE = 5  # [frames] longest silence inside speech of a rendition
-EDGE_OFFSET = 1e-6  # [s] by which the end of a word lies before the start of the next one in a rendition
+RENDITION_BRIDGE = 5  # [frames] longest silence inside speech of a synthesised rendition
+EDGE_OFFSET = 1e-6  # [s] gap between the end of a word and the next in a rendition
 PATH_STEP = 3  # [frames] between points of the path inside a word
 LONG_SILENCE = 0.3  # [s] shortest silence in which the lips return to rest
 SPEECH_MARGIN = 0.08  # [s] time before and after audible speech in which a quiet sound may lie
-QUIET_END = 0.15  # [s] time after audible speech in which the lips close and open for a final p, b or m
+QUIET_END = 0.15  # [s] time after audible speech for the lips of a final p, b or m
 CLOSING_LETTERS = frozenset("pbm")  # phonetic letters of sounds with closed lips
-MAX_LEAD_TIME = 0.05  # [s] longest time by which the mouth's shape of a sound begins before an audible part
+MAX_LEAD_TIME = 0.05  # [s] longest time from the onset of a mouth shape to its sound
 
 Point = tuple[float, float]  # time in the rendition and in the recording [s]
 
@@ -97,7 +97,7 @@ def place_words(
 
 
 def _find_runs_of_words(given: Sequence[GivenTime], duration: float) -> Iterator[tuple[int, int, float, float]]:
-    """Yield word range and begin and end [s] between given times."""
+    """Yield index range, begin and end [s] of words between given times."""
     first, begin = 0, 0.0
     for k, time in enumerate(given):
         if time.start is not None and k > first:
@@ -117,7 +117,7 @@ Placed = tuple[list[Point], list[tuple[float, float]]]
 
 
 def _spread(rendition: Rendition, frames: SpeechFrames, words: tuple[int, int], span: tuple[float, float]) -> Placed:
-    """Spread words evenly over the audible parts of a span."""
+    """Spread words over the audible parts of a span, proportional to duration."""
     begin, end = span
     audible = [(max(a, begin), min(b, end)) for a, b in frames.spans if min(b, end) > max(a, begin)] or [span]
     audible[0] = (begin, max(begin, audible[0][1]))  # a given start is kept
@@ -156,7 +156,7 @@ def _place_by_sound(
     *,
     keeps_start: bool,
 ) -> Placed | None:
-    """Place words in a span by sound, or return None without sound."""
+    """Place words in a span by sound, or return None without speech."""
     first, last = words
     offset = round(rendition.starts[first] / FRAME_PERIOD)
     end = round(rendition.ends[last - 1] / FRAME_PERIOD) + 1
@@ -185,7 +185,7 @@ def _place_by_sound(
 
 
 def _list_path(spoken: Floats, times: Floats, inside: Indices) -> list[Point]:
-    """Return points of the path inside a word, at sparse frames."""
+    """Return every `PATH_STEP`-th point of the alignment path inside a word."""
     return [(float(spoken[k]), float(times[k])) for k in inside[PATH_STEP:-PATH_STEP:PATH_STEP]]
 
 
@@ -194,7 +194,7 @@ def _cut(sequence: FrameSequence, begin: int, end: int) -> FrameSequence:
 
 
 def _make_monotone(points: Sequence[Point], duration: float) -> tuple[Point, ...]:
-    """Return points that increase in rendition and recording."""
+    """Return points with increasing rendition times and non-decreasing recording times."""
     result = [points[0]]
     for time, place in points[1:]:
         limited = min(max(place, result[-1][1]), duration)

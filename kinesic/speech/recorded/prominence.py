@@ -10,19 +10,19 @@ from kinesic.body.utterance import STRESS_MARKS, Phoneme
 from kinesic.speech.recorded.spectrum import FRAME_PERIOD
 
 CONTEXT_TIME = 2.0  # [s] time before and after a word to which it is compared
-LEVEL_UNIT = 4.0  # [dB] rise of the level that counts as much as one unit of prominence
-PITCH_UNIT = 2.5  # [semitones] rise of the pitch that counts as much as one unit of prominence
-LENGTH_UNIT = 0.35  # relative lengthening that counts as much as one unit of prominence
-MIN_PROMINENCE = 0.7  # prominence from which a word carries an accent
-PHRASE_GAP = 0.25  # [s] a silence of this length begins a phrase; each phrase has at least one accent
+LEVEL_UNIT = 4.0  # [dB] rise of the level that adds 0.5 to the prominence
+PITCH_UNIT = 2.5  # [semitones] rise of the pitch that adds 0.5 to the prominence
+LENGTH_UNIT = 0.35  # log duration ratio that adds 0.5 to the prominence
+MIN_PROMINENCE = 0.7  # prominence from which a stressed word carries an accent; others need twice
+PHRASE_GAP = 0.25  # [s] a silence of this length begins a phrase
 PEAK_PERCENTILE = 80  # percentile of the frames of a word that counts as its level and pitch
-MIN_RISE = 0.15  # prominence by which the only accent of a phrase exceeds its mean
+MIN_RISE = 0.15  # minimum prominence above the phrase mean of an accent below `MIN_PROMINENCE`
 
 
 def find_prominences(
     words: Sequence[tuple[float, float]], levels: Floats, pitch: Floats, natural: Sequence[float]
 ) -> Floats:
-    """Return how much each word stands out of its surroundings, shape (words,).
+    """Return the prominence of each word relative to neighbouring words, shape (words,).
 
     Args:
         words: start and end of each word [s].
@@ -47,9 +47,10 @@ def find_prominences(
 
 
 def find_prominent_words(words: Sequence[tuple[float, float]], prominences: Floats, is_stressed: Flags) -> Flags:
-    """Return which words carry an accent, shape (words,).
+    """Return the mask of accented words, shape (words,).
 
-    Every phrase has an accent unless its words are equally prominent.
+    A phrase without an accent gets one on its most prominent stressed word, if that exceeds the mean prominence of the
+    phrase by `MIN_RISE`.
 
     Args:
         words: start and end of each word [s].

@@ -10,7 +10,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.utterance import Mark, Script, Utterance, Voice
 
-MIN_WORD_TIME = 0.01  # [s] shortest time from one word to the next
+MIN_WORD_TIME = 0.01  # [s] shortest time from the start of a word to the next
 SAME_TIME = 1e-6  # [s] tolerance for equal times
 WORD_MARK_PREFIX = "kinesic-word-"  # start of the names of marks before words
 _WORD_PATTERN = re.compile(r"[^\W_]+(?:['\u2019.,:-][^\W_]+)*")
@@ -59,7 +59,7 @@ def _separate(times: Sequence[float]) -> Floats:
 def _find_marked_words(
     script: Script, utterance: Utterance, positions: Sequence[int], times: Sequence[float]
 ) -> Mapping[str, int]:
-    """Return by mark name the index of the word that begins there."""
+    """Return {mark name: index of the word that begins at the mark}."""
     words: dict[str, int] = {}
     for mark in script.marks:
         following = bisect_left(positions, mark.position)
@@ -69,7 +69,7 @@ def _find_marked_words(
 
 
 def _find_ends(utterance: Utterance, starts: Floats) -> Floats:
-    """Return the end [s] of the last sound before each following word."""
+    """Return the end [s] of the last sound of each word, (words,)."""
     ends = np.array([sound.end for sound in utterance.phonemes])
     begins = np.array([sound.start for sound in utterance.phonemes])
     following = np.append(starts[1:], np.inf)

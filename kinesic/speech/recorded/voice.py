@@ -49,7 +49,7 @@ class RecordedVoice:
 
     @property
     def comparison_voice(self) -> Voice:
-        """Voice to which recordings are compared: espeak-ng, if possible."""
+        """Voice to compare with recordings: espeak-ng, unless missing or durations are requested."""
         return self.voice if isinstance(self.voice, DurationModel) or espeak_fault() else Espeak()
 
 
@@ -100,7 +100,7 @@ def _read_words(recording: Recording) -> tuple[TimedWords, tuple[str, ...]]:
 
 
 def _play_recording(script: Script, recording: Recording, sound: Sound, timed: TimedWords, voice: Voice) -> Utterance:
-    """Time a script by its recording."""
+    """Return the utterance of a script timed by its recording."""
     if not any(map(str.isalnum, script.text)):
         return _play_unworded(script, recording, sound)
     rendition = render(script, voice)

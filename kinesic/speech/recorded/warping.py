@@ -14,15 +14,15 @@ COARSE_FRAMES = 4  # number of frames averaged into one frame of the coarse alig
 COARSE_RADIUS = 600  # [coarse frames] largest distance of the coarse path from a path of constant rate
 FINE_RADIUS = 100  # [frames] largest distance of the fine path from the coarse path
 SILENCE_FRAMES = 4  # [frames] by which a silence of any length is represented
-GAP_COST = 7.5  # cost of speech that falls into a gap between words; two unrelated frames cost about 6
+GAP_COST = 7.5  # cost of speech in a gap between words; two unrelated frames cost about 6
 SILENCE_COST = 10.0  # cost of silence that falls into a word
 RATE_COST = 1.7  # cost of a frame at which the recording is not as fast as the rendition
-MIN_FRAMES = 2  # [frames] shortest recording or rendition that is warped
+MIN_FRAMES = 2  # fewest speech frames of a recording or rendition that is warped
 
 
 @dataclass(frozen=True, eq=False)
 class FrameSequence:
-    """Features of successive frames, and which of them have speech."""
+    """Features of successive frames, with a mask of speech frames."""
 
     features: Floats  # (n, k)
     is_speech: Flags  # (n,)
@@ -38,7 +38,7 @@ class Warp:
 
 
 def warp(recording: FrameSequence, rendition: FrameSequence, word_frames: Indices) -> Warp | None:
-    """Find the frames of a recording that correspond to a rendition.
+    """Align the frames of a recording with those of a synthesised rendition.
 
     Args:
         recording: frames of the recording.
@@ -46,7 +46,7 @@ def warp(recording: FrameSequence, rendition: FrameSequence, word_frames: Indice
         word_frames: first frame of each word in the rendition, increasing.
 
     Returns:
-        None if the recording or the rendition has no speech.
+        None if the recording or the rendition has fewer than `MIN_FRAMES` frames with speech.
     """
     spoken = np.flatnonzero(rendition.is_speech)
     speech_count = int(np.count_nonzero(recording.is_speech))
@@ -69,7 +69,7 @@ def warp(recording: FrameSequence, rendition: FrameSequence, word_frames: Indice
 
 
 def _shorten_silences(is_speech: Flags) -> tuple[Indices, Flags]:
-    """Return the used frames of a recording and their silence mask."""
+    """Return frame indices with shortened silences, and their silence mask."""
     pieces: list[Indices] = []
     silent: list[Flags] = []
     for values, is_silence in ((is_speech, False), (~is_speech, True)):

@@ -27,7 +27,7 @@ _Event = Mapping[str, object]
 
 
 def read_azure(content: bytes) -> TimedWords:
-    """Read a list, lines or object of events with audio offsets.
+    """Read word and viseme times from Azure events in JSON.
 
     Keys are read as each SDK writes them: `audioOffset`, `AudioOffset`, `audio_offset`, `privAudioOffset`.
 

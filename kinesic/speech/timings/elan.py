@@ -71,7 +71,7 @@ class _Reader:
 
 
 def read_elan(content: bytes) -> TimedWords:
-    """Read the words of an ELAN file.
+    """Read the words and phonemes of an ELAN file.
 
     The tiers are chosen as those of a TextGrid. Annotations without times divide the time around them equally.
 

@@ -28,7 +28,7 @@ class _Mark(msgspec.Struct):
 
 
 def read_polly(content: bytes) -> TimedWords:
-    """Read Polly's speech marks.
+    """Read the words and visemes of Polly's speech marks.
 
     A mark has no end: a word lasts until the next word, or until the silence before it.
 

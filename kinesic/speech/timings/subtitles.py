@@ -8,13 +8,13 @@ from kinesic.speech.timings.timed_words import RawSpan, TimedWords, TimingError,
 
 _TIME_PATTERN = r"(?:(\d{1,4}):)?(\d{1,2}):(\d{1,2})[.,](\d{1,3})"
 _CUE_PATTERN = re.compile(rf"^[ \t]*{_TIME_PATTERN}[ \t]*-->[ \t]*{_TIME_PATTERN}[^\n]*$", re.MULTILINE)
-_INNER_TIME = re.compile(rf"<{_TIME_PATTERN}>")  # of the word after it, inside a cue
+_INNER_TIME = re.compile(rf"<{_TIME_PATTERN}>")  # time of the word after it, inside a cue
 _TAG_PATTERN = re.compile(r"<[^<>\n]{0,200}>|\{\\[^{}\n]{0,200}\}|[\u266a\u266b]|^[-\u2013\u2014]+[ \t]*", re.MULTILINE)
 _ARROW_PATTERN = re.compile(r"^.*-->.*$", re.MULTILINE)
 
 
 def read_subtitles(text: str) -> TimedWords:
-    """Read the cues of subtitles, or their words with times.
+    """Read cues of subtitles, divided at word times inside them.
 
     Raises:
         TimingError: the file has no cue, or a time is invalid.

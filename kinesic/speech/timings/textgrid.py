@@ -79,7 +79,7 @@ class _Tokens:
 
 
 def read_textgrid(text: str) -> TimedWords:
-    """Read the tiers `words` and `phones` of a TextGrid.
+    """Read the word and phoneme tiers of a TextGrid.
 
     Without a tier of these names, the first tier with text counts as words.
 

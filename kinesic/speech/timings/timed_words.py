@@ -20,7 +20,7 @@ class TimingError(ValueError):
 
 @dataclass(frozen=True)
 class TimedSpan:
-    """Word or phrase with its times in the recording."""
+    """Word, phrase or phoneme with its times in the recording."""
 
     text: str  # one word, or several of a subtitle
     start: float  # [s]
@@ -52,7 +52,7 @@ class RawSpan:
 
 
 def check_spans(rows: Iterable[RawSpan], *, per_second: float = 1.0) -> tuple[TimedSpan, ...]:
-    """Check and convert spans of a file, without those of no text.
+    """Check spans of a file, convert to seconds and drop empty ones.
 
     A span ends no later than the next one starts.
 
