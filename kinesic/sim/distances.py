@@ -22,7 +22,7 @@ from kinesic.sim.reaches import compute_capsule_reach, compute_pair_reaches, sus
 POSTURES_PER_BATCH = 512  # number of postures per call of the forward kinematics
 POSTURES_PER_WINDOW = 4096  # number of postures whose frames are in memory at the same time
 SAME_POSTURE_TOLERANCE = 1e-5  # [rad] grid to which angles are rounded to find equal postures
-FINGER_BALL_DISTANCE = 0.03  # [m] distance from the ball around a hand's fingers below which fingers are measured
+FINGER_BALL_DISTANCE = 0.03  # [m] ball distance up to which fingers are measured even if another pair is nearer
 MAX_EXACT_FINGER_GAP = 0.13  # [m] finger distance up to which `gaps` is exact; larger ones are lower bounds
 
 
@@ -216,7 +216,7 @@ class CapsuleDistances:
         return lowest
 
     def survey(self, angles: Floats, segments: Sequence[int]) -> tuple[Floats, Floats]:
-        """Compute pair distances and segment origins in all postures.
+        """Compute pair distances, or lower bounds, and segment origins in all postures.
 
         The frames of all postures are never in memory at the same time.
 
@@ -225,7 +225,7 @@ class CapsuleDistances:
             segments: Indices of the segments whose origins are returned.
 
         Returns:
-            (p, m) [m] distance of each pair, and (k, m, 3) [m] origins in the world.
+            (p, m) [m] distance of each pair or a lower bound, as in `lowest`; (k, m, 3) [m] origins in the world.
         """
         if self._names and not self._fingers:
             lowest, origins = np.empty((len(self._names), len(angles))), np.empty((len(segments), len(angles), 3))

@@ -13,8 +13,8 @@ from kinesic.sim.model import build_model, find_joint_indices
 from kinesic.sim.stepping.addresses import function_address
 from kinesic.sim.worst_postures import Extremes, extremes
 
-INVERSE_DYNAMICS_STAGES = ("mj_kinematics", "mj_comPos", "mj_comVel", "mj_rne")  # MuJoCo functions without constraints
-INERTIA_STAGES = ("mj_kinematics", "mj_comPos", "mj_makeM")  # MuJoCo functions for the joint-space inertia
+INVERSE_DYNAMICS_STAGES = ("mj_kinematics", "mj_comPos", "mj_comVel", "mj_rne")  # unconstrained MuJoCo stages
+INERTIA_STAGES = ("mj_kinematics", "mj_comPos", "mj_makeM")  # MuJoCo stages that compute the joint-space inertia
 COULOMB_FADE_VELOCITY = 0.05  # [rad/s] scale of the tanh that keeps Coulomb friction continuous
 
 
@@ -66,7 +66,7 @@ class MujocoDynamics:
         return self._compute_link_torques(angles, zeros, zeros)
 
     def _compute_link_torques(self, angles: Floats, velocities: Floats, accelerations: Floats) -> Floats:
-        """Compute the links' torques [Nm] by the recursive Newton-Euler method.
+        """Compute joint torques [Nm] of the links alone by recursive Newton-Euler.
 
         Friction, damping and armature are not included. The result is (m, n).
         """
@@ -133,7 +133,7 @@ class MujocoDynamics:
     def load(self) -> Load:
         """Worst-case holding torque [Nm] and inertia [kg m^2] of each hinge.
 
-        Each is the largest value over all postures.
+        Each is the largest value over all postures, and of both hinges of a left-right pair.
         """
         return Load(
             holding=sealed(self._combine_sides(self.worst_static.values * self._robot.drives.stall)),

@@ -34,16 +34,16 @@ __all__ = ["FilmError", "film", "moments", "opengl_fault", "write_still"]
 
 ItemT = TypeVar("ItemT")
 Faces = Callable[[int, float], Picture]  # picture number and time [s] -> picture of the face
-STILL_SIZE = (480, 360)  # [pixels] width and height of a still picture
-FILM_SIZE = (1280, 720)  # [pixels] width and height of a film
-FILM_RATE = 30.0  # [Hz] picture rate of films
+STILL_SIZE = (480, 360)  # [pixels] default width and height of a still picture
+FILM_SIZE = (1280, 720)  # [pixels] default width and height of a film
+FILM_RATE = 30.0  # [Hz] default picture rate of films
 SUPERSAMPLING_FACTOR = 2  # rendered pixels per picture pixel along each side
-MAX_FILM_PICTURES = 3600  # largest number of pictures of a film, two minutes; a longer film has a lower rate
+MAX_FILM_PICTURES = 3600  # largest number of pictures of a film; longer films have a lower rate
 DRAWN_MARGIN = 0.08  # [arm lengths] extent of drawn head screen and servos beyond the robot's capsules
 
 
 class FilmError(RuntimeError):
-    """Failure to draw pictures, with the cause and a remedy."""
+    """Failure to draw or encode pictures, with the cause and a remedy."""
 
 
 def moments(begin: float, end: float, rate: float = FILM_RATE) -> Floats:

@@ -12,7 +12,7 @@ from kinesic.body.robot import Robot, Side
 from kinesic.body.skeleton import Capsule, Skeleton
 from kinesic.sim.kinematics import MotionFrames, compute_motion_frames
 
-MAX_CACHED_BENDINGS = 32  # number of finger postures whose positions are cached
+MAX_CACHED_BENDINGS = 32  # largest number of sets of finger postures per hand whose positions are cached
 SAME_BENDING_TOLERANCE = 1e-5  # [rad] grid to which finger angles are rounded to find equal finger postures
 
 

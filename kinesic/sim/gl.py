@@ -30,7 +30,8 @@ with Offscreen(model, (8, 8)) as offscreen:
 def prepare(environment: MutableMapping[str, str] = os.environ) -> str:
     """Set MUJOCO_GL so that `import mujoco` works.
 
-    The value is `egl` if its libraries are installed, otherwise `disable`. A value set by the user stays unless its
+    The value is `egl` if its libraries are installed (`glfw` if PYOPENGL_PLATFORM asks for another platform), otherwise
+    `disable`. A value set by the user stays unless its
     libraries are missing. Only Linux needs this, and only for programs that draw by MuJoCo's own renderer.
 
     Args:

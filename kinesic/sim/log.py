@@ -28,7 +28,7 @@ class Log:
 
     times: Floats  # (m,) [s] increasing
     setpoints: Floats  # (m, n) [rad] sent at these times
-    angles: Floats  # (m, n) [rad] measured just before
+    angles: Floats  # (m, n) [rad] measured just before these times
 
 
 def make_log(measured: Measurements) -> Log:

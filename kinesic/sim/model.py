@@ -97,7 +97,7 @@ def write_drives(model: mujoco.MjModel, robot: Robot, servos: Factors) -> None:
 
 
 def describe(robot: Robot, *, play: float = 0.0) -> mujoco.MjSpec:
-    """Build the uncompiled model of a robot, to be extended with scenery.
+    """Build the uncompiled MuJoCo model of a robot.
 
     Args:
         robot: Description.

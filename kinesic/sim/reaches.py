@@ -12,7 +12,7 @@ MIN_REACH = 1e-9  # [m/rad] lower bound of the reach of every hinge that moves a
 
 
 def compute_capsule_reach(skeleton: Skeleton, owner: int, capsule: Capsule) -> Floats:
-    """Compute a capsule's largest motion per angle of each hinge.
+    """Compute an upper bound of a capsule's motion per hinge angle.
 
     Args:
         skeleton: Skeleton with the capsule.
@@ -39,7 +39,7 @@ def compute_capsule_reach(skeleton: Skeleton, owner: int, capsule: Capsule) -> F
 
 
 def compute_pair_reaches(turned: Floats, pairs: Sequence[tuple[int, int]]) -> Floats:
-    """Compute the largest relative motion of capsule pairs per hinge angle.
+    """Compute an upper bound of capsule pairs' relative motion per hinge angle.
 
     Only hinges that move one capsule of a pair relative to the other count.
 

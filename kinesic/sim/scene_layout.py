@@ -14,10 +14,10 @@ CAMERA_DIRECTION = (0.92, 0.36, 0.16)  # direction to the camera: in front of th
 SUN_DIRECTION = (-0.5, -0.45, -0.8)  # propagation direction of the light that casts shadows
 PICTURE_ASPECT = 4 / 3  # width / height of a picture
 VIEW_MARGIN = 1.03  # picture height / smallest height that shows all parts
-HAND_FLOOR_GAP = 0.12  # [arm lengths] height of hanging hands above the floor
-ROD_RADIUS = 0.035  # [arm lengths] largest radius of the rods drawn between joints
+HAND_FLOOR_GAP = 0.12  # [arm lengths] smallest height of hanging hands above the floor
+ROD_RADIUS = 0.035  # [arm lengths] largest radius of drawn rods; the stand has twice this radius
 MIN_ROD_LENGTH = 1e-3  # [m] shortest rod that is drawn
-MIN_COLUMN_LENGTH = 0.2  # [arm lengths] shortest column that is drawn below a robot
+MIN_COLUMN_LENGTH = 0.2  # [arm lengths] shortest stand that is drawn below a robot
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,13 +110,19 @@ def _connect_inside(shapes: Sequence[Capsule]) -> Iterator[tuple[Floats, Floats]
 
 
 def _find_nearest_point(shapes: Sequence[Capsule], point: Floats) -> Floats:
-    """Return the point [m] on the shapes' axes nearest to another."""
+    """Return the connection point (3,) [m] nearest to a given point.
+
+    Candidates are the segment's origin and the axes of the shapes.
+    """
     places = [sealed(np.zeros(3)), *(_find_nearest_on_axis(shape, point) for shape in shapes)]
     return min(places, key=lambda place: float(np.linalg.norm(place - point)))
 
 
 def stand(robot: Robot) -> Iterator[Rod]:
-    """Yield the stand: a rod from the fixed base to the floor."""
+    """Yield the stand: a rod from the fixed base to the floor.
+
+    Nothing if it would be shorter than `MIN_COLUMN_LENGTH`.
+    """
     floor = find_scene_view(robot).floor
     for segment, origin in zip(robot.skeleton.segments, robot.skeleton.zero_frames.origins, strict=True):
         if segment.parent is None:
@@ -147,12 +153,12 @@ def _list_ends(shape: Capsule) -> tuple[Floats, Floats]:
 
 
 def _list_hand_shapes(robot: Robot, arm: RobotArm) -> tuple[Capsule, ...]:
-    """Return the capsules of the hand."""
+    """Return the capsules of an arm's hand segment, without fingers."""
     return robot.skeleton.segments[arm.wrist].capsules
 
 
 def _find_nearest_on_axis(shape: Capsule, point: Floats) -> Floats:
-    """Return the point [m] on a capsule's axis nearest to another."""
+    """Return the point (3,) [m] of a capsule's axis nearest to a given one."""
     axis = shape.end - shape.start
     fraction = float((point - shape.start) @ axis) / max(float(axis @ axis), MIN_ROD_LENGTH**2)
     return sealed(shape.start + min(max(fraction, 0.0), 1.0) * axis)

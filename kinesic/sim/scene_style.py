@@ -180,7 +180,7 @@ def _add_room(spec: mujoco.MjSpec, view: SceneView) -> None:
 
 
 def _add_lights(spec: mujoco.MjSpec, view: SceneView) -> None:
-    """Add a sun on the left and a cool fill light.
+    """Add a sun at the robot's left and a cool fill light.
 
     `soft_shadow` draws the shadow of the sun.
     """

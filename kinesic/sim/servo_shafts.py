@@ -99,7 +99,7 @@ class Shafts:
             mujoco.mj_step(self._model, self._data)
 
     def _find_motor_setpoints(self, supply: SaggingSupply | None) -> Floats:
-        """Return the setpoints (n,) [rad] of the motors.
+        """Return motor setpoints (n,) [rad] corrected for supply sag and backlash.
 
         With backlash the position of a motor differs from that of its hinge, which the servo measures.
         """

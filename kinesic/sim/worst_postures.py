@@ -22,7 +22,7 @@ class Extremes:
 
 
 def random_postures(skeleton: Skeleton, count: int, *, seed: int = 0) -> Floats:
-    """Draw random postures after the rest and zero postures.
+    """Return the rest and zero postures, followed by random postures.
 
     In every second posture about half the hinges are at a stop.
 

@@ -120,9 +120,9 @@ class Canvas:
         mujoco.mjr_render(self._find_area(box, box), self._scene, self._context)
 
     def _find_area(self, box: PixelBox, part: PixelBox) -> mujoco.MjrRect:
-        """Convert a picture region to an OpenGL rectangle of the rendered region.
+        """Convert part of a rendered picture region to an OpenGL rectangle.
 
-        Row 0 of OpenGL is the lowest.
+        The rectangle is in supersampled pixels from the lower left corner of the rendered region.
         """
         supersampling = self._finer
         (left, _, _, bottom), (begin, top, end, foot) = box, part

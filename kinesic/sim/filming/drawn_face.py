@@ -28,10 +28,10 @@ PUPIL_HALF_AXES = (18.0, 23.0)  # [pixels] horizontal and vertical half axis of 
 PUPIL_TRAVEL = (13.0, 15.0)  # [pixels] largest horizontal and vertical motion of a pupil
 GLINT_OFFSET = (-6.0, -0.42)  # reflection's offset from the pupil's centre: [pixels] right, [pupil heights] down
 GLINT_HALF_AXES = (5.5, 0.28)  # half axes of the reflection: [pixels] horizontally, and pupil heights vertically
-LID_MARGIN = 3.0  # [pixels] distance of an open lid's edge from the eye
-LID_DEPTH = 14.0  # [pixels] extent of a lid beyond the open eye
-LID_TILT = 17.0  # [pixels] lowering of the upper lid's inner end in a full frown
-SLIT_HALF_HEIGHT = 4.0  # [pixels] half the thickness of a closed eye
+LID_MARGIN = 3.0  # [pixels] gap between the edge of an open lid and the eye's outline
+LID_DEPTH = 14.0  # [pixels] extent of each lid above or below the open eye
+LID_TILT = 17.0  # [pixels] lowering of the upper lid's inner end, and rise of the outer, in a frown
+SLIT_HALF_HEIGHT = 4.0  # [pixels] half the thickness of a closed eye's line
 CLOSED_SAG = 9.0  # [pixels] sag of a closed eye's line in its middle
 SMILING_SAG = -20.0  # [pixels] change of `CLOSED_SAG` in a full smile
 BROW_HEIGHT = 62.0  # [pixels] height of a relaxed brow above the eye's centre
@@ -44,10 +44,10 @@ MOUTH_TOP_DISTANCE = 188.0  # [pixels] distance of the mouth corners from the to
 MOUTH_SAG = 5.0  # [pixels] depth of a relaxed mouth's middle below its corners
 MOUTH_HALF_WIDTH = 46.0  # [pixels] distance of a relaxed mouth corner from the midline
 MOUTH_HALF_THICKNESS = 6.0  # [pixels] half the thickness of a closed mouth
-MOUTH_DROP = 46.0  # [pixels] height of a wide open mouth
+MOUTH_DROP = 46.0  # [pixels] height of the mouth opening at full jaw drop (AU 26)
 STRIP_POINTS = 25  # number of points in each row of a strip
 EYE_STRIPS = 6  # number of overlaid strips that draw one eye with its lids and brow
-SIDES: tuple[tuple[str, float], ...] = (("R", -1.0), ("L", 1.0))  # the face's right side is left in the picture
+SIDES: tuple[tuple[str, float], ...] = (("R", -1.0), ("L", 1.0))  # (side, sign of x); R is left in the picture
 
 
 @dataclass(frozen=True, eq=False)

@@ -74,7 +74,7 @@ def build_face_screen(robot: Robot) -> FaceScreen | None:
     """Build the face screen of a robot, or return None.
 
     Returns:
-        None if the robot has a skin, or no site `eyes`, or one that is not on the neck chain.
+        None if the robot has a skin, or no site `eyes`, or one that faces vertically or is not on the neck chain.
     """
     eyes, neck = robot.sites.get("eyes"), robot.chains.get("neck", ())
     if eyes is None or robot.skin is not None or (neck and eyes.segment not in neck):
@@ -110,7 +110,7 @@ def build_face_screen(robot: Robot) -> FaceScreen | None:
 
 
 def _measure_head_width(shell: SegmentShell | None, shapes: tuple[Capsule, ...], left: Floats) -> float:
-    """Return the width [m] of a head's shell or shapes."""
+    """Return the width [m] of a head's shell, or else of its capsules."""
     if shell is not None:
         return float(np.ptp(shell.vertices @ left))
     ends = [(float(end @ left), shape.radius) for shape in shapes for end in (shape.start, shape.end)]

@@ -83,7 +83,7 @@ class Offscreen:
 
 
 class _EglOwner:
-    """OpenGL context of EGL."""
+    """OpenGL context created by EGL."""
 
     def __init__(self) -> None:
         if is_switched_off(os.environ):
@@ -102,7 +102,7 @@ class _EglOwner:
 
 
 class _MujocoOwner:
-    """OpenGL context of MuJoCo's Python package."""
+    """OpenGL context created by MuJoCo's Python package."""
 
     def __init__(self, size: tuple[int, int]) -> None:
         self._gl = mujoco.GLContext(*size)

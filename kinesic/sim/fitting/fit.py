@@ -38,7 +38,7 @@ from kinesic.sim.twin import Twin
 REPLAY_STEP = 0.002  # [s] longest physics step, half the twin's, so that step errors do not bias the fit
 STEP_ROUNDING_TOLERANCE = 1e-9  # [steps] remainder of an interval that does not count as a further step
 DIFFERENCE_STEP = 0.01  # step of finite differences, in units of the fitted variables
-MAX_EVALUATIONS = 15  # largest number of error evaluations by the optimiser
+MAX_EVALUATIONS = 15  # largest number of error evaluations by the optimiser, besides those for Jacobians
 ERROR_CACHE_SIZE = 64  # number of cached error vectors, as Jacobians and steps evaluate values repeatedly
 FIT_TOLERANCE = 1e-3  # relative change of values and errors at which a fit ends
 

@@ -8,21 +8,21 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats, sealed
 from kinesic.sim.fitting.parameters import Unknown
 
-DATASHEET_DEVIATION = 0.5  # prior standard deviation of a parameter, relative to its data sheet value
-MAX_KNOWN_DEVIATION = 0.02  # relative standard deviation up to which a parameter counts as identified
+DATASHEET_DEVIATION = 0.5  # prior standard deviation of a fitted variable: 50 % of a factor, 5 ms of latency
+MAX_KNOWN_DEVIATION = 0.02  # standard deviation of a fitted variable up to which it is identified
 
 
 @dataclass(frozen=True, eq=False)
 class Identifiability:
-    """Unknown parameters that a log determines, with their standard deviations."""
+    """Whether a log determines each unknown parameter, with standard deviations and reasons."""
 
     is_identified: Flags  # (u,) whether the log determines each unknown
-    deviations: Floats  # (u,) standard deviation of each value, for unknown values of the others
+    deviations: Floats  # (u,) standard deviation of each fitted variable, with the others unknown
     reasons: Mapping[int, str]  # reason for each unknown that is not identified, by index
 
 
 def find_assumed_gains(unknowns: Sequence[Unknown], slopes: Floats) -> dict[int, str]:
-    """Find servo gains that a log cannot distinguish from stall torques.
+    """Find servo gains that a log cannot distinguish from other parameters.
 
     Such gains are taken from the description.
 

@@ -17,7 +17,7 @@ from kinesic.sim.importer.hinge_row import (
 MAX_GIRDLE_HINGES = 3  # largest number of collar-bone hinges before the shoulder
 SHOULDER_HINGE_COUNTS = (2, 3, 4)  # possible numbers of hinges of a shoulder
 MAX_WRIST_HINGES = 3  # largest number of hinges after the elbow, with the forearm's twist; others are fingers
-MIN_TWIST_COSINE = 0.7  # cosine between an axis and its bone above which the hinge is a twist
+MIN_TWIST_COSINE = 0.7  # |cosine| between an axis and its bone above which the hinge is a twist
 MIN_BONE_LENGTH = 0.02  # [m] shortest bone in an accepted division of an arm's hinges
 
 
@@ -42,7 +42,7 @@ class Split:
 
 @dataclass(frozen=True, eq=False)
 class Centres:
-    """Centres of an arm's joints in one pose [m]."""
+    """Joint centres [m] of an arm in one pose, and its shoulder axes."""
 
     shoulder: Floats  # (3,)
     elbow: Floats  # (3,)
@@ -72,7 +72,7 @@ class Centres:
 
 
 def splits(count: int) -> list[Split]:
-    """List the possible divisions of hinges into shoulder, elbow and wrist."""
+    """List the possible divisions of hinges into girdle, shoulder, elbow and wrist."""
     return [
         Split(girdle, shoulder, min(count - girdle - shoulder - 1, MAX_WRIST_HINGES))
         for girdle in range(MAX_GIRDLE_HINGES + 1)
@@ -99,9 +99,9 @@ def centres(limb: HingeRow, split: Split) -> Centres:
 
 
 def _find_twist(limb: HingeRow, split: Split, shoulder: Floats) -> int | None:
-    """Return the last shoulder hinge along the upper arm, or None.
+    """Return the index of the last shoulder hinge along the upper arm.
 
-    A T-pose has two candidates.
+    None if no shoulder hinge is. A T-pose has two candidates.
     """
     bone_direction = unit_vector(limb.anchors[split.elbow] - shoulder)
     rows = [k for k in range(split.girdle, split.elbow) if abs(limb.axes[k] @ bone_direction) > MIN_TWIST_COSINE]
@@ -111,7 +111,7 @@ def _find_twist(limb: HingeRow, split: Split, shoulder: Floats) -> int | None:
 def likeness(limb: HingeRow, split: Split) -> float:
     """Score the similarity of an arm's hinge division to a human arm.
 
-    A good split scores about 3, a doubtful one below 2.
+    A good split scores about 3, a doubtful one below 2, one with too short bones -inf.
     """
     joint_centres = centres(limb, split)
     upper, fore = joint_centres.lengths

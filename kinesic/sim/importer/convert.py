@@ -137,7 +137,7 @@ def _describe_fingers(hands: Hands) -> str:
 
 
 def _describe_fixed_joints(figure: HumanoidGeometry, hands: Hands) -> str:
-    """Describe the fixed joints beyond the last hinge of an arm."""
+    """Describe the fixed finger joints of arms without a recognised hand."""
     tree = figure.tree
     fixed_joints = [
         tree.joints[k].name

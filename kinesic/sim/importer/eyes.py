@@ -14,7 +14,7 @@ from kinesic.sim.importer.segments import FIXED_HEAD, HEAD_RADIUS_RATIO, HEAD_SE
 from kinesic.sim.importer.zero_pose import HumanoidGeometry
 
 EYE_HEIGHT_FRACTION = 0.5  # height of the eyes / height of the head, from its lowest point
-MAX_HEAD_HEIGHT = 0.6  # [arm lengths] largest height of a head from its top to the neck
+MAX_HEAD_HEIGHT = 0.6  # [arm lengths] largest assumed height of a head, measured from its top
 FRONT_BAND = 0.09  # [arm lengths] search range for the head's front above and below the eyes
 MAX_HEAD_HALF_WIDTH = 0.25  # [arm lengths] search range for a fixed head on both sides of the midline
 MIN_HEAD_POINTS = 12  # surface points needed to recognise a head
@@ -58,9 +58,9 @@ def _list_points(part: ModelPart) -> Floats:
 
 
 def _find_front(points: Floats, size: float) -> Floats | None:
-    """Return the foremost midline point (3,) [m] at half head height.
+    """Return the midpoint (3,) [m] of the eyes from a head's surface points.
 
-    None if there are too few points.
+    It is at half the head's height, as far forward as the head there. None if there are too few points.
     """
     if len(points) < MIN_HEAD_POINTS:
         return None

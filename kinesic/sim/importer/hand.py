@@ -108,7 +108,7 @@ def find_hand(figure: HumanoidGeometry, side: Side) -> MappedHand | None:
 
 
 def _list_chains(tree: Tree, joint: int) -> Iterator[tuple[int, ...]]:
-    """Yield the hinges of each finger.
+    """Yield the hinge indices of each finger, from the palm outwards.
 
     Hinges before a branch, which several fingers have in common, are kept fixed.
     """
@@ -123,7 +123,7 @@ def _list_chains(tree: Tree, joint: int) -> Iterator[tuple[int, ...]]:
 
 
 def _make_row(tree: Tree, row: tuple[int, ...]) -> _Row:
-    """Return the base and tip of a finger.
+    """Return a finger's hinges with its base and tip positions [m].
 
     The tip is the far end of the last part's shapes. Without shapes it is the mirror image of the last hinge at the
     part's centre of mass.
@@ -142,7 +142,8 @@ def _find_thumb(tree: Tree, rows: Sequence[_Row]) -> _Row:
 def _score_apartness(row: _Row, rows: Sequence[_Row]) -> float:
     """Score a finger's separation from the others, largest for a thumb.
 
-    The score adds the angle between directions and the distance of the bases.
+    The score is the angle [rad] to the others' mean direction plus the distance of its base behind theirs, in finger
+    lengths.
     """
     others = [other for other in rows if other is not row]
     along = np.mean([other.along for other in others], axis=0)
@@ -169,7 +170,7 @@ def _find_axes(tree: Tree, thumb: _Row, others: Sequence[_Row]) -> _Axes:
 
 
 def _find_range_sign(joint: Joint) -> float:
-    """Return the sign of the larger part of a joint's range.
+    """Return the sign of a joint's mid-range relative to its current angle.
 
     0 for a symmetric or unknown range.
     """

@@ -25,7 +25,7 @@ from kinesic.sim.importer.segments import SegmentLayout, convert_capsules, round
 Hands = Mapping[Side, MappedHand]
 REST_FLEXION_FRACTION = 0.3  # flexion of a resting finger / upper limit of its range
 REST_ABDUCTION_FRACTION = 0.35  # abduction of a resting thumb, as a fraction of its range from the lower limit
-MIN_PART_LENGTH = 0.003  # [m] shortest finger segment that gets a capsule
+MIN_PART_LENGTH = 0.003  # [m] shortest finger segment without shapes of its own that gets a capsule
 RANGE_SLACK = 1e-3  # [deg] margin added to a coupled joint's range for rounding errors
 PALM_FRACTION = 0.5  # position of the palm between wrist (0) and knuckles (1)
 

@@ -45,7 +45,7 @@ class Posed:
     """Angles of an arm with the remaining direction error."""
 
     angles: Floats  # (k,) [rad] relative to the pose of the file
-    off: float  # [rad] larger direction error of both bones
+    off: float  # [rad] larger of the direction errors of both bones
 
 
 def find_elbow_sense(limb: HingeRow, split: Split, lower: float, upper: float) -> float:
@@ -116,7 +116,7 @@ class _Arm:
         self.home = np.clip(np.zeros(len(ranges.lower)), ranges.lower, ranges.upper)
 
     def solve(self, start: Floats, stay: float, home: Floats) -> Minimum:
-        """Minimise the residuals from a start posture, within strict ranges.
+        """Minimise the residuals from a start posture, within the ranges if strict.
 
         Args:
             start: (k,) [rad] relative to the pose of the file.
@@ -158,7 +158,7 @@ class _Arm:
         return np.concatenate(rows)
 
     def off(self, angles: Floats) -> float:
-        """Compute the larger direction error [rad] of both bones."""
+        """Compute the larger of both bones' direction errors [rad]."""
         at = centres(self._limb.turned(angles), self._split)
         cosines = [at.upper @ self._target.upper, at.fore @ self._target.fore]
         return float(np.arccos(np.clip(min(cosines), -1.0, 1.0)))

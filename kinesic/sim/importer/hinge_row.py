@@ -58,7 +58,7 @@ class HingeRow:
 
 
 def find_common_point(anchors: Floats, axes: Floats, near: Floats, pull: float = 1e-3) -> Floats:
-    """Compute the point (3,) [m] nearest to all lines.
+    """Compute the least-squares nearest point (3,) [m] to all lines.
 
     The point nearest to `near` is chosen if the lines leave it undetermined.
     """

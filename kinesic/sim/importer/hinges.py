@@ -59,7 +59,7 @@ class MappedHinge:
 
 
 def name_hinges(figure: HumanoidGeometry) -> tuple[MappedHinge, ...]:
-    """Return names, signs and ranges of all hinges that kinesic moves.
+    """Return names, signs and ranges of all mapped hinges except fingers.
 
     Trunk and neck come first.
     """

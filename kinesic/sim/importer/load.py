@@ -32,8 +32,8 @@ UNUSED_ELEMENTS = (
 APPEARANCE_ELEMENTS = ("materials", "textures", "cameras", "lights", "numerics", "texts", "tuples")
 MAX_BODIES = 2000  # largest number of bodies in a robot file
 MAX_GEOMS = 20_000  # largest number of geoms in a robot file
-DEFAULT_BODY_MASS = 1e-3  # [kg] mass of a body without inertial data or geoms
-DEFAULT_BODY_INERTIA = 1e-6  # [kg m^2] inertia of a body without inertial data or geoms
+DEFAULT_BODY_MASS = 1e-3  # [kg] mass of a body without inertial data or geoms, and minimum of all
+DEFAULT_BODY_INERTIA = 1e-6  # [kg m^2] inertia of a body without inertial data or geoms, and minimum of all
 CURVE_TOLERANCE = 1e-9  # largest non-linear coefficient of a coupling that counts as linear
 MIN_SHAPE_RADIUS = 0.005  # [m] radius below which a shape is ignored
 
@@ -258,9 +258,9 @@ def _joint(model: mujoco.MjModel, data: mujoco.MjData, k: int, parent: int, urdf
 
 
 def _find_effort(model: mujoco.MjModel, joint: int) -> float | None:
-    """Return the torque limit [Nm] of a joint, or None.
+    """Return the smallest torque limit [Nm] of a joint and its actuators.
 
-    The limits of its actuators are included.
+    None if the file gives no positive limit.
     """
     values = [float(model.jnt_actfrcrange[joint, 1])] if model.jnt_actfrclimited[joint] else []
     for a in _actuators(model, joint):

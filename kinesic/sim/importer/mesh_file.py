@@ -1,4 +1,4 @@
-"""Read and simplify triangle meshes from STL and Wavefront OBJ files."""
+"""Read and simplify triangle meshes from binary STL and OBJ files."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -27,7 +27,7 @@ class Triangles:
 
 
 def read_mesh(path: Path, *, folder: Path) -> Triangles:
-    """Read a triangle mesh from an STL or OBJ file.
+    """Read a triangle mesh from a binary STL or an OBJ file.
 
     Args:
         path: Mesh file.
@@ -78,7 +78,9 @@ def _parse_obj(text: str) -> Triangles:
 
 
 def simplify(surface: Triangles, max_triangles: int) -> Triangles:
-    """Merge nearby vertices until at most `max_triangles` are left.
+    """Simplify a mesh to at most `max_triangles` by merging nearby vertices.
+
+    Triangles farther than `MAX_VERTEX_COORDINATE` from the origin are removed.
 
     Args:
         surface: Mesh of any size.
@@ -100,7 +102,7 @@ def simplify(surface: Triangles, max_triangles: int) -> Triangles:
 
 
 def _remove_far_triangles(surface: Triangles, max_coordinate: float) -> Triangles:
-    """Remove triangles with coordinates beyond the size of a robot."""
+    """Remove triangles with an absolute coordinate of `max_coordinate` [m] or more."""
     is_near: Flags = np.all(np.abs(surface.vertices) < max_coordinate, axis=1)
     return Triangles(surface.vertices, surface.corners[is_near[surface.corners].all(axis=1)])
 
@@ -117,7 +119,7 @@ def _merge_vertices(surface: Triangles, cell: float) -> Triangles:
 
 
 def _keep_outermost(vertices: Floats, corners: Indices) -> Indices:
-    """Keep only the outermost of triangles with the same corners.
+    """Keep the most outward-facing of triangles with the same corners.
 
     Opposite walls of a hollow part may have been merged.
     """

@@ -9,7 +9,7 @@ from kinesic.body.arrays import Floats
 from kinesic.sim.importer.model_tree import BASE_INDEX, Joint, Tree
 
 MIN_GEOMETRIC_PAIRS = 6  # number of pairs found by symmetry below which pairs by joint name are tried
-MAX_MIRROR_OFFSET = 0.02  # [m] largest distance between an axis and the mirror image of its partner's axis
+MAX_MIRROR_OFFSET = 0.02  # [m] largest weighted offset of an axis from the mirror image of its partner's
 MIN_MIRROR_COSINE = 0.98  # smallest cosine between an axis and the mirror image of its partner's axis
 MIN_FORWARD_EXTENT = 0.01  # [m] forward extent of toes and head below which the forward direction is undecided
 UP_AXIS = np.array([0.0, 0.0, 1.0])  # unit vector upward in the world
@@ -22,7 +22,7 @@ _SIDE_LETTERS = (("l", "r"), ("L", "R"))  # left and right letters in joint name
 class Sides:
     """Left-right pairs of hinges and the direction to the left."""
 
-    pairs: dict[int, int]  # left hinge -> right hinge
+    pairs: dict[int, int]  # index of the left hinge -> index of the right hinge
     left: tuple[float, float]  # unit direction to the left, x and y of the file's world
     certain: bool  # whether names, or the direction of feet and head, determine the left side
     by_names: bool  # whether pairs were found by name, as the file's pose is not symmetric
@@ -67,7 +67,10 @@ def _list_planes(tree: Tree) -> list[tuple[int, float]]:
 
 
 def _pair_by_symmetry(tree: Tree, lateral: int, plane: float) -> dict[int, int]:
-    """Return pairs of hinges with mirrored axes and mirrored parents."""
+    """Return pairs of hinges with mirrored axes and mirrored parents.
+
+    The first hinge of each pair has the larger coordinate along the normal of the plane.
+    """
     flip = np.ones(3)
     flip[lateral] = -1.0
     pairs: dict[int, int] = {}
@@ -95,7 +98,7 @@ def _pair_by_symmetry(tree: Tree, lateral: int, plane: float) -> dict[int, int]:
 def _measure_mirror_offset(joint: Joint, point: Floats, axis: Floats) -> float:
     """Return a hinge's weighted offset [m] from a mirrored hinge axis.
 
-    Infinite if their directions differ.
+    The distance of the lines plus a tenth of the distance of their points; infinite if their directions differ.
     """
     if abs(joint.axis @ axis) < MIN_MIRROR_COSINE:
         return np.inf
@@ -137,7 +140,7 @@ def _axis(left_sum: Floats) -> tuple[float, float]:
 
 
 def _measure_forward_extent(tree: Tree, pairs: dict[int, int], left: tuple[float, float]) -> float:
-    """Return the forward extent [m] of toes and head.
+    """Return the summed forward extent [m] of toes and head.
 
     It is positive if the assumed left side is correct, and zero if it is too small to decide.
     """

@@ -63,7 +63,7 @@ class Surface:
 class ModelPart:
     """Rigid part between a hinge and the next hinges.
 
-    Bodies on joints that are not motorised hinges belong to it.
+    Bodies on joints that the tree does not contain, which are fixed, belong to it.
     """
 
     mass: float  # [kg]

@@ -79,7 +79,7 @@ def _make_hanging_target(tilt: float) -> HangingPose:
 
 
 def _measure_arm_gap(robot: Robot) -> float:
-    """Return the smallest distance [m] of resting forearms and hands from others."""
+    """Return the resting forearms' and hands' smallest distance [m] to other segments."""
     ends = {f"{side}_{part}" for side in SIDES for part in ("elbow", "wrist")}
     gaps = CapsuleDistances(robot).gaps(robot.skeleton.rest[None])[0]
     return min(float(gap) for gap, pair in zip(gaps, robot.counted_pairs, strict=True) if ends & set(pair))

@@ -16,10 +16,10 @@ from kinesic.sim.importer.zero_pose import HumanoidGeometry
 
 UPPER_ARM_GIRTH = 0.15  # radius of a generated upper arm / its length
 FOREARM_GIRTH = 0.14  # radius of a generated forearm / its length
-HAND_GIRTH = 0.12  # radius of the hand / length of the forearm
-HEAD_RADIUS_RATIO = 0.17  # radius of the head / length of the arm
-HAND_LENGTH_RATIO = 0.45  # length of the hand / length of the forearm
-ARM_TRUNK_GAP = 0.035  # [m] distance between the trunk and a hanging arm
+HAND_GIRTH = 0.12  # radius of a generated hand / length of the forearm
+HEAD_RADIUS_RATIO = 0.17  # radius of a generated head / length of the arm
+HAND_LENGTH_RATIO = 0.45  # length of a generated hand / length of the forearm
+ARM_TRUNK_GAP = 0.035  # [m] distance between a generated trunk and a hanging arm
 MIN_RADIUS = 0.01  # [m] smallest radius of a generated capsule
 ROOT_SEGMENT = "humanoid_root"  # name of the root segment in robot files
 TRUNK_SEGMENT = "vl5"  # name of the trunk segment in robot files
@@ -86,7 +86,7 @@ def _centre(rows: list[MappedHinge], near: Floats) -> Floats:
 
 
 def bodies(figure: HumanoidGeometry, layout: SegmentLayout, hinges: tuple[MappedHinge, ...]) -> list[BodyTable]:
-    """Create the [[body]] tables of all segments."""
+    """Create the [[body]] tables of all segments except fingers."""
     carried = assign_parts(figure, layout, hinges)
     tables = []
     for name, parent in layout.parents.items():
@@ -203,6 +203,8 @@ def convert_capsules(shapes: Sequence[Capsule], origin: Floats) -> list[CapsuleT
 
 def make_trunk_capsules(waist: Floats, shoulders: Floats, half_width: float, arm_radius: float) -> list[CapsuleTable]:
     """Create chest and belly capsules between the shoulders and the waist.
+
+    A short trunk has no belly.
 
     Args:
         waist: (3,) [m] in the segment.

@@ -49,7 +49,7 @@ def robot_tables(
     servos: Mapping[str, ServoTable],
     rest: Mapping[str, float],
 ) -> RobotFile:
-    """Create the robot file without collision exclusions.
+    """Create the robot tables without fingers and collision exclusions.
 
     Args:
         figure: Robot with hanging arms.

@@ -69,7 +69,10 @@ def _find_limb(tree: Tree, sides: Sides, first: int) -> tuple[int, ...]:
 
 
 def _find_neck(tree: Tree, sides: Sides, trunk: tuple[int, ...], arm: tuple[int, ...]) -> tuple[int, ...]:
-    """Return the unpaired branch that ends highest above the shoulders."""
+    """Return the unpaired branch that ends highest above the shoulders.
+
+    Empty if no branch ends above them.
+    """
     paired, carriers = _both(sides), (trunk[-1] if trunk else BASE_INDEX,)
     paths = []
     for first in (k for carrier in carriers for k in tree.children[carrier] if k not in paired):
@@ -88,7 +91,7 @@ class HangingArm:
     joints: tuple[int, ...]  # of the tree, fingers left out
     limb: HingeRow
     centres: Centres
-    off: float  # [rad] of its worse bone from the vertical
+    off: float  # [rad] larger angle of its two bones from the vertical
 
 
 @dataclass(frozen=True, eq=False)

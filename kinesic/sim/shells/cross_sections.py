@@ -17,7 +17,7 @@ class MonotoneCurve:
 
     @classmethod
     def through(cls, positions: Floats, values: Floats) -> "MonotoneCurve":
-        """Interpolate at least two values.
+        """Return the curve through at least two points.
 
         Inner slopes are weighted harmonic means of the chords' slopes, and zero at extrema. Two values are joined by a
         straight line.

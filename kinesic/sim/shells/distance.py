@@ -102,7 +102,7 @@ def sleeve(
 
 
 def blended_union(fields: Sequence[DistanceField], blend: float) -> DistanceField:
-    """Return the union of solids with smooth transitions of radius `blend` [m]."""
+    """Return the union of solids, smoothed where distances differ below `blend` [m]."""
 
     def field(points: Floats) -> Floats:
         union = fields[0](points)
@@ -127,10 +127,10 @@ def ball(centre: Floats, radius: float) -> DistanceField:
 
 
 def half_space(axis: Floats, along: float) -> DistanceField:
-    """Return the signed distance field of the half-space below a plane.
+    """Return the signed distance field of the half-space behind a plane.
 
     Args:
-        axis: (3,) unit normal of the plane.
+        axis: (3,) unit normal of the plane, which points out of the half-space.
         along: [m] offset of the plane along the normal.
     """
     return lambda points: np.asarray(points @ axis - along)

@@ -9,13 +9,13 @@ from kinesic.body.robot import Robot
 from kinesic.sim.model import capsule_name
 from kinesic.sim.shells.shell import Corners, SegmentShell, Shell
 
-SHELL_GROUP = 2  # MuJoCo geom group of shapes without contacts
+SHELL_GROUP = 2  # MuJoCo geom group of the shell's meshes
 INVISIBLE_COLOUR = (0.0, 0.0, 0.0, 0.0)  # RGBA colour that hides shapes inside the shell
 Colour = tuple[float, ...]
 
 
 def add_shell(spec: mujoco.MjSpec, robot: Robot, shell: Shell, *, colours: Mapping[str, Colour], joint: Colour) -> None:
-    """Add a shell's massless meshes and hide the shapes inside.
+    """Add a shell's massless meshes and hide all capsules and servos.
 
     Args:
         spec: Model that is changed.

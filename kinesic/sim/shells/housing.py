@@ -16,7 +16,7 @@ from kinesic.sim.shells.trunk import head, trunk
 
 
 def housings(robot: Robot) -> Iterator[tuple[str, Housing]]:
-    """Yield the name and housing of each segment that has a housing."""
+    """Yield name and housing of each segment with its own surface."""
     moving = {hinge.segment for hinge in robot.skeleton.hinges}
     moving |= {coupling.segment for coupling in robot.skeleton.couplings}
     skull = robot.chains.get("neck", ("",))[-1]

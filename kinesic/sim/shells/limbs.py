@@ -22,7 +22,7 @@ from kinesic.sim.shells.part import (
     enclose_in_drum,
 )
 
-HUB_DISTANCE = 0.01  # [m] distance from the joint below which a servo is enclosed in a ball
+HUB_DISTANCE = 0.01  # [m] distance from the joint below which one of several servos gets a ball
 END_MARGIN = 0.008  # [m] length of a sleeve beyond the servos inside, as its edges are round
 JOINT_OVERLAP = 0.010  # [m] length by which a sleeve begins before its joint
 SLEEVE_CUFF = 0.022  # [m] length of the dark cuff before the next joint
@@ -102,7 +102,7 @@ def _envelop(part: ShellPart, axes: Floats, servos: Sequence[ServoBox], length: 
 
 
 def _list_tapered_needs(low: float, high: float, radius: float) -> list[tuple[float, float, Floats]]:
-    """Return the half widths that enclose a bar, narrower towards its end."""
+    """Return intervals and half widths along a bar, narrower towards its end."""
     edges = np.linspace(low, high, TAPER_STEPS + 1)
     ratios = np.linspace(1.0, TIP_RATIO, TAPER_STEPS)
     return [
@@ -112,7 +112,7 @@ def _list_tapered_needs(low: float, high: float, radius: float) -> list[tuple[fl
 
 
 def hand(part: ShellPart, facing: Floats) -> Housing:
-    """Design the housing of a palm, or of a mitten without fingers."""
+    """Design a hand's housing: a mitten if it has only one capsule."""
     thumb_axis = np.array([1.0, 0.0, 0.0]) if abs(facing[0]) < 0.9 else np.array([0.0, 1.0, 0.0])
     largest = max(part.capsules, key=lambda c: c.radius)
     solids: list[DistanceField] = []

@@ -55,7 +55,7 @@ class Housing:
 
 
 def list_servo_boxes(robot: Robot, name: str) -> tuple[ServoBox, ...]:
-    """Return the boxes of the servos mounted in a segment."""
+    """Return bounding boxes of a segment's servos that have a mass."""
     boxes = []
     for mount in robot.mounts:
         if mount.segment == name and mount.drive.servo.mass > 0.0:
@@ -93,7 +93,7 @@ class ShellPart:
 def enclose_in_drum(servo: ServoBox, base: Floats, axis: Floats) -> tuple[DistanceField, float]:
     """Return distance field and radius [m] of a cylinder around a servo.
 
-    The axis of the drum is a bone.
+    Its axis goes through `base` in the direction `axis`.
     """
     along = (servo.corners - base) @ axis
     radial = servo.corners - base - along[:, None] * axis

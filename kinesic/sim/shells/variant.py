@@ -10,7 +10,7 @@ from kinesic.body.robot import Robot
 from kinesic.body.robot_extension import find_extended
 from kinesic.sim.shells.shell import Shell, describe_segments, fingerprint, load_shell
 
-CACHED_VARIANTS = 4  # shells of variants kept in memory
+CACHED_VARIANTS = 4  # number of adapted shells kept in memory
 
 
 def find_shell(robot: Robot) -> Shell | None:

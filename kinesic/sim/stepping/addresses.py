@@ -25,7 +25,7 @@ class TwinParts:
     model: int  # address of mjModel
     data: int  # address of mjData
     clock: int  # address of MuJoCo's timer callback `mjcb_time`; 0: none
-    timestep: int  # address within the model
+    timestep: int  # address of the timestep in the model
     positions: Floats  # (q,) [rad] qpos
     velocities: Floats  # (q,) [rad/s] qvel
     control: Floats  # (u,) [rad] ctrl

@@ -124,9 +124,9 @@ def stages_make_a_step() -> bool:
 
 
 def _is_as_expected(model: mujoco.MjModel, longest: float) -> bool:
-    """Return whether friction rows are the model's only constraints.
+    """Return whether options and joints of a model allow the staged step.
 
-    The rows must also be independent of the timestep.
+    Contacts and control callbacks are off, all joints are hinges, and friction rows are independent of the timestep.
     """
     return bool(
         mujoco.get_mjcb_control() is None  # only `mj_step` calls a user's control callback

@@ -118,7 +118,7 @@ class Recorder:
     def _add_goals(self, **window: Floats) -> None:
         """Store the setpoints of one time window in servo ticks.
 
-        Ticks are int16 as long as all values fit.
+        Ticks are int16 as long as all values fit. Without rounding the setpoints are stored in radians.
         """
         for name, goals in window.items():
             ticks: NDArray[np.int16] | Floats = goals if self._ticks is None else np.rint(goals / self._ticks)

@@ -52,8 +52,8 @@ class StepLog:
         """Start the log with the initial posture.
 
         Args:
-            angles: (n,) [rad] live array of the physics, copied at each step.
-            velocities: (n,) [rad/s] live array of the physics, copied at each step.
+            angles: (q,) [rad] live array of the physics, copied at each step.
+            velocities: (q,) [rad/s] live array of the physics, copied at each step.
             goals: (n,) [rad] setpoints in force, in joint order.
         """
         self._live = angles, velocities
@@ -111,7 +111,7 @@ class StepLog:
 
     @property
     def posture(self) -> Floats:
-        """Current joint angles (n,) [rad]."""
+        """Current angles (q,) [rad] of all MuJoCo joints."""
         angles, velocities = self._live
         # MuJoCo's semi-implicit angles are half a step ahead of constant setpoints, its velocities are not
         angles_now: Floats = angles - self._steps[-1] / 2 * velocities
@@ -135,7 +135,7 @@ class StepLog:
         return np.concatenate(self._sent)
 
     def forget(self) -> None:
-        """Discard all steps except the last one.
+        """Discard all commands, and all steps except the last one.
 
         Arrays from `steps` stay valid, since thread profilers may still refer to them.
         """

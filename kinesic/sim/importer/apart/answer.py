@@ -42,7 +42,7 @@ def _import(path: Path) -> ImportedRobot:
 
 
 def _list_mapping(mapped: Mapped) -> tuple[tuple[str, str, str, str], ...]:
-    """Return rows that map kinesic's hinges to joints of the file."""
+    """Return rows of hinge, file's joint, range and rest [deg], without fingers."""
     rows = []
     for hinge in mapped.hinges:
         low, high = np.degrees([hinge.lower, hinge.upper]).round() + 0.0  # no -0

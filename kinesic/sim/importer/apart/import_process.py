@@ -1,4 +1,4 @@
-"""Import a foreign robot in a process with bounded memory and time.
+"""Import a robot file with bounded memory and processor time.
 
     python -P -m kinesic.sim.importer.apart.import_process FILE MEMORY CPU_TIME
 

@@ -20,8 +20,8 @@ THREAD_VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS"
 class Bounds:
     """Bounds on the memory and time of one import."""
 
-    duration: float = 300.0  # [s]
-    cpu_time: int = 120  # [s]
+    duration: float = 300.0  # [s] wall-clock time
+    cpu_time: int = 120  # [s] processor time
     memory: int = 2_000_000_000  # [bytes] of data
 
 

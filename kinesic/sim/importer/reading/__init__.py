@@ -1,1 +1,1 @@
-"""Read the files of foreign robots within bounds."""
+"""Read untrusted robot files within limits of size and number."""

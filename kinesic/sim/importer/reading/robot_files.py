@@ -34,7 +34,7 @@ class RobotFiles:
 
 
 def read_robot_files(path: Path) -> RobotFiles:
-    """Read a robot's file and its includes, but no meshes.
+    """Read a robot's file, includes and attached models, but no meshes.
 
     Raises:
         ConfigError: a file is outside the robot's folder or missing, or the files exceed the limits.

@@ -9,7 +9,7 @@ from collections.abc import Iterable
 
 MAX_ELEMENTS = 100_000  # largest number of XML elements in all files, copies included
 MAX_DEPTH = 200  # deepest nesting of XML elements, includes expanded
-MAX_COPIES = 200  # largest number of copies made by one <replicate> element
+MAX_COPIES = 200  # largest number of copies of an element by nested <replicate> elements
 MAX_NAME_LENGTH = 200  # [characters] longest name or prefix, which every copy repeats
 MAX_VALUE_LENGTH = 10_000  # [characters] longest value of any other attribute
 MAX_ACTIVATIONS = 100  # largest number of internal states of an actuator
@@ -25,7 +25,7 @@ REPEATED_NAMES = ("name", "prefix", "sep", "class", "childclass", "model")  # at
 
 
 class UnfitError(Exception):
-    """Error about an element beyond the limits, with a remedy."""
+    """Error about a refused element of a robot file, with the reason."""
 
 
 def is_unused(tag: str, parents: Iterable[str]) -> bool:
@@ -48,7 +48,7 @@ def screen_element(tag: str, attributes: dict[str, str]) -> dict[str, str]:
     """Return the attributes of an element that are passed to MuJoCo.
 
     Raises:
-        UnfitError: a value exceeds the limits.
+        UnfitError: the element is refused, or a value exceeds the limits.
     """
     if tag.startswith("xacro:"):
         raise UnfitError(f"<{tag}> is a macro; expand the file first: xacro FILE > robot.urdf")
@@ -68,7 +68,7 @@ def screen_element(tag: str, attributes: dict[str, str]) -> dict[str, str]:
 
 
 def count_copies(attributes: dict[str, str]) -> int:
-    """Return the number of copies made by a <replicate> element.
+    """Return the copy count of a <replicate> element, at least 1.
 
     Raises:
         UnfitError: the count is missing or not a whole number.
