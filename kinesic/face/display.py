@@ -51,7 +51,7 @@ def open_offscreen_context() -> "Iterator[GlContext]":
 
 
 def explain_missing_packages() -> str | None:
-    """Return how to install SciPy and Pillow, or None if installed.
+    """Return an error about missing SciPy or Pillow, or None.
 
     SciPy builds the meshes, Pillow paints the skin.
     """
@@ -60,7 +60,7 @@ def explain_missing_packages() -> str | None:
 
 
 def find_display_problem() -> str | None:
-    """Return why no picture can be drawn here, or None."""
+    """Return the reason that prevents drawing here, or None."""
     try:
         with open_offscreen_context():
             return None

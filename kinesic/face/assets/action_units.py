@@ -97,7 +97,7 @@ UNIT_COMBINATIONS: Mapping[tuple[str, str], Mapping[str, float]] = {
         "mouthUpperUpRight": -0.2,
     },
 }
-LARGEST_WEIGHTS: Mapping[str, float] = {"mouthRollLower": 2.0, "mouthRollUpper": 1.2}  # upper bounds other than 1
+LARGEST_WEIGHTS: Mapping[str, float] = {"mouthRollLower": 2.0, "mouthRollUpper": 1.2}  # bounds of weights, if not 1
 LIP_ROLLING_UNITS = ("23", "28")  # action units that roll the lips over the teeth
 ROLLED_OVERLAP = 0.0012  # [m] extra overlap of rolled lips at full intensity
 LIP_SEALING_UNITS = ("24", "28")  # action units that press the lips together at any jaw opening
@@ -116,7 +116,7 @@ LID_SHAPES = (
     "eyeLookIn",
     "eyeLookOut",
 )  # shapes cancelled by a closing lid
-BLINK_SHAPE = "eyeBlink"  # shape that only marks the lid vertices; the lids themselves slide
+BLINK_SHAPE = "eyeBlink"  # shape that closes a lid; `deform` slides the lids instead
 
 _CHANNEL_INDICES = {name: place for place, name in enumerate(FACE_CHANNELS)}
 
@@ -219,7 +219,9 @@ def deform(mesh: Mesh, units: Mapping[str, float]) -> Floats:
 
 
 def compute_lid_closure(channels: Floats) -> float:
-    """Return the mean closure of both lids, 0..1.
+    """Return the mean lid closure of both eyes, 0..1.
+
+    It follows from AU 43 and 45.
 
     Args:
         channels: (c,) intensity of each of `FACE_CHANNELS`.

@@ -34,7 +34,7 @@ from kinesic.face.assets.sculpt import (
 
 Integers = NDArray[np.int64]
 
-METRES_PER_DECIMETRE = 0.1  # [m/dm]
+METRES_PER_DECIMETRE = 0.1  # [m/dm] conversion of the source's unit of length
 SOURCE_AXES = (2, 0, 1)  # index of kinesic's x, y and z among the axes of the source
 REST_SHAPES = {"mouthClose": 0.1}  # weights of expression shapes at rest, because the lips of the source are parted
 LASH_ROOT = 0.0004  # [m] distance of the root of a lash from the nearest lid vertex
@@ -139,7 +139,7 @@ def _sculpt_shape(shape: ShapeDeltas, head: Mesh) -> ShapeDeltas:
 
 
 def _shape_rest_lips(head: Mesh, reference: Mesh) -> Floats:
-    """Return (v, 3) positions [m] of a head with closed lips and smooth corners of the mouth.
+    """Return (v, 3) positions [m] with closed lips and smooth mouth corners.
 
     Args:
         head: head to change.
@@ -244,7 +244,7 @@ def _measure_tips(positions: Floats, parts: Integers) -> Floats:
 
 
 def _read_shapes(archive: ZipFile, place: Integers, parts: Integers) -> list[ShapeDeltas]:
-    """Read all expression shapes except those of the eyeballs, which rotate instead."""
+    """Read all expression shapes, without their motion of the eyeballs."""
     shape_list = []
     for path in sorted(
         name for name in archive.namelist() if name.startswith(SHAPE_FOLDER) and name.endswith(".target")

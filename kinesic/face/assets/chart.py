@@ -60,7 +60,7 @@ def compute_vertex_chart(mesh: Mesh) -> Floats:
 
     They are a, y, front mask minus 6 x depth in the mouth, and height over the hairline. For the eyes: direction at
     rest from the centre of the eyeball as left, up, forward; then 0. For the tongue the third is the forward position.
-    For teeth: `compute_teeth_chart`. For cloth: colour and gloss.
+    For teeth: `compute_teeth_chart`. For cloth: square root of the linear colour, and gloss.
     """
     rest = mesh.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
     forward, left, up = rest.T

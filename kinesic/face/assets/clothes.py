@@ -27,12 +27,12 @@ HEM_HEIGHT = 0.0  # [m] height of the shirt's lower hem above the pelvis
 ANKLE_HEIGHT = -0.735  # [m] height of the lower end of the trousers above the pelvis
 NECKLINE_SLOPE = 0.45  # descent of the neckline per forward distance [m/m]
 COLLAR_HEIGHT = 0.008  # [m] height of the collar above the neck joint
-COVERED_DEPTH = 0.018  # [m] distance inside a border from which the body is hidden
+COVERED_DEPTH = 0.018  # [m] depth below the neckline from which the head's skin is omitted
 
 
 @dataclass(frozen=True, eq=False)
 class Garment:
-    """Colour, gloss and outward offset of a garment at each suit vertex."""
+    """Colour and gloss of a garment, with offset and border by vertex."""
 
     colour: Colour
     gloss: float

@@ -28,7 +28,7 @@ NORMAL_LEAN = 0.35  # sideways component of the normals at the edges of a lock, 
 HAIR_SEED = 11  # seed of the random generator for hair
 PAINTED_HAIR_HEIGHT = 0.0035  # [m] distance of painted hair from the scalp, reached at the height SCALP_RAMP
 INSIDE_VISIBLE_HEIGHT = -0.4  # [eye distances] height below which the inside of hanging locks is visible
-INSIDE_STRIDE = 3  # every third lock is also drawn from inside
+INSIDE_STRIDE = 3  # every third hanging lock is also drawn from inside
 ROOT_WIDTH = 0.2  # width of a lock at the hairline, relative to its full width; avoids steps there
 GROWTH_FRACTION = 0.3  # fraction of a lock within which it reaches its full width
 FULL_WIDTH_DISTANCE = 0.5  # [eye distances] height over hairline and sideburns from which locks start at full width
@@ -46,7 +46,7 @@ LOOSE_WAVE_FACTOR = 1.8  # factor on the random component of the comb direction 
 LOOSE_LAYER = 1.1  # factor on the distance of loose locks from the skull
 THIN_FRACTION = 0.15  # fraction of locks that are single strands
 THIN_WIDTH = 0.3  # factor on the width of single strands
-RISING_HEIGHT = 0.35  # [eye distances] height over the hairline in which parted hair first grows backwards
+RISING_HEIGHT = 0.35  # [eye distances] height scale over the hairline within which parted hair rises backwards
 COMB_WEIGHT = 0.55  # weight of the comb direction in each step along a lock
 
 
@@ -57,7 +57,7 @@ class Locks:
     positions: Floats  # (n, 3) [m]
     normals: Floats  # (n, 3) unit, outward
     strands: Floats  # (n, 3) unit, from root to tip
-    places: Floats  # (n, 4) across -1..1, along 0..1, number of the lock 0..1, brightness
+    places: Floats  # (n, 4) across -1..1, along 0..1, random number of the lock 0..1, brightness
     triangles: NDArray[np.int32]  # (t, 3), anticlockwise from outside
     inside: NDArray[np.int32]  # (u, 3) back faces of hanging locks
 
@@ -85,7 +85,7 @@ def _rate_root_height(roots: Floats) -> Floats:
 
 
 def _measure_border_distance(roots: Floats) -> Floats:
-    """Return the (r,) heights of roots over the hairline and over sideburns."""
+    """Return the smaller of each root's heights over hairline and sideburns, (r,)."""
     over_sideburns = np.where(roots[:, 0] > EAR_REGION[0], roots[:, 2] - SIDEBURN_HEIGHT, np.inf)
     return np.asarray(np.minimum(measure_hairline_height(roots), over_sideburns))
 

@@ -22,7 +22,7 @@ class HairStyle:
     width: tuple[float, float]  # half width of a lock at the temple and on top
     tip: float  # relative width of the tip
     off: tuple[float, float]  # distance of the middle of a lock from the skull, at the temple and on top
-    lies: float  # reduction of that distance at the tip
+    lies: float  # reduction of that distance at the tip, as a fraction
     cut: float  # minimum height of the ends of locks
     over_ears: bool  # whether hair covers the ears
     part: float | None  # lateral position of the parting; None: combed back

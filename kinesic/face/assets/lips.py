@@ -18,7 +18,7 @@ from kinesic.face.assets.mesh import Mesh
 JAW_SHAPE = "jawOpen"  # shape that moves the lower lip down
 CORNER_JAW_FRACTION = 0.4  # fraction of the jaw's motion at the mouth corners; the lower lip moves by a larger one
 MOUTH_HALF_WIDTH = 0.40  # [eye distances] distance from the midline to the outermost lip column
-MIN_LIP_FORWARD = 0.28  # [eye distances] forward position of lip skin; skin further back lies inside the mouth
+MIN_LIP_FORWARD = 0.28  # [eye distances] smallest forward position of lip skin; skin behind lies inside the mouth
 YIELDING_SKIN_RANGE = 0.42  # [eye distances] height above and below the mouth up to which the skin moves with the lips
 EDGE_RANGE = 0.22  # [eye distances] height above and below the mouth within which the edge of a lip is searched
 MIDDLE_RANGE = 0.2  # [eye distances] distance from the midline within which the lower lip defines the mouth's height
@@ -112,7 +112,7 @@ def find_lips(mesh: Mesh) -> Lips:
 
 
 def measure_jaw_following(mesh: Mesh) -> Floats:
-    """Return the (v,) displacement by a dropping jaw, relative to the largest."""
+    """Return the (v,) downward displacement by a dropping jaw, relative to the largest."""
     down = -mesh.deltas[:, [mesh.shapes.index(JAW_SHAPE)]].toarray().reshape(-1, 3)[:, 2]
     return np.asarray(down / down.max())
 

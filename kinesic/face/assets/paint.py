@@ -86,7 +86,7 @@ UPPER_LIP = (
 # Lower edge of the red lips as chart coordinates a and y.
 LOWER_LIP = ((0.0, -1.30), (0.12, -1.295), (0.25, -1.235), (0.36, -1.15), (0.43, MOUTH_LINE))
 MOUTH_CORNER = (0.38, 0.025)  # chart coordinate a of a corner of the mouth, and its size
-CORNER_SHADE = 0.35  # brightness of the lips in the corners of the mouth
+CORNER_SHADE = 0.35  # factor on the lips' colour in the corners of the mouth
 # Upper and lower edge of a beard as chart coordinates a and y.
 BEARD_TOP = ((0.0, -0.82), (0.3, -0.86), (0.5, -1.12), (0.9, -1.22), (1.25, -0.95), (1.45, -0.55), (1.6, -0.3))
 BEARD_BOTTOM = ((0.0, -2.05), (0.6, -2.0), (1.2, -1.5), (1.45, -1.0), (1.6, -0.3))
@@ -151,7 +151,7 @@ def paint_skin(complexion: Complexion) -> Floats:
 
 @cache
 def paint_iris(complexion: Complexion) -> Floats:
-    """Return an (n, n, 3) painted eye seen along its axis.
+    """Return an (n, n, 3) picture of an eye seen along its axis.
 
     Its half width is `EYE_HALF_WIDTH` radii of the eyeball.
     """
@@ -219,7 +219,7 @@ def _paint_brows(complexion: Complexion, random: np.random.Generator) -> Floats:
 
 
 def _measure_brow(complexion: Complexion) -> tuple[Floats, Floats, Floats]:
-    """Return brow points: positions 0..1 along the brow, chart coordinates."""
+    """Return points of a brow: position 0..1 along it, chart a and y."""
     points = np.array(complexion.brow)
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     return lengths / lengths[-1], points[:, 0], points[:, 1]
@@ -243,7 +243,7 @@ def _mix_colour(picture: Floats, over: Colour | Floats, opacity: Floats) -> None
 
 
 def _blur(drawn: Floats, size: float) -> Floats:
-    """Blur the non-zero region of a picture by `size` pixels."""
+    """Return a picture blurred with a standard deviation of `size` [pixels]."""
     part = _find_window(drawn != 0.0, int(BLUR_REACH * size + 0.5))
     blurred = np.zeros_like(drawn)
     blurred[part] = scipy.ndimage.gaussian_filter(drawn[part], size, truncate=BLUR_REACH)

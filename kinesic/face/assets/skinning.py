@@ -26,7 +26,7 @@ Quaternion = tuple[float, float, float, float]  # w, x, y, z
 
 TWIST_SUFFIX = "_twisting"  # name suffix of hinges that rotate about the axis of their bone
 HAND_SEGMENT = "wrist"  # segment that moves fingers missing in the skeleton
-MIN_HALF_ANGLE_SINE = 1e-9  # sine of half an angle below which a turn is ignored
+MIN_HALF_ANGLE_SINE = 1e-9  # sine of half an angle below which a rotation is not scaled
 
 
 class Skin:

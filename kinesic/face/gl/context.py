@@ -101,7 +101,7 @@ class GlContext:
         return Framebuffer(self, colours, depth)
 
     def program(self, vertex: str, fragment: str) -> Program:
-        """Compile and link shaders."""
+        """Compile and link a vertex and a fragment shader."""
         return Program(self, vertex, fragment)
 
     def buffer(self, data: bytes) -> Buffer:

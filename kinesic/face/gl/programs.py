@@ -117,7 +117,7 @@ class Program:
 
 
 class Buffer:
-    """Buffer of vertex attributes on the graphics card."""
+    """Buffer of vertex attributes or indices on the graphics card."""
 
     def __init__(self, context: "GlContext", data: bytes | None, size: int) -> None:
         self._context, self.size = context, size

@@ -199,7 +199,7 @@ class Framebuffer:
             gl.Clear(n.GL_COLOR_BUFFER_BIT | n.GL_DEPTH_BUFFER_BIT)
 
     def copy(self, other: "Framebuffer") -> None:
-        """Copy the first texture of another framebuffer."""
+        """Copy another framebuffer's first texture into this one's."""
         gl, (width, height) = self._context.functions, self.size
         with self._bind_temporarily():
             gl.BindFramebuffer(n.GL_READ_FRAMEBUFFER, other.number)

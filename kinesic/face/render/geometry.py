@@ -208,9 +208,7 @@ class Geometry:
     def _estimate_eye_axes(self, ball: NDArray[np.intp], vertices: Floats) -> Floats:
         """Estimate the (3, 3) axes of an eyeball from its normals.
 
-        They point forward, left and up.
-
-        They are estimated from its normals compared with those at rest.
+        They point forward, left and up. Its normals are compared with those at rest.
         """
         rest = self.place[ball][:, [2, 0, 1]]
         return np.asarray(np.linalg.lstsq(rest, vertices[ball, 3:], rcond=None)[0])

@@ -48,7 +48,7 @@ def compile_program(
 
 
 def set_uniforms(shader: Program, values: Values) -> None:
-    """Set a program's uniforms from values in row order."""
+    """Set uniforms of a program by name."""
     for name, value in values.items():
         shader.set(name, value)
 

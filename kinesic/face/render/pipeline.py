@@ -1,4 +1,4 @@
-"""Deferred pipeline that makes a picture of the head's G-buffer."""
+"""Deferred pipeline that makes a picture from the head's G-buffer."""
 
 import math
 from collections.abc import Iterator, Mapping
@@ -51,7 +51,7 @@ class DrawnHead:
 
 
 class Pipeline:
-    """Renderer of a head with action units in one OpenGL context."""
+    """Renderer of a head or figure in one OpenGL context."""
 
     def __init__(self, context: GlContext, head: DrawnHead, *, preset: Preset, size: Size, lights: Lights) -> None:
         mesh, complexion = head.shape.mesh, head.complexion

@@ -17,7 +17,7 @@ from kinesic.face.render.presets import Focus, Preset, Scattering
 
 
 class ScatterPass:
-    """Pass that blurs diffuse light along both axes to scatter it."""
+    """Pass that simulates subsurface scattering by blurring diffuse light."""
 
     def __init__(self, context: GlContext, geometry: Geometry, lit: Target, scattering: Scattering) -> None:
         self.scattering, self._geometry = scattering, geometry
@@ -34,7 +34,7 @@ class ScatterPass:
         )
 
     def clear(self) -> None:
-        """Clear the scattering marks before the light pass."""
+        """Clear the scattering colours and levels before the light pass."""
         self._colour.frame.clear()
 
     @property

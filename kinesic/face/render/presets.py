@@ -9,8 +9,8 @@ from kinesic.face.display import DisplayError
 
 Estimator = Literal[
     "angular", "crytek", "obscurance", "horizon", "depth"
-]  # crytek above the tangent plane; depth: 3.3.1
-Pattern = Literal["random", "regular", "jittered", "halton", "hammersley", "noise"]  # noise: never the same tile again
+]  # crytek: samples above the tangent plane; depth: thesis 3.3.1
+Pattern = Literal["random", "regular", "jittered", "halton", "hammersley", "noise"]  # noise: tile of the screen's size
 Falloff = Literal["wendland", "gaussian"]
 Axes = Literal[1, 2]
 
@@ -30,7 +30,7 @@ class Occlusion:
     tile: int = 4  # [pixels] along a side of the tile and of the blur (listing 11.1)
     falloff: Falloff = "wendland"  # weight by distance (3.3)
     radius: float = 0.024  # [m] range of occluders
-    strength: float = 1.4  # factor of the occlusion
+    strength: float = 1.4  # factor on the occlusion
 
     def __post_init__(self) -> None:
         if self.tile not in TILE_SIZES:
@@ -51,7 +51,7 @@ class Scattering:
     """Parameters of subsurface scattering (thesis 5.1 and 5.2)."""
 
     width: float = 0.0035  # [m] spread of red light
-    threshold: float = 0.93  # openness above which even pixels are not filtered; 1 filters all
+    threshold: float = 0.93  # openness above which smooth areas are not filtered; 1 filters all
     steps: int = 3  # samples on each side
     levels: int = 1  # levels of detail; more occluded pixels use more samples (Figure 5.2)
     deep: float = 0.6  # openness below which all samples are used

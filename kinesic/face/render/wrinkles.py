@@ -49,7 +49,7 @@ class Curve:
 
     points: Floats  # (k, 2) chart a and y
     width: float  # half width in chart units
-    depth: float  # usually at most 1
+    depth: float  # factor on the height, usually at most 1
     mirrored: bool = False  # whether the furrow occurs on both sides
 
     def on_both_sides(self) -> tuple["Curve", ...]:

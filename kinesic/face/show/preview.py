@@ -19,7 +19,7 @@ from kinesic.face.show.window import has_display
 
 OPENING_TIMEOUT = 60.0  # [s] longest wait for the first picture
 MIN_WRITE_INTERVAL = 0.01  # [s] smallest time between two displayed commands; commands in between are skipped
-CLOSING_TIMEOUT = 10.0  # [s] longest wait for the last picture
+CLOSING_TIMEOUT = 10.0  # [s] longest wait for the preview process to end
 DEFAULT_SETTINGS = PreviewSettings()
 UPRIGHT_TURN = (0.0, 0.0, 0.0)  # [rad] head rotation of an upright head
 

@@ -15,7 +15,7 @@ class PreviewSettings:
 
     variant: Variant = "female"
     preset: str = "normal"
-    side: int = 512  # [pixels]
+    side: int = 512  # [pixels] width and height of the picture
     windowed: bool = True
     gain: float = 1.0  # gain of the wrinkles
     light: float = 1.0  # brightness factor of the scene
