@@ -155,7 +155,7 @@ class CapsuleDistances:
         return self._named(distances[chosen], pairs[chosen])
 
     def bounds(self, angles: Floats, turns: Floats) -> Floats:
-        """Compute a lower bound of the self-distance near each posture.
+        """Compute lower bounds of the self-distance within given deviations from postures.
 
         The bound subtracts the largest approach that the hinges between the segments of a pair can cause.
 

@@ -131,7 +131,7 @@ def describe(robot: Robot, *, play: float = 0.0) -> mujoco.MjSpec:
 
 
 def find_turn_indices(robot: Robot, model: mujoco.MjModel) -> Indices:
-    """Return the `qpos` indices of hinges and couplings in a drawn model.
+    """Return `qpos` indices of hinges and couplings in a model for pictures.
 
     Hinges come first, then couplings; the shape is (n + c,).
     """
@@ -154,7 +154,7 @@ def find_play_indices(robot: Robot, model: mujoco.MjModel) -> Indices:
 
 
 def sum_hinge_values(values: Floats, motors: Indices | slice, play: Indices) -> Floats:
-    """Compute the values of hinges from those of MuJoCo's joints.
+    """Compute hinge angles or velocities from those of MuJoCo's joints.
 
     The value of a hinge is that of its motor plus that of its backlash joint.
 

@@ -64,7 +64,7 @@ class Shafts:
 
     @property
     def duties(self) -> Floats:
-        """Duty cycles of the servos' position loops, (n,) -1..1."""
+        """Proportional duty cycles of the servos' position loops, (n,) -1..1."""
         return sealed(np.clip(self._drives.gain * (self._goals - self.angles), -self._ratios, self._ratios))
 
     @property

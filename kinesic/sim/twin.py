@@ -273,7 +273,7 @@ class Twin:
         return sum_hinge_values(values, self._order, self._play)
 
     def _round_to_ticks(self, goals: Floats) -> Floats:
-        """Return setpoints (n,) [rad] rounded to the servos' ticks."""
+        """Return setpoints (n,) [rad] rounded to the servos' ticks, if enabled."""
         return goals.copy() if self._ticks is None else np.rint(goals / self._ticks) * self._ticks
 
 

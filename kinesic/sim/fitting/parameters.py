@@ -47,7 +47,7 @@ class Unknown:
 
 
 def list_unknowns(robot: Robot, free: Sequence[ServoParameter]) -> tuple[Unknown, ...]:
-    """List the free parameters of each servo model of a robot.
+    """List the free parameters of a robot and of its servo models.
 
     The order is that of `FIT_PARAMETERS`.
 

@@ -14,7 +14,7 @@ MAX_EVALUATIONS = 60  # largest number of evaluations in one least-squares searc
 EQUAL_COST_RATIO = 1.02  # cost / least cost up to which a solution from an earlier start is preferred
 ELBOW_WEIGHT = 0.5  # weight of the elbow's axis relative to the directions of the bones
 HAND_WEIGHT = 0.1  # weight of the hand's direction relative to the directions of the bones
-SEARCH_STAY_WEIGHT = 0.1  # [1/rad] weight of the distance from the file's pose during the search
+SEARCH_STAY_WEIGHT = 0.1  # [1/rad] weight of the distance from the start pose during the search
 REFINEMENT_STAY_WEIGHT = 0.05  # [1/rad] weight of the distance from the chosen solution during refinement
 DISTAL_STAY_FACTOR = 3.0  # factor on both stay weights for hinges beyond the elbow, which hardly move the bones
 OUTSIDE_WEIGHT = 0.3  # [1/rad] weight of the angle outside a hinge's range
@@ -33,7 +33,7 @@ class HangingPose:
 
 @dataclass(frozen=True, eq=False)
 class Ranges:
-    """Ranges of an arm's hinges relative to their angles in the file."""
+    """Ranges of an arm's hinges relative to their angles in its start pose."""
 
     lower: Floats  # (k,) [rad], -inf if unknown
     upper: Floats  # (k,) [rad], inf if unknown
@@ -44,7 +44,7 @@ class Ranges:
 class Posed:
     """Angles of an arm with the remaining direction error."""
 
-    angles: Floats  # (k,) [rad] relative to the pose of the file
+    angles: Floats  # (k,) [rad] relative to the start pose
     off: float  # [rad] larger of the direction errors of both bones
 
 
@@ -74,10 +74,10 @@ def find_elbow_sense(limb: HingeRow, split: Split, lower: float, upper: float) -
 def pose_arm(limb: HingeRow, split: Split, target: HangingPose, ranges: Ranges, first: list[Floats]) -> Posed:
     """Find the angles that bring an arm closest to desired directions.
 
-    Among equivalent solutions the one closest to the pose of the file is preferred.
+    Among equivalent solutions the one closest to the start pose is preferred.
 
     Args:
-        limb: Hinges in the pose of the file.
+        limb: Hinges in the start pose.
         split: Division of the hinges.
         target: Desired directions of the bones.
         ranges: Ranges of the hinges.
@@ -119,7 +119,7 @@ class _Arm:
         """Minimise the residuals from a start posture, within the ranges if strict.
 
         Args:
-            start: (k,) [rad] relative to the pose of the file.
+            start: (k,) [rad] relative to the start pose.
             stay: Weight per radian of the distance from `home`.
             home: (k,) [rad] preferred angles.
         """
@@ -137,7 +137,7 @@ class _Arm:
         """Compute the residuals (m,) at angles (k,) [rad].
 
         Args:
-            angles: (k,) [rad] relative to the pose of the file.
+            angles: (k,) [rad] relative to the start pose.
             stay: Weight per radian of the distance from `home`.
             home: (k,) [rad] preferred angles.
         """
@@ -167,7 +167,7 @@ class _Arm:
 def _find_forward_sense(limb: HingeRow, split: Split) -> float:
     """Return the sign, +1 or -1, of rotations that bend the elbow.
 
-    The forearm then moves forward. Valid in the pose of the file.
+    The forearm then moves forward. Valid in the pose of `limb`.
     """
     at, axis = centres(limb, split), limb.axes[split.elbow]
     return 1.0 if np.cross(axis, at.fore)[0] >= 0 else -1.0

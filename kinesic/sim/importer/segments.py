@@ -194,7 +194,7 @@ def make_bone_capsule(start: Floats, end: Floats, radius: float, *, free_fractio
 
 
 def convert_capsules(shapes: Sequence[Capsule], origin: Floats) -> list[CapsuleTable]:
-    """Convert the model's shapes to the frame of a segment."""
+    """Convert capsules from the world to tables in a segment's frame."""
     return [
         CapsuleTable(round_triple(s.start - origin), round_triple(s.end - origin), round(s.radius, COORDINATE_DIGITS))
         for s in shapes

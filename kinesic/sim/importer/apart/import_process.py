@@ -14,7 +14,10 @@ KILL_DELAY = 5  # [s] CPU time between the signal for the time limit and the for
 
 
 def bound_process(*, memory: int, cpu_time: int) -> None:
-    """Bound the memory [bytes] and processor time [s] of this process."""
+    """Bound the memory [bytes] and processor time [s] of this process.
+
+    It has no effect on Windows.
+    """
     if sys.platform != "win32":
         import resource  # noqa: PLC0415 - Windows has none
 
