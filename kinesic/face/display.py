@@ -51,7 +51,7 @@ def open_offscreen_context() -> "Iterator[GlContext]":
 
 
 def explain_missing_packages() -> str | None:
-    """Return an error about missing SciPy or Pillow, or None.
+    """Return an error message about missing SciPy or Pillow, or None.
 
     SciPy builds the meshes, Pillow paints the skin.
     """

@@ -32,7 +32,7 @@ COVERED_DEPTH = 0.018  # [m] depth below the neckline from which the head's skin
 
 @dataclass(frozen=True, eq=False)
 class Garment:
-    """Colour and gloss of a garment, with offset and border by vertex."""
+    """A garment's colour and gloss, with offset and border distance by vertex."""
 
     colour: Colour
     gloss: float

@@ -75,9 +75,10 @@ class Skull:
         return away, scipy.spatial.cKDTree(spokes / away[:, None])
 
     def on(self, points: Floats, off: Floats, held: Floats) -> Floats:
-        """Lift (n, 3) hair points to a distance `off` from the skin.
+        """Lift (n, 3) hair points to a minimum distance from the skull.
 
-        Points farther away are pulled towards it by the fraction `held`.
+        The minimum is `cover` plus the scalp hair's height plus `off`. Points farther away are pulled towards it by
+        the fraction `held`.
         """
         spokes = points - HEAD_CENTRE
         away = np.linalg.norm(spokes, axis=1)

@@ -148,7 +148,7 @@ class Geometry:
         set_uniforms(self._shaders[1], {"balls": np.array(balls)})
 
     def light(self, key: Floats) -> None:
-        """Set the unit direction (3,) towards the lamp whose reflection strands show."""
+        """Set the unit direction (3,) towards the lamp that hair strands reflect."""
         half = key + np.array([0.0, 0.0, 1.0])
         set_uniforms(self._shaders[4], {"half_way": half / np.linalg.norm(half)})
 

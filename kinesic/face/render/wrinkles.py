@@ -165,7 +165,7 @@ def interpolate_line(points: Floats) -> Floats:
 
 
 def _find_window(points: Floats, reach: float, a: Floats, y: Floats) -> tuple[slice, slice]:
-    """Return the rows and columns of the skin grid near given points."""
+    """Return the rows and columns of the map grid near given points."""
     ends = np.stack([points.min(axis=0) - reach, points.max(axis=0) + reach])
     rows, columns = (slice(*np.searchsorted(grid, ends[:, k])) for grid, k in ((y, 1), (a, 0)))
     return rows, columns
