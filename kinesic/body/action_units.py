@@ -16,7 +16,7 @@ FaceSide = Literal["left", "right", "both"]
 MAX_EYE_YAW = radians(35)  # [rad] rotation of an eye to either side at full intensity
 MAX_EYE_ELEVATION = radians(25)  # [rad] upward rotation of an eye at full intensity
 MAX_EYE_DEPRESSION = radians(30)  # [rad] downward rotation of an eye at full intensity
-MAX_EYE_CONVERGENCE = radians(15)  # [rad] rotation of each eye towards the nose, to look at a point about 11 cm ahead
+MAX_EYE_CONVERGENCE = radians(15)  # [rad] inward rotation of each eye at full intensity of unit 66
 
 
 @dataclass(frozen=True)

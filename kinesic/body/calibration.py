@@ -1,4 +1,4 @@
-"""Measured zeros, directions and ranges that override a robot's file."""
+"""Measured servo zeros, directions and ranges, overriding a robot's file."""
 
 import os
 from pathlib import Path
@@ -28,7 +28,7 @@ class Calibration(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
         return frozenset(self.zero_ticks) | frozenset(self.inverted) | frozenset(self.range_deg)
 
 
-NO_CALIBRATION = Calibration()  # robot without measured zeros, directions and ranges
+NO_CALIBRATION = Calibration()  # calibration without any measured value
 
 
 def calibration_path(robot: Path) -> Path:

@@ -14,9 +14,9 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.rotation import rotation_about
 from kinesic.body.skeleton import Hinge, Skeleton
 
-TWIST_ALIGNMENT = 0.8  # Minimum cosine between axis and bone at which the last hinge of a joint counts as a twist
-ALIGNMENT_TOLERANCE = 1e-9  # Largest sine (or 1 - cosine) of the angle between an aligned axis and its bone
-MAX_SWING_HINGES = 2  # Largest number of hinges per joint that swing its bone; further ones are dropped
+TWIST_ALIGNMENT = 0.8  # Minimum |cosine| between bone and axis at which a joint's last hinge is a twist
+ALIGNMENT_TOLERANCE = 1e-9  # Largest sine (or 1 - cosine) of an aligned axis's angle to its bone
+MAX_SWING_HINGES = 2  # Largest number of non-twist hinges per joint; further ones are dropped
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +32,7 @@ class ChainJoint:
 class Chain:
     """Kinematic chain of joints from its base outward.
 
-    The last centre is the hand.
+    Its last bone ends at the palm.
 
     Frames: `base` is the parent segment of the chain; positions named `..._in_base` are in its frame.
     """
@@ -76,7 +76,7 @@ class Chain:
 
     @cached_property
     def rest(self) -> Floats:
-        """Rest posture of the chain's hinges (k,) [rad]."""
+        """Rest angles of the chain's hinges (k,) [rad]."""
         return sealed([hinge.rest for joint in self.joints for hinge in joint.hinges])
 
     @cached_property
@@ -144,7 +144,7 @@ def _with_aligned_twist(joint: ChainJoint) -> ChainJoint:
 
 
 def _select_essential_hinges(joint: ChainJoint) -> tuple[Hinge, ...]:
-    """Select at most two swing hinges and one twist hinge."""
+    """Keep at most two non-twist hinges, and the aligned twist hinge."""
     hinges, bone = joint.hinges, joint.bone
     twists = bool(hinges) and _alignment(hinges[-1], bone) > 1.0 - ALIGNMENT_TOLERANCE
     swings = list(hinges[:-1] if twists else hinges)

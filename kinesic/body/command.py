@@ -71,7 +71,7 @@ class Sink(Protocol):
     """
 
     def write(self, command: Command, /) -> None:
-        """Receive one command for the robot's joints.
+        """Receive one command for the robot's joints and face.
 
         Times never decrease.
         """
@@ -95,7 +95,7 @@ class Body(Sink, Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Power:
-    """Supply current, energy and winding temperatures of the servos.
+    """Supply current, energy, minimum voltage and winding temperature rises.
 
     A value at a command is that of the interval which ends there.
     """
@@ -156,7 +156,7 @@ class Measurements:
 
     @property
     def duties(self) -> Floats:
-        """Demanded PWM duties (m, n), which may exceed 1."""
+        """Demanded PWM duties (m, n), before clipping to -1..1."""
         return self._driven_rows(0)
 
     @property
@@ -175,7 +175,7 @@ class Measurements:
         return (slice(begin, begin + COMMANDS_PER_WINDOW) for begin in range(0, len(self.times), COMMANDS_PER_WINDOW))
 
     def drive_rows(self, rows: slice) -> tuple[Floats, Floats]:
-        """Compute demanded duties and torques [Nm], each (k, n), of some commands."""
+        """Compute demanded duties and torques [Nm], each (k, n), of a slice."""
         velocities, drives = self.velocities[rows], self.drives
         duties = drives.demanded_duties(self.in_force.angles(rows) - self.angles[rows], velocities)
         torques = drives.torque_ratios(np.clip(duties, -1.0, 1.0), velocities, self.supplied[rows])

@@ -37,7 +37,7 @@ T = TypeVar("T")
 
 
 class ConfigError(ValueError):
-    """Missing or invalid configuration file.
+    """Missing or invalid configuration file, name or option.
 
     The message names the file, the place, the value and a valid alternative.
     """
@@ -181,7 +181,7 @@ def names_of(kind: str) -> tuple[str, ...]:
 
 
 def suggestion(word: str, valid_names: Iterator[str] | list[str] | tuple[str, ...]) -> str:
-    """Return a hint with the valid name nearest to an unknown one.
+    """Return a hint with the nearest valid name, or with all.
 
     Returns:
         '; did you mean X?', or a list of all valid names if none is near.

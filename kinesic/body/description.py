@@ -25,7 +25,7 @@ class Mount:
 
 @dataclass(frozen=True)
 class Exclusion:
-    """Pair of segments excluded from collision checks, with the reason."""
+    """Pair of bodies excluded from collision checks, with the reason."""
 
     pair: frozenset[str]
     why: str  # reason, for reports
@@ -59,7 +59,7 @@ class Description:
     chains: Mapping[str, tuple[str, ...]]  # "torso", "neck", "l_arm", "r_arm" -> segments from the base outward
     sites: Mapping[str, Site]  # at least "l_palm", "r_palm", "eyes"
     exclusions: tuple[Exclusion, ...]
-    min_clearance: float  # [m] required between counted pairs
+    min_clearance: float  # [m] required distance between bodies, except excluded pairs
     contact_distance: float  # [m] distance between a hand and the point that it touches
     targets: Mapping[str, Floats]  # named points (3,) [m] in the world
     skin: Skin | None = None  # None: drawn without skin

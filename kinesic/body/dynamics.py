@@ -45,10 +45,10 @@ class Dynamics(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class Clearance:
-    """Smallest distance between segments in each posture of a motion."""
+    """Smallest distance between checked bodies in each posture of a motion."""
 
     distances: Floats  # (m,) [m] minimum over all counted pairs, negative if they overlap
-    pairs: Sequence[tuple[str, str]]  # (m,) closest segments
+    pairs: Sequence[tuple[str, str]]  # (m,) names of the closest bodies
 
     @property
     def worst(self) -> int:

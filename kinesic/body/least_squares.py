@@ -11,10 +11,10 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 
-INITIAL_DAMPING = 1e-3  # damping / largest diagonal entry of the normal equations at the start
+INITIAL_DAMPING = 1e-3  # initial damping, relative to the largest diagonal entry of the normal equations
 DAMPING_DECREASE = 1.0 / 3.0  # smallest factor on the damping after a step that reduces the cost
 DAMPING_INCREASE = 2.0  # factor on the damping after a rejected step, doubled after each further one
-MAX_DAMPING = 1e16  # damping at which a step is lost in the rounding of the values, and the search ends
+MAX_DAMPING = 1e16  # damping above which the search ends, as steps vanish in rounding
 RELATIVE_DIFFERENCE_STEP = np.finfo(np.float64).eps ** 0.5  # step of forward differences / max(1, |value|)
 
 

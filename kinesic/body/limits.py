@@ -11,8 +11,8 @@ from kinesic.body.robot import Robot
 USABLE_STALL_FRACTION = 0.8  # Fraction of the stall torque available to holding, friction and acceleration
 MIN_ACCELERATION = 1.0  # [rad/s^2] lower bound of acceleration limits, for hinges that can hardly hold their load
 ACCELERATION_RISE_TIME = 0.04  # [s] time from zero acceleration to its limit at maximum jerk
-PLANNED_DUTY = 0.73  # Fraction of full PWM for plans; the rest covers coupled loads and servos that are 25 % weaker
-NEGLIGIBLE_DUTY = 1e-6  # Duty assumed at the velocity or acceleration limit without drive data; it limits no motion
+PLANNED_DUTY = 0.73  # Maximum planned fraction of full PWM; leaves reserve for coupled loads and weak servos
+NEGLIGIBLE_DUTY = 1e-6  # Duty at the velocity or acceleration limit of hinges without drive data; never binding
 MIN_DUTY = 0.1  # Lower bound of the duty limit, for hinges that can hardly hold their load
 
 
@@ -50,7 +50,7 @@ class Limits:
 
     @classmethod
     def box(cls, *, lower: Floats, upper: Floats, speed: Floats, acceleration: Floats, jerk: Floats) -> "Limits":
-        """Make limits without drive data: the duty limit never binds.
+        """Make limits from given values (n,), without a binding duty limit.
 
         Args:
             lower: (n,) [rad].

@@ -9,7 +9,7 @@ from kinesic.body.arrays import Flags, Floats, Indices
 
 @dataclass(frozen=True, eq=False)
 class SparseMatrix:
-    """Matrix with few entries, whose entries at one place add up."""
+    """Sparse matrix in coordinate format, in which duplicate entries add up."""
 
     rows: Indices  # (e,)
     columns: Indices  # (e,)
@@ -24,13 +24,13 @@ class SparseMatrix:
         return np.asarray(np.bincount(self.rows, self.values * vector[self.columns], self.shape[0]), dtype=np.float64)
 
     def select_rows(self, selected: Flags) -> "SparseMatrix":
-        """Return the matrix of the rows flagged in (m,)."""
+        """Return the matrix of the rows with a True flag (m,)."""
         kept, numbers = selected[self.rows], np.cumsum(selected) - 1
         shape = (int(selected.sum()), self.shape[1])
         return SparseMatrix(numbers[self.rows[kept]], self.columns[kept], self.values[kept], shape)
 
     def compress(self) -> tuple[Indices, Indices, Floats]:
-        """Return compressed columns: their starts, row indices and values."""
+        """Return the CSC format: column starts, row indices and values."""
         height, width = self.shape
         places, entry = np.unique(self.columns * height + self.rows, return_inverse=True)
         columns, rows = np.divmod(places, height)
@@ -41,7 +41,7 @@ class SparseMatrix:
 def solve_linear_program(
     costs: Floats, matrix: SparseMatrix, bounds: tuple[Floats, Floats], ranges: tuple[Floats, Floats]
 ) -> Floats | None:
-    """Return the cheapest variables (n,), or None without a solution.
+    """Return the variables (n,) of minimum cost, or None without an optimum.
 
     They lie at a vertex of the feasible set.
 

@@ -1,8 +1,8 @@
-"""Emoji and other pictographs, which a voice names instead of reading words."""
+"""Patterns that find emoji and other pictographs in text."""
 
 import re
 
-PICTOGRAPH_RANGES = (  # Unicode blocks of pictographs, as the inside of a character class
+PICTOGRAPH_RANGES = (  # Unicode blocks of pictographs, to put inside [...] of a regular expression
     "\u231a-\u23ff\u25a0-\u27bf\u2b00-\u2bff\u3030\u303d\u3297\u3299\U0001f000-\U0001faff"
 )
 JOINER_RANGES = "\u200d\u20e3\ufe0e\ufe0f\U0001f3fb-\U0001f3ff\U000e0020-\U000e007f"  # joiners, skin tones, tags

@@ -1,4 +1,4 @@
-"""Robot, the source of IK chains, MuJoCo model, limits and servo map."""
+"""Robot model: description, drives, arms, fingers and collision pairs."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
@@ -70,7 +70,7 @@ class RobotArm:
 
 @dataclass(frozen=True, eq=False)
 class Robot(Description, NotebookView):
-    """Humanoid upper body with servos: its description and derived data."""
+    """Humanoid robot: its description and derived data."""
 
     @classmethod
     def load(cls, name: str | Path = "upper22", *, calibrated: bool = True) -> "Robot":

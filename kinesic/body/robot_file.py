@@ -173,7 +173,7 @@ def _check(path: Path, file: RobotFile, servos: list[str]) -> None:
 
 
 def _check_drive(path: Path, hinge: HingeTable, bodies: list[str], servos: list[str]) -> None:
-    """Refuse a hinge without a drive, or with both servo and limits."""
+    """Refuse a hinge without a valid drive, or with servo and limits."""
     if hinge.limits is None:
         if hinge.servo is None or hinge.mount is None:
             raise ConfigError(f"{path}: hinge {hinge.name}: give servo and mount, or limits where no servo turns it")
@@ -190,7 +190,7 @@ def _check_drive(path: Path, hinge: HingeTable, bodies: list[str], servos: list[
 
 
 def _check_uniform_drives(path: Path, file: RobotFile) -> None:
-    """Refuse a robot with servos on only some of its hinges."""
+    """Refuse servos on only some hinges, and buses without servos."""
     without = [hinge.name for hinge in file.hinge if hinge.limits is not None]
     if without and (driven := [hinge.name for hinge in file.hinge if hinge.servo is not None]):
         raise ConfigError(

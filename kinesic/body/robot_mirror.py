@@ -24,7 +24,7 @@ Value = TypeVar("Value")
 def with_both_sides(file: RobotFile) -> RobotFile:
     """Add the mirror images of all parts on the described side.
 
-    A part that the file itself describes is kept.
+    Chains, sites and rest angles that the file gives for the other side are kept.
     """
     mirror = file.robot.mirror
     if mirror is None:

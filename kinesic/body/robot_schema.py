@@ -172,7 +172,9 @@ class RobotFile(Strict):
 
 
 def robot_text(file: RobotFile, *, heading: Sequence[str], remarks: Mapping[str, str]) -> str:
-    """Return a robot's tables as TOML text, except mirror and buses.
+    """Return the tables of an imported robot as TOML text.
+
+    Mirror, extends, skin, contact distance, supply and buses are not written.
 
     Args:
         file: the tables.

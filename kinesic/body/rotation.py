@@ -12,7 +12,7 @@ IDENTITY_ROTATION = np.eye(3)  # rotation matrix by an angle of zero
 CROSS_PRODUCT = np.zeros((3, 3, 3))  # [a]_ij = sum_k CROSS_PRODUCT[k, i, j] a_k, the cross product matrix of a
 CROSS_PRODUCT[[0, 1, 2], [2, 0, 1], [1, 2, 0]] = 1.0
 CROSS_PRODUCT[[0, 1, 2], [1, 2, 0], [2, 0, 1]] = -1.0
-MIN_SINE = 1e-150  # sine of half the angle, or of the angle, below which a rotation has no axis
+MIN_SINE = 1e-150  # smallest norm of a vector that defines a rotation axis
 
 
 def rotation_about(axis: Floats, angle: float | Floats) -> Floats:

@@ -8,7 +8,7 @@ EXCLAMATION_MARKS = "!\uff01\u203c"  # Latin, full-width, doubled
 FULL_STOPS = ".\u2026\u3002\uff0e\uff61\u06d4\u0964\u0965\u1362\u0589\u104b\u17d4\u0df4"  # full stops of all scripts
 SENTENCE_STOPS = FULL_STOPS + QUESTION_MARKS + EXCLAMATION_MARKS
 PHRASE_STOPS = ",;:\u3001\uff0c\uff1b\uff1a\uff64\u060c\u061b\u1363\u1364\u104a\u0387"  # commas, colons, semicolons
-# Stops that no space follows.
+# Sentence and phrase stops that need no space after them.
 UNSPACED_STOPS = "\u3002\uff01\uff1f\u3001\uff0c\uff1b\uff1a\uff0e\u0964\u0965\u104a\u104b\u17d4"
 HAN_LETTERS = "\u3005\u3007\u3400-\u4dbf\u4e00-\u9fff"  # Chinese characters
 
