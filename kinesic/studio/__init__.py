@@ -1,1 +1,1 @@
-"""Browser page to write, preview and perform documents."""
+"""Browser page to write, preview and perform BML documents."""

@@ -18,8 +18,8 @@ from kinesic.serve.wire.pages import WebFile
 
 PAGE_FOLDER = Path(__file__).parent / "page"  # folder of the page's files
 EXAMPLE_FOLDER = Path(__file__).parent / "examples"  # folder of the example documents
-TEMPLATE_FOLDER = Path(__file__).parent / "templates"  # folder of the documents to begin a new one with
-WELCOME_EXAMPLE = Path(str(files("kinesic"))) / "configs" / "bml" / "welcome.bml"  # document with which the page opens
+TEMPLATE_FOLDER = Path(__file__).parent / "templates"  # folder of the BML templates for new documents
+WELCOME_EXAMPLE = Path(str(files("kinesic"))) / "configs" / "bml" / "welcome.bml"  # first example, opened by default
 JSON_TYPE = "application/json"  # MIME type of JSON
 CONTENT_TYPES = {
     ".html": "text/html; charset=utf-8",
@@ -34,7 +34,7 @@ START_FILE = "index.html"  # file served at the root of the site
 def page_files(
     robot: Robot, lexicon: Lexicon, *, style: str = "neutral", document: str | None = None
 ) -> dict[str, WebFile]:
-    """Return all files of the studio page by their paths.
+    """Return all files of the studio page by URL path.
 
     Args:
         robot: robot on the stage.
@@ -97,5 +97,5 @@ def _list_gestures(lexicon: Lexicon) -> list[Json]:
 
 
 def _list_documents(*paths: Path) -> list[Json]:
-    """List name and text of documents, without the number that sorts their files."""
+    """List name and text of documents, names without leading sort numbers."""
     return [{"name": path.stem.lstrip("0123456789_"), "text": path.read_text(encoding="utf-8")} for path in paths]
