@@ -28,7 +28,7 @@ else:
     PipeEnd = PipeConnection
     ProcessContext = SpawnContext
 
-SLOW_IMPORTS = (  # preloaded: for the times of coupled behaviours, and for unknown gesture names
+SLOW_IMPORTS = (  # modules that the fork server also preloads: linear program solver, gesture search
     "highspy",
     "kinesic.expressivity.lexicon.read_ahead",
 )
@@ -40,7 +40,7 @@ Arguments = TypeVarTuple("Arguments")
 
 
 def has_private_forkserver() -> bool:
-    """Return whether only this user can reach the fork server."""
+    """Return whether Python has a fork server that only this user can reach."""
     # In Python 3.11.0 all users can connect to it and run code (CVE-2022-42919).
     return "forkserver" in multiprocessing.get_all_start_methods() and sys.version_info[:3] >= (3, 11, 1)
 
@@ -115,7 +115,7 @@ class Child:
 
 
 def _begin_forks(context: ProcessContext) -> None:
-    """Start the fork server with Ctrl-C blocked, also during its imports."""
+    """Start the context's fork server, if any, with SIGINT blocked."""
     if sys.platform != "win32" and isinstance(context, ForkServerContext):
         from multiprocessing import forkserver, resource_tracker  # noqa: PLC0415 - Windows has none
 
@@ -128,7 +128,7 @@ def _begin_forks(context: ProcessContext) -> None:
 
 
 def _work_apart(work: Callable[[*Arguments], None], *arguments: *Arguments) -> None:
-    """Run the work in a separate process group.
+    """Run the child's function in a separate process group.
 
     Terminal signals do not reach this group. The process ends with its parent.
     """
@@ -142,7 +142,7 @@ def _work_apart(work: Callable[[*Arguments], None], *arguments: *Arguments) -> N
 
 
 def _show_name(name: str) -> None:
-    """Set the name of this process in process lists such as `top`."""
+    """Set the name of this process in process lists, on Linux only."""
     with suppress(OSError):  # not on Linux
         PROCESS_NAME_FILE.write_text(name)
 

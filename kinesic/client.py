@@ -29,7 +29,7 @@ _MESSAGE_END = b"\0"
 _CHUNK_SIZE = 65_536  # [bytes] largest number of bytes per read
 _UNNAMED_BLOCK = "block"  # id that the server assigns to a block without one
 _ID_SEARCH_LENGTH = 65_536  # [characters] length of a broken document searched for its id, as on the server
-# Comments and CDATA, which end with the text at the latest, so that the search is linear; or the id of a <bml>.
+# Comments and CDATA sections, closed or not, so that the search takes linear time; or the id of a <bml>.
 _BROKEN_ID_PATTERN = re.compile(
     r"""<!--(?:.*?-->|.*)|<!\[CDATA\[(?:.*?\]\]>|.*)|<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*(?:"([^"]+)"|'([^']+)')""",
     re.DOTALL | re.ASCII,
@@ -48,7 +48,7 @@ _ATTRIBUTE_ESCAPES = str.maketrans(
 
 
 class Client:
-    """Connection to a server.
+    """Connection to a `kinesic serve` server.
 
     Messages from the server are BML feedback (XML) or answers to control messages (JSON). One thread may send while
     another one receives.
@@ -79,7 +79,7 @@ class Client:
                 raise PermissionError(answer.get("why", "the server does not answer"))
 
     def send(self, bml: str) -> None:
-        """Send a document.
+        """Send a BML document to the server.
 
         It is performed as soon as its composition allows.
 
@@ -89,7 +89,7 @@ class Client:
         self.send_bytes(bml.encode())
 
     def send_bytes(self, message: bytes) -> None:
-        """Send a message unchanged.
+        """Send a message as raw bytes, followed by a NUL byte.
 
         It must not contain a NUL byte.
 
@@ -107,16 +107,14 @@ class Client:
         self.send(json.dumps({"do": verb} | values))
 
     def stop(self) -> None:
-        """Stop the robot in minimum time.
+        """Request a minimum-time stop of the robot, without waiting for it.
 
         Blocks are refused until `resume`.
         """
         self.do("stop")
 
     def receive(self, timeout: float | None = None) -> str | None:
-        """Receive the next message.
-
-        Return None after a timeout.
+        """Return the next message of the server, or None after a timeout.
 
         Args:
             timeout: maximum waiting time [s]; None waits without a limit.
@@ -138,7 +136,7 @@ class Client:
     def perform(self, bml: str) -> Iterator[str]:
         """Send a document and yield messages until its block ends.
 
-        A refusal also ends it.
+        The messages also end with the refusal of the block.
 
         Args:
             bml: document in XML or JSON with a unique id, which identifies its end.

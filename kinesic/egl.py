@@ -13,7 +13,7 @@ GL_LIBRARIES = ("libGL.so.1", "libOpenGL.so.0")  # either one is enough; EGL of 
 NEEDED_VERSION = (3, 3)  # required OpenGL version: major, minor
 SOFTWARE_HINT = "LIBGL_ALWAYS_SOFTWARE=1 draws on the processor"
 
-_DEVICE_PLATFORM = 0x313F  # EGL constant of eglext.h, like the following ones
+_DEVICE_PLATFORM = 0x313F  # EGL_PLATFORM_DEVICE_EXT of eglext.h; the following constants are in egl.h
 _OPENGL_API = 0x30A2
 _RENDERABLE_TYPE = 0x3040
 _OPENGL_BIT = 0x0008
@@ -27,7 +27,7 @@ _READ_SURFACE = 0x305A
 _VERSION_STRING = 0x1F02  # GL_VERSION of gl.h
 _MAX_DEVICES = 16  # largest number of EGL devices that are tried
 
-_PLAIN_ATTRIBUTES = (_RENDERABLE_TYPE, _OPENGL_BIT)  # configuration for framebuffers of the program's own
+_PLAIN_ATTRIBUTES = (_RENDERABLE_TYPE, _OPENGL_BIT)  # attributes of contexts that draw only into framebuffer objects
 _MUJOCO_ATTRIBUTES = (  # configuration that MuJoCo requests from EGL: name and value in turn
     *(0x3024, 8, 0x3023, 8, 0x3022, 8, 0x3021, 8),  # bits of red, green, blue and alpha
     *(0x3025, 24, 0x3026, 8),  # bits of depth and stencil
@@ -40,11 +40,11 @@ _QueryDevices = CFUNCTYPE(c_uint, c_int, c_void_p, c_void_p)
 
 
 class GraphicsError(Exception):
-    """Error if OpenGL cannot perform an operation, with the reason."""
+    """Failure of EGL or OpenGL, with the reason in the message."""
 
 
 class Egl:
-    """EGL library with the display of all contexts in this process."""
+    """EGL library, and the display on which it creates contexts."""
 
     def __init__(self) -> None:
         """Load the OpenGL libraries and start EGL.
@@ -81,7 +81,7 @@ class Egl:
             return 0
 
     def create(self) -> int:
-        """Create an OpenGL context of version `NEEDED_VERSION`.
+        """Create an OpenGL core-profile context of version `NEEDED_VERSION`.
 
         Raises:
             GraphicsError: OpenGL is missing or has another version.
@@ -108,17 +108,17 @@ class Egl:
         return int(context)
 
     def current(self) -> "Current":
-        """Return the current display, surfaces and context."""
+        """Return the display, surfaces and context current in this thread."""
         display = self._current_display()
         return display, self._surface(_DRAW_SURFACE), self._surface(_READ_SURFACE), self._current()
 
     def restore(self, previous: "Current") -> None:
-        """Make previous display, surfaces and context current again."""
+        """Make a display, surfaces and context from `current` current again."""
         display, draw, read, context = previous
         self._make_current(display or self._display, draw, read, context)
 
     def enter(self, context: int) -> None:
-        """Make one of EGL's OpenGL contexts current."""
+        """Make an OpenGL context current in this thread, without a surface."""
         self._bind_api()
         if not self._make_current(self._display, None, None, context):
             raise GraphicsError(f"EGL cannot draw without a window (0x{self._egl.eglGetError():x})")
@@ -161,7 +161,7 @@ class Egl:
             raise GraphicsError("EGL has no OpenGL")
 
     def _read_version(self) -> str:
-        """Return the OpenGL version of this machine, empty if there is none."""
+        """Return the OpenGL version of a default context, empty without one."""
         context, version = self._create(self._display, self._config, None, None), b""
         if not context:
             return ""
@@ -178,7 +178,7 @@ Current = tuple[int | None, int | None, int | None, int | None]  # display, surf
 
 @cache
 def start_egl() -> Egl:
-    """Start EGL once per process."""
+    """Return the `Egl` object of this process, created at first use."""
     return Egl()
 
 

@@ -9,7 +9,7 @@ from pathlib import Path
 
 
 def install_extra(extra: str) -> str:
-    """Return the command that adds an extra to this environment.
+    """Return the shell command that installs an extra of kinesic.
 
     The installed kinesic satisfies its own name, so pip and uv only add the packages of the extra. This also works for
     versions that are not on PyPI.
@@ -20,7 +20,7 @@ def install_extra(extra: str) -> str:
 def install_command() -> str:
     """Return the command that installs packages for the running interpreter.
 
-    It is `pip install` in an active environment, and names the interpreter elsewhere.
+    It is `pip install` in an active environment, else pip or uv with the path of the interpreter.
     """
     pip = shutil.which("pip")
     if pip is not None and Path(pip).parent == Path(sysconfig.get_path("scripts")):
@@ -33,7 +33,7 @@ def install_command() -> str:
 def _has_pip() -> bool:
     """Return whether the running interpreter can import pip.
 
-    Only folders are searched. Finders of setuptools take a search for pip as its start, and give up their distutils.
+    Only folders are searched, because import hooks of setuptools disable their distutils once pip is searched.
     """
     return PathFinder.find_spec("pip") is not None
 
@@ -47,7 +47,10 @@ def _requirement() -> str:
 
 
 def _interpreter() -> str:
-    """Return the interpreter's path for a shell, relative where possible."""
+    """Return the interpreter's path for a shell.
+
+    It is relative if it lies in the current folder.
+    """
     path = Path(sys.executable)
     if path.is_relative_to(Path.cwd()):
         path = path.relative_to(Path.cwd())

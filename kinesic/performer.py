@@ -31,7 +31,7 @@ On = Literal["twin", "servos"]
 
 
 class Performer:
-    """Robot with a style that plans, performs and reports documents.
+    """Robot with a style that plans, performs and reports BML documents.
 
     Example:
         ```python
@@ -78,7 +78,7 @@ class Performer:
 
     @property
     def lexicon(self) -> Lexicon:
-        """Gestures of the performance: `performer.lexicon.find("wave")`."""
+        """Gesture lexicon, searched by `performer.lexicon.find("wave")`."""
         return self.setup.lexicon
 
     def plan(self, document: DocumentSource, *, source: str | None = None) -> Plan:
@@ -106,7 +106,7 @@ class Performer:
         correction: bool = True,
         believed: Factors | None = None,
     ) -> "Performance":
-        """Perform a plan in the twin, on custom sinks and on servos.
+        """Perform a plan in the twin, optionally on sinks and servos.
 
         Servos move only if all checks of the twin passed; otherwise `run.servos` is None. Ctrl-C folds them to rest.
 
@@ -226,7 +226,7 @@ def _perform_on_servos(run: "Performance", ports: Mapping[str, str | Path]) -> "
 
 
 def _play(plan: Plan, sinks: Sequence[Sink], believed: Factors, terms: InvertedTerms) -> None:
-    """Send all commands of a plan with the face to all sinks."""
+    """Send all commands of a plan, faces included, to all sinks."""
     times, setup = plan.command_times, plan.setup
     setpoints = FeedForward.of(setup.robot, setup.dynamics, believed, terms=terms).compute_setpoints(
         plan.trajectory, times
