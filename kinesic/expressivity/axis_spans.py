@@ -12,7 +12,7 @@ NO_SPANS: Spans = ((), (), ())  # time spans without rotation about any axis
 
 
 def axes_used(layers: Iterable[Layer]) -> Spans:
-    """Return the time spans of rotation about each axis.
+    """Return the time spans [s] in which layers leave upright, by axis.
 
     A layer that stays away from upright does not use its axis after the last key.
     """

@@ -107,7 +107,7 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
 
 
 def _apply_fallback(match: Match, action: Gesture, context: BlockContext) -> Match:
-    """Replace a gesture by its fallback if the hands lack fingers."""
+    """Replace a gesture by its fallback if the robot lacks needed fingers."""
     form = match.form
     if not form.fallback or not lacking_shapes(form.shapes, context.robot):
         return match
@@ -158,7 +158,7 @@ def _target_warnings(action: Gesture, form: GestureForm, context: BlockContext) 
 def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext) -> Move:
     """Convert a pointing behaviour to hand strokes.
 
-    The nearer hand is the default. A behaviour with an unknown target is dropped with a warning.
+    By default, the hand on the target's side points. A behaviour with an unknown target is dropped with a warning.
     """
     place = context.find_target(action.target)
     if place is None:
@@ -217,7 +217,7 @@ def torso_move(timed: TimedBehaviour, action: Torso, context: BlockContext) -> M
 
 
 def stays(action: object) -> bool:
-    """Return whether a behaviour changes the base posture permanently."""
+    """Return whether a behaviour permanently changes gaze, head direction or posture."""
     return isinstance(action, HeadDirectionShift) or (isinstance(action, Gaze | Posture) and action.shift)
 
 
@@ -243,7 +243,7 @@ def _clip_warning(text: str) -> tuple[BehaviourWarning, ...]:
 def substitution_outcome(
     why: str, clipped: str = "", missing: str = ""
 ) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:
-    """Return outcome and warnings of a behaviour, substituted if `why` says so."""
+    """Return outcome and warnings of a behaviour, substituted if `why` is given."""
     type = NoticeType.NO_SUCH_TARGET if missing else NoticeType.CANNOT_CREATE_BEHAVIOR
     warnings = (BehaviourWarning(type, why),) if why else ()
     return Outcome("substituted", why) if why else REALISED_OUTCOME, warnings + _clip_warning(clipped)

@@ -1,4 +1,4 @@
-"""Data that all behaviours of a performance or of a block use.
+"""Data shared by all behaviours of a performance or of a block.
 
 Targets of gaze and pointing are names defined by the robot or the user, or three coordinates. The user's names come
 from a file, `name = [x, y, z]` in metres, x forward, y left, z up.

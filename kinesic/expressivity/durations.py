@@ -20,14 +20,14 @@ from kinesic.expressivity.style.pace import TEMPORAL_FACTOR, Pace
 from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.trunk import named_lean
 
-NO_UTTERANCES: Mapping[str, Utterance] = MappingProxyType({})  # a block without speech
+NO_UTTERANCES: Mapping[str, Utterance] = MappingProxyType({})  # utterances of a block without speech
 MIN_LEAN_TIME = 0.3  # [s] shortest natural duration of a lean
-GAZE_HOLD_TIME = 1.0  # [s] natural hold of a gaze or a head direction
-POSTURE_HOLD_TIME = 2.0  # [s] natural hold of a posture or a lean
-FACE_ATTACK_TIME = 0.3  # [s] natural rise of a facial expression
-FACE_DECAY_TIME = 0.4  # [s] natural decay of a facial expression
-NOD_RETURN_MARGIN = 1.1  # return time of a nod tied to a word / minimum time of the neck
-FACE_SHIFT_TIME = 0.8  # [s] natural rise of a permanent facial expression
+GAZE_HOLD_TIME = 1.0  # [s] natural hold time of a gaze or a head direction
+POSTURE_HOLD_TIME = 2.0  # [s] natural hold time of a posture or a lean
+FACE_ATTACK_TIME = 0.3  # [s] natural rise time of a facial expression
+FACE_DECAY_TIME = 0.4  # [s] natural decay time of a facial expression
+NOD_RETURN_MARGIN = 1.1  # shortest return time of a nod on a word / minimum time of the neck
+FACE_SHIFT_TIME = 0.8  # [s] natural rise time of a permanent facial expression
 
 
 def natural_durations(
@@ -81,7 +81,7 @@ def stroke_durations(work: Poses, effort: Effort, *, holds: bool = True) -> dict
 
 
 def _rest_distance(work: Poses, key: int, pace: Pace) -> float:
-    """Return the larger of both hands' distances from rest [m]."""
+    """Return the larger distance of the hands from rest at a key [m]."""
     rest = resting_hands(pace.robot)
     return max(pose_distance(REST_HAND, row[key], rest[side]) for side, row in work.hands.items())
 

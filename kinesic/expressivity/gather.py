@@ -51,7 +51,7 @@ class FrameMoment:
     syncs: tuple[tuple[str, str], ...]
 
     def among(self, times: Sequence[float]) -> float | None:
-        """Return the time [s] in a key frame's span nearest to it.
+        """Return the given time in this span that is nearest the frame [s].
 
         Args:
             times: sorted [s].
@@ -136,9 +136,9 @@ def gather_frames(
 ) -> tuple[KeyFrame, ...]:
     """Merge the key sequences of all parts into ordered key frames.
 
-    A part without a key is filled if no part with a key has a higher priority. Keys and sync points nearer than 20 ms
-    are in the same frame, at the time of a stroke if one is among them. Where all priorities are equal every part is
-    filled: the complex approach.
+    A part without a key is filled if no part with a key has a higher priority. Keys and sync points less than
+    `SAME_FRAME` from a stroke, or after the first of a frame, are in that frame. Where all priorities are equal every
+    part is filled: the complex approach.
 
     Args:
         sequences: of the parts.
@@ -190,7 +190,7 @@ def _parts_to_fill(keyed_parts: frozenset[PartName], priorities: Priorities) -> 
 def _read_times(
     part: PartName, moments: Sequence[FrameMoment], times: Sequence[float], filled: Sequence[frozenset[PartName]]
 ) -> list[float]:
-    """Return the time at which each frame reads a part's sequence [s].
+    """Return the time [s] at which each frame samples a part's sequence.
 
     It is the frame's own time where the part is filled, otherwise the time of its key, or of its last one where it has
     none. At the first and last frame it is the outermost key, so that rest stays rest.

@@ -32,7 +32,7 @@ from kinesic.expressivity.turns import (
 AUDIENCE_TARGET = "audience"  # substitute for an unknown gaze target
 EYE_RANGE = (Turn(-MAX_EYE_YAW, -MAX_EYE_ELEVATION), Turn(MAX_EYE_YAW, MAX_EYE_DEPRESSION))  # [rad] range of the eyes
 TRUNK_DELAY = 0.12  # [s] longest delay of the trunk after the head in a gaze shift
-MAX_HEAD_TORSION = radians(45)  # [rad] largest torsion of the head relative to the trunk
+MAX_HEAD_TORSION = radians(45)  # [rad] head torsion above which the trunk performs the rest
 OFFSET_UNIT = 50.0  # [deg] angle of an offset of 1 in Greta's documents
 UNIT_DIALECTS = ("draft", "none", "fml-apml")  # dialects that write offsets as fractions of `OFFSET_UNIT`
 
@@ -161,7 +161,7 @@ def _eyes(robot: Robot) -> Floats:
 def _usual_time(turn: Turn, velocity: float) -> float:
     """Return the duration of a human gaze shift [s].
 
-    Wide shifts are faster, with Greta's peak velocity of 4/3 a + `speed` for an angle a.
+    Wide shifts are faster, with Greta's peak velocity of 4/3 a + `velocity` for an angle a.
     """
     angle = max(map(abs, turn_angles(turn)))
     return _PEAK_VELOCITY_RATIO * angle / (4 / 3 * angle + velocity)

@@ -29,8 +29,8 @@ from kinesic.expressivity.turns import (
 NOD_ANGLE = radians(20)  # [rad] peak of a nod of amount 1
 SHAKE_ANGLE = radians(25)  # [rad] peak of a shake of amount 1, to each side
 DIRECTION_ANGLE = radians(30)  # [rad] rotation about each named axis of a head direction of amount 1
-NOD_SWING_TIME = 0.17  # [s] shortest natural duration of one swing of a nod
-SHAKE_MARGIN = 1.1  # shortest swing of a shake / minimum duration of the neck, which also follows gaze and trunk
+NOD_SWING_TIME = 0.17  # [s] shortest natural time between two extremes of a head movement
+SHAKE_MARGIN = 1.1  # shortest time between both sides of a shake / minimum time of the neck
 MAX_ADDED_STROKES = 2  # nods or shakes added at full repetition
 
 _READY_FRACTION = 0.85  # fraction of a head direction that is reached at `ready`
@@ -97,7 +97,7 @@ def head_form(head: Head, robot: Robot, manner: Expressivity) -> HeadForm | None
 
 
 def swing_time(form: HeadForm, pace: Pace, manner: Expressivity) -> float:
-    """Return the natural duration of one head swing [s].
+    """Return the natural time between two extremes of a head movement [s].
 
     A shake swings from side to side, which no tempo makes faster than the neck.
     """
@@ -190,7 +190,7 @@ def _drop_added_strokes(form: HeadForm, times: Mapping[str, float], minimum: flo
 
 
 def _pin_swings(times: Mapping[str, float], last: int, natural: float) -> dict[int, float]:
-    """Map head swing indices to the times [s] fixed by sync points.
+    """Map indices into `HeadForm.swings` to times [s] fixed by sync points.
 
     Every second swing is a stroke, and the last one ends the stroke phase.
     """

@@ -22,7 +22,7 @@ Span = tuple[float, float]  # [s] begin and end
 
 IDLE_MARGIN = 0.3  # [s] smallest pause between idle and requested motion
 
-MIN_PAUSE = 2.4  # [s] shorter pauses have no idle motion
+MIN_PAUSE = 2.4  # [s] shortest idle or breathing motion; a pause also needs `IDLE_MARGIN` at both ends
 BREATH_PERIOD = 4.0  # [s] duration of one breath; people breathe 12 to 18 times a minute
 
 RISE_ANGLE = radians(1.0)  # [rad] largest backward rotation of the trunk with a breath
@@ -67,7 +67,7 @@ def idle(free_spans: Iterable[Span], idling: Idling) -> tuple[Layer, Layer]:
         idling: amount and seed.
 
     Returns:
-        Layer of the torso and of the head, both empty without pauses. The head stays level while the trunk breathes.
+        Layer of the torso and of the head, both empty without pauses.
     """
     if idling.amount == 0.0:
         return (), ()
@@ -91,9 +91,9 @@ def idle(free_spans: Iterable[Span], idling: Idling) -> tuple[Layer, Layer]:
 
 
 def used_spans(sequences: Sequences) -> tuple[Span, ...]:
-    """Return the time spans in which head, trunk or hands move [s].
+    """Return the time spans [s] of head or trunk motion, or raised hands.
 
-    Head and trunk may hold any rotation.
+    Hands count while they are away from rest. Head and trunk may hold any rotation.
     """
     turning_spans = [
         (a.time, b.time)
@@ -111,7 +111,7 @@ def used_spans(sequences: Sequences) -> tuple[Span, ...]:
 
 
 def pauses(occupied: Iterable[Span], block_span: Span) -> tuple[Span, ...]:
-    """Return the free time spans of a block between occupied ones.
+    """Return the free time spans of a block outside occupied ones.
 
     Args:
         occupied: spans in which some part is used, in any order [s].
@@ -129,7 +129,7 @@ def pauses(occupied: Iterable[Span], block_span: Span) -> tuple[Span, ...]:
 
 
 def _breath_times(span: Span, generator: np.random.Generator) -> list[float]:
-    """Return the turning points of the breath over a span [s].
+    """Return the times of breath reversals over a span [s].
 
     The number of intervals is even.
     """
@@ -141,7 +141,7 @@ def _breath_times(span: Span, generator: np.random.Generator) -> list[float]:
 
 
 def _sway_keys(times: list[float], amount: float, generator: np.random.Generator) -> Iterator[TurnKey]:
-    """Yield torso keys of random weight shifts during breathing."""
+    """Yield torso keys of random weight shifts at breath reversals."""
     shifted = UPRIGHT_TURN
     for k, time in enumerate(times[1:-1], 1):
         if k % 4 == 1:
@@ -151,7 +151,7 @@ def _sway_keys(times: list[float], amount: float, generator: np.random.Generator
 
 
 def _glance_keys(times: list[float], amount: float, generator: np.random.Generator) -> Iterator[TurnKey]:
-    """Yield head keys of random glances.
+    """Yield head keys of random glances at breath reversals.
 
     A glance returns at a later breath.
     """

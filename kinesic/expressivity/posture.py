@@ -174,7 +174,7 @@ def _pose_part(name: str, lexeme: str, lexicon: Lexicon) -> _PosePart | None:
 
 
 def _find_arm_pose(lexeme: str, mode: HandMode, lexicon: Lexicon) -> Arms | None:
-    """Return the gesture form or hanging hands of an arm pose.
+    """Find an arm pose: a gesture form, or the hands that hang.
 
     Returns:
         None when the lexicon has no such pose.
@@ -242,7 +242,7 @@ def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> 
 
 
 def _from_standing(posture_pose: Pose, robot: Robot) -> Turn:
-    """Return the trunk rotation relative to the standing posture."""
+    """Return the trunk rotation, relative to standing if the pose sets it."""
     turn = posture_pose.lean.turn
     return add_turns(turn, scale_turn(rest_turn(robot, "torso"), -1.0)) if posture_pose.names_trunk else turn
 

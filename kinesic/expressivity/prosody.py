@@ -16,16 +16,16 @@ import numpy as np
 from kinesic.bml.timing.syllables import find_accented_vowels
 from kinesic.body.utterance import Phoneme, Script, Utterance
 
-NOD_SPACING = 0.7, 1.1  # [s] range of the shortest interval between two nods
-BROW_SPACING = 1.8, 3.6  # [s] range of the shortest interval between two raises of the brows
+NOD_SPACING = 0.7, 1.1  # [s] range of the random minimum interval after a nod
+BROW_SPACING = 1.8, 3.6  # [s] range of the random minimum interval after raised brows
 EMPHASIS_SPACING = 0.7  # [s] shortest interval between an emphasised word and another accent with motion
 BROW_PROBABILITY = 0.4  # probability that the brows accompany a nod
 BROW_INTENSITIES = 0.26, 0.42  # range of the intensity of raised brows on an accent
 EMPHASIS_FACTOR = 1.8  # factor on nod and brows of an emphasised word
-EMPHASIS_LEVELS = ("moderate", "strong")  # levels of SSML emphasis that count
+EMPHASIS_LEVELS = ("moderate", "strong")  # SSML emphasis levels that get nods and raised brows
 EMPHASIS_MARGIN = 0.15  # [s] tolerance of the estimated time of an emphasised word
 MIN_PHRASE_PAUSE = 0.15  # [s] shortest silence that ends a phrase
-OPENING_LIMITS = 0.3, 1.7  # range of the lip opening relative to that of the median level
+OPENING_LIMITS = 0.3, 1.7  # smallest and largest lip opening / opening at the median loudness
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ class Accent:
 
 
 def choose_accents(speech: str, utterance: Utterance, script: Script, seed: int) -> tuple[Accent, ...]:
-    """Choose which accents of a speech have a nod or raised brows.
+    """Choose the accents of a speech with nods or raised brows.
 
     Nods are more frequent than raised brows. Emphasised words have both.
 

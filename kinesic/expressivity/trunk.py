@@ -37,11 +37,11 @@ from kinesic.expressivity.turns import (
 )
 
 MIN_LEAN_TIME = 0.3  # [s] shortest duration of the movement to a lean
-LEAN_ANGLE = radians(24)  # [rad] lean of amount 1 about each named axis: 12 deg at the default amount of 0.5
+LEAN_ANGLE = radians(24)  # [rad] lean about each named axis at amount 1; the default amount is 0.5
 SWAY_ANGLE = 0.3  # [rad] limit of the trunk rotation for very large hand movements at power 1
 RECLINE_ANGLE = radians(5)  # [rad] backward lean of the trunk at openness 1
-MAX_TIME_FRACTION = 0.7  # largest fraction of the time between two keys that a trunk rotation may need
-STILL_DISTANCE = 0.02  # [arm lengths] smaller hand movements leave the trunk still
+MAX_TIME_FRACTION = 0.7  # largest fraction of a key interval that a trunk rotation may need
+STILL_DISTANCE = 0.02  # [arm lengths] hand movement up to which the trunk keeps its rotation
 
 
 @dataclass(frozen=True)

@@ -24,7 +24,7 @@ ROLL_PER_TORSION = 0.1  # trunk roll / trunk torsion in captured gestures
 MAX_FOLLOWING_ANGLE = radians(6.0)  # [rad] largest trunk rotation about each axis at style weight 1
 TOUCH_FRACTION = 0.3  # fraction of the trunk rotation while a hand touches head or trunk
 HEAD_TO_TRUNK_TORSION = 1.3  # head torsion / trunk torsion, both in the world
-HEAD_ROLL_PER_TORSION = 0.4  # head roll to the side / trunk torsion
+HEAD_ROLL_PER_TORSION = 0.4  # head roll / trunk torsion, both to the same side
 HEAD_NOD_GAIN = 0.4  # relative increase of a nod while the trunk follows the hands
 
 

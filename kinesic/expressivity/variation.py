@@ -26,10 +26,10 @@ from kinesic.expressivity.style.style import Expressivity, Style
 GOLDEN_STEP = (sqrt(5.0) - 1.0) / 2.0  # step of a low-discrepancy sequence in [0, 1)
 # Largest deviations at amount 1.
 SPATIAL_DEVIATION = 0.5  # largest random change of the spatial extent
-TEMPORAL_DEVIATION = 0.3  # largest change of temporal extent: half of it random, half of it slower for larger gestures
+TEMPORAL_DEVIATION = 0.3  # largest change of temporal extent: half random, half slower for larger gestures
 POSITION_DEVIATION = 0.05  # [arm lengths] largest random shift along each axis: 3 cm of a person
 MIRROR_DEVIATION = 0.04  # [arm lengths] largest random shift of the left hand from mirror symmetry, per axis
-NEAR_DISTANCE = 0.45  # [arm lengths] distance below which both hands stay mirror images
+NEAR_DISTANCE = 0.45  # [arm lengths] distance between hands below which they stay mirror images
 OUTWARD_AXIS = 1  # index of the outward coordinate in a position
 OTHER_HAND_PROBABILITY = 0.25  # probability of using the other hand, where the document leaves it open
 HAND_DELAY_RANGE = 0.03, 0.08  # [s] smallest and largest delay of the second of two hands
@@ -95,7 +95,10 @@ class Deviation:
         return replace(form, keys=tuple(self._key(key, apart, robot) for key in form.keys))
 
     def order_hands(self, options: list[GestureForm]) -> list[GestureForm]:
-        """Put the other hand's option first if the deviation chooses it."""
+        """Put the other hand's form first if the deviation chooses it.
+
+        Only gestures of `TWO_SIDED_CATEGORIES` change hands.
+        """
         return options[::-1] if self.other_hand and options[0].category in TWO_SIDED_CATEGORIES else options
 
     def _key(self, key: StrokeKey, apart: Floats, robot: Robot) -> StrokeKey:
@@ -105,7 +108,7 @@ class Deviation:
 
 
 def _hands_meet(form: GestureForm) -> bool:
-    """Return whether the hands come close or only one hand moves."""
+    """Return whether a gesture is one-handed or brings the hands close."""
     gaps = [sum(pose.position[OUTWARD_AXIS] for pose in key.hands.values()) for key in form.keys if len(key.hands) > 1]
     return min(gaps, default=0.0) < NEAR_DISTANCE
 
@@ -125,7 +128,7 @@ def needs_place(form: GestureForm) -> bool:
 
 
 def deviations(block: Block, variation: Variation) -> Mapping[str, Deviation]:
-    """Return the random deviation of each gesture of a block.
+    """Return the random deviations of a block's gestures and pointing behaviours.
 
     Spatial extents step through a sequence with a random start, so that successive gestures differ clearly.
 

@@ -38,17 +38,17 @@ from kinesic.expressivity.turns import (
     turn_angles,
 )
 
-MAX_TIME_FRACTION = 0.5  # largest fraction of the time between two keys that a head or trunk rotation may need
-DEPARTURE_TIME = 0.5  # [s] duration of the movement to the stroke, where the document leaves no time
-RETURN_TIME = 0.8  # [s] duration of the movement back, where the document leaves no time
+MAX_TIME_FRACTION = 0.5  # largest fraction of a key interval that a head or trunk rotation may need
+DEPARTURE_TIME = 0.5  # [s] time to move to the stroke, where the document leaves none
+RETURN_TIME = 0.8  # [s] minimum time after the hold for the movement back to upright
 LONG_PAUSE = 0.8  # [s] gap between gestures above which the head turns back to the listener
 WAITING_FRACTION = 0.3  # fraction of its rotation that the head keeps in a pause between gestures
-POINTED_DISTANCE = 1.0  # [m] assumed distance of a place that is pointed at without a target
+POINTED_DISTANCE = 1.0  # [m] assumed distance from hand to pointed place, without a target
 # [rad] largest head rotation about each axis, by gaze target
 LARGEST_LOOK: Mapping[LookAt, float] = {"hands": radians(14), "place": radians(35)}
 NOD_PREPARATION = 0.3  # upward rotation before a nod / nod angle
 SHAKE_SWING_TIME = 0.30  # [s] natural duration of a shake to one side
-MAX_SHAKE_SWINGS = 4  # largest number of head shake swings in one gesture
+MAX_SHAKE_SWINGS = 4  # largest number of head rotations to a side in one gesture's shake
 MIN_TRUNK_TIME = 0.3  # [s] shortest trunk movement to the next gesture after waiting for held hands
 TRUNK_FRACTION = 0.5  # largest fraction of the gaze torsion that the trunk performs
 AVERTED_EYE_RATIO = 2.0  # eye rotation / head rotation of an averted gaze

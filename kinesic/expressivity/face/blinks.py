@@ -16,16 +16,16 @@ from kinesic.body.arrays import Floats
 from kinesic.expressivity.face.eyes import GazeDirection
 from kinesic.motion.easing import ease
 
-CLOSING_TIMES = 0.06, 0.09  # [s] range of times in which the lids close in a blink
-CLOSED_TIMES = 0.01, 0.06  # [s] range of times for which the lids stay closed in a blink
-OPENING_TIMES = 0.10, 0.22  # [s] range of times in which the lids open after a blink
+CLOSING_TIMES = 0.06, 0.09  # [s] range of the random closing time of the lids in a blink
+CLOSED_TIMES = 0.01, 0.06  # [s] range of the random time that the lids stay closed in a blink
+OPENING_TIMES = 0.10, 0.22  # [s] range of the random opening time of the lids in a blink
 MIN_BLINK_INTERVAL = 1.2  # [s] shortest time between two blinks
 MEAN_BLINK_INTERVAL = 4.0  # [s] mean time between two random blinks, before the longest ones are shortened
 MAX_BLINK_INTERVAL = 6.0  # [s] longest time between two random blinks
-RANDOM_BLINK_DISTANCE = 2.2  # [s] shortest time from a random blink to one with a cause
+RANDOM_BLINK_DISTANCE = 2.2  # [s] shortest time between a random blink and one caused by gaze or speech
 BLINK_WINDOW = 9.0  # [s] time that contains at most `MAX_WINDOW_BLINKS`
-MAX_WINDOW_BLINKS = 3  # 20 in a minute
-BLINK_ANGLE = radians(20)  # [rad] angle above which a gaze shift causes a blink
+MAX_WINDOW_BLINKS = 3  # largest number of blinks in `BLINK_WINDOW`, 20 in a minute
+BLINK_ANGLE = radians(20)  # [rad] gaze angle from straight ahead above which its shifts cause blinks
 
 
 def blink_times(

@@ -20,7 +20,7 @@ from kinesic.motion.easing import ease
 
 EXPRESSION_FILE = CONFIGS / "faces" / "expressions.toml"
 
-MIN_RISE_TIME = 0.06  # [s] shortest rise of an expression, set by the speed of facial muscles
+MIN_RISE_TIME = 0.06  # [s] shortest rise or decay of an expression, set by facial muscles
 EXTENT_GAIN = 0.5  # relative increase of the intensity at a spatial extent of 1, decrease at -1
 OVERSHOOT_RATIO = 0.25  # overshoot / held intensity at a power of 1
 SETTLING_TIME = 0.35  # [s] time from the overshoot to the held intensity

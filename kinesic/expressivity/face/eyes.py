@@ -26,7 +26,7 @@ from kinesic.expressivity.style.standing import FRONTAL_GAZE, GazeHabit
 from kinesic.expressivity.turns import UPRIGHT_TURN, add_turns, departure_time
 from kinesic.motion.easing import ease
 
-SACCADE_SPREAD = radians(2.5)  # [rad] standard deviation of saccades around the gaze target
+SACCADE_SPREAD = radians(2.5)  # [rad] standard deviation of lateral saccades around the target; vertical: half
 GAZE_LEAD_TIME = 0.3  # [s] advance of a gesture's gaze shift before its stroke if the head does not turn
 HALF_EYE_DISTANCE = 0.03  # [m] distance from an eye to the midpoint of both
 VERGENCE_TIME = 0.16  # [s] duration of a change of vergence
@@ -61,7 +61,7 @@ STRAIGHT_AHEAD = GazeDirection(-np.inf, 0.0, 0.0)  # gaze straight ahead in the 
 
 @dataclass(frozen=True)
 class Habits:
-    """Options of blinks and spontaneous saccades."""
+    """Switches and random seed of blinks and spontaneous saccades."""
 
     seed: int = 0  # of the random generator; the same seed gives the same motion
     blinks: bool = True
@@ -155,7 +155,7 @@ def direction_angles(directions: Floats) -> Floats:
 
 
 def saccade_offsets(span: tuple[float, float], times: Floats, seed: int) -> Floats:
-    """Return random saccade offsets around the gaze target.
+    """Return random saccade offsets (m, 2) [rad] around the gaze target.
 
     Args:
         span: begin and end of the saccades [s].
@@ -180,7 +180,7 @@ def saccade_offsets(span: tuple[float, float], times: Floats, seed: int) -> Floa
 
 
 def eye_angles(looks: Sequence[GazeDirection], times: Floats, head: Floats) -> Floats:
-    """Return eye angles that hold the gaze on its target.
+    """Return eye angles (m, 2) [rad] that hold the gaze on its target.
 
     The eyes arrive before the head.
 

@@ -11,11 +11,11 @@ LIP_OPENINGS: Mapping[str, float] = {
     "26": 0.0195,
     "22": 0.0108,
     "19": 0.008,
-}  # [m] by action unit, at full intensity
-BITE_OPENINGS: Mapping[str, float] = {"32": 0.0035}  # [m] of the upper lip over the teeth, at full intensity
+}  # [m] distance between the lips by action unit, at full intensity
+BITE_OPENINGS: Mapping[str, float] = {"32": 0.0035}  # [m] height of the upper lip over the teeth, at full intensity
 MAX_LIP_VELOCITY = 0.2  # [m/s] largest velocity of one lip relative to the other
 ACCELERATION_TIME = 0.04  # [s] time in which lips accelerate from rest to their largest velocity
-CONSTRAINT_WINDOW = 0.2  # [s] before and after a narrow mouth shape, in which it limits the opening
+CONSTRAINT_WINDOW = 0.2  # [s] time before and after a narrow mouth shape during which it limits the opening
 SMOOTHING_WINDOW = 0.02  # [s] half width of the moving average of the lip opening
 
 

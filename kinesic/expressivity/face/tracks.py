@@ -33,7 +33,7 @@ from kinesic.expressivity.lexicon.names import shorten_name
 from kinesic.expressivity.prosody import NO_PROSODY, Prosody, choose_accents, find_phrase_ends, scale_openings
 from kinesic.expressivity.style.style import Expressivity, Style
 
-MIN_INTENSITY = 1e-3  # weaker action units are omitted
+MIN_INTENSITY = 1e-3  # intensity below which action units are omitted
 
 SPEAKING_INTENSITY = 0.3  # intensity of speech units at which expressions no longer close the mouth
 CLOSING_UNITS = (SEAL_UNIT, "23", "28")  # action units that close the mouth
@@ -57,7 +57,7 @@ def face_track(
     affect: Mapping[str, float] = NO_AFFECT,
     prosody: Prosody = NO_PROSODY,
 ) -> Channels:
-    """Compute the action units of a block.
+    """Compute the action unit tracks (m,) of a block at given times.
 
     Expressions follow their sync points; one that stays lasts until the next that stays. Those that accompany a gesture
     follow its sync points. Speech moves the mouth, raises the brows on accents where the document shows no expression,
@@ -195,7 +195,7 @@ def _affect(affect: Mapping[str, float], timeline: Timeline, times: Floats, styl
 def _undirected(
     timeline: Timeline, times: Floats, styles: Mapping[str, Style], bodies: Mapping[str, BodyMove]
 ) -> Floats:
-    """Return the fraction (m,) of the face without expressions."""
+    """Return factors (m,): 1 without expressions, 0 at their full intensity."""
     free = np.ones(len(times))
     own = (showing for shift in (False, True) for showing in _showings(timeline, styles, shift=shift))
     for showing in (*own, *_gesture_expressions(timeline, styles, bodies)):
@@ -246,7 +246,7 @@ def _gesture_expressions(
 
 
 def _bridge_gaps(showings: Sequence[_Showing]) -> list[_Showing]:
-    """Extend expressions over short gaps at high fluidity.
+    """Extend expressions over short gaps at positive fluidity.
 
     They are extended if the next one follows soon.
     """

@@ -26,11 +26,11 @@ SHAPE_LEAD_TIME = 0.07  # [s] from the start of a mouth shape to its sound
 ROUND_LEAD_TIME = 0.12  # [s] from the start of lip rounding to its sound
 PRESS_TIME = 0.025  # [s] rise time of the lip press to its full intensity
 RELEASE_TIME = 0.02  # [s] fall time of the lip press to zero intensity
-RELEASE_ADVANCE = 0.028  # [s] from the release of closed lips to its sound, as soft lips stick together
+RELEASE_ADVANCE = 0.028  # [s] advance of the lip release before the sound's end, as lips stick
 # Shortest time of pressed lips [s]; with closing and opening they are visibly closed for 0.05 s, longer than a film
 # frame.
 MIN_PRESS_TIME = 0.015  # [s] shortest press of closed lips
-ATTACK_FRACTION = 0.3  # fraction of a sound after which its mouth shape is reached
+ATTACK_FRACTION = 0.3  # fraction of a sound's duration after which its mouth shape is reached
 SHAPE_LAG_TIME = 0.06  # [s] from the end of a sound to the end of its mouth shape
 VISEME_FILE = CONFIGS / "faces" / "visemes.toml"
 SEAL_UNIT = "24"  # action unit that presses the lips together

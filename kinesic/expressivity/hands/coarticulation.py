@@ -315,6 +315,6 @@ class _Hands:
         return remedy(stroke.times["stroke"] + later)
 
     def _missing_delay(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> float:
-        """Return the delay with which a stroke could follow another one [s]."""
+        """Return the delay that a stroke needs to follow another one [s]."""
         between = stroke.times["strokeStart"] - work.at("strokeEnd")
         return self._delay(work, stroke) or self.spacing.transition_time(work, stroke, option, side) - between

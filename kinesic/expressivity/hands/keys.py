@@ -30,10 +30,10 @@ PATH_TOLERANCE = 0.01  # [arm lengths] largest distance of a path from the chord
 # leaves its path.
 PATH_STEP = 0.2  # [arm lengths] longest distance between two samples of a path
 POWER_RAMP_GAIN = 0.5  # relative increase of the acceleration time along a path at full power
-LATE_PEAK_RATIO = 0.5  # velocity after the first swing / peak velocity, on a path that ends at a word
+LATE_PEAK_RATIO = 0.5  # velocity after the acceleration / peak velocity, if the path ends at a word
 WORD_BRAKE_TIME = 0.12  # [s] longest deceleration of a path that ends at a word
-WORD_BRAKE_FRACTION = 0.5  # largest ratio of deceleration time to acceleration time of a path that ends at a word
-MIN_ROTATION = 1e-6  # [rad] smaller rotations count as zero
+WORD_BRAKE_FRACTION = 0.5  # largest deceleration time / acceleration time, if the path ends at a word
+MIN_ROTATION = 1e-6  # [rad] rotation between two keys below which the hand holds its orientation
 
 
 @dataclass(frozen=True, eq=False)

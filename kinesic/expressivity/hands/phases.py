@@ -24,7 +24,7 @@ from kinesic.motion.keys import PLAIN_PASSAGE
 NEIGHBOUR_INTERVAL = 0.5  # [s] longest gap between gestures in which the hand does not return to rest
 ARM_PARTS: frozenset[Touch] = frozenset(("hand", "forearm", "upper_arm"))  # touchable parts of the other arm
 LOWERING_FRACTION = 0.5  # fraction of the distance to rest by which a waiting hand is lowered
-WAITING_OPENNESS = 0.2  # elbow openness (0 hanging .. 1 far out) of a waiting hand, which keeps the elbow off the body
+WAITING_OPENNESS = 0.2  # elbow openness (0 hanging .. 1 far out) of a waiting hand
 MAX_WAITING_TIME = 2.5  # [s] longest wait of a hand for a joint retraction with the other one
 ALL_FIXED: FixedSyncs = MappingProxyType({})  # no entries, so that all sync points of every behaviour are fixed
 
@@ -236,7 +236,7 @@ def _add_retraction(
 ) -> list[HandKey]:
     """Add the retraction to the rest pose.
 
-    It ends before the latest time [s].
+    It ends at the latest time [s] or before.
     """
     last = keys[-1]
     leave, pose = max(retraction.relax, last.time), retraction.pose

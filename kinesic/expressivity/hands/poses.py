@@ -22,11 +22,11 @@ from kinesic.expressivity.lexicon.space import EASY_REACH, direction_in_world, e
 from kinesic.expressivity.style.effort import PLAIN_TRAITS, GestureTraits
 from kinesic.expressivity.style.style import Expressivity
 
-REST_HAND = Hand()  # hanging hand
-_ROTATION_LEVER = 0.15  # [m/rad] distance equivalent of a hand rotation, as forearms rotate more slowly than arms swing
+REST_HAND = Hand()  # hand at rest
+_ROTATION_LEVER = 0.15  # [m/rad] distance of a hand movement that takes as long as a rotation
 _START_WITHDRAWAL = 0.15  # fraction of the distance to rest at which the stroke of a one-key form begins
-_POINTING_REACH = 0.98  # [arm lengths] distance of a pointing wrist from the shoulder
-_DYNAMIC_DISTANCE = 0.25  # [arm lengths] stroke length above which a gesture counts as dynamic
+_POINTING_REACH = 0.98  # [arm lengths] largest distance of a pointing wrist from the shoulder
+_DYNAMIC_DISTANCE = 0.25  # [arm lengths] length above which a stroke is dynamic, not a pose
 _SAME_KEY_DISTANCE = 0.1  # [arm lengths] distance below which two keys count as repetitions of one
 _EXTENT_FRACTIONS = (1.0, 0.75, 0.5, 0.25, 0.0)  # fractions of spatial extent, tried until a path is within easy reach
 _PATH_PARAMETERS = np.linspace(0.0, 1.0, 101)  # path parameters at which the reach of a path is checked
@@ -80,7 +80,7 @@ class Poses:
 
 @lru_cache(maxsize=8)
 def resting_hands(robot: Robot) -> Mapping[Side, Reach]:
-    """Return the poses of the hanging hands in the world."""
+    """Return the world hand poses of the robot's rest posture, by side."""
     frames = robot.skeleton.rest_frames
     reaches: dict[Side, Reach] = {}
     for side in SIDES:
@@ -143,7 +143,7 @@ class _InWorld:
     count: int  # keys of the stroke, at least two
     stroke_count: int  # strokes in the form
     back: int  # 1 if it ends at its start position, otherwise 0
-    travels: bool  # whether a hand moves noticeably
+    travels: bool  # whether a hand moves farther than `_DYNAMIC_DISTANCE`
 
 
 @lru_cache(maxsize=64)  # looked up for durations and for hands, which differ only in the body motion
@@ -213,7 +213,7 @@ def pose_distance(a: Hand, b: Hand, rest: Reach) -> float:
 def _is_dynamic(
     hands: Mapping[Side, Sequence[Hand]], paths: Mapping[Side, Sequence[HandPath | None]], robot: Robot
 ) -> bool:
-    """Return whether a hand moves noticeably during the stroke."""
+    """Return whether a hand travels farther than `_DYNAMIC_DISTANCE` in the stroke."""
     for side, row in hands.items():
         places = [(hand.reach or resting_hands(robot)[side]).position for hand in row]
         lengths = [
@@ -238,7 +238,7 @@ def _find_repetition(keys: Sequence[StrokeKey]) -> tuple[int, int]:
 
 
 def _are_same_keys(a: StrokeKey, b: StrokeKey) -> bool:
-    """Return whether two keys have the same hand positions and no paths."""
+    """Return whether two keys have nearly equal hand positions and no paths."""
     return a.hands.keys() == b.hands.keys() and all(
         pose.path is b.hands[side].path is None
         and float(np.linalg.norm(pose.position - b.hands[side].position)) < _SAME_KEY_DISTANCE

@@ -16,7 +16,7 @@ FixedSyncs = Mapping[str, Collection[str]]  # behaviour id -> sync points that t
 
 @dataclass(frozen=True)
 class StrokeSpacing:
-    """Solver for the time between two strokes of one hand."""
+    """Solver that makes time between successive strokes of one hand."""
 
     pace: Pace
     fixed_syncs: FixedSyncs
@@ -73,7 +73,7 @@ class StrokeSpacing:
         return self.merge_transition(do_stroke(shortened, work.poses, self.pace), stroke, option)
 
     def transition_time(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> float:
-        """Return the natural time between two strokes [s]."""
+        """Return the natural transition time of a hand between two strokes [s]."""
         distance = pose_distance(
             work.poses.hands[side][-1], option.hands[side][0], resting_hands(self.pace.robot)[side]
         )
@@ -98,7 +98,7 @@ class StrokeSpacing:
         return min(max([minimum, *repeated_strokes]), times["strokeEnd"])
 
     def _latest_start(self, stroke: Stroke, option: Poses) -> float:
-        """Return the latest start of a stroke [s]."""
+        """Return the latest start of a stroke that servos can follow [s]."""
         if "strokeStart" in self.fixed_points(stroke.id):
             return stroke.times["strokeStart"]
         latest = stroke.times["stroke"] - sum(least_stroke_times(option, self.pace)[: option.stroke])

@@ -18,8 +18,8 @@ from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY, Expressivity
 from kinesic.expressivity.turns import MIN_KEY_SPACING
 
-PATH_LENGTH_FACTOR = 1.5  # factor on the length of a swing in its minimum-time estimate
-PATH_TIME_FACTOR = 1.4  # minimum time of a swing / that of a straight movement, as its joint angles are not free
+PATH_LENGTH_FACTOR = 1.5  # factor on the length of half a path period in its minimum-time estimate
+PATH_TIME_FACTOR = 1.4  # minimum time of half a path period / that of a straight movement
 
 _TIME_TOLERANCE = 1e-9  # [s] times that differ by less count as equal
 _MIN_PERIODS: Mapping[PathKind, float] = {"wave": 0.5, "arc": 0.5}  # fewest periods by path kind, otherwise 1
@@ -90,7 +90,10 @@ def overlaps(work: HandStroke, stroke: Stroke) -> bool:
 
 
 def do_stroke(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
-    """Assign key times to a stroke, with only the repetitions that fit."""
+    """Assign key times to a stroke, with only the repetitions that fit.
+
+    Paths that are too fast lose periods. The remarks name both changes.
+    """
     feasible = _drop_repetitions(option, stroke.times, pace)
     remarks = []
     if feasible.stroke_count < option.stroke_count:
@@ -115,7 +118,7 @@ def shortened(stroke: Stroke) -> Stroke:
 
 
 def is_brief(stroke: Stroke) -> bool:
-    """Return whether a stroke consists of a single key."""
+    """Return whether a stroke has zero duration, as after `shortened`."""
     return stroke.times["strokeStart"] == stroke.times["strokeEnd"]
 
 

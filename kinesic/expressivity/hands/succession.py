@@ -2,7 +2,7 @@
 
 People's shoulders set out before their elbows and wrists, and one of two hands is a little later. The delays vary
 from gesture to gesture (`kinesic.expressivity.variation`), and with the expressivity: fluid arms swing along, stiff
-and forceful ones move as one piece. Hands that come together, touch something or have a target are not delayed.
+and forceful ones move as one piece. Hands that come together, touch something or rest have no delay between them.
 """
 
 from collections.abc import Iterable, Mapping

@@ -1,6 +1,6 @@
 """Ratio of available to natural time of each gesture.
 
-Gestures with little time have neither swings nor accents.
+Gestures with little time have neither overshoot nor accents.
 """
 
 from collections.abc import Mapping, Sequence

@@ -81,9 +81,9 @@ class HandPath:
         return float(np.linalg.norm(self._steps(start, end), axis=1).sum())
 
     def swings(self, start: Floats, end: Floats) -> int:
-        """Return the number of swings between reversals, at least one.
+        """Return the number of half periods, at least one.
 
-        A swing is half a period.
+        With via points it is the total change of direction / pi.
         """
         if not len(self.points):
             return max(1, ceil(2 * self.turns - _ZERO_LENGTH))

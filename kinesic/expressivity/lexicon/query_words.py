@@ -59,7 +59,7 @@ def content_words(query: str) -> tuple[str, ...]:
 
 
 def search_stem(word: str) -> str:
-    """Return the stem of a word, the same for finger and fingers."""
+    """Return the stem of a word, equal for inflections such as finger, fingers."""
     return word_stem(word.removesuffix("s") if word.endswith("ers") else word)
 
 
@@ -69,7 +69,7 @@ def is_function_word(word: str) -> bool:
 
 
 def related_words(word: str) -> tuple[str, ...]:
-    """Return other words for a similar movement or place, in any form."""
+    """Return words for movements or places similar to those of a word."""
     return _RELATED_BY_STEM.get(search_stem(word), ())
 
 

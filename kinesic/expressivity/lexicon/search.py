@@ -50,7 +50,7 @@ CATEGORY_WEIGHT = 0.4  # weight of the category's name
 FORM_WEIGHT = 0.4  # weight of a word for the gesture's hands or a touched body part
 
 STEM_QUALITY = 0.95  # match quality of another form of the word, such as waving for wave
-RELATED_QUALITY = 0.6  # match quality of a word for a similar movement or place, such as silent for quiet
+RELATED_QUALITY = 0.6  # match quality of a word of similar meaning, such as silent for quiet
 PREFIX_QUALITY = 0.7  # match quality of a word that begins with an unknown word of the query
 LONGER_WORD_QUALITY = 0.35  # match quality of a longer word, such as yesterday for yes
 SPELLING_QUALITY = 0.6  # match quality of a word spelt similarly to an unknown word of the query
@@ -95,7 +95,7 @@ def find_gestures(
 
 
 def _rank(index: "_Index", lexicon: Lexicon, query: str) -> list[GestureHit]:
-    """Return all hits of a query, sorted by relevance."""
+    """Return the hits of a query from `MIN_SCORE`, sorted by relevance."""
     words = content_words(query)
     hits = [_hit(index.entries[k], score, kind, matched) for k, (score, kind, matched) in index.scores(words).items()]
     named = _find_named(lexicon, query, words) if words else None

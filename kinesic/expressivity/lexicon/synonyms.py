@@ -82,7 +82,7 @@ class NameTable:
 
     @cached_property
     def _by_words(self) -> Mapping[tuple[str, ...], tuple[str, MatchKind]]:
-        """Gesture by the words of its name.
+        """Gesture and match kind by the words of its names and synonyms.
 
         Names of gestures precede synonyms.
         """
@@ -96,7 +96,7 @@ class NameTable:
 
     @cached_property
     def _by_joined_words(self) -> Mapping[str, tuple[str, MatchKind]]:
-        """Gesture by its name without spaces.
+        """Gesture and match kind by name or synonym without spaces, if unambiguous.
 
         `now here` and `nowhere` are then the same name.
         """
@@ -133,7 +133,7 @@ class NameTable:
         return None
 
     def _with_sides(self, gesture: str, shorter: GestureName, whole: GestureName) -> GestureName:
-        """Report unused side words such as left in names of pointing gestures.
+        """Add unused side words of pointing gesture names to `left_out`.
 
         The side may be the direction to point, and not only the hand.
         """

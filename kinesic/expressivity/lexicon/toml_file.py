@@ -144,7 +144,7 @@ def read_gestures(path: Path, bodies: Bodies = NO_BODIES) -> LexiconPart:
 
 
 def _check_bodies(path: Path, file: GestureFile) -> None:
-    """Reject angles out of range in the body motion of any category.
+    """Reject invalid angles, amounts or expressions in the categories' body motion.
 
     Raises:
         ConfigError: an angle or amount is out of range.

@@ -20,7 +20,7 @@ from kinesic.motion.keys import LINEAR_STEEPNESS, MAX_STEEPNESS, KeyPassage
 Tempo = Literal["sudden", "neutral", "sustained"]
 
 TEMPO_FACTORS: Mapping[Tempo, float] = {"sudden": 0.48, "neutral": 1.0, "sustained": 2.1}  # factor on durations
-POSE_TIME_FACTOR = 1.3  # factor on the durations of a gesture that only takes a pose
+POSE_TIME_FACTOR = 1.3  # factor on the durations of a gesture whose stroke holds a pose
 RETRACTION_EXPONENT = 0.5  # exponent of the gesture's duration factor in the retraction; factors below 1 count as 1
 STROKE_SLOWNESS_EXPONENT = 0.5  # exponent of the gesture's duration factor in the stroke
 
@@ -28,11 +28,11 @@ PREPARATION_TIME = 0.56  # [s] natural preparation over the reference distance
 RETRACTION_TIME = 0.96  # [s] natural retraction over the reference distance
 STROKE_TIME = 0.47  # [s] natural stroke over the reference stroke distance
 REFERENCE_DISTANCE = 0.9  # [arm lengths] usual distance between rest and stroke
-REFERENCE_STROKE_DISTANCE = 0.35  # [arm lengths] usual distance of one swing of a stroke
+REFERENCE_STROKE_DISTANCE = 0.35  # [arm lengths] usual distance of a stroke movement between two reversals
 MIN_DISTANCE = 0.02  # [arm lengths] shorter movements take as long as one of this distance
 PREPARATION_DISTANCE_EXPONENT = 0.10  # exponent of the relative distance in the preparation time
 RETRACTION_DISTANCE_EXPONENT = 0.25  # exponent of the relative distance in the retraction time
-STROKE_DISTANCE_EXPONENT = 0.4  # a stroke's duration grows with its distance to this power
+STROKE_DISTANCE_EXPONENT = 0.4  # exponent of the relative distance in the stroke time
 FITTS_INTERCEPT = 0.1  # [s] constant term of Fitts' law
 FITTS_SLOPE = 0.15  # [s/bit] time per bit of difficulty in Fitts' law
 FITTS_WIDTH = 0.05  # [m] target width in Fitts' law
@@ -49,21 +49,21 @@ POSE_HOLD_FACTOR = 1.8  # factor on the category's hold time after a pose
 STROKE_HOLD_FACTOR = 0.4  # factor on the category's hold time after a stroke of the reference duration
 
 STROKE_ACCENT = 2.4  # easing steepness added to the minimum of 1 in dynamic strokes without a word
-SPOKEN_ACCENT = 6.4  # easing steepness added to the minimum of 1 in strokes that are fastest at an accented word
+SPOKEN_ACCENT = 6.4  # easing steepness added to the minimum of 1 in strokes fastest at a word
 STROKE_START_SWING = 0.9  # overshoot (0 none .. 1 full) at the key where a stroke begins
 STROKE_KEY_SWING = 0.8  # overshoot (0 none .. 1 full) at stroke keys after the first one
-SPOKEN_START_SWING = 0.4  # overshoot (0 .. 1) at the start of a stroke on a word, low for a late velocity peak
+SPOKEN_START_SWING = 0.4  # overshoot (0 .. 1) at the start of a stroke on a word
 MIN_SPOKEN_TENSION = -0.15  # smallest spline tension in the preparation of a stroke on a word
 PATH_START_SWING = 0.6  # overshoot (0 .. 1) where a path begins; the preparation ends along it
 PATH_START_VELOCITY = 0.5  # velocity at the start of a path without a word / its constant velocity
-PATH_END_SWING = 0.4  # overshoot (0 .. 1) at the end of a path, low so that the hand stays on it
+PATH_END_SWING = 0.4  # overshoot (0 .. 1) at the end of a path
 MIN_TIME_RATIO = 0.7  # available / natural time below which keys have neither overshoot nor accent
 RETRACTION_STEEPNESS = 7.5  # steepness of a retraction without fluidity: peak / mean velocity is 4/3
 FLUIDITY_EXPONENT = 1.6  # exponent of (1 - fluidity) in the steepness of the retraction
-FULL_FIRMNESS = 0.5  # power, tension or stiffness that removes all swing
+FULL_FIRMNESS = 0.5  # power, tension or stiffness that removes all overshoot at keys
 WEAKNESS_REDUCTION = 0.5  # fraction of the overshoot at keys that power -1 removes
 STIFFNESS_GAIN = 0.6  # increase of the accent at fluidity -1 / accent at fluidity 0
-LOOSENESS_REDUCTION = 0.3  # fraction of the swing removed at tension -1, where the spline itself swings
+LOOSENESS_REDUCTION = 0.3  # fraction of the overshoot at keys removed at tension -1, whose spline overshoots itself
 
 
 @dataclass(frozen=True)
@@ -151,7 +151,7 @@ class Effort:
         return natural_time(natural, minimum, self.manner.temporal, WEAKNESS_FRACTION * min(self.manner.power, 0.0))
 
     def stroke_time(self, distance: float) -> float:
-        """Return the duration [s] of one swing before sync points change it.
+        """Return the natural duration of a stroke movement between two reversals [s].
 
         Positive power shortens it.
         """
@@ -256,7 +256,7 @@ class Effort:
 
     @property
     def _swing_factor(self) -> float:
-        """Factor on overshoot at keys, reduced by power, tension and stiffness."""
+        """Factor on overshoot at keys, largest (1) at neutral expressivity."""
         firmness = max(self.manner.power, self.manner.tension, -self.manner.fluidity, 0.0)
         looseness, weakness = max(-self.manner.tension, 0.0), max(-self.manner.power, 0.0)
         reduction = (1.0 - LOOSENESS_REDUCTION * looseness) * (1.0 - WEAKNESS_REDUCTION * weakness)

@@ -15,15 +15,15 @@ from kinesic.motion.double_s import least_rest_times
 COMFORT_MARGIN = 1.3  # smallest natural duration of a rotation / minimum duration of the servos
 TEMPORAL_FACTOR = 1.5  # factor on velocity at a temporal extent of 1
 POWER_FACTOR = 2.4  # factor on velocity at a power of 1, within the servo limits
-POWER_EXPONENT = 2.0  # exponent of power in the factor on velocity; above 1, so that small power has little effect
+POWER_EXPONENT = 2.0  # exponent of power in the factor on velocity; small power has little effect
 WEAKNESS_FACTOR = 1.6  # factor on the duration at a power of -1
 
 _SAMPLED_DISTANCES = np.linspace(0.0, 2.4, 25)  # [arm lengths] distances at which minimum durations are computed
 _POSTURE_COUNT = 32  # number of start postures of an arm
-_RANGE_FRACTION = 0.5  # central part of each joint range from which the start postures are drawn
+_RANGE_FRACTION = 0.5  # fraction of each joint range, about its centre, from which start postures are drawn
 _POSTURE_QUANTILE = 0.25  # quantile of the durations over postures: planning chooses favourable elbows
 _PROBE_ANGLE = 1e-5  # [rad] step of finite differences of the Jacobian
-_JACOBIAN_DAMPING = 1e-3  # added to the diagonal of J A J^T, for arms that can hardly move along some axis
+_JACOBIAN_DAMPING = 1e-3  # damping added to the diagonal of J A J^T, for arms near singularities
 
 
 def scale_time(natural: float, minimum: float, extent: float, max_factor: float) -> float:
@@ -147,7 +147,7 @@ class Pace:
         return sealed(np.max(times, axis=0) if times else np.zeros(len(_SAMPLED_DISTANCES)))
 
     def _hand_times(self, side: Side) -> Floats:
-        """Return minimum durations [s] in which a hand moves the sampled distances.
+        """Return minimum durations [s] of hand movements over the sampled distances.
 
         They hold along the fastest axis, from the faster postures.
         """

@@ -16,13 +16,13 @@ from kinesic.motion.keys import (
 
 Phase = Literal["preparation", "stroke", "hold", "retraction"]
 
-POWER_STEEPNESS = 1.5  # extra steepness of a movement's easing curve at a power of 1, which short strokes can follow
+POWER_STEEPNESS = 1.5  # increase of a movement's easing steepness at a power of 1
 FORCE_EXPONENT = 3.0  # exponent of high power, and of tension with it, in the easing steepness
 TENSION_EXPONENT = 1.5  # exponent of tension in the easing steepness of gestures without power
-OVERSHOOT_THRESHOLD = 0.5  # power above which a hand overshoots; with as much tension it bounces
-OVERSHOOT_ACCENT_FRACTION = 0.68  # steepness of OutBack / steepness of an accent with the same peak velocity
+OVERSHOOT_THRESHOLD = 0.5  # power at which accented strokes overshoot; with as much tension they bounce
+OVERSHOOT_ACCENT_FRACTION = 0.68  # steepness of easing `out_back` / steepness of an accent of equal peak velocity
 MIN_LATE_ACCENT = 2.5  # smallest easing steepness of an accent at a word, for any weakness or looseness
-POWER_BIAS = 0.25  # spline bias at a power of 1: the hand continues a little in its direction of approach
+POWER_BIAS = 0.25  # spline bias at a power of 1, towards the direction of approach
 
 
 def passage_of(

@@ -130,8 +130,6 @@ def _weight(name: str, style: Style, block: Block, behaviour: Behaviour) -> floa
     """Resolve one of a behaviour's style weights, such as `whole_body`.
 
     A setting has precedence over the innermost preset of the document, and that over the performance's style.
-
-    Without either, the performance's style gives it.
     """
     named = (behaviour.manner.style, block.manners.get("gesture", Manner()).style)
     presets = [] if any(setting.parameter == name for setting in style.settings) else [*filter(None, named)]

@@ -1,4 +1,4 @@
-"""How a style stands: posture, resting hands, facial affect and gaze habit."""
+"""Standing posture, resting hands, facial affect and gaze habit of a style."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -113,5 +113,5 @@ def choose_rest(weights: tuple[tuple[str, float], ...], chance: np.random.Genera
     return "" if chosen == HANGING_REST else chosen
 
 
-NEUTRAL_STANDING = Standing.of(StandingTable())  # the robot's own rest posture, an unmoved face and a frontal gaze
+NEUTRAL_STANDING = Standing.of(StandingTable())  # robot's rest posture, usual pauses, neutral face and frontal gaze
 UNPOSED_STANDING = Standing()  # neutral standing without rest gestures: arms return to the rest posture
