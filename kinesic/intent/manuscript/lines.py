@@ -7,7 +7,6 @@ from kinesic.intent.manuscript.pieces import END_OF_SENTENCE, LINE_PAUSE, PARAGR
 
 MAX_LABEL_WORDS = 3  # largest number of words in a speaker's name
 MAX_LABEL_LENGTH = 40  # [characters] longest name of a speaker
-MAX_MARKER_LENGTH = 12  # [characters] longest indent and marker of a list item
 MAX_SKIPPED_LENGTH = 2000  # [characters] length from which another speaker's line is skipped before its end arrives
 MIN_WRAPPED_LENGTH = 55  # [characters] shortest line that counts as wrapped text; its end causes no pause
 # Markdown marker of a heading, list item or quotation at the start of a line.
