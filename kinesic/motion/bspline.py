@@ -24,8 +24,8 @@ TIME_POWERS = (  # exponents of 1 / duration in the limit ratios of velocity, ac
     3.0,
     2.0,
 )
-GRID_CACHE_SIZE = 128  # largest number of cached grids, 40 kB each; durations vary too much for a hit rate above 95 %
-ACCELERATION_WEIGHT = 1e-9  # [s^4] weight of squared acceleration relative to squared distance
+GRID_CACHE_SIZE = 128  # largest number of cached grids, 40 kB each
+ACCELERATION_WEIGHT = 1e-9  # [s^4] weight of squared acceleration relative to squared distance from the desired motion
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ class Grid:
 
     @cached_property
     def closeness_bands(self) -> Floats:
-        """Bands of the squared distance to a desired motion.
+        """Banded cost matrix of squared distance to a desired motion.
 
         Measured at the knots, with a little weight on smoothness. Upper bands of shape (3, k + 3), the diagonal last.
         """
@@ -72,9 +72,9 @@ class Grid:
 
     @cached_property
     def calmness_bands(self) -> Floats:
-        """Upper bands of the quadratic form of acceleration and jerk.
+        """Banded cost matrix of squared acceleration and squared jerk.
 
-        Of shape (4, k + 3), the diagonal last.
+        Upper bands of shape (4, k + 3), the diagonal last.
         """
         bands = np.zeros((4, self.size))
         _add_squares(bands, np.array([1.0, -2.0, 1.0]))
@@ -83,7 +83,7 @@ class Grid:
         return bands
 
     def stencils(self, limits: Limits, hinge: int) -> Floats:
-        """Return four control-point weights per limit of a hinge.
+        """Return control-point weights of a hinge's four limit ratios, (4, 4).
 
         The weighted sum of control points is 1 at the limit.
 
@@ -98,7 +98,7 @@ class Grid:
         return np.array([*boxes, duty / self.duty(limits)[hinge]])
 
     def rows(self, limits: Limits, hinge: int) -> SparseMatrix:
-        """Return a hinge's limits as sparse rows of limit ratios.
+        """Return the sparse matrix from control points to a hinge's limit ratios.
 
         -1 <= rows @ controls <= 1. Of shape (4 k + 4, k + 3) for k pieces, without the range: velocity, acceleration
         and jerk on their control points, then the duty at the knots.
@@ -108,7 +108,7 @@ class Grid:
 
     @cached_property
     def powers(self) -> Floats:
-        """Exponent of the time-stretch factor for each limit constraint."""
+        """Exponent of 1 / duration in each limit constraint, shape (4 k + 4,)."""
         return np.repeat(TIME_POWERS, self.counts)
 
     @cached_property
@@ -144,7 +144,7 @@ class Grid:
     def limit_ratios(
         self, controls: Floats, limits: Limits, hinge: int | NDArray[np.intp]
     ) -> tuple[Floats, Floats, Floats, Floats, Floats]:
-        """Return splines' ratios to range, velocity, acceleration, jerk and duty limits.
+        """Return splines' signed ratios to range, velocity, acceleration, jerk and duty limits.
 
         One array for each kind of limit, in this order.
 
@@ -173,7 +173,7 @@ class Grid:
         )
 
     def largest_limit_ratio(self, controls: Floats, limits: Limits, hinge: int) -> float:
-        """Return the largest ratio of a spline to any limit."""
+        """Return one hinge's largest absolute ratio to any of its limits."""
         return max(float(np.abs(ratios).max()) for ratios in self.limit_ratios(controls, limits, hinge))
 
 
@@ -197,7 +197,7 @@ def stack_stencils(groups: Sequence[Floats], size: int) -> SparseMatrix:
     """Return a matrix of stencils over successive control points, group by group.
 
     Args:
-        groups: (r, w) weights of w control points, of which the first is 0 in the first row, 1 in the next.
+        groups: (r, w) weights of w control points; the first has index 0 in the first row, 1 in the next.
         size: n, number of control points.
     """
     columns = [np.add.outer(np.arange(len(group)), np.arange(group.shape[1])).ravel() for group in groups]
@@ -208,5 +208,5 @@ def stack_stencils(groups: Sequence[Floats], size: int) -> SparseMatrix:
 
 @lru_cache(maxsize=GRID_CACHE_SIZE)
 def grid(pieces: int, step: float) -> Grid:
-    """Return the cached spline grid for a count and duration of intervals."""
+    """Return the cached spline grid for a count and duration of knot intervals."""
     return Grid(pieces, step)

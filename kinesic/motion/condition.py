@@ -71,7 +71,7 @@ def condition(
     budget: Budget = UNLIMITED_BUDGET,
     memory: PlaneMemory | None = None,
 ) -> Conditioned:
-    """Compute the motion within limits that is nearest to the desired one.
+    """Shift key times minimally, then compute the nearest motion within limits.
 
     Args:
         postures: at least two, the first and the last keyed in all hinges.
@@ -96,7 +96,7 @@ def condition(
     reduced_finder = NearestFinder(keys, reduced_limits, make_desired) if limit_scale < 1.0 else None
 
     def find() -> tuple[Floats, Floats] | SplineSegment:
-        """Return the motion at current key times, or the first infeasible segment.
+        """Return desired and nearest motion at current times, or an infeasible segment.
 
         A motion within the reduced limits must exist at these times.
         """
@@ -159,12 +159,12 @@ class NearestFinder:
         return desired, controls
 
     def find_infeasible(self, times: Floats) -> SplineSegment | None:
-        """Return the first infeasible segment or None, without computing the motion."""
+        """Return an infeasible segment or None, without computing the motion."""
         _, _, exceeding = self._solve_without_limits(times)
         return next((segment for segment, desired in exceeding if not self._can_pass(segment, desired)), None)
 
     def _solve_without_limits(self, times: Floats) -> tuple[Floats, Floats, list[tuple[SplineSegment, Floats]]]:
-        """Return the desired motion, its unlimited spline, and segments beyond limits."""
+        """Return the desired motion, its spline without limits, and segments beyond limits."""
         desired = self._make_desired(times, self._keys).angles(grid(pieces(times, KNOT_INTERVAL), KNOT_INTERVAL).knots)
         controls, exceeding = find_free_motion(times, self._keys, self._limits, desired)
         ordered = [segment for _, segment in sorted(exceeding, key=lambda pair: -pair[0])]
@@ -187,5 +187,5 @@ class NearestFinder:
 
 
 def _make_cache_key(segment: SplineSegment, desired: Floats) -> tuple[object, ...]:
-    """Return the cache key of a segment's motion."""
+    """Return the cache key of a segment with its desired motion."""
     return segment.hinge, segment.marks, segment.grid.pieces, segment.places.tobytes(), desired.tobytes()

@@ -30,15 +30,15 @@ from kinesic.motion.keys import (
 )
 from kinesic.motion.piecewise import QuinticSpline
 
-Hinges = tuple[int, ...]  # in joint order
+Hinges = tuple[int, ...]  # hinge indices in joint order
 _EasingRows = tuple[tuple[Easing, float, float], ...]  # easing, overshoot and steepness of each hinge
 
-MAX_SWING = 0.05  # [rad] overshoot beyond a key that is always allowed
-OVERSHOOT_VELOCITY = 5.0  # key velocity, in distance / duration, at which a quintic overshoots by that distance
-OVERSHOOT_ACCELERATION = 58.0  # key acceleration, in distance / duration^2, that overshoots by that distance
-HULL_VELOCITY = 2.5  # key velocity, in distance / duration, at which control points overshoot by that distance
-MONOTONE_VELOCITY = 2.0  # largest key velocity without overshoot / velocity of the slower chord
-TURNING_ACCELERATION = 6.0  # key acceleration, in distance / duration^2, of a reversal without overshoot
+MAX_SWING = 0.05  # [rad] overshoot beyond a key allowed without a swing, within the joint range
+OVERSHOOT_VELOCITY = 5.0  # [overshoot / interval duration] key velocity at which a quintic has that overshoot
+OVERSHOOT_ACCELERATION = 58.0  # [overshoot / interval duration^2] key acceleration that causes this overshoot
+HULL_VELOCITY = 2.5  # [overshoot / interval duration] key velocity whose control points overshoot that far
+MONOTONE_VELOCITY = 2.0  # largest key velocity without overshoot / mean velocity of the slower interval
+TURNING_ACCELERATION = 6.0  # [rotation / interval duration^2] largest key acceleration without overshoot
 STEEPNESS_STEP = 0.25  # reduction of an easing curve's steepness per step until limits hold
 MIN_OVERSHOOT = 0.02  # relative overshoot below which OutQuart replaces OutBack
 OVERSHOOT_STEP = 0.01  # resolution of the relative overshoot
@@ -46,7 +46,7 @@ BOUNCE_INDEX = EASING_NAMES.index("out_bounce")  # index of the easing that boun
 OVERSHOOT_INDEX = EASING_NAMES.index("out_back")  # index of the easing that passes the key and returns
 STEP_TOLERANCE = 1e-6  # rounding tolerance, in units of `OVERSHOOT_STEP`
 CURVE_CACHE_SIZE = 24  # largest number of cached desired curves, each of hinges with the same keys
-MAX_CACHED_KEYS = 1024  # largest number of keys of a cached curve: 0.4 MB, half a minute of gestures
+MAX_CACHED_KEYS = 1024  # largest number of key angles of a cached curve: 0.4 MB, half a minute of gestures
 MAX_EASED_RATIO = 3.0  # largest velocity, acceleration or duty of an eased motion / its limit
 
 SAMPLE_TIMES = np.arange(EASING_INTERVALS) / EASING_INTERVALS  # normalised times at which an easing is sampled
@@ -118,7 +118,7 @@ def _choose_accelerations(course: _Course, velocities: Floats) -> Floats:
 
 
 def _ease(remaining: Floats, states: Floats, steps: Floats, keys: Keys) -> Floats:
-    """Return the offsets that easings add to angles and derivatives.
+    """Return offsets that easings add to angles, velocities and accelerations.
 
     Of shape (3, k, h, p): k key intervals, h hinges, p sample times.
 
@@ -153,7 +153,7 @@ def _ease(remaining: Floats, states: Floats, steps: Floats, keys: Keys) -> Float
 
 
 def _adapt_easing(easing: Easing, max_overshoot: float) -> tuple[Easing, float]:
-    """Return an easing and its relative overshoot, within the joint range."""
+    """Return an easing and relative overshoot, reduced to a largest overshoot."""
     if easing == "out_back" and max_overshoot < MIN_OVERSHOOT:
         return "out_quart", DEFAULT_OVERSHOOT
     return easing, OVERSHOOT_STEP * int(
@@ -203,7 +203,7 @@ class DesiredMotion:
 
     # Of hinges with the same keys, over performance time, all from 0 to the same end.
     curves: Mapping[Hinges, QuinticSpline]
-    zero: float  # [s] performance time of the block's zero
+    zero: float  # [s] performance time of block time 0
 
     @property
     def duration(self) -> float:

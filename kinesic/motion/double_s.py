@@ -121,7 +121,7 @@ def compute_rest_durations(keys: Keys, limits: Limits) -> IntervalDurations:
 
 @lru_cache(maxsize=4)  # the searches for timing conflicts and for key times need those of the same keys
 def compute_velocity_durations(keys: Keys, limits: Limits) -> IntervalDurations:
-    """Return each key interval's duration at full velocity [s].
+    """Return each key interval's minimum duration at full velocity [s].
 
     They are lower bounds: less is never enough.
     """

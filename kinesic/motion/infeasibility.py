@@ -28,12 +28,12 @@ EASY_DEFICIT = -0.2  # ln(required / available time) below which the deficit is 
 ACCELERATION_CONTROLS = np.array(
     [1 / 3, -1 / 6, 1 / 3]
 )  # spline control points with position 0, velocity 0, acceleration 1 / step^2
-MIN_SLOPE_DEFICIT = -0.01  # ln(required / available time) below which the deficit's slopes are not needed
-MAX_SLOPE_IMBALANCE = 0.1  # largest relative sum of deficit slopes, ideally 0 as shifting all keys changes nothing
-MIN_RELIABLE_SLOPE = 0.5  # [1/s] deficit slope below which finite differences replace the analytic slope
+MIN_SLOPE_DEFICIT = -0.01  # ln(required / available time) above which inaccurate slopes are recomputed
+MAX_SLOPE_IMBALANCE = 0.1  # largest sum of deficit slopes / sum of their magnitudes, ideally 0
+MIN_RELIABLE_SLOPE = 0.5  # [1/s] if no deficit slope exceeds this, finite differences replace the slopes
 DEFICIT_MARGIN = 0.002  # [ln(time ratio)] extra time demanded by cutting planes, so that the search ends soon
-MIN_PLANE_SLOPE = 0.1  # [1/s] smallest deficit slope that gives a useful cutting plane
-BINDING_FRACTION = 0.05  # fraction of all multipliers above which a limit counts as binding
+MIN_PLANE_SLOPE = 0.1  # [1/s] if no deficit slope exceeds this, each binding gap has a cutting plane
+BINDING_FRACTION = 0.05  # fraction of a segment's summed multipliers from which a gap's limit is binding
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def measure_time_deficit(
 def make_cutting_planes(segment: SplineSegment, deficit: Infeasibility, times: Floats) -> list[CuttingPlane]:
     """Return cutting planes that exclude infeasible key times (m,) [s].
 
-    At a kink, where the gradient is no direction, each gap with a binding limit grows instead.
+    If the gradient is close to zero, each gap with a binding limit grows instead.
     """
     amount = max(deficit.amount, 0.0) + DEFICIT_MARGIN
     if np.abs(deficit.slopes).max() > MIN_PLANE_SLOPE:
@@ -127,7 +127,7 @@ def find_limiting_intervals(segment: SplineSegment, deficit: Infeasibility | Non
 
 
 def find_bottlenecks(segment: SplineSegment, deficit: Infeasibility | None) -> list[tuple[Pair, Bottleneck]]:
-    """Return the binding limit of each key interval in a segment."""
+    """Return bottlenecks of a segment's key intervals with a binding limit."""
     if deficit is None:
         return []
     ratio = float(np.exp(deficit.amount))

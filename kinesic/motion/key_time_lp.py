@@ -15,7 +15,7 @@ LATENESS_WEIGHT = 3.0  # cost of a late key relative to an equally early one
 BROKEN_BOND_WEIGHT = 50.0  # cost [1/s] of violating a precedence constraint
 UNMOVED_TOLERANCE = 1e-7  # [s] smaller shifts of a key count as zero
 ROW_TOLERANCE = 1e-7  # [s] accepted violation of a constraint
-MAX_DELAYED_KEYS = 8e6  # largest number of keys * violated gaps; larger problems only delay keys one by one
+MAX_DELAYED_KEYS = 8e6  # largest number of keys * violated gaps of exact programs; beyond, keys are only delayed
 BOND_SWEEPS = 8  # largest number of passes over all keys that apply precedence constraints
 MAX_DENSE_ENTRIES = 20_000  # matrix entries up to which compiled code is faster than HiGHS
 
@@ -106,7 +106,9 @@ def build_program(problem: KeyTimeProblem) -> KeyTimeProgram:
 
 
 def solve_key_times(problem: KeyTimeProblem) -> Floats:
-    """Return the key times nearest to the requested ones under all constraints.
+    """Minimise key-time shifts under gaps and cutting planes, with soft bonds.
+
+    With too many keys, they are delayed without optimisation.
 
     Returns:
         (m,) [s] block time.
@@ -124,7 +126,7 @@ def solve_key_times(problem: KeyTimeProblem) -> Floats:
 
 
 def solve_exactly(problem: KeyTimeProblem) -> Floats:
-    """Find feasible key times (m,) [s] with the least weighted deviation."""
+    """Return feasible key times (m,) [s] of least shift cost."""
     times = _solve_small(problem)
     return _solve_large(problem) if times is None else times
 
@@ -182,7 +184,7 @@ def _solve_small(problem: KeyTimeProblem) -> Floats | None:
 
 
 def _solve_large(problem: KeyTimeProblem) -> Floats:
-    """Return the key times [s] by HiGHS, which uses sparse matrices.
+    """Solve for a large problem's key times [s] by HiGHS.
 
     Raises:
         ArithmeticError: the planes exclude all times.

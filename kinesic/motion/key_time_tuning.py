@@ -11,9 +11,9 @@ class SearchTuning:
 
     max_planes: int = 40  # cutting planes per key interval before key times are stretched
     max_evaluations: int = 150_000  # [knot intervals] measured before hinges stop at keys; a count is deterministic
-    evaluated_duration: float = 15.0  # [s] of motion for which this holds; a longer one has more in proportion
+    evaluated_duration: float = 15.0  # [s] motion length from which `max_evaluations` grows in proportion
     lp_cost_divisor: int = 400  # a linear program of n keys is charged n^2 / 400 knot intervals
-    min_repeats: int = 2  # repeated strokes from which times are stretched without cutting planes
+    min_repeats: int = 2  # smallest number of repeated strokes stretched without trying cutting planes
     max_stretches: int = 6  # stretches per key interval before its hinge stops at both keys
     rest_growth: float = 1.1  # factor on a rest-to-rest duration that was too short
     max_rest_factor: float = 100.0  # total factor on a rest-to-rest duration before the search fails

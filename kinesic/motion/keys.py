@@ -13,7 +13,7 @@ from kinesic.body.limits import Limits
 from kinesic.motion.easing import Easing
 
 Sync = tuple[str, str]  # behaviour id, sync point
-Pair = tuple[int, int]  # two keys, the earlier first
+Pair = tuple[int, int]  # indices of two keys, the earlier first
 Amount = TypeVar("Amount", float, Floats)
 Result = TypeVar("Result")
 
@@ -22,7 +22,7 @@ SMOOTHEST_EASING = EASING_NAMES.index("minimum_jerk")  # index of the default ea
 ACCENT_EASING: Easing = "out_power"  # easing with the highest velocity at the beginning of the interval
 LATE_ACCENT_EASING: Easing = "late"  # easing with the highest velocity at the end of the interval
 OVERSHOOTING_EASINGS: tuple[Easing, ...] = ("out_back", "out_bounce")  # easings that pass the key and return to it
-POWER_STEEPNESS = 2.5  # easing steepness at a power of 1, without an accent
+POWER_STEEPNESS = 2.5  # easing steepness of a gesture with full power, without an accent
 MIN_STEEPNESS = 1.0  # easing steepness of a movement as soft as minimum jerk
 MAX_STEEPNESS = 8.0  # easing steepness of a movement that starts almost at full velocity
 PASSAGE_RANGES: Mapping[str, tuple[float, float]] = {
@@ -32,7 +32,7 @@ PASSAGE_RANGES: Mapping[str, tuple[float, float]] = {
     "steepness": (MIN_STEEPNESS, MAX_STEEPNESS),
     "swing": (0.0, 1.0),
 }
-SWING_GAIN = 2.0  # extra velocity of a full swing, relative to the usual key velocity
+SWING_GAIN = 2.0  # extra key velocity at swing 1, relative to the usual key velocity
 LINEAR_STEEPNESS = 3.3  # easing steepness at which the linear easing peaks as fast as minimum jerk
 
 MIN_GAP = 0.02  # [s] smallest time between keys
@@ -57,18 +57,18 @@ def flow(tension: Amount, continuity: Amount, swing: Amount) -> Amount:
 
 @dataclass(frozen=True)
 class KeyPassage:
-    """Tension, continuity and easing at a key (Kochanek and Bartels 1984).
+    """Tension, continuity, bias, easing and swing at a key (Kochanek-Bartels).
 
     Raises:
         ValueError: a number outside its range, which is named.
     """
 
-    tension: float = 0.0  # -1 swings out .. 1 stops at the key
-    continuity: float = 0.0  # -1 stops at the key .. 0 runs through; above 0 speeds would jump, which no servo can
+    tension: float = 0.0  # -1 overshoots .. 1 stops at the key
+    continuity: float = 0.0  # -1 stops at the key .. 0 runs through; above 0, velocities would jump
     bias: float = 0.0  # -1 follows the next interval .. 1 follows the previous one
     easing: Easing = "minimum_jerk"  # of the interval before the key
     steepness: float = 4.0  # of that easing: 1 begins as softly as minimum jerk .. 8 nearly at once
-    swing: float = 0.0  # 0 stays between the keys .. 1 swings on through the key as far as the range goes
+    swing: float = 0.0  # 0 stays between the keys .. 1 overshoots the key as far as the joint range allows
 
     def __post_init__(self) -> None:
         for name, (least, most) in PASSAGE_RANGES.items():
@@ -87,7 +87,7 @@ class KeyPassage:
 
     @property
     def flow(self) -> float:
-        """Fraction of velocity kept at the key: 0 stops, 1 keeps all."""
+        """Fraction of velocity kept at the key, above 1 with swing."""
         return flow(self.tension, self.continuity, self.swing)
 
 
@@ -141,10 +141,8 @@ class Keys:
 
     requested_times: Floats  # (m,) [s] block time
     angles: Floats  # (m, n) [rad]
-    keyed: Flags  # (m, n) which hinges have a key where
-    passage_values: (
-        Floats  # (6, m, n) tension, continuity, bias, steepness, place in `EASING_NAMES` and swing: of each `Passage`
-    )
+    keyed: Flags  # (m, n) whether a hinge has a key in this row
+    passage_values: Floats  # (6, m, n) tension, continuity, bias, steepness, index in `EASING_NAMES` and swing
     is_exact: Flags  # (m,) whether a key is passed exactly; the others lie between them in time
     syncs: tuple[tuple[Sync, ...], ...]  # (m,) sync points that fall on each
     limits: Limits  # of the hinges
@@ -299,7 +297,7 @@ def _find_successive_keys(keys: Keys) -> tuple[set[Pair], set[Pair]]:
 
 
 def _with_paths(column: Flags, is_exact: Flags) -> list[int]:
-    """Return sorted indices of the keys that a hinge passes exactly.
+    """Return a hinge's exact keys, with other exact keys along its paths.
 
     Where it passes keys approximately in between, the exact keys of other hinges are included.
 

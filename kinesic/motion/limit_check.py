@@ -35,7 +35,7 @@ DERIVATIVE_SCALES = sealed(  # [s^order] powers of the knot interval, which conv
 
 @dataclass(frozen=True, eq=False)
 class Peak:
-    """Largest ratio of each hinge's motion to one of its limits."""
+    """Largest ratio of each hinge's motion to one kind of limit."""
 
     ratios: Floats  # (n,) of the limit
     time: float  # [s] performance time of the largest of all hinges

@@ -23,8 +23,8 @@ from kinesic.motion.segments import MIN_SWING, SWING_FRACTION, segments
 from kinesic.motion.trajectory import KNOT_INTERVAL
 
 TARGET_INTERVAL = 0.02  # [s] approximate length of an interval with constant jerk
-MIN_INTERVALS = 8  # smallest number of intervals between two keys
-MAX_INTERVALS = 24  # largest number of spline intervals between two key poses
+MIN_INTERVALS = 8  # smallest number of constant-jerk intervals between two keys
+MAX_INTERVALS = 24  # largest number of constant-jerk intervals between two keys
 LIMIT_TOLERANCE = 2e-3  # relative violation of limits allowed on a dense grid
 DENSE_PARAMETERS = np.linspace(0.0, 1.0, 17)  # normalised sample times within an interval
 DEFICIT_TOLERANCE = 1e-4  # [ln(time ratio)] deficit allowed for hinges outside the program
@@ -104,7 +104,7 @@ class _Program:
         self.bounds.append((_broadcast(lower, count), _broadcast(upper, count)))
 
     def solve(self, cost: casadi.SX) -> list[Floats] | None:
-        """Solve the program and return all variables, or None."""
+        """Return the program's optimal variables, or None if IPOPT fails."""
         problem = {"x": casadi.vertcat(*self.symbols), "f": cost, "g": casadi.vertcat(*self.rows)}
         solver = casadi.nlpsol("optimum", "ipopt", problem, {"print_time": False, **SOLVER_OPTIONS})
         begin, smallest, largest = (np.concatenate(parts) for parts in zip(*self.values, strict=True))

@@ -18,7 +18,7 @@ from kinesic.motion.trajectory import KNOT_INTERVAL, spline_weights
 SWING_FRACTION = 0.1  # overshoot allowed at keys, relative to the key interval's angle
 MIN_SWING = 0.05  # [rad] overshoot beyond a key that is always allowed
 KEY_NEIGHBOURHOOD = 2  # [knot intervals] distance from a key within which the angle bounds of both gaps hold
-MIN_HOLD = 40  # [knot intervals] shortest hold that contains a rest; shorter ones may swing back
+MIN_HOLD = 40  # [knot intervals] shortest hold that contains a rest; shorter ones may overshoot
 LONG_HOLD = 100  # [knot intervals] part of a long hold, at each end, in which the hinge may still move
 MIN_KNOT_INTERVALS = 4  # smallest number of knot intervals of a motion
 AMPLE_TIME_FACTOR = 2.5  # multiple of the rest-to-rest duration above which a key interval is split
@@ -161,7 +161,7 @@ class SplineSegment:
 
     @property
     def rests_early(self) -> bool:
-        """Whether the hinge reaches its last key before the segment's last knot."""
+        """Whether the last key lies in the final knot interval before rest."""
         return self.exit is None and len(self.places) > 0 and bool(self.places[-1] > self.grid.pieces - 1)
 
     def within(self, other: "SplineSegment") -> bool:

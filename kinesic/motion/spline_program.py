@@ -41,7 +41,7 @@ class Relaxation:
 
 
 def nearest_motion(segment: SplineSegment, desired: Floats, limits: Limits) -> Floats | None:
-    """Return control points nearest to a desired motion, or None.
+    """Return control points nearest to desired motion within limits, or None.
 
     The optimum without limits is one banded solve; where it keeps the limits it is the optimum with them, too.
 
@@ -84,7 +84,7 @@ def nearest_within_limits(segment: SplineSegment, desired: Floats, limits: Limit
 
 
 def find_free_motion(times: Floats, keys: Keys, limits: Limits, desired: Floats) -> tuple[Floats, ExceedingSegments]:
-    """Return unlimited control points (k + 3, n), and segments beyond limits.
+    """Return control points (k + 3, n) without limits, and segments beyond limits.
 
     Args:
         times: (m,) [s] of the keys.

@@ -79,7 +79,7 @@ def stretch_times(
     radius: float,
     reserves: Sequence[float],
 ) -> Floats | None:
-    """Return the cheapest key times near given ones under linearised constraints.
+    """Return key times of least shift cost under linearised constraints.
 
     Args:
         problem: constraints on key times.
@@ -176,7 +176,7 @@ def _gap_lengthening(segment: SplineSegment) -> SparseMatrix:
 
 
 def _ratio_change(segment: SplineSegment, controls: Floats, limits: Limits) -> SparseMatrix:
-    """Return the change of all limit ratios due to the warp.
+    """Return the matrix from warp control points to limit ratio changes.
 
     Of shape (4 k + 4, k + 2).
     """

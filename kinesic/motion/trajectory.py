@@ -117,7 +117,7 @@ class Trajectory:
 def spline_weights(
     places: Floats, pieces: int, order: int = 0
 ) -> tuple[np.ndarray[tuple[int], np.dtype[np.intp]], Floats]:
-    """Return control point indices and weights that evaluate a spline.
+    """Return control point indices and weights of a spline or derivative.
 
     Args:
         places: (m,) knot positions, in steps from the first knot; clipped to the spline.

@@ -166,7 +166,7 @@ def trim_final_rest(controls: Floats) -> Floats:
 
 
 def _angles(column: Floats, places: Floats) -> Floats:
-    """Return a spline's angles (m,) [rad] at positions between knots."""
+    """Return a spline's angles (m,) [rad] at given knot positions."""
     first, weights = spline_weights(places, len(column) - 3)
     return np.asarray((weights * column[first[:, None] + np.arange(4)]).sum(axis=1))
 
