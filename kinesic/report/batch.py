@@ -71,7 +71,7 @@ def documents(paths: tuple[Path, ...]) -> list[Path]:
 def _is_document(path: Path) -> bool:
     if path.suffix.lower() in DOCUMENT_SUFFIXES:
         return True
-    if not path.is_file():  # whoever opens a pipe may wait for ever
+    if not path.is_file():  # reading a pipe may block forever
         return False
     try:
         with path.open("rb") as file:

@@ -19,7 +19,7 @@ class Tally:
     name: str
     counts: Mapping[CheckStatus, int]  # documents by status
     worst: Check
-    file: str  # where the worst value is
+    file: str  # document with the worst value
 
 
 def tallies(verdicts: Iterable[DocumentVerdict]) -> list[Tally]:
@@ -40,7 +40,7 @@ def _tally(name: str, results: list[tuple[Check, str]]) -> Tally:
 
 
 def totals(verdicts: list[DocumentVerdict]) -> dict[str, Json]:
-    """Count documents, behaviours and checks, overall and per folder and type."""
+    """Count documents and behaviours by folder, and check results overall."""
     folders: dict[str, Json] = {}
     for folder in sorted({str(Path(verdict.file).parent) for verdict in verdicts}):
         here = [verdict for verdict in verdicts if str(Path(verdict.file).parent) == folder]

@@ -70,7 +70,7 @@ def import_pandas() -> "ModuleType":
 
 
 def _twin_columns(run: "Performance") -> Iterator[tuple[str, Floats]]:
-    """Yield the twin's motion as quantity names and values (m, n)."""
+    """Yield names and values (m, n) of the plan's and twin's motion."""
     plan, measured, desired = run.plan, run.measured, run.plan.desired
     yield "requested", desired.sample(measured.times - plan.trajectory.zero + desired.zero)[0]
     yield "planned", run.reference.angles

@@ -28,7 +28,7 @@ def document_lines(block: Block) -> tuple[SourceLine, ...]:
     for behaviour in block.behaviours:
         begun[behaviour.place.line].append(behaviour)
     text = block.text.replace("\r\n", "\n").replace("\r", "\n").rstrip("\n")
-    lines = text.split("\n")  # as XML has it: others end no line
+    lines = text.split("\n")  # XML has no other line ends
     return tuple(
         SourceLine(number, text, tuple(begun[number])) for number, text in enumerate(lines[:MAX_LISTED_LINES], 1)
     )

@@ -40,7 +40,7 @@ class FilmJob(Protocol):
 
     @property
     def after(self) -> Path | None:
-        """Path of the face film that must be drawn first, or None."""
+        """Path of the face film that this film shows, or None."""
 
     @staticmethod
     def prepare() -> None:
@@ -110,7 +110,7 @@ class TwinFilm:
         None if the face is not animated.
         """
         if self.after is not None:
-            with suppress(OSError):  # it is not there
+            with suppress(OSError):  # the face film is missing
                 film = GrowingFilm(self.after)
                 return lambda k, time: self._either(film.at(time + 0.5 / FACE_RATE), k)
         return (lambda k, time: paint_face(self.units[k], size=SCREEN_SIZE)) if self.units else None
@@ -183,7 +183,7 @@ def _process(kind: FilmKind) -> Iterator["subprocess.Popen[bytes]"]:
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         stderr=subprocess.DEVNULL,
-        start_new_session=True,  # Ctrl-C in the terminal is not for it
+        start_new_session=True,  # Ctrl-C in the terminal must not stop it
     )
     try:
         yield process
@@ -212,7 +212,7 @@ def draw_films(
     """
     fractions = dict.fromkeys(jobs, 0.0)
     for path in set(jobs) & {job.after for job in jobs.values()}:
-        path.touch()  # it is coming
+        path.touch()  # announces the film to films that show it
 
     def draw(path: Path, job: FilmJob) -> str:
         def report_fraction(fraction: float) -> None:
@@ -221,7 +221,7 @@ def draw_films(
 
         error = _draw(processes[job.kind], path, job, report_fraction)
         if error:
-            path.unlink(missing_ok=True)  # so that nobody waits for it
+            path.unlink(missing_ok=True)  # so that no other film waits for it
         return error
 
     with ThreadPoolExecutor(max(len(jobs), 1)) as threads:

@@ -16,7 +16,7 @@ MIN_FULL_PACE_FRACTION = 0.95  # required fraction of samples at full speed; lat
 
 
 def live_checks(live: ServoRun) -> list[Check]:
-    """Check the robot's tracking error and the completed fraction of the plan."""
+    """Check tracking error, completed fraction and full-speed fraction of a servo run."""
     results = [Check.of("measured.performed", live.performed, COMPLETE_FRACTION, live.why or live.ending)]
     if len(live.times):
         results.append(Check.of("measured.pace", live.full_speed_fraction, MIN_FULL_PACE_FRACTION))

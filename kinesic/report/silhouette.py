@@ -133,7 +133,7 @@ def _draw_eyes(robot: Robot, frames: Frames) -> list[PenStroke]:
 
 
 def hand_outline(robot: Robot, side: Side, shape: HandShape) -> list[tuple[Floats, float]]:
-    """Return outlines (m, 3) [m] and widths [m] of a drawn hand."""
+    """Return a drawn hand's centre lines (m, 3) and widths [m]."""
     site = robot.arm(side).palm
     along = site.position / np.linalg.norm(site.position)
     facing = site.facing
@@ -168,7 +168,7 @@ def fade_lines(lines: list[PenStroke]) -> list[PenStroke]:
 
 
 def outline_lines(lines: list[PenStroke]) -> list[PenStroke]:
-    """Draw each pen stroke over a wider white one."""
+    """Return pen strokes, each preceded by a wider white one."""
     return [
         part
         for line in lines

@@ -110,7 +110,7 @@ def loads(performance: DryRun) -> tuple[DriveLoad, ...]:
 
 @dataclass(frozen=True)
 class SupplyDraw:
-    """Total current and energy of all servos, and their warming."""
+    """Total current and energy of all servos, and their largest warming."""
 
     mean: float  # [A]
     peak: float  # [A]

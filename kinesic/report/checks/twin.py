@@ -16,7 +16,7 @@ from kinesic.sim.servo_factors import NOMINAL_FACTORS
 
 MAX_STROKE_MEDIAN = 0.015  # [s] limit of the median timing error of strokes
 MAX_STROKE_P95 = 0.030  # [s] limit of the 95th percentile of stroke timing errors
-MAX_ARRIVAL_LAG = 0.020  # [s] limit of the twin's arrival delay at sync points, relative to the plan
+MAX_ARRIVAL_LAG = 0.020  # [s] limit of the twin's absolute arrival error at strokes, relative to the plan
 RMSE_LIMITS = {True: 0.2, False: 1.0}  # [deg] limits of the RMS tracking error for nominal servos (True) and others
 P95_LIMIT = 2.5  # [deg] limit of the 95th percentile of tracking errors
 PEAK_ERROR_LIMIT = 5.0  # [deg] limit of the largest tracking error
@@ -102,7 +102,7 @@ class TwinFigures:
 
 
 def measure_tracking(performance: DryRun) -> TwinFigures:
-    """Measure how accurately the twin of a performance followed its plan."""
+    """Measure tracking, stroke timing and clearance of a performance's twin."""
     tracking, strokes = performance.tracking, stroke_errors(performance)
     errors = [abs(error) for error, _ in strokes if error is not None]
     return TwinFigures(
@@ -156,7 +156,7 @@ def _restoring(performance: DryRun) -> list[Check]:
 
 
 def motion_checks(performance: DryRun) -> list[Check]:
-    """Check the ratio of performed to planned hand jerk.
+    """Check each hand's ratio of performed to planned squared jerk.
 
     Spectral arc length is unsuitable: it is defined for single reaches and stays short for a shaking hand in several.
     """

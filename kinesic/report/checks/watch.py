@@ -4,7 +4,7 @@ from kinesic.controller.watch.clearance import SLOWING_FRACTION
 from kinesic.metrics.dry_run import COMMANDS_PER_LOOK, DryRun
 from kinesic.report.checks.check import Check, format_time
 
-COMPLETE_FRACTION = 0.999  # performed fraction that counts as a complete plan
+COMPLETE_FRACTION = 0.999  # smallest performed fraction of a complete plan, and smallest time scale at full speed
 
 
 def watch_checks(performance: DryRun) -> list[Check]:

@@ -12,7 +12,7 @@ from kinesic.report.content_policy import content_policy
 from kinesic.report.report import Json
 from kinesic.report.scene import SCENE_SCRIPTS, TEMPLATES_FOLDER, read_scripts
 
-MAX_DISPLAY_SIZE = 1_500_000  # [bytes] largest HTML of one object in a notebook; a voice that does not fit is left out
+MAX_DISPLAY_SIZE = 1_500_000  # [bytes] largest HTML of one object in a notebook; larger ones omit the voice
 MAX_DISPLAY_FRAMES = 800  # largest number of replay frames in a notebook, 16 s at the full rate
 STAGE_HEIGHT = 470  # [pixels] height of the drawn robot with its playback controls
 STILL_HEIGHT = 340  # [pixels] height of a still display, which has no playback controls

@@ -21,7 +21,7 @@ def line(text: str, *, before: str = "") -> str:
 
 
 def folded_table(title: str, headings: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    """Return an HTML table that opens at a click, empty without rows."""
+    """Return a collapsed HTML table, or an empty text without rows."""
     cells = list(rows)
     if not cells:
         return ""

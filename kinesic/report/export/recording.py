@@ -60,7 +60,7 @@ class ExportedMotion:
     times: Floats  # (m,) [s] at the rate of commands
     planned: JointTrack
     measured: JointTrack | None  # in the twin; None: not performed
-    words: tuple[TimedText, ...]  # spoken pieces between marks
+    words: tuple[TimedText, ...]  # spoken text between two synchronisation marks
     syncs: tuple[TimedText, ...]  # planned sync points
 
     @classmethod

@@ -104,7 +104,7 @@ def save_voice(plan: Plan, scene: Path, *, force: bool) -> Path | None:
 
 
 def _list_recordings(plan: Plan) -> set[Path]:
-    """Return the absolute paths of the recordings that a plan plays."""
+    """Return the .wav paths that belong to a plan's speech recordings."""
     scripts = (action.script for timed in plan.timeline.timed if isinstance(action := timed.behaviour.action, Speech))
     return {each.recording.path.with_suffix(VOICE_SUFFIX).resolve() for each in scripts if each.recording is not None}
 
@@ -175,7 +175,7 @@ class _Channels:
 
 
 def _move_skeleton(channels: _Channels, nodes: list[int], robot: Robot, angles: Floats) -> None:
-    """Animate the rotation and translation of each segment's node."""
+    """Animate the nodes of all segments except the root."""
     for motion, (parent, origin, _) in zip(segment_motions(robot, angles), robot.skeleton.steps, strict=True):
         if parent < 0:
             continue

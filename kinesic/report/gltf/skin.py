@@ -22,7 +22,7 @@ Rows = NDArray[np.intp]
 
 # Linear RGB colours of the parts without a texture.
 PLAIN_COLOURS = {"teeth": (0.68, 0.63, 0.55), "tongue": (0.42, 0.12, 0.11), "lashes": (0.02, 0.014, 0.012)}
-MIN_NORMAL_CHANGE = 0.004  # largest change of a unit normal by a blend shape that is not stored
+MIN_NORMAL_CHANGE = 0.004  # smaller changes of a unit normal by a blend shape are not stored
 PART_ROUGHNESS = {"skin": 0.55, "eyes": 0.15, "cloth": 0.95}  # glTF roughness (0 glossy, 1 matt) of each surface
 HAIRLINE_RANGE = (-0.06, 0.12)  # [eye distances] heights over the hairline: last bare skin, first full hair
 
@@ -34,12 +34,12 @@ class AddedSkin:
     face: int  # the node with morph targets
     _skin: Skin
     _figure: DressedPerson
-    _joints: Mapping[int, tuple[int, int]]  # frame -> its node, and its parent's place in the skeleton
+    _joints: Mapping[int, tuple[int, int]]  # frame -> its node, and its parent's index in the skeleton
     _eyes: tuple[int, int]  # nodes
     _robot: Robot
 
     def turns(self, angles: Floats, units: Sequence[Mapping[str, float]]) -> Iterator[tuple[int, Floats]]:
-        """Yield each skin node with its rotations over time, (m, 3, 3)."""
+        """Yield animated skin nodes with their rotations over time, (m, 3, 3)."""
         stands = np.array([self._skin.pose_frames(row)[0] for row in angles])
         bodies = self._robot.skeleton.frames(angles).rotations
         for frame, (node, parent) in self._joints.items():

@@ -51,7 +51,7 @@ def _clearance(axes: PlotAxes, performance: DryRun) -> None:
 
 
 def _limit_ratios(axes: PlotAxes, performance: DryRun) -> None:
-    """Draw velocity, acceleration, jerk and duty, each relative to its limit.
+    """Draw planned velocity, acceleration, jerk and duty relative to their limits.
 
     The largest ratio of all hinges is drawn.
     """
