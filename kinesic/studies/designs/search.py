@@ -29,7 +29,7 @@ NamedDocument = tuple[str, bytes]  # name and content
 class Round:
     """Numbers of designs and documents in one round of successive halving."""
 
-    documents: int  # documents performed by each design so far
+    documents: int  # documents performed by each design up to and including this round
     designs: int  # number of designs in the round
 
 

@@ -42,8 +42,8 @@ class DocumentFigures:
 
     file: str
     strokes: int
-    late: float  # [s] error to the requested times, summed over strokes
-    worst: float  # [s] error of the worst stroke
+    late: float  # [s] absolute error to the requested times, summed over strokes
+    worst: float  # [s] absolute error of the worst stroke
     violations: tuple[str, ...]  # failed checks, dropped behaviours, or the reason of a refusal
 
 
@@ -51,7 +51,7 @@ class DocumentFigures:
 class DesignTask:
     """A robot design with the documents to perform.
 
-    Without documents it is only weighed.
+    Without documents, only its body is evaluated.
     """
 
     design: Design

@@ -64,7 +64,7 @@ class SpeechMatch(ParticipantAnswer):
     Options are texts.
     """
 
-    system: str  # made the motion
+    system: str  # system that made the motion
 
     @property
     def right(self) -> bool:

@@ -93,7 +93,7 @@ def plan_motions(
 def changed_setup(setup: Setup, condition: str) -> Setup:
     """Change one setting of a planning setup, given as NAME=VALUE.
 
-    It is a number of the style, idle motion (`idle=0`) or the variation of gestures (`variation=0`).
+    It is a number of the style, idle motion with prosody (`idle=0`) or the variation of gestures (`variation=0`).
 
     Raises:
         ConfigError: the setting does not exist, or its value is out of range.

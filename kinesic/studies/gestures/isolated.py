@@ -55,7 +55,7 @@ def plan_gesture(
 
 
 def stroke_error(planned: Plan) -> float:
-    """Return the delay [s] of a gesture's stroke after its requested time.
+    """Return a stroke's planned minus its requested time [s].
 
     Of several strokes the one farthest from its time counts; without a stroke the result is NaN.
     """

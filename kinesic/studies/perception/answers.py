@@ -56,7 +56,7 @@ class FaceRating:
 
     @property
     def first_choice(self) -> bool:
-        """Whether the true label got the most points (thesis 4.5)."""
+        """Whether the true label alone got the most points (thesis 4.5)."""
         others = (points for name, points in self.labels.items() if name != self.action)
         return self.labels[self.action] > max(others, default=0)
 
@@ -218,7 +218,7 @@ def _average(differences: Sequence[Mapping[str, float]]) -> dict[str, float]:
 
 
 def _correct(p_values: Mapping[Cell, float]) -> dict[Cell, float]:
-    """Correct the tests of single actions, and those of all actions together."""
+    """Holm-correct p-values, single actions apart from all actions together."""
     single = {cell: p for cell, p in p_values.items() if cell[0] != ALL_ACTIONS}
     return adjust_holm(single) | adjust_holm({cell: p for cell, p in p_values.items() if cell[0] == ALL_ACTIONS})
 

@@ -72,7 +72,7 @@ class Stimulus:
 
     @property
     def code(self) -> str:
-        """Name for participants, such as `face-1b2c3d4e`, which tells no condition."""
+        """Name for participants, such as `face-1b2c3d4e`, which reveals no condition."""
         return f"face-{sha256(self.id.encode()).hexdigest()[:CODE_LENGTH]}"
 
     @property

@@ -58,7 +58,7 @@ def compare_pairs(differences: Sequence[float]) -> PairedTest:
 
 
 def adjust_holm(p_values: Mapping[Test, float]) -> dict[Test, float]:
-    """Return p-values corrected for their number (S. Holm, 1979).
+    """Return p-values adjusted for multiple tests (S. Holm, 1979).
 
     Tests without a p-value (NaN) do not count.
     """

@@ -5,7 +5,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from kinesic.body.arrays import Floats
 
-MIN_THICKNESS = 1e-3  # [m] RMS thickness; a path below a tenth of it counts as flat
+MIN_THICKNESS = 1e-3  # [m] ten times the RMS thickness below which a path counts as flat
 CURVATURE_OFFSET_COUNT = 16  # start offsets of the resampled path over which its curvature is averaged
 JERK_CUTOFF = 10.0  # [Hz] cutoff frequency: intended motion is slower, servo steps are faster
 

@@ -46,7 +46,7 @@ def kinetic_energy(dynamics: Dynamics, angles: Floats, speeds: Floats) -> Floats
 class Measures:
     """Measures of one gesture in the twin.
 
-    Of two hands, the one with the larger value counts.
+    Unless stated otherwise, the hand with the larger value counts.
     """
 
     peak_speed: float  # [m/s] of a hand
@@ -233,7 +233,7 @@ def _measure_elbow_offset(window: _Window, sides: list[Side]) -> float | None:
 
 
 def _count_strokes(window: _Window, hand: Floats) -> int:
-    """Count how often a hand reaches the stroke's key position.
+    """Count a hand's arrivals at its position at the stroke.
 
     A hand that hardly moves counts 0.
     """

@@ -80,7 +80,7 @@ class Played:
 
     @property
     def in_time(self) -> bool:
-        """Whether the gesture's stroke occurred at its requested time."""
+        """Whether the stroke's timing error is within `MAX_STROKE_ERROR`."""
         error = self.measures.stroke_error
         return error is not None and abs(error) <= MAX_STROKE_ERROR
 
@@ -119,7 +119,7 @@ class Series:
     def worst_stroke(self) -> float | None:
         """Largest timing error of a stroke in the series [s].
 
-        The result is None: one never arrived.
+        The result is None if a stroke never arrived.
         """
         errors = [one.measures.stroke_error for one in self.played]
         known_values = [abs(error) for error in errors if error is not None]
@@ -127,7 +127,7 @@ class Series:
 
     @property
     def in_time(self) -> bool:
-        """Whether every stroke of the series occurred at its requested time."""
+        """Whether every stroke's timing error is within `MAX_STROKE_ERROR`."""
         return all(one.in_time for one in self.played)
 
 
@@ -205,7 +205,7 @@ def _prepare(make_setup: Callable[[], Setup]) -> Callable[[SweepTask], Played | 
 def preset_tasks(gesture: str, setup: Setup) -> Mapping[str, SweepTask]:
     """List the tasks for all presets of `configs/styles/`, by name.
 
-    Their value is 0.
+    Their parameter value is 0.
 
     Raises:
         ConfigError: the gesture does not exist.

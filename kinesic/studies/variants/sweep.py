@@ -24,7 +24,7 @@ from kinesic.sim.servo_factors import Factors
 from kinesic.tasks.engine import current_engine
 from kinesic.tasks.processes import WorkerCrash
 
-# [s] angles differ by at most 0.3 deg, 0.03 deg on average, from those with 1 ms steps
+# Angles differ by at most 0.3 deg, 0.03 deg on average, from those with 1 ms steps.
 PHYSICS_STEP = 0.005  # [s] time step of the simulation
 GROUP_SIZE = 16  # number of variants per task, with a common feed-forward
 
