@@ -33,7 +33,7 @@ from kinesic.motion.piecewise import QuinticSpline
 Hinges = tuple[int, ...]  # hinge indices in joint order
 _EasingRows = tuple[tuple[Easing, float, float], ...]  # easing, overshoot and steepness of each hinge
 
-MAX_SWING = 0.05  # [rad] overshoot beyond a key allowed without a swing, within the joint range
+MAX_SWING = 0.05  # [rad] overshoot beyond a key allowed at swing 0, within the joint range
 OVERSHOOT_VELOCITY = 5.0  # [overshoot / interval duration] key velocity at which a quintic has that overshoot
 OVERSHOOT_ACCELERATION = 58.0  # [overshoot / interval duration^2] key acceleration that causes this overshoot
 HULL_VELOCITY = 2.5  # [overshoot / interval duration] key velocity whose control points overshoot that far
@@ -153,7 +153,7 @@ def _ease(remaining: Floats, states: Floats, steps: Floats, keys: Keys) -> Float
 
 
 def _adapt_easing(easing: Easing, max_overshoot: float) -> tuple[Easing, float]:
-    """Return an easing and relative overshoot, reduced to a largest overshoot."""
+    """Limit an easing's relative overshoot, replacing OutBack if too small."""
     if easing == "out_back" and max_overshoot < MIN_OVERSHOOT:
         return "out_quart", DEFAULT_OVERSHOOT
     return easing, OVERSHOOT_STEP * int(

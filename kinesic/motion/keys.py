@@ -35,7 +35,7 @@ PASSAGE_RANGES: Mapping[str, tuple[float, float]] = {
 SWING_GAIN = 2.0  # extra key velocity at swing 1, relative to the usual key velocity
 LINEAR_STEEPNESS = 3.3  # easing steepness at which the linear easing peaks as fast as minimum jerk
 
-MIN_GAP = 0.02  # [s] smallest time between keys
+MIN_GAP = 0.02  # [s] smallest time between successive keys of a hinge or behaviour
 MIN_PATH_GAP = 0.002  # [s] smallest time between keys related only by another hinge's path
 RANGE_MARGIN = 1e-3  # [rad] margin between keys and joint limits, because control points may lie beyond the keys
 HOLD_TOLERANCE = 1e-9  # [rad] successive keys that differ by less form a hold
@@ -87,7 +87,7 @@ class KeyPassage:
 
     @property
     def flow(self) -> float:
-        """Fraction of velocity kept at the key, above 1 with swing."""
+        """Fraction of velocity kept at the key, above 1 with overshoot."""
         return flow(self.tension, self.continuity, self.swing)
 
 

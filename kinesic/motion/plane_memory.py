@@ -59,7 +59,7 @@ class PlaneMemory:
         self._recalled: list[tuple[CuttingPlane, _StoredPlane]] = []
 
     def part(self, hinges: Sequence[int]) -> "PlaneMemory":
-        """Copy the active planes of some hinges, renumbered from 0.
+        """Copy active planes of some hinges, with hinges renumbered from 0.
 
         Only planes that are active at the resulting times: the deficit is only nearly convex, so that planes from
         farther away may exclude feasible times.

@@ -16,7 +16,7 @@ from kinesic.motion.keys import HOLD_TOLERANCE, Keys, Pair
 from kinesic.motion.trajectory import KNOT_INTERVAL, spline_weights
 
 SWING_FRACTION = 0.1  # overshoot allowed at keys, relative to the key interval's angle
-MIN_SWING = 0.05  # [rad] overshoot beyond a key that is always allowed
+MIN_SWING = 0.05  # [rad] overshoot beyond a key always allowed within the joint range
 KEY_NEIGHBOURHOOD = 2  # [knot intervals] distance from a key within which the angle bounds of both gaps hold
 MIN_HOLD = 40  # [knot intervals] shortest hold that contains a rest; shorter ones may overshoot
 LONG_HOLD = 100  # [knot intervals] part of a long hold, at each end, in which the hinge may still move
@@ -57,7 +57,7 @@ class Fixed:
 
 @dataclass(frozen=True, eq=False)
 class SplineSegment:
-    """Motion of one hinge between two rests, through its keys."""
+    """Motion of one hinge through its keys, usually between two rests."""
 
     hinge: int
     first: int  # knot at which the motion begins

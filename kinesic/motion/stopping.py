@@ -1,7 +1,7 @@
 """Minimum-time stop of a running motion within its limits.
 
 The control points that are active at the cut are kept, so that angles, velocities and accelerations stay continuous
-and every limit also holds across the cut. See `merge` for transitions into another motion.
+and every limit also holds across the cut. See `realizer.merge` for transitions into another motion.
 """
 
 from collections.abc import Callable

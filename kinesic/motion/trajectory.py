@@ -97,7 +97,7 @@ class Trajectory:
         return angles
 
     def at(self, time: float) -> State:
-        """Return the state at one time [s]."""
+        """Return angles, velocities and accelerations at one time [s]."""
         angles, velocities, accelerations = self.sample(np.array([time]))
         return State(sealed(angles[0]), sealed(velocities[0]), sealed(accelerations[0]))
 
