@@ -94,7 +94,7 @@ def add_films(
     settings: FilmSettings = DEFAULT_FILM,
     progress: Callable[[float], None] = lambda share: None,
 ) -> WrittenPaths:
-    """Draw the films of twin and face into an existing report.
+    """Draw the films into an existing report and update its page.
 
     Without OpenGL there are none.
 

@@ -128,7 +128,7 @@ class Performance(DryRun, NotebookView):
         return replace_motion_file(self.motion, self.plan.setup.robot, Path(path), force=force)
 
     def report(self, folder: str | Path, *, film: bool = True) -> "WrittenPaths":
-        """Write the report files, replacing earlier ones.
+        """Write the report with optional films, replacing an earlier report.
 
         Args:
             folder: folder of the report alone.
