@@ -9,14 +9,17 @@ LINK_NAMES = ("upper_arm", "forearm", "hand")  # links of an arm, from the shoul
 # Two angles [deg] of each link: from straight down towards the front, and outward from the sagittal plane.
 ARM_FEATURES = tuple(f"{link}_{direction}" for link in LINK_NAMES for direction in ("forward", "outward"))
 SOLVER_STEPS = 8  # largest number of Gauss-Newton iterations for an arm's posture
-STEP_TOLERANCE = 1e-5  # [rad] largest change of a hinge in an iteration after which the solution counts as final
+STEP_TOLERANCE = 1e-5  # [rad] largest hinge change per iteration below which the solver stops
 HINGE_WEIGHT = 0.06  # [1/rad] weight of a hinge's deviation from its start angle, relative to direction errors
 DIFFERENCE_STEP = 1e-4  # [rad] angle step of numeric derivatives
 MIN_SHOULDER_DISTANCE = 1e-6  # [m] smallest assumed distance between the shoulders, which avoids division by zero
 
 
 def measure_arm(robot: Robot, side: Side, angles: Floats) -> Floats:
-    """Return the `ARM_FEATURES` (..., 6) [deg] of postures (..., n) [rad]."""
+    """Compute an arm's link angles (..., 6) [deg] from postures (..., n) [rad].
+
+    The columns are `ARM_FEATURES`.
+    """
     directions = _link_directions(robot, side, angles)
     outward = directions[..., 1] * (1.0 if side == "l" else -1.0)
     forward_angle = np.arctan2(directions[..., 0], -directions[..., 2])
@@ -25,9 +28,9 @@ def measure_arm(robot: Robot, side: Side, angles: Floats) -> Floats:
 
 
 def set_arm(robot: Robot, side: Side, features: Floats, angles: Floats) -> Floats:
-    """Return the posture (n,) [rad] whose arm is nearest to given `ARM_FEATURES`.
+    """Fit a posture's arm to given link angles, returning the posture (n,) [rad].
 
-    Directions are compared as unit vectors. Hinges that lift the shoulder keep their angles.
+    Link directions are compared as unit vectors. Hinges that lift the shoulder keep their angles.
 
     Args:
         robot: with the arm.
@@ -55,7 +58,7 @@ def set_arm(robot: Robot, side: Side, features: Floats, angles: Floats) -> Float
 
 
 def _to_directions(side: Side, features: Floats) -> Floats:
-    """Return the link directions (3, 3) of `ARM_FEATURES`, in shoulder axes."""
+    """Convert `ARM_FEATURES` (6,) [deg] to link directions (3, 3) in shoulder axes."""
     forward, outward = np.radians(np.asarray(features).reshape(-1, 2)).T
     across = np.sin(outward) * (1.0 if side == "l" else -1.0)
     return np.stack([np.cos(outward) * np.sin(forward), across, -np.cos(outward) * np.cos(forward)], axis=-1)

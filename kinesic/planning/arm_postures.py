@@ -1,8 +1,7 @@
 """Inverse kinematics of the arms at key postures (thesis 8.6 and 8.7).
 
-Hands follow their reaches, elbows the openness, shoulders the effort. Many keys are solved in one call. A collision
-with the body shows only after a posture is solved, and the evasive arm is where the next key starts. Most postures are
-clear: keys are solved as if all were, and those after a collision are solved again.
+The reach sets the hand's target, openness the elbow's swivel, and effort the shoulder's posture. Many keys are solved
+in one call, ignoring collisions. If a posture collides, it is corrected, and later keys are solved again from there.
 """
 
 from collections.abc import Mapping, Sequence
@@ -23,8 +22,8 @@ from kinesic.ik.keys import ArmMode, Key, ReachLimits, pose_keys
 from kinesic.planning.collision import clear_hands
 from kinesic.planning.torso import aim_from_shoulder, turn_reach
 
-MAX_SWIVEL_CHANGE = float(np.radians(25))  # [rad] largest swing of the elbow for better palm and pointing directions
-MAX_HINGE_STEP = float(np.radians(110))  # [rad] largest hinge rotation between keys; a flipping arm would be late
+MAX_SWIVEL_CHANGE = float(np.radians(25))  # [rad] largest elbow swivel change for palm and pointing directions
+MAX_HINGE_STEP = float(np.radians(110))  # [rad] hinge rotation between keys above which the elbow keeps its swivel
 OPEN_SWIVEL = float(np.radians(78))  # [rad] elbow swivel at openness 1; above this, elbows rise and palms turn
 # Limits on elbow and hinge changes between two keys.
 REACH_LIMITS = ReachLimits(MAX_SWIVEL_CHANGE, MAX_HINGE_STEP, OPEN_SWIVEL)
@@ -52,14 +51,16 @@ def with_arms(angles: Floats, hands: Mapping[Side, Hand], reaches: Mapping[Side,
 
 @dataclass(frozen=True, eq=False)
 class ArmKey:
-    """Target of an arm at a key."""
+    """Inverse kinematics target of an arm at a key posture."""
 
     key: Key
     reach: Reach | None = None  # of the hand in the world; None: rest, or unchanged
 
     @classmethod
     def of(cls, robot: Robot, side: Side, hand: Hand, reach: Reach | None, frames: Frames) -> "ArmKey":
-        """Convert a requested hand pose to a target relative to the torso.
+        """Convert a requested hand pose or rest pose to an arm target.
+
+        A hand pose is converted to the axes of the segment that carries the arm.
 
         Args:
             robot: with the arm.
@@ -85,7 +86,7 @@ class ArmKey:
 def solve_keys(
     robot: Robot, side: Side, keys: Sequence[ArmKey], postures: Floats, *, path_start: Floats | None
 ) -> tuple[Floats, Floats]:
-    """Solve an arm for all its keys in one call.
+    """Solve the inverse kinematics of one arm at successive keys.
 
     Args:
         robot: with the arm.
@@ -121,7 +122,7 @@ def solve_keys(
 
 
 def lift_shoulder(robot: Robot, side: Side, rest: Floats, lift: float) -> Floats:
-    """Raise the collar bone in a posture of an arm.
+    """Raise the shoulder of an arm posture by an angle.
 
     Args:
         robot: with the arm.
@@ -157,7 +158,7 @@ class ArmsTask:
         return any(hand.aim is not None for hand in self.hands.values())
 
     def aimed(self, posture: Floats, robot: Robot) -> "ArmsTask":
-        """Return the task with pointing targets in line with the actual shoulders.
+        """Return the task with hands that point from the actual shoulder positions.
 
         Args:
             posture: (n,) [rad] with the shoulders.
@@ -254,10 +255,12 @@ def _solved(
 
 
 def _cleared(tasks: Sequence[ArmsTask], rows: Floats, robot: Robot, distances: Distances) -> int | None:
-    """Replace the first colliding arm posture by a clear one.
+    """Correct the first posture with wrong hand clearance, in place.
+
+    Hands keep the hover distance from the body, or approach the part that they touch.
 
     Returns:
-        Index of that key; None if all keys are clear.
+        Index of that key; None if no posture changed.
     """
     reaching = [k for k, task in enumerate(tasks) if task.reaches]
     if not reaching:
@@ -278,7 +281,10 @@ def _carry(
     path_starts: dict[Side, Floats],
     robot: Robot,
 ) -> None:
-    """Store the arm's posture at the start of its current hand path."""
+    """Update the stored arm posture at the start of its hand path.
+
+    Off a path, it is the latest posture of the arm.
+    """
     rows_of_side = [k for k, task in enumerate(tasks) if side in task.keys]
     if rows_of_side:
         on_path = tasks[rows_of_side[-1]].hands[side].passing and (side in path_starts or len(rows_of_side) > 1)

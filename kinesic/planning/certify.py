@@ -62,7 +62,7 @@ def certify(
 
 
 def keep_duties(search: Callable[[Limits], Conditioned], setup: Setup) -> Conditioned:
-    """Plan a motion with lower duty limits until no servo is overloaded.
+    """Replan a motion with tighter duty limits until no servo is overloaded.
 
     After `MAX_TIGHTENINGS` attempts the last motion is returned, even if it still overloads a servo.
 

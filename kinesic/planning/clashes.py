@@ -1,4 +1,4 @@
-"""Find successive gestures whose strokes are too close for their hand.
+"""Find successive gestures of a hand whose strokes are too close in time.
 
 The time that a hand needs between strokes depends on joint angles, and is known only after inverse kinematics. An
 estimate with stops at every reversal finds candidates. For these alone, key times are searched exactly, with the hinges
@@ -25,7 +25,7 @@ from kinesic.motion.keys import HOLD_TOLERANCE, KeyPosture, Keys, Pair
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.planning.setup import Setup
 
-VISIBLE_CLASH = 0.2  # [s] growth of the interval between two strokes above which viewers notice it
+VISIBLE_CLASH = 0.2  # [s] growth of the interval between two strokes that viewers notice
 MAX_EXACT_SEARCHES = 12  # exact searches per block; remaining pairs are judged by an estimate
 MAX_EXACT_PAIRS = 4 * MAX_EXACT_SEARCHES  # with more candidate pairs, only the estimate is used
 SEARCH_BUDGET = 100_000  # spline segments that all exact searches of a block may evaluate
@@ -47,7 +47,10 @@ class Neighbours:
         return self.behaviours, self.hinges, self.brief
 
     def moved_apart(self, keys: Keys, times: Floats) -> float:
-        """Return the growth [s] of the interval between both strokes."""
+        """Return the interval between both strokes less the requested interval [s].
+
+        `times` (m,) [s] are new times of all keys.
+        """
         first, second = self.strokes
         return float((times - keys.requested_times)[second] - (times - keys.requested_times)[first])
 
@@ -70,7 +73,7 @@ class ClashFinder:
         self._setup, self._budget = setup, Budget(SEARCH_BUDGET)
         self._exact_separations: dict[
             tuple[tuple[str, str], tuple[int, ...], bool], float
-        ] = {}  # [s] results of exact searches
+        ] = {}  # [s] separations by cache key, estimates where no exact search was made
 
     @property
     def spent(self) -> bool:
@@ -119,10 +122,10 @@ class ClashFinder:
     def _suspects(
         self, new_pairs: Sequence[Neighbours], postures: Sequence[KeyPosture]
     ) -> list[tuple[Neighbours, float]]:
-        """Return gesture pairs that may lack time, with the estimated deficit [s].
+        """Return gesture pairs that may lack time, with the estimated separation [s].
 
-        There are none if all gaps together lack less: keys move only as far as such gaps push them, so that no two keys
-        move apart by more than the sum.
+        The list is empty if the summed deficit of all gaps is too small, because no two keys move apart by more than
+        this sum.
         """
         if not new_pairs:
             return []
@@ -150,7 +153,7 @@ class ClashFinder:
 
 
 def sum_chains(pairs: Sequence[Neighbours], separations: Sequence[float]) -> list[float]:
-    """Return each pair's summed separation [s] along its longest chain of conflicts.
+    """Return the largest summed separation [s] of conflict chains through each pair.
 
     The separation of a pair is the growth of the interval between its strokes.
 
@@ -184,7 +187,7 @@ def _worst_first(row: tuple[Neighbours, float, float]) -> float:
 
 
 def compute_reversal_times(keys: Keys) -> IntervalDurations:
-    """Compute each hinge's minimum time [s] between reversals, stopping at each.
+    """Compute minimum rest-to-rest times [s] between successive reversals of each hinge.
 
     The result is mostly pessimistic, as a hinge may reverse while it brakes.
     """
@@ -240,9 +243,9 @@ def _neighbours(frames: KeyFrames, postures: Sequence[KeyPosture], setup: Setup)
 def _search(
     pair: Neighbours, postures: Sequence[KeyPosture], setup: Setup, budget: Budget, memory: PlaneMemory
 ) -> float:
-    """Compute the growth [s] of the interval between two planned strokes.
+    """Compute the planned less the requested interval [s] between two strokes.
 
-    Only the hands of both gestures move, from rest before to rest after.
+    Only the arms of both gestures are planned, between the nearest exact keys before and after.
     """
     keyed = np.array([any(posture.keyed[hinge] for hinge in pair.hinges) for posture in postures])
     begin, end = _around(pair, postures, keyed)
@@ -258,7 +261,7 @@ def _search(
 
 
 def _around(pair: Neighbours, postures: Sequence[KeyPosture], keyed: Flags) -> Pair:
-    """Return rows of the nearest exact keys around two gestures."""
+    """Return rows of the nearest exact keys before and after two gestures."""
     gesture_rows = [
         row
         for row, posture in enumerate(postures)
@@ -272,7 +275,7 @@ def _around(pair: Neighbours, postures: Sequence[KeyPosture], keyed: Flags) -> P
 def _part(posture: KeyPosture, hinges: Indices, *, whole: bool) -> KeyPosture:
     """Return a key posture with the given hinges alone.
 
-    A whole key has all of them.
+    With `whole`, all of them have a key.
     """
     keyed = tuple(whole or posture.keyed[hinge] for hinge in hinges)
     passages = tuple(posture.passages[hinge] for hinge in hinges) if posture.passages else ()

@@ -47,7 +47,7 @@ class Conditioner(Protocol):
 LAG_RESERVE = 0.004  # [m] extra clearance in plans for the tracking lag of the servos
 MIN_LAG_RESERVE = 0.002  # [m] smallest remaining `LAG_RESERVE`; with less, a behaviour is dropped
 MAX_REPAIRS = 2  # largest number of replanning rounds for a motion with too little clearance
-SAMPLE_COST = 3.0  # [evaluated knot intervals] budget charged per replanned motion sample
+SAMPLE_COST = 3.0  # [knot intervals] work charged to the budget per clearance sample of a replanned motion
 REPAIR_MARGIN = 0.002  # [m] added to the missing clearance in the next repair
 LIMIT_REDUCTION_FACTOR = 0.8  # factor on the limits used for key times, applied when no detour helps
 COLLISION_SPAN = 2.0  # [s] collisions up to this time from the worst one are attributed to the same behaviour
@@ -113,7 +113,10 @@ def _course(postures: tuple[KeyPosture, ...], planned: Floats, setup: Setup) -> 
 
 
 def scan_clearance(trajectory: Trajectory, distances: Distances) -> tuple[Floats, Clearance]:
-    """Return performance times (m,) [s] at 100 Hz, and the clearance there."""
+    """Sample the self-clearance of a trajectory at 100 Hz.
+
+    Returns performance times (m,) [s], the end included, and the clearance at them.
+    """
     times = trajectory.start + np.append(np.arange(0.0, trajectory.duration, 1.0 / SCAN_RATE), trajectory.duration)
     return times, distances.clearance(trajectory.angles(times))
 
@@ -123,8 +126,8 @@ def find_colliding_behaviours(
 ) -> dict[str, str]:
     """Find the behaviours to drop because of collisions, with reasons.
 
-    Of close times only the worst counts, as the others may be clear without its behaviour. The result is empty for a
-    clear motion.
+    Within `COLLISION_SPAN` only the closest sample counts, as the others may be clear without its behaviour. The result
+    is empty for a clear motion.
     """
     if not frames.frames:
         return {}

@@ -1,4 +1,4 @@
-"""Nearest collision-free postures, and hover distance of touching hands.
+"""Nearest collision-free postures of hovering and touching hands.
 
 The nearest posture is found by repeated least-squares steps with linear constraints.
 """
@@ -17,7 +17,7 @@ from kinesic.planning.contact import SurfaceTouch, touched_pairs
 from kinesic.planning.nonnegative import solve_nonnegative
 
 MAX_STEPS = 12  # largest number of least-squares iterations per posture
-GAP_TOLERANCE = 2e-4  # [m] accepted shortfall of the required distance after the last iteration
+GAP_TOLERANCE = 2e-4  # [m] margin added to required distances, within which a shortfall is accepted
 TOUCH_TOLERANCE = 3e-3  # [m] accepted excess over the required distance of a touching pair
 CONSTRAINT_RANGE = 0.08  # [m] excess over the required distance above which pairs are ignored
 DIFFERENCE_STEP = 1e-4  # [rad] joint step of the finite-difference gradient
@@ -44,7 +44,7 @@ class Spacing:
 def separate(
     angles: Floats, joints: Sequence[int], robot: Robot, distances: Distances, spacing: Spacing
 ) -> Floats | None:
-    """Return the nearest posture with the required distances, or None.
+    """Return the nearest posture with the required self-distances, or None.
 
     Every pair of segments that the joints move keeps its distance. Each round takes the smallest step that satisfies
     all gaps to first order. The step size weights hinge rotation, and above all displacement of wrists and palms, so
@@ -132,10 +132,10 @@ def _smallest(rows: Floats, needed: Floats, metric: Floats) -> Floats | None:
 def clear_hands(
     angles: Floats, hands: Mapping[Side, Hand], robot: Robot, distances: Distances, gaps: Floats | None = None
 ) -> Floats:
-    """Move the arms until the hands keep the hover distance.
+    """Move the arms until hands keep the hover distance or touch.
 
-    Arms move as little as possible. Touching hands come as near as the hover distance, with the requested fingertip if
-    possible, otherwise with the nearest part.
+    Arms move as little as possible. Touching hands come as near as the robot's contact distance, with the requested
+    fingertip if possible, otherwise with the nearest part.
 
     Args:
         angles: (n,) [rad] solved posture.

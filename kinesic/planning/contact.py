@@ -24,7 +24,7 @@ class SurfaceTouch:
     """Contact spheres of a hand, with the segments or spheres they touch."""
 
     robot: Robot
-    meetings: tuple[tuple[FingerTip, FingerTip | int], ...]  # own ball, and other ball or index of a segment
+    meetings: tuple[tuple[FingerTip, FingerTip | int], ...]  # own sphere, and other sphere or segment index
     excess: tuple[float, ...] = (0.0,)  # [m] accepted additional distance of each meeting
 
     @classmethod
@@ -46,7 +46,10 @@ class SurfaceTouch:
         return cls(robot, ((own[len(own) // 2], robot.skeleton.segment(part)),))
 
     def gaps(self, angles: Floats) -> Floats:
-        """Compute the contact gaps (k, m) [m], less the accepted excess."""
+        """Compute the gaps (k, m) [m] of k contacts in m postures.
+
+        The accepted excess is subtracted.
+        """
         frames = self.robot.skeleton.frames(angles)
         rows = [self._gap(own, other, frames) for own, other in self.meetings]
         return np.asarray(np.array(rows) - np.array(self.excess)[:, None])
@@ -111,7 +114,7 @@ def _distances(points: Floats, start: Floats, end: Floats) -> Floats:
 
 
 def touched_segment(side: Side, touch: Touch, robot: Robot) -> str | None:
-    """Return the segment of a touched body part, None if missing."""
+    """Return the segment name of a touched body part, or None."""
     arm, torso, neck = robot.arm(OTHER_SIDE[side]).segments, robot.chains.get("torso"), robot.chains.get("neck")
     match touch:
         case "hand":
@@ -129,7 +132,7 @@ def touched_segment(side: Side, touch: Touch, robot: Robot) -> str | None:
 
 
 def touched_pairs(side: Side, touch: Touch, robot: Robot) -> Iterator[int]:
-    """Yield the index of each counted pair of hand and touched part."""
+    """Yield indices of counted segment pairs of hand and touched part."""
     part, other = touched_segment(side, touch, robot), f"{OTHER_SIDE[side]}_fingers"
     hand, parts = {robot.arm(side).segments[-1], f"{side}_fingers"}, {part, *_rigid_children(part, robot)}
     if touch == "hand":
@@ -140,7 +143,7 @@ def touched_pairs(side: Side, touch: Touch, robot: Robot) -> Iterator[int]:
 
 
 def _rigid_children(part: str | None, robot: Robot) -> Iterator[str]:
-    """Yield the segments that are fixed to a segment without a hinge."""
+    """Yield the names of segments that are rigidly attached to a segment."""
     turned = {hinge.segment for hinge in robot.skeleton.hinges} | {c.segment for c in robot.skeleton.couplings}
     for segment in robot.skeleton.segments:
         if segment.parent is not None and segment.parent == part and segment.name not in turned:

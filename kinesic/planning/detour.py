@@ -17,8 +17,8 @@ DETOUR_INTERVAL = 10.0  # [s] additional motion time that allows `MIN_DETOURS` f
 SCAN_BUDGET = 2600.0  # [s] motion time scanned for all detours: 64 detours in a 40 s motion, 17 in 150 s
 DETOUR_MARGIN = 0.008  # [m] clearance of a detour beyond the required one
 WITHDRAWAL_FRACTIONS = (0.0, 0.2, 0.35, 0.7)  # fractions of the path to rest at which a key is tried
-WITHDRAWAL_PENALTY = 0.1  # relative improvement required per further step towards rest
-KEY_OFFSETS = (0.004, 0.016)  # [m] extra clearances tried for a key of a detour
+WITHDRAWAL_PENALTY = 0.1  # additional gain required of each later candidate / gain of the best one so far
+KEY_OFFSETS = (0.004, 0.016)  # [m] extra clearances tried when an existing key is moved
 SWING_RATIO = 0.5  # fraction of the overshoot that is kept if removing more hardly adds clearance
 CALM_TOLERANCE = 0.1  # clearance loss accepted for keeping `SWING_RATIO` of the overshoot / gain without overshoot
 ACCEPT_RATIO = 0.98  # largest remaining fraction of the missing clearance with which a detour is accepted
@@ -42,7 +42,7 @@ class ClearPostures:
         self._cache: dict[tuple[bytes, ArmHinges, Spacing], Floats | None] = {}
 
     def near(self, angles: Floats, joints: ArmHinges, spacing: Spacing) -> Floats | None:
-        """Return the nearest collision-free posture for given joints, or None.
+        """Return the nearest collision-free posture by turning given joints, or None.
 
         Args:
             angles: (n,) [rad].
@@ -134,7 +134,7 @@ class _Scan:
         return _Scan(angles, deficits)
 
     def same(self, samples: set[int], before: "_Scan") -> set[int]:
-        """Return the samples whose missing clearance is the same as before.
+        """Return the given samples whose missing clearance is unchanged.
 
         A detour elsewhere has not helped there.
         """
@@ -150,7 +150,7 @@ def _compute_max_detours(duration: float) -> int:
 
 
 def _find_closest_samples(deficits: Floats) -> Iterator[int]:
-    """Yield the sample with the least clearance of each colliding interval."""
+    """Yield the index of the closest sample of each colliding interval."""
     stretches = np.split(np.arange(len(deficits)), np.flatnonzero(np.diff(deficits > 0)) + 1)
     return (int(s[deficits[s].argmax()]) for s in stretches if deficits[s].max(initial=0.0) > 0)
 

@@ -42,7 +42,7 @@ def needs_face(plan: Plan) -> bool:
 
 
 def compute_faces(plan: Plan, times: Floats) -> tuple[Mapping[str, float], ...]:
-    """Compute `Command.face` at each of (m,) performance times [s]."""
+    """Compute face poses (`Command.face`) at performance times (m,) [s]."""
     return tuple(face_at_ticks(compute_action_units(plan, times), len(times)))
 
 

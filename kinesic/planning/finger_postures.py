@@ -15,12 +15,12 @@ from kinesic.expressivity.hands.fingers import finger_joints
 from kinesic.expressivity.keyframes import FingerKey
 from kinesic.motion.keys import KeyPosture
 
-KEY_SPACING = 1e-4  # [s] smallest time between finger keys and other keys
+KEY_SPACING = 1e-4  # [s] delay of a finger key at the time of another key
 Fingers = Mapping[Side, Sequence[FingerKey]]
 
 
 def set_fingers(angles: Floats, time: float, fingers: Fingers, robot: Robot) -> None:
-    """Set a posture's finger angles, interpolated at a block time [s]."""
+    """Interpolate finger keys at a block time [s], writing into a posture."""
     for side, keys in fingers.items():
         after = bisect_right([key.time for key in keys], time)
         here, there = keys[max(after - 1, 0)], keys[min(after, len(keys) - 1)]

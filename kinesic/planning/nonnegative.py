@@ -4,8 +4,8 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats
 
-GRADIENT_TOLERANCE = 1e-13  # relative gradient below which a variable at 0 reduces the residual no further
-MAX_EXCHANGES = 4  # exchanges of variables / number of variables after which the search ends
+GRADIENT_TOLERANCE = 1e-13  # relative gradient up to which a variable stays at 0
+MAX_EXCHANGES = 4  # largest number of iterations / number of variables
 
 
 def solve_nonnegative(matrix: Floats, target: Floats) -> Floats:
@@ -41,7 +41,7 @@ def solve_nonnegative(matrix: Floats, target: Floats) -> Floats:
 
 
 def _solve_free(matrix: Floats, target: Floats, free: Flags) -> Floats:
-    """Find the free variables (n,) of least squares, with the others 0."""
+    """Solve least squares for the free variables, with the others 0, (n,)."""
     variables = np.zeros(matrix.shape[1])
     variables[free] = np.linalg.lstsq(matrix[:, free], target)[0]
     return variables

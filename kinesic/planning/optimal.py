@@ -18,7 +18,7 @@ from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.planning.certify import certify
 from kinesic.planning.setup import Setup
 
-MIN_SHIFT_COST = 0.01  # [s] weighted sum of key shifts; plans with smaller shifts are not optimised
+MIN_SHIFT_COST = 0.01  # [s] weighted sum of key shifts below which a plan is not optimised
 
 
 def certify_optimal(

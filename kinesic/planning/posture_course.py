@@ -16,7 +16,7 @@ ArmHinges = tuple[int, ...]  # joints of an arm
 
 SCAN_RATE = 100  # [Hz] sampling rate of the clearance check
 MIN_KEY_INTERVAL = 0.06  # [s] smallest time between a detour's key and other keys of its arm
-KEY_SPACING = 1e-4  # [s] smallest difference between the requested times of two keys
+KEY_SPACING = 1e-4  # [s] delay of a new key at the requested time of another key
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ class PostureCourse:
         return angles if self.stray is None else np.asarray(angles + self.stray)
 
     def straying(self, trajectory: Trajectory) -> "PostureCourse":
-        """Return the course with a trajectory's deviation from the requested motion added.
+        """Return the course with a trajectory's deviation from the desired motion added.
 
         Detours then start from the actual motion.
         """
@@ -69,7 +69,7 @@ class PostureCourse:
         return nearest if abs(self.planned[nearest] - time) < MIN_KEY_INTERVAL else None
 
     def detours(self, time: float, arms: list[ArmHinges]) -> set[int]:
-        """Return each arm's detour keys around a block time [s]."""
+        """Return indices of arms' detour keys next to a block time [s]."""
         matches = set[int]()
         for arm in arms:
             keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]

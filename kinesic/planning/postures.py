@@ -21,7 +21,7 @@ from kinesic.planning.torso import compute_torso_turn, find_gesture_volume, set_
 
 @dataclass(frozen=True, eq=False)
 class Postures:
-    """Key postures of a block, with remaining distances to unreachable targets."""
+    """Key postures of a block, with each behaviour's distance from its target."""
 
     postures: tuple[KeyPosture, ...]
     misses: Mapping[str, float]  # largest distance of the hand from its target [m], by behaviour id
@@ -30,8 +30,8 @@ class Postures:
 def solve_postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> Postures:
     """Solve the angles of all keyed body parts in every key frame.
 
-    Hands keep the hover distance from the body and from each other. An unreachable target gives the best posture and an
-    entry in `misses`.
+    Hands keep the hover distance from the body and from each other. An unreachable target gives the best posture;
+    `misses` has the remaining distance.
     """
     leans = [_lean(frame, robot) for frame in keyframes.frames]
     bodies = _bodies(keyframes, leans, robot)
@@ -66,7 +66,7 @@ def _bodies(keyframes: KeyFrames, leans: Sequence[Floats], robot: Robot) -> Floa
 
 
 def _tasks(keyframes: KeyFrames, leans: Sequence[Floats], bodies: Floats, robot: Robot) -> Iterator[ArmsTask]:
-    """Yield both hands' targets at every key."""
+    """Yield the hand targets and keyed hinges of each key frame."""
     held: dict[Side, tuple[Hand, Floats]] = {}  # last target of each hand, and the torso angles [rad] then
     leaning = np.any(leans, axis=1).tolist() if leans else []
     frames, torsos = robot.body_frames(bodies), bodies[:, list(robot.joints("torso"))]
@@ -125,7 +125,7 @@ def _same_hand(hand: Hand, before: Hand) -> bool:
 def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[bool]:
     """Flag the hinges that have a key in this frame.
 
-    These are the hinges of given parts, and those that follow a leaning torso.
+    These are the hinges of given parts and those that follow a leaning torso, or all hinges if `ends`.
     """
     keyed = np.full(len(robot.skeleton.hinges), ends)
     torso = ends or leaning or "torso" in frame.given

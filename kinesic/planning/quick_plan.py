@@ -1,7 +1,7 @@
 """Quick plans: slow motions with stops at every key.
 
-Its times are closed forms, its path quintics; limits hold by construction and are checked on the control points. A
-better plan continues it while it runs: see `replan`.
+Durations have closed forms, and paths are quintics. Limits are checked on the spline's control points. A better plan
+may replace a quick one while it runs: see `replan`.
 """
 
 from collections.abc import Sequence
@@ -115,8 +115,8 @@ class _Hinge:
     speed: float  # [rad/s] velocity limit
     acceleration: float  # [rad/s^2] limit
     jerk: float  # [rad/s^3] limit
-    inertial: float  # [s^2/rad] duty per acceleration
-    viscous: float  # [s/rad] duty per velocity
+    inertial: float  # [s^2/rad] duty per acceleration / duty limit
+    viscous: float  # [s/rad] duty per velocity / duty limit
 
     @classmethod
     def of(cls, limits: Limits, hinge: int) -> "_Hinge":

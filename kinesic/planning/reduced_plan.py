@@ -1,7 +1,7 @@
 """Plans of blocks without some of their behaviours.
 
-Hinges add up the movements of several behaviours, and limits change the sum. What remains without one of them is
-therefore planned again, not subtracted.
+Hinges add up the movements of several behaviours, and limits change the sum. The motion
+without one of them is therefore planned again, not subtracted.
 """
 
 from collections.abc import Collection
@@ -10,7 +10,7 @@ from functools import lru_cache
 
 from kinesic.planning.plan import Plan, plan_block
 
-CACHE_SIZE = 8  # reduced plans kept, because a rejected change is computed again
+CACHE_SIZE = 8  # number of cached reduced plans; rejected changes are often requested again
 
 
 def plan_without(plan: Plan, behaviours: Collection[str]) -> Plan:

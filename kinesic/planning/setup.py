@@ -73,7 +73,7 @@ class Setup:
 
     @property
     def style_prosody(self) -> Prosody:
-        """Motion by prosody, scaled by the style."""
+        """Amount of prosody-driven motion, scaled by the style, with its seed."""
         return Prosody(self.prosody * min(self.style.whole_body, MAX_BODY_WEIGHT), self.idling.seed)
 
     @cached_property

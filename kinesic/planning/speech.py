@@ -1,4 +1,4 @@
-"""Speech synthesis in the style of a block, with pauses."""
+"""Speech synthesis of blocks in a setup's style, with pauses."""
 
 import math
 import re
@@ -16,7 +16,7 @@ MAX_RATE_FACTOR = 1.25  # speech rate factor at style value temporal = 1; its in
 SEMITONES_PER_UNIT = 1.5  # [semitones] pitch change per unit of power or activation
 PAUSE_TOLERANCE = 0.002  # [s] accepted shortfall of a speech pause
 MAX_WORD_LENGTH = 24  # [characters] longest quotation of a word in a message
-MAX_SOUND_DURATION = 2400.0  # [s] longest audible speech of a block
+MAX_SOUND_DURATION = 2400.0  # [s] summed speech duration of a block after which further speeches are silent
 
 UNHEARD_REMARK = (
     f"no sound: the speeches before it last more than {MAX_SOUND_DURATION:g} s in all, give it to another block"
@@ -36,9 +36,10 @@ class SpeechPause:
 
 
 def synthesise_block(block: Block, setup: Setup, waiting: tuple[SpeechPause, ...] = ()) -> dict[str, Utterance]:
-    """Synthesise each speech of a block, by its id.
+    """Synthesise a block's speeches and return utterances by speech id.
 
-    Speech beyond `MAX_SOUND_DURATION` in all is timed but not audible. Only simultaneous speeches can reach it.
+    Once earlier speeches last more than `MAX_SOUND_DURATION` in all, further ones are timed but silent. Only
+    simultaneous speeches can reach it.
 
     Args:
         block: with the speeches.

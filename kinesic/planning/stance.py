@@ -20,7 +20,7 @@ BODY_FEATURES = ("trunk_turn", "trunk_tilt", "trunk_roll", "head_turn", "head_ti
 STANCE_FEATURES = (*BODY_FEATURES, *(f"{side}_{name}" for side in SIDES for name in ARM_FEATURES))
 SYMMETRIC_BODY = ("trunk_tilt", "head_tilt")  # features of trunk and head that a mirror image keeps
 MAX_DRAW = 1.8  # [standard deviations] bound of the random value of each principal component
-MIRROR_PROBABILITY = 0.5  # probability that a posture of the arms is mirrored
+MIRROR_PROBABILITY = 0.5  # probability that a posture with hands before the body is mirrored
 MAX_SPREAD = 1.5  # bound of the common random factor of all components, from the tails of the t distribution
 
 
@@ -35,7 +35,7 @@ class StanceComponents(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class StanceTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of a distribution of standing postures [deg]."""
 
-    weight: float  # probability of hanging arms
+    weight: float  # relative probability of hanging arms
     mean: Mapping[str, float]  # by feature; arms by features of one arm
     handedness: Mapping[str, float]  # mean asymmetry, added to the left arm and subtracted from the right
     persons: StanceComponents  # deviations of persons from the mean
@@ -46,7 +46,7 @@ class ArmPoseTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of standing postures with hands before the body [deg]."""
 
     name: str
-    weight: float  # probability of this posture, with its mirror image
+    weight: float  # relative probability of this posture, with its mirror image
     mean: Mapping[str, float]  # by feature of the whole body
     components: Sequence[Mapping[str, float]]  # principal components of the deviations
 
@@ -81,7 +81,7 @@ def read_stances() -> StanceFile:
 
 
 def expand_features(values: Mapping[str, float], right_sign: float = 1.0) -> Floats:
-    """Return features (s,) [deg] in the order of `STANCE_FEATURES`.
+    """Expand features of body and one arm to `STANCE_FEATURES` (s,) [deg].
 
     Args:
         values: by feature; missing ones are zero.

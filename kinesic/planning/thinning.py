@@ -65,7 +65,7 @@ def _find_overlapping(frames: KeyFrames, spans: dict[str, Span], conflicting: Co
 def _groups(row: list[str], spans: dict[str, Span]) -> list[set[str]]:
     """Group one body part's behaviours that overlap in time.
 
-    They are in the order of their starts.
+    The behaviours in `row` are in the order of their starts.
     """
     groups: list[set[str]] = []
     until = float("-inf")

@@ -57,7 +57,7 @@ def set_turn(robot: Robot, chain: str, turn: Floats, angles: Floats) -> None:
 
 
 def raise_shoulder(robot: Robot, rise: float, angles: Floats) -> None:
-    """Turn the line of the shoulders by the collar bones, in place.
+    """Tilt the shoulder line by rotating the collar bones, in place.
 
     Args:
         robot: robot; one without hinges that raise the shoulders keeps its posture.

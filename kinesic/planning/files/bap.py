@@ -24,7 +24,7 @@ UNITS_PER_RADIAN = 1e5  # BAP angle units per radian
 FORMAT_VERSION = "3.2"  # BAP version in the header of written files
 MAX_FRAME_RATE = 1000.0  # [frames/s] highest accepted frame rate of a BAP file
 
-_LEFT_NUMBERS = (  # joint and number of its left parameter; the right one follows
+_LEFT_NUMBERS = (  # hinge and parameter number of the left side; the right side has the next number
     ("sternoclavicular_abduct", 24),
     ("sternoclavicular_rotate", 26),
     ("acromioclavicular_abduct", 28),
@@ -173,7 +173,7 @@ def read_bap(path: Path, robot: Robot) -> BapFrames:
 
 
 def _name(path: Path) -> str:
-    """Return a motion name as one ASCII word."""
+    """Convert a path's stem to a motion name of one ASCII word."""
     word = "".join(letter if letter.isascii() and letter.isprintable() else "_" for letter in path.stem)
     return "_".join(word.split()) or "motion"
 

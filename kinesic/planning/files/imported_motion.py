@@ -22,7 +22,7 @@ from kinesic.planning.syncs import SHIFT_TO_WARN, Syncs
 KEY_INTERVAL = 0.1  # [s] interval between keys, short enough to reproduce motions within about 1 degree
 REVERSAL_MARGIN = 0.045  # [s] time before and after a reversal without further keys of the hinge
 REVERSAL_PROMINENCE = 0.01  # [rad] rotation below which a reversal counts as noise
-COMFORT_FACTOR = 1.5  # multiple of the minimum time for approach and return
+COMFORT_FACTOR = 1.5  # duration of approach and return / minimum rest-to-rest time
 MIN_APPROACH_TIME = 0.3  # [s] shortest approach from rest, and shortest return
 RANGE_TOLERANCE = 1e-4  # [rad] excess over a joint range that needs no notice
 

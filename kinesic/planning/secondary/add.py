@@ -45,7 +45,7 @@ def add_secondary_motion(
     utterances: Mapping[str, Utterance],
     setup: Setup,
 ) -> tuple[Conditioned, Floats, Clearance]:
-    """Add breath, drift, head motion while speaking, and follow-through of the arms.
+    """Add idle motion, speech motion and follow-through to a certified motion.
 
     No sync point moves, and leading hinges are at their keys at every stroke. Changes that violate a limit or the
     clearance are reduced, then left out: those of the arms first.
@@ -98,7 +98,7 @@ class _ChangeSpans:
         return np.asarray(self.changes.moved[:, joints].any(axis=1))
 
     def under_way(self, times: Floats) -> Indices:
-        """Return the range of time indices of each offset, (c, 2).
+        """Return the index range of the times within each offset, (c, 2).
 
         The columns are the first index, and one past the last.
         """

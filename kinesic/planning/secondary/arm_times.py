@@ -26,7 +26,7 @@ class ArmStroke:
     id: str  # of the behaviour
     begin: float  # [s] performance time
     end: float  # [s] performance time
-    behind: float = 0.0  # [s] delay of the whole hand
+    behind: float = 0.0  # [s] delay of the whole hand after the other hand
     loose: float = 0.0  # [s] delay of the wrist after the shoulder
 
 
@@ -70,7 +70,7 @@ def find_arm_courses(frames: KeyFrames, motion: Conditioned, robot: Robot) -> It
 
 
 def _stroke_spans(frames: KeyFrames, motion: Conditioned) -> Mapping[str, Span]:
-    """Return each behaviour's first and last stroke time [s]."""
+    """Return each behaviour's first and last stroke sync time [s]."""
     strokes_of_side: dict[str, list[float]] = {}
     for behaviour, sync, _, planned in list_keyed_syncs(frames, motion):
         if sync.startswith("stroke"):

@@ -51,7 +51,10 @@ class Changes:
 
     @cached_property
     def _parts(self) -> Indices:
-        """Offset index, hinge index and control point count by moved hinge, (h, 3)."""
+        """Offset index, hinge index and control point count, (h, 3).
+
+        There is one row for each hinge that an offset moves.
+        """
         counts = (self._spans[:, 1] - self._spans[:, 0]).tolist()
         rows = ((k, hinge, counts[k]) for k, change in enumerate(self.offsets) for hinge in change.hinges)
         return np.array([*rows], dtype=np.intp).reshape(-1, 3)
@@ -66,7 +69,7 @@ class Changes:
 
     @cached_property
     def _spans(self) -> Indices:
-        """First and one past the last control point of each offset."""
+        """First and one past the last control point of each offset, (c, 2)."""
         (begins, ends), start = self._times.T, self.motion.start
         first = np.maximum(
             MIN_CONTROLS - 1, ((begins - start) / KNOT_INTERVAL).astype(np.intp)

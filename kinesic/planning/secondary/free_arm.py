@@ -16,8 +16,8 @@ from kinesic.planning.secondary.homeward import MAX_REST_DEVIATION, ArmOffset, d
 from kinesic.planning.secondary.offset_bumps import OffsetBump
 
 MAX_SWING = (radians(3.0), radians(4.0), radians(5.0))  # [rad] largest offsets of shoulder, elbow and wrist
-MIN_SWING_TIME = 0.6  # [s] hand motion of a gesture below which the other arm stays still
-FULL_SWING_TIME = 1.2  # [s] hand motion of a gesture from which the other arm has its full offset
+MIN_SWING_TIME = 0.6  # [s] duration of a gesture's hand motion below which the other arm stays still
+FULL_SWING_TIME = 1.2  # [s] duration of a gesture's hand motion from which the other arm has its full offset
 NO_TIMES: Mapping[Side, Sequence[float]] = MappingProxyType({})  # touch times [s] of hands that touch no arm
 
 

@@ -36,7 +36,7 @@ LEFT_AXIS = 1  # index of the world axis to the left
 def vary_returns(
     courses: Iterable[ArmCourse], motion: Trajectory, variation: Variation, block: str, robot: Robot
 ) -> Iterator[OffsetBump]:
-    """Yield offsets that vary the return paths and rest poses.
+    """Yield offsets that vary the arms' return paths and rest poses.
 
     Args:
         courses: of arms through a block.
@@ -64,7 +64,7 @@ class ArmOffset:
 def _draw_return_offsets(
     course: ArmCourse, motion: Trajectory, variation: Variation, block: str, robot: Robot
 ) -> Iterator[ArmOffset]:
-    """Yield random sideways offsets for the return paths of one arm."""
+    """Yield random offsets of one arm's return paths and rest poses."""
     for stroke, gap in zip(course.strokes, course.gaps[1:], strict=True):
         path, side = gap.return_span, course.side
         if path is None or path[1] - path[0] < MIN_RETURN_TIME:

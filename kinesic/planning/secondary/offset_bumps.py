@@ -33,7 +33,7 @@ class MotionChange(Protocol):
         """Moved hinges in joint order."""
 
     def added(self, times: Floats) -> Floats:
-        """Return the offsets (m, h) [rad] at knots (m,) [s]."""
+        """Return the offsets (m, h) [rad] at knot times (m,) [s]."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -31,7 +31,8 @@ def make_rest_changes(
 ) -> Iterator[OffsetBump]:
     """Yield offsets that change the rest posture in long rests.
 
-    Each is kept for 10 to 20 s and passes into the next. Some put the hands into another rest of the style.
+    Each is kept for 10 to 20 s, less in short rests, and passes into the next. Some put the hands into
+    another rest of the style.
 
     Args:
         motion: with the rests.
@@ -66,7 +67,7 @@ def _find_rests(motion: Trajectory, span: Span, robot: Robot) -> Iterator[Span]:
 
 
 def _change_hands(setup: Setup, standing: Standing, chance: np.random.Generator) -> Floats | None:
-    """Return the offset (n,) [rad] of the arms to another rest pose.
+    """Return the offset (n,) [rad] from the rest pose to another one, or None.
 
     Returns:
         None if the style names none, or the body cannot take it.
