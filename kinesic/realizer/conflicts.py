@@ -16,13 +16,13 @@ from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay
 from kinesic.realizer.release import motion_from_knot
 
-MAX_DUTY = 1.0  # largest accepted duty of a drive, as a fraction of its rated duty
+MAX_DUTY = 1.0  # largest accepted duty of a drive, as a fraction of full PWM
 
 
 def find_conflict(work: Overlay, controls: Floats, setup: Setup) -> MergeFailure | None:
     """Return the collision or overload of a merged motion, or None.
 
-    The failure names the behaviour of the block that is closest to it.
+    The failure names the block's behaviour closest to it in time.
 
     Args:
         work: block and running motion.

@@ -102,7 +102,7 @@ def end_behaviours(scene: Scene, running: RunningBlock, behaviours: frozenset[st
 def _replan_trunk(
     scene: Scene, remaining: RunningBlock, ended: Sequence[Occupancy], change: float
 ) -> RunningBlock | None:
-    """Replan a block when other behaviours on its trunk hinges end.
+    """Replan a block whose ended and remaining behaviours share trunk hinges.
 
     Returns:
         None if there is no such hinge, or if the motion cannot change over in time.
@@ -120,7 +120,10 @@ def _replan_trunk(
 
 
 def _take_back(scene: Scene, running: RunningBlock, ended: Sequence[Occupancy], moved: Flags, now: float) -> Trajectory:
-    """Return the motion in which hinges of ended behaviours return to rest."""
+    """Return the scene's motion without the offsets of ended behaviours.
+
+    Their hinges return to rest or to the held posture.
+    """
     if running.merged is None:
         return scene.motion
     at, remaining = scene.first_change(now), [entry for entry in running.occupancy if entry not in ended]

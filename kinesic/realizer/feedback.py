@@ -48,7 +48,7 @@ class ScheduledFeedback:
     time: float  # [s] global send time
     content: Progress | str  # progress, or a complete message
     sender: int = 0  # number of the client that sent the block and receives the message
-    measured: float | None = None  # [s] global time of the measured arrival
+    measured: float | None = None  # [s] global time at which the robot was measured to reach the sync point
     unless_improved: str | None = None  # block id; the message is dropped when this block gets a refined plan
 
     @cached_property
@@ -68,7 +68,7 @@ class ScheduledFeedback:
         )
 
     def measured_at(self, time: float) -> "ScheduledFeedback":
-        """Return a copy with the measured global time [s] of arrival."""
+        """Return a copy with the measured time [s] of the sync point."""
         return replace(self, measured=time)
 
     @property

@@ -2,9 +2,9 @@
 
 Each behaviour of these types holds a value that does not depend on earlier behaviours.
 
-Looks and postures are two roles of the trunk whose values add up. In each role the last behaviour determines the held
-value, so that the trunk always ends at rest plus one value per role. When a block is merged into a running motion,
-`held_ramps` removes superseded values of the same role from the sum of both motions.
+Gaze (role `look`) and posture (role `trunk`) are trunk offsets that add up. In each role the last behaviour determines
+the held offset, so that the trunk always ends at rest plus one offset per role. When a block is merged into a running
+motion, `held_ramps` removes superseded offsets of the same role from the sum of both motions.
 """
 
 from collections.abc import Iterable, Sequence
@@ -48,7 +48,7 @@ class HeldRamp:
     end: float  # [s]
 
     def at(self, count: int, lead: int) -> Floats:
-        """Sample the trunk step at control points, (count, n) [rad].
+        """Sample the ramp's offsets at control points, (count, n) [rad].
 
         Args:
             count: number of control points.
@@ -78,7 +78,9 @@ def trunk_hinges(robot: Robot) -> Flags:
 
 
 def last_held(role: Role, occupancy: Iterable[Occupancy], hinges: Flags) -> Floats:
-    """Return the last held offset (n,) [rad] of gaze or trunk.
+    """Return the last held trunk offset (n,) [rad] of a role.
+
+    It is zero for hinges outside of `hinges`.
 
     Of occupancies with the same end, the last one counts.
     """
@@ -88,7 +90,7 @@ def last_held(role: Role, occupancy: Iterable[Occupancy], hinges: Flags) -> Floa
 
 
 def held_posture(occupancy: Sequence[Occupancy], robot: Robot) -> Floats:
-    """Return the final angles (n,) [rad] of the trunk, with resting arms."""
+    """Return the rest posture plus held gaze and trunk offsets, (n,) [rad]."""
     skeleton, hinges = robot.skeleton, trunk_hinges(robot)
     total = skeleton.rest + sum((last_held(role, occupancy, hinges) for role in HELD_ROLES), np.zeros(len(hinges)))
     return np.asarray(np.clip(total, skeleton.lower, skeleton.upper))
@@ -106,9 +108,9 @@ def offset_to_held_posture(controls: Floats, occupancy: Sequence[Occupancy], rob
 
 
 def add_step_to_held_posture(controls: Floats, occupancy: Sequence[Occupancy], robot: Robot) -> Floats:
-    """Add a step that ends a motion in the held posture.
+    """Add a smooth step, so that a motion ends in the held posture.
 
-    The step coincides with the last holding behaviour.
+    The step coincides with the last holding behaviour; without one, the whole motion is shifted.
 
     Args:
         controls: (k + 3, n) [rad] control points; occupancy times count from their first knot.
@@ -191,7 +193,7 @@ def held_ramps(work: Overlay, setup: Setup, limits: Limits) -> list[HeldRamp]:
 
 @dataclass(frozen=True, eq=False)
 class _Succession:
-    """Time-ordered behaviours of one trunk role, from which its ramps follow."""
+    """Successive gaze or posture behaviours, with the trunk ramps between them."""
 
     work: Overlay
     role: Role
@@ -200,7 +202,7 @@ class _Succession:
     limits: Limits
 
     def ramps(self) -> list[HeldRamp]:
-        """Return the trunk steps in the order of the behaviours.
+        """Return the trunk ramps between held offsets, in behaviour order.
 
         The sum of both motions contains the held values of both. After a holding behaviour only its value may remain;
         during a returning behaviour, no value of the other motion. A behaviour that begins before another has returned
@@ -227,7 +229,7 @@ class _Succession:
 
     @cached_property
     def _running(self) -> list[Occupancy]:
-        """Behaviours of the running motion, sorted by time."""
+        """Running behaviours with this role, sorted by time."""
         return sort_by_time((entry for entry in self.work.holding if self.role in entry.roles), _times)
 
     @cached_property
@@ -272,10 +274,7 @@ class _Succession:
 
     @cached_property
     def _begin(self) -> float:
-        """Start [s] of the block's first behaviour with this trunk role.
-
-        The role is gaze or trunk posture.
-        """
+        """Start [s] of the block's first behaviour with this role."""
         return min(entry.begin for entry, source in self._behaviours if source != "running")
 
     def _least(self, change: Floats) -> float:

@@ -34,7 +34,7 @@ class MergedMotion:
     """Result of merging a block with a running motion."""
 
     trajectory: Trajectory  # starts with the running motion, equal to it before the cut
-    zero: float  # [s] of the block's zero
+    zero: float  # [s] block time 0, on the clock of the motion
     layer: Trajectory  # offsets that the block adds to the running motion
     occupancy: tuple[Occupancy, ...]  # of its moving behaviours
     syncs: tuple[SyncTime, ...]  # as performed, in block time, without dropped behaviours
@@ -85,7 +85,7 @@ def replace_motion(running: Trajectory, time: float, coming: Plan, *, begin: flo
 class _Attempt:
     """Result of merging a block that begins at a given knot."""
 
-    coming: Plan  # of the block without dropped behaviours
+    coming: Plan  # plan of the block without dropped behaviours
     offset: int  # knot at which the block's motion begins
     base: Floats  # (k + 3, n) [rad] control points of the running motion
     controls: Floats  # (k + 3, n) [rad] control points of the merged motion

@@ -59,7 +59,7 @@ class Occupancy:
         return self.is_held and role in self.roles
 
     def conflicts_with(self, other: "Occupancy") -> bool:
-        """Return whether two occupancies use a body part at the same time."""
+        """Return whether two occupancies claim a role at the same time."""
         return bool(self.roles & other.roles) and self.ready < other.relax and other.ready < self.relax
 
 

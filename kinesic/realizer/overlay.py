@@ -123,7 +123,7 @@ def _has_finishing_between(finishing: Sequence[Occupancy], role: Role, before: O
 def _cross_over_to(
     current: Floats, after: Floats, left: float, stop: Occupancy, limits: Limits, hinge: int
 ) -> Floats | None:
-    """Return a hinge's control points from its current motion into the next stroke, or None.
+    """Blend a hinge's control points into the next stroke, or return None.
 
     The transition starts where both motions coincide, or otherwise before the next stroke.
     """

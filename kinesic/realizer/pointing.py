@@ -35,7 +35,7 @@ from kinesic.realizer.release import motion_from_knot
 from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
 
-MAX_DUTY = 1.0  # largest accepted duty of a drive, as a fraction of its rated duty
+MAX_DUTY = 1.0  # largest accepted duty of a drive, as a fraction of full PWM
 CORRECTION_FACTORS = (1.0, 0.8, 0.5)  # fractions of the full correction, tried until one is free of collisions
 POINTING_TOLERANCE = np.radians(2.0)  # [rad] largest accepted increase of the pointing error in a scene
 

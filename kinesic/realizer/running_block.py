@@ -108,7 +108,10 @@ class RunningBlock:
 
     @cached_property
     def points(self) -> dict[Point, float]:
-        """Global times [s] of the block's start, sync points and end."""
+        """Global times [s] of block time 0, sync points and block end.
+
+        Block time 0 is the point `bml:start`.
+        """
         sync_points = {
             Point(self.id, id, sync): self.zero + t for id, at in self.times.items() for sync, t in at.items()
         }

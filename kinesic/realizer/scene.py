@@ -39,7 +39,7 @@ class Scene:
     ahead: float = 0.0  # [s] by which motion is sent in advance; changes begin no earlier
     lasting: tuple[Occupancy, ...] = ()  # held by ended blocks: the last gaze shift and posture
     idle: RunningBlock | None = None  # idle motion since the last block ended
-    runs: int = 0  # number of the last running block
+    runs: int = 0  # number of the block added last; blocks are numbered from 1
 
     @classmethod
     def of(cls, setup: Setup, now: float = 0.0, *, character: str | None = None, ahead: float = 0.0) -> "Scene":
