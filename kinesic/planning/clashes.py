@@ -38,7 +38,7 @@ class Neighbours:
 
     behaviours: tuple[str, str]
     strokes: Pair  # key rows of their strokes
-    hinges: tuple[int, ...]  # of the hands that perform both
+    hinges: tuple[int, ...]  # hinges of the arms that perform both gestures
     brief: bool = False  # whether each stroke is a single key
 
     @property

@@ -12,7 +12,7 @@ from kinesic.body.robot import SIDES, Robot
 from kinesic.planning.collision import Spacing, separate
 from kinesic.planning.posture_course import SCAN_RATE, ArmHinges, PostureCourse
 
-MIN_DETOURS = 16  # number of detours allowed in a motion of any length
+MIN_DETOURS = 16  # number of detours allowed in even the shortest motion
 DETOUR_INTERVAL = 10.0  # [s] additional motion time that allows `MIN_DETOURS` further detours
 SCAN_BUDGET = 2600.0  # [s] motion time scanned for all detours: 64 detours in a 40 s motion, 17 in 150 s
 DETOUR_MARGIN = 0.008  # [m] clearance of a detour beyond the required one

@@ -112,7 +112,7 @@ class PostureCourse:
         return list(matches.values())
 
     def calmed(self, time: float, swing_ratio: float = 0.0) -> "PostureCourse":
-        """Reduce overshoot and velocity accents at arm keys around a block time.
+        """Return the course with less overshoot and accents around a block time.
 
         Of each arm's keys with overshoot or an accent, the last one before and the first one after the time change.
         The course itself is returned if there are none.

@@ -106,7 +106,7 @@ def _can_wait(script: Script) -> bool:
 
 
 def compute_mark_delays(timeline: Timeline, syncs: tuple[SyncTime, ...]) -> dict[Sync, tuple[float, Sync]]:
-    """Compute the delay [s] of the gesture at each speech mark.
+    """Compute the largest behaviour delay [s] tied to each speech mark.
 
     Returns:
         Delay, negative if the body is early, and the latest tied sync point, by mark.

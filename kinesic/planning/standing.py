@@ -96,7 +96,7 @@ def draw_rest(
     roll: float = 0.0,
     torsion: float = 0.0,
 ) -> Floats:
-    """Return another random rest posture (n,) [rad] of the same person.
+    """Draw another rest posture (n,) [rad] near the robot's usual one.
 
     Arms and shoulders deviate from the rest posture as those of captured people. The head stays level.
 

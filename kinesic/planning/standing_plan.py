@@ -49,7 +49,10 @@ def _take_posture(style: Style, setup: Setup) -> Setup:
 
 
 def _propose_stances(style: Style, setup: Setup) -> Iterator[Setup]:
-    """Yield setups with hanging arms, then in an even stance, as far as they differ."""
+    """Yield setups with other stances that obstruct gestures less.
+
+    The first has hanging arms, the second no random variation. Equal ones are left out.
+    """
     if setup.unstyled is None:
         return
     tried = [setup.robot.skeleton.rest]
@@ -61,7 +64,7 @@ def _propose_stances(style: Style, setup: Setup) -> Iterator[Setup]:
 
 
 def _stand(unstyled: Robot, style: Style, setup: Setup, variation: Variation, *, hands_hang: bool = False) -> Setup:
-    """Return the setup in which a robot stands in a style, with a variation of its stance."""
+    """Return the setup with a style's standing posture and a stance variation."""
     robot = standing_robot(unstyled, style, setup.lexicon, setup.distances)
     robot = vary_standing(robot, style, variation, setup.distances, hands_hang=hands_hang)
     return replace(setup, robot=robot, shared_limits=setup.limits)

@@ -151,7 +151,7 @@ def turn_reach(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats, sca
 
 
 def aim_from_shoulder(reach: Reach, aim: Floats, side: Side, shoulder: Floats, robot: Robot) -> Reach:
-    """Move a pointing target from the resting shoulder to the actual one.
+    """Re-aim a pointing hand's reach from the resting to the actual shoulder.
 
     Args:
         reach: for the resting shoulder, in the world.

@@ -11,8 +11,8 @@ from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.planning.secondary.offset_bumps import CONTROL_LEAD, OffsetBump
 from kinesic.planning.torso import set_turn
 
-MIN_TURN_ANGLE = radians(6.0)  # [rad] smallest head turn with a dip
-MIN_TURN_TIME = 0.2  # [s] shortest head turn with a dip
+MIN_TURN_ANGLE = radians(6.0)  # [rad] smallest head turn that gets a dip and a lean
+MIN_TURN_TIME = 0.2  # [s] shortest head turn that gets a dip and a lean
 DIP_FRACTIONS = (0.06, 0.16)  # range of the head's dip angle / turn angle
 LEAN_FRACTIONS = (-0.04, 0.14)  # range of the head's lean angle / turn angle
 MAX_ARC_ANGLE = radians(4.0)  # [rad] largest dip or lean of the head

@@ -32,7 +32,7 @@ class ArmStroke:
 
 @dataclass(frozen=True, eq=False)
 class Gap:
-    """Time span of an arm between strokes, with its rest periods [s]."""
+    """Time span before, between or after an arm's strokes, with its rests [s]."""
 
     begin: float
     end: float

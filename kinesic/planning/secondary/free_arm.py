@@ -74,7 +74,7 @@ def _draw_swings(
 
 
 def _find_motion(stroke: ArmStroke, before: Gap, after: Gap, motion: Trajectory) -> Span:
-    """Return the time span [s] of a hand's motion for a stroke."""
+    """Return the time span [s] of a hand's motion around a stroke."""
     begin = before.rests[-1][1] if before.rests else before.begin
     end = after.rests[0][0] if after.rests else after.end
     if after.return_span is not None:

@@ -30,7 +30,7 @@ class MotionChange(Protocol):
 
     @property
     def hinges(self) -> Sequence[int]:
-        """Moved hinges in joint order."""
+        """Indices of the moved hinges, in joint order."""
 
     def added(self, times: Floats) -> Floats:
         """Return the offsets (m, h) [rad] at knot times (m,) [s]."""
@@ -55,7 +55,7 @@ class OffsetBump:
 
     @cached_property
     def hinges(self) -> Sequence[int]:
-        """Moved hinges in joint order."""
+        """Indices of the moved hinges, in joint order."""
         return tuple(np.flatnonzero(self.away).tolist())
 
     def added(self, times: Floats) -> Floats:

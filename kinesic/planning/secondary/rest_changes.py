@@ -85,7 +85,7 @@ def _without_arms(offsets: Floats, robot: Robot) -> Floats:
 
 
 def _draw_posture(setup: Setup, standing: Standing, chance: np.random.Generator) -> Floats:
-    """Return the random offset (n,) [rad] of one rest posture.
+    """Draw a random offset (n,) [rad] from the usual rest posture.
 
     The head stays level over the shifted trunk.
     """
