@@ -25,7 +25,7 @@ class Progress:
     point: str
     time: float  # [s] block time
     character: str | None = None
-    state: BlockState | None = None  # of an interrupted block
+    state: BlockState | None = None  # final state of an interrupted block, otherwise None
     run: int = 0  # number of the running block, unique even for equal ids
 
     @property
@@ -176,7 +176,7 @@ def withdraw_feedback(
 
 
 def withdraw_provisional(agenda: Sequence[ScheduledFeedback], block: str) -> tuple[ScheduledFeedback, ...]:
-    """Remove the provisional warnings of a block."""
+    """Remove a block's provisional warnings from scheduled feedback."""
     return tuple(message for message in agenda if message.unless_improved != block)
 
 

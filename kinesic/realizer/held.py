@@ -43,7 +43,7 @@ _Source = Literal["running", "block"]
 class HeldRamp:
     """Smooth transition of the trunk between two held postures."""
 
-    change: Floats  # (n,) [rad]
+    change: Floats  # (n,) [rad] offset at the end of the ramp
     begin: float  # [s]
     end: float  # [s]
 
@@ -211,7 +211,7 @@ class _Succession:
         shown = {"running": self._value_before, "block": np.zeros(len(self.hinges))}
         desired, level = shown["running"], np.zeros(len(self.hinges))
         steps: list[HeldRamp] = []
-        back: HeldRamp | None = None  # step after a returning behaviour
+        back: HeldRamp | None = None  # ramp after a returning behaviour
         for entry, source in self._behaviours:
             if back is not None and entry.begin >= back.end:
                 steps, level = [*steps, back], level + back.change

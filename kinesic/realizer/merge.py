@@ -42,7 +42,7 @@ class MergedMotion:
     notices: tuple[Notice, ...]
 
     def since(self, time: float) -> "MergedMotion":
-        """Remove merged motion and block offsets before a time [s]."""
+        """Return a copy without motion and block offsets before a time [s]."""
         return replace(self, trajectory=self.trajectory.since(time), layer=self.layer.since(time))
 
 
@@ -94,7 +94,7 @@ class _Attempt:
 
     @property
     def zero(self) -> float:
-        """Time [s] of the block's time zero, on the knot grid."""
+        """Time [s] of block time 0; the block's motion starts at a knot."""
         return self.offset * KNOT_INTERVAL + self.coming.trajectory.zero
 
 
@@ -109,7 +109,7 @@ class _Merge:
     coming: Plan
     cut: int  # first knot that may change
     others: Sequence[Occupancy]  # occupancies of the running motion after the cut
-    desired: float  # [s] of the block's time zero
+    desired: float  # [s] desired time of block time 0
 
     @classmethod
     def of(

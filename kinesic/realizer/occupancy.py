@@ -17,7 +17,7 @@ from kinesic.motion.trajectory import KNOT_INTERVAL
 from kinesic.planning.plan import Plan
 from kinesic.planning.torso import compute_torso_turn, set_turn
 
-Role = Literal["l_hand", "r_hand", "sign", "look", "trunk"]  # exclusive resource of one behaviour at a time
+Role = Literal["l_hand", "r_hand", "sign", "look", "trunk"]  # resource used by one behaviour at a time
 
 ARM_ROLES: tuple[Role, ...] = ("l_hand", "r_hand")  # roles of the arms
 READY_SYNCS = ("ready", "strokeStart", "stroke", "relax")  # sync points that may mark readiness, the preferred first
@@ -126,7 +126,7 @@ def freed_hinges(
 
 
 def settle_occupancy(occupancy: Iterable[Occupancy]) -> tuple[Occupancy, ...]:
-    """Keep the latest holding occupancy of each arm and trunk role.
+    """Keep only the last holding occupancy of each role.
 
     Its times stay, because a block that began earlier and ends later may hold an older value.
     """

@@ -81,7 +81,7 @@ class PointingStroke:
     occupancy: Occupancy  # of its behaviour
 
     def miss(self, motion: Trajectory, robot: Robot) -> float:
-        """Return the pointing error [rad] in a motion."""
+        """Return the pointing error [rad] at the stroke time of a motion."""
         return self.pointer.miss(motion.at(self.time).angles, robot)
 
 

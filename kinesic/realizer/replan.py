@@ -85,7 +85,7 @@ class _PlanSwitch:
 
     running: Trajectory
     knot: int  # first knot that may change
-    playing: MergedMotion  # by the old plan; its times are clock times
+    playing: MergedMotion  # block as merged by the old plan, in global time
     playing_zero: float  # [s] time of the block's zero in the old plan
     playing_occupancy: Sequence[Occupancy]
     new_plan: Plan  # without behaviours that the merge has dropped
@@ -109,7 +109,7 @@ class _PlanSwitch:
 
     @cached_property
     def zero(self) -> float:
-        """Time [s] of the new plan's time zero, on the knot grid."""
+        """Time [s] of the new plan's block time 0; its motion starts at a knot."""
         return self.offset * KNOT_INTERVAL + self.new_plan.trajectory.zero
 
     @cached_property

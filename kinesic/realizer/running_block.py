@@ -134,7 +134,7 @@ class RunningBlock:
         return () if self.merged is None else self.merged.occupancy
 
     def agenda(self) -> tuple[ScheduledFeedback, ...]:
-        """Schedule feedback for all points of the block, sorted by time."""
+        """Return progress feedback for all points of the block, sorted by time."""
         return schedule_feedback(
             self.id, self.times, self.zero, sender=self.sender, character=self.block.character, run=self.run
         )
@@ -185,7 +185,7 @@ class RunningBlock:
         return replace(self, merged=merged, times=times)
 
     def since(self, time: float) -> "RunningBlock":
-        """Remove the block's motion before a time [s]."""
+        """Return the block without its motion before a time [s]."""
         return self if self.merged is None else replace(self, merged=self.merged.since(time))
 
 

@@ -37,7 +37,7 @@ class Scene:
     ended: tuple[EndedBlock, ...] = ()  # most recently ended blocks
     replans: tuple[TimedRequest, ...] = ()  # blocks to be replanned; each plan goes to `improve_block`
     ahead: float = 0.0  # [s] by which motion is sent in advance; changes begin no earlier
-    lasting: tuple[Occupancy, ...] = ()  # held by ended blocks: the last gaze shift and posture
+    lasting: tuple[Occupancy, ...] = ()  # postures held by ended blocks, the last one of each role
     idle: RunningBlock | None = None  # idle motion since the last block ended
     runs: int = 0  # number of the block added last; blocks are numbered from 1
 
@@ -78,7 +78,7 @@ class Scene:
         return self.occupancy_without(None)
 
     def occupancy_without(self, block: str | None) -> tuple[Occupancy, ...]:
-        """Return the occupancies of all blocks except one."""
+        """Return the occupancies of all blocks except one, ended blocks included."""
         playing = (
             replace(need, behaviour=f"{active.id}:{need.behaviour}")
             for active in self.blocks
@@ -120,7 +120,7 @@ class Scene:
         return latest
 
     def _next_start_check(self, running: RunningBlock) -> float:
-        """Return the next time [s] at which a waiting block may start.
+        """Return the earliest time [s] at which a waiting block may be merged.
 
         Infinity if its dependencies wait themselves.
         """
@@ -133,7 +133,10 @@ class Scene:
         return self.earliest_start(running) - self.ahead - MERGE_LEAD_TIME
 
     def may_start(self, running: RunningBlock, now: float) -> bool:
-        """Return whether a waiting block may start at a time [s]."""
+        """Return whether a waiting block may be merged at a time [s].
+
+        Blocks are merged shortly before their motion starts.
+        """
         return self._next_start_check(running) <= now
 
     @property
