@@ -1,6 +1,6 @@
 """Levenberg-Marquardt least squares with bounds on the variables.
 
-A variable that reaches its bound stays there, and the others compensate.
+In each step, variables beyond a bound are clipped to it, and the others compensate.
 """
 
 from collections.abc import Callable
@@ -11,13 +11,13 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 
 MAX_ROUNDS = 40  # largest number of solver iterations
-ERROR_DAMPING = 0.1  # damping per squared error: lambda^2 = ERROR_DAMPING e^2 + MIN_DAMPING (Sugihara)
-MIN_DAMPING = 1e-9  # damping at zero error
-POSTURE_GAIN = 0.4  # fraction of the distance to the preferred values, before `POSTURE_DECAY`
+ERROR_DAMPING = 0.1  # coefficient of the base damping: lambda^2 = ERROR_DAMPING |e|^2 + MIN_DAMPING (Sugihara)
+MIN_DAMPING = 1e-9  # base damping lambda^2 at zero error
+POSTURE_GAIN = 0.4  # fraction of the distance to preferred values per iteration, before `POSTURE_DECAY`
 POSTURE_DECAY = 0.7  # factor on `POSTURE_GAIN` per iteration, from the first on
 STALL_RATIO = 0.98  # error ratio of successive iterations above which progress has stalled
 MAX_STALLED_STEPS = 6  # successive stalled iterations that end the solver
-DAMPING_GROWTH = 8.0  # factor on the damping after an iteration that increases the error
+DAMPING_GROWTH = 8.0  # factor on the damping after a rejected step, divisor after an accepted one
 
 ErrorFunction = Callable[
     [Floats], tuple[Floats, Floats]
@@ -49,7 +49,7 @@ class Descent:
 
 
 def descend(errors: ErrorFunction, start: Floats, box: Box, *, tolerance: float) -> Descent:
-    """Minimise errors by Levenberg-Marquardt within bounds.
+    """Minimise errors by Levenberg-Marquardt within bounds, preferring the home values.
 
     Args:
         errors: rows of order one, such as distances relative to the arm's length.
@@ -83,7 +83,7 @@ def descend(errors: ErrorFunction, start: Floats, box: Box, *, tolerance: float)
 def _step_within_box(
     current: Floats, error: Floats, jacobian: Floats, pulls: Floats, box: Box, damping: float
 ) -> Floats:
-    """Take one damped Gauss-Newton step within the bounds.
+    """Return the variables after one damped Gauss-Newton step within bounds.
 
     The step is dq = p + W J^T (J W J^T + lambda^2)^-1 (e - J p), solved again without variables at their limits.
     """

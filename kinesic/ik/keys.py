@@ -1,4 +1,4 @@
-"""Arm postures at successive keys, each solved from the previous one."""
+"""Arm postures at successive key frames, each solved from the previous one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from kinesic.ik.arm.compiled import arm_of
 
 
 class ArmMode(IntEnum):
-    """Kind of arm target at a key."""
+    """Kind of arm target at a key frame."""
 
     REST = 0  # the key's rest posture
     STILL = 1  # the posture of the previous key
@@ -22,20 +22,20 @@ class ArmMode(IntEnum):
 
 @dataclass(frozen=True)
 class Key:
-    """Target of one hand at a key, in the arm's base frame."""
+    """Target of one arm at a key frame, in the arm's base frame."""
 
     mode: ArmMode
     rest: Floats  # (k,) [rad] rest posture, preferred for angles that the reach leaves free
     reach: Reach | None = None  # hand target of `ArmMode.REACH`
-    openness: float = 0.0  # fraction of the way from the hanging elbow to the swivel `ReachLimits.open_swivel`
-    passing: bool = False  # on a path: keeps the swivel, and takes the posture nearest to the start of the path
+    openness: float = 0.0  # fraction of the swivel change from the solved posture to `ReachLimits.open_swivel`
+    passing: bool = False  # on a path: solved from the path's start posture, with its swivel
 
 
 @dataclass(frozen=True)
 class ReachLimits:
-    """Limits of an arm's elbow swing and hinge steps between keys."""
+    """Limits of elbow swivel and hinge rotation between key frames."""
 
-    max_swivel_change: float  # [rad] largest swing of the elbow for the palm and pointing directions
+    max_swivel_change: float  # [rad] largest swivel change that serves palm and pointing directions
     max_hinge_step: (
         float  # [rad] largest hinge rotation between keys; beyond it, the elbow keeps its swivel if possible
     )
@@ -44,11 +44,11 @@ class ReachLimits:
 
 @dataclass(frozen=True, eq=False)
 class KeyArms:
-    """Solved postures of an arm at all its keys."""
+    """Solved postures of an arm at all its key frames."""
 
     angles: Floats  # (m, k) [rad]
     beginnings: Floats  # (m, k) [rad] posture at the start of the path to which each key belongs
-    swivels: Floats  # (m,) [rad] requested swivels; NaN without
+    swivels: Floats  # (m,) [rad] swivels kept on a path or set by `openness`; NaN elsewhere
 
 
 def pose_keys(
@@ -59,12 +59,12 @@ def pose_keys(
     start: Floats,
     path_start: Floats | None,
 ) -> KeyArms:
-    """Solve the arm posture at each key, starting from the previous one.
+    """Solve the arm posture at each key frame, from the previous one.
 
     Args:
         chain: the arm.
         keys: in their order.
-        limits: of the elbow swing and of hinge steps, the same for all keys.
+        limits: of swivel changes and hinge rotations, the same for all keys.
         start: (k,) [rad] posture before the first key.
         path_start: (k,) [rad] posture at the start of the current path; None if the first key starts one.
 

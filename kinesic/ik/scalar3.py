@@ -95,13 +95,13 @@ def rotated(r: Rotation, a: Vector) -> Vector:
 
 
 def within(r: Rotation, a: Vector) -> Vector:
-    """Convert a vector from base to frame coordinates."""
+    """Multiply a vector by the transpose of a rotation matrix."""
     x, y, z = a
     return r[0] * x + r[3] * y + r[6] * z, r[1] * x + r[4] * y + r[7] * z, r[2] * x + r[5] * y + r[8] * z
 
 
 def after(r: Rotation, axis: Vector, angle: float) -> Rotation:
-    """Rotate a frame about an axis given in frame coordinates.
+    """Rotate a frame by an angle about an axis in frame coordinates.
 
     That is R about(axis, angle) for a frame R, a unit axis and an angle [rad].
     """

@@ -1,6 +1,6 @@
 """Arm inverse kinematics for a hand target (thesis 7.3).
 
-An unreachable target is a result with a residual: the arm points at it.
+For an unreachable target, the arm points at it and the result has a residual.
 """
 
 import numpy as np
@@ -85,7 +85,7 @@ def _direction(name: str, values: Floats) -> Floats:
 
 
 def as_floats(name: str, values: Floats, shape: tuple[int, ...]) -> Floats:
-    """Convert to a float64 array of a given shape, or raise.
+    """Convert values to a finite float64 array, or raise for another shape.
 
     Returns:
         The values as contiguous float64.
@@ -102,7 +102,7 @@ def as_floats(name: str, values: Floats, shape: tuple[int, ...]) -> Floats:
 
 
 def as_triple(name: str, values: Floats) -> Floats:
-    """Convert to an array of three finite numbers, or raise.
+    """Convert values to an array of three finite numbers, or raise.
 
     Returns:
         (3,) float64.

@@ -15,8 +15,8 @@ from kinesic.ik.scalar3 import IDENTITY_ROTATION, Vector, after, cross, minus, p
 class ChainLink:
     """One segment of a kinematic chain, with offset and hinges."""
 
-    offset: Vector  # [m] of its centre in the part before
-    hinges: tuple[tuple[int, Vector, Vector], ...]  # index in the robot's joint order, axis, where it passes [m]
+    offset: Vector  # [m] of its centre, in the frame of the parent segment
+    hinges: tuple[tuple[int, Vector, Vector], ...]  # index in the robot's joint order, unit axis, point on it [m]
 
 
 @dataclass(frozen=True)

@@ -20,10 +20,10 @@ from kinesic.ik.scalar3 import Vector, cross, dot, minus, plus, turned, unit, ve
 from kinesic.ik.solve import as_triple
 
 EASY_REACH_RATIO = 0.96  # fraction of the arm's reach within which the torso stays upright
-MAX_TURN = radians(20.0)  # [rad] largest rotation of each torso hinge
-MAX_SCALE = 3.0  # largest common rotation / `max_turn`; above 1, weakly pulled hinges turn on after others stop
-SCALE_SAMPLES = 15  # factors on the torso's rotations that are tried before the bisection
-BISECTION_STEPS = 10  # bisection steps for the factor on the torso's rotations
+MAX_TURN = radians(20.0)  # [rad] default of the largest rotation of each torso hinge
+MAX_SCALE = 3.0  # largest unclipped rotation of the most strongly pulled hinge / `max_turn`
+SCALE_SAMPLES = 15  # number of nonzero rotation scales tried before the bisection
+BISECTION_STEPS = 10  # number of bisection steps for the rotation scale
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ def _bisect(excess: Callable[[float], float], insufficient: float, sufficient: f
 
 
 def _compute_pull_moment(turn: _Turn, far: Sequence[_Arm]) -> float:
-    """Return a hinge's moment [m] of unit forces towards the targets."""
+    """Return the moment [m] about a hinge of unit shoulder-target forces."""
     moment = 0.0
     for arm in far:
         rest = [pivot.rest for pivot in arm.linkage.pivots]

@@ -1,8 +1,8 @@
 """Tracking of a moving hand target at a fixed rate, without drift.
 
-Each tick polishes the angles of the last one: no masses, no closed forms, no other postures, whose branches would make
-the arm leap. What the hand leaves open is drawn to rest with a time constant, so that a closed path of the hand is a
-closed path of the arm.
+Each step corrects the previous angles, without closed forms or other start postures, whose branches would make the arm
+leap. Redundant degrees of freedom return to the rest posture with a time constant, so that a closed path of the hand
+is a closed path of the arm.
 """
 
 from collections.abc import Iterable, Iterator
@@ -14,7 +14,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.chain import Chain
 from kinesic.ik.arm.compiled import arm_of
 
-MAX_STEP = 0.005  # [s] longer time steps are divided, so that results do not depend on the rate
+MAX_STEP = 0.005  # [s] longer time steps are divided, so that results hardly depend on the rate
 RAMP_TIME_CONSTANTS = 4.0  # time constants until the pull towards the rest posture has full strength
 
 

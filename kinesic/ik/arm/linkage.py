@@ -27,7 +27,7 @@ from kinesic.ik.scalar3 import (
 )
 
 PARALLEL_SINE = 1e-9  # sine of the angle below which a hinge lies along its bone
-GIRDLE_MOBILITY = 0.1  # mobility of collar-bone hinges (other hinges: 1), so that they move last
+GIRDLE_MOBILITY = 0.1  # mobility of collar-bone hinges (other hinges: 1), so that they move least
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class Linkage:
 
     @cached_property
     def mobility(self) -> tuple[float, ...]:
-        """Default mobility of each hinge, from 0 (fixed) to 1 (free)."""
+        """Default mobility of each hinge: `GIRDLE_MOBILITY` for the collar bone, else 1."""
         girdle = self.links[-3].first
         return tuple(GIRDLE_MOBILITY if k < girdle else 1.0 for k in range(len(self.pivots)))
 
@@ -115,7 +115,7 @@ class Linkage:
         return rotation, points
 
     def hinge_lines(self, angles: Sequence[float]) -> tuple[Vector, list[tuple[Vector, Vector]]]:
-        """Return the hand position [m] and the lines of hinges moving it.
+        """Return the hand position [m] and axis lines of hinges moving it.
 
         A line is an axis (unit) and a centre [m], both in the base.
         """

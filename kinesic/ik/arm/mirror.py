@@ -14,7 +14,7 @@ MIRRORED_AXIS_SIGNS = sealed([-1.0, 1.0, -1.0])  # signs that mirror a hinge axi
 
 
 def is_right(chain: Chain) -> bool:
-    """Return whether a chain's base lies right of the body's midline."""
+    """Return whether a chain's first joint lies right of the midline."""
     return bool(chain.origin_in_base[1] < 0)
 
 

@@ -1,4 +1,4 @@
-"""Numerical solutions for arm targets, tried from several start postures.
+"""Numerical inverse kinematics for hand positions, from several start postures.
 
 They meet positions only: swivel, pointing and palm direction are ignored.
 """
@@ -14,7 +14,7 @@ from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.arm.seeds import Seed
 from kinesic.ik.scalar3 import Vector
 
-MAX_ROUNDS = 24  # largest number of solver iterations per start posture
+MAX_ROUNDS = 24  # default of the largest number of iterations per target in `reach_many`
 STALL_DISTANCE = 2e-5  # [m] distance left to the target above which other start postures are tried
 
 

@@ -35,7 +35,7 @@ def transposed(r: Rotation) -> Rotation:
 
 
 def _triad(along: Vector, aside: Vector) -> Rotation:
-    """Return the rotation matrix with two given orthogonal columns."""
+    """Return the rotation matrix with two given orthonormal first columns."""
     return _of_columns(along, aside, cross(along, aside))
 
 

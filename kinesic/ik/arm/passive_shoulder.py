@@ -34,7 +34,7 @@ def carry_shoulder(chain: Chain, target: Floats, effort: float) -> Floats:
 
 
 def _carried(chain: Chain, target: Vector, effort: float) -> Floats:
-    """Return joint angles [rad] that turn a collar bone towards a target."""
+    """Return rest angles [rad] with the collar bone partly turned towards target."""
     linkage, rest = linkage_of(chain), chain.rest.tolist()
     shoulder = linkage.walk(rest, len(linkage.girdle))[1][-1]
     share = effort * min(1.0, distance(shoulder, target) / linkage.farthest)

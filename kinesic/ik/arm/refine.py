@@ -20,9 +20,9 @@ from kinesic.ik.box_lm import Box, ErrorFunction, descend
 DIRECTION_WEIGHT = 0.05  # weight of a direction error [rad] relative to a position error in arm lengths
 ELBOW_WEIGHT = 0.02  # weight of the elbow's position error relative to the hand's, if a swivel is requested
 ARRIVAL_TOLERANCE = 1e-5  # [arm lengths] norm of the weighted errors at which the solver stops
-RETRY_DISTANCE = 2e-3  # [arm lengths] hand position error above which a solution is penalised and more starts are tried
-TRAVEL_WEIGHT = 0.03  # cost of joint travel [1/rad] relative to the errors
-MISS_PENALTY = 1e3  # cost added to a solution that misses the hand target by more than `RETRY_DISTANCE`
+RETRY_DISTANCE = 2e-3  # [arm lengths] hand error that adds `MISS_PENALTY` and calls for other start postures
+TRAVEL_WEIGHT = 0.03  # [1/rad] cost of joint travel, added to the norm of the weighted errors
+MISS_PENALTY = 1e3  # smallest cost added if the hand error exceeds `RETRY_DISTANCE`
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,7 +83,7 @@ def true_arm(robot: Robot, side: Side) -> TrueArm:
 
 
 def refine_posture(robot: Robot, side: Side, reach: Reach, angles: Floats, *, near: Floats) -> Floats:
-    """Correct a solved posture until the true arm's hand is on target.
+    """Correct a solved posture to bring the true arm's hand on target.
 
     Args:
         robot: robot of the arm.

@@ -5,7 +5,7 @@ from math import pi, sqrt
 from kinesic.ik.angles import arccosine, arctangent
 from kinesic.ik.scalar3 import Vector, cross, dot
 
-AXIS_TOLERANCE = 1e-9  # distance to the axis, in bone lengths, below which no angle is defined
+AXIS_TOLERANCE = 1e-9  # [bone lengths] distance to the hinge axis below which no angle is defined
 
 
 def turn_towards(axis: Vector, rest: Vector, target: Vector) -> float | None:

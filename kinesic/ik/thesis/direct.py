@@ -1,4 +1,4 @@
-"""Spring relaxation by solving linear systems (variant of method 2).
+"""Spring relaxation by solving linear systems (variant of thesis method 2).
 
 The thesis integrates in time. But the springs of a chain only know their neighbours, so the correction that brings
 all of them to rest together is one tridiagonal system (extended position-based dynamics: Macklin et al. 2016). It
@@ -15,7 +15,7 @@ SPRING_COMPLIANCE = 1e-3  # regularisation of the spring equations for collinear
 
 
 def balance_springs(task: Task) -> Rest:
-    """Move all masses together until bones have their rest lengths.
+    """Relax all masses by linear systems until bones have rest lengths.
 
     With the stretch c_j of bone j, its direction u_j and weights w = 1 / m (0 at the pinned ends), each step solves
     (w_j + w_j+1 + a / k_j) l_j - w_j u_j.u_j-1 l_j-1 - w_j+1 u_j.u_j+1 l_j+1 = c_j

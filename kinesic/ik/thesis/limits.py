@@ -15,7 +15,7 @@ MIN_LEVER_RATIO = 1e-9  # [chain lengths] smallest parent-target distance at whi
 
 
 def within_limits(chain: BallChain, stance: Stance, target: Floats, carrier: Carrier) -> Stance:
-    """Clip joints to their limits, compensating each by its parent.
+    """Clip joint rotations to limits, compensated by rotations of the parent joints.
 
     A joint p_i that loses the turn alpha moves the hand by an arc alpha |t - p_i|; its parent turns by
     beta = alpha |t - p_i| / |t - p_i-1| about the same axis to bring the hand back. The root's excess is lost.

@@ -13,7 +13,7 @@ from kinesic.body.rotation import rotation_about
 from kinesic.ik.thesis.chain import MIN_BONE_RATIO, BallChain
 
 PARALLEL_SINE = 1e-9  # sine of the angle below which two directions are parallel
-MIN_OFFSET_RATIO = 1e-9  # [chain lengths] distance from the base-hand line below which a point has no swivel
+MIN_OFFSET_RATIO = 1e-9  # [chain lengths] mean distance from the base-hand line below which swivel is undefined
 
 
 @dataclass(frozen=True, eq=False)

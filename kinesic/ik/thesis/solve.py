@@ -26,8 +26,8 @@ RELAXATION_METHODS: Mapping[Method, RelaxationMethod] = {
     "position": swing_pinned,
     "direct": balance_springs,
 }
-STRAIGHTNESS_TOLERANCE = 1e-4  # [chain lengths] distance from a line below which a chain is straight
-NUDGE_DISTANCE = 0.02  # [chain lengths] displacement along the up vector that bends a straight chain
+STRAIGHTNESS_TOLERANCE = 1e-4  # [chain lengths] second singular value of the points below which a chain is straight
+NUDGE_DISTANCE = 0.02  # [chain lengths] largest displacement along the up vector that bends a straight chain
 
 
 @dataclass(frozen=True, eq=False)

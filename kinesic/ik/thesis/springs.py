@@ -1,4 +1,4 @@
-"""Point masses joined by springs, with optimal time step and damping.
+"""Point masses joined by springs, with recommended time step and damping.
 
 Lengths are in units of the chain, time in units that the stiffness and the masses set.
 """
@@ -13,7 +13,7 @@ from kinesic.body.arrays import Flags, Floats
 TUNED_MASSES = 10  # largest number of free masses of a chain that counts as short
 STEP_FRACTIONS = (1.0, 0.84)  # time step / that of `Springs.pace`, for short and long chains
 DAMPING_FRACTIONS = (0.75, 0.5)  # damping / that of `Springs.pace`, for short and long chains
-MIN_SPRING_LENGTH = 1e-12  # smallest spring length used as a divisor, which keeps forces of collapsed springs finite
+MIN_SPRING_LENGTH = 1e-12  # [chain lengths] lower bound on spring lengths in divisions
 
 
 @dataclass(frozen=True, eq=False)
