@@ -1,4 +1,4 @@
-"""Motion from elsewhere: reading, retargeting to a robot and certification."""
+"""Motion files: reading, retargeting to a robot and certification."""
 
 from importlib.util import find_spec
 

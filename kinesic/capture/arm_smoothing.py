@@ -1,4 +1,4 @@
-"""Smooth arm postures near a captured path, also close to singular postures.
+"""Smoothing of arm motions that follow a captured path.
 
 Inverse kinematics follows a path exactly, with fast rotations where the upper arm passes the axis of a shoulder hinge.
 Here small errors of wrist and elbow are traded for lower accelerations, by Gauss-Newton steps over the whole path.
@@ -16,19 +16,19 @@ from kinesic.capture.clip import ArmPath
 from kinesic.capture.robot_motion import SAMPLE_RATE, arm_paths
 from kinesic.planning.setup import Setup
 
-MAX_ITERATIONS = 6  # largest number of steps, of which some are rejected
+MAX_ITERATIONS = 6  # largest number of Gauss-Newton steps, rejected ones included
 DIFFERENCE_STEP = 1e-4  # [rad] rotation for finite differences of positions
-WRIST_TOLERANCE = 0.02  # [arm lengths] wrist error that costs 1
-ELBOW_TOLERANCE = 0.10  # [arm lengths] elbow error that costs 1
-ACCELERATION_WEIGHT = 1.0  # cost of full acceleration of one hinge
-FIRST_DAMPING = 10.0  # first weight of the squared step
+WRIST_TOLERANCE = 0.02  # [arm lengths] wrist error that adds 1 to the cost of a sample
+ELBOW_TOLERANCE = 0.10  # [arm lengths] elbow error that adds 1 to the cost of a sample
+ACCELERATION_WEIGHT = 1.0  # cost of a sample with one hinge at its acceleration limit
+FIRST_DAMPING = 10.0  # [1/rad^2] initial damping of the steps (Levenberg-Marquardt)
 DAMPING_FACTOR = 10.0  # factor on the damping after a rejected step, and its divisor after an accepted one
 MIN_DECREASE = 0.01  # relative decrease of the cost below which the search ends
 
 
 @dataclass
 class _Arm:
-    """State of the search for one arm."""
+    """State of the smoothing search for one arm."""
 
     hinges: list[int]
     path: ArmPath  # desired
@@ -40,12 +40,12 @@ class _Arm:
     is_finished: bool = False
 
     def cost(self, angles: Floats, errors: Floats) -> float:
-        """Return the cost of angles (m, k) [rad] with errors (m, 6)."""
+        """Return the summed cost of path errors (m, 6) and hinge accelerations."""
         return float(np.sum(errors**2) + np.sum(self.weights * np.diff(angles, 2, axis=0) ** 2))
 
 
 def smooth_arms(angles: Floats, arms: Mapping[Side, ArmPath], setup: Setup) -> Floats:
-    """Return arm postures near given ones that follow the paths with lower accelerations.
+    """Lower the accelerations of arm postures near their desired paths.
 
     Args:
         angles: (m, n) [rad] at `SAMPLE_RATE`; only the hinges of the given arms change.
@@ -87,7 +87,7 @@ def smooth_arms(angles: Floats, arms: Mapping[Side, ArmPath], setup: Setup) -> F
 def _find_jacobians(
     angles: Floats, active: Mapping[Side, _Arm], errors: Mapping[Side, Floats], setup: Setup
 ) -> Mapping[Side, Floats]:
-    """Return the Jacobians (m, 6, k) of the errors of arms, moved at the same time."""
+    """Return each arm's error Jacobian (m, 6, k) by finite differences."""
     jacobians = {side: np.empty((*errors[side].shape, len(arm.hinges))) for side, arm in active.items()}
     for k in range(max(len(arm.hinges) for arm in active.values())):
         moved = angles.copy()
@@ -101,9 +101,9 @@ def _find_jacobians(
 
 
 def _errors(reached: ArmPath, desired: ArmPath) -> Floats:
-    """Return the errors (m, 6) of wrist and elbow, in tolerances.
+    """Return wrist and elbow errors (m, 6) in multiples of their tolerances.
 
-    The elbow lies in the desired direction, at the robot's own distance.
+    The desired elbow lies in the path's direction, at the robot's own shoulder-elbow distance.
     """
     lengths = np.linalg.norm(reached.elbow, axis=1, keepdims=True)
     directions = desired.elbow / np.maximum(np.linalg.norm(desired.elbow, axis=1, keepdims=True), 1e-9)
@@ -137,7 +137,10 @@ def _solve_step(arm: _Arm, errors: Floats, jacobians: Floats) -> Floats:
 
 
 def _second_difference_bands(count: int) -> tuple[Floats, Floats, Floats]:
-    """Return the main and both upper diagonals of D^T D for second differences D of samples."""
+    """Return the diagonals of D^T D for a second-difference matrix D.
+
+    These are the main diagonal and both upper ones, for a number of samples.
+    """
     main, first, second = np.zeros(count), np.zeros(count - 1), np.zeros(count - 2)
     main[:-2] += 1.0
     main[1:-1] += 4.0

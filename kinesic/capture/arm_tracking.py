@@ -1,4 +1,4 @@
-"""Arm postures that follow captured wrists and elbows."""
+"""Arm postures that follow captured wrist and elbow paths."""
 
 import numpy as np
 
@@ -15,14 +15,14 @@ from kinesic.ik.scalar3 import vector
 from kinesic.ik.solve import solve
 
 SWIVEL_CUTOFF = 3.0  # [Hz] cut-off frequency of the elbow's swivel, which is noisy on straight arms
-MIN_ELBOW_OFFSET = 0.04  # [arm lengths] elbow distance from the line shoulder-wrist, below which it has no swivel
-SETTLING_STEPS = 20  # number of solutions for the first target, from the rest posture
-MAX_STEP = 0.35  # [rad] largest rotation of a hinge between two samples; above, the arm leaps to another posture
+MIN_ELBOW_OFFSET = 0.04  # [arm lengths] elbow distance from the shoulder-wrist line below which swivel is undefined
+SETTLING_STEPS = 20  # number of repeated solutions of the first target, starting at rest
+MAX_STEP = 0.35  # [rad] hinge rotation between samples above which the arm leaps to another posture
 BRIDGE_TIME = 0.08  # [s] time before and after a leap that is bridged
 
 
 def track_arm(chain: Chain, path: ArmPath, length: float) -> tuple[Floats, int]:
-    """Return arm angles (m, k) [rad] that follow a path at `SAMPLE_RATE`, and the number of bridged leaps.
+    """Solve arm angles (m, k) [rad] along a path, counting bridged leaps.
 
     The path is solved forward and backward in time. The solution with fewer leaps is taken, and the leaps that remain
     are bridged by a smooth rotation of all hinges.
@@ -46,7 +46,7 @@ def track_arm(chain: Chain, path: ArmPath, length: float) -> tuple[Floats, int]:
 def find_swivels(chain: Chain, path: ArmPath) -> Floats:
     """Return the swivel (m,) [rad] of each frame, continuous over time.
 
-    Straight arms take the swivel of the frames before and after; an arm that is always straight has none, 0.
+    Straight arms take the swivel of the frames before and after; an arm that is always straight gets 0.
     """
     linkage = linkage_of(mirror_chain(chain) if is_right(chain) else chain)
     is_mirrored = is_right(chain)
@@ -68,13 +68,13 @@ def find_swivels(chain: Chain, path: ArmPath) -> Floats:
 
 
 def find_leaps(angles: Floats) -> Flags:
-    """Return whether a hinge leaps to the next sample, (m - 1,)."""
+    """Return whether any hinge leaps between successive samples, (m - 1,)."""
     leaps: Flags = np.abs(np.diff(angles, axis=0)).max(axis=1) > MAX_STEP
     return leaps
 
 
 def bridge_leaps(angles: Floats) -> tuple[Floats, int]:
-    """Replace leaps of angles (m, k) by smooth rotations, and count them.
+    """Bridge leaps of angles (m, k) smoothly, and count the bridges.
 
     The samples up to `BRIDGE_TIME` before and after a leap are interpolated between both sides.
     """

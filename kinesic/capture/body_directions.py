@@ -1,4 +1,4 @@
-"""From a captured skeleton to the directions of a body: arms and head in the chest frame."""
+"""Arm paths and head rotations of captured skeletons, in the chest frame."""
 
 from collections.abc import Mapping, Sequence
 
@@ -19,16 +19,16 @@ from kinesic.capture.skeleton_motion import (
     select_ancestors,
 )
 
-MAX_JOINT_FRAMES = 2_000_000  # largest number of frames times joints between the root and the measured joints
-MIN_LENGTH = 1e-6  # shortest spine, shoulder line and arm, in the unit of the file
+MAX_JOINT_FRAMES = 2_000_000  # largest accepted number of frames times joints up to the root
+MIN_LENGTH = 1e-6  # shortest accepted spine, shoulder line and arm, in the unit of the file
 LEVEL_HEIGHT = 0.2  # [arm lengths] largest height of wrists above or below the shoulders in a T-pose
-STRAIGHT_DISTANCE = 0.95  # [arm lengths] distance of the wrist from the shoulder of a straight arm
-LOWERED_HEIGHT = -0.7  # [arm lengths] height of lowered wrists above the shoulders
-MIN_UPRIGHT_COSINE = 0.8  # cosine of the neck's direction to the vertical axis, below which a zero pose is no posture
+STRAIGHT_DISTANCE = 0.95  # [arm lengths] shoulder-wrist distance above which an arm is straight
+LOWERED_HEIGHT = -0.7  # [arm lengths] wrist height relative to the shoulder below which an arm is lowered
+MIN_UPRIGHT_COSINE = 0.8  # cosine between spine and neck-head line below which a zero pose is not upright
 
 
 def clip_of_skeleton(skeleton: Sequence[CapturedJoint], motion: CapturedMotion, source: str) -> BodyClip:
-    """Return the directions of a body from a skeleton and its motion.
+    """Convert a skeleton and its motion to arm paths and head rotations.
 
     The chest frame has z from the hips to the neck and y from the right to the left shoulder, so that heading, up axis
     and unit of the file drop out.
@@ -56,7 +56,7 @@ def clip_of_skeleton(skeleton: Sequence[CapturedJoint], motion: CapturedMotion, 
 
 
 def skip_calibration(clip: BodyClip) -> BodyClip:
-    """Drop a T-pose at the beginning of a clip, until both wrists are lowered."""
+    """Drop an initial T-pose of a clip until both wrists are lowered."""
     wrists = np.stack([arm.wrist for arm in clip.arms.values()])
     is_level = np.abs(wrists[:, 0, 2]) < LEVEL_HEIGHT
     is_straight = np.linalg.norm(wrists[:, 0], axis=1) > STRAIGHT_DISTANCE
@@ -102,9 +102,10 @@ def _arm_path(positions: Mapping[str, Floats], chest: Floats, names: tuple[str, 
 
 
 def _head_rotations(frames: JointFrames, neutral: JointFrames, chest: Floats, joints: BodyJoints) -> tuple[Floats, str]:
-    """Return head rotation vectors (m, 3) [rad] in the chest frame, and a guess.
+    """Return head rotation vectors (m, 3) [rad] in the chest frame.
 
     They are measured from the zero pose, or from the mean of the clip if the zero pose is no upright posture.
+    The second result reports the use of the mean, otherwise it is empty.
     """
     head = np.einsum("tji,tjk->tik", chest, frames.rotations[joints.head])
     upright = _upright_head(neutral, joints)
@@ -116,7 +117,7 @@ def _head_rotations(frames: JointFrames, neutral: JointFrames, chest: Floats, jo
 
 
 def _upright_head(neutral: JointFrames, joints: BodyJoints) -> Floats | None:
-    """Return the head's rotation in the chest frame of the zero pose, if upright."""
+    """Return the zero pose's head rotation in the chest, None unless upright."""
     try:
         (chest,) = chest_frames(neutral.positions, joints, "zero pose")
     except CaptureError:

@@ -1,4 +1,4 @@
-"""Recognition of the joints of a body in captured skeletons, by names or by geometry."""
+"""Recognition of spine, head and arm joints in captured skeletons."""
 
 import re
 from collections.abc import Mapping, Sequence
@@ -11,9 +11,9 @@ from kinesic.body.robot import SIDES, Side
 from kinesic.capture.reading.text import CaptureError
 from kinesic.capture.skeleton_motion import CapturedJoint
 
-MIN_BONE_LENGTH = 1e-3  # shortest bone that is none of zero length, as a fraction of the skeleton's longest bone
-MAX_SIDE_DIFFERENCE = 0.03  # largest relative difference between bones of both sides
-BONE_RATIOS = (0.7, 1.4)  # range of upper arm / forearm
+MIN_BONE_LENGTH = 1e-3  # bone length / longest bone up to which a bone counts as zero
+MAX_SIDE_DIFFERENCE = 0.03  # largest relative difference of left and right bone lengths
+BONE_RATIOS = (0.7, 1.4)  # accepted range of upper-arm length / forearm length
 ARM_JOINTS = 3  # number of joints of an arm: shoulder, elbow and wrist
 MAX_LIMB_BONES = 5  # largest number of bones followed from the chest: girdle and clavicle, arm and hand
 
@@ -33,7 +33,10 @@ class BodyJoints:
 
 @dataclass(frozen=True)
 class _Family:
-    """Joint names of a family of skeletons; arms hold a placeholder for the side."""
+    """Joint names of one skeleton naming convention.
+
+    Names of arm joints hold a placeholder for the side.
+    """
 
     spine: tuple[str, str, str]  # hips, neck and head
     arm: tuple[str, str, str]  # shoulder, elbow and wrist
@@ -42,7 +45,7 @@ class _Family:
 
 HUMAN_SIDES = ("Left", "Right")
 LETTER_SIDES = ("L", "R")
-FAMILIES = (  # more specific families first, because names overlap
+FAMILIES = (  # naming conventions, the more specific ones first, because names overlap
     _Family(("JtRoot", "JtNeckA", "JtSkullA"), ("JtShoulder{}", "JtElbow{}", "JtWrist{}"), ("Lf", "Rt")),
     _Family(("Hips", "Neck1", "Head"), ("{}Arm", "{}ForeArm", "{}Hand"), HUMAN_SIDES),
     _Family(("Hips", "Neck", "Head"), ("{}Arm", "{}ForeArm", "{}Hand"), HUMAN_SIDES),
@@ -57,7 +60,7 @@ FAMILIES = (  # more specific families first, because names overlap
 
 
 def find_body_joints(skeleton: Sequence[CapturedJoint], source: str) -> BodyJoints:
-    """Find spine, head and arms of a skeleton.
+    """Find the spine, head and arm joints of a skeleton.
 
     Names before a colon, such as `mixamorig:`, are ignored. Skeletons of no known family are recognised by geometry:
     two arms of equal bones leave the chest, and the names of their joints tell left from right.
@@ -111,7 +114,10 @@ def _find_by_geometry(skeleton: Sequence[CapturedJoint], source: str) -> BodyJoi
 def _follow_bones(
     joint: CapturedJoint, children: Mapping[str | None, list[CapturedJoint]], shortest: float
 ) -> list[CapturedJoint]:
-    """Return the joints at the ends of a limb's bones; bones of zero length are joined to the next."""
+    """Return the joints at the far ends of a limb's bones.
+
+    Bones of zero length are merged with the one before. At a fork, the longest bone is followed.
+    """
     bones: list[CapturedJoint] = []
     current: CapturedJoint | None = joint
     while current is not None and len(bones) < MAX_LIMB_BONES:
@@ -125,9 +131,9 @@ def _follow_bones(
 
 
 def _find_arm(bones: Sequence[CapturedJoint]) -> list[CapturedJoint]:
-    """Return shoulder, elbow and wrist of a limb, whose two longest successive bones have an arm's proportions.
+    """Return shoulder, elbow and wrist of a limb, empty without an arm.
 
-    The list is empty for another limb.
+    Upper arm and forearm are the longest two successive bones with a ratio in `BONE_RATIOS`.
     """
     lengths = _lengths(bones)
     least, most = BONE_RATIOS
@@ -137,7 +143,7 @@ def _find_arm(bones: Sequence[CapturedJoint]) -> list[CapturedJoint]:
 
 
 def _match_arms(limbs: Sequence[list[CapturedJoint]]) -> tuple[list[CapturedJoint], ...]:
-    """Return the two limbs with equal bones of arms, or nothing."""
+    """Return the first two arms with equal bone lengths, or ()."""
     arms = [limb for limb in limbs if limb]
     for k, first in enumerate(arms):
         for second in arms[k + 1 :]:
@@ -155,7 +161,7 @@ def _lengths(bones: Sequence[CapturedJoint]) -> Floats:
 
 
 def _side_of(names: Sequence[str]) -> Side | None:
-    """Return the side that the names of joints state."""
+    """Return the side that joint names state, None without one."""
     for name in names:
         match = _SIDE_WORD.search(name.rpartition(":")[2])
         if match is not None:
@@ -164,6 +170,9 @@ def _side_of(names: Sequence[str]) -> Side | None:
 
 
 def _find_neck_and_head(start: CapturedJoint, children: Mapping[str | None, list[CapturedJoint]]) -> tuple[str, str]:
-    """Return neck and head: the first joint above the chest, and the next one with a bone or the same."""
+    """Return the names of the neck `start` and of the head.
+
+    The head is the neck's first child, or the neck itself if it has no child.
+    """
     following = children.get(start.name, [])
     return start.name, following[0].name if following else start.name

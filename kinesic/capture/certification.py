@@ -1,4 +1,4 @@
-"""Certification of captured motion: violations of limits, and the nearest motion without any."""
+"""Certification of captured motion: limit violations and the nearest feasible motion."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -20,14 +20,14 @@ from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.files.motion_files import save_motion
 from kinesic.planning.setup import Setup
 
-MAX_DETOURS = 4  # largest number of rounds of detours with increasing clearance
-DETOUR_MARGIN = 0.002  # [m] added to the missing clearance in the next round
-MIN_PATH = 0.1  # [arm lengths] largest extent of a wrist path below which it has no correlation
+MAX_DETOURS = 4  # largest number of self-collision avoidance rounds, with increasing clearance
+DETOUR_MARGIN = 0.002  # [m] added to the required clearance of the next round, besides the missing one
+MIN_PATH = 0.1  # [arm lengths] wrist path extent up to which a hand counts as still
 
 
 @dataclass(frozen=True)
 class PathDistance:
-    """Distance of a certified motion from the motion in the file."""
+    """Differences of arm paths between a certified motion and its file."""
 
     wrist_rms: float  # [arm lengths]
     wrist_max: float  # [arm lengths]
@@ -76,7 +76,7 @@ class Certification:
 
 
 def judge_clip(clip: Clip, setup: Setup, source: str) -> tuple[RobotMotion, tuple[Violation, ...]]:
-    """Return a clip's motion on a robot, and the limits that it violates.
+    """Retarget a clip, and find the limits that its motion violates.
 
     Args:
         clip: of a body or of the robot's own joints.
@@ -91,7 +91,9 @@ def judge_clip(clip: Clip, setup: Setup, source: str) -> tuple[RobotMotion, tupl
 
 
 def certify_clip(clip: Clip, setup: Setup, source: str) -> Certification:
-    """Find what a clip violates on a robot, and the nearest motion that satisfies all limits.
+    """Find a clip's limit violations and the nearest feasible motion.
+
+    Where none is found, `Certification.is_certified` is False.
 
     Args:
         clip: of a body or of the robot's own joints.
@@ -117,7 +119,10 @@ def certify_clip(clip: Clip, setup: Setup, source: str) -> Certification:
 
 
 def _find_clear(desired: RobotMotion, setup: Setup) -> tuple[NearestMotion, float]:
-    """Return the nearest motion with detours around the body, and its smallest distance [m]."""
+    """Return a nearest motion with enough self-clearance, and the clearance [m].
+
+    If no round reaches the required clearance, it is the motion with the largest one.
+    """
     course = Course.of(desired.angles, setup)
     required = setup.robot.min_clearance + LAG_RESERVE
     best: tuple[NearestMotion, float] | None = None
@@ -135,7 +140,10 @@ def _find_clear(desired: RobotMotion, setup: Setup) -> tuple[NearestMotion, floa
 
 
 def largest_limit_ratio(trajectory: Trajectory, setup: Setup) -> float:
-    """Return the largest value / limit of a trajectory, at all knots and between them."""
+    """Return a trajectory's largest value / limit, without torque and clearance.
+
+    It is sampled four times per knot interval.
+    """
     limits = setup.limits
     times = trajectory.start + np.arange(0.0, trajectory.duration, KNOT_INTERVAL / 4.0)
     angles, velocities, accelerations = trajectory.sample(times)
@@ -151,7 +159,7 @@ def largest_limit_ratio(trajectory: Trajectory, setup: Setup) -> float:
 
 
 def measure_distance(arms: Mapping[Side, ArmPath], nearest: NearestMotion, setup: Setup) -> PathDistance:
-    """Compare the arms of a motion with those of the file at corresponding times."""
+    """Measure arm path differences between a nearest motion and its file."""
     reached = arm_paths(setup.robot, nearest.angles)
     wrists = np.concatenate([np.linalg.norm(reached[side].wrist - arm.wrist, axis=1) for side, arm in arms.items()])
     elbows = np.concatenate([np.linalg.norm(reached[side].elbow - arm.elbow, axis=1) for side, arm in arms.items()])

@@ -1,4 +1,4 @@
-"""Certified motion files as plans, which reports, twins and servos perform."""
+"""Conversion of certified motion files to plans."""
 
 from time import perf_counter
 
@@ -13,12 +13,12 @@ from kinesic.planning.postures import Postures
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import Syncs
 
-NOTICED_STRETCH = 1.005  # time stretch above which a notice tells it
-NOTICED_DISTANCE = 0.05  # [arm lengths] wrist distance above which a notice tells it
+NOTICED_STRETCH = 1.005  # duration / original duration above which a notice reports the stretch
+NOTICED_DISTANCE = 0.05  # [arm lengths] wrist distance from the file's path that causes a notice
 
 
 def plan_captured(clip: Clip, setup: Setup, *, source: str) -> Plan:
-    """Plan the nearest motion to a clip, starting and ending at rest.
+    """Plan the nearest feasible motion to a clip, from rest to rest.
 
     Args:
         clip: of a body or of the robot's own joints.
@@ -49,7 +49,7 @@ def plan_captured(clip: Clip, setup: Setup, *, source: str) -> Plan:
 
 
 def list_notices(certification: Certification) -> tuple[Notice, ...]:
-    """Return notices about guesses, stretched time and distances of a certified motion."""
+    """Return notices about a motion's guesses, time stretch and wrist distance."""
     texts = list(certification.desired.notes)
     nearest, distance = certification.nearest, certification.distance
     if nearest.total_stretch > NOTICED_STRETCH:

@@ -1,4 +1,4 @@
-"""Detours of dense motions around the robot's own body."""
+"""Self-collision avoidance for sampled arm motions."""
 
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
@@ -8,19 +8,19 @@ from kinesic.body.robot import SIDES
 from kinesic.capture.robot_motion import SAMPLE_RATE
 from kinesic.planning.setup import Setup
 
-MAX_ROUNDS = 16  # largest number of corrections of a path
-GRADIENT_STEP = 1e-3  # [rad] rotation for the finite difference of the distance
-MIN_GRADIENT = 0.02  # [m/rad] damping of corrections where the distance hardly depends on the hinges
+MAX_ROUNDS = 16  # largest number of correction rounds of a path
+GRADIENT_STEP = 1e-3  # [rad] rotation for the finite difference of the clearance
+MIN_GRADIENT = 0.02  # [m/rad] damping of corrections where clearance hardly depends on the hinges
 MAX_CORRECTION = 0.08  # [rad] largest rotation of a hinge in one round
 CORRECTION_MARGIN = 0.002  # [m] clearance beyond the required one that a correction aims at
-CORRECTION_WINDOW = 0.10  # [s] time over which a correction has full size
-CORRECTION_SMOOTHING = 0.06  # [s] standard deviation that smooths corrections
-FADE_TIME = 0.15  # [s] time at both ends in which corrections fade
-SAMPLES_PER_GRADIENT = 5  # number of samples for which one gradient is computed, less than a correction's window
+CORRECTION_WINDOW = 0.10  # [s] window of the maximum filter that holds a correction at full size
+CORRECTION_SMOOTHING = 0.06  # [s] standard deviation of the Gaussian filter on corrections
+FADE_TIME = 0.15  # [s] time over which corrections fade to zero at both ends of the motion
+SAMPLES_PER_GRADIENT = 5  # number of samples per gradient, less than `CORRECTION_WINDOW` holds
 
 
 def clear_path(angles: Floats, setup: Setup, *, min_clearance: float) -> Floats:
-    """Move arms away from the body where they are too near.
+    """Rotate arms away from the robot's body where clearance is too small.
 
     The hinges of each arm follow the gradient of its smallest distance; the corrections are smooth over time, and zero
     at both ends. The result may still be too near where no direction leads away.
@@ -57,14 +57,17 @@ def clear_path(angles: Floats, setup: Setup, *, min_clearance: float) -> Floats:
 
 
 def _fade(count: int) -> Floats:
-    """Return factors (m,) that are 0 at both ends and 1 from `FADE_TIME` on."""
+    """Return correction factors (m,), 0 at both ends and 1 in between."""
     samples = np.arange(count) / (FADE_TIME * SAMPLE_RATE)
     factors: Floats = np.minimum(1.0, np.minimum(samples, samples[::-1]))
     return factors**2 * (3.0 - 2.0 * factors)
 
 
 def _choose_samples(distances: Floats, min_clearance: float) -> Indices:
-    """Return the samples whose gradients are computed: some of each run, and the worst."""
+    """Return the indices of close samples at which gradients are computed.
+
+    Of each run: every `SAMPLES_PER_GRADIENT`-th sample, and the closest one.
+    """
     chosen: list[int] = []
     for begin, end in find_runs(distances < min_clearance):
         chosen += range(begin, end, SAMPLES_PER_GRADIENT)
@@ -75,7 +78,7 @@ def _choose_samples(distances: Floats, min_clearance: float) -> Indices:
 def _find_steps(
     angles: Floats, distances: Floats, arm: tuple[list[int], Flags], setup: Setup, min_clearance: float
 ) -> Floats:
-    """Return the rotations (m, h) [rad] of an arm's hinges that restore the clearance.
+    """Return hinge rotations (m, h) [rad] that increase an arm's clearance.
 
     Args:
         angles: (m, n) [rad].
@@ -96,7 +99,7 @@ def _find_steps(
 
 
 def _smooth(corrections: Floats) -> Floats:
-    """Spread corrections (m, h) over neighbouring samples, of both signs apart."""
+    """Spread corrections (m, h) over neighbouring samples, each sign separately."""
     window = max(1, round(CORRECTION_WINDOW * SAMPLE_RATE))
     up, down = (
         gaussian_filter1d(

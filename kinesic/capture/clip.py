@@ -1,4 +1,4 @@
-"""Common form of captured motion: directions of a body, or joint angles by name."""
+"""Captured motion: arm paths and head rotations, or named joint angles."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -9,7 +9,10 @@ from kinesic.body.robot import Side
 
 @dataclass(frozen=True, eq=False)
 class ArmPath:
-    """Path of one arm from its shoulder, in the chest frame (x forward, y left, z up)."""
+    """Elbow and wrist paths relative to the shoulder, in the chest frame.
+
+    Axes: x forward, y left, z up.
+    """
 
     elbow: Floats  # (m, 3) [arm lengths]
     wrist: Floats  # (m, 3) [arm lengths]
@@ -17,7 +20,7 @@ class ArmPath:
 
 @dataclass(frozen=True, eq=False)
 class BodyClip:
-    """Motion of a human body, independent of its size, place and heading."""
+    """Arm and head motion of a human, independent of size and heading."""
 
     times: Floats  # (m,) [s] from 0
     arms: Mapping[Side, ArmPath]
@@ -28,7 +31,7 @@ class BodyClip:
 
 @dataclass(frozen=True, eq=False)
 class JointClip:
-    """Motion as joint angles by name, of one robot."""
+    """Motion of one robot as named joint angles."""
 
     times: Floats  # (m,) [s] from 0
     names: tuple[str, ...]  # names of the joints in the file

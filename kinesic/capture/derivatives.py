@@ -1,4 +1,4 @@
-"""Derivatives of sampled motions, and the time that limits require."""
+"""Derivatives of sampled motions, and the time stretch that limits require."""
 
 import numpy as np
 
@@ -8,7 +8,10 @@ from kinesic.capture.robot_motion import SAMPLE_RATE
 
 
 def required_time_ratios(angles: Floats, limits: Limits) -> Floats:
-    """Return the time ratio (m,) that each sample needs to satisfy the limits, at least 1."""
+    """Return the local time stretch (m,) that satisfies limits, at least 1.
+
+    Considers velocity, acceleration, jerk and duty limits of all joints.
+    """
     velocity, acceleration, jerk = (np.abs(values) for values in differentiate(angles))
     viscous = limits.viscous * velocity
     duty = (viscous + np.sqrt(viscous**2 + 4.0 * limits.duty * limits.inertial * acceleration)) / (2.0 * limits.duty)

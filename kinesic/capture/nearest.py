@@ -1,4 +1,4 @@
-"""Nearest motion to a desired one that satisfies all limits of a robot."""
+"""Nearest motion to a desired one within a robot's joint limits."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -21,21 +21,21 @@ from kinesic.planning.certify import keep_duties
 from kinesic.planning.files.imported_motion import compute_comfortable_duration
 from kinesic.planning.setup import Setup
 
-PATH_KEY_INTERVAL = 0.1  # [s] time between keys that keep the shape of the path
+PATH_KEY_INTERVAL = 0.1  # [s] interval between key postures that guide the path
 MAX_WRIST_DISTANCE = 0.05  # [arm lengths] wrist distance from the desired path above which time is stretched
-MAX_TIME_RATIO = 4.0  # largest ratio of required to available time that the stretch considers
-RATIO_WINDOW = 0.2  # [s] window of the largest required time ratio
-RATIO_SMOOTHING = 0.05  # [s] standard deviation that smooths the stretch
+MAX_TIME_RATIO = 4.0  # upper bound on the required time ratio, before its smoothing
+RATIO_WINDOW = 0.2  # [s] window of the maximum filter on required time ratios
+RATIO_SMOOTHING = 0.05  # [s] standard deviation of the Gaussian filter on the stretch
 STRETCH_AMOUNTS = (0.5, 1.0, 2.0, 4.0)  # amounts of stretch tried, as multiples of the missing time
-BISECTION_STEPS = 3  # number of steps that reduce the amount of stretch
-MAX_FIRST_RATIO = 0.95  # distance with / without the first stretch above which time does not help
-MAX_LAST_RATIO = 0.7  # distance with / without the largest stretch above which it is not worth its time
-REST_TOLERANCE = 2e-3  # [rad] distance from the rest posture below which a clip begins or ends at rest
+BISECTION_STEPS = 3  # number of bisection steps that reduce the stretch amount
+MAX_FIRST_RATIO = 0.95  # wrist distance with / without the smallest stretch above which none is applied
+MAX_LAST_RATIO = 0.7  # wrist distance with / without the largest stretch above which none is applied
+REST_TOLERANCE = 2e-3  # [rad] largest hinge deviation from rest at which a clip begins or ends at rest
 
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """Desired angles at `SAMPLE_RATE` from rest through the clip and back to rest."""
+    """Desired angles at `SAMPLE_RATE`: approach from rest, clip, return to rest."""
 
     angles: Floats  # (m, n) [rad] within the joint ranges
     first: int  # index of the clip's first sample
@@ -48,9 +48,9 @@ class Course:
 
     @classmethod
     def of(cls, angles: Floats, setup: Setup) -> "Course":
-        """Add an approach from rest and a return to rest to the angles (k, n) of a clip.
+        """Add movements from and to rest around a clip's angles (k, n).
 
-        A clip that begins or ends at rest gets none.
+        An end of the clip that is at rest gets no movement.
         """
         rest = setup.robot.skeleton.rest
         lead, trail = (_approach_time(setup, rest, posture) for posture in (angles[0], angles[-1]))
@@ -63,7 +63,7 @@ class Course:
 
 @dataclass(frozen=True, eq=False)
 class NearestMotion:
-    """Motion within all limits, and its correspondence to the clip."""
+    """Motion within joint limits, with performance times of the clip's samples."""
 
     motion: Conditioned
     keys: tuple[KeyPosture, ...]  # at requested times, from rest to rest
@@ -72,7 +72,7 @@ class NearestMotion:
 
     @property
     def angles(self) -> Floats:
-        """Joint angles (m, n) [rad] that correspond to the desired samples."""
+        """Joint angles (m, n) [rad] at the times of the clip's samples."""
         return self.motion.trajectory.angles(self.clip_times)
 
     @property
@@ -82,7 +82,7 @@ class NearestMotion:
 
 
 def find_nearest(course: Course, setup: Setup, stretch: Floats | None = None) -> NearestMotion:
-    """Return the nearest motion within limits, from rest to rest.
+    """Return the nearest motion within joint limits, from rest to rest.
 
     Position, velocity, acceleration, jerk and duty limits hold at every instant. Time is stretched only where the
     limits keep a wrist more than `MAX_WRIST_DISTANCE` from its path.
@@ -98,7 +98,10 @@ def find_nearest(course: Course, setup: Setup, stretch: Floats | None = None) ->
 
 
 def _find_stretch(course: Course, setup: Setup) -> Floats:
-    """Return the local stretch (m,) that brings wrists near to their paths."""
+    """Search the local time stretch (m,) that brings wrists near their paths.
+
+    It is 1 where no stretch is needed, or none helps enough.
+    """
     none = np.ones(len(course.clip))
     distance = _distance_with(course, none, setup)
     if distance <= MAX_WRIST_DISTANCE:
@@ -126,27 +129,27 @@ def _find_stretch(course: Course, setup: Setup) -> Floats:
 
 
 def _stretch_by(amount: float, excess: Floats) -> Floats:
-    """Return the local stretch (m,) by a multiple of the missing time."""
+    """Return the local time stretch (m,), equal to 1 + amount x excess."""
     stretch: Floats = 1.0 + amount * excess
     return stretch
 
 
 def _distance_with(course: Course, stretch: Floats, setup: Setup) -> float:
-    """Return the largest wrist distance [arm lengths] from the desired path at a stretch."""
+    """Return the nearest motion's largest wrist distance [arm lengths] at a stretch."""
     request = _request(course, stretch, setup)
     nearest = request.match(request.search(setup.limits))
     return largest_wrist_distance(setup.robot, course.clip, nearest.angles)
 
 
 def largest_wrist_distance(robot: Robot, first: Floats, second: Floats) -> float:
-    """Return the largest wrist distance [arm lengths] between postures (m, n)."""
+    """Return the largest wrist distance [arm lengths] between motions (m, n)."""
     paths = zip(arm_paths(robot, first).values(), arm_paths(robot, second).values(), strict=True)
     return max(float(np.linalg.norm(a.wrist - b.wrist, axis=1).max()) for a, b in paths)
 
 
 @dataclass(frozen=True, eq=False)
 class _Request:
-    """Keys and dense desired motion at a stretch."""
+    """Keys and sampled desired motion at a given time stretch."""
 
     keys: tuple[KeyPosture, ...]
     times: Floats  # (m,) [s] requested times of the desired samples
@@ -158,13 +161,13 @@ class _Request:
         return condition(self.keys, limits, make_desired=self.make_desired)
 
     def match(self, motion: Conditioned) -> NearestMotion:
-        """Return a motion with the times that correspond to the desired samples."""
+        """Add the performance times of the desired samples to a motion."""
         planned = np.interp(self.times, motion.requested_times, motion.planned)
         return NearestMotion(motion, self.keys, sealed(planned + motion.trajectory.zero), sealed(self.stretch))
 
 
 def _request(course: Course, stretch: Floats, setup: Setup) -> _Request:
-    """Return the keys and the desired motion from rest through the clip and back.
+    """Make keys and desired motion from rest through clip to rest.
 
     Only rest, the first and the last posture are exact keys. Further keys keep the path without binding it.
     """
@@ -195,14 +198,17 @@ def _request(course: Course, stretch: Floats, setup: Setup) -> _Request:
 
 
 def _approach_time(setup: Setup, rest: Floats, posture: Floats) -> float:
-    """Return the time [s] between rest and an end of the clip, zero if it is at rest."""
+    """Return the duration [s] of a movement from rest to a posture.
+
+    It is zero for a posture within `REST_TOLERANCE` of rest.
+    """
     if float(np.abs(posture - rest).max()) < REST_TOLERANCE:
         return 0.0
     return compute_comfortable_duration(setup, rest, posture)
 
 
 def _ease(start: Floats, end: Floats, duration: float) -> Floats:
-    """Return the samples of a smooth movement between two postures, without the last one."""
+    """Return minimum-jerk samples between two postures, without the last one."""
     count = round(duration * SAMPLE_RATE)
     fractions = minimum_jerk(np.arange(count) / max(count, 1))
     samples: Floats = start + fractions[:, None] * (end - start)
@@ -210,7 +216,7 @@ def _ease(start: Floats, end: Floats, duration: float) -> Floats:
 
 
 def _warp(times: Floats, keys: Keys, *, course_times: Floats, course: Floats) -> DesiredMotion:
-    """Return the desired motion, warped so that its keys are at times (m,) [s]."""
+    """Return the desired motion, warped to key times (m,) [s]."""
     performance = np.interp(course_times, keys.requested_times, times) - times[0]
     curve = CubicSpline(performance, course, bc_type="clamped")
     states = sealed([course, curve(performance, 1), curve(performance, 2)])

@@ -13,8 +13,8 @@ from kinesic.capture.reading.smartbody import read_motion, read_skeleton
 from kinesic.capture.reading.smpl import is_smpl, read_smpl
 from kinesic.capture.reading.text import CaptureError, read_file
 
-SKELETON_FOLDER = "skeletons"  # name of the folder of SmartBody skeletons, in one of the folders above a clip
-MAX_FOLDERS_ABOVE = 2  # largest number of folders above a clip in which its skeleton is searched
+SKELETON_FOLDER = "skeletons"  # name of the folders that hold SmartBody skeletons
+MAX_FOLDERS_ABOVE = 2  # number of levels above the clip's folder that are searched for skeletons
 FORMATS: Mapping[str, str] = {  # formats of motion files by suffix
     ".bvh": "BVH",
     ".skm": "SmartBody motion, with its skeleton ACTOR.sk",
@@ -25,7 +25,7 @@ FORMATS: Mapping[str, str] = {  # formats of motion files by suffix
 
 
 def read_clip(path: Path) -> Clip:
-    """Read a motion file.
+    """Read a motion file of any supported format.
 
     Args:
         path: of the file, with a suffix in `FORMATS`.
@@ -54,7 +54,7 @@ def read_clip(path: Path) -> Clip:
 
 
 def _read_npz(data: bytes, source: str) -> Clip:
-    """Read an SMPL motion or joint angles."""
+    """Read an SMPL motion or joint angles from an NPZ file."""
     arrays = read_npz(data, source)
     if not is_smpl(arrays):
         return read_joint_npz(arrays, source)

@@ -7,27 +7,27 @@ from scipy.signal import butter, sosfiltfilt
 from kinesic.body.arrays import Floats
 from kinesic.capture.robot_motion import SAMPLE_RATE
 
-CUTOFF_FREQUENCY = 6.0  # [Hz] cut-off frequency of captured paths, above that of gestures
+CUTOFF_FREQUENCY = 6.0  # [Hz] default low-pass cut-off of captured motion, above gesture frequencies
 FILTER_ORDER = 2  # order of the Butterworth filter, applied forward and backward
-MAX_PADDING = 1.0  # [s] longest extension of both ends of a signal while it is filtered
+MAX_PADDING = 1.0  # [s] longest padding at each end of a filtered signal
 
 
 def resample_times(times: Floats) -> Floats:
-    """Return times at `SAMPLE_RATE` from 0 to the end of samples (m,) [s]."""
+    """Return times [s] from 0 at `SAMPLE_RATE`, spanning the original times."""
     count = int(np.floor((times[-1] - times[0]) * SAMPLE_RATE + 1e-6)) + 1
     resampled: Floats = np.arange(max(count, 2)) / SAMPLE_RATE
     return resampled
 
 
 def resample(times: Floats, values: Floats, new_times: Floats) -> Floats:
-    """Interpolate samples (m, k) by cubic splines, held after their end."""
+    """Interpolate samples (m, k) by cubic splines, holding the last sample."""
     curve = CubicSpline(times, values)
     sampled: Floats = curve(np.minimum(new_times, times[-1]))
     return sampled
 
 
 def low_pass(values: Floats, cutoff: float = CUTOFF_FREQUENCY) -> Floats:
-    """Filter samples (m, k) at `SAMPLE_RATE` without phase shift.
+    """Low-pass filter samples (m, k) at `SAMPLE_RATE` without phase shift.
 
     Args:
         values: samples.

@@ -1,4 +1,4 @@
-"""Retargeting of captured clips to a robot's joints, before its limits are considered."""
+"""Retargeting of captured clips to a robot's joints."""
 
 from collections.abc import Sequence
 
@@ -18,13 +18,15 @@ from kinesic.motion.keys import RANGE_MARGIN
 from kinesic.planning.setup import Setup
 from kinesic.planning.torso import compute_torso_turn, set_turn
 
-MAX_DURATION = 300.0  # [s] longest clip that is retargeted
-HEAD_AXES = "ZYX"  # rotations of the neck, from the trunk: torsion, tilt and roll
-MAX_LISTED_NAMES = 5  # largest number of unknown joints that a message lists
+MAX_DURATION = 300.0  # [s] longest accepted clip
+HEAD_AXES = "ZYX"  # intrinsic Euler axes of the neck: torsion, tilt and roll
+MAX_LISTED_NAMES = 5  # largest number of joint names in a message
 
 
 def retarget(clip: Clip, setup: Setup, source: str) -> RobotMotion:
     """Return a robot's joint angles that imitate a clip.
+
+    `RobotMotion.angles` stay in the joint ranges, but may exceed the other limits.
 
     A body's wrists and elbows are followed by inverse kinematics, in arm lengths; the head by the neck. Joint angles
     are taken by name.
@@ -67,7 +69,7 @@ def _follow_body(clip: BodyClip, times: Floats, setup: Setup) -> RobotMotion:
 
 
 def _exceeds_limits(angles: Floats, side: Side, setup: Setup) -> bool:
-    """Return whether an arm's rotations exceed a limit, as they do near singular postures."""
+    """Return whether an arm exceeds a velocity, acceleration, jerk or duty limit."""
     hinges = np.array(setup.robot.arms[side].indices)
     return float(required_time_ratios(angles[:, hinges], setup.limits.part(hinges)).max()) > 1.0
 
@@ -89,7 +91,7 @@ def _take_joints(clip: JointClip, times: Floats, robot: Robot, source: str) -> R
 
 
 def _inside(angles: Floats, robot: Robot) -> Floats:
-    """Clip angles (m, n) into the joint ranges, with the margin of keys."""
+    """Clip angles (m, n) to joint ranges narrowed by `RANGE_MARGIN`."""
     lower, upper = robot.skeleton.lower, robot.skeleton.upper
     margin = np.minimum(RANGE_MARGIN, (upper - lower) / 2.0)
     return sealed(np.clip(angles, lower + margin, upper - margin))

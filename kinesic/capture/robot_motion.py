@@ -1,4 +1,4 @@
-"""Motion of a robot at a fixed rate that need not satisfy its limits."""
+"""Sampled robot motions, possibly beyond the robot's limits."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -15,14 +15,14 @@ SAMPLE_RATE = 100.0  # [Hz] rate of desired motions
 
 @dataclass(frozen=True, eq=False)
 class RobotMotion:
-    """Desired joint angles at `SAMPLE_RATE`, with the directions they imitate."""
+    """Desired joint angles at `SAMPLE_RATE`, with the arm paths they imitate."""
 
     times: Floats  # (m,) [s] from 0
     requested: Floats  # (m, n) [rad] possibly beyond the joint ranges
     angles: Floats  # (m, n) [rad] within the joint ranges
-    arms: Mapping[Side, ArmPath]  # directions of the source at the same times
+    arms: Mapping[Side, ArmPath]  # elbow and wrist paths of the source, at the same times
     syncs: Mapping[str, float]  # [s] BML sync points
-    notes: tuple[str, ...] = ()  # guesses about the source and parts that the robot lacks
+    notes: tuple[str, ...] = ()  # guesses about the source, bridged leaps and unknown joints
 
     @property
     def duration(self) -> float:
@@ -31,7 +31,9 @@ class RobotMotion:
 
 
 def arm_paths(robot: Robot, angles: Floats) -> Mapping[Side, ArmPath]:
-    """Compute elbow and wrist from the shoulder, in the trunk's frame.
+    """Compute elbow and wrist positions relative to the shoulder [arm lengths].
+
+    Axes are those of the segment that carries the arm.
 
     Args:
         robot: the robot.

@@ -18,7 +18,7 @@ class CapturedJoint:
 
     name: str
     parent: str | None
-    offset: Floats  # (3,) [m] from the parent, in the parent's axes
+    offset: Floats  # (3,) from the parent, in the parent's axes and the unit of the file
     turn: Floats  # (3,) [rad] rotation vector applied before that of the motion
 
 
@@ -28,28 +28,31 @@ class CapturedMotion:
 
     times: Floats  # (m,) [s]
     columns: Mapping[tuple[str, str], slice]  # columns of the frames, by joint and kind of channel
-    frames: Floats  # (m, k) translations [m] and rotation vectors [rad]
+    frames: Floats  # (m, k) translations in the unit of the file, and rotation vectors [rad]
     syncs: Mapping[str, float]  # [s] BML sync points
 
 
-NEUTRAL_POSE = CapturedMotion(sealed([0.0]), {}, sealed([[0.0]]), {})  # all joints without motion
+NEUTRAL_POSE = CapturedMotion(sealed([0.0]), {}, sealed([[0.0]]), {})  # one frame with all joints in the zero pose
 
 
 @dataclass(frozen=True, eq=False)
 class JointFrames:
-    """Positions and rotations of all joints in every captured frame, y up."""
+    """Positions and rotations of all joints in every captured frame.
 
-    positions: Mapping[str, Floats]  # (m, 3) in the unit of the skeleton
+    World axes are those of the file.
+    """
+
+    positions: Mapping[str, Floats]  # (m, 3) in the unit of the file
     rotations: Mapping[str, Floats]  # (m, 3, 3) from joint axes to the world
 
 
 def joint_positions(skeleton: Sequence[CapturedJoint], motion: CapturedMotion) -> Mapping[str, Floats]:
-    """Return joint positions (m, 3) [m] in every captured frame, y up."""
+    """Return joint positions (m, 3) in the file's unit and axes."""
     return joint_frames(skeleton, motion).positions
 
 
 def joint_frames(skeleton: Sequence[CapturedJoint], motion: CapturedMotion) -> JointFrames:
-    """Return positions and rotations of joints in every captured frame, y up.
+    """Compute joint positions and rotations in every captured frame.
 
     A joint rotates by its own rotation and then by the motion's; its child lies at an offset in the rotated axes.
     """

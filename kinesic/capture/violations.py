@@ -20,7 +20,7 @@ SAMPLES_PER_WINDOW = 4096  # samples whose torques are computed together, which 
 
 @dataclass(frozen=True)
 class Violation:
-    """Largest violation of one limit by one joint, or by one pair of segments."""
+    """Largest violation of one limit by a joint or segment pair."""
 
     limit: LimitName
     part: str  # joint, or pair of segments
@@ -36,7 +36,7 @@ class Violation:
 
 
 def find_violations(angles: Floats, setup: Setup) -> tuple[Violation, ...]:
-    """Return the violated limits of a motion at `SAMPLE_RATE`, the largest ratio first.
+    """Return a sampled motion's limit violations, the largest ratio first.
 
     Velocities, accelerations and jerks are mean values over one, two and three intervals: a motion through the samples
     exceeds them at least once. The duty limit of each joint assumes its largest load; torques are those of the motion.

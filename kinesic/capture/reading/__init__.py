@@ -1,1 +1,1 @@
-"""Readers of motion files: pure functions from bytes to a clip."""
+"""Parsers of motion files, from bytes to captured motion."""

@@ -19,18 +19,18 @@ from kinesic.capture.reading.text import (
 )
 from kinesic.capture.skeleton_motion import CapturedJoint, CapturedMotion, joint_frames
 
-NO_ROTATION = sealed(np.zeros(3))  # (3,) [rad] rotation vector of a BVH joint before the motion
-MAX_FIRST_STEP = np.radians(30.0)  # [rad] joint rotation after the first frame, above which this frame is a T-pose
+NO_ROTATION = sealed(np.zeros(3))  # (3,) zero vector: rotation [rad] of BVH joints before the motion, default offset
+MAX_FIRST_STEP = np.radians(30.0)  # [rad] rotation between first two frames above which the first is a T-pose
 AXES = "XYZ"  # axis letters of channels
 CHANNEL_KINDS = frozenset(f"{axis}{kind}" for axis in AXES for kind in ("position", "rotation"))
 MAX_CHANNELS = 6  # largest number of channels of a joint
 
-Channels = tuple[tuple[str, str], ...]  # joint and channel of every column, as `Zrotation`
+Channels = tuple[tuple[str, str], ...]  # joint and channel of every column, such as `Zrotation`
 
 
 @dataclass
 class _Words:
-    """Words of a text with their line numbers, read one after the other."""
+    """Reader of the successive words of a text, with line numbers."""
 
     source: str
     words: Sequence[tuple[int, str]]
@@ -39,7 +39,7 @@ class _Words:
 
     @property
     def place(self) -> str:
-        """File and line of the last word."""
+        """File and line of the last word read."""
         return f"{self.source}:{self.line}"
 
     @property
@@ -48,7 +48,7 @@ class _Words:
         return self.position >= len(self.words)
 
     def next(self, expected: str) -> str:
-        """Return the next word.
+        """Return the next word and advance behind it.
 
         Raises:
             CaptureError: there is none.
@@ -89,12 +89,12 @@ def read_bvh(data: bytes, source: str) -> tuple[tuple[CapturedJoint, ...], Captu
 
 
 def _find_motion(lines: Sequence[str]) -> int:
-    """Return the index of the line MOTION, or the number of lines."""
+    """Return the line index of MOTION, or the line count without it."""
     return next((k for k, line in enumerate(lines) if line.strip() == "MOTION"), len(lines))
 
 
 def _parse_frame_time(lines: Sequence[str], begin: int, source: str) -> tuple[float, int]:
-    """Return the time between frames [s] and the index of the first row."""
+    """Return the frame period [s] and the first frame's line index."""
     for k in range(begin + 1, min(begin + 10, len(lines))):
         name, _, value = lines[k].partition(":")
         if name.strip() == "Frame Time":
@@ -106,7 +106,7 @@ def _parse_frame_time(lines: Sequence[str], begin: int, source: str) -> tuple[fl
 
 
 def _parse_rows(lines: Sequence[str], first: int, width: int, source: str) -> Floats:
-    """Return the complete rows (m, width) of a BVH file."""
+    """Parse the channel values (m, width) of all complete frames."""
     numbers = array("d")
     for k in range(first, len(lines)):
         numbers.extend(parse_numbers(lines[k].split(), f"{source}:{k + 1}").tolist())

@@ -1,4 +1,4 @@
-"""Readers of joint angles over time in tables: CSV and NPZ."""
+"""Readers of tables of joint angles over time (CSV and NPZ)."""
 
 import csv
 from collections.abc import Mapping, Sequence
@@ -20,10 +20,10 @@ from kinesic.capture.reading.text import (
 from kinesic.files.array_file import Array, numbers_of, text_of, unpack_arrays
 from kinesic.planning.files.motion_files import NPZ_ARRAYS
 
-TIME_NAMES = ("time_s", "time", "t", "timestamp", "times")  # names of the column of times [s]
-NAME_ARRAYS = ("names", "joint_names")  # names of the npz array with joint names
-ANGLE_ARRAYS = ("angles", "positions", "joint_positions", "q")  # names of the npz array with angles
-RATE_ARRAYS = ("fps", "frame_rate", "rate")  # names of the npz array with the frame rate [Hz]
+TIME_NAMES = ("time_s", "time", "t", "timestamp", "times")  # accepted names of the column of times [s]
+NAME_ARRAYS = ("names", "joint_names")  # accepted names of the npz array with joint names
+ANGLE_ARRAYS = ("angles", "positions", "joint_positions", "q")  # accepted names of the npz array with angles
+RATE_ARRAYS = ("fps", "frame_rate", "rate")  # accepted names of the npz array with the frame rate [Hz]
 UNIT_SUFFIXES: Mapping[str, float] = {  # factor to radians by the end of a column's name
     "_rad": 1.0,
     " [rad]": 1.0,
@@ -33,7 +33,7 @@ UNIT_SUFFIXES: Mapping[str, float] = {  # factor to radians by the end of a colu
     " (deg)": np.pi / 180.0,
 }
 DELIMITERS = ",;\t"  # characters that may separate columns
-MAX_RADIANS = 2.0 * np.pi  # [rad] angle beyond which columns without unit count as degrees
+MAX_RADIANS = 2.0 * np.pi  # [rad] any larger angle makes all columns without unit count as degrees
 
 
 def read_joint_csv(data: bytes, source: str) -> JointClip:
@@ -68,7 +68,9 @@ def read_joint_csv(data: bytes, source: str) -> JointClip:
 
 
 def read_joint_npz(arrays: Mapping[str, Array], source: str) -> JointClip:
-    """Read joint angles from NPZ arrays: times or a rate, names, and angles.
+    """Read joint angles from NPZ arrays of times, names and angles.
+
+    A frame rate may replace the times.
 
     Raises:
         CaptureError: there are no such arrays.

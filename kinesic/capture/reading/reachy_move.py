@@ -8,8 +8,8 @@ from kinesic.body.rotation import rotation_about, rotation_to_vector
 from kinesic.capture.clip import BodyClip
 from kinesic.capture.reading.text import CaptureError, check_size, check_times
 
-MATRIX_SIZE = 4  # rows and columns of a pose
-MAX_ROTATION_ERROR = 0.01  # largest deviation of R^T R from the identity
+MATRIX_SIZE = 4  # number of rows and of columns of a pose matrix
+MAX_ROTATION_ERROR = 0.01  # largest accepted entry of |R^T R - 1| for a rotation matrix R
 UP_AXIS = sealed([0.0, 0.0, 1.0])  # axis of the body's yaw
 
 
@@ -28,7 +28,7 @@ class _Move(msgspec.Struct):
 
 
 def read_reachy_move(data: bytes, source: str) -> BodyClip:
-    """Read the head's rotation of a recorded Reachy Mini move.
+    """Read head rotations relative to the body from a Reachy Mini move.
 
     Setpoints without a pose are left out. Antennas have no counterpart on other robots.
 
@@ -63,7 +63,7 @@ def _finite(value: float, place: str) -> float:
 
 
 def _rotation_of(head: list[list[float] | float], place: str) -> Floats:
-    """Return the rotation (3, 3) of a pose."""
+    """Return the rotation matrix (3, 3) of a 4 x 4 pose."""
     rows = [row if isinstance(row, list) else [row] for row in head]
     numbers = np.array([value for row in rows for value in row], dtype=np.float64)
     if numbers.size != MATRIX_SIZE**2:

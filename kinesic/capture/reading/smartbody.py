@@ -18,7 +18,7 @@ from kinesic.capture.reading.text import (
 from kinesic.capture.skeleton_motion import CapturedJoint, CapturedMotion
 
 CHANNEL_WIDTHS: Mapping[str, int] = {"XPos": 1, "YPos": 1, "ZPos": 1, "Quat": 3}  # kind of channel -> numbers per frame
-SYNC_NAMES: Mapping[str, str] = {  # BML sync points by the time's name in a motion file
+SYNC_NAMES: Mapping[str, str] = {  # BML sync point by the name of a time in a .skm file
     "ready": "ready",
     "strokeStart": "strokeStart",
     "emphasis": "stroke",
@@ -37,7 +37,7 @@ _TIME_PATTERN = re.compile(r"^(\w+) time:\s*(\S+)", re.MULTILINE)
 
 
 def read_skeleton(data: bytes, source: str) -> tuple[CapturedJoint, ...]:
-    """Read the joints of an actor, parents first.
+    """Read the joints of a SmartBody skeleton (.sk), parents first.
 
     Raises:
         CaptureError: the data is not a skeleton.

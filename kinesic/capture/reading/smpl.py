@@ -1,4 +1,7 @@
-"""Reader of SMPL, SMPL-H and SMPL-X motion files (.npz), as of AMASS, BEAT2 and motion generators."""
+"""Reader of SMPL, SMPL-H and SMPL-X motion files (.npz).
+
+AMASS, BEAT2 and motion generators use these formats.
+"""
 
 from collections.abc import Mapping
 
@@ -9,10 +12,10 @@ from kinesic.capture.reading.text import CaptureError, check_times
 from kinesic.capture.skeleton_motion import ROTATION_CHANNEL, CapturedJoint, CapturedMotion
 from kinesic.files.array_file import Array, numbers_of
 
-RATE_NAMES = ("mocap_frame_rate", "mocap_framerate", "fps")  # names of the frame rate [Hz]
-DEFAULT_RATE = 30.0  # [Hz] of files without a frame rate
-BODY_COLUMNS = 66  # columns of `poses` with the rotations of pelvis and body
-BODY_POSE_COLUMNS = 63  # columns of `pose_body`, which lacks the pelvis
+RATE_NAMES = ("mocap_frame_rate", "mocap_framerate", "fps")  # accepted names of the npz array with the frame rate [Hz]
+DEFAULT_RATE = 30.0  # [Hz] assumed frame rate of files that lack it
+BODY_COLUMNS = 66  # number of leading columns of `poses`: rotations of pelvis and body
+BODY_POSE_COLUMNS = 63  # number of leading columns of `pose_body`, without the pelvis
 NO_TURN = sealed(np.zeros(3))  # (3,) [rad] rotation of a joint in the zero pose
 
 
@@ -20,9 +23,10 @@ def _joint(name: str, parent: str | None, x: float, y: float, z: float) -> Captu
     return CapturedJoint(name, parent, sealed([x, y, z]), NO_TURN)
 
 
-# Upper body in the zero pose [m]: x left, y up, z ahead. The lengths are of an average adult, as those of the model are
-# licensed. The directions of the arm bones are those of published motion: a straight T-pose errs by 16 degrees.
-UPPER_BODY: Mapping[int, CapturedJoint] = {  # by index of the joint
+# Offsets from the parent in the zero pose [m]: x left, y up, z forward. The lengths are of an average adult, as those
+# of the model are licensed. The directions of the arm bones are those of published motion: a straight T-pose errs by 16
+# degrees.
+UPPER_BODY: Mapping[int, CapturedJoint] = {  # by SMPL joint index
     0: _joint("pelvis", None, 0.0, 0.0, 0.0),
     3: _joint("spine1", "pelvis", 0.0, 0.12, -0.03),
     6: _joint("spine2", "spine1", 0.0, 0.14, 0.0),

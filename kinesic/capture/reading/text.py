@@ -1,4 +1,4 @@
-"""Bytes and numbers of motion files, with located errors."""
+"""Size-limited reading and parsing of motion files, with located errors."""
 
 from array import array
 from collections.abc import Iterable
@@ -12,13 +12,13 @@ from kinesic.files.input_file import open_regular
 
 MAX_FILE_SIZE = 64_000_000  # [bytes] largest motion file that is read
 MAX_FRAMES = 200_000  # largest number of frames of a clip
-MAX_LINES = 2_000_000  # largest number of lines of a text
-MAX_LINE_LENGTH = 1_000_000  # [bytes] longest line of a text
+MAX_LINES = 2_000_000  # largest number of lines of a text file
+MAX_LINE_LENGTH = 1_000_000  # [characters] longest line of a text file
 MAX_JOINTS = 1000  # largest number of joints of a skeleton
 
 
 class CaptureError(ConfigError):
-    """Motion file that cannot be read; the message names the file and the place in it."""
+    """Error in a motion file, located by file and place."""
 
 
 def read_file(path: Path) -> bytes:
@@ -51,7 +51,7 @@ def check_size(data: bytes, source: str) -> None:
 
 
 def decode(data: bytes, source: str) -> str:
-    """Decode the text of a motion file; invalid bytes become replacement characters.
+    """Decode a motion file as UTF-8, replacing invalid bytes.
 
     Raises:
         CaptureError: the file is too large.
@@ -106,7 +106,7 @@ def parse_count(word: str, place: str, *, most: int) -> int:
 
 
 def check_times(times: Floats, source: str) -> None:
-    """Raise an error unless there are enough frames in the order of time.
+    """Raise an error unless 2 to `MAX_FRAMES` times increase strictly.
 
     Raises:
         CaptureError: fewer than two frames, more than `MAX_FRAMES`, or times that do not increase.
