@@ -28,7 +28,7 @@ class PoseSolution(Struct, frozen=True, eq=False):
     turn: float  # [rad] between the hand's orientation and the requested one
     reached: bool  # within 0.1 mm and 1 mrad
     cells: int  # evaluated postures
-    rounds: int  # of the descents
+    rounds: int  # total number of Levenberg-Marquardt iterations
 
 
 def solve_pose(chain: Chain, position: Floats, rotation: Floats, *, start: Floats) -> PoseSolution:

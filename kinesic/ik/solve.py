@@ -85,7 +85,7 @@ def _direction(name: str, values: Floats) -> Floats:
 
 
 def as_floats(name: str, values: Floats, shape: tuple[int, ...]) -> Floats:
-    """Convert values to a finite float64 array, or raise for another shape.
+    """Convert values to a finite float64 array of given shape, or raise.
 
     Returns:
         The values as contiguous float64.

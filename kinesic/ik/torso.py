@@ -52,7 +52,7 @@ class _Arm:
 
 
 def lean_torso(robot: Robot, hands: Mapping[Side, Floats], *, max_turn: float = MAX_TURN) -> tuple[float, float, float]:
-    """Compute the smallest torso rotation that brings targets within easy reach.
+    """Compute the smallest torso rotation that brings hand targets within easy reach.
 
     Args:
         robot: whose arms reach.

@@ -27,7 +27,7 @@ class Both:
     residuals: Mapping[Side, float]  # [m] from each hand to its target
     torso_travel: float  # [rad] sum over the torso's hinges, from the start
     reached: bool  # both within 1 mm
-    rounds: int  # of the descents
+    rounds: int  # total number of Levenberg-Marquardt iterations
 
 
 def reach_both(

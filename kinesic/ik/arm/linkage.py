@@ -26,7 +26,7 @@ from kinesic.ik.scalar3 import (
     vector,
 )
 
-PARALLEL_SINE = 1e-9  # sine of the angle below which a hinge lies along its bone
+PARALLEL_SINE = 1e-9  # sine of the angle below which a hinge axis is parallel to its bone
 GIRDLE_MOBILITY = 0.1  # mobility of collar-bone hinges (other hinges: 1), so that they move least
 
 

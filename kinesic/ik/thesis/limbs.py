@@ -58,7 +58,7 @@ class Limbs:
 
     @cached_property
     def reach(self) -> dict[str, float]:
-        """Distance from the tree's base to each stretched limb's end [m]."""
+        """Largest distance from the tree's base to each limb's end [m]."""
         reach_by_limb: dict[str, float] = {}
         for limb in self.members:
             reach_by_limb[limb.name] = limb.chain.size + (0.0 if limb.on is None else reach_by_limb[limb.on])

@@ -46,7 +46,7 @@ class Springs:
         return forces
 
     def energy(self, forces: Floats) -> float:
-        """Return summed force magnitudes per mean stiffness (Algorithm 1)."""
+        """Return summed force magnitudes / mean stiffness (Algorithm 1)."""
         return float(np.sqrt((forces * forces).sum(axis=1)).sum() / self.stiffness.mean())
 
     @property
