@@ -18,7 +18,7 @@ SWIVEL_CUTOFF = 3.0  # [Hz] cut-off frequency of the elbow's swivel, which is no
 MIN_ELBOW_OFFSET = 0.04  # [arm lengths] elbow distance from the shoulder-wrist line below which swivel is undefined
 SETTLING_STEPS = 20  # number of repeated solutions of the first target, starting at rest
 MAX_STEP = 0.35  # [rad] hinge rotation between samples above which the arm leaps to another posture
-BRIDGE_TIME = 0.08  # [s] time before and after a leap that is bridged
+BRIDGE_TIME = 0.08  # [s] interval before and after a leap that is interpolated
 
 
 def track_arm(chain: Chain, path: ArmPath, length: float) -> tuple[Floats, int]:

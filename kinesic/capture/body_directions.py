@@ -19,7 +19,7 @@ from kinesic.capture.skeleton_motion import (
     select_ancestors,
 )
 
-MAX_JOINT_FRAMES = 2_000_000  # largest accepted number of frames times joints up to the root
+MAX_JOINT_FRAMES = 2_000_000  # largest accepted frames x joints (measured joints and their ancestors)
 MIN_LENGTH = 1e-6  # shortest accepted spine, shoulder line and arm, in the unit of the file
 LEVEL_HEIGHT = 0.2  # [arm lengths] largest height of wrists above or below the shoulders in a T-pose
 STRAIGHT_DISTANCE = 0.95  # [arm lengths] shoulder-wrist distance above which an arm is straight
@@ -117,7 +117,10 @@ def _head_rotations(frames: JointFrames, neutral: JointFrames, chest: Floats, jo
 
 
 def _upright_head(neutral: JointFrames, joints: BodyJoints) -> Floats | None:
-    """Return the zero pose's head rotation in the chest, None unless upright."""
+    """Return the zero pose's head rotation in the chest frame, or None.
+
+    It is None if the zero pose is not upright, or has bones of zero length.
+    """
     try:
         (chest,) = chest_frames(neutral.positions, joints, "zero pose")
     except CaptureError:

@@ -22,7 +22,7 @@ _SIDE_WORD = re.compile(r"(left|right)|(?:^|_|\.)([lr])(?:_|\.|$)|^([lr])(?=[A-Z
 
 @dataclass(frozen=True)
 class BodyJoints:
-    """Names of the joints that define a body's directions."""
+    """Names of the spine, head and arm joints of a skeleton."""
 
     hips: str  # lower end of the spine
     neck: str  # upper end of the spine
@@ -131,7 +131,7 @@ def _follow_bones(
 
 
 def _find_arm(bones: Sequence[CapturedJoint]) -> list[CapturedJoint]:
-    """Return shoulder, elbow and wrist of a limb, empty without an arm.
+    """Return a limb's shoulder, elbow and wrist, or an empty list.
 
     Upper arm and forearm are the longest two successive bones with a ratio in `BONE_RATIOS`.
     """
@@ -161,7 +161,7 @@ def _lengths(bones: Sequence[CapturedJoint]) -> Floats:
 
 
 def _side_of(names: Sequence[str]) -> Side | None:
-    """Return the side that joint names state, None without one."""
+    """Return the body side stated in joint names, or None."""
     for name in names:
         match = _SIDE_WORD.search(name.rpartition(":")[2])
         if match is not None:

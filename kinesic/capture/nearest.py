@@ -1,4 +1,4 @@
-"""Nearest motion to a desired one within a robot's joint limits."""
+"""Nearest motion to a desired one within kinematic and duty limits."""
 
 from dataclasses import dataclass
 from functools import partial
@@ -63,7 +63,7 @@ class Course:
 
 @dataclass(frozen=True, eq=False)
 class NearestMotion:
-    """Motion within joint limits, with performance times of the clip's samples."""
+    """Motion within kinematic and duty limits, with the clip's performance times."""
 
     motion: Conditioned
     keys: tuple[KeyPosture, ...]  # at requested times, from rest to rest
@@ -82,7 +82,7 @@ class NearestMotion:
 
 
 def find_nearest(course: Course, setup: Setup, stretch: Floats | None = None) -> NearestMotion:
-    """Return the nearest motion within joint limits, from rest to rest.
+    """Return the nearest motion within kinematic and duty limits.
 
     Position, velocity, acceleration, jerk and duty limits hold at every instant. Time is stretched only where the
     limits keep a wrist more than `MAX_WRIST_DISTANCE` from its path.
@@ -157,7 +157,7 @@ class _Request:
     make_desired: MakeDesired
 
     def search(self, limits: Limits) -> Conditioned:
-        """Return the nearest motion within limits."""
+        """Return the nearest motion within the given limits."""
         return condition(self.keys, limits, make_desired=self.make_desired)
 
     def match(self, motion: Conditioned) -> NearestMotion:

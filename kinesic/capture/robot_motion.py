@@ -10,7 +10,7 @@ from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.capture.clip import ArmPath
 from kinesic.sim.kinematics import body_frames
 
-SAMPLE_RATE = 100.0  # [Hz] rate of desired motions
+SAMPLE_RATE = 100.0  # [Hz] sample rate of desired motions
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +31,7 @@ class RobotMotion:
 
 
 def arm_paths(robot: Robot, angles: Floats) -> Mapping[Side, ArmPath]:
-    """Compute elbow and wrist positions relative to the shoulder [arm lengths].
+    """Compute a robot's elbow and wrist relative to its shoulders [arm lengths].
 
     Axes are those of the segment that carries the arm.
 

@@ -74,7 +74,7 @@ def _list_violations(limit: LimitName, names: Sequence[str], ratios: Floats) -> 
 
 
 def _torque_duties(angles: Floats, velocity: Floats, acceleration: Floats, setup: Setup) -> Floats:
-    """Return each drive's duty (m, n) by inverse dynamics, as a fraction of full PWM."""
+    """Return drive duties (m, n), fractions of full PWM, by inverse dynamics."""
     duties = np.empty_like(angles)
     for begin in range(0, len(angles), SAMPLES_PER_WINDOW):
         rows = slice(begin, begin + SAMPLES_PER_WINDOW)

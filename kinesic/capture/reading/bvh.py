@@ -48,7 +48,7 @@ class _Words:
         return self.position >= len(self.words)
 
     def next(self, expected: str) -> str:
-        """Return the next word and advance behind it.
+        """Return the next word and advance.
 
         Raises:
             CaptureError: there is none.

@@ -21,7 +21,7 @@ class _Target(msgspec.Struct):
 
 
 class _Move(msgspec.Struct):
-    """Recorded move; other keys are ignored."""
+    """Times and setpoints of a recorded Reachy Mini move."""
 
     time: list[float | None]  # [s]
     set_target_data: list[_Target | None]
