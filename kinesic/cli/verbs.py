@@ -301,4 +301,4 @@ def twin() -> None:
 @click.option("--json", "as_json", is_flag=True, help="Print the estimates as JSON.")
 @implemented_by("twin:fit_twin")
 def _fit_twin() -> None:
-    """Fit servo factors to LOG, and name the undetermined ones."""
+    """Fit servo parameters of the twin to LOG, and print those left undetermined."""

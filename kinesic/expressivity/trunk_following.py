@@ -18,7 +18,7 @@ from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.turns import UPRIGHT_TURN, scale_turn, turn_angles
 
 TORSION_PER_FORWARD = radians(8.0)  # [rad] trunk torsion per arm length by which one hand is ahead of the other
-TORSION_PER_LEFT = radians(13.0)  # [rad] trunk torsion per arm length that the hands move to the left
+TORSION_PER_LEFT = radians(13.0)  # [rad] trunk torsion per arm length to the left, summed over the hands
 TILT_PER_FORWARD = radians(7.0)  # [rad] trunk lean per arm length that the hands move forward on average
 ROLL_PER_TORSION = 0.1  # trunk roll / trunk torsion in captured gestures
 MAX_FOLLOWING_ANGLE = radians(6.0)  # [rad] largest trunk rotation about each axis at style weight 1

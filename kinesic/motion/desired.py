@@ -33,7 +33,7 @@ from kinesic.motion.piecewise import QuinticSpline
 Hinges = tuple[int, ...]  # hinge indices in joint order
 _EasingRows = tuple[tuple[Easing, float, float], ...]  # easing, overshoot and steepness of each hinge
 
-MAX_SWING = 0.05  # [rad] overshoot beyond a key allowed at swing 0, within the joint range
+MAX_SWING = 0.05  # [rad] largest overshoot beyond a key without `swing`, within the joint range
 OVERSHOOT_VELOCITY = 5.0  # [overshoot / interval duration] key velocity at which a quintic has that overshoot
 OVERSHOOT_ACCELERATION = 58.0  # [overshoot / interval duration^2] key acceleration that causes this overshoot
 HULL_VELOCITY = 2.5  # [overshoot / interval duration] key velocity whose control points overshoot that far

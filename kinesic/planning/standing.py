@@ -34,7 +34,7 @@ from kinesic.planning.torso import compute_torso_turn, raise_shoulder, set_turn
 POSTURE_AMOUNTS = (1.0, 0.75, 0.5, 0.25, 0.0)  # fractions of posture offsets, tried until no body parts are too close
 RANGE_MARGIN = 0.01  # [rad] smallest distance of a standing posture from the joint limits
 STANDING_STREAM = 7  # index of the random number stream for standing postures
-HELD_ARM_FRACTION = 0.25  # factor on the random arm offsets of styles whose hands rest in a rest gesture
+HELD_ARM_FRACTION = 0.25  # factor on random arm offsets if hands rest in a gesture instead of hanging
 MAX_ARM_LIFT_DEG = 12.0  # [deg] largest outward angle added to an arm that hangs too close to the body
 ARM_LIFT_STEP_DEG = 1.0  # [deg] step by which the angle added to an arm grows
 FIST_FLEXION = 0.85  # fraction of the fingers' flexion range in a closed hand

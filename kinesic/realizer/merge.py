@@ -94,7 +94,7 @@ class _Attempt:
 
     @property
     def zero(self) -> float:
-        """Time [s] of block time 0; the block's motion starts at a knot."""
+        """Time [s] in the running motion at which block time is 0."""
         return self.offset * KNOT_INTERVAL + self.coming.trajectory.zero
 
 

@@ -29,7 +29,7 @@ def wall_clocks(source: str) -> bool:
     return False
 
 
-def test_wall_clock_is_read_only_in_listed_modules():
+def test_only_listed_modules_read_the_wall_clock():
     assert wall_clocks("import time\nprint(time.time())")
     assert wall_clocks("from time import time as wall_time")
     paths = {path.relative_to(ROOT).as_posix() for path in ROOT.rglob("*.py") if wall_clocks(path.read_text())}

@@ -47,11 +47,11 @@ def test_gesture_blocked_by_a_raised_hand_is_performed_from_hanging_arms(with_ra
     assert np.array_equal(plan.setup.robot.skeleton.rest, hanging.skeleton.rest)
 
 
-def test_raised_hand_stays_if_all_gestures_are_performed(with_raised_hand):
+def test_standing_posture_with_a_raised_hand_is_kept_if_all_gestures_are_performed(with_raised_hand):
     assert plan_gesture(with_raised_hand, "wave").setup is with_raised_hand
 
 
-def test_raised_hand_stays_if_hanging_arms_perform_no_more_gestures(with_raised_hand):
+def test_standing_posture_with_a_raised_hand_is_kept_if_no_other_performs_more(with_raised_hand):
     plan = plan_gesture(with_raised_hand, "no_such_gesture_at_all")
     assert plan.keyframes.outcomes["g"].kind == "dropped"
     assert plan.setup is with_raised_hand

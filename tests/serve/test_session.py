@@ -121,7 +121,7 @@ def test_stop_without_running_loop_raises_an_error(on_stage: Callable):
     on_stage(act)
 
 
-def test_held_servos_refuse_documents(on_stage: Callable):
+def test_session_refuses_documents_while_servos_hold_after_an_interruption(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.loop.held = True
         assert "hold after an interruption of more than a second" in (stage.session.perform(stage.document("a")) or "")

@@ -40,7 +40,7 @@ def test_mujoco_rendering_is_disabled_without_opengl_libraries(asked, no_librari
     assert gl.prepare(environment) == environment["MUJOCO_GL"] == "disable"
 
 
-def test_other_pyopengl_platform_selects_glfw_and_keeps_drawing_enabled(all_libraries):
+def test_pyopengl_platform_other_than_egl_selects_glfw_and_keeps_drawing_enabled(all_libraries):
     environment = {"PYOPENGL_PLATFORM": "osmesa"}
     assert gl.prepare(environment) == "glfw"
     assert not gl.is_switched_off(environment)

@@ -88,7 +88,7 @@ class StoryRhythm:
 
 
 def bench(robot: str = "human") -> Iterator[Metric]:
-    """Measure rate, gaps, repeats and returns of strokes in three stories.
+    """Measure stroke rate, gaps, repeats and returns to rest in three stories.
 
     Each story is planned in three styles.
 

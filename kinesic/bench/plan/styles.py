@@ -1,4 +1,4 @@
-"""Benchmark of stroke times for every style on every body.
+"""Benchmark of the timing errors of strokes, for every style and body.
 
 Short spoken texts are planned and performed on the pessimistic twin. A stroke counts with its whole error: the shift of
 the plan and the lag of the servos.

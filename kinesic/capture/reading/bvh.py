@@ -141,7 +141,7 @@ def _make_motion(joints: Sequence[CapturedJoint], channels: Channels, rows: Floa
 
 
 def _starts_in_other_pose(joints: Sequence[CapturedJoint], motion: CapturedMotion) -> bool:
-    """Return whether the first frame shows a T-pose before the motion.
+    """Return whether the first frame is a separate pose, such as a T-pose.
 
     A joint then rotates by more than `MAX_FIRST_STEP` to the second frame.
     """

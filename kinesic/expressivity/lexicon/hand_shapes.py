@@ -13,7 +13,7 @@ Finger = Literal["thumb", "index", "middle", "ring", "pinky"]
 Surface = Literal["palm", "thumb", "index", "middle", "ring", "pinky"]  # palm, or tip of a finger
 FINGER_NAMES: tuple[Finger, ...] = get_args(Finger)
 Five = tuple[float, float, float, float, float]  # thumb .. little finger
-NO_FINGERS: Five = (0.0, 0.0, 0.0, 0.0, 0.0)  # finger values of zero
+NO_FINGERS: Five = (0.0, 0.0, 0.0, 0.0, 0.0)  # value 0 for each finger: no bend or no delay
 
 
 @dataclass(frozen=True)

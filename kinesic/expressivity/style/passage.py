@@ -21,7 +21,7 @@ FORCE_EXPONENT = 3.0  # exponent of high power, and of tension with it, in the e
 TENSION_EXPONENT = 1.5  # exponent of tension in the easing steepness of gestures without power
 OVERSHOOT_THRESHOLD = 0.5  # power at which accented strokes overshoot; with as much tension they bounce
 OVERSHOOT_ACCENT_FRACTION = 0.68  # steepness of easing `out_back` / steepness of an accent of equal peak velocity
-MIN_LATE_ACCENT = 2.5  # smallest easing steepness of an accent at a word, for any weakness or looseness
+MIN_LATE_ACCENT = 2.5  # smallest steepness above `MIN_STEEPNESS` of a full accent at the end of a movement
 POWER_BIAS = 0.25  # spline bias at a power of 1, towards the direction of approach
 
 

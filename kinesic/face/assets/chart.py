@@ -17,7 +17,7 @@ from kinesic.face.assets.teeth import compute_teeth_chart
 
 CHART_WIDTH = 4 * np.pi  # range of the chart coordinate a, twice the angle around the head [rad]
 AXIS_OFFSET = 1.6  # distance of the cylinder axis behind the eyes, in distances between the eyes
-WINDOW_LEFT_RIGHT = (-1.8, 1.8)  # range of the chart coordinate a that is painted
+WINDOW_LEFT_RIGHT = (-1.8, 1.8)  # [rad] painted range of chart coordinate a (twice the angle around the head)
 WINDOW_LOW_HIGH = (-2.2, 1.6)  # [eye distances] range of the chart coordinate y (height) that is painted
 MASK_RAMP = (-0.6, -0.4)  # [eye distances] forward positions between which the mask of painted skin rises from 0 to 1
 HAIRLINE_POINTS = (  # angle from the front [deg], height in distances between the eyes

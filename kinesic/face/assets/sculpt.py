@@ -50,7 +50,7 @@ SHAPE_BULGES: Mapping[str, tuple[Bulge, ...]] = MappingProxyType(  # bulges of t
 EVENED_SHAPE = "mouthSmile"  # expression shape that is smoothed next to the corners of the mouth
 EVENED_CENTRE = (0.68, -1.0)  # [eye distances] centre of the smoothing, aside and up
 EVENED_RADIUS = 0.5  # [eye distances] radius of the smoothing, which fades from half of it
-EVENED_START = (0.42, 0.56)  # [eye distances] aside positions between which smoothing sets in, off the mouth's corner
+EVENED_START = (0.42, 0.56)  # [eye distances] lateral positions between which smoothing rises from 0 to 1
 MIN_SMOOTHED_FORWARD = -0.3  # [eye distances] forward position from which skin is smoothed
 # Displacement by the shape of one side: forward and up at the middle of the mouth [m], and the distance to either side
 # at which the displacement becomes zero [eye distances].

@@ -1,4 +1,4 @@
-"""Settings of a supervisor, and the order for its process."""
+"""Settings of a supervisor, and the startup data of its process."""
 
 from dataclasses import dataclass
 from typing import Literal

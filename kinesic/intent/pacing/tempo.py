@@ -7,7 +7,7 @@ import numpy as np
 
 from kinesic.expressivity.style.style import Style
 
-RHYTHM_DURATION = 5.0  # [s] shortest text whose accents have beats in runs
+RHYTHM_DURATION = 5.0  # [s] shortest text with a gesture tempo, for beats in runs
 LIVELINESS_LEVELS = (-0.45, 0.0, 0.45)  # mean of activation, extent and power: restrained, neutral, lively
 # [1/min] stroke rates at LIVELINESS_LEVELS; percentiles 5, 50 and 95 of people are 7.7, 24 and 34.
 STROKE_RATES = (8.0, 19.5, 29.5)

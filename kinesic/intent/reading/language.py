@@ -113,7 +113,7 @@ class Language:
 
     @property
     def has_particles(self) -> bool:
-        """Whether words are written without spaces, and end at particles."""
+        """Whether particles separate words written without spaces (Japanese)."""
         return "particle" in self.classes
 
     @cached_property

@@ -135,7 +135,7 @@ def _find_elbow_sign(figure: HumanoidGeometry, side: Side, joint: int) -> float:
 
 
 def _find_axis_sign(name: str, axis: Floats, side: Side) -> float:
-    """Return +1 for an axis in kinesic's direction, otherwise -1."""
+    """Return +1 for an axis along kinesic's positive hinge axis, otherwise -1."""
     mirror = np.ones(3) if side == "l" else -MIRROR_SIGNS
     key = name if name in _POSITIVE_AXES else name.rpartition("_")[2]
     lateral = int(np.argmax(np.abs(axis)))

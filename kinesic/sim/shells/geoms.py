@@ -1,4 +1,4 @@
-"""Shell geoms in the MuJoCo model, which replace capsules, servos and rods."""
+"""Shell meshes in the MuJoCo model, drawn instead of capsules and servos."""
 
 from collections.abc import Mapping
 

@@ -16,7 +16,7 @@ LENGTH_UNIT = 0.35  # log duration ratio that adds 0.5 to the prominence
 MIN_PROMINENCE = 0.7  # prominence from which a stressed word carries an accent; others need twice
 PHRASE_GAP = 0.25  # [s] a silence of this length begins a phrase
 PEAK_PERCENTILE = 80  # percentile of the frames of a word that counts as its level and pitch
-MIN_RISE = 0.15  # minimum prominence above the phrase mean of an accent below `MIN_PROMINENCE`
+MIN_RISE = 0.15  # smallest prominence above the phrase mean of the only accent of a phrase
 
 
 def find_prominences(

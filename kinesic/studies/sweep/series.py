@@ -24,7 +24,7 @@ from kinesic.tasks.processes import WorkerCrash
 
 STROKE_TIME = 6.0  # [s] requested stroke time, late enough for the slowest preparation
 VALUE_COUNT = 5  # number of values of a swept parameter over its range, ends included
-MAX_STROKE_ERROR = 0.010  # [s] timing error above which a stroke is late
+MAX_STROKE_ERROR = 0.010  # [s] largest timing error, early or late, of a stroke in time
 GESTURE_ID = "swept"  # id of the swept gesture in its document
 GESTURE_TEMPLATE = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="sweep">'

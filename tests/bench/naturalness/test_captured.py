@@ -59,7 +59,7 @@ def test_unreadable_clips_are_counted_with_their_reason(folder):
     assert metrics["naturalness.captured.duration"].value == pytest.approx(3.0)
 
 
-def test_skeleton_without_arms_is_rejected(folder):
+def test_clip_whose_skeleton_lacks_a_wrist_is_reported_with_the_missing_joint(folder):
     path = folder / "skeletons" / "ChrTest.sk"
     path.write_text(path.read_text().replace("JtWristLf", "JtHandLf"))
     (clip,) = measure_clips(folder)

@@ -226,7 +226,7 @@ def test_gesture_expression_peaks_at_stroke_and_decays_with_retraction():
         assert 0.0 < at(values, 1.6) < values.max()
 
 
-def test_face_behaviour_with_one_unknown_lexeme_is_substituted_with_a_reason():
+def test_face_with_a_known_and_an_unknown_lexeme_is_substituted_and_names_the_unknown():
     outcome = face_outcome(Face(("smile", "xyzzy")))
     assert (outcome.kind, "xyzzy" in outcome.why) == ("substituted", True)
 

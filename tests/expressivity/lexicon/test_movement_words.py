@@ -19,7 +19,7 @@ from kinesic.expressivity.lexicon.movement_words import (
         *[(name, "direction") for name in ("DOWN_ASIDE_LEFT", "look_up", "Rightward", "Neutral", "tilted", "bow")],
     ],
 )
-def test_head_names_and_synonyms_are_recognised(name: str, kind: str):
+def test_names_of_head_movements_are_classified_as_nod_shake_or_direction(name: str, kind: str):
     matches = read_head_name(name)
     assert matches is not None
     assert (matches.kind, matches.stands_for) == (kind, "")

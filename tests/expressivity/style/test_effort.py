@@ -108,7 +108,7 @@ def test_overshoot_and_accent_grow_with_the_effort_weight(pace):
     assert LINEAR_STEEPNESS < homes[0] < homes[1]
 
 
-def test_high_power_shortens_only_the_stroke_and_low_power_slows_all_phases(pace):
+def test_high_power_shortens_only_the_stroke_and_low_power_slows_all_moving_phases(pace):
     plain, strong, weak = (Effort(pace, GestureTraits("beat"), Expressivity(power=power)) for power in (0.0, 1.0, -1.0))
     assert strong.stroke_time(0.1) < plain.stroke_time(0.1) < weak.stroke_time(0.1)
     for phase in ("preparation_time", "return_time"):

@@ -109,7 +109,7 @@ def test_motion_after_rejected_jump_is_also_rejected(gate: PlausibilityFilter):
     assert not gate.doubted, "it is no new surprise"
 
 
-def test_jump_of_joint_without_torque_is_accepted_when_repeated(gate: PlausibilityFilter):
+def test_jump_rejected_repeatedly_with_torque_is_accepted_once_torque_is_off(gate: PlausibilityFilter):
     told(gate, blocks(1010, torque=1), 1.01)
     for k in range(2, 20):
         assert told(gate, blocks(1000 + 10 * k, position=2800, torque=1), 1.0 + 0.01 * k) == [True, False]

@@ -65,7 +65,7 @@ def test_plain_sync_read_takes_one_turnaround_time_per_servo():
     assert line.wire.now() == pytest.approx((len(asked) + len(got)) * 1e-5 + 7 * TURNAROUND_TIME)
 
 
-def test_fast_read_is_one_reply_with_running_crcs_without_stuffing(line: Lines):
+def test_fast_read_is_one_reply_with_a_crc_of_all_preceding_bytes_after_each_servo(line: Lines):
     three = line(1, 2, 3)
     for servo, value in ((1, 0xFD), (2, 0), (3, 7)):
         three.set(Register.PROFILE_VELOCITY, value, servo=servo)

@@ -204,7 +204,7 @@ def test_only_dialogue_lines_of_the_chosen_character_are_spoken(character: str, 
         ('Hi<break strength="weak"/> you', 'Hi<break time="200ms"/> you'),
     ],
 )
-def test_line_ends_and_pause_commands_give_pauses(text: str, spoken: str):
+def test_pauses_follow_pause_commands_and_ends_of_short_lines_without_full_stop(text: str, spoken: str):
     assert read_manuscript(text)[0] == spoken
 
 

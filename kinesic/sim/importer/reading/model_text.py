@@ -149,7 +149,7 @@ class ModelText:
         return is_unused(tag, above[1:] if above[:2] == ["robot", "mujoco"] else above)
 
     def _keep(self, tag: str, attributes: dict[str, str], kept: dict[str, str], file: Path, line: int) -> None:
-        """Copy an element with tokens for its files, or expand an include."""
+        """Copy an element with placeholders for file names, or expand an include."""
         starts, named_at = (self._path.parent, file.parent), f"{file}:{line}"
         name, above = attributes.get("file", ""), self._open[-1].tag if self._open else ""
         kept = {key: value for key, value in kept.items() if not key.startswith("file")}
