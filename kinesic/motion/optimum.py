@@ -141,7 +141,8 @@ def _solve(
     if values is None:
         return None
     optimum, states = values[0], values[4:]
-    excess = max(part.excess(optimum, states[4 * k : 4 * k + 4]) for k, part in enumerate(hinge_motions))
+    ratios = (part.excess(optimum, states[4 * k : 4 * k + 4]) for k, part in enumerate(hinge_motions))
+    excess = max(ratios, default=0.0)
     return BestTimes(sealed(optimum), shift_cost(keys, optimum), excess) if excess <= 1.0 + LIMIT_TOLERANCE else None
 
 
