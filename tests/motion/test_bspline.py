@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -67,3 +69,99 @@ def test_limit_rows_have_bound_one_exactly_if_they_depend_on_inner_control_point
     rows = reference.sparse(GRID.rows(LIMITS, 0)).toarray()
     inner = np.any(rows[:, 3:-3] != 0.0, axis=1)
     np.testing.assert_array_equal(GRID.bounds == 1.0, inner)
+
+
+PAIR_ROWS = ([-1, -2], [3, 0.5], [4, 2], [40, 90], [1e3, 700], [0.01, 0.02], [0.15, 0.05], [0.7, 0.4])
+PAIR = Limits(*map(sealed, PAIR_ROWS))
+
+
+def test_knots_control_points_and_limit_rows_are_counted_from_the_knot_intervals():
+    small = grid(5, 0.02)
+    np.testing.assert_allclose(small.knots, [0.0, 0.02, 0.04, 0.06, 0.08, 0.1])
+    assert (small.size, small.counts) == (8, (7, 6, 5, 6))
+    assert len(small.bounds) == len(small.powers) == sum(small.counts)
+    assert grid(5, 0.02) is small, "the same grid is kept"
+
+
+def test_limit_rows_of_three_fixed_control_points_at_an_end_may_reach_twice_the_limit():
+    groups = np.split(grid(6, KNOT_INTERVAL).bounds, np.cumsum(grid(6, KNOT_INTERVAL).counts)[:-1])
+    assert [group.tolist() for group in groups] == [
+        [2, 2, 1, 1, 1, 1, 2, 2],
+        [2, 1, 1, 1, 1, 1, 2],
+        [1] * 6,
+        [2, 1, 1, 1, 1, 1, 2],
+    ]
+
+
+def test_free_limit_rows_have_the_places_kinds_and_powers_of_their_limits():
+    free = grid(3, KNOT_INTERVAL).free_rows
+    assert free.kinds.tolist() == [0, 1, 1, 2, 2, 2, 3, 3]
+    assert free.places == pytest.approx([1.5, 1, 2, 0, 1.5, 3, 1, 2])
+    assert free.powers.tolist() == [1, 2, 2, 3, 3, 3, 2, 2]
+
+
+@pytest.mark.parametrize("stretch", [0.5, 3.0])
+def test_limit_ratios_fall_with_the_power_of_time_that_each_limit_states(stretch):
+    light = replace(LIMITS, viscous=sealed([0.0]))
+    usual, slow = ([*g.limit_ratios(CONTROLS[:, 0], light, 0)] for g in (GRID, grid(20, stretch * KNOT_INTERVAL)))
+    np.testing.assert_allclose(slow[0], usual[0])
+    powers = np.split(GRID.powers, np.cumsum(GRID.counts)[:-1])
+    for one, other, power in zip(usual[1:], slow[1:], powers, strict=True):
+        np.testing.assert_allclose(other * stretch**power, one)
+
+
+def test_limit_ratios_of_several_hinges_are_those_of_each_one():
+    controls = np.random.default_rng(4).normal(size=(3, 12))
+    own, hinges = grid(9, KNOT_INTERVAL), np.array([1, 0, 1])
+    together = own.limit_ratios(controls, PAIR, hinges)
+    for row, hinge in enumerate(hinges.tolist()):
+        alone = own.limit_ratios(controls[row], PAIR, hinge)
+        for one, many in zip(alone, together, strict=True):
+            np.testing.assert_allclose(many[row], one)
+        rows = own.rows(PAIR, hinge) @ controls[row]
+        np.testing.assert_allclose(rows, np.concatenate(alone[1:]))
+        assert own.largest_limit_ratio(controls[row], PAIR, hinge) == max(np.abs(part).max() for part in alone)
+
+
+def test_range_ratio_is_one_at_the_upper_limit_and_minus_one_at_the_lower():
+    for hinge in (0, 1):
+        ends = np.array([PAIR.lower[hinge], PAIR.upper[hinge], (PAIR.lower[hinge] + PAIR.upper[hinge]) / 2, 0])
+        assert grid(1, KNOT_INTERVAL).limit_ratios(ends, PAIR, hinge)[0][:3] == pytest.approx([-1.0, 1.0, 0.0])
+
+
+def test_largest_limit_ratio_counts_motion_in_both_directions():
+    for controls in (CONTROLS[:, 0], -CONTROLS[:, 0]):
+        jerks = np.diff(controls, 3) / KNOT_INTERVAL**3 / 1e3
+        assert GRID.largest_limit_ratio(controls, LIMITS, 0) == pytest.approx(np.abs(jerks).max())
+
+
+def test_hinge_that_cannot_move_exceeds_its_range_by_a_nanoradian():
+    stuck = replace(LIMITS, lower=sealed([0.5]), upper=sealed([0.5]))
+    assert GRID.limit_ratios(np.full(23, 0.5 + 1e-9), stuck, 0)[0] == pytest.approx(2.0, rel=1e-6)
+
+
+def test_duty_bound_at_the_knots_leaves_room_for_the_parabola_between_them():
+    assert grid(9, KNOT_INTERVAL).duty(PAIR) == pytest.approx([0.7 - 0.15 * 0.1 / 8, 0.4 - 0.05 * 0.07 / 8], rel=1e-12)
+    acceleration, jerk, velocity = -9.0, 1e3, 0.1
+    times = np.linspace(0.0, KNOT_INTERVAL, 101)
+    duty = 0.15 * (velocity + acceleration * times - jerk * times**2 / 2) + 0.01 * (acceleration - jerk * times)
+    chord = np.interp(times, times[[0, -1]], duty[[0, -1]])
+    assert np.max(duty - chord) == pytest.approx(0.7 - grid(9, KNOT_INTERVAL).duty(PAIR)[0])
+
+
+def test_jerk_and_acceleration_cost_the_same_at_twenty_radians_per_second():
+    long = grid(2000, 1e-3)
+    wave = np.sin(20.0 * 1e-3 * np.arange(long.size))
+    cost = wave @ form_of(long.calmness_bands) @ wave
+    assert cost == pytest.approx(2.0 * np.sum(np.diff(wave, 2) ** 2), rel=2e-2)
+
+
+def test_constant_posture_costs_almost_no_smoothness():
+    posture = np.ones(GRID.size)
+    assert posture @ form_of(GRID.calmness_bands) @ posture == pytest.approx(1e-10 * GRID.size, rel=1e-3)
+
+
+def test_closeness_cost_sums_squared_angles_and_a_little_squared_acceleration_at_the_knots():
+    x = CONTROLS[:, 0]
+    cost = np.sum(at_knots(x) ** 2) + 1e-9 * np.sum((np.diff(x, 2) / KNOT_INTERVAL**2) ** 2)
+    assert x @ form_of(GRID.closeness_bands) @ x == pytest.approx(cost)

@@ -93,3 +93,85 @@ def test_steepness_raises_peak_velocity_and_overshoot_of_out_back_easing():
     assert np.all(np.diff([curve(EVEN, nu=1).max() for curve in curves]) > 0.0)
     assert np.all(np.diff([curve(EVEN).max() for curve in curves]) > 0.0)
     assert curves[6](EVEN, nu=1).max() > 2.0 * 1.875
+
+
+INNER = np.linspace(0.02, 0.98, 49)
+
+
+def test_easings_match_their_published_formulas():
+    back = 1.70158
+    formulas = {
+        "minimum_jerk": 10 * INNER**3 - 15 * INNER**4 + 6 * INNER**5,
+        "linear": INNER,
+        "out_quart": 1 - (1 - INNER) ** 4,
+        "out_power": 1 - (1 - INNER) ** 4,
+        "late": INNER**2,
+        "out_back": 1 + (back + 1) * (INNER - 1) ** 3 + back * (INNER - 1) ** 2,
+    }
+    for easing, values in formulas.items():
+        np.testing.assert_allclose(ease(easing, INNER), values, atol=1e-5, err_msg=easing)
+    np.testing.assert_allclose(ease("late", INNER, steepness=6.0), INNER**2.5)
+    np.testing.assert_allclose(ease("out_power", INNER, steepness=2.5), 1 - (1 - INNER) ** 2.5)
+
+
+def test_out_bounce_touches_the_end_between_parabolas_of_falling_height():
+    touches, tops = np.array([1.0, 2.0, 2.5]) / 2.75, np.array([1.5, 2.25, 2.625]) / 2.75
+    assert ease("out_bounce", touches) == pytest.approx(1.0)
+    assert ease("out_bounce", touches - 1e-9) == pytest.approx(1.0, abs=1e-7)
+    assert ease("out_bounce", tops) == pytest.approx([0.75, 0.9375, 0.984375])
+    assert ease("out_bounce", np.array([0.1, 0.2])) == pytest.approx(7.5625 * np.array([0.01, 0.04]))
+
+
+def test_overshoot_shape_solves_its_cubic_equation():
+    for overshoot in (0.01, 0.07, 0.1, 0.5, 3.0):
+        s = overshoot_shape(overshoot)
+        assert s > 0.0
+        assert 4 * s**3 / (27 * (s + 1) ** 2) == pytest.approx(overshoot)
+
+
+def bell(x):
+    """Return the velocity of minimum jerk, and its slope."""
+    x = np.clip(x, 0.0, 1.0)
+    return 30 * x**2 * (1 - x) ** 2, 60 * x * (1 - x) * (1 - 2 * x)
+
+
+@pytest.mark.parametrize("steepness", [2.0, 3.0, 5.5, 8.0])
+def test_softened_linear_easing_has_the_derivatives_of_an_averaged_ramp(steepness):
+    window, even = 2.0 / (1.0 + steepness), np.linspace(0.0, 1.0, 17)
+    begun, ended = even / window, (even - 1.0 + window) / window
+    table = soften_easing("linear", steepness)
+    assert table.shape == (3, 17)
+    speed = ease("minimum_jerk", begun) - ease("minimum_jerk", ended)
+    np.testing.assert_allclose(table[1], speed / (1.0 - window), atol=2e-3)
+    force = bell(begun)[0] - bell(ended)[0]
+    np.testing.assert_allclose(table[2], force / (window * (1.0 - window)), atol=2e-2)
+
+
+@pytest.mark.parametrize(
+    ("steepness", "window"), [(1.0, 1.0), (2.0, 2**-1.5), (3.0, 3**-1.5), (5.0, 0.18), (8.0, 0.18)]
+)
+def test_late_easing_is_averaged_over_a_window_that_shrinks_to_18_percent(steepness, window):
+    even, s = np.linspace(0.0, 1.0, 17)[1:-1, None], (np.arange(4000) + 0.5) / 4000
+    raw = np.clip((even - window * s) / max(1.0 - window, 1e-9), 0.0, 1.0) ** (1.0 + steepness / 4.0)
+    np.testing.assert_allclose(soften_easing("late", steepness)[0, 1:-1], np.mean(raw * bell(s)[0], axis=1), atol=1e-4)
+
+
+def test_softened_minimum_jerk_ignores_its_steepness():
+    even = np.linspace(0.0, 1.0, 17)
+    for steepness in (1.0, 4.0, 8.0):
+        table = soften_easing("minimum_jerk", steepness)
+        np.testing.assert_allclose(table[0], ease("minimum_jerk", even), atol=1e-6)
+        np.testing.assert_allclose(table[1:], bell(even), atol=1e-4)
+
+
+def test_softened_overshoot_is_the_requested_one_or_a_tenth():
+    small, usual, large = (played_overshoot(share) for share in (0.02, 0.1, 0.3))
+    assert 0.0 < small < usual < large
+    default = BPoly.from_derivatives(np.linspace(0.0, 1.0, 17), soften_easing("out_back", 8.0).T)
+    assert default(EVEN).max() - 1.0 == pytest.approx(usual, abs=1e-9)
+
+
+def played_overshoot(share: float) -> float:
+    """Return by how much the softened easing passes its end."""
+    table = soften_easing("out_back", 8.0, share)
+    return float(BPoly.from_derivatives(np.linspace(0.0, 1.0, 17), table.T)(EVEN).max()) - 1.0

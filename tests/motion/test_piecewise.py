@@ -58,3 +58,24 @@ def test_quintic_spline_interpolates_its_states(monkeypatch):
     assert len(curve._around(asked[:1]).times) == 2
     assert np.array_equal(curve.derivatives(asked, 4), at_once)
     assert curve.derivatives(asked[:0], 4).shape == (4, 0, 2)
+
+
+def test_quintic_spline_of_a_known_polynomial_is_that_polynomial():
+    times = np.array([-1.0, 0.5, 0.7, 2.0])
+    powers = np.array([0.3, -1.0, 0.5, 2.0, -0.7, 0.2])  # highest first
+    states = np.stack([np.polyval(np.polyder(powers, order), times) for order in range(3)])[:, :, None]
+    asked = np.linspace(-1.0, 2.0, 31)
+    values = QuinticSpline(times, states).derivatives(asked, 6)
+    for order in range(6):
+        np.testing.assert_allclose(values[order][:, 0], np.polyval(np.polyder(powers, order), asked), atol=1e-8)
+
+
+def test_quintic_spline_of_many_knots_equals_the_one_that_keeps_its_coefficients(monkeypatch):
+    random = np.random.default_rng(9)
+    times = np.cumsum(random.uniform(0.1, 0.4, 12))
+    states = random.normal(size=(3, 12, 2))
+    asked = np.concatenate([times, random.uniform(times[0] - 0.3, times[-1] + 0.3, 40)])
+    kept = QuinticSpline(times, states).derivatives(asked, 3)
+    for most in (1, 5, 11, 12):
+        monkeypatch.setattr(piecewise, "TIMES_PER_EVALUATION", most)
+        np.testing.assert_array_equal(QuinticSpline(times, states).derivatives(asked, 3), kept)

@@ -107,3 +107,65 @@ def test_rest_starts_after_the_last_movement():
     assert before > 1e-3
     assert max(after) < 1e-9
     assert stay(CONTROLS[0], 7.0, start=3.0).rest_start == 3.0
+
+
+@pytest.mark.parametrize("order", range(3))
+def test_spline_weights_of_a_derivative_give_the_derivative_of_the_spline(order):
+    places = np.array([0.0, 0.4, 5.0, 7.75, 29.0, 29.99, 30.0 - 1e-9])
+    first, weights = spline_weights(places, 30, order)
+    points = (np.diff(CONTROLS, order, axis=0) / KNOT_INTERVAL**order)[first[:, None] + np.arange(4 - order)]
+    expected = SAME.derivative(order)(places * KNOT_INTERVAL)
+    np.testing.assert_allclose(np.einsum("mw,mwn->mn", weights, points), expected, rtol=1e-7)
+
+
+def test_spline_weights_beyond_the_ends_are_those_of_the_ends():
+    for outside, end in ((-3.0, 0.0), (33.0, 30.0)):
+        for order in range(3):
+            one, other = spline_weights(np.array([outside]), 30, order), spline_weights(np.array([end]), 30, order)
+            np.testing.assert_array_equal(one[0], other[0])
+            np.testing.assert_array_equal(one[1], other[1])
+    assert spline_weights(np.array([30.0]), 30)[1][0] == pytest.approx([0.0, 1 / 6, 4 / 6, 1 / 6])
+
+
+def test_jerks_of_a_later_motion_reach_its_ends_and_no_further():
+    later = replace(MOTION, start=2.0)
+    steps = np.diff(CONTROLS, 3, axis=0) / KNOT_INTERVAL**3
+    inside = later.jerks(2.0 + KNOT_INTERVAL * np.array([0.0, 0.5, 29.5])), later.jerks(np.array([later.end]))
+    np.testing.assert_allclose(np.concatenate(inside), steps[[0, 0, 29, 29]])
+    assert not later.jerks(np.array([2.0 - 1e-6, later.end + 1e-6, 1.0, 4.0])).any()
+
+
+def test_motion_moves_until_its_very_end():
+    angles, speeds, accelerations = MOTION.sample(np.array([0.0, MOTION.duration]))
+    np.testing.assert_allclose(angles[1], SAME(MOTION.duration - 1e-12))
+    assert speeds.all()
+    assert accelerations.all()
+    for values in MOTION.sample(np.array([-1e-9, MOTION.duration + 1e-9]))[1:]:
+        assert not values.any()
+
+
+@pytest.mark.parametrize(("before", "dropped"), [(5e-9, 3), (1.5e-8, 2), (1e-6, 2), (-1e-6, 3)])
+def test_rounding_errors_of_a_time_at_a_knot_keep_no_finished_interval(before, dropped):
+    left = MOTION.since(3 * KNOT_INTERVAL - before)
+    np.testing.assert_array_equal(left.controls, CONTROLS[dropped:])
+    assert (left.start, left.zero) == (pytest.approx(dropped * KNOT_INTERVAL), 0.1)
+
+
+def test_last_interval_of_a_motion_remains_until_the_last_knot():
+    np.testing.assert_array_equal(MOTION.since(0.295).controls, CONTROLS[-4:])
+    np.testing.assert_array_equal(MOTION.since(0.305).controls, np.repeat(CONTROLS[-1:], 4, axis=0))
+    assert MOTION.since(-1.0).start == 0.0
+
+
+@pytest.mark.parametrize(("distance", "moving"), [(0.7e-9, 0), (1.5e-9, 6), (-1.5e-9, 6)])
+def test_deviation_of_more_than_a_nanoradian_from_the_last_posture_is_movement(distance, moving):
+    controls = np.zeros((20, 2))
+    controls[5, 1] = distance
+    assert Trajectory(controls, zero=0.0, start=1.0).rest_start == pytest.approx(1.0 + moving * KNOT_INTERVAL)
+
+
+def test_motion_of_one_posture_lasts_a_tenth_of_a_second_unless_asked_otherwise():
+    still = stay(np.array([0.1, 0.2]))
+    assert (still.duration, still.start, still.zero) == (pytest.approx(0.1), 0.0, 0.0)
+    longer = stay(np.array([0.1, 0.2]), 0.25, start=3.0)
+    assert (longer.duration, longer.end) == (pytest.approx(0.25), pytest.approx(3.25))
