@@ -1,13 +1,16 @@
 """Rests of an arm between its strokes."""
 
 from math import inf
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
+from kinesic.expressivity.keyframes import Succession
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
-from kinesic.planning.secondary.arm_times import ArmStroke, Gap, _gaps
+from kinesic.planning.secondary import arm_times
+from kinesic.planning.secondary.arm_times import ArmStroke, Gap, _gaps, _stroke_spans, _strokes, find_arm_courses
 
 START = 5.0  # [s]
 
@@ -56,3 +59,108 @@ def test_short_standstill_of_an_arm_does_not_count_as_rest():
 )
 def test_return_path_of_a_gap_ends_at_the_start_of_its_last_rest(gap: Gap, way: tuple[float, float] | None):
     assert gap.return_span == way
+
+
+BOTH = frozenset({"l_hand", "r_hand"})
+
+
+def strokes_of(spans, *, uses=None, successions=None, side="r") -> list[ArmStroke]:
+    frames = SimpleNamespace(uses=uses or dict.fromkeys(spans, BOTH), successions=successions or {})
+    return _strokes(side, spans, frames)
+
+
+def test_stroke_without_a_succession_has_no_delay():
+    assert strokes_of({"a": (1.0, 1.4)}) == [ArmStroke("a", 1.0, 1.4, 0.0, 0.0)]
+    assert ArmStroke("a", 1.0, 1.4) == ArmStroke("a", 1.0, 1.4, behind=0.0, loose=0.0)
+
+
+def test_strokes_of_an_arm_are_those_of_behaviours_that_use_its_hand_in_time_order():
+    spans = {"late": (3.0, 3.2), "other": (2.0, 2.1), "early": (1.0, 1.4), "unknown": (0.1, 0.2)}
+    uses = {"late": BOTH, "other": frozenset({"l_hand", "head"}), "early": frozenset({"r_hand"})}
+    assert [stroke.id for stroke in strokes_of(spans, uses=uses)] == ["early", "late"]
+    assert [stroke.id for stroke in strokes_of(spans, uses=uses, side="l")] == ["other", "late"]
+
+
+@pytest.mark.parametrize(
+    ("second", "joined"),
+    [
+        ((1.2, 1.3), ArmStroke("b", 1.0, 1.4)),
+        ((1.2, 1.9), ArmStroke("b", 1.0, 1.9)),
+        ((1.4, 1.9), ArmStroke("b", 1.0, 1.9)),
+        ((1.4 + 1e-9, 1.9), None),
+    ],
+)
+def test_overlapping_strokes_of_an_arm_are_joined_to_one_without_delay(second, joined):
+    loose = dict.fromkeys("ab", Succession("l", behind=0.05, loose=0.08))
+    first = ArmStroke("a", 1.0, 1.4, pytest.approx(0.05), 0.08)
+    apart = [first, ArmStroke("b", *second, pytest.approx(0.05), 0.08)]
+    found = strokes_of({"a": (1.0, 1.4), "b": second}, successions=loose)
+    assert found == (apart if joined is None else [joined])
+    earlier = strokes_of({"x": (0.1, 0.2), "a": (1.0, 1.4), "b": second})
+    assert [(stroke.begin, stroke.end) for stroke in earlier[1:]] == [(stroke.begin, stroke.end) for stroke in found]
+
+
+@pytest.mark.parametrize(("behind", "delay"), [(0.054, 0.05), (0.056, 0.06), (0.004, 0.0)])
+def test_delay_of_the_following_hand_is_a_whole_number_of_knot_intervals(behind, delay):
+    loose = {"a": Succession("l", behind=behind, loose=0.033)}
+    (right,) = strokes_of({"a": (1.0, 1.4)}, successions=loose)
+    (left,) = strokes_of({"a": (1.0, 1.4)}, successions=loose, side="l")
+    assert (right.behind, left.behind) == (pytest.approx(delay), 0.0)
+    assert right.loose == left.loose == 0.033
+
+
+def test_strokes_of_a_behaviour_span_its_first_and_last_stroke_sync(monkeypatch):
+    rows = [
+        ("a", "ready", 0.0, 0.5),
+        ("a", "strokeStart", 0.0, 1.0),
+        ("a", "stroke", 0.0, 1.2),
+        ("b", "stroke", 0.0, 1.3),
+        ("a", "strokeEnd", 0.0, 1.5),
+        ("a", "relax", 0.0, 2.0),
+        ("c", "relax", 0.0, 2.0),
+    ]
+    monkeypatch.setattr(arm_times, "list_keyed_syncs", lambda frames, motion: rows)
+    spans = _stroke_spans(None, SimpleNamespace(trajectory=SimpleNamespace(zero=10.0)))
+    assert spans == {"a": (11.0, 11.5), "b": (11.3, 11.3)}
+
+
+def test_only_arms_with_strokes_have_a_course_of_their_own_joints(monkeypatch):
+    monkeypatch.setattr(arm_times, "list_keyed_syncs", lambda frames, motion: [("a", "stroke", 0.0, 0.4)])
+    still, moves = np.zeros(100), moving((30, 50)).controls[:, 0]
+    motion = SimpleNamespace(trajectory=Trajectory(np.stack([still, moves], axis=1), START, START))
+    robot = SimpleNamespace(arm=lambda side: SimpleNamespace(joints=(0,) if side == "l" else (1,)))
+    for used, counts in ((BOTH, {"l": 1, "r": 1}), (frozenset({"r_hand"}), {"r": 1}), (frozenset(), {})):
+        frames = SimpleNamespace(uses={"a": used}, successions={})
+        courses = {course.side: course for course in find_arm_courses(frames, motion, robot)}
+        assert {side: len(course.strokes) for side, course in courses.items()} == counts
+        if "r" in courses:
+            assert courses["r"].gaps[1].rests == ((pytest.approx(START + 0.48), inf),)
+        if "l" in courses:
+            assert courses["l"].gaps[1].rests == ((START + 0.4, inf),)
+
+
+@pytest.mark.parametrize(("step", "is_still"), [(4.9e-5, True), (5e-5, False), (-4.9e-5, True), (-6e-5, False)])
+def test_arm_moves_from_a_twentieth_milliradian_per_knot_on(step, is_still):
+    controls = np.zeros((100, 2))
+    controls[31:50:2, 0] = step
+    motion = Trajectory(sealed(controls), START, START)
+    (before, _) = _gaps(motion, [1, 0], [ArmStroke("a", START + 0.9, START + 0.95)])
+    assert len(before.rests) == (1 if is_still else 2)
+    assert before.rests[0][1] == pytest.approx(START + (0.9 if is_still else 0.29))
+    (before, _) = _gaps(motion, [1], [ArmStroke("a", START + 0.9, START + 0.95)])
+    assert [end for _, end in before.rests] == [START + 0.9], "the other joint stands still"
+
+
+@pytest.mark.parametrize(("knots", "is_rest"), [(2, False), (4, True)])
+def test_standstill_of_at_least_30_ms_is_a_rest(knots, is_rest):
+    motion = moving((30, 50), (50 + knots, 70))
+    (_, after) = _gaps(motion, [0], [ArmStroke("a", START, START + 0.2)])
+    begin, end = START + 0.48, START + 0.48 + 0.01 * knots
+    expected = [pytest.approx((START + 0.2, START + 0.28))]
+    expected += [pytest.approx((begin, end))] * is_rest + [(pytest.approx(START + 0.68), inf)]
+    assert list(after.rests) == expected
+
+
+def test_rest_that_begins_a_gap_without_end_is_left_at_once():
+    assert Gap(1.0, inf, ((1.0, 1.5), (2.0, 2.5), (4.0, inf))).return_span == (1.5, 4.0)
+    assert Gap(1.0, 6.0, ((1.0, 1.5), (2.0, 2.5), (4.0, 5.0))).return_span == (1.5, 4.0)
