@@ -241,3 +241,12 @@ def test_stored_planes_of_a_search_apply_to_the_next_one():
     again = search_of(memory=memory)
     np.testing.assert_allclose(again.times, search.times, atol=1e-6)
     assert len(again._all_planes) == len(search._all_planes)
+
+
+@pytest.mark.parametrize(("ratio", "hinges"), [(0.5, {0}), (1.0, {0}), (1.001, {0, 1})])
+def test_spent_budget_stops_other_segments_only_if_they_exceed_a_limit(monkeypatch, ratio, hinges):
+    monkeypatch.setattr(key_times, "estimate_limit_ratio", lambda segment, limits: ratio if segment.hinge else 2.0)
+    search = search_of(budget=Budget(-1.0))
+    assert {item.hinge for item in search._find_segments(search.times)} == {0, 1}
+    search.resolve(first_segment(search))
+    assert {hinge for hinge, _ in search._rest_factors} == hinges

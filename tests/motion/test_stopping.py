@@ -6,6 +6,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
+from kinesic.motion import stopping
 from kinesic.motion.condition import condition
 from kinesic.motion.double_s import least_stop
 from kinesic.motion.keys import KeyPosture
@@ -103,3 +104,21 @@ def test_stop_search_finds_the_fewest_extra_knot_intervals(least):
     assert result[1].tolist() == [least]
     assert len(asked) <= 9
     assert _find_shortest(lambda more: None, 50) is None
+
+
+@pytest.mark.parametrize(
+    ("needed", "pieces", "taken"),
+    [(3, 9, 3), (6, 9, 6), (10, 9, None), (10, 10, 10), (11, 10, None), (30, 10, None)],
+)
+def test_stop_that_needs_more_intervals_than_the_motion_has_is_not_made(monkeypatch, needed, pieces, taken):
+    def solve(segment, desired, limits):
+        return np.zeros(segment.grid.size) if segment.grid.pieces >= needed else None
+
+    monkeypatch.setattr(stopping, "nearest_motion", solve)
+    for least in (0, 3, 2):
+        controls = np.arange(pieces + 3.0)
+        halted = stopping._stop_hinge(0, controls, least, LIMITS)
+        if taken is None:
+            assert halted is controls
+        else:
+            assert len(halted) == taken + 3

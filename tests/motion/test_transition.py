@@ -184,3 +184,16 @@ def test_transition_offset_fades_as_a_quintic():
     )
     away = (way - after)[leave : leave + pieces + 3]
     np.testing.assert_allclose((away[:-2] + 4 * away[1:-1] + away[2:]) / 6, faded, atol=1e-4)
+
+
+def test_single_place_beyond_a_limit_is_corrected():
+    jerks = np.zeros(100)
+    jerks[90] = 1600.0 * KNOT_INTERVAL**3
+    wish = np.concatenate([np.zeros(3), jerks])
+    for _ in range(3):
+        wish = np.cumsum(wish)
+    ratios = grid(100, KNOT_INTERVAL).limit_ratios(wish, LIMITS, 0)
+    assert [int((np.abs(ratio) > 1.0).sum()) for ratio in ratios] == [0, 0, 0, 1, 0]
+    column = keep_limits(wish, 0, 100, LIMITS, 0)
+    assert share(column) <= 1.001
+    assert share(wish) == pytest.approx(1600.0 / 1500.0)
