@@ -7,6 +7,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
+from kinesic.motion import stretching
 from kinesic.motion.budget import Budget
 from kinesic.motion.infeasibility import measure_time_deficit
 from kinesic.motion.key_time_lp import KeyTimeProblem, shift_cost
@@ -159,3 +160,20 @@ def test_parabolic_warp_of_a_uniform_motion_matches_calculus():
     _, acceleration, jerk, _ = np.split(changed, np.cumsum([k + 2, k + 1, k]))
     np.testing.assert_allclose(acceleration, -2 * share * speed * knots / LIMITS.acceleration, atol=1e-9)
     np.testing.assert_allclose(jerk, np.full(k, -2 * share * speed) / LIMITS.jerk, rtol=1e-6)
+
+
+def test_stretched_times_remain_where_their_exact_solution_fails(monkeypatch):
+    asked = []
+
+    def fail(problem):
+        asked.append(problem.gaps)
+        raise ArithmeticError("the planes contradict each other")
+
+    monkeypatch.setattr(stretching, "solve_key_times", fail)
+    deficits = measure(KEYS.requested_times)
+    times = KEYS.requested_times * 1.1
+    previous = stretching._Candidate(KEYS.requested_times, deficits, 0.0)
+    np.testing.assert_array_equal(stretching._solve_exactly(PROBLEM, times, previous), times)
+    for (i, j), gap in asked[0].items():
+        assert times[j] - times[i] <= gap + 1e-9
+        assert gap - (times[j] - times[i]) < 2 * stretching.GAP_RESOLUTION

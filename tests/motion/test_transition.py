@@ -3,6 +3,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
+from kinesic.motion import transition
 from kinesic.motion.bspline import grid
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.motion.transition import (
@@ -197,3 +198,17 @@ def test_single_place_beyond_a_limit_is_corrected():
     column = keep_limits(wish, 0, 100, LIMITS, 0)
     assert share(column) <= 1.001
     assert share(wish) == pytest.approx(1600.0 / 1500.0)
+
+
+def test_limit_correction_is_tried_15_and_40_knots_around_the_violations_and_then_everywhere(monkeypatch):
+    wish = np.zeros(303)
+    wish[150:] = 1.0
+    tried = []
+    monkeypatch.setattr(transition, "_correct_between", lambda column, low, high, *given: tried.append((low, high)))
+    assert keep_limits(wish, 5, 280, LIMITS, 0) is None
+    assert [(low - tried[0][0], high - tried[0][1]) for low, high in tried[:2]] == [(0, 0), (-25, 25)]
+    assert tried[0][0] + 15 < 150 <= tried[0][1] - 15 + 3
+    assert tried[2:] == [(5, 280)]
+    tried.clear()
+    assert keep_limits(wish, 145, 155, LIMITS, 0) is None
+    assert tried == [(145, 155)], "there is no wider range"
