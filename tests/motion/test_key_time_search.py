@@ -250,3 +250,19 @@ def test_spent_budget_stops_other_segments_only_if_they_exceed_a_limit(monkeypat
     assert {item.hinge for item in search._find_segments(search.times)} == {0, 1}
     search.resolve(first_segment(search))
     assert {hinge for hinge, _ in search._rest_factors} == hinges
+
+
+@pytest.mark.parametrize(("ratio", "hinges"), [(1.3, set()), (1.31, {1})])
+def test_first_round_also_measures_other_segments_that_are_much_too_fast(monkeypatch, ratio, hinges):
+    monkeypatch.setattr(key_times, "estimate_limit_ratio", lambda segment, limits: ratio)
+    search, asked = search_of(), []
+    find = search._find_infeasible
+    monkeypatch.setattr(
+        search, "_find_infeasible", lambda ways: asked.append({way.hinge for way in ways}) or find(ways)
+    )
+    segment = first_segment(search)
+    search.resolve(segment)
+    assert asked[:2] == [{0}, hinges]
+    asked.clear()
+    search.resolve(segment)
+    assert asked[1] == set(), "later rounds leave them to their own turn"
