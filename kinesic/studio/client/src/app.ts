@@ -58,6 +58,7 @@ class App {
   private asked = ""; // text of the last request for a plan
   private plannedText = ""; // text of the shown draft
   private performances = 0; // number of performances of single gestures
+  private performRequests = 0; // number of requests to perform, and of stops, which withdraw them
 
   constructor(private readonly about: About) {
     this.text = new TextPane((text) => this.edit(text, true));
@@ -80,7 +81,7 @@ class App {
     this.robot = new Robot(about.robot, {
       opened: () => void this.connected(),
       changed: () => {
-        if (this.robot?.stopped) this.performing.end();
+        if (this.robot?.stopped) this.withdraw();
         this.enable();
       },
       moved: () => {
@@ -133,6 +134,8 @@ class App {
     });
     this.files = new Files(about, this.robot.wire, {
       text: () => this.document,
+      typed: () => this.textMode?.typed ?? "",
+      retype: (typed) => this.textMode.retype(typed),
       show: (text) => this.show(text),
       edit: (text) => this.edit(text),
       saved: () => this.isGesture && this.editing.saved(),
@@ -142,6 +145,8 @@ class App {
       text: () => this.document,
       edit: (text) => this.edit(text),
       open: (name, text) => this.files.open(name, text),
+      changed: () => this.files.saving.isChanged,
+      typed: () => this.files.saving.changed(),
       select: (id, time) => {
         this.playback.player.seek(time);
         if (id !== null && id !== this.chosen) this.tracks.choose(id, false);
@@ -292,8 +297,18 @@ class App {
     return alone((this.draft as GestureDraft).gesture, this.editing.manner, ++this.performances);
   }
 
-  private perform(): void {
+  /** Choose the gestures of typed words, and perform the document unless a stop withdraws the request. */
+  private async perform(): Promise<void> {
     this.playback.player.play(false);
+    const request = ++this.performRequests;
+    if (this.textMode.typed && this.robot.ready) {
+      const isWhole = await this.textMode.finish();
+      if (request !== this.performRequests) return;
+      if (!isWhole) {
+        this.robot.live.say("not performed: the new words have no gestures yet");
+        return;
+      }
+    }
     if (this.isGesture && !this.files.saving.isStored)
       this.robot.live.say("save the gesture first, so that the robot can use it");
     else if (this.robot.ready) {
@@ -301,6 +316,25 @@ class App {
       this.performing.begin(bml);
       if (this.robot.wire.perform(bml)) this.view.setMode("robot");
     }
+  }
+
+  /** End the performance, or its preparation. */
+  private withdraw(): void {
+    this.performRequests += 1;
+    this.performing.end();
+  }
+
+  private stop(): void {
+    this.performRequests += 1; // performing ends when the server has stopped
+    this.robot.stop();
+  }
+
+  private async save(asksForName: boolean): Promise<void> {
+    if (this.textMode.typed && !(await this.textMode.finishToSave())) {
+      this.robot.live.say("not saved: the new words have no gestures yet");
+      return;
+    }
+    await this.files.saving.save(asksForName);
   }
 
   // ---- the page -----------------------------------------------------------------------------------------------
@@ -316,13 +350,13 @@ class App {
   private listen(): void {
     listen({
       play: () => void this.playback.toggle(Boolean(this.draft?.loudness)),
-      perform: () => this.perform(),
-      stop: () => this.robot.stop(),
+      perform: () => void this.perform(),
+      stop: () => this.stop(),
       resume: () => this.robot.resume(),
       undo: () => this.step(undo(this.history)),
       redo: () => this.step(redo(this.history)),
-      save: () => void this.files.saving.save(false),
-      saveAs: () => void this.files.saving.save(true),
+      save: () => void this.save(false),
+      saveAs: () => void this.save(true),
       remove: () => this.tracks.remove(),
       show: (mode) => this.view.setMode(mode),
       view: (view) => this.view.stage.view(view),

@@ -13,8 +13,8 @@ export class Autosave {
 
   constructor(
     private readonly backups: Backups,
-    /** Called after each backup, with the text and the place in which it is safe now. */
-    private readonly kept: (text: string, place: "browser" | "folder") => void,
+    /** Called after each backup, with the document and the place in which it is safe now. */
+    private readonly kept: (document: Unsaved, place: "browser" | "folder") => void,
     private readonly failed: () => void,
   ) {}
 
@@ -52,7 +52,7 @@ export class Autosave {
   private writeHere(): void {
     this.browserTimer = null;
     if (!this.present) return;
-    if (this.backups.keepHere(this.present)) this.kept(this.present.text, "browser");
+    if (this.backups.keepHere(this.present)) this.kept(this.present, "browser");
     else this.failed();
   }
 
@@ -64,7 +64,7 @@ export class Autosave {
     const document = this.present;
     const isKept = await this.backups.keepThere(document);
     this.isSending = false;
-    if (isKept) this.kept(document.text, "folder");
+    if (isKept) this.kept(document, "folder");
     if (this.isOutdated && isKept) await this.writeThere();
   }
 }

@@ -10,6 +10,8 @@ export interface Unsaved {
   /** Revision of the file from which it came; empty without one. */
   revision: string;
   text: string;
+  /** Text of the Words field without gestures yet; empty if all of it has them. */
+  typed: string;
 }
 
 /** Backup in a list. */
@@ -20,6 +22,26 @@ export interface Backup {
 }
 
 const PREFIX = "kinesic.backup.";
+const TYPED = /\n<!-- typed, without gestures yet: (".*") -->\n$/; // comment after a document in the server's folder
+
+/** Write typed words as a comment after a document, so that its backup stays one document. */
+export function writeTyped({ text, typed }: Pick<Unsaved, "text" | "typed">): string {
+  if (!typed) return text;
+  const words = JSON.stringify(typed).replaceAll("-", "\\u002d"); // a comment must not contain two hyphens
+  return `${text}\n<!-- typed, without gestures yet: ${words} -->\n`;
+}
+
+/** Separate a document from the typed words of its comment. */
+export function readTyped(text: string): Pick<Unsaved, "text" | "typed"> {
+  const found = TYPED.exec(text);
+  try {
+    return found
+      ? { text: text.slice(0, found.index), typed: String(JSON.parse(found[1] ?? "")) }
+      : { text, typed: "" };
+  } catch {
+    return { text, typed: "" }; // a comment of another program
+  }
+}
 
 /** Return a new key of an edited document. */
 export const newKey = (): string => [...crypto.getRandomValues(new Uint8Array(8))].map(byteText).join("");
@@ -42,7 +64,9 @@ export class Backups {
 
   /** Store in the server's folder; false if that is not possible. */
   async keepThere(document: Unsaved): Promise<boolean> {
-    return (await this.wire.ask("backup", { ...document }))?.told === "backed_up";
+    const { key, name, revision } = document;
+    const answer = await this.wire.ask("backup", { key, name, revision, text: writeTyped(document) });
+    return answer?.told === "backed_up";
   }
 
   discard(key: string): void {
@@ -69,7 +93,7 @@ export class Backups {
     const here = this.readHere(key);
     if (here) return here;
     const answer = await this.wire.ask("backups", { key });
-    return answer?.told === "backup" ? (answer as unknown as Unsaved) : null;
+    return answer?.told === "backup" ? { ...(answer as unknown as Unsaved), ...readTyped(String(answer.text)) } : null;
   }
 
   readHere(key: string): (Unsaved & Backup) | null {
@@ -77,7 +101,7 @@ export class Backups {
       const read: unknown = JSON.parse(this.storage?.getItem(PREFIX + key) ?? "null");
       const backup = read as Unsaved & Backup;
       return [backup?.name, backup?.revision, backup?.text].every((value) => typeof value === "string")
-        ? { ...backup, key }
+        ? { ...backup, key, typed: typeof backup.typed === "string" ? backup.typed : "" }
         : null;
     } catch {
       return null;

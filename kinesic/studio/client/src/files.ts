@@ -10,6 +10,10 @@ import type { Wire } from "./wire.ts";
 /** Parts of the page that opening and saving need. */
 export interface FilesListener {
   text(): string;
+  /** Typed text that is not in the document yet. */
+  typed(): string;
+  /** Put text into the Words field again, without gestures yet. */
+  retype(typed: string): void;
   /** Show another document from its beginning. */
   show(text: string): void;
   /** Change the document; can be undone. */
@@ -36,6 +40,7 @@ export class Files {
     this.documents = new Documents(wire, say);
     this.saving = new Saving(this.documents, this.backups, {
       text: () => listener.text(),
+      typed: () => listener.typed(),
       saved: () => {
         listener.saved();
         this.fillMenu();
@@ -103,13 +108,14 @@ export class Files {
   private restore(unsaved: Unsaved): void {
     this.saving.leave();
     this.saving.restore(unsaved);
-    this.show(unsaved.text);
+    this.show(unsaved.text, unsaved.typed);
     this.listener.say(`unsaved changes of ${unsaved.name} are back`);
   }
 
-  private show(text: string): void {
+  private show(text: string, typed = ""): void {
     this.recovery.claim(this.saving.key);
     this.listener.show(text);
+    if (typed) this.listener.retype(typed);
     this.saving.changed();
   }
 }

@@ -11,6 +11,8 @@ const MARK = "•"; // before the name of a document with unsaved changes
 
 export interface SavingListener {
   text(): string;
+  /** Typed text that is not in the document yet. */
+  typed(): string;
   saved(): void;
   say(text: string): void;
 }
@@ -34,15 +36,20 @@ export class Saving {
   ) {
     this.autosave = new Autosave(
       backups,
-      (text, place) => this.kept(text, place),
+      (document, place) => this.kept(document, place),
       () => listener.say("the browser's storage is full: unsaved changes are kept in the studio's folder only"),
     );
     window.addEventListener("beforeunload", (event) => this.unsaved && event.preventDefault());
     window.addEventListener("pagehide", () => this.autosave.flush());
   }
 
-  /** Whether the document differs from its file, or from the example that it came from. */
+  /** Whether the document or typed text differs from its file, or from the example that it came from. */
   get unsaved(): boolean {
+    return this.listener.typed() !== "" || this.isChanged;
+  }
+
+  /** Whether the document itself differs from its file. */
+  get isChanged(): boolean {
     return this.listener.text() !== this.savedText;
   }
 
@@ -82,7 +89,9 @@ export class Saving {
   changed(): void {
     const { unsaved, wasUnsaved, key, name } = this;
     this.wasUnsaved = unsaved;
-    if (unsaved) this.autosave.keep({ key, name, revision: this.revision ?? "", text: this.listener.text() });
+    const { listener } = this;
+    const [text, typed] = [listener.text(), listener.typed()];
+    if (unsaved) this.autosave.keep({ key, name, revision: this.revision ?? "", text, typed });
     else if (wasUnsaved) this.autosave.discard(key);
     if (unsaved !== wasUnsaved) this.place = "";
     this.show();
@@ -139,8 +148,8 @@ export class Saving {
     this.place = "";
   }
 
-  private kept(text: string, place: "browser" | "folder"): void {
-    if (text === this.listener.text()) this.place = place;
+  private kept({ text, typed }: Unsaved, place: "browser" | "folder"): void {
+    if (text === this.listener.text() && typed === this.listener.typed()) this.place = place;
     this.show();
   }
 

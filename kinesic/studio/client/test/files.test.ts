@@ -16,6 +16,7 @@ type Message = Record<string, unknown>;
 /** The files of a page with a server that the test plays. */
 class Desk {
   text = "";
+  typed = "";
   readonly said: string[] = [];
   readonly files: Files;
   socket = 0; // index of the connection; the stop line has another
@@ -25,8 +26,13 @@ class Desk {
     const wire = new Wire({ state: () => {}, told: () => {}, feedback: () => {} }, null);
     this.files = new Files(about, wire, {
       text: () => this.text,
+      typed: () => this.typed,
+      retype: (typed) => {
+        this.typed = typed;
+      },
       show: (text) => {
         this.text = text;
+        this.typed = "";
       },
       edit: (text) => this.edit(text),
       saved: () => {},
@@ -121,6 +127,29 @@ test("changes during a lost connection reach the folder when the server is back"
   sockets.at(-1)?.open();
   void desk.files.connected();
   assert.equal((await desk.answer("backup", { told: "backed_up" })).text, "<bml>1</bml>");
+});
+
+test("typed words without gestures are unsaved, kept when another document opens, and restored", async () => {
+  const { window, desk } = open();
+  const typed = 'Tea -- and "coffee" --> today.';
+  desk.typed = typed;
+  desk.files.saving.changed();
+  assert.equal(name(), "• greeting.bml");
+  desk.files.choose("example", "greeting");
+  const { key, text } = await desk.answer("backup", { told: "backed_up" });
+  assert.equal(desk.typed, "");
+  assert.equal(name(), "greeting.bml");
+  desk.files.choose("backup", String(key));
+  await settle();
+  assert.deepEqual([desk.text, desk.typed], [EXAMPLE, typed]);
+  assert.equal(name(), "• greeting.bml");
+  window.localStorage.clear(); // as in another browser
+  desk.files.choose("backup", String(key));
+  await desk.answer("backups", { told: "backup", key, name: "greeting.bml", revision: "", text });
+  assert.deepEqual([desk.text, desk.typed], [EXAMPLE, typed]);
+  const comment = String(text).slice(EXAMPLE.length);
+  assert.match(comment, /^\n<!-- .* -->\n$/);
+  assert.ok(!comment.slice(5, -4).includes("--"), "XML allows no two hyphens in a comment");
 });
 
 test("the browser asks before a page with unsaved changes ends, and only then", () => {

@@ -1,6 +1,7 @@
 // Text mode: words with their gestures, and edits that show another gesture at a word.
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { describePending, measure } from "../src/text_mode/pending.ts";
 import { choose, isWritten } from "../src/text_mode/replacing.ts";
 import { listSpoken, locate, spokenText } from "../src/text_mode/spoken.ts";
 import type { Draft } from "../src/types.ts";
@@ -79,4 +80,21 @@ test("only blocks written for a text are replaced by another text", () => {
   assert.ok(isWritten(BML));
   assert.ok(!isWritten(BML.replace('id="said"', 'id="mine"')));
   assert.ok(!isWritten(""));
+});
+
+test("typed words are counted, and those that the performance lacks", () => {
+  assert.equal(measure(Array(53).fill("word").join(" \n ")), "53 words, about 18 s");
+  assert.equal(measure("Tea"), "1 word, about 1 s");
+  assert.equal(measure(" \n"), "");
+  assert.equal(describePending("There were  boxes.", "There were\nboxes."), "");
+  assert.equal(describePending("", "There were boxes."), "");
+  assert.equal(
+    describePending("There were no boxes.", "There were boxes."),
+    "1 new word is not yet in the performance",
+  );
+  assert.equal(
+    describePending("There were two, two boxes.", "There were boxes."),
+    "2 new words are not yet in the performance",
+  );
+  assert.equal(describePending("boxes.", "There were boxes."), "The changed text is not yet in the performance");
 });

@@ -37,6 +37,12 @@ export class AlternativesPanel {
     byId("alternatives-list").replaceChildren(...(rows.length ? rows : [make("li", { class: "none" }, none)]));
   }
 
+  /** Scroll as much of the list into view as the pane has room for, and its title in any case. */
+  reveal(): void {
+    this.place.scrollIntoView({ block: "nearest" });
+    byId("alternatives-title").scrollIntoView({ block: "nearest" });
+  }
+
   private row(each: Alternative, isPresent: boolean): HTMLElement {
     const button = make(
       "button",

@@ -6,6 +6,7 @@ import type { About, Draft } from "../types.ts";
 import type { Wire } from "../wire.ts";
 import { BLOCK } from "../xml.ts";
 import { AlternativesPanel, readAlternatives } from "./alternatives.ts";
+import { describePending, measure } from "./pending.ts";
 import { type Choice, choose, isWritten } from "./replacing.ts";
 import { listSpoken, locate, type SpokenWord, spokenText } from "./spoken.ts";
 import { Tabs } from "./tabs.ts";
@@ -17,6 +18,10 @@ export interface TextModeListener {
   text(): string;
   edit(text: string): void;
   open(name: string, text: string): void;
+  /** Whether the document has changes that are in no file. */
+  changed(): boolean;
+  /** The typed text that is not in the document yet has changed. */
+  typed(): void;
   /** Select a behaviour, and show the posture at a time [s]. */
   select(id: string | null, time: number): void;
 }
@@ -31,6 +36,8 @@ export class TextMode {
   private chosen = -1; // index of the chosen word; -1: none
   private isReplaced = false; // whether the next draft shows a new choice for the word
   private isTyped = false; // whether the field differs from what the document says
+  private documents = 0; // number of shown documents
+  private writing: Promise<boolean> | null = null; // the running request for gestures
 
   constructor(
     private readonly about: About,
@@ -43,19 +50,53 @@ export class TextMode {
     });
     for (const name of about.styles) this.style.append(make("option", { value: name }, name));
     this.field.addEventListener("input", () => {
-      this.isTyped = true;
+      this.isTyped = this.pending !== "";
+      this.listener.typed();
       this.enable();
     });
     byId("plain-form").addEventListener("submit", (event) => {
       event.preventDefault();
-      void this.write();
+      void this.make();
     });
     this.list.addEventListener("keydown", (event) => this.step(event));
     this.enable();
   }
 
+  /** Text of the field that has no gestures yet; empty if all of it has them. */
+  get typed(): string {
+    return this.isTyped ? this.field.value : "";
+  }
+
+  private get pending(): string {
+    return describePending(this.field.value, spokenText(this.words));
+  }
+
+  /** Put text into the field again, without gestures yet. */
+  retype(typed: string): void {
+    this.field.value = typed;
+    this.isTyped = true;
+    this.enable();
+  }
+
+  /** Choose the gestures of typed text before a performance; whether nothing is left without. */
+  async finish(): Promise<boolean> {
+    await this.writing;
+    return !this.isTyped || (await this.make());
+  }
+
+  /** Choose the gestures of typed text before saving, unless another document with changes would stay unsaved. */
+  async finishToSave(): Promise<boolean> {
+    if (!this.isTyped || isWritten(this.listener.text()) || !this.listener.changed()) return this.finish();
+    say(byId("plain-status"), "Saved without the new text: Choose gestures puts it into a document of its own.");
+    return true;
+  }
+
   /** Begin with another document; gestures under edit have no words. */
   begin(isGesture: boolean): void {
+    this.documents += 1;
+    this.words = [];
+    this.field.value = "";
+    say(byId("plain-status"), "");
     this.isTyped = false;
     this.chosen = -1;
     this.panel.hide();
@@ -65,7 +106,10 @@ export class TextMode {
   /** Show the words of a draft with their gestures. */
   show(draft: Draft): void {
     this.words = listSpoken(this.listener.text(), draft);
+    const wasTyped = this.isTyped;
+    this.isTyped &&= this.pending !== "";
     if (!this.isTyped) this.field.value = spokenText(this.words);
+    if (wasTyped && !this.isTyped) this.listener.typed();
     const chosen = this.words[this.chosen];
     if (this.isReplaced && chosen) this.listener.select(chosen.gestures[0]?.id ?? null, chosen.start);
     this.isReplaced = false;
@@ -74,7 +118,7 @@ export class TextMode {
     this.list.replaceChildren(...this.words.map((word, k) => this.wordButton(word, k)));
     const count = this.words.reduce((sum, { gestures }) => sum + gestures.length, 0);
     say(byId("spoken-count"), this.words.length ? `${this.words.length} words, ${count} gestures` : "no spoken words");
-    if (this.chosen >= 0) void this.ask();
+    if (this.chosen >= 0) void this.ask(false);
     else this.panel.hide();
     if (isFocused) this.button(Math.max(this.chosen, 0))?.focus();
     this.enable();
@@ -124,11 +168,11 @@ export class TextMode {
     }
     this.button(index)?.setAttribute("aria-pressed", "true");
     this.listener.select(word.gestures[0]?.id ?? null, word.start);
-    void this.ask();
+    void this.ask(true);
   }
 
-  /** Ask for the alternatives of the chosen word. */
-  private async ask(): Promise<void> {
+  /** Ask for the alternatives of the chosen word; a click also scrolls to them. */
+  private async ask(isClicked: boolean): Promise<void> {
     const word = this.words[this.chosen];
     if (!word) return;
     const present = word.gestures[0] ?? null;
@@ -137,6 +181,7 @@ export class TextMode {
     const answer = await this.wire.ask("alternatives", { ...place, intent: present?.intent ?? "" });
     if (answer?.outdated || word !== this.words[this.chosen]) return;
     this.panel.show(word.text, present, readAlternatives(answer));
+    if (isClicked) this.panel.reveal();
   }
 
   /** Show another gesture at the chosen word; null: none. */
@@ -150,27 +195,44 @@ export class TextMode {
     else if (present) this.listener.edit(remove(text, present.id));
   }
 
-  /** Ask for the document of the typed text. */
-  private async write(): Promise<void> {
+  /** Ask for the document of the typed text, once at a time; whether the document has it. */
+  private make(): Promise<boolean> {
+    this.writing ??= this.write().finally(() => {
+      this.writing = null;
+    });
+    return this.writing;
+  }
+
+  private async write(): Promise<boolean> {
     const { value: style } = this.style;
     const text = this.field.value;
+    const { documents } = this;
     say(byId("plain-status"), "choosing gestures …");
     const answer = await this.wire.ask("author", { text, style });
-    if (answer?.outdated) return;
+    if (answer?.outdated || documents !== this.documents) return false; // another document was opened meanwhile
     const fault = (answer?.error as { text?: string } | undefined)?.text;
     if (!answer || fault || typeof answer.bml !== "string") {
       say(byId("plain-status"), fault ?? "no server");
-      return;
+      return false;
     }
-    say(byId("plain-status"), Array.isArray(answer.warnings) ? answer.warnings.join(" ") : "");
+    const later = this.field.value;
+    this.isTyped = false; // the text moves into the document
+    this.listener.typed();
     const bml = style ? setManner(answer.bml, BLOCK, "style", style) : answer.bml;
     if (!isWritten(this.listener.text())) this.listener.open(NEW_NAME, this.about.templates[0]?.text ?? "");
     this.chosen = -1;
-    this.isTyped = false;
     this.listener.edit(bml);
+    this.field.value = later;
+    this.isTyped = later !== text;
+    this.listener.typed();
+    this.enable();
+    say(byId("plain-status"), Array.isArray(answer.warnings) ? answer.warnings.join(" ") : "");
+    return true;
   }
 
   private enable(): void {
     byId<HTMLButtonElement>("plain-make").disabled = !this.field.value.trim();
+    say(byId("plain-count"), measure(this.field.value));
+    say(byId("plain-pending"), this.isTyped ? this.pending : "");
   }
 }
