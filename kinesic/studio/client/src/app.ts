@@ -58,6 +58,7 @@ class App {
   private asked = ""; // text of the last request for a plan
   private plannedText = ""; // text of the shown draft
   private performances = 0; // number of performances of single gestures
+  private isPreparing = false; // whether gestures are chosen before a performance
   private performRequests = 0; // number of requests to perform, and of stops, which withdraw them
 
   constructor(private readonly about: About) {
@@ -302,7 +303,9 @@ class App {
     this.playback.player.play(false);
     const request = ++this.performRequests;
     if (this.textMode.typed && this.robot.ready) {
+      this.isPreparing = true;
       const isWhole = await this.textMode.finish();
+      this.isPreparing = false;
       if (request !== this.performRequests) return;
       if (!isWhole) {
         this.robot.live.say("not performed: the new words have no gestures yet");
@@ -324,12 +327,17 @@ class App {
     this.performing.end();
   }
 
+  private get rests(): boolean {
+    return this.robot.rests && !this.performing.waits && !this.isPreparing && !this.playback.player.playing;
+  }
+
   private stop(): void {
     this.performRequests += 1; // performing ends when the server has stopped
     this.robot.stop();
   }
 
   private async save(asksForName: boolean): Promise<void> {
+    this.robot.askState(); // Escape stops in the dialog unless the robot rests
     if (this.textMode.typed && !(await this.textMode.finishToSave())) {
       this.robot.live.say("not saved: the new words have no gestures yet");
       return;
@@ -352,6 +360,7 @@ class App {
       play: () => void this.playback.toggle(Boolean(this.draft?.loudness)),
       perform: () => void this.perform(),
       stop: () => this.stop(),
+      rests: () => this.rests,
       resume: () => this.robot.resume(),
       undo: () => this.step(undo(this.history)),
       redo: () => this.step(redo(this.history)),

@@ -17,6 +17,7 @@ export class Arming {
   private code: string | null = null; // confirmation code of the server
   private state: ServoReport["state"] | null = null;
   private ending = 0; // timer that withdraws the question
+  private isConfirmed = false; // whether torque was requested, and the servos have not reported another state yet
 
   constructor(
     private readonly wire: Wire,
@@ -34,8 +35,14 @@ export class Arming {
     return this.state !== null && this.state !== "armed" && this.state !== "arming";
   }
 
+  /** Whether no servo has torque or is about to get it. */
+  get rests(): boolean {
+    return !this.isConfirmed && (this.state === null || this.state === "limp");
+  }
+
   show(report: ServoReport | null): void {
     this.state = report?.state ?? null;
+    if (this.state !== "limp") this.isConfirmed = false;
     this.button.hidden = this.state === null;
     if (this.state === null) return;
     this.button.textContent = BUTTON_LABELS[this.state];
@@ -56,7 +63,10 @@ export class Arming {
     const { code } = this;
     if (!event.isTrusted || code === null) return;
     this.end();
-    this.tell(await this.wire.ask("arm", { token: this.token(), code }));
+    this.isConfirmed = true;
+    const answer = await this.wire.ask("arm", { token: this.token(), code });
+    if (answer?.told === "refused") this.isConfirmed = false;
+    this.tell(answer);
   }
 
   private async disarm(): Promise<void> {

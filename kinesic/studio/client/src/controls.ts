@@ -6,6 +6,8 @@ export interface Actions {
   play(): void;
   perform(): void;
   stop(): void;
+  /** Whether surely nothing moves, plays, waits to be performed or has torque. */
+  rests(): boolean;
   resume(): void;
   undo(): void;
   redo(): void;
@@ -65,6 +67,7 @@ function key(event: KeyboardEvent, actions: Actions): void {
   const element = event.target as HTMLElement;
   const writes = element.matches("textarea, input:not([type=range]):not([type=checkbox]), select");
   const presses = element.matches("button, summary, [type=checkbox]");
+  if (event.key === "Escape" && closes(event) && actions.rests()) return; // the dialog or menu closes itself
   const stops = event.key === "Escape" || (event.key === " " && !writes && !presses);
   const shortcuts: Record<string, () => void> = {
     z: () => (event.shiftKey ? actions.redo() : actions.undo()),
@@ -78,4 +81,11 @@ function key(event: KeyboardEvent, actions: Actions): void {
   if (!act) return;
   event.preventDefault();
   act();
+}
+
+/** Whether Escape closes a dialog or a menu; the question before arming promises that the key stops. */
+function closes(event: KeyboardEvent): boolean {
+  if (byId<HTMLDialogElement>("arming").open) return false;
+  const isInMenu = event.composedPath().some((each) => (each as Element).matches?.("[role=menu], #saving, #tour"));
+  return isInMenu || byId<HTMLDialogElement>("saving").open;
 }

@@ -5,7 +5,8 @@ import { BLOCK, findAttribute, tagWithId } from "./xml.ts";
 const MAX_AHEAD = 0.2; // [s] longest time that the clock runs on without a report
 
 export class Performing {
-  private block = ""; // empty: nothing is performed
+  private block = ""; // empty: nothing is performed, or a block without id
+  private isAsked = false; // whether a document was sent whose end is not known
   private begun: number | null = null; // [s] server time of the block's start
   private report = { time: 0, at: 0 }; // [s] server time and [ms] page time of the last report
   private ticks = false;
@@ -17,14 +18,21 @@ export class Performing {
     return this.begun !== null;
   }
 
+  /** Whether a document was sent that may still be performed. */
+  get waits(): boolean {
+    return this.isAsked;
+  }
+
   /** Wait for the start of a document, which is the time 0 of its plan. */
   begin(bml: string): void {
     const root = tagWithId(bml, BLOCK);
     this.block = (root && findAttribute(root, "id")?.value) ?? "";
     this.begun = null;
+    this.isAsked = true;
   }
 
   end(): void {
+    this.isAsked = false;
     this.block = "";
     this.begun = null;
   }

@@ -21,6 +21,7 @@ export class Robot {
   /** Servos; empty for a simulated robot. */
   places: readonly ServoPlace[] = [];
   private readonly arming: Arming;
+  private isResting = false; // whether the server said that nothing moves, and nothing has begun since
 
   constructor(
     private readonly body: Body,
@@ -34,6 +35,7 @@ export class Robot {
         feedback: (xml) => {
           const feedback = readFeedback(xml);
           this.live.feedback(feedback, xml);
+          if (feedback.kind === "blockProgress") this.isResting = false;
           this.listener.heard(feedback);
         },
       },
@@ -67,6 +69,16 @@ export class Robot {
     return this.arming.limp;
   }
 
+  /** Whether surely nothing moves or has torque; false while that is unknown. */
+  get rests(): boolean {
+    return this.wire.state === "open" && this.isResting && this.report !== null && this.arming.rests;
+  }
+
+  /** Ask whether the robot rests. */
+  askState(): void {
+    this.wire.tell("status");
+  }
+
   stop(): void {
     this.arming.end();
     if (!this.wire.stop()) this.live.say("no server: use the switch that cuts its power");
@@ -84,6 +96,7 @@ export class Robot {
 
   private connected(): void {
     const { state } = this.wire;
+    this.isResting = false;
     document.body.dataset.state = state;
     byId("state").textContent = STATE_LABELS[state];
     byId<HTMLDialogElement>("lock")[state === "locked" ? "show" : "close"]();
@@ -116,12 +129,15 @@ export class Robot {
     } else if (answer.told === "stopped" || answer.told === "failed") {
       this.halt(true);
       this.live.say(String(answer.why ?? "stopped: all joints hold"));
-    } else if (answer.told === "status") this.halt(answer.state === "stopped");
-    else if (answer.told === "refused") this.live.say(String(answer.why));
+    } else if (answer.told === "status") {
+      this.isResting = answer.state === "resting";
+      this.halt(answer.state === "stopped");
+    } else if (answer.told === "refused") this.live.say(String(answer.why));
   }
 
   private halt(stopped: boolean): void {
     this.stopped = stopped;
+    if (stopped) this.isResting = false;
     document.body.classList.toggle("stopped", stopped);
     byId("resume").hidden = !stopped;
     this.listener.changed();

@@ -2,6 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { type Actions, listen } from "../src/controls.ts";
+import { Performing } from "../src/performing.ts";
 import { Robot } from "../src/robot.ts";
 import type { Body } from "../src/types.ts";
 import { click, element, load, press, type Socket, settle, sockets } from "./page.ts";
@@ -29,6 +30,7 @@ function begin(): Scene {
     opened: () => calls.push("opened"),
     changed: () => calls.push("changed"),
     moved: () => calls.push("moved"),
+    heard: () => {},
   };
   const robot = new Robot(BODY, listener);
   const [line, stopLine] = sockets as [Socket, Socket];
@@ -47,10 +49,11 @@ const shown = () => ({
 });
 
 /** Names of the requested actions. */
-function controlled(): { window: ReturnType<typeof load>; acts: string[] } {
+function controlled(rests = false): { window: ReturnType<typeof load>; acts: string[] } {
   const window = load();
   const acts: string[] = [];
-  const act = (name: string) => (value?: unknown) => void acts.push(value === undefined ? name : `${name} ${value}`);
+  const act = (name: string) => (value?: unknown) =>
+    name === "rests" ? rests : void acts.push(value === undefined ? name : `${name} ${value}`);
   listen(new Proxy({}, { get: (_, name) => act(String(name)) }) as unknown as Actions);
   return { window, acts };
 }
@@ -193,6 +196,92 @@ test("Escape always stops, Space only outside of text fields and buttons", () =>
   assert.ok(press(window, " ", { on: document.body }));
   assert.ok(press(window, "Escape", { on: document.querySelector("summary")! }));
   assert.deepEqual(acts, ["stop", "stop"]);
+});
+
+test("Escape only closes the save dialog, a menu and the tour of a robot that rests, and stops elsewhere", () => {
+  for (const rests of [true, false]) {
+    const { window, acts } = controlled(rests);
+    const menu = Object.assign(document.createElement("button"), { role: "menuitem" });
+    const list = document.createElement("div");
+    list.setAttribute("role", "menu");
+    list.append(menu);
+    document.body.append(list);
+    const pressed = (on: Element) => {
+      acts.length = 0;
+      const isTaken = press(window, "Escape", { on });
+      assert.deepEqual(acts, isTaken ? ["stop"] : []);
+      return isTaken;
+    };
+    assert.equal(pressed(menu), !rests);
+    assert.equal(pressed(element("tour-next")), !rests);
+    for (const place of [document.body, element("text"), element("canvas")]) assert.ok(pressed(place));
+    const [saving, arming] = [element<HTMLDialogElement>("saving"), element<HTMLDialogElement>("arming")];
+    saving.showModal();
+    assert.equal(pressed(element("save-name")), !rests);
+    assert.equal(pressed(document.body), !rests);
+    arming.showModal();
+    assert.ok(pressed(element("save-name")), "the question before arming says that Escape stops");
+    saving.close();
+    assert.ok(pressed(element("arm-no")));
+  }
+});
+
+test("the robot rests only if the server said so, nothing has begun since, and no servo has or gets torque", async () => {
+  const { window, robot, line, stopLine } = begin();
+  const rests = (state: string) => {
+    line.tell({ told: "status", state });
+    return robot.rests;
+  };
+  assert.ok(!rests("resting"), "no report has come yet");
+  line.tell(body(null));
+  assert.ok(robot.rests);
+  assert.ok(!rests("playing") && !rests("stopped") && rests("resting"));
+  line.tell('<blockProgress xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b:start" globalTime="1"/>');
+  assert.ok(!robot.rests);
+  for (const state of ["armed", "arming", "releasing", "ended", "limp"]) {
+    line.tell(body(state));
+    assert.equal(rests("resting"), state === "limp", state);
+  }
+  for (const refuses of [true, false]) {
+    line.read();
+    click(window, "arm");
+    line.tell({ told: "confirm", id: line.read()[0]!.id, code: "1", servos: 1, lasts: 30 });
+    await settle();
+    click(window, "arm-yes");
+    assert.ok(!robot.rests, "torque is requested");
+    line.tell(body("limp"));
+    assert.ok(!robot.rests);
+    line.tell({ told: refuses ? "refused" : "armed", why: "no", id: line.read()[0]!.id });
+    await settle();
+    assert.equal(robot.rests, refuses);
+  }
+  line.tell(body("armed"));
+  line.tell(body("limp"));
+  assert.ok(robot.rests);
+  stopLine.tell({ told: "stopped" });
+  assert.ok(!robot.rests);
+  robot.resume();
+  robot.askState();
+  assert.deepEqual(line.read().at(-1), { do: "status" });
+  assert.ok(rests("resting"));
+  line.close();
+  assert.ok(!robot.rests);
+});
+
+test("a document waits from its request until its end or a stop", () => {
+  load();
+  const performing = new Performing(() => {});
+  const hear = (about: string) => performing.hear({ kind: "blockProgress", about, time: 1, text: "" });
+  assert.ok(!performing.waits);
+  performing.begin('<bml id="b"/>');
+  hear("other:end");
+  assert.ok(performing.waits);
+  hear("b:end");
+  assert.ok(!performing.waits);
+  performing.begin("<bml/>");
+  assert.ok(performing.waits, "a block without id may still move");
+  performing.end();
+  assert.ok(!performing.waits);
 });
 
 test("shortcuts need Ctrl, and other keys are left to the browser", () => {

@@ -17,6 +17,7 @@ export class Tour {
     byId("tour-back").addEventListener("click", () => this.show(this.at - 1));
     byId("tour-skip").addEventListener("click", () => this.end());
     this.note.addEventListener("keydown", (event) => {
+      if (event.key === "Escape") this.end();
       const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
       if (by === undefined || this.at + by < 0) return;
       event.preventDefault();
