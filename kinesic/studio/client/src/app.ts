@@ -43,7 +43,10 @@ class App {
     this.editing.redrawList();
     this.showChosen();
   });
-  private readonly performing = new Performing((time) => this.playback.player.follow(time));
+  private readonly performing = new Performing(
+    (time) => this.playback.player.follow(time),
+    (text) => say(byId("performing"), text),
+  );
   private readonly playback: Playback;
   private readonly drafting: Drafting;
   private readonly inspector: Inspector;

@@ -11,7 +11,11 @@ export class Performing {
   private report = { time: 0, at: 0 }; // [s] server time and [ms] page time of the last report
   private ticks = false;
 
-  constructor(private readonly show: (time: number) => void) {}
+  /** `show` shows a time [s] of the performance, `say` its state in words. */
+  constructor(
+    private readonly show: (time: number) => void,
+    private readonly say: (text: string) => void,
+  ) {}
 
   /** Whether the block moves the robot. */
   get runs(): boolean {
@@ -29,12 +33,14 @@ export class Performing {
     this.block = (root && findAttribute(root, "id")?.value) ?? "";
     this.begun = null;
     this.isAsked = true;
+    this.say("");
   }
 
   end(): void {
     this.isAsked = false;
     this.block = "";
     this.begun = null;
+    this.say("");
   }
 
   /** Take the start and the end of the block from the feedback. */
@@ -44,7 +50,11 @@ export class Performing {
       this.begun = time;
       this.report = { time, at: performance.now() };
       this.run();
-    } else if (about === `${this.block}:end`) this.end();
+    } else if (about === `${this.block}:end`) {
+      this.end();
+      this.show(Number.POSITIVE_INFINITY); // the end of the slider
+      this.say("Finished");
+    }
   }
 
   /** Take the server time [s] of a report. */
@@ -62,7 +72,9 @@ export class Performing {
     this.ticks = false;
     if (this.begun === null) return;
     const ahead = Math.min((performance.now() - this.report.at) / 1000, MAX_AHEAD);
-    this.show(Math.max(0, this.report.time + ahead - this.begun));
+    const time = Math.max(0, this.report.time + ahead - this.begun);
+    this.show(time);
+    this.say(`Performing ${time.toFixed(1)} s`);
     this.run();
   }
 }

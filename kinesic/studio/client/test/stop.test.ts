@@ -270,7 +270,10 @@ test("the robot rests only if the server said so, nothing has begun since, and n
 
 test("a document waits from its request until its end or a stop", () => {
   load();
-  const performing = new Performing(() => {});
+  const performing = new Performing(
+    () => {},
+    () => {},
+  );
   const hear = (about: string) => performing.hear({ kind: "blockProgress", about, time: 1, text: "" });
   assert.ok(!performing.waits);
   performing.begin('<bml id="b"/>');
