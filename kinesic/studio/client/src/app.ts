@@ -26,6 +26,7 @@ import { Tour } from "./tour/tour.ts";
 import type { TrackEditing } from "./tracks/editing.ts";
 import { Figures } from "./tracks/figures.ts";
 import { openTimeline } from "./tracks/panel.ts";
+import { pauseBefore } from "./tracks/pauses.ts";
 import type { About, Draft, GestureDraft } from "./types.ts";
 import { StageView } from "./view.ts";
 import type { Answer } from "./wire.ts";
@@ -170,7 +171,10 @@ class App {
     });
     this.listen();
     new Tour(() => this.textMode.tabs.choose("words"));
-    listenToPalette((edit) => this.add(edit));
+    listenToPalette(
+      (edit) => this.add(edit),
+      (duration) => this.pause(duration),
+    );
     listenToPanes();
     fillMenus(this.about);
     this.files.begin();
@@ -260,6 +264,16 @@ class App {
     const added = this.isGesture ? null : edit(this.document, time);
     if (added) this.tracks.expect([added.id]);
     if (added) this.edit(added.text);
+  }
+
+  /** Put a pause [s] before the selected word, or the one at the slider; false outside of speeches. */
+  private pause(duration: number): boolean {
+    const isPlanned = !this.isGesture && this.plannedText === this.document;
+    const word = isPlanned && this.draft ? this.textMode.wordAt(this.playback.player.time) : undefined;
+    const paused = word ? pauseBefore(this.document, word, duration) : null;
+    if (paused !== null) this.edit(paused);
+    else this.robot.live.say("the pause is a wait: it delays only what refers to its end");
+    return paused !== null;
   }
 
   private setManner(name: string, value: number | null): void {

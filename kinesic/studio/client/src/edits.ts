@@ -66,7 +66,20 @@ export function setManner(text: string, behaviour: string, name: string, value: 
 
 /** Insert a mark before the n-th word after a mark, or after the start of a speech; return text and id. */
 export function mark(text: string, speech: string, after: string, word: number): { text: string; mark: string } {
-  if (word === 0) return { text, mark: after };
+  const found = word === 0 ? null : findWord(text, speech, after, word);
+  if (!found) return { text, mark: after };
+  const { at, prefix } = found;
+  const id = unusedId(text, "m", true);
+  return { text: `${text.slice(0, at)}<${prefix}sync id="${id}"/>${text.slice(at)}`, mark: id };
+}
+
+/** Find the n-th word after a mark or the start of a speech; return its index in the text, and the speech's prefix. */
+export function findWord(
+  text: string,
+  speech: string,
+  after: string,
+  word: number,
+): { at: number; prefix: string } | null {
   const tags = findTags(text);
   const first = tags.findIndex((tag) => opensBehaviour(tag, speech));
   const last = tags.findIndex((tag, k) => k > first && tag.closing && tag.name === tags[first]?.name);
@@ -74,12 +87,10 @@ export function mark(text: string, speech: string, after: string, word: number):
   const from = inside.findIndex((tag) => isMark(tag) && tag.attributes.some((a) => a.value === after));
   const opening = inside.findIndex((tag) => tag.name === "text" && !tag.closing);
   const begin = inside[from >= 0 ? from : opening] ?? tags[first];
-  if (first < 0 || !begin || tags[first]?.empty) return { text, mark: after };
+  if (first < 0 || !begin || tags[first]?.empty) return null;
   const end = tags[last]?.from ?? text.length;
   const at = wordAt(text, begin.to, end, word);
-  if (at < 0) return { text, mark: after };
-  const id = unusedId(text, "m", true);
-  return { text: `${text.slice(0, at)}<${tags[first]?.prefix ?? ""}sync id="${id}"/>${text.slice(at)}`, mark: id };
+  return at < 0 ? null : { at, prefix: tags[first]?.prefix ?? "" };
 }
 
 /** Return the index of the n-th word in a part of a text, or -1 if it has fewer; tags and comments have no words. */

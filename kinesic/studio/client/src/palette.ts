@@ -16,6 +16,7 @@ interface Entry {
 
 const STROKE_GROUPS: readonly string[] = ["Head", "Pointing"]; // groups whose behaviours have a stroke
 const DURATION = 2; // [s] of behaviours that last
+const PAUSES = [0.5, 1, 2, 5] as const; // [s] durations of pauses
 
 const plain =
   (name: string, more: string) =>
@@ -55,7 +56,11 @@ export const PALETTE: Readonly<Record<string, readonly Entry[]>> = {
     { label: "to the right", stem: "point", write: plain("pointing", 'target="right" mode="RIGHT_HAND"') },
     { label: "to the listener", stem: "point", write: plain("pointing", 'target="audience"') },
   ],
-  Pause: [{ label: "1 second", stem: "pause", write: plain("wait", 'duration="1"') }],
+  Pause: PAUSES.map((duration) => ({
+    label: `${duration} ${duration === 1 ? "second" : "seconds"}`,
+    stem: "pause",
+    write: plain("wait", `duration="${duration}"`),
+  })),
 };
 
 const ENTRIES = new Map<string, Entry>(
@@ -95,7 +100,10 @@ export function addSpeech(text: string, words: string, time: number): Added | nu
 }
 
 /** Fill the menu "Add", and call `add` with the edits of the menu and of the line to say. */
-export function listenToPalette(add: (edit: (text: string, time: number) => Added | null) => void): void {
+export function listenToPalette(
+  add: (edit: (text: string, time: number) => Added | null) => void,
+  pause: (duration: number) => boolean, // puts a pause [s] into a speech, if one is spoken
+): void {
   const menu = byId<HTMLSelectElement>("add");
   for (const [group, entries] of Object.entries(PALETTE)) {
     const options = entries.map(({ label }) => make("option", { value: `${group}/${label}` }, label));
@@ -104,6 +112,8 @@ export function listenToPalette(add: (edit: (text: string, time: number) => Adde
   menu.addEventListener("change", () => {
     const { value } = menu;
     menu.value = "";
+    const [group, label] = value.split("/");
+    if (group === "Pause" && pause(Number.parseFloat(label ?? ""))) return;
     add((text, time) => addEntry(text, value, time));
   });
   const line = byId<HTMLInputElement>("line");

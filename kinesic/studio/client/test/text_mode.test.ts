@@ -4,6 +4,7 @@ import { test } from "node:test";
 import { describePending, measure } from "../src/text_mode/pending.ts";
 import { choose, isWritten } from "../src/text_mode/replacing.ts";
 import { listSpoken, locate, spokenText } from "../src/text_mode/spoken.ts";
+import { pauseBefore, wordAt } from "../src/tracks/pauses.ts";
 import type { Draft } from "../src/types.ts";
 
 const BML = `<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic" id="said">
@@ -97,4 +98,18 @@ test("typed words are counted, and those that the performance lacks", () => {
     "2 new words are not yet in the performance",
   );
   assert.equal(describePending("boxes.", "There were boxes."), "The changed text is not yet in the performance");
+});
+
+test("a pause is written before a word and its mark", () => {
+  assert.match(pauseBefore(BML, words[2]!, 1.5) ?? "", /were <break time="1.5s"\/><sync id="w3"\/>three/);
+  assert.match(pauseBefore(BML, words[3]!, 2) ?? "", /three <break time="2s"\/>big/);
+  assert.match(pauseBefore(BML, words[0]!, 1) ?? "", /<text><break time="1s"\/>There/);
+  assert.equal(pauseBefore(BML, { ...words[0]!, speech: "other" }, 1), null);
+});
+
+test("the word at a time is spoken then, or next in the same speech", () => {
+  assert.deepEqual(
+    [-0.1, 0.1, 1.2, 2.9, 2.995].map((time) => wordAt(words, time)?.text),
+    [undefined, "There", "three", "boxes.", undefined],
+  );
 });

@@ -2,6 +2,7 @@
 
 import { byId, make, say } from "../dom.ts";
 import { remove, setManner } from "../edits.ts";
+import { wordAt } from "../tracks/pauses.ts";
 import type { About, Draft } from "../types.ts";
 import type { Wire } from "../wire.ts";
 import { BLOCK } from "../xml.ts";
@@ -69,6 +70,11 @@ export class TextMode {
 
   private get pending(): string {
     return describePending(this.field.value, spokenText(this.words));
+  }
+
+  /** Return the selected word, or else the one at a time [s] within a speech. */
+  wordAt(time: number): SpokenWord | undefined {
+    return this.words[this.chosen] ?? wordAt(this.words, time);
   }
 
   /** Put text into the field again, without gestures yet. */
