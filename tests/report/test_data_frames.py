@@ -1,13 +1,14 @@
 """Tables of a performance as data frames."""
 
 import sys
-from types import ModuleType
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.metrics.dry_run import DryRun
+from kinesic.report.data_frames import make_data_frame
 from kinesic.report.run import Performance, performance_of
 
 
@@ -71,3 +72,38 @@ def test_missing_pandas_is_named_with_its_extra(run: Performance, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ConfigError, match=r'pandas: .*pip install .*"kinesic\[notebook\]"'):
         run.to_dataframe()
+
+
+def test_motion_data_frame_has_each_quantity_of_the_twin(run: Performance):
+    frame, measured, desired = run.to_dataframe(), run.measured, run.plan.desired
+    zero = run.plan.trajectory.zero
+    expected = {
+        "requested": desired.sample(measured.times - zero + desired.zero)[0],
+        "setpoint": measured.setpoints,
+        "measured": measured.angles,
+        "velocity": measured.velocities,
+        "duty": measured.duties,
+    }
+    for quantity, rows in expected.items():
+        np.testing.assert_allclose(frame[quantity], rows, atol=1e-12)
+    assert list(frame.columns.names) == ["quantity", "hinge"]
+
+
+def test_servo_data_frame_has_a_row_per_reading(run: Performance):
+    times = np.array([0.0, 0.5, 1.25])
+    planned = run.plan.trajectory.sample(times)[0]
+    servos = SimpleNamespace(times=times, setpoints=planned + 1.0, interpolated_angles=planned + 2.0)
+    frame = make_data_frame(SimpleNamespace(plan=run.plan, servos=servos), "servos")
+    assert list(frame.index) == times.tolist()
+    for k, quantity in enumerate(("planned", "setpoint", "measured")):
+        np.testing.assert_allclose(frame[quantity], planned + k, atol=1e-12)
+
+
+def test_behaviour_data_frame_has_first_and_last_sync_time(run: Performance):
+    frame = run.to_dataframe("behaviours")
+    for behaviour in ("nod", "rushed"):
+        times = [sync.planned for sync in run.plan.syncs if sync.behaviour == behaviour]
+        assert (frame.loc[behaviour, "start"], frame.loc[behaviour, "end"]) == (min(times), max(times))
+    rows = {row["id"]: row for row in run.data["behaviours"]}
+    for column in ("name", "type", "outcome", "why", "reason"):
+        assert frame[column].to_dict() == {id: row[column] for id, row in rows.items()}

@@ -1,5 +1,7 @@
 """Films of a report, each drawn in a process that ends with its caller."""
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from contextlib import suppress
 from dataclasses import replace
@@ -161,3 +163,28 @@ def test_incomplete_face_film_is_ignored(tmp_path: Path) -> None:
     assert in_step is not None
     shades = [round(float(in_step(k, k / FACE_RATE).mean()) / 60) for k in range(3)]
     assert shades == [0, 1, 2], "each picture has the face of its own time"
+
+
+def test_preparation_of_a_twin_film_imports_the_drawing_in_advance() -> None:
+    code = (
+        "import sys; from kinesic.report.films import TwinFilm; before = 'kinesic.sim.film' in sys.modules;"
+        "TwinFilm.prepare(); print(before, 'kinesic.sim.film' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.split() == ["False", "True"]
+
+
+def test_face_film_copies_commands_whose_face_changes_later() -> None:
+    units = {"12": 0.5}
+    film = FaceFilm.of(None, [Command(0.0, REST, NONE, NONE, REST, units)], 12.0)
+    units["12"] = 0.9
+    assert film.commands[0].face == {"12": 0.5}
+    assert (film.rate, film.robot) == (12.0, None)
+
+
+def test_twin_film_without_action_units_has_no_face_pictures() -> None:
+    assert twin()._faces() is None
+    painted = replace(twin(), units=({}, {"26": 0.8}))._faces()
+    assert painted is not None
+    for k, units in enumerate(({}, {"26": 0.8})):
+        assert (painted(k, 0.0) == paint_face(units, size=SCREEN_SIZE)).all()

@@ -4,13 +4,15 @@ import xml.etree.ElementTree as ElementTree
 from collections import Counter
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from kinesic.controller.dry_run import dry_run
+from kinesic.expressivity.keyframes import BodyMove, Turn
 from kinesic.expressivity.style.style import EXPRESSIVITY_RANGES, style_preset
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN
-from kinesic.report.report import Json, feedback, report
+from kinesic.report.report import Json, _body, feedback, report
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
@@ -148,3 +150,143 @@ def test_accompanying_body_motion_is_reported_per_gesture(known: Setup) -> None:
     assert shrug["hands"] == crossed["hands"] == ["left", "right"]
     assert head["hands"] == []
     assert result["whole_body"] == {"weight": 1.0, "gestures": 1, "lacking": ""}
+
+
+@pytest.fixture(scope="module")
+def hurried_data(hurried) -> dict[str, Json]:
+    return report(hurried, source="hurried.bml", seed=7)
+
+
+def test_report_separates_requested_from_feasible_hand_shapes(calm) -> None:
+    shapes = {"offering": ("open", "fist", "point")}
+    planned = replace(calm.plan, keyframes=replace(calm.plan.keyframes, shapes=shapes))
+    planned.__dict__["missing_shapes"] = {"offering": ("fist",)}  # what the cached property would work out
+    performance = replace(calm, reference=replace(calm.reference, plan=planned))
+    (row,) = report(performance, source="x.bml")["behaviours"]
+    assert row["shapes"] == {"asked": ["open", "fist", "point"], "made": ["open", "point"]}
+    bare = replace(planned, keyframes=replace(planned.keyframes, shapes={}))
+    (row,) = report(replace(calm, reference=replace(calm.reference, plan=bare)), source="x.bml")["behaviours"]
+    assert row["shapes"] is None
+
+
+@pytest.mark.parametrize(("miss", "text"), [(0.02, ""), (0.034, "hand stays 3 cm from its target")])
+def test_report_names_a_hand_that_misses_its_target_by_more_than_2_cm(calm, miss: float, text: str) -> None:
+    planned = replace(calm.plan, postures=replace(calm.plan.postures, misses={"offering": miss}))
+    (row,) = report(replace(calm, reference=replace(calm.reference, plan=planned)), source="x.bml")["behaviours"]
+    assert row["why"].startswith(text)
+    assert bool(row["why"]) == bool(text)
+
+
+def test_report_has_the_settings_of_its_plan(hurried, hurried_data: dict[str, Json]) -> None:
+    setup = hurried.plan.setup
+    expected = {
+        "schema": 1,
+        "robot": setup.robot.name,
+        "input": "hurried.bml",
+        "seed": 7,
+        "variation": setup.variation.amount,
+        "idle": setup.idling.amount,
+        "prosody": setup.prosody,
+        "ok": hurried_data["grade"] != "fail",
+        "warnings": [{"type": n.type.value, "id": n.id, "text": n.text} for n in hurried.plan.notices],
+    }
+    assert {key: hurried_data[key] for key in expected} == expected
+    assert hurried_data["synchrony"] == {
+        "strokes": len(hurried.stroke_lags),
+        "median_s": hurried.median_stroke_lag,
+    }
+
+
+def test_report_has_requested_planned_and_measured_sync_times(hurried, hurried_data: dict[str, Json]) -> None:
+    assert len(hurried_data["sync"]) == len(list(hurried.plan.syncs))
+    tied = {(lag.behaviour, lag.sync): lag for lag in hurried.stroke_lags}
+    for row, sync in zip(hurried_data["sync"], hurried.plan.syncs, strict=True):
+        lag, force = hurried.lags.get(sync, 0.0), tied.get((sync.behaviour, sync.sync))
+        assert row["id"] == f"block:{sync.behaviour}:{sync.sync}"
+        assert (row["asked_s"], row["planned_s"]) == (sync.requested, sync.planned)
+        assert row["twin_s"] == (None if lag is None else sync.planned + lag)
+        for key, name in (("word", "word"), ("accent_s", "accent"), ("fastest_s", "fastest"), ("fastest_lag_s", "lag")):
+            assert row[key] == (None if force is None else getattr(force, name))
+    assert any(lag for lag in hurried.lags.values()), "a delay of 0 tells nothing"
+
+
+def test_report_has_tracking_limit_and_power_figures_of_the_twin(hurried, hurried_data: dict[str, Json]) -> None:
+    names, power = hurried.plan.setup.robot.skeleton.names, hurried.measured.power
+    squares = np.degrees(np.nan_to_num(hurried.errors)) ** 2
+    moving = np.maximum(hurried.reference.moving.sum(axis=0), 1)
+    expected = np.sqrt(squares.sum(axis=0) / moving)
+    assert hurried_data["tracking"]["per_joint"] == pytest.approx(dict(zip(names, expected, strict=True)))
+    late = hurried.tracking_delays
+    assert hurried_data["tracking"]["lateness_s"] == {
+        name: lag for name, lag in zip(names, late.tolist(), strict=True) if np.isfinite(lag)
+    }
+    tracking = hurried.tracking
+    assert [hurried_data["tracking"][key] for key in ("rmse_deg", "p95_deg", "max_deg")] == [
+        tracking.rmse,
+        tracking.p95,
+        tracking.max,
+    ]
+    assert hurried_data["power"] == {
+        "peak_a": power.peak.max(),
+        "mean_a": pytest.approx(power.mean.mean()),
+        "supply_a": hurried.plan.setup.robot.supply.amps,
+        "energy_j": power.energy,
+        "warming_k": {name: rise.max() for name, rise in power.warming.items()},
+    }
+    peaks = hurried.reference.peaks.by_quantity
+    worst = hurried_data["limits"]["worst"]
+    assert worst["ratio"] == max(peak.ratios.max() for peak in peaks.values())
+    peak = peaks[worst["quantity"]]
+    assert (worst["joint"], worst["time_s"]) == (names[peak.hinge], peak.time)
+    lost = np.degrees(hurried.plan.motion.rms_distances)
+    assert hurried_data["conditioning"]["lost_deg"] == pytest.approx(dict(zip(names, lost.tolist(), strict=True)))
+    assert len(hurried_data["conditioning"]["gave"]) == len(hurried.reference.changes)
+
+
+def test_report_has_the_nearest_pair_of_plan_and_twin(hurried, hurried_data: dict[str, Json]) -> None:
+    plan_, measured = hurried.plan, hurried.measured
+    spans = [(plan_.clearance, plan_.clearance_times), (measured.clearance, measured.times)]
+    clearance, times = min(spans, key=lambda span: span[0].distances.min())
+    row = int(clearance.distances.argmin())
+    assert hurried_data["collision"] == {
+        "penetrations": 0,
+        "min_distance_m": clearance.distances[row],
+        "pair": list(clearance.pairs[row]),
+        "time_s": times[row],
+    }
+    hands = hurried_data["smoothness"]["hands"]
+    for side, hand in hurried.hand_smoothness.items():
+        assert hands[side] == {
+            "dimensionless_jerk": hand.planned_jerk,
+            "sparc_planned": hand.planned_arc_length,
+            "sparc_twin": hand.performed_arc_length,
+        }
+
+
+def test_report_has_durations_in_milliseconds(hurried, hurried_data: dict[str, Json]) -> None:
+    timing, planned = hurried_data["timing"], hurried.plan
+    assert timing["parse_ms"] == pytest.approx(1000 * planned.parse_seconds)
+    assert timing["plan_ms"] == pytest.approx(1000 * planned.seconds)
+    assert timing["first_command_ms"] == pytest.approx(timing["parse_ms"] + timing["plan_ms"])
+    assert timing["real_time_factor"] == pytest.approx(1000 * planned.duration / timing["dry_run_ms"])
+    assert (timing["duration_s"], timing["zero_s"]) == (planned.duration, planned.trajectory.zero)
+
+
+def test_feedback_of_a_performance_has_measured_times(hurried) -> None:
+    messages = [ElementTree.fromstring(message) for message in feedback(hurried.plan, hurried.lags)]
+    progress = {(m.get("id"), float(m.get("globalTime"))) for m in messages if local(m) == "syncPointProgress"}
+    for sync, lag in hurried.lags.items():
+        if lag is not None:
+            times = [time for id, time in progress if id == f"block:{sync.behaviour}:{sync.sync}"]
+            assert times == [pytest.approx(sync.planned + lag, abs=1e-3)]
+
+
+def test_report_of_body_motion_has_the_largest_turns_in_degrees() -> None:
+    head = Turn(torsion=np.radians(4.0), tilt=np.radians(3.0), roll=np.radians(-2.0))
+    trunk = Turn(torsion=np.radians(-6.0), tilt=np.radians(1.0), roll=0.0)
+    move = BodyMove(head=head, trunk=trunk, shoulders=np.radians(9.0), nod=np.radians(5.0), shake=np.radians(-2.0))
+    result = _body(move)
+    assert (result["head_deg"], result["trunk_deg"], result["shoulders_deg"]) == pytest.approx((8.0, 6.0, 9.0))
+    assert result["eyes_deg"] is None
+    shown = _body(replace(move, eyes=Turn(torsion=np.radians(7.0), tilt=np.radians(5.0), roll=0.0)))
+    assert shown["eyes_deg"] == pytest.approx([7.0, -5.0])

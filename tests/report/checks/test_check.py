@@ -1,9 +1,10 @@
 """Verdict of a value: a missed goal warns, one missed by far is poor, a danger fails."""
 
 import re
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import nan
 from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -151,3 +152,21 @@ def test_current_draw_is_compared_with_the_current_limit_of_the_supply(hurried: 
     if power.warming:
         assert checks["power.warming"].value == load.warming == max(rise.max() for rise in power.warming.values())
         assert checks["power.warming"].where.startswith(f"{load.warmest} at ")
+
+
+def test_shortening_of_stroke_paths_is_compared_with_5_percent(calm: DryRun):
+    path = {check.name: check for check in content_checks(calm)}["amplitude.path"]
+    assert (path.limit, path.unit, path.value, path.where) == (0.05, "ratio", 0.0, "")
+
+
+@pytest.mark.parametrize(
+    ("unit", "lost", "seen"), [("m", 0.021, True), ("m", 0.019, False), ("deg", 3.1, True), ("deg", 2.9, False)]
+)
+def test_only_visible_shortening_of_a_stroke_path_counts(calm: DryRun, unit: str, lost: float, seen: bool):
+    loss = SimpleNamespace(asked=10.0 * lost, planned=9.0 * lost, fraction=0.1, part="r_hand", unit=unit)
+    change = SimpleNamespace(behaviour="offering", losses=(loss,))
+    performance = replace(calm, reference=replace(calm.reference))
+    performance.reference.__dict__["changes"] = (change,)
+    path = {check.name: check for check in content_checks(performance)}["amplitude.path"]
+    assert path.value == (0.1 if seen else 0.0)
+    assert path.where == ("r_hand in offer (offering)" if seen else "")

@@ -13,6 +13,7 @@ from kinesic.body.dynamics import Clearance
 from kinesic.controller.dry_run import dry_run
 from kinesic.metrics.dry_run import DryRun
 from kinesic.report.checks import Check, checks, grade
+from kinesic.report.checks.twin import INVISIBLE_JERK
 from kinesic.report.report import report
 from kinesic.session.plan import plan
 from kinesic.sim.servo_factors import PESSIMISTIC_FACTORS
@@ -287,3 +288,9 @@ def test_report_names_dropped_behaviours_and_shortened_strokes(hurried, known):
     assert hasty.value > 0.25
     assert (hasty.status, hasty.where) == ("poor", "r_hand in circle (round)")
     assert (leisurely.status, leisurely.where) == ("pass", "")
+
+
+def test_invisible_jerk_is_that_of_a_shake_of_half_a_millimetre_at_5_hz():
+    times = np.linspace(0.0, 1.0, 5000, endpoint=False)
+    jerk = 0.0005 * (2 * np.pi * 5.0) ** 3 * np.sin(2 * np.pi * 5.0 * times)
+    assert pytest.approx(np.mean(jerk**2)) == INVISIBLE_JERK

@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from kinesic.body.arrays import sealed
 from kinesic.metrics.dry_run import DryRun
-from kinesic.report.checks.servos import CONTINUOUS_TORQUE_RATIO, draw_load, loads
+from kinesic.report.checks.check import format_time
+from kinesic.report.checks.servos import CONTINUOUS_TORQUE_RATIO, draw_load, loads, power_checks
 from kinesic.report.plots.spark import TIME_BINS, spark
 from tests.performances import bearing
 
@@ -58,3 +60,38 @@ def test_duty_sparkline_shows_a_peak_of_one_sample(hurried: DryRun) -> None:
     assert drawn.count("L") == TIME_BINS
     assert " 0L" in drawn
     assert "<svg" in spark(replace(load, duties=np.zeros(1)))
+
+
+def test_load_of_a_joint_names_its_servo_and_the_number_of_servos(hurried: DryRun) -> None:
+    robot = hurried.plan.setup.robot
+    names = {load.hinge: load.servo for load in loads(hurried)}
+    for hinge, drive in zip(robot.skeleton.names, robot.drives, strict=True):
+        assert names[hinge] == (drive.servo.name if drive.count == 1 else f"{drive.count} x {drive.servo.name}")
+    counts = {drive.count for drive in robot.drives}
+    assert 1 in counts
+
+
+def test_torque_metrics_of_a_joint_equal_those_of_its_samples(hurried: DryRun) -> None:
+    measured, names = hurried.measured, hurried.plan.setup.robot.skeleton.names
+    duties = np.full_like(measured.duties, 0.1)
+    duties[20, 5] = -0.7
+    by_name = {load.hinge: load for load in loads(replace(hurried, measured=bearing(measured, duties)))}
+    load = by_name[names[5]]
+    assert load.torque == pytest.approx(0.7)
+    assert load.torque_at == load.duty_at == measured.times[20]
+    assert load.rms == pytest.approx(np.sqrt(np.mean(duties[:, 5] ** 2)))
+    np.testing.assert_allclose(load.duties, np.abs(duties[:, 5]), atol=1e-9)
+
+
+def test_warmest_winding_is_named_with_its_temperature_rise(hurried: DryRun) -> None:
+    count = len(hurried.measured.times)
+    rises = {"a": np.full(count, 3.0), "b": np.linspace(0.0, 8.0, count), "c": np.linspace(9.0, 1.0, count) - 2.0}
+    power = replace(hurried.measured.power, warming={name: sealed(rise) for name, rise in rises.items()})
+    warm = replace(hurried, measured=replace(hurried.measured, power=power))
+    load = draw_load(warm)
+    assert (load.warmest, load.warming) == ("b", 8.0)
+    check = {check.name: check for check in power_checks(warm)}["power.warming"]
+    assert check.value == 8.0
+    assert check.where == f"b {format_time(hurried.measured.times[-1])}"
+    cold = draw_load(replace(hurried, measured=replace(hurried.measured, power=replace(power, warming={}))))
+    assert (cold.warmest, cold.warming) == ("", 0.0)

@@ -1,6 +1,7 @@
 """MCAP recordings, read by the library of the format."""
 
 from collections import defaultdict
+from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
 
@@ -9,8 +10,11 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.metrics.dry_run import DryRun
+from kinesic.planning.captions import make_captions
 from kinesic.report.export.mcap_file import save_mcap
-from kinesic.report.export.recording import ExportedMotion
+from kinesic.report.export.recording import ExportedMotion, surfaces
+from kinesic.sim.part_colours import PART_COLOURS, shell_parts
+from kinesic.sim.shells.shell import load_shell
 
 pytest.importorskip("foxglove", reason="the extra mcap is not installed")
 Messages = dict[str, list[tuple[float, SimpleNamespace]]]
@@ -106,3 +110,101 @@ def test_existing_mcap_file_is_overwritten_only_if_forced(calm: DryRun, tmp_path
     assert path.read_text() == "mine"
     save_mcap(motion, path, force=True)
     assert path.read_bytes().startswith(b"\x89MCAP0")
+
+
+def test_mcap_recording_of_a_plan_has_its_angles_and_velocities(calm: DryRun, tmp_path: Path):
+    plan = calm.plan
+    states = read(save_mcap(ExportedMotion.of_plan(plan), tmp_path / "plan.mcap", force=False))["/joint_states"]
+    angles, velocities, _ = plan.trajectory.sample(plan.command_times)
+    rates = np.array([[joint.velocity for joint in content.joints] for _, content in states])
+    assert np.abs(positions(states) - angles).max() < 1e-12
+    assert np.abs(rates - velocities).max() < 1e-12
+    assert np.abs(angles - velocities).max() > 0.1
+    assert not any(joint.HasField("effort") for _, content in states for joint in content.joints)
+
+
+def test_mcap_messages_carry_the_time_at_which_they_are_logged(performed: Messages):
+    def seconds(stamp: SimpleNamespace) -> float:
+        return float(stamp.seconds + stamp.nanos / 1e9)
+
+    for topic in ("/joint_states", "/measured/joint_states", "/speech", "/behaviours"):
+        assert performed[topic]
+        for time, content in performed[topic]:
+            assert seconds(content.timestamp) == pytest.approx(time, abs=1e-9)
+    for time, content in performed["/tf"]:
+        assert all(seconds(transform.timestamp) == pytest.approx(time, abs=1e-9) for transform in content.transforms)
+    assert len(performed["/tf"]) == -(-len(performed["/joint_states"]) // 2)
+    assert performed["/joint_states"][-1][0] > 1.5, "seconds are not 0 alone"
+
+
+def test_measured_mcap_velocities_are_those_of_the_twin(hurried: DryRun, performed: Messages):
+    rates = [[joint.velocity for joint in content.joints] for _, content in performed["/measured/joint_states"]]
+    assert np.abs(np.array(rates) - hurried.measured.velocities).max() == 0.0
+
+
+def test_mcap_surfaces_are_opaque_and_hands_have_colours_of_their_own(hurried: DryRun, performed: Messages):
+    ((_, scene),) = performed["/scene"]
+    robot = hurried.plan.setup.robot
+    shell, parts = load_shell(robot), shell_parts(robot)
+    assert shell is not None
+    seen: dict[str, list[tuple[float, ...]]] = defaultdict(list)
+    for entity in scene.entities:
+        (triangles,) = entity.triangles
+        assert triangles.color.a == 1.0
+        seen[entity.frame_id].append((triangles.color.r, triangles.color.g, triangles.color.b))
+    assert set(seen) == set(shell.segments)
+    for name, surface in shell.segments.items():
+        light = PART_COLOURS[parts[name]][:3] if parts[name] in ("l_hand", "r_hand") else (0.90, 0.91, 0.92)
+        kinds = ((surface.shell, light), (surface.joint, (0.18, 0.20, 0.24)))
+        expected = [colour for triangles, colour in kinds if len(triangles)]
+        np.testing.assert_allclose(seen[name], expected, atol=1e-9)
+    assert len({entity.id for entity in scene.entities}) == len(scene.entities)
+
+
+def test_mcap_triangles_are_those_of_the_shell(hurried: DryRun, performed: Messages):
+    ((_, scene),) = performed["/scene"]
+    shell = load_shell(hurried.plan.setup.robot)
+    assert shell is not None
+    entity = scene.entities[0]
+    (triangles,) = entity.triangles
+    points = np.array([[point.x, point.y, point.z] for point in triangles.points])
+    part = shell.segments[entity.frame_id]
+    rows = part.shell if len(part.shell) else part.joint
+    np.testing.assert_allclose(points[np.array(triangles.indices)], part.vertices[rows.ravel()], atol=1e-9)
+
+
+def test_capsules_of_limbs_are_exported_in_a_light_colour(hurried: DryRun, tmp_path: Path):
+    robot = replace(hurried.plan.setup.robot, path=tmp_path / "robot.toml")
+    capsules = {surface.segment: surface.colour for surface in surfaces(robot)}
+    assert set(capsules) == {segment.name for segment in robot.skeleton.segments if segment.capsules}
+    limbs = {name for chain, members in robot.chains.items() if chain != "torso" for name in members}
+    assert {capsules[name] for name in capsules if name in limbs} == {(0.90, 0.91, 0.92)}
+    assert {capsules[name] for name in capsules if name not in limbs} == {(0.18, 0.20, 0.24)}
+
+
+def test_exported_words_and_sync_points_have_the_times_of_the_plan(hurried: DryRun):
+    motion, plan = ExportedMotion.of_plan(hurried.plan), hurried.plan
+    zero = plan.trajectory.zero
+    assert [text.time for text in motion.syncs] == sorted(zero + sync.planned for sync in plan.syncs)
+    assert {(text.source, text.text.rpartition(" ")[2]) for text in motion.syncs} == {
+        (sync.behaviour, sync.sync) for sync in plan.syncs
+    }
+    assert [(word.time, word.source, word.text) for word in motion.words] == [
+        (caption.begin, caption.behaviour, caption.text) for caption in make_captions(plan)
+    ]
+    assert motion.shown is motion.planned
+    performed = ExportedMotion.of_performance(hurried)
+    assert performed.shown is performed.measured
+    assert list(performed.tracks) == ["planned", "measured"]
+    assert list(motion.tracks) == ["planned"]
+
+
+def test_each_mcap_transform_names_its_parent_segment(hurried: DryRun, performed: Messages):
+    skeleton = hurried.plan.setup.robot.skeleton
+    names = [segment.name for segment in skeleton.segments]
+    _, content = performed["/tf"][0]
+    parents = {transform.child_frame_id: transform.parent_frame_id for transform in content.transforms}
+    assert parents == {
+        name: "world" if parent < 0 else names[parent]
+        for name, (parent, _, _) in zip(names, skeleton.steps, strict=True)
+    }

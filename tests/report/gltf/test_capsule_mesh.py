@@ -24,3 +24,20 @@ def test_joined_surfaces_number_their_vertices_consecutively():
     one = capsule_mesh(Capsule(np.zeros(3), np.array([0.0, 0.0, 0.1]), 0.05))
     both = join_surfaces([one, one])
     assert both.corners.max() == 2 * len(one.positions) - 1
+
+
+def test_triangles_of_a_capsule_run_anticlockwise_seen_from_outside():
+    surface = capsule_mesh(Capsule(np.array([0.1, 0.0, 0.0]), np.array([0.1, 0.2, 0.3]), 0.04))
+    a, b, c = (surface.positions[surface.corners[:, k]] for k in range(3))
+    across = np.cross(b - a, c - a)
+    outward = surface.normals[surface.corners].sum(axis=1)
+    assert (np.einsum("ti,ti->t", across, outward) > 0.0).all()
+
+
+def test_joined_surfaces_keep_the_positions_of_each_triangle():
+    one = capsule_mesh(Capsule(np.zeros(3), np.array([0.0, 0.0, 0.1]), 0.05))
+    other = capsule_mesh(Capsule(np.ones(3), np.array([1.0, 1.2, 1.0]), 0.02))
+    both = join_surfaces([one, other])
+    expected = np.concatenate([one.positions[one.corners], other.positions[other.corners]])
+    np.testing.assert_array_equal(both.positions[both.corners], expected)
+    assert both.normals.shape == both.positions.shape

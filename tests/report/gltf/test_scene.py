@@ -24,6 +24,7 @@ from kinesic.report.gltf.scene import (
 from kinesic.report.segment_motion import segment_motions, smooth_quaternions
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
+from kinesic.sim.part_colours import PART_COLOURS
 from kinesic.sim.shells.shell import load_shell
 
 TO_GLTF = np.array([[0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])  # y up, z forward
@@ -222,3 +223,60 @@ def test_segment_with_an_offset_joint_axis_is_translated(tmp_path: Path):
         if offset.skeleton.segments[motion.segment].name == head
     )
     np.testing.assert_allclose(values(tables, block, translated[head]), expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["upper22", "human"])
+def test_gltf_nodes_stand_in_the_first_posture_without_the_animation(name: str, tmp_path: Path):
+    robot = ROBOTS[name]
+    angles = wild(robot)
+    tables, block = read(written(robot, angles, tmp_path / "robot.glb"))
+    (animation,) = tables["animations"]
+    for channel in animation["channels"]:
+        path, node = channel["target"]["path"], tables["nodes"][channel["target"]["node"]]
+        sampler = animation["samplers"][channel["sampler"]]
+        assert sampler["interpolation"] == "LINEAR"
+        if path != "weights":
+            rows = values(tables, block, sampler["output"])
+            np.testing.assert_allclose(node[path], rows[0], atol=1e-6)
+    moved = {tables["nodes"][channel["target"]["node"]]["name"] for channel in animation["channels"]}
+    assert {segment.name for segment in robot.skeleton.segments[1:]} <= moved
+    assert tables["nodes"][0]["name"] == robot.name
+    assert animation["name"] == "performance"
+
+
+def test_materials_of_the_shell_are_not_metallic_and_have_linear_colours(tmp_path: Path):
+    robot = ROBOTS["upper22"]
+    tables, _ = read(written(robot, robot.skeleton.rest[None], tmp_path / "robot.glb"))
+    looks = [material["pbrMetallicRoughness"] for material in tables["materials"] if material.get("name") != "face"]
+    assert all(look["metallicFactor"] == 0.0 for look in looks)
+    colours = [look["baseColorFactor"] for look in looks]
+    assert colours[:2] == [[0.78, 0.80, 0.83, 1.0], [0.16, 0.19, 0.24, 1.0]]
+    for colour, part in zip(colours[2:4], ("l_hand", "r_hand"), strict=True):
+        screen = np.array(PART_COLOURS[part])
+        expected = np.where(screen <= 0.04045, screen / 12.92, ((screen + 0.055) / 1.055) ** 2.4)
+        np.testing.assert_allclose(colour, [*expected[:3], screen[3]], atol=1e-9)
+
+
+def test_capsules_of_limbs_are_light_and_of_the_trunk_dark(tmp_path: Path):
+    robot = replace(ROBOTS["upper22"], path=tmp_path / "robot.toml")
+    tables, block = read(written(robot, robot.skeleton.rest[None], tmp_path / "robot.glb"))
+    meshes = {
+        mesh["name"]: mesh["primitives"][0] for mesh in tables["meshes"] if mesh["name"] not in ("face", "screen")
+    }
+    assert set(meshes) == {segment.name for segment in robot.skeleton.segments if segment.capsules}
+    torso = set(robot.chains["torso"])
+    elbow = next(name for name in meshes if "elbow" in name)
+    trunk = next(name for name in meshes if name in torso)
+    assert (meshes[elbow]["material"], meshes[trunk]["material"]) == (0, 1)
+    for primitive in meshes.values():
+        lengths = np.linalg.norm(values(tables, block, primitive["attributes"]["NORMAL"]), axis=1)
+        np.testing.assert_allclose(lengths, 1.0, atol=1e-5)
+
+
+def test_shell_normals_are_of_unit_length(tmp_path: Path):
+    robot = ROBOTS["upper22"]
+    tables, block = read(written(robot, robot.skeleton.rest[None], tmp_path / "robot.glb"))
+    for mesh in tables["meshes"]:
+        for primitive in mesh["primitives"] if mesh["name"] != "face" else ():
+            lengths = np.linalg.norm(values(tables, block, primitive["attributes"]["NORMAL"]), axis=1)
+            np.testing.assert_allclose(lengths, 1.0, atol=1e-5)

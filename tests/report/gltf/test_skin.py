@@ -304,3 +304,12 @@ def test_gltf_scenes_are_recognised_by_suffix() -> None:
     assert is_scene(Path("a/run.GLB"))
     assert not is_scene(Path("run.gltf"))
     assert not is_scene(None)
+
+
+def test_only_clothes_and_hair_are_double_sided(scene: GltfScene) -> None:
+    assert {material["name"] for material in scene.tables["materials"] if material.get("doubleSided")} == {
+        "cloth",
+        "hair",
+    }
+    for material in scene.tables["materials"]:
+        assert material["pbrMetallicRoughness"]["metallicFactor"] == 0.0
