@@ -103,6 +103,10 @@ def test_most_severe_check_grades_a_performance():
     )
 
 
+def test_each_check_status_has_a_severity_of_its_own():
+    assert list(SEVERITY_RANKS.values()) == [0, 1, 2, 3]
+
+
 def test_times_are_formatted_with_two_decimals_and_without_negative_zero():
     assert [format_time(time) for time in (1.234, -0.001, 12.0)] == ["at 1.23 s", "at 0.00 s", "at 12.00 s"]
 
