@@ -45,7 +45,7 @@ class _Family:
 
 HUMAN_SIDES = ("Left", "Right")
 LETTER_SIDES = ("L", "R")
-FAMILIES = (  # naming conventions, the more specific ones first, because names overlap
+NAMING_FAMILIES = (  # naming conventions, the more specific ones first, because names overlap
     _Family(("JtRoot", "JtNeckA", "JtSkullA"), ("JtShoulder{}", "JtElbow{}", "JtWrist{}"), ("Lf", "Rt")),
     _Family(("Hips", "Neck1", "Head"), ("{}Arm", "{}ForeArm", "{}Hand"), HUMAN_SIDES),
     _Family(("Hips", "Neck", "Head"), ("{}Arm", "{}ForeArm", "{}Hand"), HUMAN_SIDES),
@@ -69,7 +69,7 @@ def find_body_joints(skeleton: Sequence[CapturedJoint], source: str) -> BodyJoin
         CaptureError: the skeleton has no two arms, or their sides are unknown.
     """
     full_names = {joint.name.rpartition(":")[2]: joint.name for joint in skeleton}
-    for family in FAMILIES:
+    for family in NAMING_FAMILIES:
         arms = {
             side: (family.arm[0].format(word), family.arm[1].format(word), family.arm[2].format(word))
             for side, word in zip(SIDES, family.sides, strict=True)

@@ -106,7 +106,7 @@ def stretch_times(
 
 @dataclass(frozen=True, eq=False)
 class _WarpConstraints:
-    """Values that all segments of one time-warp program share."""
+    """Common values of the segments of a time-warp program."""
 
     times: Floats  # (m,) [s] given key times
     limits: Limits

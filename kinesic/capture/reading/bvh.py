@@ -21,8 +21,8 @@ from kinesic.capture.skeleton_motion import CapturedJoint, CapturedMotion, joint
 
 NO_ROTATION = sealed(np.zeros(3))  # (3,) zero vector: rotation [rad] of BVH joints before the motion, default offset
 MAX_FIRST_STEP = np.radians(30.0)  # [rad] rotation between first two frames above which the first is a T-pose
-AXES = "XYZ"  # axis letters of channels
-CHANNEL_KINDS = frozenset(f"{axis}{kind}" for axis in AXES for kind in ("position", "rotation"))
+CHANNEL_AXES = "XYZ"  # axis letters of channels
+CHANNEL_KINDS = frozenset(f"{axis}{kind}" for axis in CHANNEL_AXES for kind in ("position", "rotation"))
 MAX_CHANNELS = 6  # largest number of channels of a joint
 
 Channels = tuple[tuple[str, str], ...]  # joint and channel of every column, such as `Zrotation`
@@ -190,7 +190,7 @@ def _parse_hierarchy(lines: Sequence[str], source: str) -> tuple[tuple[CapturedJ
             ancestors.pop()
             name = ancestors[-1] if ancestors else None
         elif word == "OFFSET":
-            offset = parse_numbers([words.next("a number") for _ in AXES], words.place)
+            offset = parse_numbers([words.next("a number") for _ in CHANNEL_AXES], words.place)
             if name is not None:
                 offsets[name] = offset
         elif word == "CHANNELS" and name is not None:

@@ -32,7 +32,7 @@ UNIT_SUFFIXES: Mapping[str, float] = {  # factor to radians by the end of a colu
     " [deg]": np.pi / 180.0,
     " (deg)": np.pi / 180.0,
 }
-DELIMITERS = ",;\t"  # characters that may separate columns
+COLUMN_DELIMITERS = ",;\t"  # characters that may separate columns
 MAX_RADIANS = 2.0 * np.pi  # [rad] any larger angle makes all columns without unit count as degrees
 
 
@@ -46,7 +46,7 @@ def read_joint_csv(data: bytes, source: str) -> JointClip:
         CaptureError: the data is not such a table.
     """
     lines = split_lines(data, source)
-    delimiter = max(DELIMITERS, key=lines[0].count)
+    delimiter = max(COLUMN_DELIMITERS, key=lines[0].count)
     try:
         header = [name.strip() for name in next(csv.reader(lines[:1], delimiter=delimiter), [])]
     except csv.Error as error:

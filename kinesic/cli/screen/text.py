@@ -8,8 +8,8 @@ import click
 
 FONT_STYLES = frozenset({"bold", "italic"})  # text styles that are font attributes instead of colours
 ZERO_WIDTH_CATEGORIES = frozenset({"Mn", "Me", "Cf"})  # Unicode categories of combining and invisible characters
-ELLIPSIS = "…"
-WORD = re.compile(r"\s*\S+")
+ELLIPSIS_SIGN = "…"
+WORD_PATTERN = re.compile(r"\s*\S+")
 
 
 class Text:
@@ -57,10 +57,10 @@ class Text:
         return [self[start:stop] for start, stop in _wrap(self.plain, max(width, 1))]
 
     def shortened(self, width: int) -> "Text":
-        """Return the text, with an ellipsis at its end if it is too wide."""
+        """Return the text, shortened with an ellipsis to fit a width."""
         if self.width <= width:
             return self
-        return self[: _fitting_length(self.plain, width - 1)] + ELLIPSIS
+        return self[: _fitting_length(self.plain, width - 1)] + ELLIPSIS_SIGN
 
     def render(self) -> str:
         """Return the text with ANSI escape codes."""
@@ -102,7 +102,7 @@ def _wrap(plain: str, width: int) -> Iterator[tuple[int, int]]:
     offset = 0
     for line in plain.split("\n"):
         start = stop = 0
-        for word in WORD.finditer(line):
+        for word in WORD_PATTERN.finditer(line):
             if cell_width(line[start : word.end()]) > width and stop > start:
                 yield offset + start, offset + stop
                 start = word.start() + len(word[0]) - len(word[0].lstrip())

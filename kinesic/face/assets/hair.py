@@ -40,7 +40,7 @@ MIN_LOCK_STEPS = 0.9  # length in steps below which a lock is removed
 CUT_VARIATION = (-0.06, 0.06)  # [eye distances] range of the random offset of the height at which hair is cut
 UPSTREAM_SHIFT = 0.2  # [eye distances] largest distance by which locks begin before their roots
 FACE_RANGE = (-1.3, -0.6)  # [eye distances] forward positions between which hair comes to lie on the cheek
-WAVE = 0.15  # largest random component of the comb direction of a lock
+COMB_VARIATION = 0.15  # largest random component of the comb direction of a lock
 LOOSE_FRACTION = 0.12  # fraction of locks that leave the comb direction
 LOOSE_WAVE_FACTOR = 1.8  # factor on the random component of the comb direction of loose locks
 LOOSE_LAYER = 1.1  # factor on the distance of loose locks from the skull
@@ -103,7 +103,7 @@ def _comb_locks(skull: Skull, roots: Floats, style: HairStyle, random: np.random
     lines = [points]
     layer = np.sort(random.uniform(*LAYER_RANGE, count))[::-1]  # upper layers first, for the depth test
     loose = random.uniform(0.0, 1.0, (count, 1)) < LOOSE_FRACTION
-    wave = random.uniform(-WAVE, WAVE, (count, 3)) * np.where(loose, LOOSE_WAVE_FACTOR, 1.0)
+    wave = random.uniform(-COMB_VARIATION, COMB_VARIATION, (count, 3)) * np.where(loose, LOOSE_WAVE_FACTOR, 1.0)
     layer = np.where(loose[:, 0], LOOSE_LAYER, layer)
     for step in range(style.steps):
         progress = (step + 1) / style.steps

@@ -10,7 +10,7 @@ MAX_COMMAND_LENGTH = 200  # [characters] longest incomplete LaTeX command that w
 _JSON_START = re.compile(r"\{\s*\"[^\"\n]{0,60}\"\s*:|\[\s*\{\s*\"")
 _OPEN_JSON = re.compile(r"\{\s*(?:\"[^\"\n]{0,60}\"?\s*)?|\[\s*(?:\{\s*)?")
 _SPOKEN_KEYS = ("say", "speech", "text", "answer", "response", "message")  # keys of data whose values are spoken
-_FORMULA = re.compile(
+_FORMULA_PATTERN = re.compile(
     r"\$\$(?P<block>[^$]{1,300})\$\$|\$(?P<inline>(?:[^\s$\d]|\d[\d.,]*[\\^_{=])(?:[^$\n]{0,120}[^\s$])?)\$(?!\d)"
     r"|\\\((?P<round>.{1,300}?)\\\)|\\\[(?P<square>.{1,300}?)\\\]",
     re.DOTALL,
@@ -59,7 +59,7 @@ def read_formula(rest: str, *, ends: bool) -> Step | None:
     """
     if not ends and _OPEN_FORMULA.fullmatch(rest):
         return None
-    match = _FORMULA.match(rest)
+    match = _FORMULA_PATTERN.match(rest)
     formula = match[match.lastgroup or 0] if match else ""
     if match is None or not (_FORMULA_SIGNS.search(formula) or re.fullmatch(r"\s*[A-Za-z]\s*", formula)):
         return Step(0)

@@ -23,11 +23,11 @@ MAX_COMMAND_LENGTH = 200  # [characters] longest command of another speech syste
 _NAOQI_COMMAND = re.compile(r"\^([A-Za-z]+)\(((?:[^()\n]|\([^()\n]*\))*)\)")
 _TIMESTAMP = re.compile(r"\d{1,2}:\d{2}(?::\d{2})?(?:[.,]\d{1,3})?")  # time stamp of a transcript line
 # Request in square brackets, such as `[emotion: happy]`.
-_REQUEST = re.compile(
+_REQUEST_PATTERN = re.compile(
     r"\s*(?:emotion|mood|feeling|expression|face|gesture|action|animation|pose|motion|tone|voice|sound|pause)\s*[:=]\s*(.+)",
     re.IGNORECASE,
 )
-_SECONDS = re.compile(r"\s*(\d{1,5}(?:\.\d+)?)\s*(ms|s|sec|seconds?)?\s*")
+_SECONDS_PATTERN = re.compile(r"\s*(\d{1,5}(?:\.\d+)?)\s*(ms|s|sec|seconds?)?\s*")
 _OPEN_NUMBER = re.compile(r"\d[\d/\u2044-]{0,20}")  # number, fraction or range that may go on
 _PROMPT_MARKS = frozenset(
     ("INST", "/INST", "TOOL_CALLS", "AVAILABLE_TOOLS", "/AVAILABLE_TOOLS")
@@ -189,9 +189,9 @@ def _read_bracket(state: Manuscript, *, ends: bool) -> Step | None:
         return None
     if load_acts().is_direction(words, begins=_begins(state), ends=_is_over(after), is_bracketed=True):
         return _directed(words, end + 2)
-    request = _REQUEST.fullmatch(words) if sign == "[" else None
+    request = _REQUEST_PATTERN.fullmatch(words) if sign == "[" else None
     if request or (sign == "[" and load_acts().has("moods", words.strip().lower())):
-        seconds = _SECONDS.fullmatch(request[1]) if request else None
+        seconds = _SECONDS_PATTERN.fullmatch(request[1]) if request else None
         if seconds:
             return Step(end + 2, pause(min(float(seconds[1]) / (1000 if seconds[2] == "ms" else 1), 10.0)))
         return _directed(request[1] if request else words, end + 2)

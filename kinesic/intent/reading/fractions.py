@@ -11,8 +11,8 @@ _FRACTION_SIGNS = "\xbc-\xbe\u2150-\u215e"  # fractions of one character
 FRACTION_PATTERN = (
     rf"(?:(?:\d{{1,3}}[ -])?\d{{1,3}}[/\u2044]\d{{1,3}}|(?:\d{{1,3}}[ ]?)?[{_FRACTION_SIGNS}])(?![\w/@]|-\d|[.,:]\d)"
 )
-_SIGN = re.compile(f"[{_FRACTION_SIGNS}]")
-_PARTS = re.compile(r"(?:(\d+)[ -]+)?(\d+)[/\u2044](\d+)")
+_SIGN_PATTERN = re.compile(f"[{_FRACTION_SIGNS}]")
+_PARTS_PATTERN = re.compile(r"(?:(\d+)[ -]+)?(\d+)[/\u2044](\d+)")
 
 
 def split_fraction(text: str, language: Language, before: Sequence[str], after: str) -> Iterator[tuple[str, str]]:
@@ -24,7 +24,9 @@ def split_fraction(text: str, language: Language, before: Sequence[str], after: 
         before: preceding words of the sentence.
         after: beginning of the following text.
     """
-    match = _PARTS.fullmatch(_SIGN.sub(lambda sign: f" {unicodedata.normalize('NFKC', sign[0])}", text).strip())
+    match = _PARTS_PATTERN.fullmatch(
+        _SIGN_PATTERN.sub(lambda sign: f" {unicodedata.normalize('NFKC', sign[0])}", text).strip()
+    )
     words = _name(match, language, before, after) if match and language.fractions else ""
     if words:
         for k, word in enumerate(words.split()):
