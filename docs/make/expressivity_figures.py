@@ -2,19 +2,52 @@
 
 import json
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 
-PAGE = Path(__file__).parents[1] / "benchmarks/expressivity.md"
-BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
-MARKS = {True: "met", False: "missed", None: ""}
+from metric_tables import (
+    BENCHMARKS,
+    MISSED_NOTES,
+    compared_table,
+    format_table,
+    format_value,
+    metric_table,
+    replace_tables,
+)
 
-figures = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
-rows = ["| figure | value | goal | | |", "|---|---|---|---|---|"]
-for figure in figures:
-    value = "-" if figure["value"] is None else f"{figure['value']:.3g} {figure['unit']}".strip()
-    sign = ">=" if figure["better"] == "higher" else "<="
-    goal = "" if figure["goal"] is None else f"{sign} {figure['goal']:g}"
-    rows.append(f"| `{figure['name']}` | {value} | {goal} | {MARKS[figure['ok']]} | {figure['why']} |")
-before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-after = rest.split(END)[1]
-PAGE.write_text("\n".join([before + BEGIN, "", *rows, "", END + after]), encoding="utf-8")
+from kinesic.bench.metric import Metric
+from kinesic.studies.sweep.series import MEASURE_OF
+
+LEXICON_COLUMNS = {"neutral style": "expressivity.lexicon.", "all styles": "expressivity.styles."}
+
+
+def parameter_table(metrics: Mapping[str, Metric]) -> list[str]:
+    """Tabulate the monotone gestures and the largest stroke error of each parameter."""
+    rows = []
+    for parameter in MEASURE_OF:
+        monotone, stroke = (metrics[f"expressivity.{parameter}_{name}"] for name in ("monotone", "stroke"))
+        cells = [format_value(metric, MISSED_NOTES[metric.ok]) for metric in (monotone, stroke)]
+        rows.append((parameter, *cells, monotone.why.removeprefix("not: "), stroke.why))
+    header = (
+        "parameter",
+        "`_monotone`: fraction of monotone gestures (goal 1)",
+        "`_stroke`: largest stroke error (goal 10 ms)",
+        "gestures that are not monotone",
+        "gestures with a late stroke",
+    )
+    return format_table(*header, rows=rows)
+
+
+if __name__ == "__main__":
+    printed = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    metrics = [Metric(**{name: value for name, value in row.items() if name != "ok"}) for row in printed]
+    details = {metric.name: metric.why for metric in metrics}
+    replace_tables(
+        BENCHMARKS / "expressivity.md",
+        {
+            "parameters": parameter_table({metric.name: metric for metric in metrics}),
+            "effects": metric_table(metrics, "expressivity-effects", details),
+            "lexicon": compared_table(metrics, "expressivity-lexicon", LEXICON_COLUMNS, {}),
+            "counts": metric_table(metrics, "expressivity-counts", details),
+        },
+    )
