@@ -1,11 +1,12 @@
 // Editor of a gesture: its keys, the tried manner, and hands dragged into their keys.
 import { byId } from "./dom.ts";
+import { alone } from "./edits.ts";
 import { GestureList, readFound } from "./gestures.ts";
 import { KeysPanel } from "./keys.ts";
 import type { Drag } from "./stage.ts";
 import { copyKey, formatPosition, type Hand, mirror, type Place, removeKey, rename, setHand } from "./toml.ts";
 import type { About, Fault, GestureDraft, Side } from "./types.ts";
-import type { Wire } from "./wire.ts";
+import type { Answer, Wire } from "./wire.ts";
 
 const SIDES: readonly Side[] = ["left", "right"];
 
@@ -29,6 +30,7 @@ export class GestureEditing {
   private readonly keys: KeysPanel;
   private readonly list: GestureList;
   private draft: GestureDraft | null = null;
+  private performances = 0; // number of performances of single gestures
 
   constructor(
     private readonly about: About,
@@ -58,6 +60,17 @@ export class GestureEditing {
     this.manner.clear();
     byId("keys").hidden = !isGesture;
     if (isGesture) byId("keys").parentElement?.scrollTo(0, 0);
+  }
+
+  /** Request the plan of the gesture in the tried manner. */
+  ask(): Promise<Answer | null> {
+    const set = [...this.manner].map(([name, value]) => `${name}=${value}`);
+    return this.wire.ask("gesture", { toml: this.desk.text(), set });
+  }
+
+  /** Document that performs the gesture in the tried manner; each has an id of its own. */
+  performed(): string {
+    return this.draft ? alone(this.draft.gesture, this.manner, ++this.performances) : this.desk.text();
   }
 
   /** Draw the list of gestures again, with pictures that have been loaded. */

@@ -1,7 +1,7 @@
 // Text pane of the document with line numbers and the position of an error.
 import { byId, make } from "./dom.ts";
 import type { Fault } from "./types.ts";
-import { findAttribute, tagWithId } from "./xml.ts";
+import { tagWithId } from "./xml.ts";
 
 const MAX_NUMBERED_LINES = 10_000; // largest number of numbered lines
 
@@ -43,11 +43,6 @@ export class TextPane {
     const line = this.area.value.slice(0, tag.from).split("\n").length;
     this.area.setSelectionRange(tag.from, tag.to);
     this.area.scrollTop = (line - 4) * Number.parseFloat(getComputedStyle(this.area).lineHeight);
-  }
-
-  attribute(behaviour: string, name: string): string | undefined {
-    const tag = tagWithId(this.area.value, behaviour);
-    return tag && findAttribute(tag, name)?.value;
   }
 
   private number(): void {
