@@ -14,6 +14,7 @@ VERBS_BY_TASK: Mapping[str, tuple[str, ...]] = {
 }
 OTHER_TASK = "Other"  # heading of verbs without a task
 SHARED_HEADING = "Options of planning, the same for all verbs"
+MAX_SUMMARY_LENGTH = 120  # characters; longer ones would be cut
 
 
 class SharedOption(click.Option):
@@ -44,16 +45,14 @@ class VerbGroup(click.Group):
     group_class = type
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the verbs, by task if this is the root group."""
-        if ctx.parent is not None:
-            super().format_commands(ctx, formatter)
-            return
+        """Write each verb with its whole summary, by task in the root group."""
         listed = {name for names in VERBS_BY_TASK.values() for name in names}
         others = tuple(name for name in self.list_commands(ctx) if name not in listed)
+        tasks = {**VERBS_BY_TASK, OTHER_TASK: others} if ctx.parent is None else {"Commands": self.list_commands(ctx)}
         width = max(map(len, self.commands))
-        for task, names in {**VERBS_BY_TASK, OTHER_TASK: others}.items():
+        for task, names in tasks.items():
             rows = [
-                (name.ljust(width), self.commands[name].get_short_help_str(formatter.width - width - 6))
+                (name.ljust(width), self.commands[name].get_short_help_str(MAX_SUMMARY_LENGTH))
                 for name in names
                 if name in self.commands and not self.commands[name].hidden
             ]

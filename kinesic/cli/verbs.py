@@ -112,7 +112,7 @@ def _bench() -> None:
 @click.argument("shell", type=click.Choice(SHELL_NAMES))
 @implemented_by("completion_script:print_script")
 def _complete() -> None:
-    """Print the script that completes verbs, options and names in SHELL.
+    """Print the script with which SHELL completes verbs and names.
 
     Styles, robots, gestures and built-in documents are completed. For bash, append the script to ~/.bashrc; for zsh, to
     ~/.zshrc after compinit; for fish, write it to ~/.config/fish/completions/kinesic.fish. Then open a new terminal.
@@ -139,7 +139,7 @@ def _demo() -> None:
 @kinesic.command("doctor")
 @implemented_by("doctor:examine_machine")
 def _doctor() -> None:
-    """Show which optional components work, and how to install the others."""
+    """Show which optional parts work, and how to install the others."""
 
 
 @kinesic.command("face")
@@ -207,7 +207,7 @@ def _plan() -> None:
 
 @kinesic.group()
 def robots() -> None:
-    """List, show, check and import robots."""
+    """List, show, check, import and search robots."""
 
 
 @robots.command("list")
@@ -250,7 +250,7 @@ def _import_robot() -> None:
 @force_option
 @implemented_by("new:write_new")
 def _new() -> None:
-    """Write NAME.toml: a commented, valid gesture, style or robot to edit."""
+    """Write NAME.toml: a commented gesture, style or robot to edit."""
 
 
 @kinesic.command("say")

@@ -38,6 +38,11 @@ def test_help_groups_every_verb_by_task():
     assert headings == ["Options", *VERBS_BY_TASK]
 
 
+def test_no_list_of_verbs_cuts_a_summary_off():
+    groups = [(), *((name,) for name, verb in command_line.commands.items() if isinstance(verb, click.Group))]
+    assert [words for words in groups if "..." in help_of(*words).replace("[ARGS]...", "")] == []
+
+
 def test_help_lists_options_of_the_verb_before_shared_options():
     text = help_of("perform")
     own, _, shared = text.partition("Options of planning, the same for all verbs:")

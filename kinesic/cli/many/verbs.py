@@ -70,7 +70,7 @@ def search_verb() -> None:
 @output_options("Folder of the results (default: out/sweep-NAME-TIME).", FORCE_HELP, "Print the measures as JSON.")
 @implemented_by("sweep:sweep_gesture")
 def sweep_verb() -> None:
-    """Perform GESTURE over the range of a style parameter, and measure it.
+    """Measure GESTURE over the range of a style parameter.
 
     The gesture is performed in the twin; the measures are printed and plotted.
     """
