@@ -2,71 +2,100 @@
 
 import json
 import sys
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-PAGE = Path(__file__).parents[1] / "benchmarks/face.md"
-BEGIN, END = "<!-- figures -->", "<!-- end of figures -->"
-MARKS = {True: "met", False: "missed", None: ""}
+from metric_tables import (
+    BENCHMARKS,
+    compared_table,
+    format_number,
+    format_table,
+    format_value,
+    metric_table,
+    replace_tables,
+)
+
+from kinesic.bench.face import OCCLUSION_SIZES, PICTURE_SIZES, STAGE_PREFIX
+from kinesic.bench.face.lips import SPEECH_RATES
+from kinesic.bench.metric import Metric
+from kinesic.face.render.presets import QUALITY_PRESETS
+
 ESTIMATORS = {
-    "depth": "plain depth",
+    "depth": "plain depth test",
     "crytek": "Crytek",
-    "obscurance": "vol. obscurance",
+    "obscurance": "volumetric obscurance",
     "horizon": "horizon",
     "angular": "angular",
 }
-STAGE = "face.stage."
-TABLE = (*(f"face.occlusion.{estimator}_" for estimator in ESTIMATORS), STAGE)
+OCCLUSION_ROWS = {
+    "exact": "time, {size} x {size} samples [ms]",
+    "separable": "time, {size} x 2 samples [ms]",
+    "ratio": "exact / separable time",
+    "rmse": "RMS error of the separable pass",
+    "rmse_occluded": "RMS error where occluded",
+}
+LIP_COLUMNS = {f"{name} voice ({rate:g})": f"face.lips.{name}_" for name, rate in SPEECH_RATES.items()}
+DEFINED_TABLES = ("frames", "body", "boxes", "scattering", "wrinkles", "prosody")
 
-figures = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
-values = {figure["name"]: figure["value"] for figure in figures}
-notes = {figure["name"]: figure["why"].removeprefix("thesis, GTX 480: ") for figure in figures}
-
-
-def number(value: float) -> str:
-    """Format with three significant digits, or as an integer from 1000 on."""
-    return f"{value:.0f}" if abs(value) >= 1000 else f"{value:.3g}"
-
-
-def format_value(name: str) -> str:
-    """Return a value with three digits, and the thesis's measurement in brackets."""
-    if values[name] is None:
-        return "-"
-    return number(values[name]) + (f" ({notes[name].removeprefix('thesis: ')})" if notes[name] else "")
+Metrics = Mapping[str, Metric]
 
 
-rows = [
-    "Table 3.1 at 1024 x 768, 41 000 triangles: milliseconds, and in brackets the thesis's on a GTX 480.",
-    "",
-    "| size | | " + " | ".join(ESTIMATORS.values()) + " |",
-    "|---|---|" + "---|" * len(ESTIMATORS),
-]
-for size in (5, 11, 21):
-    for kind, head in (
-        ("exact", f"{size} x {size}, exact"),
-        ("separable", f"{size} x 2, separable"),
-        ("ratio", "times faster"),
-        ("rmse", "error, RMS"),
-        ("rmse_occluded", "where occluded"),
-    ):
-        cells = [format_value(f"face.occlusion.{estimator}_{size}_{kind}") for estimator in ESTIMATORS]
-        rows.append(f"| {size} | {head} | " + " | ".join(cells) + " |")
-timed = [each.removeprefix(STAGE).rsplit("_", 1) for each in values if each.startswith(STAGE)]
-drawn, stages = (list(dict.fromkeys(part)) for part in zip(*timed, strict=True))
-stages = sorted(stages, key=[stage for stem, stage in timed if stem == drawn[-1]].index)  # the last preset has all
-heads = [stem.replace("_", ", ").replace("x", " x ") for stem in drawn]
-rows += ["", "Stages of a picture, and the whole picture without read-back: milliseconds on this machine.", ""]
-rows += ["| | " + " | ".join(heads) + " |", "|---|" + "---|" * len(heads)]
-for stage in stages:
-    cells = [format_value(f"{STAGE}{stem}_{stage}") if f"{STAGE}{stem}_{stage}" in values else "" for stem in drawn]
-    rows.append(f"| {stage} | " + " | ".join(cells) + " |")
-rows += ["", "| figure | value | goal | |", "|---|---|---|---|"]
-for figure in figures:
-    if figure["goal"] is None and figure["name"].startswith(TABLE):
-        continue
-    value = "-" if figure["value"] is None else f"{number(figure['value'])} {figure['unit']}".strip()
-    sign = ">=" if figure["better"] == "higher" else "<="
-    goal = "" if figure["goal"] is None else f"{sign} {figure['goal']:g}"
-    rows.append(f"| `{figure['name']}` | {value} | {goal} | {MARKS[figure['ok']]} |")
-before, rest = PAGE.read_text(encoding="utf-8").split(BEGIN)
-after = rest.split(END)[1]
-PAGE.write_text("\n".join([before + BEGIN, "", *rows, "", END + after]), encoding="utf-8")
+def occlusion_table(metrics: Metrics) -> list[str]:
+    """Tabulate time and error of each estimator, with the times of the thesis in brackets."""
+    rows = []
+    for size in OCCLUSION_SIZES:
+        for kind, label in OCCLUSION_ROWS.items():
+            found = [metrics.get(f"face.occlusion.{estimator}_{size}_{kind}") for estimator in ESTIMATORS]
+            rows.append((label.format(size=size), *(_with_thesis(metric) for metric in found)))
+    return format_table("measure", *ESTIMATORS.values(), rows=rows)
+
+
+def _with_thesis(metric: Metric | None) -> str:
+    """Format a value with that of the thesis in brackets."""
+    if metric is None or metric.value is None:
+        return ""
+    thesis = metric.why.rpartition(": ")[2].removesuffix(" ms")
+    return format_number(metric.value) + (f" ({thesis})" if thesis else "")
+
+
+def frame_table(metrics: Metrics) -> list[str]:
+    """Tabulate the frame rate of each preset and size."""
+    rows = []
+    for preset in QUALITY_PRESETS:
+        for width, height in PICTURE_SIZES:
+            stem = f"face.fps.{preset}_{width}x{height}"
+            values = [format_value(metrics[name]) for name in (stem, f"{stem}_cpu")]
+            rows.append((preset, f"{width} x {height}", *values))
+    return format_table("preset", "size", "frame rate", "CPU time of a frame", rows=rows)
+
+
+def stage_table(metrics: Metrics) -> list[str]:
+    """Tabulate the time of each stage of a picture in milliseconds."""
+    stems = [f"{preset}_{width}x{height}" for preset in QUALITY_PRESETS for width, height in PICTURE_SIZES]
+    stages = _find_stages(metrics, stems[-1])  # the last preset has all
+    rows = [
+        (stage, *(_with_thesis(metrics.get(f"{STAGE_PREFIX}{stem}_{stage}")) for stem in stems)) for stage in stages
+    ]
+    return format_table("stage [ms]", *(stem.replace("_", ", ").replace("x", " x ") for stem in stems), rows=rows)
+
+
+def _find_stages(metrics: Iterable[str], stem: str) -> list[str]:
+    """Return the stages of one preset and size, in the order of drawing."""
+    prefix = f"{STAGE_PREFIX}{stem}_"
+    return [name.removeprefix(prefix) for name in metrics if name.startswith(prefix)]
+
+
+if __name__ == "__main__":
+    printed = json.loads(Path(sys.argv[1]).read_text(encoding="utf-8"))
+    measured = [Metric(**{name: value for name, value in row.items() if name != "ok"}) for row in printed]
+    by_name = {metric.name: metric for metric in measured}
+    replace_tables(
+        BENCHMARKS / "face.md",
+        {
+            "rates": frame_table(by_name),
+            "stages": stage_table(by_name),
+            "occlusion": occlusion_table(by_name),
+            "lips": compared_table(measured, "face-lips", LIP_COLUMNS, {}),
+            **{name: metric_table(measured, f"face-{name}", {}) for name in DEFINED_TABLES},
+        },
+    )

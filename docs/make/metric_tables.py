@@ -58,7 +58,8 @@ def compared_table(
 
 def format_value(metric: Metric, note: str = "") -> str:
     """Format a value with three significant digits, its unit and a note."""
-    return ("not measured" if metric.value is None else f"{format_number(metric.value)} {metric.unit}".strip()) + note
+    unit = metric.unit.removesuffix("count")
+    return ("not measured" if metric.value is None else f"{format_number(metric.value)} {unit}".strip()) + note
 
 
 def format_number(value: float) -> str:
