@@ -9,7 +9,7 @@ from kinesic.body.robot import SIDES
 from kinesic.body.rotation import rotation_to_vector
 from kinesic.capture.body_joints import BodyJoints, find_body_joints
 from kinesic.capture.clip import ArmPath, BodyClip
-from kinesic.capture.reading.text import CaptureError
+from kinesic.capture.reading.text import CaptureError, check_numbers
 from kinesic.capture.skeleton_motion import (
     NEUTRAL_POSE,
     CapturedJoint,
@@ -44,6 +44,7 @@ def clip_of_skeleton(skeleton: Sequence[CapturedJoint], motion: CapturedMotion, 
     chest = chest_frames(frames.positions, joints, source)
     arms = {side: _arm_path(frames.positions, chest, joints.arms[side], source) for side in SIDES}
     head, head_guess = _head_rotations(frames, neutral, chest, joints)
+    check_numbers(np.concatenate([path for arm in arms.values() for path in (arm.elbow, arm.wrist)]), source)
     start = float(motion.times[0])
     clip = BodyClip(
         times=sealed(motion.times - start),

@@ -23,7 +23,7 @@ from kinesic.cli.options import force_option, implemented_by
 def certify_verb() -> None:
     """Certify the motion of FILE for a robot.
 
-    FILE is captured motion (.bvh, .skm), joint angles (.csv, .npz), or a move of Reachy Mini (.json). Print the limits
-    that it violates on the robot, with joint, time and ratio. Then search for the nearest motion that satisfies all
-    limits, and print its distance from FILE.
+    FILE is captured motion (.bvh, .amc, .skm, .glb), joint angles (.csv, .npz, .mcap, .parquet), or a move of Reachy
+    Mini or a joint trajectory (.json). Print the limits that it violates on the robot, with joint, time and ratio. Then
+    search for the nearest motion that satisfies all limits, and print its distance from FILE.
     """

@@ -142,7 +142,7 @@ def plan_input(file: str, setup: Setup, *, conditioned: Conditioner = certify) -
     """Plan a file, or standard input for `-`.
 
     Args:
-        file: BML, FML, text (.txt, .md, .srt, .vtt, SSML), or a motion (.bap, .bvh, .skm, .csv, .npz).
+        file: BML, FML, text (.txt, .md, .srt, .vtt, SSML), or a motion such as .bap or .bvh.
         setup: robot, style and options.
         conditioned: conditioner that brings desired motions within the limits.
 

@@ -13,7 +13,7 @@ def certify(path: str | Path, robot: Robot | str | Path | Setup = "upper22") -> 
     """Find a motion file's limit violations and the nearest motion within limits.
 
     Args:
-        path: of the motion (.bvh, .skm, .csv, .npz, or a move of Reachy Mini in .json).
+        path: of the motion (.bvh, .amc, .skm, .glb, .csv, .npz, .mcap, .parquet or .json).
         robot: name of the robot, path of its TOML file, the robot, or a setup.
 
     Raises:

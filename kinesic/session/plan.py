@@ -19,7 +19,18 @@ from kinesic.session.documents import TEXT_SUFFIXES, read_block, read_plain_text
 from kinesic.session.recorded import SpokenRecording, read_recording
 from kinesic.session.setup import set_up
 
-MOTION_FILE_SUFFIXES = (BAP_SUFFIX, ".bvh", ".skm", ".csv", ".npz")  # suffixes of motion files that can be planned
+MOTION_FILE_SUFFIXES = (  # suffixes of motion files that can be planned
+    BAP_SUFFIX,
+    ".bvh",
+    ".skm",
+    ".amc",
+    ".glb",
+    ".gltf",
+    ".csv",
+    ".npz",
+    ".mcap",
+    ".parquet",
+)
 DocumentSource = str | bytes | Path  # path, name of a built-in document, or content of a document
 
 

@@ -29,9 +29,11 @@ def test_suffix_selects_the_format(tmp_path):
 
 
 def test_unknown_suffix_is_rejected_with_the_known_ones(tmp_path):
-    with pytest.raises(CaptureError, match=r"cannot read .fbx; known: .bvh"):
+    with pytest.raises(CaptureError, match=r"cannot read .fbx files; known: .bvh"):
         read_clip(tmp_path / "a.fbx")
     assert len(FORMATS) >= 5
+    with pytest.raises(CaptureError, match=r"/walk: its name has no suffix, which tells the format; known: .bvh"):
+        read_clip(tmp_path / "walk")
 
 
 def test_missing_file_and_missing_skeleton_are_rejected(tmp_path):

@@ -13,6 +13,7 @@ from kinesic.capture.reading.text import (
     MAX_FILE_SIZE,
     MAX_JOINTS,
     CaptureError,
+    check_numbers,
     check_times,
     parse_numbers,
     split_lines,
@@ -86,10 +87,10 @@ def read_joint_npz(arrays: Mapping[str, Array], source: str) -> JointClip:
             times = np.arange(len(angles)) / rate if rate > 0.0 else np.zeros(0)
     except ValueError as error:
         raise CaptureError(f"{source}: {error}") from None
-    if angles.shape != (len(times), len(names)) or not np.isfinite(angles).all() or not np.isfinite(times).all():
-        raise CaptureError(
-            f"{source}: angles have shape {angles.shape}; {len(times)} times and {len(names)} names need finite numbers"
-        )
+    if angles.shape != (len(times), len(names)):
+        raise CaptureError(f"{source}: angles have shape {angles.shape} for {len(times)} times and {len(names)} names")
+    check_numbers(angles, f"{source}: angles")
+    check_numbers(times, f"{source}: times")
     has_radians = set(NPZ_ARRAYS) <= arrays.keys()  # exported by kinesic
     return _make_clip(times, [f"{name}_rad" for name in names] if has_radians else names, angles, source)
 

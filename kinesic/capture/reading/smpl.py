@@ -8,7 +8,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.capture.reading.text import CaptureError, check_times
+from kinesic.capture.reading.text import MAX_NUMBER, CaptureError, check_numbers, check_times
 from kinesic.capture.skeleton_motion import ROTATION_CHANNEL, CapturedJoint, CapturedMotion
 from kinesic.files.array_file import Array, numbers_of
 
@@ -63,8 +63,9 @@ def read_smpl(arrays: Mapping[str, Array], source: str) -> tuple[tuple[CapturedJ
         rate, guess = _frame_rate(arrays)
     except ValueError as error:
         raise CaptureError(f"{source}: {error}") from None
-    if not np.isfinite(poses).all() or not (np.isfinite(rate) and rate > 0.0):
-        raise CaptureError(f"{source}: poses and frame rate must be finite, the rate positive")
+    check_numbers(poses, f"{source}: poses")
+    if not 0.0 < rate <= MAX_NUMBER:
+        raise CaptureError(f"{source}: the frame rate is {rate:g}; it must be positive")
     times = np.arange(len(poses)) / rate
     check_times(times, source)
     columns = {(joint.name, ROTATION_CHANNEL): slice(3 * index, 3 * index + 3) for index, joint in UPPER_BODY.items()}

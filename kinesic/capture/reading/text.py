@@ -1,8 +1,10 @@
 """Size-limited reading and parsing of motion files, with located errors."""
 
 from array import array
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import BinaryIO
 
 import numpy as np
 
@@ -14,6 +16,7 @@ MAX_FILE_SIZE = 64_000_000  # [bytes] largest motion file that is read
 MAX_FRAMES = 200_000  # largest number of frames of a clip
 MAX_LINES = 2_000_000  # largest number of lines of a text file
 MAX_LINE_LENGTH = 1_000_000  # [characters] longest line of a text file
+MAX_NUMBER = 1e12  # largest absolute value of a number, whose square and cube are finite
 MAX_JOINTS = 1000  # largest number of joints of a skeleton
 
 
@@ -27,17 +30,33 @@ def read_file(path: Path) -> bytes:
     Raises:
         CaptureError: the file is missing, too large, or no regular file.
     """
+    with _open(path) as file:
+        data = file.read(MAX_FILE_SIZE + 1)
+    check_size(data, str(path))
+    return data
+
+
+def check_regular(path: Path) -> None:
+    """Raise an error unless a path leads to a regular file.
+
+    Raises:
+        CaptureError: the file is missing, or a folder, a pipe or a device.
+    """
+    with _open(path):
+        pass
+
+
+@contextmanager
+def _open(path: Path) -> Iterator[BinaryIO]:
     try:
         with open_regular(path) as file:
-            data = file.read(MAX_FILE_SIZE + 1)
+            yield file
     except OSError as error:
         raise CaptureError(f"{path}: {error.strerror}") from None
     except CaptureError:
         raise
     except ConfigError as error:
         raise CaptureError(str(error)) from None
-    check_size(data, str(path))
-    return data
 
 
 def check_size(data: bytes, source: str) -> None:
@@ -85,8 +104,20 @@ def parse_numbers(words: Iterable[str], place: str) -> Floats:
         numbers = sealed(np.frombuffer(array("d", map(float, words))))
     except (ValueError, OverflowError) as error:
         raise CaptureError(f"{place}: {error}") from None
-    if not np.isfinite(numbers).all():
+    return check_numbers(numbers, place)
+
+
+def check_numbers(numbers: Floats, place: str) -> Floats:
+    """Return numbers after a check that all are finite and of moderate size.
+
+    Raises:
+        CaptureError: a number is NaN, or beyond `MAX_NUMBER`; the message begins with the place.
+    """
+    largest = float(np.abs(numbers).max(initial=0.0))
+    if not np.isfinite(largest):
         raise CaptureError(f"{place}: a number is not finite")
+    if largest > MAX_NUMBER:
+        raise CaptureError(f"{place}: a number has the size {largest:.3g}; at most {MAX_NUMBER:g} is read")
     return numbers
 
 
