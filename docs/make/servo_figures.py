@@ -65,7 +65,8 @@ def compare_drivers() -> list[str]:
     ]
     head = ["fault"]
     for name in DRIVERS:
-        head += [f"{name}: exceptions / wrong", "fresh %", "p99 ms", "reported ms"]
+        head += [f"{name}: exceptions / wrong positions"]
+        head += [f"{name}: {column}" for column in ("fresh [%]", "cycle time, p99 [ms]", "reported after [ms]")]
     rows = {name: [cell for each in cases for cell in summarise(each[name])] for name in cases[0]}
     return table(head, *[(name.replace("_", " "), *row) for name, row in rows.items()])
 
@@ -85,7 +86,14 @@ def format_worst() -> list[str]:
         where = "all" if fresh == 1.0 else f"{least[0]}, {BAUDS[least[1]]}"
         rows.append((name, f"{100 * fresh:.2f}", f"{100 * prompt:.2f}", where, f"{100 * fraction:.0f}"))
     return table(
-        ("fault", "least fresh %", "of these in their own cycle", "at servos, baud", "p99, % of the period"), *rows
+        (
+            "fault",
+            "fresh [%]",
+            "arrived in their own cycle [%]",
+            "servos, baud rate of the lowest value",
+            "cycle time, p99 [% of the period]",
+        ),
+        *rows,
     )
 
 
