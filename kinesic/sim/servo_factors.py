@@ -45,9 +45,7 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
 
     mass: float = 1.0  # masses of structure and servos
     supply: float = 1.0  # supply voltage; stall torque, stall current and no-load speed scale with it
-    resistance: float = (
-        0.0  # [ohm] of the supply and its cables; the voltage drops by it times the current of all servos
-    )
+    resistance: float = 0.0  # [ohm] of the supply and its cables; times the total current, it is the voltage drop
     amps: float = inf  # [A] current limit of the supply; its voltage drops until the servos draw no more
     latency: float = 0.0  # [s] from a command until its setpoints reach the servos
     play: float = 0.0  # [rad] backlash of the gears; the servo measures the angle of the hinge

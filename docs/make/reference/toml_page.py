@@ -35,8 +35,8 @@ DOCUMENTS = (
         "Styles",
         "Read by `--style FILE.toml`; the built-in ones are in `kinesic/configs/styles/`. `kinesic new style "
         "NAME` writes one. Parameters are in [-1, 1], `openness` in [0, 1]; "
-        "[expressivity](../explanation/expressivity.md) shows the effect of each. A table of a modality holds"
-        " the parameters in which it differs.",
+        "[expressivity](../explanation/expressivity.md) shows the effect of each. The tables `gesture`, "
+        "`head`, `torso` and `face` override parameters for one modality.",
         (StyleTable,),
     ),
     Document(

@@ -96,7 +96,7 @@ class ClassTable(StrictTable):
 class GestureFile(StrictTable):
     """Content of a TOML file of gestures, their names and body motion.
 
-    All parts are optional. Its gestures have one category.
+    All keys are optional. A file contains gestures of one category.
     """
 
     category: Category | None = None  # category of all gestures of the file

@@ -38,7 +38,7 @@ class StandingTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     fist: float = 0.0  # 0 relaxed .. 1 closed fingers of the resting hands
     rest: str = ""  # rest gesture of the lexicon that the hands take where the body can; empty: arms hang
     mirrored: bool = False  # whether the rest gesture is mirrored to the other hand
-    pauses: dict[str, float] = {}  # rest gesture, or "hanging" -> weight, to which the hands change in long pauses
+    pauses: dict[str, float] = {}  # weights of rest gestures (and "hanging") that the hands take in long pauses
     face: dict[str, float] = {}  # lexeme of an expression -> amount, shown all the time
     gaze_down: float = 0.0  # [deg] of an averted gaze
     gaze_aside: float = 0.0  # [deg] of an averted gaze, to alternating sides

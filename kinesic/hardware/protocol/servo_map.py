@@ -27,7 +27,7 @@ MID_TICKS = TICKS_PER_TURN // 2  # [ticks] middle of a turn, default servo posit
 
 
 class BusTable(msgspec.Struct, forbid_unknown_fields=True):
-    """Schema of one [[bus]] table in a robot file."""
+    """TOML table of one [[bus]] in a robot file."""
 
     name: str  # name for the option `--port NAME=PATH`
     baud: int  # [bit/s] baud rate

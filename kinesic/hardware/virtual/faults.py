@@ -117,7 +117,7 @@ NO_FAULTS = FaultPlan()
 
 
 class FaultTable(msgspec.Struct, forbid_unknown_fields=True):
-    """Schema of one [[fault]] table in a fault file."""
+    """TOML table of one [[fault]] in a fault file."""
 
     kind: FaultKind  # kind of the fault
     servos: list[int] = []  # ids of affected servos; empty: all
