@@ -7,7 +7,7 @@ from kinesic.body.limits import Limits
 from kinesic.capture.robot_motion import SAMPLE_RATE
 
 
-def required_time_ratios(angles: Floats, limits: Limits) -> Floats:
+def compute_time_stretch(angles: Floats, limits: Limits) -> Floats:
     """Return the local time stretch (m,) that satisfies limits, at least 1.
 
     Considers velocity, acceleration, jerk and duty limits of all joints.

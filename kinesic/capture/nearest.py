@@ -10,7 +10,7 @@ from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
-from kinesic.capture.derivatives import required_time_ratios
+from kinesic.capture.derivatives import compute_time_stretch
 from kinesic.capture.robot_motion import SAMPLE_RATE, arm_paths
 from kinesic.motion.condition import Conditioned, MakeDesired, condition
 from kinesic.motion.desired import DesiredMotion
@@ -106,7 +106,7 @@ def _find_stretch(course: Course, setup: Setup) -> Floats:
     distance = _distance_with(course, none, setup)
     if distance <= MAX_WRIST_DISTANCE:
         return none
-    ratios = np.minimum(required_time_ratios(course.clip, setup.limits), MAX_TIME_RATIO)
+    ratios = np.minimum(compute_time_stretch(course.clip, setup.limits), MAX_TIME_RATIO)
     widest = maximum_filter1d(ratios, max(1, round(RATIO_WINDOW * SAMPLE_RATE)))
     excess = gaussian_filter1d(widest, RATIO_SMOOTHING * SAMPLE_RATE) - 1.0
     lower, upper = 0.0, 0.0

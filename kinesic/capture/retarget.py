@@ -10,7 +10,7 @@ from kinesic.body.robot import SIDE_NAMES, Robot, Side
 from kinesic.capture.arm_smoothing import smooth_arms
 from kinesic.capture.arm_tracking import track_arm
 from kinesic.capture.clip import ArmPath, BodyClip, Clip, JointClip
-from kinesic.capture.derivatives import required_time_ratios
+from kinesic.capture.derivatives import compute_time_stretch
 from kinesic.capture.reading.text import CaptureError
 from kinesic.capture.resampling import low_pass, resample, resample_times
 from kinesic.capture.robot_motion import RobotMotion, arm_paths
@@ -71,7 +71,7 @@ def _follow_body(clip: BodyClip, times: Floats, setup: Setup) -> RobotMotion:
 def _exceeds_limits(angles: Floats, side: Side, setup: Setup) -> bool:
     """Return whether an arm exceeds a velocity, acceleration, jerk or duty limit."""
     hinges = np.array(setup.robot.arms[side].indices)
-    return float(required_time_ratios(angles[:, hinges], setup.limits.part(hinges)).max()) > 1.0
+    return float(compute_time_stretch(angles[:, hinges], setup.limits.part(hinges)).max()) > 1.0
 
 
 def _take_joints(clip: JointClip, times: Floats, robot: Robot, source: str) -> RobotMotion:

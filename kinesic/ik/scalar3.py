@@ -63,7 +63,7 @@ def across(a: Vector, axis: Vector) -> Vector:
     return minus(a, scaled(axis, dot(a, axis)))
 
 
-def clamp(target: Vector, base: Vector, reach: float) -> Vector:
+def clamp_to_reach(target: Vector, base: Vector, reach: float) -> Vector:
     """Move a target towards the base until its distance is within reach.
 
     The thesis prints the factor as d / D_max; it is D_max / d.

@@ -10,7 +10,7 @@ from kinesic.body.arrays import sealed
 from kinesic.capture.certification import certify_clip, correlate, largest_limit_ratio
 from kinesic.capture.clear_path import clear_path
 from kinesic.capture.clip import ArmPath, BodyClip, JointClip
-from kinesic.capture.derivatives import differentiate, required_time_ratios
+from kinesic.capture.derivatives import compute_time_stretch, differentiate
 from kinesic.capture.nearest import Course
 from kinesic.capture.read import read_clip
 from kinesic.capture.retarget import retarget
@@ -72,7 +72,7 @@ def test_clip_with_equal_ends_keeps_over_80_percent_of_its_motion_range(known):
     assert extent > 0.8 * np.ptp(result.desired.angles, axis=0).max()
 
 
-def test_time_is_stretched_only_around_the_fast_part(known):
+def test_clip_is_stretched_in_time_only_around_its_fast_part(known):
     """A fast swing between two slow halves."""
     times = np.linspace(0.0, 6.0, 601)
     swing = 0.6 * np.exp(-(((times - 3.0) / 0.06) ** 2))
@@ -161,14 +161,14 @@ def test_finite_differences_give_the_derivatives_of_cubic_motion():
     assert velocity[20, 0] == pytest.approx(3 * times[20] ** 2, abs=0.02)
 
 
-def test_required_time_ratio_is_at_least_two_for_a_joint_at_twice_its_velocity_limit(known):
+def test_time_stretch_is_at_least_two_for_a_joint_at_twice_its_velocity_limit(known):
     limits = known.limits
     times = np.arange(100) / 100.0
     angles = np.outer(times, 2.0 * limits.speed * (np.arange(len(limits.speed)) == 4))
-    assert required_time_ratios(angles, limits)[50] >= 2.0
+    assert compute_time_stretch(angles, limits)[50] >= 2.0
 
 
-def test_violations_name_joint_time_and_ratio(known):
+def test_limit_violations_name_joint_time_and_ratio(known):
     names, limits = known.robot.skeleton.names, known.limits
     angles = np.tile(known.robot.skeleton.rest, (200, 1))
     angles[100:110, 5] += 3.0 * limits.speed[5] / 100.0 * np.arange(1, 11)
@@ -209,7 +209,7 @@ def hostile_clips(known):
 
 
 @pytest.mark.parametrize("kind", [0, 2, 4, *(pytest.param(kind, marks=pytest.mark.soak) for kind in (1, 3))])
-def test_hostile_motion_stays_within_limits(known, kind):
+def test_extreme_captured_motion_is_certified_within_limits(known, kind):
     _, clip = list(hostile_clips(known))[kind]
     result = certify_clip(clip, known, "hostile")
     assert_within_limits(result.trajectory, known.limits)

@@ -21,14 +21,14 @@ with_corpus = pytest.mark.skipif(not HAS_CLIPS, reason="no captured clips (KINES
 BVH_FRAMES = 5  # rows of each BVH file that are multiplied one by one
 
 
-def test_suffix_selects_the_format(tmp_path):
+def test_file_suffix_selects_the_capture_format(tmp_path):
     (tmp_path / "a.BVH").write_bytes(bvh(reach(10)))
     (tmp_path / "a.csv").write_bytes(joint_csv())
     assert isinstance(read_clip(tmp_path / "a.BVH"), BodyClip)
     assert isinstance(read_clip(tmp_path / "a.csv"), JointClip)
 
 
-def test_unknown_suffix_is_rejected_with_the_known_ones(tmp_path):
+def test_unknown_capture_suffix_error_lists_the_supported_suffixes(tmp_path):
     with pytest.raises(CaptureError, match=r"cannot read .fbx files; known: .bvh"):
         read_clip(tmp_path / "a.fbx")
     assert len(FORMATS) >= 5
@@ -36,7 +36,7 @@ def test_unknown_suffix_is_rejected_with_the_known_ones(tmp_path):
         read_clip(tmp_path / "walk")
 
 
-def test_missing_file_and_missing_skeleton_are_rejected(tmp_path):
+def test_missing_capture_file_and_missing_skeleton_are_rejected(tmp_path):
     with pytest.raises(CaptureError, match="No such file"):
         read_clip(tmp_path / "a.bvh")
     path = write_clip(tmp_path / "ChrTest@a.skm", {"JtRoot XPos": np.zeros((3, 1))})
@@ -120,7 +120,7 @@ def multiply_matrices(text: str) -> dict[str, np.ndarray]:
 
 
 @with_corpus
-def test_forward_kinematics_of_bvh_equal_products_of_matrices():
+def test_forward_kinematics_of_a_bvh_clip_equals_products_of_matrices():
     """The largest difference is 1e-4 of the arm or less."""
     for path in [path for path in CORPUS_CLIPS if path.suffix == ".bvh"]:
         data = path.read_bytes()

@@ -46,7 +46,7 @@ def test_head_turn_of_the_actor_turns_the_neck_by_the_same_angle(robot, known):
     assert np.degrees(motion.angles[:, torsion].max()) == pytest.approx(30.0, abs=1.0)
 
 
-def test_raised_elbow_is_imitated_by_the_swivel(robot, known):
+def test_raised_elbow_of_the_actor_gives_the_swivel_of_the_robot_arm(robot, known):
     """The same wrist path with raised elbows gives another posture with the same wrist."""
     count, wrist = 60, np.tile([0.7, 0.0, 0.0], (60, 1))
     angles = []
@@ -98,7 +98,7 @@ def test_angles_beyond_the_range_are_kept_as_requested_and_clipped_as_desired(ro
     assert (motion.angles[:, 0] < upper).all()
 
 
-def test_too_long_clip_is_rejected(robot, known):
+def test_captured_clip_above_the_maximum_duration_is_rejected(robot, known):
     times = np.array([0.0, MAX_DURATION + 1.0])
     clip = JointClip(sealed(times), robot.skeleton.names[:1], sealed(np.zeros((2, 1))))
     with pytest.raises(CaptureError, match="at most 300 s"):

@@ -34,7 +34,7 @@ def test_shell_completion_completes_files_for_options_that_accept_them():
 
 
 @pytest.mark.parametrize("shell", SHELL_NAMES)
-def test_completion_script_of_each_shell_calls_this_program(kinesic, shell):
+def test_shell_completion_script_of_each_shell_calls_kinesic(kinesic, shell):
     ended = kinesic("completion", shell)
     assert ended.code == 0
     assert f"_KINESIC_COMPLETE={shell}_complete" in ended.out

@@ -115,7 +115,7 @@ def hold_private(folder: Path) -> None:
         hold_private,
     ],
 )
-def test_file_operation_leaves_no_descriptor_open(tmp_path: Path, use: Callable[[Path], None]):
+def test_file_operations_leave_no_file_descriptor_open(tmp_path: Path, use: Callable[[Path], None]):
     before = sorted(os.listdir(DESCRIPTORS))
     with suppress(ConfigError, OSError, InterruptionError):
         use(tmp_path)

@@ -31,7 +31,7 @@ def test_file_is_synced_before_it_replaces_another(tmp_path, monkeypatch):
     assert seen == [((tmp_path / "a").stat().st_ino, "before"), (tmp_path.stat().st_ino, "after")]
 
 
-def test_failed_write_leaves_the_earlier_file(tmp_path, monkeypatch):
+def test_failed_write_keeps_the_earlier_file(tmp_path, monkeypatch):
     (tmp_path / "a").write_text("before")
 
     def fail(_descriptor):
@@ -44,7 +44,7 @@ def test_failed_write_leaves_the_earlier_file(tmp_path, monkeypatch):
     assert [path.name for path in tmp_path.iterdir()] == ["a"]
 
 
-def test_links_pipes_and_folders_are_not_read(tmp_path):
+def test_links_pipes_and_folders_are_not_read_in_place_of_a_file(tmp_path):
     (tmp_path / "secret").write_text("secret")
     (tmp_path / "link").symlink_to(tmp_path / "secret")
     (tmp_path / "folder").mkdir()

@@ -34,7 +34,7 @@ def test_input_file_outside_the_allowed_folder_is_refused(folder: Path, name: st
         read_inside(folder, folder / name, max_size=100)
 
 
-def test_cyclic_links_are_refused(folder: Path):
+def test_cyclic_links_to_an_input_file_are_refused(folder: Path):
     (folder / "a").symlink_to("b")
     (folder / "b").symlink_to("a")
     with pytest.raises(ConfigError, match="loop"):
@@ -42,7 +42,7 @@ def test_cyclic_links_are_refused(folder: Path):
 
 
 @pytest.mark.parametrize("kind", ["pipe", "folder"])
-def test_pipes_and_folders_are_refused_without_blocking(folder: Path, kind: str):
+def test_pipes_and_folders_as_input_file_are_refused_without_blocking(folder: Path, kind: str):
     os.mkfifo(folder / "pipe")
     (folder / "folder").mkdir()
     with pytest.raises((ConfigError, IsADirectoryError), match=r"not a regular file|Is a directory"):
@@ -51,12 +51,12 @@ def test_pipes_and_folders_are_refused_without_blocking(folder: Path, kind: str)
         pass
 
 
-def test_device_file_is_refused():
+def test_device_file_as_input_file_is_refused():
     with pytest.raises(ConfigError, match="zero is not a regular file"), open_regular(Path("/dev/zero")):
         pass
 
 
-def test_large_file_is_refused_before_reading(folder: Path):
+def test_input_file_above_the_size_limit_is_refused_before_reading(folder: Path):
     with (folder / "sparse").open("wb") as file:
         file.truncate(10**12)
     with pytest.raises(ConfigError, match=r"sparse has 1000000000000 bytes; at most 100"):

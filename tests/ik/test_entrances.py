@@ -14,7 +14,7 @@ ARM = ROBOT.arms["l"]
 PLACE = np.array([0.28, 0.10, -0.05])  # [m] in the frame of the arm's base
 
 
-def test_ik_functions_are_not_hidden_by_modules_of_the_same_name():
+def test_public_ik_functions_are_not_hidden_by_modules_of_the_same_name():
     assert (ik.solve, ik.pose, ik.hold, ik.two_hands) == (solve, solve_pose, hold_reach, reach_both)
     assert all(callable(getattr(ik, name)) for name in ("solve", "pose", "two_hands", "track"))
 

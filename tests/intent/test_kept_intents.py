@@ -38,7 +38,7 @@ def test_long_emotion_conflicts_with_overlapping_intents_on_the_face(start: floa
     assert not conflicts_with(LONG_EMOTION, replace(other, name="emotional-accent")) or meets
 
 
-def test_earliest_kept_intent_that_conflicts_with_a_new_one_is_returned() -> None:
+def test_earliest_chosen_intent_that_conflicts_with_a_new_one_is_returned() -> None:
     def told(one: Intent, other: Intent) -> bool:
         near = abs(one.stroke.seconds - other.stroke.seconds) < STROKE_GAP
         feels = any(item.name.startswith("emotion-") for item in (one, other))
@@ -61,7 +61,7 @@ def test_earliest_kept_intent_that_conflicts_with_a_new_one_is_returned() -> Non
 @pytest.mark.parametrize(
     ("at", "room", "reached"), [(5.5, 0.5, True), (5.51, 0.5, False), (-0.5, 0.5, True), (2.0, 0.0, True)]
 )
-def test_time_within_the_margin_of_a_kept_intent_counts_as_covered(at: float, room: float, reached: bool) -> None:
+def test_time_within_the_margin_of_a_chosen_intent_counts_as_covered(at: float, room: float, reached: bool) -> None:
     assert KeptIntents([NEGATION_WORD]).covers(at, room) is reached
     assert not KeptIntents([NEGATION_WORD]).covers(-0.51, 0.5)
     assert not KeptIntents().covers(at, room)

@@ -17,7 +17,7 @@ MOTION = Trajectory(CONTROLS, 0.0)
 TIMES = np.linspace(0.0, MOTION.duration, 8001)[:-1]
 
 
-def test_limit_matrix_rows_give_the_limit_ratios():
+def test_product_of_limit_matrix_and_control_points_gives_the_limit_ratios():
     rows = np.abs(GRID.rows(LIMITS, 0) @ CONTROLS[:, 0])
     shares = [np.abs(share) for share in GRID.limit_ratios(CONTROLS[:, 0], LIMITS, 0)]
     np.testing.assert_allclose(rows, np.concatenate(shares[1:]))
@@ -83,7 +83,7 @@ def test_knots_control_points_and_limit_rows_are_counted_from_the_knot_intervals
     assert grid(5, 0.02) is small, "the same grid is kept"
 
 
-def test_limit_rows_of_three_fixed_control_points_at_an_end_may_reach_twice_the_limit():
+def test_limit_rows_of_only_fixed_control_points_have_twice_the_bound():
     groups = np.split(grid(6, KNOT_INTERVAL).bounds, np.cumsum(grid(6, KNOT_INTERVAL).counts)[:-1])
     assert [group.tolist() for group in groups] == [
         [2, 2, 1, 1, 1, 1, 2, 2],
@@ -93,7 +93,7 @@ def test_limit_rows_of_three_fixed_control_points_at_an_end_may_reach_twice_the_
     ]
 
 
-def test_free_limit_rows_have_the_places_kinds_and_powers_of_their_limits():
+def test_limit_rows_list_position_kind_and_time_exponent_of_their_limits():
     free = grid(3, KNOT_INTERVAL).free_rows
     assert free.kinds.tolist() == [0, 1, 1, 2, 2, 2, 3, 3]
     assert free.places == pytest.approx([1.5, 1, 2, 0, 1.5, 3, 1, 2])
@@ -101,7 +101,7 @@ def test_free_limit_rows_have_the_places_kinds_and_powers_of_their_limits():
 
 
 @pytest.mark.parametrize("stretch", [0.5, 3.0])
-def test_limit_ratios_fall_with_the_power_of_time_that_each_limit_states(stretch):
+def test_limit_ratios_scale_with_the_time_exponent_of_each_limit(stretch):
     light = replace(LIMITS, viscous=sealed([0.0]))
     usual, slow = ([*g.limit_ratios(CONTROLS[:, 0], light, 0)] for g in (GRID, grid(20, stretch * KNOT_INTERVAL)))
     np.testing.assert_allclose(slow[0], usual[0])
@@ -110,7 +110,7 @@ def test_limit_ratios_fall_with_the_power_of_time_that_each_limit_states(stretch
         np.testing.assert_allclose(other * stretch**power, one)
 
 
-def test_limit_ratios_of_several_hinges_are_those_of_each_one():
+def test_limit_ratios_of_several_hinges_equal_those_of_single_hinges():
     controls = np.random.default_rng(4).normal(size=(3, 12))
     own, hinges = grid(9, KNOT_INTERVAL), np.array([1, 0, 1])
     together = own.limit_ratios(controls, PAIR, hinges)
@@ -135,12 +135,12 @@ def test_largest_limit_ratio_counts_motion_in_both_directions():
         assert GRID.largest_limit_ratio(controls, LIMITS, 0) == pytest.approx(np.abs(jerks).max())
 
 
-def test_hinge_that_cannot_move_exceeds_its_range_by_a_nanoradian():
+def test_fixed_hinge_has_an_assumed_range_of_one_nanoradian():
     stuck = replace(LIMITS, lower=sealed([0.5]), upper=sealed([0.5]))
     assert GRID.limit_ratios(np.full(23, 0.5 + 1e-9), stuck, 0)[0] == pytest.approx(2.0, rel=1e-6)
 
 
-def test_duty_bound_at_the_knots_leaves_room_for_the_parabola_between_them():
+def test_duty_bound_at_the_knots_allows_for_the_parabola_between_them():
     assert grid(9, KNOT_INTERVAL).duty(PAIR) == pytest.approx([0.7 - 0.15 * 0.1 / 8, 0.4 - 0.05 * 0.07 / 8], rel=1e-12)
     acceleration, jerk, velocity = -9.0, 1e3, 0.1
     times = np.linspace(0.0, KNOT_INTERVAL, 101)
@@ -156,7 +156,7 @@ def test_jerk_and_acceleration_cost_the_same_at_twenty_radians_per_second():
     assert cost == pytest.approx(2.0 * np.sum(np.diff(wave, 2) ** 2), rel=2e-2)
 
 
-def test_constant_posture_costs_almost_no_smoothness():
+def test_smoothness_cost_of_a_constant_posture_is_almost_zero():
     posture = np.ones(GRID.size)
     assert posture @ form_of(GRID.calmness_bands) @ posture == pytest.approx(1e-10 * GRID.size, rel=1e-3)
 

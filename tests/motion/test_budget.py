@@ -24,12 +24,12 @@ def test_work_budget_reports_remaining_work_and_overdraft():
     assert (budget.left, budget.overdraft) == (0, 2.5)
 
 
-def test_new_budget_has_all_of_its_work_left():
+def test_new_work_budget_has_all_of_its_work_left():
     assert (Budget(7).left, Budget(7).overdraft, Budget(7).spent) == (7, 0, False)
     assert (Budget().left, UNLIMITED_BUDGET.left) == (inf, inf)
 
 
-def test_budget_below_one_unit_counts_its_overdraft_in_units():
+def test_overdraft_of_a_budget_below_one_unit_is_measured_in_units():
     for work in (0.0, 0.5, 1.0):
         budget = Budget(work)
         assert not budget.spent

@@ -39,7 +39,7 @@ def deficit_of(amount: float, *binding: str | None) -> Infeasibility:
     return Infeasibility(amount, np.zeros(len(binding) + 1), binding, np.zeros(3))
 
 
-def test_intervals_with_a_binding_limit_limit_a_segment():
+def test_key_intervals_with_a_binding_limit_limit_the_time_of_a_segment():
     found = find_limiting_intervals(MARKED, deficit_of(0.1, "speed", None, "jerk"))
     assert [*found] == [(0, (0, 1)), (0, (3, 4))]
     assert MARKED.pairs == ((0, 1), (1, 3), (3, 4))
@@ -48,14 +48,14 @@ def test_intervals_with_a_binding_limit_limit_a_segment():
     assert [*find_limiting_intervals(MARKED, deficit_of(0.1, None, None, None))] == every
 
 
-def test_interval_between_a_key_and_itself_limits_nothing():
+def test_segment_interval_that_ends_at_its_own_key_is_no_bottleneck():
     late = replace(MARKED, marks=((0,), (1, 2), (3,), (3,)))
     deficit = deficit_of(0.1, "speed", None, "jerk")
     assert [*find_limiting_intervals(late, deficit)] == [(0, (0, 1))]
     assert [pair for pair, _ in find_bottlenecks(late, deficit)] == [(0, 1)]
 
 
-def test_bottleneck_ratio_is_the_exponential_of_the_deficit():
+def test_bottleneck_ratio_is_the_exponential_of_the_time_deficit():
     found = dict(find_bottlenecks(replace(MARKED, hinge=3), deficit_of(0.3, "speed", None, "duty")))
     assert {pair: (item.hinge, item.quantity) for pair, item in found.items()} == {
         (0, 1): (3, "speed"),
@@ -69,7 +69,7 @@ def keys_of(*times: float) -> Keys:
     return Keys.of(tuple(KeyPosture(t, sealed([0.0] * 2), (True, True)) for t in times), PAIR)
 
 
-def test_intervals_shorter_than_at_full_velocity_are_velocity_bottlenecks():
+def test_key_intervals_shorter_than_at_full_velocity_are_velocity_bottlenecks():
     keys = keys_of(0.0, 0.5, 0.51, 1.0)
     durations = {
         (0, (0, 1)): 0.75,
@@ -93,14 +93,14 @@ def test_intervals_shorter_than_at_full_velocity_are_velocity_bottlenecks():
     assert [*find_velocity_bottlenecks(keys, PAIR, slower)] == [], "rounding is no bottleneck"
 
 
-def test_velocity_limit_equal_to_that_of_the_duty_is_the_bottleneck():
+def test_velocity_is_the_bottleneck_if_the_duty_allows_the_same_velocity():
     equal = replace(PAIR, viscous=sealed([0.25, 0.15]), duty=sealed([1.0, 0.5]))
     found = [item.quantity for _, item in find_velocity_bottlenecks(keys_of(0, 1), equal, {(0, (0, 1)): 2.0})]
     found += [item.quantity for _, item in find_velocity_bottlenecks(keys_of(0, 1), equal, {(1, (0, 1)): 2.0})]
     assert found == ["speed", "duty"]
 
 
-def test_limit_with_most_of_the_multipliers_binds_a_gap():
+def test_binding_limit_of_a_key_interval_has_the_largest_sum_of_multipliers():
     gaps, kinds = np.array([0, 0, 0, 1, 1, 2, 2]), np.array([0, 1, 1, 2, 3, 3, 0])
     multipliers = np.array([0.3, 0.2, 0.2, 0.13, 0.1, 0.05, 0.02])
     assert _find_binding_limits(gaps, kinds, multipliers, 4) == ("acceleration", "jerk", "duty", None)
@@ -110,7 +110,7 @@ def test_limit_with_most_of_the_multipliers_binds_a_gap():
     assert doubled == ("acceleration", "jerk", None)
 
 
-def test_cutting_plane_needs_a_slope_of_more_than_a_tenth_per_second():
+def test_time_deficit_needs_a_slope_above_0_1_per_second_for_a_single_cutting_plane():
     times = np.array([0.0, 1.0, 1.2, 2.0, 2.3])
     for steepest, sign, count in ((0.11, 1, 1), (0.11, -1, 1), (0.099, 1, 2), (0.0, 1, 2)):
         slopes = sign * np.array([-steepest, 0.0, steepest, 0.0])
@@ -122,12 +122,12 @@ def test_cutting_plane_needs_a_slope_of_more_than_a_tenth_per_second():
             assert plane.slopes.sum() == pytest.approx(0.0)
 
 
-def test_still_segment_exceeds_no_limit():
+def test_motion_segment_without_movement_exceeds_no_limit():
     assert estimate_limit_ratio(segment(20, 0.0), LIMITS) == 0.0
 
 
 @pytest.mark.parametrize("place", [17.3, 19.0, 23.6])
-def test_slopes_at_the_keys_of_a_segment_equal_differences_of_its_deficit(place):
+def test_slopes_of_a_time_deficit_at_its_keys_equal_finite_differences(place):
     more = 0.02
     base = measure_time_deficit(segment(50, 1.6, (place, 0.7), (38.0, 1.3), marks=MARKED.marks), LIMITS)
     for k, keys in enumerate((((place + more, 0.7), (38.0, 1.3)), ((place, 0.7), (38.0 + more, 1.3)))):
@@ -139,7 +139,7 @@ def test_slopes_at_the_keys_of_a_segment_equal_differences_of_its_deficit(place)
     assert base.programs == 1
 
 
-def test_mirrored_segment_has_the_same_deficit_and_gradient():
+def test_mirrored_segment_has_the_same_time_deficit_and_gradient():
     one = measure_time_deficit(segment(40, 1.6, (17.3, 0.7), marks=((0,), (1,), (2,))), LIMITS)
     other = measure_time_deficit(segment(40, -1.6, (17.3, -0.7), marks=((0,), (1,), (2,))), LIMITS)
     assert other.amount == pytest.approx(one.amount, abs=1e-6)
@@ -147,7 +147,7 @@ def test_mirrored_segment_has_the_same_deficit_and_gradient():
     assert other.binding == one.binding
 
 
-def test_reversed_segment_has_the_same_deficit_and_the_opposite_gradient():
+def test_segment_reversed_in_time_has_the_same_time_deficit_and_the_opposite_gradient():
     back = SplineSegment(0, 0, grid(40, KNOT_INTERVAL), 1.6, 0.0, np.array([23.0]), np.array([0.7]))
     light = replace(LIMITS, viscous=sealed([0.0]))
     one, other = (measure_time_deficit(way, light) for way in (segment(40, 1.6, (17.0, 0.7)), back))
@@ -155,7 +155,7 @@ def test_reversed_segment_has_the_same_deficit_and_the_opposite_gradient():
     np.testing.assert_allclose(other.slopes, -one.slopes[::-1], atol=1e-2)
 
 
-def test_deficit_below_the_target_is_a_bound_without_slopes_and_binding_limits():
+def test_time_deficit_below_the_target_is_a_bound_without_slopes_and_binding_limits():
     way = segment(80, 1.6, (40.0, 0.8), marks=((0,), (1,), (2,)))
     bound, exact = (measure_time_deficit(way, LIMITS, target=target) for target in (-0.01, None))
     assert exact.amount < bound.amount <= -0.01
@@ -179,7 +179,7 @@ def measured_with(monkeypatch, relaxation, differences=(7.0, 9.0), **options):
     return measure_time_deficit(LINE, LIMITS, **options)
 
 
-def test_slope_at_a_key_is_its_multiplier_times_its_velocity_balanced_over_all_keys(monkeypatch):
+def test_slope_of_a_time_deficit_is_multiplier_times_velocity_with_zero_sum_over_all_keys(monkeypatch):
     given = relaxed(0.1, [3.0, -2.8, 0, 0, 0, 0, 0, 0], ("speed", None, "jerk"))
     found = measured_with(monkeypatch, given)
     np.testing.assert_allclose(found.slopes, [0.0, 3.0 - 0.2 * 3.0 / 5.8, -2.8 - 0.2 * 2.8 / 5.8, 0.0], atol=1e-9)
@@ -190,7 +190,7 @@ def test_slope_at_a_key_is_its_multiplier_times_its_velocity_balanced_over_all_k
     ("multipliers", "programs"),
     [([3.0, -2.5], 1), ([3.0, -2.4], 3), ([0.51, -0.51], 1), ([0.49, -0.49], 3), ([-0.51, 0.51], 1)],
 )
-def test_flat_or_unbalanced_slopes_are_measured_by_differences(monkeypatch, multipliers, programs):
+def test_flat_or_unbalanced_deficit_slopes_are_replaced_by_finite_differences(monkeypatch, multipliers, programs):
     given = relaxed(-0.009, [*multipliers, 0, 0, 0, 0, 0, 0], ("speed", None, "jerk"))
     found = measured_with(monkeypatch, given, differences=(7.0, -7.0))
     assert found.programs == programs
@@ -199,7 +199,7 @@ def test_flat_or_unbalanced_slopes_are_measured_by_differences(monkeypatch, mult
     assert measured_with(monkeypatch, replace(given, amount=-0.011)).programs == 1
 
 
-def test_differences_are_measured_only_beside_gaps_with_a_binding_limit(monkeypatch):
+def test_finite_differences_are_computed_only_for_keys_next_to_a_binding_limit(monkeypatch):
     given = relaxed(0.1, [0.1, 0.1, 0, 0, 0, 0, 0, 0], (None, None, "jerk"))
     found = measured_with(monkeypatch, given, differences=(100.0, 0.1))
     assert found.programs == 2
@@ -207,13 +207,13 @@ def test_differences_are_measured_only_beside_gaps_with_a_binding_limit(monkeypa
 
 
 @pytest.mark.parametrize(("most", "is_measured"), [(120, True), (119, False), (40, False)])
-def test_differences_beyond_the_allowed_work_leave_the_deficit_unknown(monkeypatch, most, is_measured):
+def test_time_deficit_is_unknown_if_its_finite_differences_exceed_the_work_limit(monkeypatch, most, is_measured):
     given = relaxed(0.1, [0.1, 0.1, 0, 0, 0, 0, 0, 0], ("speed", None, "jerk"))
     assert (measured_with(monkeypatch, given, max_work=most) is not None) is is_measured
 
 
 @pytest.mark.parametrize(("after", "step"), [(21.0, -1.0), (23.0, -1.0), (23.1, 1.0), (40.0, 1.0)])
-def test_difference_moves_one_key_by_a_knot_away_from_a_close_next_key(monkeypatch, after, step):
+def test_finite_difference_moves_a_key_by_one_knot_and_backwards_if_the_next_key_is_near(monkeypatch, after, step):
     seen = []
     monkeypatch.setattr(infeasibility, "_relax", lambda way, limits: seen.append(way.places) or relaxed(0.3, [], ()))
     way = segment(60, 0.4, (10.0, 0.1), (20.0, 0.2), (after, 0.3))

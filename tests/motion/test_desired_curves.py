@@ -89,7 +89,7 @@ def test_mirrored_keys_give_the_mirrored_motion():
         np.testing.assert_allclose(other.angles(asked), -one.angles(asked), atol=1e-9)
 
 
-def test_motion_ends_at_its_last_key_and_keeps_moving_until_then():
+def test_desired_motion_moves_until_its_last_key_and_rests_afterwards():
     motion = joined([2.0, 2.5, 3.5], np.array([[0.0], [0.4], [1.0]]), [[KeyPassage()]] * 3)
     assert (motion.duration, motion.zero) == (1.5, -2.0)
     angles, speeds, accelerations = motion.sample(np.array([-1e-9, 1e-3, 0.5, 1.499, 1.5 + 1e-9, 9.0]))
@@ -108,7 +108,7 @@ def test_motion_ends_at_its_last_key_and_keeps_moving_until_then():
         (0.1, ("out_back", 0.1)),
     ],
 )
-def test_overshoot_is_rounded_down_to_a_hundredth_within_the_joint_range(room, expected):
+def test_easing_overshoot_is_rounded_down_to_0_01_within_the_joint_range(room, expected):
     easing, overshoot = _adapt_easing("out_back", room)
     assert (easing, overshoot) == (expected[0], pytest.approx(expected[1], abs=1e-12))
     assert _adapt_easing("out_bounce", room) == ("out_bounce", 0.1)
@@ -127,7 +127,7 @@ def test_easings_are_softened_in_quarter_steps_down_to_minimum_jerk():
 
 
 @pytest.mark.parametrize(("easing", "least"), [("linear", 3.3), ("out_power", 1.0), ("late", 1.0)])
-def test_gentle_easings_are_exactly_minimum_jerk(easing, least):
+def test_easings_of_minimum_steepness_are_exactly_minimum_jerk(easing, least):
     assert not _change(easing, 0.1, least).any()
     assert _change(easing, 0.1, least + 0.1).any()
 
@@ -175,13 +175,13 @@ def test_easing_offsets_scale_with_the_rotation_and_its_time(duration, to):
 
 
 @pytest.mark.parametrize(("to", "room"), [(1.46, 0.02), (1.45, 0.03), (1.3, 0.1), (-1.16, 0.03), (-1.0, 0.1)])
-def test_easing_overshoots_as_far_as_the_range_leaves_room_in_either_direction(to, room):
+def test_easing_overshoot_uses_the_available_joint_range_in_either_direction(to, room):
     offsets = eased("out_back", [[0.0], [to]], steepness=5.0)
     expected = soften_easing("out_back", 5.0, room) - soften_easing("minimum_jerk", 1.0)
     np.testing.assert_allclose(offsets[0][:, 0], expected[0] * to, atol=1e-9)
 
 
-def test_only_the_eased_hinges_of_an_interval_change():
+def test_easing_of_one_hinge_changes_no_other_hinge_and_no_other_interval():
     times, angles = [0.0, 1.0, 2.0], np.array([[0.0, 0.0], [0.5, 0.5], [1.0, 1.0]])
     plain, accent = KeyPassage(tension=1.0), KeyPassage(tension=1.0, easing="out_power")
     asked = np.linspace(0.0, 2.0, 41)

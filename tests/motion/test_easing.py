@@ -16,7 +16,7 @@ def played(easing: Easing, steepness: float) -> BPoly:
 
 
 @pytest.mark.parametrize("easing", EASINGS)
-def test_every_easing_goes_from_0_to_1(easing):
+def test_every_easing_starts_at_0_and_ends_at_1(easing):
     np.testing.assert_allclose(ease(easing, np.array([-0.5, 0.0, 1.0, 1.5])), [0.0, 0.0, 1.0, 1.0], atol=1e-12)
 
 
@@ -164,7 +164,7 @@ def test_softened_minimum_jerk_ignores_its_steepness():
         np.testing.assert_allclose(table[1:], bell(even), atol=1e-4)
 
 
-def test_softened_overshoot_is_the_requested_one_or_a_tenth():
+def test_softened_easing_overshoots_by_the_requested_ratio_or_a_tenth():
     small, usual, large = (played_overshoot(share) for share in (0.02, 0.1, 0.3))
     assert 0.0 < small < usual < large
     default = BPoly.from_derivatives(np.linspace(0.0, 1.0, 17), soften_easing("out_back", 8.0).T)

@@ -73,7 +73,7 @@ def test_segment_end_between_two_knots_affects_the_deficit():
     assert infeasibility.slopes[1] == pytest.approx(-infeasibility.slopes[3], rel=1e-6)
 
 
-def test_spare_time_of_a_segment_is_measured_only_up_to_a_bound():
+def test_spare_time_of_a_segment_is_computed_only_up_to_a_bound():
     assert measure_time_deficit(way(300, 150.0), LIMITS).amount == pytest.approx(np.log1p(2 * EASY_DEFICIT) / 2)
 
 

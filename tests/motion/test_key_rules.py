@@ -37,12 +37,12 @@ def at(*times: float, **options) -> Keys:
         (("stroke:1", "stroke"), 5.0),
     ],
 )
-def test_cost_of_shifting_a_key_is_that_of_its_heaviest_sync_point(syncs, weight):
+def test_shift_weight_of_a_key_is_that_of_its_heaviest_sync_point(syncs, weight):
     marked = tuple(("b", sync) for sync in syncs)
     assert Keys.of([key(0.0, *marked), key(1.0, *marked, is_exact=False)], LIMITS).weights.tolist() == [weight, 0.0]
 
 
-def test_only_numbered_strokes_are_repeated_strokes():
+def test_only_numbered_stroke_sync_points_mark_repeated_strokes():
     names = ("stroke", "stroke:1", "strokeStart:1", "stroke:12", "relax")
     keys = Keys.of([key(k, ("a", "ready"), ("b", name)) for k, name in enumerate(names)], LIMITS)
     assert keys.is_repeat.tolist() == [False, True, False, True, False]
@@ -50,7 +50,7 @@ def test_only_numbered_strokes_are_repeated_strokes():
 
 
 @pytest.mark.parametrize("name", PASSAGE_RANGES)
-def test_key_passage_parameters_may_be_the_ends_of_their_ranges(name):
+def test_key_passage_parameters_are_accepted_up_to_the_ends_of_their_ranges(name):
     expected = {"tension": (-1, 1), "continuity": (-1, 0), "bias": (-1, 1), "steepness": (1, 8), "swing": (0, 1)}
     assert PASSAGE_RANGES[name] == expected[name]
     for end, outward in zip(expected[name], (-1e-9, 1e-9), strict=True):
@@ -70,18 +70,18 @@ def test_key_passage_parameters_may_be_the_ends_of_their_ranges(name):
         (1.0, -0.3, 1.0, 0.0),
     ],
 )
-def test_flow_through_a_key_follows_tension_continuity_and_swing(tension, continuity, swing, kept):
+def test_velocity_factor_at_a_key_depends_on_tension_continuity_and_swing(tension, continuity, swing, kept):
     assert flow(tension, continuity, swing) == pytest.approx(kept)
     assert KeyPassage(tension=tension, continuity=continuity, swing=swing).flow == pytest.approx(kept)
 
 
-def test_passage_without_accent_is_no_steeper_than_full_power_makes_it():
+def test_key_passage_without_accent_has_at_most_the_steepness_of_full_power():
     for easing, steepness, left in (("out_back", 2.4, 2.4), ("out_bounce", 2.6, 2.5), ("late", 6.0, 6.0)):
         passage = KeyPassage(easing=easing, steepness=steepness, swing=0.5)
         assert passage.without_accent == KeyPassage(easing=easing, steepness=left)
 
 
-def test_passage_values_list_the_parameters_of_each_hinge():
+def test_key_passage_values_list_the_parameters_of_each_hinge():
     first = KeyPassage(0.1, -0.2, 0.3, "out_back", 5.0, 0.6)
     posture = KeyPosture(0.0, sealed([0.0, 0.0]), WHOLE, passages=(first, KeyPassage()))
     np.testing.assert_array_equal(
@@ -95,20 +95,20 @@ def test_passage_values_list_the_parameters_of_each_hinge():
     np.testing.assert_array_equal(same.passage_values, np.tile(posture.passage_values[:, :1, None], (1, 2, 2)))
 
 
-def test_keys_are_clipped_to_a_milliradian_within_the_joint_range():
+def test_key_angles_are_clipped_to_one_milliradian_inside_the_joint_range():
     limits = replace(LIMITS, lower=sealed([-2.0, 0.3]), upper=sealed([1.0, 0.3008]))
     rows = [KeyPosture(float(k), sealed([angle] * 2), WHOLE) for k, angle in enumerate((-9.0, 0.3, 9.0))]
     np.testing.assert_allclose(Keys.of(rows, limits).angles, [[-1.999, 0.3004], [0.3, 0.3004], [0.999, 0.3004]])
     np.testing.assert_allclose(Keys.of(rows, limits, margin=0.1).angles[:, 0], [-1.9, 0.3, 0.9])
 
 
-def test_whole_posture_has_a_plain_key_for_each_hinge():
+def test_posture_of_all_hinges_has_an_exact_key_without_sync_points_for_each_hinge():
     posture = KeyPosture.whole(1.5, [0.1, 0.2, 0.3])
     assert (posture.time, posture.keyed, posture.syncs, posture.is_exact) == (1.5, (True,) * 3, (), True)
     assert posture.angles.tolist() == [0.1, 0.2, 0.3]
 
 
-def test_bonds_apply_between_different_keys_that_exist():
+def test_fixed_time_offsets_apply_only_between_two_existing_different_keys():
     bonds = (
         Bond(("b", "start"), ("b", "end"), 0.5),
         Bond(("b", "start"), ("b", "relax"), 0.6),
@@ -119,7 +119,7 @@ def test_bonds_apply_between_different_keys_that_exist():
     assert keys.bonds == {(0, 1): 0.5}
 
 
-def test_keys_of_one_behaviour_keep_their_gap_also_without_a_common_hinge():
+def test_keys_of_one_behaviour_keep_a_minimum_gap_even_without_a_common_hinge():
     first, second = (True, False), (False, True)
     rows = [key(0.0), key(0.1, ("b", "a"), keyed=first), key(0.2, ("c", "a"), keyed=second)]
     rows += [key(0.3, ("b", "b"), ("b", "c"), keyed=second), key(0.4)]
@@ -130,7 +130,7 @@ def test_keys_of_one_behaviour_keep_their_gap_also_without_a_common_hinge():
 @pytest.mark.parametrize(
     ("requested", "gap"), [(0.05, 0.02), (0.02, 0.02), (0.013, 0.013), (0.0021, 0.0021), (0.0015, 0.002)]
 )
-def test_gap_of_different_hinges_on_a_path_is_the_requested_one_within_bounds(requested, gap):
+def test_gap_between_path_keys_of_different_hinges_is_the_requested_one_within_bounds(requested, gap):
     rows = [
         key(0.0),
         key(0.1, keyed=(True, False), is_exact=False),
@@ -145,7 +145,7 @@ def test_gap_of_different_hinges_on_a_path_is_the_requested_one_within_bounds(re
 
 
 @pytest.mark.parametrize(("missing", "is_spaced"), [(0.0, True), (0.7e-6, True), (1.6e-6, False), (0.001, False)])
-def test_keys_are_spaced_if_they_keep_every_gap_up_to_rounding(missing, is_spaced):
+def test_key_times_count_as_spaced_if_they_keep_every_minimum_gap_up_to_rounding(missing, is_spaced):
     assert at(0.0, 0.5, 0.52 - missing, 2.0).is_spaced is is_spaced
     assert at(7.0, 7.02 - missing, 8.0).is_spaced is is_spaced
 
@@ -156,7 +156,7 @@ def test_times_of_path_keys_move_with_the_exact_keys_around_them():
     np.testing.assert_allclose(moved, [1.0, 1.5, 3.0, 5.0, 7.0])
 
 
-def test_common_passage_leaves_angles_times_and_exact_keys():
+def test_common_key_passage_changes_neither_angles_nor_the_set_of_exact_keys():
     keys = Keys.of([key(0.0), key(0.5, angle=0.4, is_exact=False), key(1.0, angle=0.3)], LIMITS)
     same = keys.with_passage(KeyPassage(bias=0.5))
     assert same.keyed.tolist() == [[True, True], [False, False], [True, True]]

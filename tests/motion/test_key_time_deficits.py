@@ -17,7 +17,7 @@ from kinesic.motion.trajectory import KNOT_INTERVAL
 from .hurried_keys import ROWS, deficit_of, fake_measure, first_segment, keys_of, search_of
 
 
-def test_most_violated_limit_of_each_pair_is_reported():
+def test_most_violated_limit_of_each_key_interval_is_reported():
     search = search_of()
     pair, (low, same, high) = (3, 4), (Bottleneck(h, "jerk", ratio) for h, ratio in ((0, 1.2), (1, 1.2), (2, 1.3)))
     for found, kept in ((low, low), (same, low), (high, high), (low, high)):
@@ -25,7 +25,7 @@ def test_most_violated_limit_of_each_pair_is_reported():
         assert search.bottlenecks[pair] is kept
 
 
-def test_deficits_are_measured_once_for_the_same_places_of_a_segment(monkeypatch):
+def test_time_deficit_of_a_segment_with_unchanged_key_times_is_measured_once(monkeypatch):
     search, ample = search_of(budget=Budget(1e4)), {"amount": -0.3}
     asked = fake_measure(monkeypatch, lambda segment: deficit_of(segment, ample["amount"], programs=3))
     segment = first_segment(search)
@@ -45,7 +45,7 @@ def test_deficits_are_measured_once_for_the_same_places_of_a_segment(monkeypatch
 
 
 @pytest.mark.parametrize(("amount", "is_exact"), [(0.2, True), (-0.1, False), (-0.2, False)])
-def test_deficit_above_its_target_is_exact(monkeypatch, amount, is_exact):
+def test_time_deficit_above_its_target_is_exact(monkeypatch, amount, is_exact):
     search = search_of()
     asked = fake_measure(monkeypatch, lambda segment: deficit_of(segment, amount))
     search._measure(first_segment(search), -0.1)
@@ -53,7 +53,7 @@ def test_deficit_above_its_target_is_exact(monkeypatch, amount, is_exact):
     assert len(asked) == (1 if is_exact else 2)
 
 
-def test_unknown_deficit_costs_one_program_and_is_remembered(monkeypatch):
+def test_unknown_time_deficit_costs_one_spline_program_and_is_cached(monkeypatch):
     search = search_of()
     asked = fake_measure(monkeypatch, lambda segment: None)
     segment = first_segment(search)
@@ -63,7 +63,7 @@ def test_unknown_deficit_costs_one_program_and_is_remembered(monkeypatch):
     assert asked[0]["max_work"] == key_times.SEARCH_TUNING.max_evaluations
 
 
-def test_segments_are_infeasible_above_the_feasible_deficit_or_if_unknown(monkeypatch):
+def test_segment_is_infeasible_if_its_time_deficit_is_too_large_or_unknown(monkeypatch):
     search, limit = search_of(), key_times.SEARCH_TUNING.feasible_deficit
     segment = first_segment(search)
     ways = [replace(segment, places=segment.places + 0.01 * k) for k in range(4)]
@@ -78,7 +78,7 @@ def test_segments_are_infeasible_above_the_feasible_deficit_or_if_unknown(monkey
     assert {options["target"] for options in asked} == {limit}
 
 
-def test_segments_beyond_the_budget_are_not_measured(monkeypatch):
+def test_segments_are_no_longer_measured_once_the_budget_is_spent(monkeypatch):
     search = search_of()
     segment = first_segment(search)
     ways = [replace(segment, places=segment.places + 0.01 * k) for k in range(4)]
@@ -87,7 +87,7 @@ def test_segments_beyond_the_budget_are_not_measured(monkeypatch):
     assert [way for way, _ in search._find_infeasible(ways)] == ways[:2]
 
 
-def test_segments_next_to_active_planes_or_stretched_intervals_are_affected():
+def test_segments_are_affected_by_active_cutting_planes_and_by_stretched_intervals():
     search, rows = search_of(), [0.0, 0.0, 2.0, -2.0, 0.0]
     at = float(np.array(rows) @ search.times)
     assert [*search._find_affected_segments()] == []
@@ -101,7 +101,7 @@ def test_segments_next_to_active_planes_or_stretched_intervals_are_affected():
     assert all((1, (1, 2)) in item.key_intervals for item in affected)
 
 
-def test_fast_segments_exceed_the_given_ratio(monkeypatch):
+def test_fast_segments_are_those_whose_limit_ratio_exceeds_the_given_one(monkeypatch):
     search = search_of()
     found = [*segments(search.times, keys_of(), KNOT_INTERVAL)]
     monkeypatch.setattr(key_times, "estimate_limit_ratio", lambda segment, limits: 1.0 + segment.hinge)
@@ -130,7 +130,7 @@ LATE = (*((t, *rest) for t, *rest in ROWS[:-1]), (4.0, 0.0, 0, "end"), (6.5, 0.4
 NEAR, FAR = (0, (1, 2)), (0, (5, 6))
 
 
-def test_intervals_within_two_seconds_are_stretched_together(monkeypatch):
+def test_key_intervals_less_than_two_seconds_apart_are_stretched_together(monkeypatch):
     result = np.arange(7.0)
     for interval, is_free in (((0, (2, 3)), True), ((0, (0, 1)), True), ((1, (2, 3)), True), (FAR, False)):
         known = {NEAR: 0.0, interval: 0.5}
@@ -148,7 +148,7 @@ def test_intervals_within_two_seconds_are_stretched_together(monkeypatch):
 
 @pytest.mark.parametrize(("margin", "is_free"), [(1.0, True), (0.999, False)])
 @pytest.mark.parametrize("is_later", [True, False])
-def test_intervals_exactly_at_the_margin_are_stretched_together(monkeypatch, margin, is_free, is_later):
+def test_key_intervals_exactly_the_margin_apart_are_stretched_together(monkeypatch, margin, is_free, is_later):
     monkeypatch.setattr(key_times, "SEARCH_TUNING", replace(key_times.SEARCH_TUNING, stretch_margin=margin))
     asked, other = ((0, (1, 2)), (0, (3, 4))) if is_later else ((0, (3, 4)), (0, (1, 2)))
     times = np.array([0.0, 1.0 if is_later else 2.0, 2.0 if is_later else 2.5, 3.0, 4.0, 9.0, 10.0])
@@ -156,7 +156,7 @@ def test_intervals_exactly_at_the_margin_are_stretched_together(monkeypatch, mar
     assert search._stretched[other] == (1.0 if is_free else 0.3)
 
 
-def test_planes_take_the_place_of_a_failed_stretch_while_there_are_few(monkeypatch):
+def test_failed_stretch_of_a_key_interval_is_replaced_by_cutting_planes_or_after_many_by_stops(monkeypatch):
     most = key_times.SEARCH_TUNING.max_planes
     for attempts, is_changed in ((most, False), (most + 1, True)):
         counted = Counter({NEAR: attempts})

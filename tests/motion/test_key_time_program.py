@@ -33,7 +33,7 @@ KEYS = keys_of((3.0, "start"), (3.5, "ready"), (4.0, "stroke"), (6.0, "end"))
 PLANES = [CuttingPlane(sealed([0.0, 2.0, -2.0, 0.0]), -1.0), CuttingPlane(sealed([1.0, 0.0, 0.0, -3.0]), 5.0)]
 
 
-def test_linear_program_states_gaps_bonds_planes_and_shifts_in_this_order():
+def test_rows_of_the_key_time_program_are_gaps_fixed_offsets_cutting_planes_and_shifts():
     keys = replace(KEYS, bonds={(0, 2): 1.5, (3, 1): -2.0})
     program = build_program(KeyTimeProblem(keys, {(0, 1): 0.1, (1, 2): 0.2}, 0.6, PLANES))
     times, late, early, broken = np.eye(14)[:4], np.eye(14)[4:8], np.eye(14)[8:12], np.eye(14)[12:]
@@ -53,7 +53,7 @@ def test_linear_program_states_gaps_bonds_planes_and_shifts_in_this_order():
     np.testing.assert_allclose(program.costs, [0] * 4 + [0.15, 0.9, 15.0, 0.15] + [0.05, 0.3, 5.0, 0.05] + [50.0, 50.0])
 
 
-def test_linear_program_without_bonds_and_planes_has_only_gaps_and_shifts():
+def test_key_time_program_without_fixed_offsets_and_cutting_planes_has_only_gaps_and_shifts():
     program = build_program(KeyTimeProblem(KEYS, {(0, 3): 0.1}, 0.0))
     assert program.matrix.shape == (5, 12)
     assert program.upper.tolist() == [-0.1, 3.0, 3.5, 4.0, 6.0]
@@ -71,33 +71,33 @@ def test_linear_program_without_bonds_and_planes_has_only_gaps_and_shifts():
         ({"planes": [PLANES[0], CuttingPlane(sealed([0.0, 1.0, 0.0, 0.0]), 3.4)]}, False),
     ],
 )
-def test_requested_times_are_satisfactory_if_they_keep_every_constraint_exactly(change, is_satisfied):
+def test_requested_key_times_need_no_program_if_they_keep_every_constraint_exactly(change, is_satisfied):
     keys = replace(KEYS, bonds=change.get("bonds", {}))
     problem = KeyTimeProblem(keys, change.get("gaps", {}), 0.6, change.get("planes", ()))
     assert problem.is_satisfied_as_requested is is_satisfied
 
 
-def test_total_deficit_is_the_sum_of_the_missing_gaps():
+def test_total_deficit_of_a_key_time_problem_is_the_sum_of_the_missing_gaps():
     assert KeyTimeProblem(KEYS, {(0, 1): 0.7, (1, 2): 0.4, (2, 3): 2.3}, 0.6).total_deficit == pytest.approx(0.5)
     assert KeyTimeProblem(KEYS, {}, 0.6).total_deficit == 0.0
 
 
 @pytest.mark.parametrize(("most", "is_crowded"), [(8.0, False), (7.9, True)])
-def test_problem_is_crowded_by_keys_times_violated_gaps(monkeypatch, most, is_crowded):
+def test_key_time_problem_is_simplified_if_key_count_times_violated_gaps_exceeds_a_limit(monkeypatch, most, is_crowded):
     monkeypatch.setattr(key_time_lp, "MAX_DELAYED_KEYS", most)
     gaps = {(0, 1): 0.7, (1, 2): 0.5, (2, 3): 2.3, (0, 3): 3.0}
     assert KeyTimeProblem(KEYS, gaps, 0.6).is_crowded is is_crowded
 
 
 @pytest.mark.parametrize(("count", "is_crowded"), [(2000, False), (2001, True)])
-def test_keys_times_violated_gaps_up_to_eight_million_are_solved_exactly(count, is_crowded):
+def test_key_time_problem_up_to_8_million_keys_times_violated_gaps_is_not_simplified(count, is_crowded):
     many = replace(KEYS, requested_times=np.arange(float(count)))
     violated = dict.fromkeys(((i, j) for i in range(4) for j in range(4, 1004)), 1e9)
     assert KeyTimeProblem(many, violated, 0.6).is_crowded is is_crowded
 
 
 @pytest.mark.parametrize(("entries", "is_small"), [(4 * (3 + 2 + 4), True), (4 * (3 + 2 + 4) - 1, False)])
-def test_problem_up_to_the_given_number_of_matrix_entries_is_small(monkeypatch, entries, is_small):
+def test_compiled_simplex_solves_key_time_problems_up_to_a_number_of_matrix_entries(monkeypatch, entries, is_small):
     problem = KeyTimeProblem(KEYS, {(0, 1): 0.6, (1, 2): 0.6, (2, 3): 2.1}, 0.6, PLANES)
     monkeypatch.setattr(key_time_lp, "MAX_DENSE_ENTRIES", entries)
     assert (key_time_lp._solve_small(problem) is not None) is is_small
@@ -105,13 +105,13 @@ def test_problem_up_to_the_given_number_of_matrix_entries_is_small(monkeypatch, 
 
 
 @pytest.mark.parametrize(("count", "is_small"), [(99, True), (101, False)])
-def test_hundred_keys_with_a_gap_each_are_the_largest_small_problem(count, is_small):
+def test_compiled_simplex_solves_problems_of_99_but_not_of_101_keys(count, is_small):
     keys = keys_of(*((0.1 * k, "relax") for k in range(count)))
     problem = KeyTimeProblem(keys, keys.gaps | {(0, 1): 0.2}, 0.6)
     assert (key_time_lp._solve_small(problem) is not None) is is_small
 
 
-def test_times_that_violate_a_constraint_by_rounding_are_solved_by_highs(monkeypatch):
+def test_simplex_result_that_violates_a_constraint_beyond_rounding_is_rejected(monkeypatch):
     problem = KeyTimeProblem(KEYS, {(0, 1): 0.5, (1, 2): 0.6}, 0.6)
     exact = key_time_lp._solve_small(problem) - KEYS.requested_times
     for error, is_used in ((0.5e-7, True), (1.6e-7, False), (1e-3, False)):
@@ -120,7 +120,7 @@ def test_times_that_violate_a_constraint_by_rounding_are_solved_by_highs(monkeyp
         assert (key_time_lp._solve_small(problem) is not None) is is_used
 
 
-def test_broken_bond_costs_fifty_per_second_and_does_not_exclude_times():
+def test_deviation_from_a_fixed_offset_costs_50_per_second_and_is_allowed():
     for bonds, expected in (({(1, 2): 0.8}, 3.2), ({(1, 2): -5.0}, 3.5)):
         keys = replace(KEYS, bonds=bonds)
         problem = KeyTimeProblem(keys, {(0, 1): 0.0, (2, 3): 1.0}, 0.0)
@@ -134,14 +134,14 @@ def test_broken_bond_costs_fifty_per_second_and_does_not_exclude_times():
         assert times[1] - times[0] == pytest.approx(0.2)
 
 
-def test_shift_below_a_ten_millionth_of_a_second_is_no_shift(monkeypatch):
+def test_key_time_shifts_below_100_ns_are_ignored(monkeypatch):
     problem = KeyTimeProblem(KEYS, {(0, 1): 0.6}, 0.6)
     for shift, is_kept in ((0.7e-7, True), (-0.7e-7, True), (1.6e-7, False), (-1.6e-7, False)):
         monkeypatch.setattr(key_time_lp, "solve_exactly", lambda given, shift=shift: KEYS.requested_times + shift)
         assert np.array_equal(solve_key_times(problem), KEYS.requested_times) is is_kept
 
 
-def test_very_many_keys_are_delayed_in_their_order_until_bonds_hold(monkeypatch):
+def test_simplified_solution_delays_keys_in_order_until_gaps_and_fixed_offsets_hold(monkeypatch):
     monkeypatch.setattr(key_time_lp, "MAX_DELAYED_KEYS", 1.0)
     keys = replace(KEYS, bonds={(0, 2): 1.4, (2, 3): 2.0})
     delayed = solve_key_times(KeyTimeProblem(keys, {(0, 1): 0.7, (1, 2): 0.5, (2, 3): 0.1}, 0.6))
@@ -151,14 +151,14 @@ def test_very_many_keys_are_delayed_in_their_order_until_bonds_hold(monkeypatch)
     np.testing.assert_array_equal(solve_key_times(planned), delayed)
 
 
-def test_bonds_that_exclude_each_other_end_the_delays_after_eight_sweeps(monkeypatch):
+def test_simplified_solution_ends_after_eight_sweeps_if_fixed_offsets_contradict(monkeypatch):
     monkeypatch.setattr(key_time_lp, "MAX_DELAYED_KEYS", 1.0)
     keys = replace(KEYS, bonds={(1, 2): 1.0, (2, 1): 1.0})
     delayed = solve_key_times(KeyTimeProblem(keys, {(0, 1): 0.7}, 0.6))
     assert delayed == pytest.approx([3.0, 11.7, 12.0, 6.0])
 
 
-def test_gaps_are_extended_to_the_longest_duration_of_any_hinge():
+def test_minimum_gaps_are_extended_to_the_longest_duration_of_any_hinge():
     gaps = {(0, 1): 0.5, (1, 2): 0.02}
     durations = {(0, (0, 1)): 0.3, (1, (0, 1)): 0.7, (2, (0, 1)): 0.6, (0, (1, 2)): 0.01}
     assert extend_gaps(gaps, durations) == {(0, 1): 0.7, (1, 2): 0.02}

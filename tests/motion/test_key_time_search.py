@@ -22,7 +22,7 @@ def tune(monkeypatch: pytest.MonkeyPatch, **changes: float) -> None:
 
 
 @pytest.mark.parametrize(("missing", "is_kept"), [(0.0, True), (0.7e-6, True), (1.6e-6, False), (0.05, False)])
-def test_requested_times_are_kept_if_they_allow_full_velocity_up_to_rounding(missing, is_kept):
+def test_requested_key_times_are_kept_if_the_velocity_limit_allows_them_up_to_rounding(missing, is_kept):
     least = compute_velocity_durations(keys_of(), LIMITS)[0, (1, 2)]
     assert least == pytest.approx(0.3)
     rows = [(t + 0.3 - 0.2 - missing if k >= 2 else t, *rest) for k, (t, *rest) in enumerate(ROWS)]
@@ -31,13 +31,13 @@ def test_requested_times_are_kept_if_they_allow_full_velocity_up_to_rounding(mis
     assert np.array_equal(search.times, keys_of(rows).requested_times) is is_kept
 
 
-def test_first_key_may_come_earlier_by_the_lead_in():
+def test_first_key_starts_earlier_by_at_most_the_lead_in():
     rows = ((0, 0, 0, "start"), (0.1, 1.9, 0, "stroke"), (2, 0, 0, "end"))
     for lead_in, first in ((0.0, 0.0), (0.2, -0.2), (0.6, 0.1 - 1.9 / 4)):
         assert KeyTimeSearch(keys_of(rows), LIMITS, lead_in).times[0] == pytest.approx(first)
 
 
-def test_infeasible_segment_first_gets_cutting_planes(monkeypatch):
+def test_infeasible_segment_is_first_constrained_by_cutting_planes(monkeypatch):
     search = search_of()
     segment = first_segment(search)
     search._request_more_time(segment, deficit_of(segment))
@@ -67,13 +67,15 @@ def requested(monkeypatch, attempts: int, *, evaluations: int = 0, binds=lambda 
     ("attempts", "planes", "stretched", "stops"),
     [(0, 1, 0, 0), (2, 1, 0, 0), (3, 0, 1, 0), (4, 0, 1, 0), (5, 0, 0, 4), (6, 0, 0, 4)],
 )
-def test_planes_are_followed_by_stretching_and_by_stops(monkeypatch, attempts, planes, stretched, stops):
+def test_key_time_search_tries_cutting_planes_then_stretching_then_stops(
+    monkeypatch, attempts, planes, stretched, stops
+):
     search = requested(monkeypatch, attempts)
     assert len(first_segment(search).key_intervals) == 4
     assert (len(search._all_planes), len(search._stretched), len(search._rest_factors)) == (planes, stretched, stops)
 
 
-def test_exhausted_search_stops_at_all_keys_of_a_segment(monkeypatch):
+def test_exhausted_key_time_search_stops_the_motion_at_all_keys_of_a_segment(monkeypatch):
     search = search_of()
     for evaluations, stops in ((search._max_evaluations, 0), (search._max_evaluations + 1, 4)):
         assert len(requested(monkeypatch, 0, evaluations=evaluations)._rest_factors) == stops
@@ -81,7 +83,7 @@ def test_exhausted_search_stops_at_all_keys_of_a_segment(monkeypatch):
         assert len(requested(monkeypatch, 0, _budget=budget)._rest_factors) == stops
 
 
-def test_interval_that_already_rests_gets_a_longer_rest(monkeypatch):
+def test_key_interval_with_stops_at_its_ends_is_lengthened_by_a_tenth(monkeypatch):
     search = requested(monkeypatch, 0, _rest_factors={(0, (0, 1)): 1.0})
     assert search._rest_factors == {(0, (0, 1)): 1.1}
     others = requested(monkeypatch, 0, _rest_factors={(0, (3, 4)): 1.0})
@@ -89,13 +91,13 @@ def test_interval_that_already_rests_gets_a_longer_rest(monkeypatch):
     assert len(others._all_planes) == 1
 
 
-def test_stretched_interval_is_stretched_again(monkeypatch):
+def test_stretched_key_interval_is_stretched_again_if_it_stays_infeasible(monkeypatch):
     search = requested(monkeypatch, 0, _stretched={(0, (0, 1)): 0.7, (0, (3, 4)): 0.9})
     assert search._stretched == {(0, (0, 1)): 0.0, (0, (3, 4)): 0.9}
     assert not search._all_planes
 
 
-def test_planes_of_a_stretched_interval_are_dropped(monkeypatch):
+def test_cutting_planes_that_involve_a_stretched_key_interval_are_dropped(monkeypatch):
     near, far, other = (
         CuttingPlane(sealed(row), 0.0) for row in ([0, 2, -2, 0, 0], [0, 0, 0, 2, -2], [2, -2, 0, 0, 0])
     )
@@ -124,7 +126,7 @@ NODS = (
         ([(0, 1), (5, 6)], False),
     ],
 )
-def test_two_repeated_strokes_with_reversals_are_stretched_at_once(monkeypatch, pairs, is_repeated):
+def test_segment_limited_in_two_repeated_strokes_is_stretched_without_cutting_planes(monkeypatch, pairs, is_repeated):
     search = search_of(NODS)
     segment = first_segment(search)
     assert segment.reversals == 5
@@ -139,7 +141,7 @@ def test_two_repeated_strokes_with_reversals_are_stretched_at_once(monkeypatch, 
     assert not again._stretched, "what cannot be stretched gets planes"
 
 
-def test_strokes_with_fewer_than_two_reversals_each_do_not_oscillate():
+def test_strokes_with_fewer_than_two_reversals_each_are_not_repeated_strokes():
     search = search_of(NODS)
     segment = first_segment(search)
     intervals = {(0, (1, 2)), (0, (3, 4))}
@@ -149,7 +151,7 @@ def test_strokes_with_fewer_than_two_reversals_each_do_not_oscillate():
         assert search._is_repeated_stroke(way, intervals) is is_repeated
 
 
-def test_stops_start_with_the_rest_to_rest_duration_and_grow_by_a_tenth():
+def test_key_interval_with_stops_starts_at_the_rest_to_rest_duration_and_grows_by_a_tenth():
     search, interval = search_of(), (0, (1, 2))
     rest = compute_rest_durations(keys_of(), LIMITS)[interval]
     search._stretched = {interval: 0.4, (0, (0, 1)): 0.5}
@@ -162,7 +164,7 @@ def test_stops_start_with_the_rest_to_rest_duration_and_grow_by_a_tenth():
     assert search._gaps[1, 2] == 100.0
 
 
-def test_stops_grow_up_to_a_hundred_times_their_first_duration():
+def test_key_interval_with_stops_grows_to_at_most_a_hundred_times_its_first_duration():
     search, interval = search_of(), (1, (1, 2))
     search._rest_factors[interval] = 100.0 / 1.1 * (1 - 1e-9)
     search._stop_at_keys([interval])
@@ -177,7 +179,7 @@ def test_rest_durations_are_listed_by_hinge_in_the_order_of_its_keys():
         assert durations.tolist() == [expected[hinge, (k, k + 1)] for k in range(4)]
 
 
-def test_cost_of_resting_everywhere_leaves_a_tenth_more_than_the_rest_durations():
+def test_cost_of_stops_at_all_keys_is_that_of_rest_to_rest_durations_plus_a_tenth():
     search = search_of()
     rests = compute_rest_durations(keys_of(), LIMITS)
     needed = {pair: max(rests[hinge, pair] for hinge in (0, 1)) * 1.1 for _, pair in rests}
@@ -188,7 +190,7 @@ def test_cost_of_resting_everywhere_leaves_a_tenth_more_than_the_rest_durations(
     assert search._rest_cost == pytest.approx(shift_cost(keys_of(), search.times), abs=1e-6)
 
 
-def test_contradicting_planes_are_replaced_by_stops():
+def test_contradicting_cutting_planes_are_replaced_by_stops_at_the_keys():
     search = search_of()
     search._planes = {
         0: [CuttingPlane(sealed([0, 0, 1.0, -1.0, 0]), -0.5), CuttingPlane(sealed([0, 0, -1.0, 1.0, 0]), 0.4)]
@@ -202,13 +204,13 @@ def test_contradicting_planes_are_replaced_by_stops():
         assert search.times[k + 1] - search.times[k] >= rests[0, (k, k + 1)] - 1e-9
 
 
-def test_every_linear_program_is_charged_by_its_squared_number_of_keys(monkeypatch):
+def test_work_of_each_linear_program_is_proportional_to_the_squared_number_of_keys(monkeypatch):
     search = search_of(budget=Budget(100.0))
     search._solve(set())
     assert search._budget.left == pytest.approx(100.0 - 25 / 400)
 
 
-def test_planes_that_cost_more_than_stops_are_not_reused():
+def test_stored_cutting_planes_that_cost_more_than_stops_are_not_reused():
     keys = keys_of()
     for bound, is_used in ((-0.35, True), (-9.0, False), (-0.1, False)):
         memory, plane = PlaneMemory(), CuttingPlane(sealed([0, 0, 1.0, -1.0, 0]), bound)
@@ -220,7 +222,7 @@ def test_planes_that_cost_more_than_stops_are_not_reused():
             assert search.times[3] - search.times[2] >= 0.35 - 1e-6
 
 
-def test_spent_budget_stops_all_fast_segments_at_once():
+def test_spent_budget_gives_all_fast_segments_stops_at_their_keys():
     search = search_of(budget=Budget(-1.0))
     segment = first_segment(search)
     search.resolve(segment)
@@ -232,7 +234,7 @@ def test_spent_budget_stops_all_fast_segments_at_once():
     assert all(search._rest_factors[k] == before[k] for k in before if k not in segment.key_intervals)
 
 
-def test_stored_planes_of_a_search_apply_to_the_next_one():
+def test_stored_cutting_planes_of_a_search_apply_to_the_next_search():
     memory = PlaneMemory()
     search = search_of(memory=memory)
     search.resolve(first_segment(search))
@@ -244,7 +246,7 @@ def test_stored_planes_of_a_search_apply_to_the_next_one():
 
 
 @pytest.mark.parametrize(("ratio", "hinges"), [(0.5, {0}), (1.0, {0}), (1.001, {0, 1})])
-def test_spent_budget_stops_other_segments_only_if_they_exceed_a_limit(monkeypatch, ratio, hinges):
+def test_spent_budget_gives_other_segments_stops_only_if_they_exceed_a_limit(monkeypatch, ratio, hinges):
     monkeypatch.setattr(key_times, "estimate_limit_ratio", lambda segment, limits: ratio if segment.hinge else 2.0)
     search = search_of(budget=Budget(-1.0))
     assert {item.hinge for item in search._find_segments(search.times)} == {0, 1}
@@ -253,7 +255,7 @@ def test_spent_budget_stops_other_segments_only_if_they_exceed_a_limit(monkeypat
 
 
 @pytest.mark.parametrize(("ratio", "hinges"), [(1.3, set()), (1.31, {1})])
-def test_first_round_also_measures_other_segments_that_are_much_too_fast(monkeypatch, ratio, hinges):
+def test_first_search_round_also_measures_other_segments_far_beyond_their_limits(monkeypatch, ratio, hinges):
     monkeypatch.setattr(key_times, "estimate_limit_ratio", lambda segment, limits: ratio)
     search, asked = search_of(), []
     find = search._find_infeasible

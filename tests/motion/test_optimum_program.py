@@ -40,7 +40,7 @@ def hinge_motion(counts=(3, 4, 2), angles=(0.0, 0.8, 0.2, 0.9)) -> _HingeMotion:
     return _HingeMotion(1, LIMITS, np.arange(len(angles)), np.array(angles), np.array(counts))
 
 
-def test_key_intervals_are_divided_into_8_to_24_intervals_of_at_most_20_ms():
+def test_optimal_motion_divides_key_intervals_into_8_to_24_steps_of_20_ms():
     motion = SimpleNamespace(planned=np.array([0.0, 0.05, 0.241, 0.241 + 0.4, 9.0]))
     five = keys_of((0, 0), (1, 0.3), (2, 0.1), (3, 0.2), (4, 0.6))
     own = _HingeMotion.of(five, 1, motion, LIMITS)
@@ -49,7 +49,7 @@ def test_key_intervals_are_divided_into_8_to_24_intervals_of_at_most_20_ms():
     np.testing.assert_allclose(own.angles, [0.0, 0.3, 0.1, 0.2, 0.6])
 
 
-def test_range_of_intervals_reaches_over_their_keys_and_over_the_next_interval_beside_a_key():
+def test_angle_range_of_steps_next_to_a_key_covers_both_adjacent_key_intervals():
     lowest, highest = hinge_motion()._corridor()
     expected_low = [-0.08, -0.08, -0.08, -0.08, 0.14, 0.14, 0.13, 0.13, 0.13]
     expected_high = [0.88, 0.88, 0.88, 0.88, 0.86, 0.86, 0.97, 0.97, 0.97]
@@ -57,7 +57,7 @@ def test_range_of_intervals_reaches_over_their_keys_and_over_the_next_interval_b
     np.testing.assert_allclose(highest, expected_high)
 
 
-def test_range_of_small_moves_is_a_twentieth_radian_within_the_joint_range():
+def test_angle_range_of_small_moves_exceeds_their_keys_by_0_05_rad_within_the_joint_range():
     lowest, highest = hinge_motion((2,), (1.65, 1.69))._corridor()
     np.testing.assert_allclose(lowest, [1.6, 1.6])
     np.testing.assert_allclose(highest, [1.7, 1.7])
@@ -66,25 +66,25 @@ def test_range_of_small_moves_is_a_twentieth_radian_within_the_joint_range():
     np.testing.assert_allclose(highest, [-1.25, -1.25])
 
 
-def test_requested_times_are_separated_by_two_intervals_in_their_order():
+def test_requested_times_of_successive_keys_are_separated_by_at_least_40_ms():
     keys = replace(KEYS, requested_times=sealed([1.0, 1.03, 1.04, 0.5]))
     np.testing.assert_allclose(_separate_requested_times(keys), [1.0, 1.04, 1.08, 0.5])
     np.testing.assert_allclose(_separate_requested_times(KEYS), KEYS.requested_times)
 
 
-def test_hinges_without_enough_time_are_found_among_the_moving_ones():
+def test_infeasible_hinges_are_moving_hinges_without_enough_time():
     assert _find_infeasible(KEYS.requested_times * 0.3, KEYS, LIMITS) == {1}
     assert _find_infeasible(KEYS.requested_times * 3.0, KEYS, LIMITS) == set()
 
 
 @pytest.mark.parametrize(("amount", "expected"), [(None, {1}), (0.9e-4, set()), (1.6e-4, {1}), (-1.0, set())])
-def test_deficit_of_more_than_a_ten_thousandth_or_an_unknown_one_is_infeasible(monkeypatch, amount, expected):
+def test_hinge_with_a_time_deficit_above_0_0001_or_an_unknown_one_is_infeasible(monkeypatch, amount, expected):
     deficit = None if amount is None else SimpleNamespace(amount=amount)
     monkeypatch.setattr(optimum, "measure_time_deficit", lambda segment, limits: deficit)
     assert _find_infeasible(KEYS.requested_times, KEYS, LIMITS) == expected
 
 
-def test_parabolas_are_required_to_keep_their_limits_at_points_that_enclose_them():
+def test_parabola_limits_are_required_at_three_points_that_enclose_the_parabola():
     program, u = _Program(), np.linspace(0.0, 1.0, 101)
     begin, slope, bend = np.array([[0.3, -0.9], [2.0, 0.5], [-3.0, 1.0]])
     end = begin + slope + bend / 2
@@ -121,7 +121,7 @@ def planned() -> Conditioned:
     return condition(tuple(postures), LIMITS)
 
 
-def test_rows_of_the_program_are_those_of_a_motion_with_constant_jerks(planned):
+def test_constraint_rows_of_the_optimum_program_match_an_integrated_motion(planned):
     own, times = hinge_motion(), np.array([0.1, 0.5, 0.9, 1.5])
     program = _Program()
     symbol = program.variable(times, -np.inf, np.inf)
@@ -151,7 +151,7 @@ def test_rows_of_the_program_are_those_of_a_motion_with_constant_jerks(planned):
     assert all((lower == -1.0).all() and (upper == 1.0).all() for lower, upper in ratios)
 
 
-def test_variables_start_within_their_bounds_at_rest_and_at_the_keys(planned):
+def test_start_values_of_the_optimum_program_are_within_bounds_and_pass_the_keys(planned):
     own, program = hinge_motion(), _Program()
     symbol = program.variable(np.asarray(planned.planned), -np.inf, np.inf)
     own.join(program, symbol, planned, np.asarray(planned.planned))
@@ -170,7 +170,7 @@ def test_variables_start_within_their_bounds_at_rest_and_at_the_keys(planned):
 
 
 @pytest.mark.parametrize("factor", [1.0, 2.0])
-def test_start_values_are_those_of_the_planned_motion_in_the_time_of_the_begin(planned, factor):
+def test_start_values_of_the_optimum_program_are_the_planned_motion_scaled_in_time(planned, factor):
     own, times = hinge_motion((8, 8, 8)), np.asarray(planned.planned)
     (q, v, a), jerks = own._begin(planned, factor * times)
     at = np.concatenate([*(np.linspace(b, e, 8, endpoint=False) for b, e in pairwise(times)), times[-1:]])
@@ -181,7 +181,7 @@ def test_start_values_are_those_of_the_planned_motion_in_the_time_of_the_begin(p
     np.testing.assert_allclose(jerks, np.diff(a) / h)
 
 
-def test_only_the_stretched_interval_starts_slower(planned):
+def test_start_velocities_are_lower_only_in_the_stretched_key_interval(planned):
     own, times = hinge_motion((8, 8, 8)), np.asarray(planned.planned)
     longer = times + np.array([0.0, 0.0, 0.3, 0.3])
     (_, usual, _), _ = own._begin(planned, times)
@@ -193,7 +193,7 @@ def test_only_the_stretched_interval_starts_slower(planned):
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize("kind", ["angle", "speed", "acceleration", "jerk", "duty"])
-def test_excess_is_the_largest_ratio_to_any_limit_within_the_intervals(kind, sign):
+def test_limit_excess_is_the_largest_limit_ratio_also_between_step_ends(kind, sign):
     own = hinge_motion((2, 2), (0.0, 0.5, 0.0))
     times = np.array([0.0, 0.4, 0.8])
     q, v, a, j = np.full(5, 0.1), np.zeros(5), np.zeros(5), np.zeros(4)
@@ -227,7 +227,7 @@ def top_of(limits: Limits, name: str) -> float:
     return float(getattr(limits, name)[1])
 
 
-def test_program_returns_the_least_cost_within_its_bounds_or_none():
+def test_nonlinear_program_returns_the_constrained_minimum_or_none_if_infeasible():
     program = _Program()
     x = program.variable(np.zeros(2), [-1.0, -5.0], 2.0)
     y = program.variable(np.zeros(1), 0.0, np.inf)
@@ -240,7 +240,7 @@ def test_program_returns_the_least_cost_within_its_bounds_or_none():
     assert program.solve(casadi.sumsqr(x)) is None
 
 
-def test_optimal_times_keep_gaps_and_pay_for_broken_bonds(planned):
+def test_optimal_key_times_keep_minimum_gaps_and_feasible_fixed_offsets(planned):
     keys = replace(KEYS, bonds={(0, 2): 2.5, (0, 3): -9.0})
     best = best_times(keys, planned, LIMITS, 0.1)
     assert best.times[0] >= -0.1 - 1e-6

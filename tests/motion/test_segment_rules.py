@@ -47,13 +47,13 @@ def segment(count: int, start: float, end: float, *keys: tuple[float, float]) ->
         (10.0, 900.0, [110, 800]),
     ],
 )
-def test_hold_has_one_rest_in_its_middle_or_two_a_second_from_its_ends(begin, end, knots):
+def test_hold_is_split_at_its_middle_or_if_long_one_second_from_both_ends(begin, end, knots):
     rests = [*_find_holds(np.array([begin, end]), np.array([0.3, 0.3]), NO_PATH)]
     assert rests == [RestPoint(knot, 0, 0.3) for knot in knots]
 
 
 @pytest.mark.parametrize(("difference", "count"), [(0.0, 1), (0.6e-9, 1), (-0.6e-9, 1), (1.6e-9, 0), (-1.6e-9, 0)])
-def test_keys_that_differ_by_less_than_a_nanoradian_are_a_hold(difference, count):
+def test_successive_keys_that_differ_by_less_than_a_nanoradian_form_a_hold(difference, count):
     places, angles = np.array([0.0, 50.0]), np.array([0.0, difference])
     assert len([*_find_holds(places, angles, NO_PATH)]) == count
     assert len([*_split_ample_intervals(places, angles, NO_PATH, np.array([9.0]))]) == 1 - count
@@ -64,7 +64,7 @@ def test_keys_that_differ_by_less_than_a_nanoradian_are_a_hold(difference, count
     ("end", "duration", "knots"),
     [(50.0, 20.0, [25]), (49.9, 20.0, []), (40.0, 3.0, [20]), (39.0, 3.0, []), (90.6, 20.0, [45])],
 )
-def test_interval_with_two_and_a_half_times_its_duration_is_split_in_its_middle(end, duration, knots):
+def test_key_interval_of_2_5_times_its_minimum_duration_is_split_at_its_middle(end, duration, knots):
     places, angles = np.array([0.0, end, 500.0]), np.array([0.2, -0.6, 0.0])
     rests = [*_split_ample_intervals(places, angles, np.array([False, True]), np.array([duration, 1.0]))]
     assert rests == [RestPoint(knot, 0, pytest.approx(-0.2)) for knot in knots]
@@ -78,7 +78,7 @@ def test_motion_has_at_least_four_knot_intervals_and_covers_its_keys(duration, c
     assert pieces(np.array([3.0, 3.0 + 2 * duration]), 2 * KNOT_INTERVAL) == count
 
 
-def test_control_points_near_a_key_may_use_the_ranges_of_both_of_its_sides():
+def test_control_points_near_a_key_may_use_the_angle_ranges_of_both_adjacent_intervals():
     lower, upper = segment(30, 0.0, 0.2, (12.0, 1.0)).corridor(LIMITS)
     assert lower == pytest.approx([-0.1] * 16 + [0.12] * 17)
     assert upper == pytest.approx([1.1] * 16 + [1.08] * 17)
@@ -87,7 +87,7 @@ def test_control_points_near_a_key_may_use_the_ranges_of_both_of_its_sides():
     assert lower == pytest.approx([-0.1] * 16 + [0.95] * 17)
 
 
-def test_desired_motion_widens_the_range_of_its_control_points_within_the_joint_range():
+def test_desired_motion_widens_the_range_of_control_points_up_to_the_joint_range():
     wish = np.linspace(-2.3, 2.3, 31)
     lower, upper = segment(30, 0.0, 0.0).corridor(LIMITS, wish)
     padded = np.array([wish[0], *wish, wish[-1]])
@@ -95,7 +95,7 @@ def test_desired_motion_widens_the_range_of_its_control_points_within_the_joint_
     np.testing.assert_allclose(upper, np.minimum(np.maximum(0.05, padded + 0.05), 2.0))
 
 
-def test_corridor_uses_the_range_of_its_own_hinge():
+def test_angle_corridor_of_a_segment_uses_the_joint_range_of_its_hinge():
     limits = replace(LIMITS, lower=sealed([-2.0, -0.04]), upper=sealed([2.0, 0.03]))
     lower, upper = replace(segment(9, 0.0, 0.0), hinge=1).corridor(limits)
     assert (lower.min(), lower.max(), upper.min(), upper.max()) == (-0.04, -0.04, 0.03, 0.03)
@@ -105,13 +105,13 @@ def test_corridor_uses_the_range_of_its_own_hinge():
     ("angles", "count"),
     [((0.0, 1.0), 0), ((0.0, 1.0, 0.0), 1), ((0.0, 1.0, 1.0, 0.0), 1), ((0.0, 1.0, 0.5, 0.8, 0.9), 2), ((0.0, 0.0), 0)],
 )
-def test_reversals_of_a_segment_skip_holds(angles, count):
+def test_holds_do_not_count_as_reversals_of_a_segment(angles, count):
     start, *inner, end = angles
     assert segment(90, start, end, *((9.0 * (k + 1), angle) for k, angle in enumerate(inner))).reversals == count
     assert segment(90, -start, -end, *((9.0 * (k + 1), -a) for k, a in enumerate(inner))).reversals == count
 
 
-def test_segment_within_another_shares_its_hinge_and_its_knots():
+def test_segment_lies_within_another_if_it_has_the_same_hinge_and_a_part_of_its_knots():
     outer = replace(segment(20, 0.0, 1.0), first=10)
     for first, count, is_within in ((10, 20, True), (15, 5, True), (9, 20, False), (11, 20, False), (10, 21, False)):
         inner = replace(segment(count, 0.0, 1.0), first=first)
@@ -120,7 +120,7 @@ def test_segment_within_another_shares_its_hinge_and_its_knots():
     assert (outer.knots, outer.controls) == (slice(10, 31), slice(10, 33))
 
 
-def test_segment_is_still_only_without_path_running_ends_and_movement():
+def test_segment_is_still_only_without_a_path_moving_ends_and_angle_changes():
     still = segment(20, 0.3, 0.3, (5.0, 0.3 + 0.5e-9))
     assert still.is_still
     moves = (
@@ -133,7 +133,7 @@ def test_segment_is_still_only_without_path_running_ends_and_movement():
     assert not any(moving.is_still for moving in moves)
 
 
-def test_equations_of_a_stop_anywhere_keep_the_entry_and_end_all_differences():
+def test_equations_of_a_free_stop_fix_the_entry_and_make_the_last_control_points_equal():
     stop = SplineSegment.between(1, 6, np.array([0.1, 0.2, 0.4]))
     assert (stop.hinge, stop.start, stop.end, stop.stops_anywhere, stop.marks) == (1, 0.2, 0.2, True, ())
     ends = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]
@@ -144,7 +144,7 @@ def test_equations_of_a_stop_anywhere_keep_the_entry_and_end_all_differences():
     np.testing.assert_array_equal(stop.fixed.values, [0.1, 0.2, 0.4, 0.0, 0.0])
 
 
-def test_equations_of_a_passage_keep_both_ends_and_the_keys_between():
+def test_equations_of_a_segment_between_moving_ends_fix_both_ends_and_the_keys_between():
     places, angles = np.array([2.0, 3.5]), np.array([0.6, 0.7])
     entry, exit = np.array([0.1, 0.2, 0.4]), np.array([0.9, 0.8, 0.5])
     joined = SplineSegment.between(0, 6, entry, exit, places=places, angles=angles)
@@ -156,14 +156,14 @@ def test_equations_of_a_passage_keep_both_ends_and_the_keys_between():
     np.testing.assert_array_equal(joined.fixed.values, [0.6, 0.7, *entry, *exit])
 
 
-def test_key_in_the_last_knot_interval_fixes_the_rest_before_it():
+def test_key_in_the_last_knot_interval_becomes_a_fixed_control_point_at_rest():
     early = segment(10, 0.0, 0.4, (4.0, 0.2), (9.5, 0.4))
     matrix, values = sparse(early.fixed.matrix).toarray(), early.fixed.values
     np.testing.assert_array_equal(matrix[1], np.eye(13)[9])
     np.testing.assert_array_equal(values, [0.2, 0.4, 0.0, 0.0, 0.0, 0.4, 0.4, 0.4])
 
 
-def test_keys_closer_to_an_end_of_a_segment_than_rounding_are_its_end():
+def test_keys_within_rounding_of_a_segment_end_are_merged_into_this_end():
     keys = keys_of((0.0, 0.0), (0.00019, 0.0), (0.00022, 0.0), (0.5, 1.0), (0.99979, 0.3), (0.99982, 0.3), (1.0, 0.3))
     places = keys.requested_times / KNOT_INTERVAL
     found = SplineSegment.through(keys, 1, places, RestPoint(0, -1, 0.0), RestPoint(100, 6, 0.3), KNOT_INTERVAL)
@@ -173,7 +173,7 @@ def test_keys_closer_to_an_end_of_a_segment_than_rounding_are_its_end():
     assert (found.hinge, found.first, found.start, found.end, found.grid.pieces) == (1, 0, 0.0, 0.3, 100)
 
 
-def test_segment_after_a_hold_measures_places_from_its_first_knot():
+def test_key_positions_in_a_segment_are_counted_from_its_first_knot():
     keys = keys_of((0.0, 0.0), (0.4, 0.5), (1.0, 0.5), (1.3, 0.9), (1.7, 0.0))
     before, after = (item for item in segments(keys.requested_times, keys, KNOT_INTERVAL) if item.hinge == 1)
     assert (before.first, before.grid.pieces, before.places.tolist()) == (0, 70, pytest.approx([40.0]))
@@ -184,7 +184,7 @@ def test_segment_after_a_hold_measures_places_from_its_first_knot():
     assert [item.first for item in later] == [0, 70, 0, 70]
 
 
-def test_path_between_some_keys_belongs_to_their_segment_alone():
+def test_path_between_two_keys_belongs_only_to_the_segment_of_these_keys():
     rows = ((0.0, 0.0, True), (0.2, 0.1, False), (0.4, 0.5, True), (1.0, 0.5, True), (1.3, 0.9, True))
     for turned in (False, True):
         ordered = [(1.3 - time, *rest) for time, *rest in reversed(rows)] if turned else rows
@@ -210,7 +210,7 @@ def test_hinge_with_exactly_its_rest_to_rest_durations_has_no_critical_segment()
 
 
 @pytest.mark.parametrize(("late", "expected"), [(0, (0, 140)), (1, (0, 140)), (2, (140, 110)), (3, (140, 110))])
-def test_only_the_part_of_a_motion_with_a_hurried_interval_is_critical(late, expected):
+def test_only_the_segment_with_an_interval_below_its_rest_to_rest_duration_is_critical(late, expected):
     keys = keys_of((0.0, 0.0), (0.3, 0.5), (0.6, 0.0), (2.2, 0.8), (2.5, 0.4))
     durations = np.array([0.3, 0.3, 0.3, 0.3])
     durations[late] = 0.31 if late != 2 else 1.7

@@ -40,21 +40,21 @@ def top_speed(controls: Floats) -> float:
 
 
 @pytest.mark.parametrize(("share", "is_kept"), [(1.0 - 1e-10, True), (1.0 + 1e-3, True), (1.0 - 1e-4, False)])
-def test_motion_is_changed_only_if_it_exceeds_a_limit(share, is_kept):
+def test_unlimited_motion_is_changed_only_if_it_exceeds_a_limit(share, is_kept):
     free = nearest_without_limits(segment(), WISH)
     limited = nearest_motion(segment(), WISH, with_speed(share * top_speed(free)))
     assert np.array_equal(limited, free) is is_kept
     assert top_speed(limited) <= share * top_speed(free) * (1.0 + 1e-6)
 
 
-def test_excess_of_more_than_a_billionth_is_solved_within_limits():
+def test_limit_excess_above_1e_9_is_corrected():
     free = nearest_without_limits(segment(), WISH)
     for excess, is_kept in ((0.5e-9, True), (1.6e-9, False)):
         limits = with_speed(top_speed(free) / (1.0 + excess))
         assert np.array_equal(nearest_motion(segment(), WISH, limits), free) is is_kept
 
 
-def test_motion_without_limits_is_least_in_distance_and_squared_acceleration():
+def test_unlimited_motion_minimises_distance_plus_weighted_squared_acceleration():
     way, random = segment(), np.random.default_rng(2)
     wish = WISH + random.normal(0.0, 0.01, PIECES + 1)
 
@@ -70,19 +70,19 @@ def test_motion_without_limits_is_least_in_distance_and_squared_acceleration():
         assert cost(best + change) == pytest.approx(cost(best - change), rel=1e-6)
 
 
-def test_pull_of_a_desired_motion_is_its_product_with_every_spline():
+def test_linear_cost_term_is_the_scalar_product_with_the_desired_motion():
     random = np.random.default_rng(3)
     wish, controls = random.normal(size=PIECES + 1), random.normal(size=PIECES + 3)
     assert _linear_part(segment(), wish) @ controls == pytest.approx(wish @ at_knots(controls))
 
 
-def test_closeness_stencils_are_the_angle_and_the_weighted_acceleration_at_a_knot():
+def test_closeness_stencils_give_angle_and_weighted_acceleration_at_a_knot():
     assert CLOSENESS_STENCILS[0] == pytest.approx([1 / 6, 4 / 6, 1 / 6])
     assert CLOSENESS_STENCILS[1] ** 2 == pytest.approx(np.array([1e-1, 4e-1, 1e-1]))
     assert np.sign(CLOSENESS_STENCILS[1]).tolist() == [1, -1, 1]
 
 
-def test_smoothest_motion_is_least_in_acceleration_and_jerk():
+def test_smoothest_motion_minimises_squared_acceleration_and_weighted_squared_jerk():
     way, random = segment(), np.random.default_rng(6)
 
     def cost(controls: Floats) -> float:
@@ -97,12 +97,12 @@ def test_smoothest_motion_is_least_in_acceleration_and_jerk():
         assert cost(best + change) == pytest.approx(cost(best - change), rel=1e-3)
 
 
-def test_still_hinge_needs_no_program_whatever_is_desired():
+def test_hinge_with_equal_key_angles_stays_constant_for_any_desired_motion():
     np.testing.assert_array_equal(nearest_without_limits(segment(0.0), WISH), np.zeros(PIECES + 3))
     assert not np.array_equal(nearest_without_limits(replace(segment(0.0), has_path=True), WISH), np.zeros(PIECES + 3))
 
 
-def test_segment_can_pass_exactly_if_its_limits_need_no_relaxation():
+def test_segment_is_feasible_if_and_only_if_its_limits_need_no_relaxation():
     way = segment(1.2)
     free = relax_limits(way, LIMITS, easy=-0.2, desired=2.4 * WISH).amount
     answers = []
@@ -118,12 +118,12 @@ def test_segment_can_pass_exactly_if_its_limits_need_no_relaxation():
 
 
 @pytest.mark.parametrize("easy", [-0.05, -0.2])
-def test_relaxation_of_ample_limits_is_searched_down_to_the_given_one(easy):
+def test_relaxation_of_ample_limits_ends_at_the_given_minimum(easy):
     way = SplineSegment(0, 0, grid(400, KNOT_INTERVAL), 0.0, 0.1, np.array([]), np.array([]))
     assert relax_limits(way, LIMITS, easy=easy).amount == pytest.approx(easy, abs=1e-5)
 
 
-def test_search_for_a_relaxation_may_end_at_its_target():
+def test_relaxation_search_ends_early_at_a_given_target():
     way = segment(1.2)
     exact = relax_limits(way, LIMITS, easy=-0.2)
     early = relax_limits(way, LIMITS, easy=-0.2, target=exact.amount + 0.1)

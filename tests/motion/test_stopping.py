@@ -85,7 +85,7 @@ def test_stop_of_a_motion_with_a_later_start_uses_the_knots_of_the_motion():
     np.testing.assert_array_equal(halted.controls, early.controls)
 
 
-def test_stopped_motion_has_at_least_one_interval():
+def test_stopped_motion_has_at_least_one_knot_interval():
     still = stay(np.zeros(3), 0.1)
     assert len(stop(still, 0.0, LIMITS).controls) == 4
 
@@ -110,7 +110,7 @@ def test_stop_search_finds_the_fewest_extra_knot_intervals(least):
     ("needed", "pieces", "taken"),
     [(3, 9, 3), (6, 9, 6), (10, 9, None), (10, 10, 10), (11, 10, None), (30, 10, None)],
 )
-def test_stop_that_needs_more_intervals_than_the_motion_has_is_not_made(monkeypatch, needed, pieces, taken):
+def test_motion_too_short_for_a_stop_has_no_stopped_motion(monkeypatch, needed, pieces, taken):
     def solve(segment, desired, limits):
         return np.zeros(segment.grid.size) if segment.grid.pieces >= needed else None
 

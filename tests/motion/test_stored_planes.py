@@ -45,7 +45,7 @@ def recalled(memory: PlaneMemory, keys: Keys = KEYS, limits: Limits = LIMITS) ->
     return {hinge: [own.slopes.tolist() for own in planes] for hinge, planes in memory.recall(keys, limits)[0].items()}
 
 
-def test_stored_plane_keeps_only_its_keys_and_a_neighbour_on_either_side():
+def test_stored_cutting_plane_keeps_only_its_keys_and_one_neighbour_on_each_side():
     stored = _make_portable(plane(0, 0, 2, -2, 0, 0), 0, KEYS, LIMITS, {})
     assert [mark[0][0][1] for mark in stored.marks] == ["ready", "stroke", "relax", "pause"]
     assert stored.slopes.tolist() == [0, 2, -2, 0]
@@ -63,12 +63,12 @@ def test_stored_plane_keeps_only_its_keys_and_a_neighbour_on_either_side():
         ((0, 0, 5, 0, 0, 0), [0, 5, 0], (False, False)),
     ],
 )
-def test_stored_plane_reaches_an_end_of_its_motion_if_it_involves_that_key(slopes, kept, reaches):
+def test_stored_cutting_plane_reaches_a_motion_end_if_it_involves_the_key_there(slopes, kept, reaches):
     stored = _make_portable(plane(*slopes), 0, KEYS, LIMITS, {})
     assert (stored.slopes.tolist(), stored.reaches) == (kept, reaches)
 
 
-def test_negligible_slopes_are_added_to_those_of_the_nearest_involved_key():
+def test_negligible_slopes_of_a_stored_cutting_plane_are_added_to_the_nearest_involved_key():
     slopes = np.array([0.9e-4, 0.5e-4, 1.0, -1.0 - 0.5e-4, -0.4e-4, -0.5e-4])
     stored = _make_portable(plane(*slopes), 0, KEYS, LIMITS, {})
     np.testing.assert_allclose(stored.slopes, [0.0, 1.0 + 1.4e-4, -1.0 - 1.4e-4, 0.0])
@@ -76,7 +76,7 @@ def test_negligible_slopes_are_added_to_those_of_the_nearest_involved_key():
     assert len(steeper.marks) == 5
 
 
-def test_bottlenecks_of_a_stored_plane_are_those_of_its_hinge_and_keys():
+def test_stored_cutting_plane_keeps_only_bottlenecks_of_its_hinge_and_keys():
     found = {
         (2, 3): SLOW,
         (1, 2): replace(SLOW, ratio=1.3),
@@ -88,7 +88,7 @@ def test_bottlenecks_of_a_stored_plane_are_those_of_its_hinge_and_keys():
     assert dict(stored.bottlenecks) == {(1, 2): SLOW, (0, 1): replace(SLOW, ratio=1.3)}
 
 
-def test_plane_of_a_hinge_without_a_key_is_spread_over_its_own_keys():
+def test_cutting_plane_of_a_hinge_without_a_key_at_some_time_has_slope_zero_there():
     keys = keys_of(skipped=2)
     memory = memory_of(plane(0, 2, 0, -2, 0, 0), hinge=1, keys=keys)
     assert recalled(memory, keys) == {1: [[0, 2, 0, -2, 0, 0]]}
@@ -96,7 +96,7 @@ def test_plane_of_a_hinge_without_a_key_is_spread_over_its_own_keys():
     assert recalled(memory, longer) == {1: [[0, 0, 2, 0, -2, 0, 0]]}
 
 
-def test_plane_is_recalled_where_all_its_keys_follow_each_other():
+def test_stored_cutting_plane_is_recalled_if_all_its_keys_are_adjacent():
     memory = memory_of(plane(0, 0, 2, -2, 0, 0))
     assert recalled(memory) == {0: [[0, 0, 2, -2, 0, 0]]}
     assert recalled(memory, keys_of(NAMES[1:5])) == {0: [[0, 2, -2, 0]]}
@@ -107,7 +107,7 @@ def test_plane_is_recalled_where_all_its_keys_follow_each_other():
 
 
 @pytest.mark.parametrize("name", [item.name for item in fields(Limits)])
-def test_plane_is_valid_for_equal_limits_and_lower_ones_that_only_take_more_time(name):
+def test_stored_cutting_plane_is_recalled_for_equal_or_tighter_limits_of_its_hinge(name):
     memory = memory_of(plane(0, 0, 2, -2, 0, 0))
     own = getattr(LIMITS, name)
     assert recalled(memory)
@@ -119,13 +119,13 @@ def test_plane_is_valid_for_equal_limits_and_lower_ones_that_only_take_more_time
 
 
 @pytest.mark.parametrize(("bound", "is_reported"), [(-2.0, False), (-2.0 - 1e-9, True), (-1.5, False), (-3.0, True)])
-def test_bottlenecks_are_recalled_where_the_requested_times_violate_their_plane(bound, is_reported):
+def test_bottlenecks_are_recalled_if_the_requested_times_violate_their_cutting_plane(bound, is_reported):
     memory = memory_of(plane(0, 0, 2, -2, 0, 0, bound=bound), bottlenecks={(2, 3): SLOW, (1, 2): SLOW})
     later = keys_of(("begin", *NAMES))
     assert memory.recall(later, LIMITS)[1] == ({(3, 4): SLOW, (2, 3): SLOW} if is_reported else {})
 
 
-def test_partial_search_gets_the_active_planes_of_its_hinges_with_their_new_numbers():
+def test_search_of_some_hinges_gets_their_active_cutting_planes_with_renumbered_hinges():
     tight, near, far = (plane(0, 0, 2, -2, 0, 0, bound=-2.0 + slack) for slack in (0.0, 0.0019, 0.0021))
     memory = PlaneMemory()
     memory.store(
@@ -152,7 +152,7 @@ def postures() -> list[KeyPosture]:
 
 @pytest.mark.parametrize("has_start", [True, False])
 @pytest.mark.parametrize("has_end", [True, False])
-def test_planes_at_an_open_end_are_not_learned(has_start, has_end):
+def test_cutting_planes_at_an_open_end_of_a_partial_search_are_not_learned(has_start, has_end):
     begin, middle, end = plane(2, -2, 0, 0, 0, 0), plane(0, 0, 2, -2, 0, 0), plane(0, 0, 0, 0, 2, -2)
     learned = PlaneMemory()
     learned.learn(memory_of(begin, middle, end), [1], (has_start, has_end))
@@ -161,7 +161,7 @@ def test_planes_at_an_open_end_are_not_learned(has_start, has_end):
     assert recalled(learned, swapped) == {1: [own.slopes.tolist() for own in expected]}
 
 
-def test_learned_planes_replace_those_of_their_hinges_only():
+def test_learned_cutting_planes_replace_only_those_of_their_hinges():
     memory = PlaneMemory()
     old = plane(0, 2, -2, 0, 0, 0)
     memory.store(KEYS, LIMITS, {0: [old], 1: [old]}, {}, KEYS.requested_times)
@@ -170,7 +170,7 @@ def test_learned_planes_replace_those_of_their_hinges_only():
     assert [own.hinge for own in memory._planes] == [0, 1], "the new ones come first"
 
 
-def test_recalled_planes_are_stored_once_with_their_new_slack():
+def test_recalled_cutting_planes_are_stored_once_with_their_new_slack():
     memory = memory_of(plane(0, 0, 2, -2, 0, 0, bound=-1.0), plane(0, 2, -2, 0, 0, 0, bound=-1.0))
     planes, _ = memory.recall(KEYS, LIMITS)
     times = KEYS.requested_times.copy()
@@ -181,7 +181,7 @@ def test_recalled_planes_are_stored_once_with_their_new_slack():
     assert recalled(memory) == {0: [[0, 0, 2, -2, 0, 0], [0, 0, 0, 2, -2, 0]]}
 
 
-def test_planes_that_were_not_recalled_stay_behind_the_new_ones():
+def test_cutting_planes_that_were_not_recalled_are_kept_behind_new_ones():
     memory = memory_of(plane(0, 0, 2, -2, 0, 0))
     others = keys_of(tuple(f"other_{name}" for name in NAMES))
     memory.recall(others, LIMITS)
@@ -191,7 +191,7 @@ def test_planes_that_were_not_recalled_stay_behind_the_new_ones():
     assert [own.slopes.max() for own in memory._planes] == [3.0, 2.0]
 
 
-def test_memory_keeps_the_newest_two_hundred_planes():
+def test_plane_memory_keeps_the_newest_200_cutting_planes():
     memory = memory_of(*(plane(0, 0, 2, -2, 0, 0, bound=float(k)) for k in range(150)))
     others = keys_of(tuple(f"other_{name}" for name in NAMES))
     fresh = [plane(0, 0, 2, -2, 0, 0, bound=float(k)) for k in range(100)]

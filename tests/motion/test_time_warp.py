@@ -162,7 +162,7 @@ def test_parabolic_warp_of_a_uniform_motion_matches_calculus():
     np.testing.assert_allclose(jerk, np.full(k, -2 * share * speed) / LIMITS.jerk, rtol=1e-6)
 
 
-def test_stretched_times_remain_where_their_exact_solution_fails(monkeypatch):
+def test_stretched_times_are_kept_if_the_exact_solution_fails(monkeypatch):
     asked = []
 
     def fail(problem):

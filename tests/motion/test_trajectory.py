@@ -135,7 +135,7 @@ def test_jerks_of_a_later_motion_reach_its_ends_and_no_further():
     assert not later.jerks(np.array([2.0 - 1e-6, later.end + 1e-6, 1.0, 4.0])).any()
 
 
-def test_motion_moves_until_its_very_end():
+def test_motion_that_moves_until_its_end_has_no_rest_before_it():
     angles, speeds, accelerations = MOTION.sample(np.array([0.0, MOTION.duration]))
     np.testing.assert_allclose(angles[1], SAME(MOTION.duration - 1e-12))
     assert speeds.all()
@@ -145,7 +145,7 @@ def test_motion_moves_until_its_very_end():
 
 
 @pytest.mark.parametrize(("before", "dropped"), [(5e-9, 3), (1.5e-8, 2), (1e-6, 2), (-1e-6, 3)])
-def test_rounding_errors_of_a_time_at_a_knot_keep_no_finished_interval(before, dropped):
+def test_truncation_at_a_knot_drops_the_finished_interval_despite_rounding_errors(before, dropped):
     left = MOTION.since(3 * KNOT_INTERVAL - before)
     np.testing.assert_array_equal(left.controls, CONTROLS[dropped:])
     assert (left.start, left.zero) == (pytest.approx(dropped * KNOT_INTERVAL), 0.1)
@@ -164,7 +164,7 @@ def test_deviation_of_more_than_a_nanoradian_from_the_last_posture_is_movement(d
     assert Trajectory(controls, zero=0.0, start=1.0).rest_start == pytest.approx(1.0 + moving * KNOT_INTERVAL)
 
 
-def test_motion_of_one_posture_lasts_a_tenth_of_a_second_unless_asked_otherwise():
+def test_motion_of_one_posture_lasts_0_1_s_by_default():
     still = stay(np.array([0.1, 0.2]))
     assert (still.duration, still.start, still.zero) == (pytest.approx(0.1), 0.0, 0.0)
     longer = stay(np.array([0.1, 0.2]), 0.25, start=3.0)

@@ -46,7 +46,7 @@ def test_too_short_transition_returns_none():
     assert cross_over(own, after, (20, 80), widen_limits(LIMITS), 0) is not None
 
 
-def test_transition_between_motions_that_agree_there_equals_the_target_motion():
+def test_transition_between_motions_equal_at_its_start_is_the_target_motion():
     own = wave(150, 0.4, 1.6)
     after = own.copy()
     after[100:] = after[99]
@@ -187,7 +187,7 @@ def test_transition_offset_fades_as_a_quintic():
     np.testing.assert_allclose((away[:-2] + 4 * away[1:-1] + away[2:]) / 6, faded, atol=1e-4)
 
 
-def test_single_place_beyond_a_limit_is_corrected():
+def test_single_control_point_beyond_a_limit_is_corrected():
     jerks = np.zeros(100)
     jerks[90] = 1600.0 * KNOT_INTERVAL**3
     wish = np.concatenate([np.zeros(3), jerks])

@@ -134,7 +134,7 @@ def test_torque_certification_passes_its_options_on_to_conditioning(known: Setup
         same(certify(keys, setup, **asked), condition(keys, known.limits, **asked))
 
 
-def test_all_conditionings_of_one_certification_share_a_cutting_plane_memory(
+def test_all_motions_computed_in_one_torque_certification_share_stored_cutting_planes(
     known: Setup, first: Conditioned, monkeypatch: pytest.MonkeyPatch
 ):
     memories: list[PlaneMemory | None] = []
@@ -167,7 +167,7 @@ def test_overload_tightens_only_the_limits_of_the_overloaded_drive(
     assert compute_peak_duties(certified.trajectory, setup).max() <= MAX_DUTY
 
 
-def test_persistent_overload_tightens_all_drives(known: Setup, first: Conditioned):
+def test_persistent_overload_tightens_the_limits_of_all_drives(known: Setup, first: Conditioned):
     setup = under(known, pulling(known, first, 1.1))
     certified = certify(keys_of(known), setup)
     assert len(setup.dynamics.asked) == MAX_TIGHTENINGS // 2 + 3  # half of them in vain, and 1.1 needs two steps of 7 %

@@ -49,7 +49,7 @@ def test_worst_timing_conflict_is_resolved_first_and_those_of_its_neighbours_are
     assert {"".join(sorted(pair)): clash.delay for pair, clash in finder.clashes.items()} == {"bc": 0.5, "ef": 0.3}
 
 
-def test_only_alternate_timing_conflicts_are_resolved_when_the_budget_is_spent(row):
+def test_only_every_second_timing_conflict_is_resolved_once_the_budget_is_spent(row):
     finder = row(ROW)
     finder._budget.spend(2 * SEARCH_BUDGET)
     assert finder.spent

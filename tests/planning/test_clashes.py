@@ -245,7 +245,7 @@ def test_timing_conflict_search_beyond_its_budget_keeps_the_estimate(planned, mo
     assert float(result.keyframes.outcomes["next"].why.split(" s late")[0].rsplit(" ", 1)[1]) < 1.0
 
 
-def test_gesture_is_in_at_most_one_resolved_timing_conflict_per_round(planned, monkeypatch):
+def test_each_round_resolves_at_most_one_timing_conflict_per_gesture(planned, monkeypatch):
     look, rounds = clashes.ClashFinder.look, []
 
     def spied(finder, frames, postures):

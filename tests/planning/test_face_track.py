@@ -128,7 +128,7 @@ def test_face_is_needed_for_known_expressions_and_gaze_but_not_for_nods(known: S
     assert needs_face(planned(inside, known)) == asked
 
 
-def test_pacing_passes_on_all_late_commands_in_order(smiling: Plan):
+def test_real_time_output_forwards_all_late_commands_in_order(smiling: Plan):
     now = [100.0]
 
     def clock() -> float:

@@ -37,7 +37,7 @@ def beats(known):
     return plan_block(parse(ROOT.format(BEATS)), known)
 
 
-def test_motion_is_scanned_from_start_to_end(beats, known):
+def test_collision_scan_covers_the_motion_from_start_to_end(beats, known):
     trajectory = beats.trajectory
     times, result = scan_clearance(trajectory, known.distances)
     assert (times[0], times[-1]) == (trajectory.start, trajectory.start + trajectory.duration)

@@ -26,7 +26,7 @@ def moved(plan) -> set[str]:
     return {behaviour for behaviour, parts in plan.keyframes.uses.items() if parts}
 
 
-def test_plan_without_an_empty_list_of_behaviours_is_the_plan_itself(planned):
+def test_leaving_out_no_behaviours_returns_the_plan_itself(planned):
     plan = planned(NOD)
     assert plan_without(plan, ()) is plan
 
@@ -63,7 +63,7 @@ def test_reduced_plan_keeps_the_speech_of_the_block(planned):
     assert reduced.timeline.block.behaviours[0].id == "s"
 
 
-def test_plan_without_the_same_behaviours_is_cached(planned):
+def test_plan_reduced_by_the_same_behaviours_comes_from_the_cache(planned):
     plan = planned(LOOK + NOD)
     assert plan_without(plan, ["z"]) is plan_without(plan, {"z"})
     assert plan_without(plan, ["n"]) is not plan_without(plan, ["z"])

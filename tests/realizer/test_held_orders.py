@@ -86,7 +86,7 @@ def test_correction_of_a_running_gaze_that_is_ready_last_starts_with_the_first_n
     assert steps([running], performed, ends=0.3) == [(0.0, 1.0, 2.0), (0.0, 3.0, 4.0), (-0.1, 1.0, 5.0)]
 
 
-def test_gazes_with_equal_ready_times_are_ordered_by_their_relax_times(steps):
+def test_gaze_shifts_with_equal_ready_times_are_ordered_by_their_relax_times(steps):
     first = need(None, begin=1.0, ready=2.0, relax=3.0, end=9.0)
     second = need(-0.2, begin=1.0, ready=2.0, relax=4.0, end=4.0)
     expected = steps([], [first, second], ends=0.0)

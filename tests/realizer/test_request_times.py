@@ -63,7 +63,7 @@ def test_expected_start_is_after_planning_of_references_and_after_dependencies(a
     assert CONTEXT.expected_start(block(inside, attributes)) == pytest.approx(start)
 
 
-def test_known_references_become_offsets_to_the_block_start():
+def test_references_to_existing_blocks_become_offsets_from_the_block_start():
     anchored = anchor_references(block(NODS.format("a:g:stroke+0.25", "gone:g:stroke+0.25")), CONTEXT, 10.5)
     known, unknown = (behaviour.syncs["start"] for behaviour in anchored.behaviours)
     assert (known.block, known.behaviour, known.sync) == ("b", "bml", "start")

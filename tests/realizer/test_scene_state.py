@@ -67,7 +67,7 @@ def test_new_version_of_a_block_replaces_it_at_the_same_position(scene):
     assert scene.with_block(first).with_block(second).with_block(later).blocks == (later, second)
 
 
-def test_occupancies_are_named_after_their_block_and_follow_lasting_ones(scene):
+def test_occupancies_of_a_new_block_follow_the_lasting_ones_and_name_their_block(scene):
     held = use("old:z", "look", offset=np.zeros(HINGE_COUNT))
     blocks = [small_block(id, motion=small_motion(), occupancy=[use("g", "l_hand")]) for id in "ab"]
     busy = replace(scene, lasting=(held,), blocks=tuple(blocks))
@@ -169,7 +169,7 @@ def test_last_32_ended_blocks_are_remembered_once_per_id(scene):
     assert again.ended[-1].id == "b5"
 
 
-def test_hinges_of_several_occupancies_are_their_union(scene):
+def test_occupied_hinges_are_the_union_over_all_occupancies(scene):
     assert not scene.hinges_of([]).any()
     assert np.flatnonzero(scene.hinges_of([use(hinges=[1, 4]), use(hinges=[4, 6])])).tolist() == [1, 4, 6]
 

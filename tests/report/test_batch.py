@@ -20,7 +20,7 @@ def journal(tmp_path):
     return Journal(tmp_path / "finished.jsonl", DocumentVerdict)
 
 
-def test_recorded_verdicts_are_read_back(journal):
+def test_recorded_verdicts_of_a_batch_are_read_back(journal):
     assert journal.read() == {}
     for key, verdict in VERDICTS.items():
         journal.append(key, verdict)

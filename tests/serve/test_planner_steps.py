@@ -233,7 +233,7 @@ def test_refusal_or_failure_of_a_document_is_sent_to_its_client(state, monkeypat
         fail(ConnectionResetError())
 
 
-def test_phrases_are_reported_and_planned_in_turn(state, monkeypatch):
+def test_streamed_phrases_are_reported_and_planned_in_turn(state, monkeypatch):
     documents = []
     monkeypatch.setattr(PlannerState, "_plan", lambda _, document: documents.append(document))
     state._talks.phrases = [

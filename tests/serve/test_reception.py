@@ -31,7 +31,7 @@ class Full(socket.socket):
         raise OSError(errno.EMFILE, "Too many open files")
 
 
-def test_accept_is_retried_after_the_open_file_limit():
+def test_accepting_connections_resumes_after_the_open_file_limit():
     async def crowded() -> int:
         here, full = reception(), Full()
         full.bind(("127.0.0.1", 0))

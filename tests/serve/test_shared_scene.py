@@ -54,7 +54,7 @@ def plan(wired: Wired, message: Message, answer: Callable[[Proposal], ProposalVe
 
 
 @pytest.mark.parametrize(("message", "block"), MESSAGES)
-def test_plan_proposed_too_late_is_proposed_again_with_a_later_start(wired: Wired, message: Message, block: str):
+def test_plan_that_arrives_too_late_is_proposed_again_with_a_later_start(wired: Wired, message: Message, block: str):
     def on_its_way(proposal: Proposal) -> ProposalVerdict:
         sleep(PROPOSAL_DELAY)
         here = proposal.now + PROPOSAL_DELAY

@@ -149,7 +149,7 @@ def test_overlong_message_closes_the_stop_connection_with_the_reason(lines: Stop
 
 
 @pytest.mark.parametrize("fault", [HalfError("the connection ended"), ConnectionResetError()])
-def test_lost_stop_connection_is_not_logged(
+def test_loss_of_a_stop_connection_is_not_logged(
     lines: StopLines, fault: Exception, caplog: pytest.LogCaptureFixture
 ) -> None:
     assert talk(lines, PlayedWire(fault=fault)).result is None

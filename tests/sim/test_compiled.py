@@ -69,7 +69,7 @@ def test_kernel_and_reference_find_equal_closest_approaches_and_select_equal_pos
 
 
 @pytest.mark.parametrize("robot", [*ROBOTS, Robot.load("human")], ids=lambda robot: robot.name)
-def test_distance_surveys_do_not_depend_on_the_window_size(robot, monkeypatch):
+def test_computed_distances_do_not_depend_on_the_window_size(robot, monkeypatch):
     measure, postures = CapsuleDistances(robot), random_postures(robot.skeleton, 70, seed=8)
     wrists = [robot.arm(side).wrist for side in "lr"]
     monkeypatch.setattr(distances, "POSTURES_PER_WINDOW", 32)

@@ -9,7 +9,7 @@ from kinesic.sim.kinematics import body_frames
 ROBOT = Robot.load()
 
 
-def test_distance_survey_needs_less_than_half_the_memory_of_all_segment_frames(monkeypatch):
+def test_distance_computation_needs_less_than_half_the_memory_of_all_segment_frames(monkeypatch):
     monkeypatch.setattr("kinesic.sim.distances.POSTURES_PER_WINDOW", 128)
     angles = np.tile(ROBOT.skeleton.rest, (4000, 1)) + 0.1 * np.sin(np.arange(4000))[:, None]
     measure, peaks = CapsuleDistances(ROBOT), []

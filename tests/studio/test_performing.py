@@ -11,7 +11,7 @@ WAVE = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="doc">
 LABEL = "document.querySelector('#performing').textContent"
 
 
-def test_clock_counts_a_performance_and_ends_at_its_end(studio: Studio):
+def test_studio_clock_shows_the_time_of_a_running_performance_and_stops_at_its_end(studio: Studio):
     studio.write(WAVE)
     studio.until("s.draft?.block === 'doc' && !document.querySelector('#perform').disabled")
     assert studio.page.value(LABEL) == ""
@@ -23,7 +23,7 @@ def test_clock_counts_a_performance_and_ends_at_its_end(studio: Studio):
     assert studio.page.value("document.querySelector('#clock').textContent") == f"{duration} / {duration} s"
 
 
-def test_stopped_performance_is_not_called_finished(studio: Studio):
+def test_studio_does_not_report_a_stopped_performance_as_finished(studio: Studio):
     studio.write(WAVE)
     studio.page.click("#perform")
     studio.page.until(f"{LABEL}.startsWith('Performing')")

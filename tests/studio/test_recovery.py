@@ -64,7 +64,7 @@ def test_unsaved_changes_are_marked_and_backed_up_until_they_are_saved(studio: S
         sleep(0.02)
 
 
-def test_existing_file_is_replaced_only_after_confirmation_and_kept_as_a_version(studio: Studio):
+def test_existing_document_is_replaced_only_after_confirmation_and_kept_as_a_version(studio: Studio):
     (studio.folder / "other.bml").write_text("theirs")
     studio.write(EMPTY.format(GESTURE.format(2)))
     studio.save_as("other")
@@ -115,7 +115,7 @@ def test_another_browser_recovers_the_unsaved_text_from_the_backup_in_the_folder
 
 
 @pytest.mark.parametrize("count", [4, pytest.param(200, marks=pytest.mark.soak)])
-def test_crashes_and_reloads_lose_no_edit(studio: Studio, count: int):
+def test_browser_crash_and_page_reload_lose_no_edit(studio: Studio, count: int):
     """A reload keeps the last keystroke; a crash of the page keeps each edit that is older than two seconds."""
     chance = random.Random(1)
     for number in range(count):

@@ -172,7 +172,7 @@ def test_stroke_dragged_to_an_accent_is_written_as_an_offset_from_its_word(studi
     assert offset == pytest.approx(time - piece["start"], abs=2e-3)
 
 
-def test_alt_key_drags_without_snapping(studio: Studio):
+def test_dragging_with_the_alt_key_does_not_snap(studio: Studio):
     show(studio, THREE)
     syncs = {(s["behaviour"], s["sync"]): s["planned"] for s in studio.state("draft")["syncs"]}
     begin, end = onto(studio, "[data-block=three]", syncs["two", "stroke"] - syncs["three", "stroke"] + 0.03)
@@ -203,7 +203,7 @@ def test_shift_click_and_rectangle_select_several_behaviours_which_move_together
     assert studio.state("time") > 5.0, "a click seeks"
 
 
-def test_keys_move_copy_paste_duplicate_and_delete_behaviours_with_undo(studio: Studio):
+def test_keyboard_moves_copies_pastes_duplicates_and_deletes_behaviours_with_undo(studio: Studio):
     show(studio, THREE)
     studio.page.click("[data-block=one]")
     studio.page.value("document.querySelector('[data-block=one]').focus()")

@@ -38,7 +38,7 @@ def open_entry(studio: Studio, group: str, beginning: str) -> None:
     studio.page.value(f"{menu}.value = {entry}.value; {menu}.dispatchEvent(new Event('change')); 0")
 
 
-def test_typed_words_are_counted_and_named_until_they_have_gestures(studio: Studio):
+def test_studio_counts_and_names_typed_words_that_have_no_gestures_yet(studio: Studio):
     show_first(studio, "counted")
     assert content(studio, "plain-count") == "12 words, about 4 s"
     assert content(studio, "plain-pending") == ""
@@ -50,7 +50,7 @@ def test_typed_words_are_counted_and_named_until_they_have_gestures(studio: Stud
     studio.page.until("document.querySelector('#plain-pending').textContent === ''")
 
 
-def test_perform_first_chooses_the_gestures_of_typed_words(studio: Studio):
+def test_perform_button_first_chooses_gestures_for_newly_typed_words(studio: Studio):
     show_first(studio, "performed")
     studio.until("s.connection === 'open' && !s.stopped")
     type_words(studio, SECOND)
@@ -60,7 +60,7 @@ def test_perform_first_chooses_the_gestures_of_typed_words(studio: Studio):
     assert content(studio, "plain-pending") == ""
 
 
-def test_stop_withdraws_a_performance_whose_gestures_are_still_chosen(studio: Studio):
+def test_stop_button_cancels_a_performance_that_still_waits_for_its_gestures(studio: Studio):
     show_first(studio, "withdrawn")
     studio.until("!s.performs")
     type_words(studio, SECOND)
@@ -71,7 +71,7 @@ def test_stop_withdraws_a_performance_whose_gestures_are_still_chosen(studio: St
     assert not studio.state("performs")
 
 
-def test_save_first_chooses_the_gestures_of_typed_words(studio: Studio):
+def test_save_button_first_chooses_gestures_for_newly_typed_words(studio: Studio):
     show_first(studio, "saved")
     studio.save_as("typed")
     studio.until("!s.unsaved && s.name === 'typed.bml'")
@@ -83,7 +83,7 @@ def test_save_first_chooses_the_gestures_of_typed_words(studio: Studio):
     assert "boxes" in (studio.folder / "typed.bml").read_text()
 
 
-def test_typed_words_return_from_the_backup_after_another_document_was_opened(studio: Studio):
+def test_typed_words_are_recovered_from_the_backup_after_another_document_was_opened(studio: Studio):
     show_first(studio, "left")
     studio.save_as("left")
     studio.until("!s.unsaved && s.name === 'left.bml'")

@@ -24,7 +24,7 @@ def alive(pid: int) -> bool:
 
 
 @pytest.mark.parametrize("jobs", [1, 3])
-def test_every_task_runs_once_in_local_processes(jobs):
+def test_every_task_runs_once_in_local_worker_processes(jobs):
     tasks = [f"{k} ** 2" for k in range(7)]
     assert dict(run_pool(tasks, EVALUATE, jobs=jobs)) == {task: k**2 for k, task in enumerate(tasks)}
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.rotation import mean_rotation
-from kinesic.ik.scalar3 import clamp, vector
+from kinesic.ik.scalar3 import clamp_to_reach, vector
 from kinesic.ik.solve import as_triple
 from kinesic.ik.thesis.limbs import Limb, Limbs
 from kinesic.ik.thesis.limits import within_limits
@@ -153,7 +153,7 @@ def solve_several(
     checked_targets = _checked(limbs, targets, weights or {}, priority)
     pulls = {limb.name: float((weights or {}).get(limb.name, 1.0)) for limb in limbs.members}
     near = {
-        name: sealed(clamp(vector(t), vector(limbs.root(name)), limbs.reach[name]))
+        name: sealed(clamp_to_reach(vector(t), vector(limbs.root(name)), limbs.reach[name]))
         for name, t in checked_targets.items()
     }
     ranks = [name for name in priority if name in checked_targets] + [
@@ -162,11 +162,11 @@ def solve_several(
     stances = standing_limbs(limbs)
     best, least, iterations, done = stances, [np.inf], 0, 0
     while done < effort.rounds:
-        swung = _swung(limbs, stances, near, pulls, effort)
-        points = {name: limbs.size * swung.points[rows] for name, rows in limbs.indices.items()}
+        relaxed = _relax_masses(limbs, stances, near, pulls, effort)
+        points = {name: limbs.size * relaxed.points[rows] for name, rows in limbs.indices.items()}
         wishes = Wishes(points, near, dict(pulls), priority)
         stances = turn_joints(limbs, stances, wishes, method=method, effort=effort)
-        iterations, done = iterations + swung.iterations, done + 1
+        iterations, done = iterations + relaxed.iterations, done + 1
         misses = [float(np.linalg.norm(stances[name].points[-1] - near[name])) / limbs.size for name in ranks]
         late = [miss if miss > effort.tolerance else 0.0 for miss in misses]
         merit = late if priority else [sum(pulls[name] * miss for name, miss in zip(ranks, late, strict=True))]
@@ -183,7 +183,7 @@ def solve_several(
     return Reached(best, residuals, done, iterations)
 
 
-def _swung(
+def _relax_masses(
     limbs: Limbs, stances: Mapping[str, Stance], near: Mapping[str, Floats], pulls: Mapping[str, float], effort: Effort
 ) -> Rest:
     """Relax all point masses of a limb tree, scaled to unit size."""

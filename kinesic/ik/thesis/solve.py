@@ -11,7 +11,7 @@ from typing import Literal
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.ik.scalar3 import clamp, vector
+from kinesic.ik.scalar3 import clamp_to_reach, vector
 from kinesic.ik.solve import as_triple
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.direct import balance_springs
@@ -48,7 +48,7 @@ class Relaxed:
     points: Floats  # (n + 1, 3) [m], bones at their true lengths
     rotations: Floats  # (n, 3, 3) of the joints away from rest, each in the frame of its own bone at rest
     ups: Floats  # (n, 3) unit, where the up vectors went
-    target: Floats  # (3,) [m] after the clamp of eq. 7.3.7
+    target: Floats  # (3,) [m] moved into the reach by eq. 7.3.7
     residual: float  # [m] from the hand to the requested target
     iterations: int  # of all relaxations together
     rounds: int  # of relaxation and limits
@@ -87,7 +87,7 @@ def solve_ball_chain(
     effort = effort or Effort()
     tolerance = effort.tolerance * chain.size
     ground = start.carrier or Carrier.at_rest(chain)
-    near = sealed(clamp(vector(hand_target), vector(ground.point), chain.size))
+    near = sealed(clamp_to_reach(vector(hand_target), vector(ground.point), chain.size))
     stance = within_limits(chain, stance_of(chain, _begun(chain, start.rotations), ground), near, ground)
     best, energy, iterations, done = stance, 0.0, 0, 0
     while done == 0 or (chain.limits is not None and done < effort.rounds and _miss(best, near) > tolerance):

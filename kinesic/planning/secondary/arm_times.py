@@ -63,13 +63,13 @@ def find_arm_courses(frames: KeyFrames, motion: Conditioned, robot: Robot) -> It
         motion: through its keys.
         robot: with the arms.
     """
-    spans = _stroke_spans(frames, motion)
+    spans = _find_stroke_spans(frames, motion)
     for side in SIDES:
-        if strokes := _strokes(side, spans, frames):
-            yield ArmCourse(side, strokes, _gaps(motion.trajectory, list(robot.arm(side).joints), strokes))
+        if strokes := _list_strokes(side, spans, frames):
+            yield ArmCourse(side, strokes, _find_gaps(motion.trajectory, list(robot.arm(side).joints), strokes))
 
 
-def _stroke_spans(frames: KeyFrames, motion: Conditioned) -> Mapping[str, Span]:
+def _find_stroke_spans(frames: KeyFrames, motion: Conditioned) -> Mapping[str, Span]:
     """Return each behaviour's first and last stroke sync time [s]."""
     strokes_of_side: dict[str, list[float]] = {}
     for behaviour, sync, _, planned in list_keyed_syncs(frames, motion):
@@ -78,7 +78,7 @@ def _stroke_spans(frames: KeyFrames, motion: Conditioned) -> Mapping[str, Span]:
     return {behaviour: (min(times), max(times)) for behaviour, times in strokes_of_side.items()}
 
 
-def _strokes(side: Side, spans: Mapping[str, Span], frames: KeyFrames) -> list[ArmStroke]:
+def _list_strokes(side: Side, spans: Mapping[str, Span], frames: KeyFrames) -> list[ArmStroke]:
     """Return the strokes of one arm in time order.
 
     Overlapping strokes are joined to one without delay.
@@ -99,13 +99,15 @@ def _strokes(side: Side, spans: Mapping[str, Span], frames: KeyFrames) -> list[A
     return strokes_of_side
 
 
-def _gaps(motion: Trajectory, joints: list[int], strokes: Sequence[ArmStroke]) -> list[Gap]:
-    """Return the gaps before, between and after the strokes of an arm."""
+def _find_gaps(motion: Trajectory, joints: list[int], strokes: Sequence[ArmStroke]) -> list[Gap]:
+    """Return the gaps before, between and after the strokes of an arm.
+
+    The arm rests before and after the motion, so that an arm without movement has one unlimited rest.
+    """
     is_moving = np.abs(np.diff(motion.controls[:, joints], axis=0)).max(axis=1) >= STILL_THRESHOLD
-    edges = np.flatnonzero(np.diff(np.concatenate([[True], is_moving, [True]]).astype(np.int8)))
-    times = motion.start + (edges.astype(np.float64) - CONTROL_LEAD) * KNOT_INTERVAL
-    still = list(zip(times[::2].tolist(), times[1::2].tolist(), strict=True))
-    still[0], still[-1] = (-inf, still[0][1]), (still[-1][0], inf)
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], is_moving, [False]]).astype(np.int8)))
+    times = (motion.start + (edges.astype(np.float64) - CONTROL_LEAD) * KNOT_INTERVAL).tolist()
+    still = list(zip([-inf, *times[1::2]], [*times[::2], inf], strict=True))
     ends = [(-inf, strokes[0].begin), *((a.end, b.begin) for a, b in pairwise(strokes)), (strokes[-1].end, inf)]
     rests = [tuple((max(a, begin), min(b, end)) for a, b in still) for begin, end in ends]
     return [

@@ -232,7 +232,7 @@ def test_all_bml_conformance_expectations_of_the_corpus_pass() -> None:
     assert min(Counter(verdict.suite for verdict in metrics).values()) >= 19
 
 
-def test_parsing_verdicts_fail_if_accepted_and_rejected_cases_are_swapped() -> None:
+def test_parsing_benchmark_fails_if_accepted_and_rejected_documents_are_swapped() -> None:
     documents, grammar = (
         read_expectations(bml.DOCUMENT_SUITE, ParsingSuite),
         read_expectations(bml.GRAMMAR_SUITE, ReferenceSuite),

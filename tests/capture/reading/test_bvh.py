@@ -36,7 +36,7 @@ def write(path, frames=FRAMES, text=TEXT):
     return path
 
 
-def test_rotations_are_multiplied_in_the_order_of_their_channels(tmp_path):
+def test_bvh_rotations_are_multiplied_in_the_order_of_their_channels(tmp_path):
     joints, motion = load(read_bvh, write(tmp_path / "a.bvh"))
     frames = joint_frames(joints, motion)
     hips = Rotation.from_euler("ZXY", [10, 20, 30], degrees=True)
@@ -46,12 +46,12 @@ def test_rotations_are_multiplied_in_the_order_of_their_channels(tmp_path):
     assert frames.rotations["Arm"][0] == pytest.approx((hips * arm).as_matrix())
 
 
-def test_frame_count_is_the_number_of_rows_and_not_that_in_the_header(tmp_path):
+def test_bvh_frame_count_is_the_number_of_rows_and_not_the_number_in_the_header(tmp_path):
     _, motion = load(read_bvh, write(tmp_path / "a.bvh"))
     assert motion.times == pytest.approx([0.0, 0.05, 0.1])
 
 
-def test_first_frame_in_another_pose_is_dropped(tmp_path):
+def test_first_bvh_frame_with_a_calibration_pose_is_dropped(tmp_path):
     _, motion = load(read_bvh, write(tmp_path / "a.bvh", ((0,) * 9, *FRAMES)))
     assert motion.times == pytest.approx([0.0, 0.05, 0.1])
     assert motion.frames[0, motion.columns["Hips", "XPos"]] == pytest.approx([1.0])

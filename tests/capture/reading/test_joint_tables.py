@@ -11,7 +11,7 @@ from ..clips import joint_csv, joint_npz
 from .files import load
 
 
-def test_csv_with_radians_gives_joints_by_name():
+def test_csv_file_with_angles_in_radians_gives_joints_by_name():
     clip = read_joint_csv(joint_csv(("elbow", "wrist")), "a.csv")
     assert clip.names == ("elbow", "wrist")
     assert clip.times[:3] == pytest.approx([0, 0.02, 0.04])
@@ -24,13 +24,13 @@ def from_npz(data, source):
 
 
 @pytest.mark.parametrize("delimiter", [",", ";", "\t"])
-def test_csv_in_degrees_is_converted(delimiter):
+def test_csv_angles_in_degrees_are_converted_to_radians(delimiter):
     clip = read_joint_csv(joint_csv(unit="_deg", amplitude=30, delimiter=delimiter), "a.csv")
     assert clip.angles[10, 0] == pytest.approx(np.radians(30 * np.sin(0.2)))
 
 
 @pytest.mark.parametrize(("amplitude", "unit"), [(30.0, "degrees"), (0.3, "radians")])
-def test_unit_is_guessed_from_the_largest_angle(amplitude, unit):
+def test_angle_unit_of_a_csv_file_is_guessed_from_the_largest_angle(amplitude, unit):
     clip = read_joint_csv(joint_csv(unit="", amplitude=amplitude, frames=100), "a.csv")
     factor = np.pi / 180 if unit == "degrees" else 1.0
     assert clip.angles[10, 0] == pytest.approx(factor * amplitude * np.sin(0.2))
@@ -53,7 +53,7 @@ def test_invalid_csv_is_rejected_with_its_line(old, new, message):
         read_joint_csv(joint_csv().replace(old, new), "a.csv")
 
 
-def test_npz_with_a_rate_gives_times():
+def test_npz_file_with_a_frame_rate_gives_frame_times():
     angles = np.linspace(0, 1, 10)[:, None] * [1.0, 2.0]
     clip = from_npz(joint_npz(joint_names=np.array(["a_rad", "b_rad"]), q=angles, fps=np.array(25)), "a.npz")
     assert clip.times[-1] == pytest.approx(9 / 25)

@@ -52,7 +52,9 @@ def test_invalid_gesture_files_are_reported_and_valid_ones_read(tmp_path: Path) 
     assert all(str(tmp_path) in fault for fault in read_folder(tmp_path).faults)
 
 
-def test_total_size_of_gesture_files_is_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_total_size_of_the_gesture_files_in_a_folder_is_limited(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     total = write(tmp_path, "a", size=300) + write(tmp_path, "b", size=400)
     write(tmp_path, "c", size=200)
     monkeypatch.setattr(folder_gestures, "MAX_GESTURE_BYTES", total)
@@ -61,7 +63,7 @@ def test_total_size_of_gesture_files_is_limited(tmp_path: Path, monkeypatch: pyt
     assert read_names(tmp_path) == (["a", "c"], 1), "a smaller one still fits"
 
 
-def test_number_of_gesture_files_is_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_number_of_gesture_files_in_a_folder_is_limited(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     for name in ("a", "b", "c"):
         write(tmp_path, name)
     monkeypatch.setattr(folder_gestures, "MAX_GESTURE_FILES", 2)

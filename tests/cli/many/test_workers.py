@@ -5,7 +5,7 @@ from kinesic.cli.many.workers import Workers
 from kinesic.tasks.engine import Processes, current_engine
 
 
-def test_tasks_run_in_local_processes_by_default():
+def test_tasks_of_a_command_run_in_local_processes_by_default():
     before = current_engine()
     with Workers(3, None).engine() as engine:
         assert current_engine() is engine

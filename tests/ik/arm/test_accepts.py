@@ -40,7 +40,7 @@ def _with(chain: Chain, joint: int, **changes: object) -> Chain:
 
 
 @pytest.mark.parametrize("side", ["l", "r"])
-def test_accept_chain_does_not_change_the_arm_links_of_the_default_robot(side):
+def test_conversion_of_the_default_arm_chain_does_not_change_its_links(side):
     chain = Robot.load().arms[side]
     assert linkage_of(accept_chain(chain)).links == linkage_of(chain).links
 

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 from numpy.random import Generator, default_rng
 
-from kinesic.ik.scalar3 import Vector, across, clamp, cross, distance, dot, minus, norm, plus, scaled, unit
+from kinesic.ik.scalar3 import Vector, across, clamp_to_reach, cross, distance, dot, minus, norm, plus, scaled, unit
 
 from ...reference.ik.masses import ROUNDS, SWUNG, TOLERANCE, settle_masses
 
@@ -45,9 +45,9 @@ def test_mass_chain_points_straight_at_an_unreachable_target() -> None:
     assert all(norm(cross(line, point)) < 0.05 * sum(LENGTHS) for point in settled.points)
 
 
-def test_only_targets_beyond_the_reach_are_clamped() -> None:
-    assert clamp((0.0, 0.0, 3.0), (0.0, 0.0, 1.0), 0.5) == (0.0, 0.0, 1.5)
-    assert clamp((0.0, 0.0, 1.2), (0.0, 0.0, 1.0), 0.5) == (0.0, 0.0, 1.2)
+def test_only_targets_beyond_the_arm_length_are_moved_towards_the_base() -> None:
+    assert clamp_to_reach((0.0, 0.0, 3.0), (0.0, 0.0, 1.0), 0.5) == (0.0, 0.0, 1.5)
+    assert clamp_to_reach((0.0, 0.0, 1.2), (0.0, 0.0, 1.0), 0.5) == (0.0, 0.0, 1.2)
 
 
 def test_settled_chain_shape_is_independent_of_scale() -> None:

@@ -10,7 +10,14 @@ from kinesic.body.arrays import sealed
 from kinesic.expressivity.keyframes import Succession
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.planning.secondary import arm_times
-from kinesic.planning.secondary.arm_times import ArmStroke, Gap, _gaps, _stroke_spans, _strokes, find_arm_courses
+from kinesic.planning.secondary.arm_times import (
+    ArmStroke,
+    Gap,
+    _find_gaps,
+    _find_stroke_spans,
+    _list_strokes,
+    find_arm_courses,
+)
 
 START = 5.0  # [s]
 
@@ -30,7 +37,7 @@ def test_rest_between_two_arm_strokes_lasts_from_the_end_to_the_start_of_motion(
     edges = times[1:][np.diff(is_moving.astype(int)) != 0]
     middle = float(edges[1] + edges[2]) / 2
     strokes = [ArmStroke("a", edges[0] + 0.1, edges[1] - 0.1), ArmStroke("b", edges[2] + 0.1, edges[3] - 0.1)]
-    before, between, after = _gaps(motion, [0], strokes)
+    before, between, after = _find_gaps(motion, [0], strokes)
     assert (before.begin, before.end, before.rests[0][0]) == (-inf, strokes[0].begin, -inf)
     assert (after.begin, after.end, after.rests[-1][1]) == (strokes[1].end, inf, inf)
     assert (between.begin, between.end) == (strokes[0].end, strokes[1].begin)
@@ -43,7 +50,7 @@ def test_rest_between_two_arm_strokes_lasts_from_the_end_to_the_start_of_motion(
 
 def test_short_standstill_of_an_arm_does_not_count_as_rest():
     motion = moving((30, 50), (51, 70))
-    (_, after) = _gaps(motion, [0], [ArmStroke("a", START, START + 0.2)])
+    (_, after) = _find_gaps(motion, [0], [ArmStroke("a", START, START + 0.2)])
     assert len(after.rests) == 2
     assert after.rests[-1][1] == inf
 
@@ -57,7 +64,7 @@ def test_short_standstill_of_an_arm_does_not_count_as_rest():
         (Gap(1.0, 5.0, ((2.0, 3.0), (4.0, 4.5))), (3.0, 4.0)),
     ],
 )
-def test_return_path_of_a_gap_ends_at_the_start_of_its_last_rest(gap: Gap, way: tuple[float, float] | None):
+def test_return_motion_of_a_gap_ends_at_the_start_of_its_last_rest(gap: Gap, way: tuple[float, float] | None):
     assert gap.return_span == way
 
 
@@ -66,7 +73,7 @@ BOTH = frozenset({"l_hand", "r_hand"})
 
 def strokes_of(spans, *, uses=None, successions=None, side="r") -> list[ArmStroke]:
     frames = SimpleNamespace(uses=uses or dict.fromkeys(spans, BOTH), successions=successions or {})
-    return _strokes(side, spans, frames)
+    return _list_strokes(side, spans, frames)
 
 
 def test_stroke_without_a_succession_has_no_delay():
@@ -120,7 +127,7 @@ def test_strokes_of_a_behaviour_span_its_first_and_last_stroke_sync(monkeypatch)
         ("c", "relax", 0.0, 2.0),
     ]
     monkeypatch.setattr(arm_times, "list_keyed_syncs", lambda frames, motion: rows)
-    spans = _stroke_spans(None, SimpleNamespace(trajectory=SimpleNamespace(zero=10.0)))
+    spans = _find_stroke_spans(None, SimpleNamespace(trajectory=SimpleNamespace(zero=10.0)))
     assert spans == {"a": (11.0, 11.5), "b": (11.3, 11.3)}
 
 
@@ -140,27 +147,42 @@ def test_only_arms_with_strokes_have_a_course_of_their_own_joints(monkeypatch):
 
 
 @pytest.mark.parametrize(("step", "is_still"), [(4.9e-5, True), (5e-5, False), (-4.9e-5, True), (-6e-5, False)])
-def test_arm_moves_from_a_twentieth_milliradian_per_knot_on(step, is_still):
+def test_arm_counts_as_moving_from_0_05_mrad_per_knot(step, is_still):
     controls = np.zeros((100, 2))
     controls[31:50:2, 0] = step
     motion = Trajectory(sealed(controls), START, START)
-    (before, _) = _gaps(motion, [1, 0], [ArmStroke("a", START + 0.9, START + 0.95)])
+    (before, _) = _find_gaps(motion, [1, 0], [ArmStroke("a", START + 0.9, START + 0.95)])
     assert len(before.rests) == (1 if is_still else 2)
     assert before.rests[0][1] == pytest.approx(START + (0.9 if is_still else 0.29))
-    (before, _) = _gaps(motion, [1], [ArmStroke("a", START + 0.9, START + 0.95)])
+    (before, _) = _find_gaps(motion, [1], [ArmStroke("a", START + 0.9, START + 0.95)])
     assert [end for _, end in before.rests] == [START + 0.9], "the other joint stands still"
 
 
 @pytest.mark.parametrize(("knots", "is_rest"), [(2, False), (4, True)])
 def test_standstill_of_at_least_30_ms_is_a_rest(knots, is_rest):
     motion = moving((30, 50), (50 + knots, 70))
-    (_, after) = _gaps(motion, [0], [ArmStroke("a", START, START + 0.2)])
+    (_, after) = _find_gaps(motion, [0], [ArmStroke("a", START, START + 0.2)])
     begin, end = START + 0.48, START + 0.48 + 0.01 * knots
     expected = [pytest.approx((START + 0.2, START + 0.28))]
     expected += [pytest.approx((begin, end))] * is_rest + [(pytest.approx(START + 0.68), inf)]
     assert list(after.rests) == expected
 
 
-def test_rest_that_begins_a_gap_without_end_is_left_at_once():
+def test_return_to_rest_starts_at_the_end_of_a_rest_at_the_gap_start():
     assert Gap(1.0, inf, ((1.0, 1.5), (2.0, 2.5), (4.0, inf))).return_span == (1.5, 4.0)
     assert Gap(1.0, 6.0, ((1.0, 1.5), (2.0, 2.5), (4.0, 5.0))).return_span == (1.5, 4.0)
+
+
+def test_arm_without_movement_rests_before_between_and_after_its_strokes():
+    strokes = [ArmStroke("a", START + 0.2, START + 0.3), ArmStroke("b", START + 0.5, START + 0.6)]
+    rests = [gap.rests for gap in _find_gaps(moving(), [0], strokes)]
+    assert rests == [((-inf, START + 0.2),), ((START + 0.3, START + 0.5),), ((START + 0.6, inf),)]
+
+
+def test_arm_that_already_moves_at_the_motion_start_first_rests_when_it_stands_still():
+    stroke = ArmStroke("a", START + 0.7, START + 0.75)
+    (before, after) = _find_gaps(moving((0, 40), (60, 99)), [0], [stroke])
+    assert list(before.rests) == [(-inf, pytest.approx(START - 0.01)), pytest.approx((START + 0.38, START + 0.58))]
+    assert [begin for begin, _ in after.rests] == [pytest.approx(START + 0.97)]
+    (before, _) = _find_gaps(moving((0, 99)), [0], [stroke])
+    assert list(before.rests) == [(-inf, pytest.approx(START - 0.01))]

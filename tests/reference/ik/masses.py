@@ -9,7 +9,7 @@ from itertools import pairwise
 from math import pi, sqrt
 
 from kinesic.ik.angles import cosine_sine
-from kinesic.ik.scalar3 import Vector, across, clamp, cross, minus, norm, plus, scaled, unit
+from kinesic.ik.scalar3 import Vector, across, clamp_to_reach, cross, minus, norm, plus, scaled, unit
 
 TOLERANCE = 1e-6  # total spring force at rest, in units of stiffness x chain length
 ROUNDS = 300
@@ -43,7 +43,7 @@ def settle_masses(
         rounds: after which they are left where they are.
     """
     size = sum(lengths)
-    base, pinned = points[0], clamp(target, points[0], size)
+    base, pinned = points[0], clamp_to_reach(target, points[0], size)
     rests = [length / size for length in lengths]
     masses = [scaled(minus(point, base), 1.0 / size) for point in points]
     masses[-1] = scaled(minus(pinned, base), 1.0 / size)

@@ -54,13 +54,15 @@ def _swing(chain: Chain, reach: Reach, home: Floats, angles: Floats, max_swivel:
         return own, sum(direction_errors(last.turn(frame, own), directions).values())
 
     place, begin = place_of(linkage, near, vector(reach.position)), present_swivel(linkage, near)
-    result = _swung(linkage, lambda offset: cell_at(linkage, place, begin + offset, hand, near=near), max_swivel)
+    result = _search_swivel(
+        linkage, lambda offset: cell_at(linkage, place, begin + offset, hand, near=near), max_swivel
+    )
     frame = linkage.walk(result.angles, len(linkage.links) - 1)[0]
     errors = direction_errors(last.turn(frame, result.angles[last.first :]), directions)
     return sealed(result.angles), result.miss, errors.get("pointing"), errors.get("palm")
 
 
-def _swung(linkage: Linkage, at: Callable[[float], Cell], max_swivel: float) -> Cell:
+def _search_swivel(linkage: Linkage, at: Callable[[float], Cell], max_swivel: float) -> Cell:
     """Return the smallest satisfying swing, or the best trade-off."""
 
     def fits(cell: Cell) -> bool:

@@ -7,7 +7,7 @@ from math import inf, pi, remainder, tau
 from kinesic.ik.angles import arccosine, cosine_sine
 from kinesic.ik.arm.linkage import Linkage
 from kinesic.ik.arm.swivel import swivel_of
-from kinesic.ik.scalar3 import Vector, clamp, distance, minus, plus, scaled, unit
+from kinesic.ik.scalar3 import Vector, clamp_to_reach, distance, minus, plus, scaled, unit
 
 from .hinges import Extraction, extract
 from .masses import ROUNDS, SWUNG, settle_masses
@@ -52,7 +52,7 @@ def place_shoulder(linkage: Linkage, target: Vector, *, near: Sequence[float], r
         return _place(resting, target, 0)
     nearer = nearest_girdle(linkage, target, near)
     if distance(nearer[-1], target) > STRETCH * reach:
-        return _place(nearer, clamp(target, nearer[-1], STRETCH * reach), 0)
+        return _place(nearer, clamp_to_reach(target, nearer[-1], STRETCH * reach), 0)
     upper, fore = TAUT * linkage.links[-3].length, TAUT * linkage.links[-2].length
     elbow = plus(resting[-1], scaled(unit(minus(target, resting[-1])), upper))
     lengths = (*(link.length for link in linkage.girdle), upper, fore)

@@ -57,7 +57,7 @@ def test_reference_page_of_reports_documents_the_limit_of_each_check():
         assert LIMITS[name] == documented, f"{name}: docs/reference/report.md and CHECK_LIMITS differ"
 
 
-def test_check_without_limit_names_the_file_to_edit():
+def test_error_for_a_check_without_a_limit_names_the_file_to_edit():
     with pytest.raises(LookupError, match=r"servo\.unknown: add it to CHECK_LIMITS in kinesic/report/checks/check\.py"):
         Check.of("servo.unknown", 1.0, 2.0)
 

@@ -23,7 +23,7 @@ def test_t_pose_arm_is_brought_to_hanging(tee, row):
     assert at.wrist == pytest.approx(at.shoulder - [0, 0, sum(at.lengths)], abs=0.005)
 
 
-def test_strict_joint_ranges_are_respected_when_hanging_an_arm(tee, row):
+def test_arm_is_brought_to_hanging_within_narrow_joint_ranges(tee, row):
     roll = tee.joints[row[1]]
     posed = hang_arm(tee, row, ARM_SPLIT, HANGING_ARM, strict=True)
     assert roll.lower - 1e-6 <= posed.angles[1] <= roll.upper + 1e-6

@@ -20,7 +20,7 @@ def test_common_point_of_parallel_lines_is_nearest_to_the_preferred_point():
     assert common_point == pytest.approx([0, 0, 0.4])
 
 
-def test_projection_onto_a_line_and_nearest_point_of_two_lines_match_known_values():
+def test_line_projection_and_nearest_point_of_two_lines_match_known_values():
     assert foot(np.array([1.0, 2, 3]), np.zeros(3), Z_AXIS) == pytest.approx([0, 0, 3])
     assert find_nearest_on_line(np.zeros(3), X_AXIS, np.array([0.7, 0.1, 5.0]), Z_AXIS) == pytest.approx([0.7, 0, 0])
 

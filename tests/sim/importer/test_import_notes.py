@@ -97,7 +97,7 @@ def test_review_notes_name_each_doubt(figure, hinges, hands, notes):
 
 
 @pytest.mark.parametrize("doubt", [{"off": (radians(9.9), 0.0)}, {"asymmetry": 0.02}])
-def test_small_errors_of_the_arms_are_not_noted(doubt):
+def test_small_geometric_errors_of_imported_arms_are_not_noted(doubt):
     assert _review(figure(**doubt), (), BOTH)[1:] == [LEGS]
 
 

@@ -167,7 +167,7 @@ def test_torque_limit_is_the_least_of_joint_and_actuators(attributes, motors, ef
         ('<position joint="b" kp="5"/>', None),
     ],
 )
-def test_gain_is_that_of_a_position_actuator(motors, gain):
+def test_servo_gain_of_an_imported_hinge_is_that_of_its_position_actuator(motors, gain):
     model, _ = compiled(hinges("a", "b", motors=motors))
     assert _find_gain(model, 0) == gain
 

@@ -65,7 +65,7 @@ def close(capsules, expected):
         np.testing.assert_allclose([*capsule.start, *capsule.end, capsule.radius], [*start, *end, radius], atol=1.1e-6)
 
 
-def test_coordinates_are_rounded_to_micrometres():
+def test_coordinates_of_imported_shapes_are_rounded_to_micrometres():
     assert round_triple(np.array([0.12345649, -1e-9, -0.00000051])) == (0.123456, 0.0, -0.000001)
 
 

@@ -55,6 +55,6 @@ def test_viseme_event_becomes_a_phoneme_that_lasts_until_the_next_event():
         ({"audioOffset": 10**18, "text": "a"}, "event 1 start is '10{18}'; times are 0 to 13000000000"),
     ],
 )
-def test_invalid_event_is_refused_with_its_number(event: object, message: str):
+def test_invalid_azure_event_is_refused_with_its_number(event: object, message: str):
     with pytest.raises(TimingError, match=message):
         read_timed_words(json.dumps([event]).encode())

@@ -28,12 +28,12 @@ EAF = """<?xml version="1.0" encoding="UTF-8"?>
 """
 
 
-def test_words_tier_is_read_in_time_order_with_missing_times_interpolated():
+def test_elan_words_tier_is_read_in_time_order_with_missing_times_interpolated():
     timed = read_timed_words(EAF.encode())
     assert timed.words == (TimedSpan("Hello", 0.2, 0.6), TimedSpan("friend & co", 0.6, 1.0))
 
 
-def test_first_tier_counts_as_words_if_none_has_the_name():
+def test_first_elan_tier_gives_the_words_if_no_tier_is_named_words():
     assert read_timed_words(EAF.replace('"Words"', '"x"').encode()).words == (TimedSpan("greeting", 0.2, 1.0),)
 
 
@@ -57,7 +57,7 @@ BOMB = '<!DOCTYPE a [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;&a;">]>'
         ("</TIER>", "", "line 22: the XML is damaged: mismatched tag"),
     ],
 )
-def test_invalid_file_is_refused_with_the_location_of_its_fault(old: str, new: str, message: str):
+def test_invalid_elan_file_is_refused_with_the_location_of_its_fault(old: str, new: str, message: str):
     assert old in EAF
     text = EAF.replace(old, new)
     with pytest.raises(TimingError, match=message):
@@ -65,6 +65,6 @@ def test_invalid_file_is_refused_with_the_location_of_its_fault(old: str, new: s
 
 
 @pytest.mark.parametrize("length", range(100, len(EAF) - 25, 173))
-def test_truncated_file_is_refused(length: int):
+def test_truncated_elan_file_is_refused(length: int):
     with pytest.raises(TimingError, match="damaged"):
         read_timed_words(EAF[:length].encode())

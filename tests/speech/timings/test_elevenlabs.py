@@ -13,17 +13,17 @@ ALIGNMENT = {
 
 
 @pytest.mark.parametrize("file", [{"audio_base64": "", "alignment": ALIGNMENT}, ALIGNMENT])
-def test_characters_are_joined_to_words(file: object):
+def test_timed_characters_of_elevenlabs_are_joined_to_words(file: object):
     timed = read_timed_words(json.dumps(file).encode())
     assert timed.words == (TimedSpan("Hi", 0.0, 0.2), TimedSpan("you", 0.4, 0.7))
 
 
-def test_lists_of_different_lengths_are_refused_with_the_lengths():
+def test_elevenlabs_lists_of_different_lengths_are_refused_with_their_lengths():
     file = {"alignment": ALIGNMENT | {"character_end_times_seconds": [0.1]}}
     with pytest.raises(TimingError, match="7 characters, 7 start times and 1 end times"):
         read_timed_words(json.dumps(file).encode())
 
 
-def test_missing_list_is_refused_with_its_name():
+def test_missing_elevenlabs_list_is_refused_with_its_name():
     with pytest.raises(TimingError, match="character_end_times_seconds"):
         read_timed_words(json.dumps({"alignment": {"characters": [], "character_start_times_seconds": []}}).encode())

@@ -18,12 +18,12 @@ MARKS = b"""{"time":0,"type":"sentence","start":0,"end":16,"value":"Thin shoe. Y
 """
 
 
-def test_words_end_at_the_next_word_or_at_the_silence():
+def test_polly_words_end_at_the_next_word_or_at_a_silence():
     words = read_timed_words(MARKS).words
     assert words == (TimedSpan("Thin", 0.006, 0.3), TimedSpan("shoe", 0.3, 0.6), TimedSpan("Yes", 1.5, 1.9))
 
 
-def test_visemes_become_phonemes_and_silences_are_omitted():
+def test_polly_visemes_become_phonemes_and_silences_are_omitted():
     phonemes = read_timed_words(MARKS).phonemes
     assert [sound.symbol for sound in phonemes] == ["\u03b8", "i", "t", "\u0283", "u", "i"]
     assert (phonemes[4].start, phonemes[4].end) == pytest.approx((0.4, 0.6))
@@ -37,6 +37,6 @@ def test_visemes_become_phonemes_and_silences_are_omitted():
         (b'{"time":9,"type":"word","value":"a"}\n{"time":5,"type":"word","value":"b"}', "line 2 'b' starts at 0.005 s"),
     ],
 )
-def test_invalid_line_is_refused_with_its_number(line: bytes, message: str):
+def test_invalid_polly_line_is_refused_with_its_number(line: bytes, message: str):
     with pytest.raises(TimingError, match=message):
         read_timed_words(line)

@@ -28,7 +28,7 @@ from kinesic.speech.timings.timed_words import TimingError
         (b'{"time":0,"type":"word","val\xffe":"a"}', "byte 28 is not UTF-8"),
     ],
 )
-def test_wrong_or_hostile_file_is_refused_in_one_line(content: bytes, message: str):
+def test_wrong_or_hostile_timing_file_is_refused_in_one_line(content: bytes, message: str):
     with pytest.raises(TimingError, match=message) as error:
         read_timed_words(content, source="times.json")
     assert str(error.value).startswith("times.json: ")
@@ -36,7 +36,7 @@ def test_wrong_or_hostile_file_is_refused_in_one_line(content: bytes, message: s
     assert len(str(error.value)) < 300
 
 
-def test_damaged_files_are_read_or_refused_but_never_crash():
+def test_damaged_timing_files_are_read_or_refused_without_a_crash():
     samples = (
         b'{"segments": [{"words": [{"word": "a", "start": 0.1, "end": 0.5}, {"word": "b", "start": 0.5, "end": 1}]}]}',
         b'{"time":6,"type":"word","value":"a"}\n{"time":9,"type":"viseme","value":"p"}\n',
@@ -59,7 +59,7 @@ def test_damaged_files_are_read_or_refused_but_never_crash():
         assert all(0.0 <= word.start <= word.end <= 1300.0 for word in timed.words)
 
 
-def test_file_above_the_size_limit_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+def test_timing_file_above_the_size_limit_is_refused(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     monkeypatch.setattr(reading, "MAX_BYTES", 10)
     (tmp_path / "a.json").write_bytes(b"[]" * 10)
     with pytest.raises(TimingError, match=r"a\.json has more than 10 bytes"):
@@ -72,12 +72,12 @@ def test_subtitle_file_is_read_by_its_path(tmp_path: Path):
 
 
 @pytest.mark.parametrize("name", ["missing.json", "."])
-def test_missing_file_is_refused_with_its_path(name: str, tmp_path: Path):
+def test_missing_timing_file_is_refused_with_its_path(name: str, tmp_path: Path):
     with pytest.raises(TimingError, match=r"missing\.json|is not a regular file|directory"):
         read_words_file(tmp_path / name)
 
 
-def test_pipe_is_refused_without_waiting(tmp_path: Path):
+def test_pipe_as_timing_file_is_refused_without_waiting(tmp_path: Path):
     os.mkfifo(tmp_path / "endless.json")
     with pytest.raises(TimingError, match="is not a regular file"):
         read_words_file(tmp_path / "endless.json")

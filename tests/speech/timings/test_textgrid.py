@@ -83,13 +83,13 @@ def test_textgrid_in_short_format_is_read_without_the_speaker_in_tier_names():
     assert (timed.words, timed.phonemes) == ((TimedSpan("hello", 0.25, 0.75),), ())
 
 
-def test_first_tier_with_text_counts_as_words_if_none_has_the_name():
+def test_first_textgrid_tier_with_text_gives_the_words_if_no_tier_is_named_words():
     timed = read_timed_words(SHORT.replace("Anna - words", "speech").encode())
     assert timed.words == (TimedSpan("hello", 0.25, 0.75),)
 
 
 @pytest.mark.parametrize("length", range(60, len(LONG) - 8, 29))
-def test_truncated_file_is_refused(length: int):
+def test_truncated_textgrid_file_is_refused(length: int):
     with pytest.raises(TimingError, match=r"cut off|must be|no tier|no TextGrid"):
         read_timed_words(LONG[:length].encode())
 
@@ -104,12 +104,12 @@ def test_truncated_file_is_refused(length: int):
         ("size = 2\nitem", "size = 2.5\nitem", "the number of tiers is '2.5'"),
     ],
 )
-def test_invalid_value_is_refused_with_its_location(old: str, new: str, message: str):
+def test_invalid_textgrid_value_is_refused_with_its_location(old: str, new: str, message: str):
     assert old in LONG
     with pytest.raises(TimingError, match=message):
         read_timed_words(LONG.replace(old, new).encode())
 
 
-def test_other_file_of_praat_is_refused():
+def test_praat_file_of_another_kind_is_refused():
     with pytest.raises(TimingError, match="no TextGrid"):
         read_timed_words(b'File type = "ooTextFile"\nObject class = "PitchTier"\n\n0\n1\n0\n')

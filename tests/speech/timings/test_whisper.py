@@ -13,13 +13,13 @@ def read(file: object):
 
 
 @pytest.mark.parametrize("file", [{"segments": [{"words": HELLO}], "text": ""}, {"words": HELLO}])
-def test_words_of_segments_or_of_the_file_are_read_and_do_not_overlap(file: object):
+def test_whisper_words_of_segments_or_of_the_file_are_read_without_overlap(file: object):
     timed = read(file)
     assert timed.words == (TimedSpan("Hello,", 0.1, 0.5), TimedSpan("friend.", 0.5, 1.1))
     assert (timed.text, timed.file_format) == ("Hello, friend.", "Whisper JSON")
 
 
-def test_segment_without_words_is_a_phrase():
+def test_whisper_segment_without_words_is_read_as_one_phrase():
     timed = read({"segments": [{"start": 0.5, "end": 2.0, "text": " Hello my friend."}]})
     assert timed.words == (TimedSpan("Hello my friend.", 0.5, 2.0),)
 
@@ -50,11 +50,11 @@ def test_spaces_and_sound_events_of_a_transcript_are_left_out():
         ),
     ],
 )
-def test_invalid_time_is_refused_with_its_location_or_word(word: object, message: str):
+def test_invalid_whisper_time_is_refused_with_its_location_or_word(word: object, message: str):
     with pytest.raises(TimingError, match=message):
         read({"words": [word]})
 
 
-def test_unordered_words_are_refused_with_both_words():
+def test_whisper_words_in_wrong_order_are_refused_with_both_words():
     with pytest.raises(TimingError, match=r"words\[1\] 'Hello,' starts at 0.1 s, before 'friend.' at 0.5 s"):
         read({"words": HELLO[::-1]})

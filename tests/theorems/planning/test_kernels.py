@@ -87,7 +87,7 @@ def other_kernel_environment() -> dict[str, str]:
 
 
 @pytest.mark.soak
-def test_plans_agree_within_tolerance_for_another_openblas_kernel(tmp_path: Path):
+def test_plans_with_another_openblas_kernel_agree_within_a_tolerance(tmp_path: Path):
     if not kernel() or platform.machine() not in OLDEST_KERNELS:
         pytest.skip("NumPy's linear algebra here is not an OpenBLAS that has several kernels")
     files, out = chosen(), tmp_path / "elsewhere.npz"
