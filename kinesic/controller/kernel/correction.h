@@ -14,7 +14,7 @@ namespace kinesic::controller {
 // Settings of a correction in addition to the observer's gains: setpoint range, learning and forgetting rates.
 struct CorrectionSettings {
     std::vector<double> lower, upper;  // (n,) [rad] range of setpoints
-    double noticed = 0.0;              // fraction of a disturbance that is noticed after a tick
+    double noticed = 0.0;              // fraction of a disturbance that is detected after one tick
     double forgotten = 0.0;            // fraction of the learned correction that is forgotten per tick
     double clear = 0.0;                // [rad^2] squared feed-forward offset at which its sign has half confidence
     double largest = 0.0;              // [rad] largest correction
@@ -37,52 +37,52 @@ class Correction {
         const int n = observer.hinges;
         const bool first = !begun();
         if (first) begin(tick);
-        notice(tick);
+        update_inputs(tick);
         if (!first) {
-            for (int i = 0; i < n; ++i) strayed[i] = measured[i] - before[i];
-            observe(observer, inputs.data(), strayed.data(), belief.data());
+            for (int i = 0; i < n; ++i) deviation[i] = measured[i] - before[i];
+            observe(observer, inputs.data(), deviation.data(), estimate.data());
         }
         before.assign(tick.angles, tick.angles + n);
-        return first ? tick.goals : belief.data() + size_t(observer.rows() - 1) * n;
+        return first ? tick.goals : estimate.data() + size_t(observer.rows() - 1) * n;
     }
 
   private:
     void begin(const FeedforwardTick& tick) {
         const int n = observer.hinges;
-        belief.assign(size_t(observer.rows()) * n, 0.0);
+        estimate.assign(size_t(observer.rows()) * n, 0.0);
         inputs.resize(size_t(INPUTS) * n);
-        strayed.resize(n);
+        deviation.resize(n);
         learned.assign(n, 0.0);
         for (int part = 0; part < 2; ++part) {
             const double* now = part ? tick.leads : tick.loads;
             noticed[part].assign(now, now + n);
             earlier.resize(2 * size_t(observer.late + 1) * n);
-            for (int k = 0; k <= observer.late; ++k) std::copy_n(now, n, led_before(part, k));
+            for (int k = 0; k <= observer.late; ++k) std::copy_n(now, n, earlier_offsets(part, k));
         }
     }
 
     // Offsets of `ticks` + 1 ticks ago; initially those of the first tick.
-    double* led_before(int part, int ticks) {
+    double* earlier_offsets(int part, int ticks) {
         return earlier.data() + (size_t(part) * (observer.late + 1) + ticks) * observer.hinges;
     }
 
-    void notice(const FeedforwardTick& tick) {
+    void update_inputs(const FeedforwardTick& tick) {
         const int n = observer.hinges, late = observer.late;
         const double* now[2] = {tick.loads, tick.leads};
         const double forgotten = settings.forgotten;
         for (int part = 0; part < 2; ++part) {
             for (int i = 0; i < n; ++i) {
                 double acting = 0.0;
-                for (int j = 0; j < late; ++j) acting += observer.arrival[j] * led_before(part, j + 1)[i];
-                follow(acting, settings.noticed, noticed[part][i]);
+                for (int j = 0; j < late; ++j) acting += observer.arrival[j] * earlier_offsets(part, j + 1)[i];
+                smooth(acting, settings.noticed, noticed[part][i]);
             }
-            std::copy_backward(led_before(part, 0), led_before(part, late), led_before(part, late) + n);
-            std::copy_n(now[part], n, led_before(part, 0));
+            std::copy_backward(earlier_offsets(part, 0), earlier_offsets(part, late), earlier_offsets(part, late) + n);
+            std::copy_n(now[part], n, earlier_offsets(part, 0));
         }
         const auto row = [&](int kind) { return inputs.data() + size_t(kind) * n; };
         for (int i = 0; i < n; ++i) {
             const double load = noticed[0][i], lead = noticed[1][i], goal = tick.goals[i];
-            follow(load * load + lead * lead, forgotten, learned[i]);
+            smooth(load * load + lead * lead, forgotten, learned[i]);
             const double trust = settings.clear + learned[i] / forgotten;
             row(ANGLE)[i] = tick.angles[i];
             row(GOAL)[i] = goal;
@@ -98,13 +98,13 @@ class Correction {
     }
 
     // Moves a value by a fraction of the difference to another.
-    static void follow(double value, double share, double& followed) {
-        followed = share * value + (1.0 - share) * followed;
+    static void smooth(double value, double fraction, double& smoothed) {
+        smoothed = fraction * value + (1.0 - fraction) * smoothed;
     }
 
     const Observer observer;
     const CorrectionSettings settings;
-    std::vector<double> belief, inputs, strayed, before;  // rows of (n,) each
+    std::vector<double> estimate, inputs, deviation, before;  // rows of (n,) each
     std::vector<double> noticed[2], learned;              // (n,)
     std::vector<double> earlier;                          // (2, late + 1, n) load and velocity offsets of the last ticks
 };

@@ -8,11 +8,12 @@
 
 namespace kinesic::controller {
 
-enum Belief { DEVIATION, SPEED, PUSH, UNDER_WAY };  // rows; then the pending corrections, load, pace, correction, setpoints
+// Rows of an estimate; behind the pending corrections follow load, velocity factor, correction and setpoints.
+enum Estimate { DEVIATION, VELOCITY, DISTURBANCE, PENDING };
 enum Input { ANGLE, GOAL, LOWEST, HIGHEST, LOAD, NOTICED, TRUST, LEAD, NOTICED_LEAD, TRUST_LEAD, INPUTS };
 
 struct Observer {
-    int hinges = 0, late = 0;      // late: number of pending corrections
+    int hinges = 0, late = 0;      // late: number of pending corrections, one per tick of latency
     std::vector<double> forecast;  // (3, 3, n)
     std::vector<double> gain;      // (3, n)
     std::vector<double> step;      // (n,) [rad] correction step per tick
@@ -28,26 +29,27 @@ struct Observer {
 inline double between(double value, double lower, double upper) { return std::min(std::max(value, lower), upper); }
 
 // Advances an estimate (7 + late, n) by inputs (10, n) and measured angles (n,), minus the reference a tick before.
-inline void observe(const Observer& self, const double* inputs, const double* measured, double* belief) {
+inline void observe(const Observer& self, const double* inputs, const double* measured, double* estimate) {
     const int n = self.hinges, late = self.late;
     for (int i = 0; i < n; ++i) {
-        const auto held = [&](int row) -> double& { return belief[row * n + i]; };
+        const auto held = [&](int row) -> double& { return estimate[row * n + i]; };
         const auto input = [&](int row) { return inputs[row * n + i]; };
-        double &share = held(UNDER_WAY + late), &pace = held(UNDER_WAY + late + 1);
-        double &correction = held(UNDER_WAY + late + 2), &goals = held(UNDER_WAY + late + 3);
+        double &load = held(PENDING + late), &velocity_factor = held(PENDING + late + 1);
+        double &correction = held(PENDING + late + 2), &goals = held(PENDING + late + 3);
 
-        const bool answers = std::isfinite(measured[i]);
-        const double innovation = answers ? measured[i] - held(DEVIATION) : 0.0;
+        const bool is_measured = std::isfinite(measured[i]);
+        const double innovation = is_measured ? measured[i] - held(DEVIATION) : 0.0;
         const double deviation = held(DEVIATION) + self.gain[i] * innovation;
-        const double speed = held(SPEED) + self.gain[n + i] * innovation;
-        double push = answers ? held(PUSH) + self.gain[2 * n + i] * innovation : self.fading * held(PUSH);
-        const double heavier = between(share - input(TRUST) * push, self.lightest, self.heaviest);
-        const double quicker = between(pace - input(TRUST_LEAD) * push, self.lightest, self.heaviest);
-        push += (heavier - share) * input(NOTICED) + (quicker - pace) * input(NOTICED_LEAD);
+        const double velocity = held(VELOCITY) + self.gain[n + i] * innovation;
+        double disturbance =
+            is_measured ? held(DISTURBANCE) + self.gain[2 * n + i] * innovation : self.fading * held(DISTURBANCE);
+        const double heavier = between(load - input(TRUST) * disturbance, self.lightest, self.heaviest);
+        const double faster = between(velocity_factor - input(TRUST_LEAD) * disturbance, self.lightest, self.heaviest);
+        disturbance += (heavier - load) * input(NOTICED) + (faster - velocity_factor) * input(NOTICED_LEAD);
 
         double arrived = 0.0;
-        for (int k = 0; k < late; ++k) arrived += self.arrival[k] * held(UNDER_WAY + k);
-        const double acting[3] = {deviation, speed, push + arrived};
+        for (int k = 0; k < late; ++k) arrived += self.arrival[k] * held(PENDING + k);
+        const double acting[3] = {deviation, velocity, disturbance + arrived};
         double motion[3], restored = 0.0;
         for (int k = 0; k < 3; ++k) {
             motion[k] = 0.0;
@@ -56,17 +58,17 @@ inline void observe(const Observer& self, const double* inputs, const double* me
         motion[2] -= arrived;
         for (int k = 0; k < 3; ++k) restored += self.restoring[k] * motion[k];
 
-        const double led = input(GOAL), before = led + correction;
-        const double foreseen = led + heavier * input(LOAD) + quicker * input(LEAD);
-        const double asked = between(foreseen - restored, before - self.step[i], before + self.step[i]);
-        goals = between(asked, input(LOWEST), input(HIGHEST));
+        const double setpoint = input(GOAL), before = setpoint + correction;
+        const double expected = setpoint + heavier * input(LOAD) + faster * input(LEAD);
+        const double requested = between(expected - restored, before - self.step[i], before + self.step[i]);
+        goals = between(requested, input(LOWEST), input(HIGHEST));
         const double position = input(ANGLE) + motion[0];
-        for (int k = late - 1; k > 0; --k) held(UNDER_WAY + k) = held(UNDER_WAY + k - 1);
-        held(UNDER_WAY) = between(goals, position - self.full[i], position + self.full[i]) - foreseen;
+        for (int k = late - 1; k > 0; --k) held(PENDING + k) = held(PENDING + k - 1);
+        held(PENDING) = between(goals, position - self.full[i], position + self.full[i]) - expected;
         for (int k = 0; k < 3; ++k) held(k) = motion[k];
-        share = heavier;
-        pace = quicker;
-        correction = goals - led;
+        load = heavier;
+        velocity_factor = faster;
+        correction = goals - setpoint;
     }
 }
 

@@ -11,9 +11,9 @@ namespace kinesic::arm {
 
 namespace {
 
-constexpr double NARROW = 0.41421356237309504880;  // tangent of pi / 8
+constexpr double TAN_PI_8 = 0.41421356237309504880;  // tangent of pi / 8
 
-// Arc tangent of numbers within +-NARROW: a quotient of polynomials (Cephes, Moshier).
+// Arc tangent of numbers within +-TAN_PI_8, by a rational function (Cephes, Moshier).
 Lanes small_arctangent(Lanes t) {
     const Lanes z = t * t;
     const Lanes p = -6.485021904942025371773e1 +
@@ -45,7 +45,7 @@ Lanes arctangent(Lanes y, Lanes x) {
     const Lanes across = magnitude(y), along = magnitude(x);
     const Mask steep = across > along;
     const Lanes less = either(steep, along, across), more = either(steep, across, along);
-    const Mask wide = less > NARROW * more;
+    const Mask wide = less > TAN_PI_8 * more;
     const Lanes part = either(wide, less - more, less), whole = either(wide, less + more, more);
     Lanes angle = only(wide, all(PI / 4.0)) + small_arctangent(only(more > 0.0, part / whole));
     angle = either(steep, PI / 2.0 - angle, angle);

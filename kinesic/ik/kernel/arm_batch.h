@@ -7,14 +7,14 @@
 
 namespace kinesic::arm {
 
-struct Polishing {  // angles of each lane, and their distances
-    Lanes angles[MOST_HINGES];
+struct CorrectedPostures {  // angles of each lane, and their distances [m] to the target
+    Lanes angles[MAX_HINGES];
     Lanes miss;
 };
 
 // Hand positions, and their derivatives by each hinge.
 inline Vectors columns(const Linkage& arm, const Lanes* angles, Vectors* column) {
-    Vectors axis[MOST_HINGES], pole[MOST_HINGES], centre = all(arm.origin);
+    Vectors axis[MAX_HINGES], pole[MAX_HINGES], centre = all(arm.origin);
     Rotations rotation;
     for (int j = 0; j < arm.links - 1; ++j) {
         const Link& link = arm.link[j];
@@ -50,20 +50,20 @@ inline Vectors pushed(const Vectors* column, const Lanes* weight, int count, Lan
 inline void stepped(const Linkage& arm, const Lanes* angles, Vectors error, const Vectors* column, const Lanes* pulls,
                     const double* mobility, Lanes damping, Mask going, Lanes* result) {
     const int n = arm.own();
-    Mask free[MOST_HINGES];
+    Mask free[MAX_HINGES];
     for (int k = 0; k < n; ++k) {
         free[k] = mobility[k] > 0.0 ? going : Mask{};
         result[k] = angles[k];
     }
     for (Mask left_over = going; any(left_over);) {
         Vectors left = error;
-        Lanes weight[MOST_HINGES], wanted[MOST_HINGES];
+        Lanes weight[MAX_HINGES], wanted[MAX_HINGES];
         for (int k = 0; k < n; ++k) {
             left = left - column[k] * only(free[k], pulls[k]);
             weight[k] = only(free[k], all(mobility[k]));
         }
         const Vectors push = pushed(column, weight, n, damping, left);
-        Mask out[MOST_HINGES], stopped{};
+        Mask out[MAX_HINGES], stopped{};
         for (int k = 0; k < n; ++k) {
             wanted[k] = angles[k] + pulls[k] + weight[k] * dot(column[k], push);
             out[k] = free[k] & ((wanted[k] < arm.pivot[k].lower) | (wanted[k] > arm.pivot[k].upper));
@@ -83,33 +83,34 @@ inline void stepped(const Linkage& arm, const Lanes* angles, Vectors error, cons
 }
 
 // Runs `polish` in every lane.
-inline Polishing polish(const Linkage& arm, const Vectors& target, const double* angles, const double* posture,
+inline CorrectedPostures polish(const Linkage& arm, const Vectors& target, const double* angles, const double* posture,
                         const double* mobility, int rounds) {
-    using namespace polishing;
+    using namespace correction;
     const double size = arm.farthest;
     const int n = arm.own();
-    Polishing now;
-    Vectors buffers[2][MOST_HINGES], *column = buffers[0], *spare = buffers[1];
+    CorrectedPostures now;
+    Vectors buffers[2][MAX_HINGES], *column = buffers[0], *spare = buffers[1];
     for (int k = 0; k < n; ++k) now.angles[k] = all(angles[k]);
     Vectors error = target - columns(arm, now.angles, column);
     now.miss = norm(error);
-    Lanes caution = all(1.0), stalled = all(0.0);
-    double fading = 1.0;
+    Lanes damping_factor = all(1.0), stalled = all(0.0);
+    double posture_decay = 1.0;
     for (int round = 0; round < rounds; ++round) {
-        const Mask going = (now.miss > TOLERANCE * size) & (stalled < PATIENCE);
+        const Mask going = (now.miss > TOLERANCE * size) & (stalled < MAX_STALLED_STEPS);
         if (!any(going)) break;
-        fading *= FADING;
-        const Lanes damping = caution * (DAMPING * dot(error, error) + LEAST_DAMPING * size * size);
-        const Lanes share = POSTURE * fading / caution;
-        Lanes pulls[MOST_HINGES], tried[MOST_HINGES];
+        posture_decay *= POSTURE_DECAY;
+        const Lanes damping = damping_factor * (ERROR_DAMPING * dot(error, error) + MIN_DAMPING * size * size);
+        const Lanes share = POSTURE_GAIN * posture_decay / damping_factor;
+        Lanes pulls[MAX_HINGES], tried[MAX_HINGES];
         for (int k = 0; k < n; ++k) pulls[k] = share * (posture[k] - now.angles[k]);
         stepped(arm, now.angles, error, column, pulls, mobility, damping, going, tried);
         const Vectors tried_error = target - columns(arm, tried, spare);
         const Lanes tried_miss = norm(tried_error), gain = tried_miss / now.miss;
         const Mask better = going & (gain < 1.0);
-        stalled = only(gain > STALL, stalled + 1.0);
-        const Lanes calmer = caution / CAUTION;
-        caution = either(gain >= 1.0, CAUTION * caution, either(calmer > 1.0, calmer, all(1.0)));
+        stalled = only(gain > STALL_RATIO, stalled + 1.0);
+        const Lanes smaller_factor = damping_factor / DAMPING_GROWTH;
+        const Lanes reduced = either(smaller_factor > 1.0, smaller_factor, all(1.0));
+        damping_factor = either(gain >= 1.0, DAMPING_GROWTH * damping_factor, reduced);
         for (int k = 0; k < n; ++k) {
             now.angles[k] = either(better, tried[k], now.angles[k]);
             column[k] = either(better, spare[k], column[k]);

@@ -12,8 +12,8 @@ namespace nb = nanobind;
 
 struct Arm {
     bool mirrored = false;         // whether this is a right arm, packed as its left mirror image
-    double rest[MOST_HINGES];      // [rad] rest posture, inside the ranges
-    double mobility[MOST_HINGES];  // mobility of each hinge in motions with free choices
+    double rest[MAX_HINGES];      // [rad] rest posture, inside the ranges
+    double mobility[MAX_HINGES];  // mobility of each hinge in motions with free choices
     Linkage linkage;
 
     Vector seen(const Vector& p) const { return {p.x, mirrored ? 0.0 - p.y : p.y, p.z}; }

@@ -8,17 +8,17 @@
 
 namespace kinesic::arm {
 
-constexpr double UNDEFINED = 1e-9;    // distance to the axis below which a direction defines no angle
+constexpr double AXIS_TOLERANCE = 1e-9;  // distance to the axis below which a direction defines no angle
 constexpr double MISS_COST = 1e3;     // cost per arm length of a joint's distance from its point
 constexpr double TRAVEL_COST = 1e-3;  // cost per radian of travel from the current angles
-constexpr double SLACK = 1e-4;        // fraction of the bones' length that costs as much as a travel of a hundred radians
+constexpr double MISS_SLACK = 1e-4;      // [chain lengths] miss that costs as much as a travel of 100 rad
 
 // Subproblem 1: th = atan2(a.(r x v), r.v - (a.r)(a.v)); not `defined` for a direction along the axis.
 inline Lanes turn_towards(const Vector& axis, const Vector& rest, const Vectors& wanted, Mask& defined) {
     const Vectors a = all(axis), r = all(rest);
     const Lanes s = dot(a, cross(r, wanted));
     const Lanes c = dot(r, wanted) - dot(axis, rest) * dot(a, wanted);
-    defined = ~(root(s * s + c * c) < UNDEFINED);
+    defined = ~(root(s * s + c * c) < AXIS_TOLERANCE);
     return arctangent(s, c);
 }
 
@@ -37,14 +37,14 @@ inline int first_of_two(const Vector& first, const Vector& second, const Vector&
     const double b = -dot(second, cross(first, wanted));
     const double c = dot(second, rest) - skew * along;
     const double rho = std::sqrt(a * a + b * b);
-    if (rho < UNDEFINED) return 0;
+    if (rho < AXIS_TOLERANCE) return 0;
     if (std::abs(c) >= rho) {
         const double middle = arctangent(b, a);
         turns[0] = c > 0.0 ? middle : middle + PI;
         return 1;
     }
-    const double share = c / rho;
-    const Lanes angles = arctangent(Lanes{b, std::sqrt(1.0 - share)}, Lanes{a, std::sqrt(1.0 + share)});
+    const double ratio = c / rho;
+    const Lanes angles = arctangent(Lanes{b, std::sqrt(1.0 - ratio)}, Lanes{a, std::sqrt(1.0 + ratio)});
     const double middle = angles[0], spread = 2.0 * angles[1];
     turns[0] = middle + spread;
     turns[1] = middle - spread;
@@ -52,7 +52,7 @@ inline int first_of_two(const Vector& first, const Vector& second, const Vector&
 }
 
 struct Extraction {
-    double angles[MOST_HINGES] = {};  // [rad] angles of the hinges that aim the bones
+    double angles[MAX_HINGES] = {};  // [rad] angles of the hinges that aim the bones
     double miss = INFINITY;      // [m] sum of the joints' distances from their points
 };
 
@@ -62,17 +62,17 @@ struct Branch {  // solution of the first links on one branch
     double cost, miss;
     Rotation frame;
     Vector end;
-    double angles[MOST_HINGES];
+    double angles[MAX_HINGES];
     int links;
 };
 
-struct Ways {  // solutions of one link's hinges, in array form
-    Lanes angle[MOST_HINGES];
-    Turns turns[MOST_HINGES];
+struct LinkSolutions {  // solutions of one link's hinges, in array form
+    Lanes angle[MAX_HINGES];
+    Turns turns[MAX_HINGES];
     int count = 1;
 };
 
-// Returns the smallest possible distance of points [m] from an arc about an axis.
+// Returns the distances of points [m] from an arc about an axis.
 inline Lanes off_arc(const Arc& arc, const Vector& axis, const Vectors& point) {
     const Lanes along = dot(all(axis), point);
     const Mask beside = dot(all(arc.middle), point) >= arc.opening * norm(point - all(axis) * along);
@@ -80,12 +80,13 @@ inline Lanes off_arc(const Arc& arc, const Vector& axis, const Vectors& point) {
     return either(beside, magnitude(along - arc.height), either(lower < upper, lower, upper));
 }
 
-// Returns the solutions for the next bone: its last two hinges aim, others keep their angles. None if all miss > `most`.
-inline Ways aimed(const Linkage& arm, const Branch& branch, const Vector& point, const double* near, double most) {
+// Returns the solutions for the next bone: its last two hinges aim it, the others keep their angles. None if every miss
+// exceeds `most`.
+inline LinkSolutions aimed(const Linkage& arm, const Branch& branch, const Vector& point, const double* near, double most) {
     const Link& link = arm.link[branch.links];
     const int end = link.first + link.count;
     const Vector away = point - branch.end;
-    Ways ways;
+    LinkSolutions ways;
     Vectors wanted = all(within(branch.frame, unit(away)));
     int k = link.first;
     const auto turn = [&](Lanes angle) {
@@ -116,12 +117,11 @@ inline Ways aimed(const Linkage& arm, const Branch& branch, const Vector& point,
     return ways;
 }
 
-// Extends a branch by one link in all possible ways. Writes at most two children, none if all miss by more than
-// `most`.
+// Extends a branch by all solutions of the next link. Writes at most two children, and none if every miss exceeds `most`.
 inline int grown(const Linkage& arm, const Branch& branch, const Vector& point, const double* near, double size,
                  Branch* children, double most = INFINITY) {
     const Link& link = arm.link[branch.links];
-    const Ways ways = aimed(arm, branch, point, near, most);
+    const LinkSolutions ways = aimed(arm, branch, point, near, most);
     if (ways.count == 0) return 0;
     Rotations frame = all(branch.frame);
     Lanes travel = all(0.0);
@@ -145,13 +145,13 @@ inline int grown(const Linkage& arm, const Branch& branch, const Vector& point, 
     return ways.count;
 }
 
-// Returns the solutions for the first bone, the cheaper last: equal for all postures with the same first joint centre.
-struct Stem {
+// Solutions for the first bone, the cheaper one last. All postures with the same first joint centre share them.
+struct FirstLinkSolutions {
     Branch ways[2];
     int count = 0;
 
-    Stem() = default;
-    Stem(const Linkage& arm, const Vector& point, const double* near, double size) {
+    FirstLinkSolutions() = default;
+    FirstLinkSolutions(const Linkage& arm, const Vector& point, const double* near, double size) {
         Branch root;
         root.cost = root.miss = 0.0;
         root.frame = Rotation{};
@@ -171,20 +171,20 @@ inline double length_of(const Linkage& arm, int count) {
 
 }  // namespace hinges
 
-// Finds the angles in range whose joint centres are nearest to the points: depth-first, cheaper branch first, because a
-// shoulder branch can be judged only with its elbow. A posture with a miss above `bound` need not be found: the returned
-// miss is then infinite, or that of another posture above the bound.
-inline Extraction extract(const Linkage& arm, const hinges::Stem& stem, const Vector* points, int count,
+// Finds the angles in range whose joint centres are nearest to the points. Depth-first, cheaper branch first, because the
+// cost of a shoulder branch depends on its elbow. Postures with a miss above `bound` may be skipped: the returned miss is
+// then infinite, or that of another posture above the bound.
+inline Extraction extract(const Linkage& arm, const hinges::FirstLinkSolutions& stem, const Vector* points, int count,
                           const double* near, double bound = INFINITY) {
     const double size = hinges::length_of(arm, count);
-    hinges::Branch waiting[MOST_LINKS + 1];  // each level leaves at most one waiting branch
+    hinges::Branch waiting[MAX_LINKS + 1];  // each level leaves at most one waiting branch
     int left = stem.count;
     std::copy_n(stem.ways, left, waiting);
     Extraction best;
     double least = INFINITY;
     while (left > 0) {
         const hinges::Branch branch = waiting[--left];
-        const double most = bound + SLACK * size - branch.miss;
+        const double most = bound + MISS_SLACK * size - branch.miss;
         if (branch.cost >= least || most < 0.0) continue;
         if (branch.links == count) {
             least = branch.cost;
@@ -207,7 +207,7 @@ inline Extraction extract(const Linkage& arm, const Vector* points, int count, c
         still.miss = 0.0;
         return still;
     }
-    return extract(arm, hinges::Stem(arm, points[0], near, hinges::length_of(arm, count)), points, count, near);
+    return extract(arm, hinges::FirstLinkSolutions(arm, points[0], near, hinges::length_of(arm, count)), points, count, near);
 }
 
 }  // namespace kinesic::arm

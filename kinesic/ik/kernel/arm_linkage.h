@@ -6,9 +6,9 @@
 
 namespace kinesic::arm {
 
-constexpr int MOST_LINKS = 8;
-constexpr int MOST_HINGES = 12;
-constexpr int MOST_SEEDS = 64;
+constexpr int MAX_LINKS = 8;
+constexpr int MAX_HINGES = 12;
+constexpr int MAX_SEEDS = 64;
 
 enum class Kind { x, y, z, oblique };  // axis of its frame along which a hinge lies
 
@@ -61,22 +61,22 @@ struct Arc {  // arc of a bone's end as its last hinge rotates, seen from the bo
 };
 
 struct Seed {  // start posture with its hand position
-    double angles[MOST_HINGES];
+    double angles[MAX_HINGES];
     Vector hand;
 };
 
 struct Linkage {
     Vector origin;  // [m] in the base
     int links = 0, hinges = 0, seeds = 0;
-    Link link[MOST_LINKS];  // from the base outward; the last bone is the hand, which moves no joint
-    Arc arc[MOST_LINKS];    // arc of each link with hinges
-    Pivot pivot[MOST_HINGES];
+    Link link[MAX_LINKS];  // from the base outward; the last bone is the hand, which moves no joint
+    Arc arc[MAX_LINKS];    // arc of each link with hinges
+    Pivot pivot[MAX_HINGES];
     double side = 1.0;      // +1: an arm on the left; -1: on the right
     double farthest = 0.0;  // [m] shoulder to hand with the elbow as straight as possible
     double closest = 0.0;   // [m] shoulder to hand with the elbow as bent as possible
     Vector palm;            // unit, in the last segment
     Vector resting;         // [m] shoulder position with the collar bone at rest
-    Seed seed[MOST_SEEDS];  // last, because few solves read them
+    Seed seed[MAX_SEEDS];  // last, because few solves read them
 
     int girdle() const { return links - 3; }                   // number of links before the shoulder
     int own() const { return link[links - 1].first; }          // number of hinges before those of the hand
@@ -117,7 +117,7 @@ inline Rotation walk(const Linkage& arm, const double* angles, int count, Vector
 }
 
 inline Vector hand(const Linkage& arm, const double* angles) {
-    Vector points[MOST_LINKS + 1];
+    Vector points[MAX_LINKS + 1];
     walk(arm, angles, arm.links - 1, points);
     return points[arm.links - 1];
 }

@@ -1,4 +1,4 @@
-// Posture nearest to a target beyond reach within the ranges (tests/reference/ik/nearest.py), by projected Newton steps.
+// Posture nearest to a target beyond reach, by projected Newton steps (tests/reference/ik/nearest.py).
 
 #pragma once
 
@@ -9,24 +9,24 @@ namespace kinesic::arm {
 
 namespace nearing {
 
-constexpr int ROUNDS = 30;
-constexpr double GAIN = 1e-9;
-constexpr double LEAST_DAMPING = 1e-6;
-constexpr double MOST_DAMPING = 1e6;
-constexpr double WORTH = 2.5e-3;
-constexpr double CAUTION = 8.0;
-constexpr int SWEEPS = 30;
+constexpr int MAX_ITERATIONS = 30;
+constexpr double MIN_GAIN = 1e-9;           // relative decrease of the squared distance below which the search ends
+constexpr double MIN_DAMPING = 1e-6;        // [arm lengths^2] added to the curvature
+constexpr double MAX_DAMPING = 1e6;         // [arm lengths^2] damping above which the search ends
+constexpr double MIN_IMPROVEMENT = 2.5e-3;  // [arm lengths] smallest gain for which the elbow may change its side
+constexpr double DAMPING_GROWTH = 8.0;      // factor on the damping after a rejected step, divisor after an accepted one
+constexpr int MAX_SWEEPS = 30;              // largest number of Jacobi sweeps
 
-using Matrix = double[MOST_HINGES][MOST_HINGES];
+using Matrix = double[MAX_HINGES][MAX_HINGES];
 
 struct Shape {  // half the squared distance, to second order around a posture
     double distance;            // [m]
-    double slope[MOST_HINGES];  // [m^2/rad]
+    double slope[MAX_HINGES];  // [m^2/rad]
     Matrix curvature;           // [m^2/rad^2]
 };
 
 inline void measure(const Linkage& arm, const Vector& target, const double* angles, Shape& shape) {
-    Vector axis[MOST_HINGES], pole[MOST_HINGES], column[MOST_HINGES];
+    Vector axis[MAX_HINGES], pole[MAX_HINGES], column[MAX_HINGES];
     const Vector centre = walked(arm, angles, axis, pole);
     const Vector error = target - centre;
     shape.distance = norm(error);
@@ -43,7 +43,7 @@ inline void measure(const Linkage& arm, const Vector& target, const double* angl
 inline double lowest(const Matrix& given, int size) {
     Matrix m;
     for (int i = 0; i < size; ++i) std::copy_n(given[i], size, m[i]);
-    for (int sweep = 0; sweep < SWEEPS; ++sweep) {
+    for (int sweep = 0; sweep < MAX_SWEEPS; ++sweep) {
         double off = 0.0, on = 0.0;
         for (int i = 0; i < size; ++i) {
             on += m[i][i] * m[i][i];
@@ -101,9 +101,9 @@ inline void newton(const double* slope, const Matrix& curvature, int size, doubl
 
 // Moves the hinges that are not at their limits by one step; returns whether any moved.
 inline bool stepped(const Linkage& arm, const double* now, const Shape& here, double damping, double* tried) {
-    int free[MOST_HINGES], count = 0;
+    int free[MAX_HINGES], count = 0;
     Matrix curvature;
-    double slope[MOST_HINGES], step[MOST_HINGES];
+    double slope[MAX_HINGES], step[MAX_HINGES];
     for (int k = 0; k < arm.own(); ++k) {
         const Pivot& pivot = arm.pivot[k];
         tried[k] = now[k];
@@ -126,49 +126,49 @@ inline bool stepped(const Linkage& arm, const double* now, const Shape& here, do
 
 }  // namespace nearing
 
-// Descends from the nearer of two postures; keeps the first one if that gains less than a millimetre.
-inline Polished finish(const Linkage& arm, const Vector& target, const double* kept, const double* elsewhere) {
+// Descends from the nearer of two postures; keeps the first one unless the gain exceeds MIN_IMPROVEMENT.
+inline CorrectedPosture finish(const Linkage& arm, const Vector& target, const double* kept, const double* elsewhere) {
     using namespace nearing;
     const int n = arm.own();
     Shape shapes[3], *here = shapes, *there = shapes + 1;
     measure(arm, target, kept, shapes[0]);
     measure(arm, target, elsewhere, shapes[1]);
     const double first = shapes[0].distance;
-    Polished found;
+    CorrectedPosture found;
     std::copy_n(shapes[1].distance < first ? elsewhere : kept, n, found.angles);
     if (shapes[1].distance < first) std::swap(here, there);
-    for (double damping = LEAST_DAMPING; found.rounds < ROUNDS && damping < MOST_DAMPING;) {
+    for (double damping = MIN_DAMPING; found.rounds < MAX_ITERATIONS && damping < MAX_DAMPING;) {
         ++found.rounds;
-        double tried[MOST_HINGES];
+        double tried[MAX_HINGES];
         const bool moved = stepped(arm, found.angles, *here, damping, tried);
         measure(arm, target, tried, *there);
         const double won = here->distance * here->distance - there->distance * there->distance;
         if (won <= 0.0 && moved) {
-            damping *= CAUTION;
+            damping *= DAMPING_GROWTH;
             continue;
         }
         std::copy_n(tried, n, found.angles);
         std::swap(here, there);
-        damping = std::max(LEAST_DAMPING, damping / CAUTION);
-        if (won <= GAIN * (here->distance * here->distance)) break;
+        damping = std::max(MIN_DAMPING, damping / DAMPING_GROWTH);
+        if (won <= MIN_GAIN * (here->distance * here->distance)) break;
     }
     found.miss = here->distance;
-    if (first - found.miss < WORTH * arm.farthest) {
+    if (first - found.miss < MIN_IMPROVEMENT * arm.farthest) {
         std::copy_n(kept, n, found.angles);
         found.miss = first;
     }
     return found;
 }
 
-// Improves an unreached solution to the nearest posture if that gains something: the side of the body was chosen for
-// the clamped target, but the requested target may be nearer to the other side.
-[[gnu::cold, gnu::noinline]] inline void finish(const Linkage& arm, const Question& question, const double* rest, const double* mobility,
-                   Answer& answer) {
-    const Polished elsewhere = approach(arm, question.position, answer.angles, rest, mobility);
-    const Polished best = finish(arm, question.position, answer.angles, elsewhere.angles);
+// Replaces the solution of an unreached target by the nearest posture if that is closer. The elbow's side was chosen for
+// the clamped target; the requested target may be nearer on the other side.
+[[gnu::cold, gnu::noinline]] inline void finish(const Linkage& arm, const Question& question, const double* rest,
+                                                const double* mobility, Answer& answer) {
+    const CorrectedPosture elsewhere = approach(arm, question.position, answer.angles, rest, mobility);
+    const CorrectedPosture best = finish(arm, question.position, answer.angles, elsewhere.angles);
     if (std::equal(best.angles, best.angles + arm.own(), answer.angles)) return;
     std::copy_n(best.angles, arm.own(), answer.angles);
-    Vector points[MOST_LINKS + 1];
+    Vector points[MAX_LINKS + 1];
     const Rotation frame = walk(arm, answer.angles, arm.links - 1, points);
     turn_hand(arm, frame, question.wishes, question.wish_count, question.home, answer.angles, answer.errors);
     answer.residual = distance(points[arm.links - 1], question.position);
@@ -178,7 +178,7 @@ inline Polished finish(const Linkage& arm, const Vector& target, const double* k
 // Solves a target and, if it is not reached, approaches it as closely as possible.
 inline Answer answer(const Linkage& arm, const Question& question, const double* rest, const double* mobility) {
     Answer found = solve(arm, question);
-    if (found.residual > REACHED) finish(arm, question, rest, mobility, found);
+    if (found.residual > REACHED_DISTANCE) finish(arm, question, rest, mobility, found);
     return found;
 }
 

@@ -7,7 +7,7 @@
 
 namespace kinesic::arm {
 
-constexpr double LIKE = 1e-6;  // [rad] smaller rotations count as zero
+constexpr double NEGLIGIBLE_ROTATION = 1e-6;  // [rad] rotations below this count as zero
 
 inline Rotation product(const Rotation& a, const Rotation& b) {
     return {rotated(a, b.x), rotated(a, b.y), rotated(a, b.z)};
@@ -36,7 +36,7 @@ inline Vector shortest_turn(const Rotation& present, const Rotation& wanted) {
 inline bool orientation_of(const Vector& along, const Vector& palm, const Vector& pointing, const Vector& facing,
                            Rotation& wanted) {
     const Vector own = across(palm, along), seen = across(facing, pointing);
-    if (norm(own) < LIKE || norm(seen) < LIKE) return false;
+    if (norm(own) < NEGLIGIBLE_ROTATION || norm(seen) < NEGLIGIBLE_ROTATION) return false;
     const Vector aside = unit(own), turned_aside = unit(seen);
     const Rotation mine{along, aside, cross(along, aside)};
     const Rotation theirs{pointing, turned_aside, cross(pointing, turned_aside)};
@@ -73,7 +73,7 @@ inline double face(const Linkage& arm, const Rotation& frame, const Rotation& wa
     const Pivot* pivots = arm.pivot + arm.own();
     const double* now = near + arm.own();
     const Rotation inner = product(transposed(frame), wanted);
-    double ways[2][MOST_HINGES], three[2][3], least = INFINITY, shortest = INFINITY;
+    double ways[2][MAX_HINGES], three[2][3], least = INFINITY, shortest = INFINITY;
     int count = 1;
     if (hinges == 3) {
         count = wrist::three_turns(pivots, inner, now, three);
@@ -91,7 +91,7 @@ inline double face(const Linkage& arm, const Rotation& frame, const Rotation& wa
             held = behind(held, pivots[k], ways[way][k]);
             travel += std::abs(ways[way][k] - now[k]);
         }
-        const double turn = norm(shortest_turn(held, inner)), price = turn > LIKE ? turn : 0.0;
+        const double turn = norm(shortest_turn(held, inner)), price = turn > NEGLIGIBLE_ROTATION ? turn : 0.0;
         if (way > 0 && (price > least || (price == least && travel >= shortest))) continue;
         least = price, shortest = travel, left = turn;
         std::copy_n(ways[way], hinges, angles);

@@ -8,22 +8,22 @@
 
 namespace kinesic::arm {
 
-namespace polishing {
+namespace correction {
 
-constexpr int ROUNDS = 24;
-constexpr double TOLERANCE = 1e-7;
-constexpr double DAMPING = 0.3;  // lambda^2 = DAMPING e^2 + LEAST_DAMPING size^2 (after Sugihara)
-constexpr double LEAST_DAMPING = 1e-7;
-constexpr double POSTURE = 0.4;
-constexpr double FADING = 0.7;
-constexpr double STALL = 0.98;
-constexpr int PATIENCE = 6;
-constexpr double CAUTION = 8.0;
+constexpr int MAX_ITERATIONS = 24;
+constexpr double TOLERANCE = 1e-7;      // [arm lengths] largest remaining distance
+constexpr double ERROR_DAMPING = 0.3;   // lambda^2 = ERROR_DAMPING e^2 + MIN_DAMPING size^2 (after Sugihara)
+constexpr double MIN_DAMPING = 1e-7;
+constexpr double POSTURE_GAIN = 0.4;    // fraction of the distance to the preferred posture per iteration
+constexpr double POSTURE_DECAY = 0.7;   // factor on `POSTURE_GAIN` per iteration, from the first on
+constexpr double STALL_RATIO = 0.98;    // error ratio of successive iterations above which progress has stalled
+constexpr int MAX_STALLED_STEPS = 6;    // successive stalled iterations that end the solver
+constexpr double DAMPING_GROWTH = 8.0;  // factor on the damping after a rejected step, divisor after an accepted one
 
-}  // namespace polishing
+}  // namespace correction
 
-struct Polished {
-    double angles[MOST_HINGES] = {};  // [rad] of the hinges before the hand
+struct CorrectedPosture {
+    double angles[MAX_HINGES] = {};  // [rad] of the hinges before the hand
     double miss = INFINITY;      // [m]
     int rounds = 0;
 };
@@ -46,7 +46,7 @@ inline Vector walked(const Linkage& arm, const double* angles, Vector* axis, Vec
 
 // Hand position, and its derivative by each hinge before the hand.
 inline Vector columns(const Linkage& arm, const double* angles, Vector* column) {
-    Vector axis[MOST_HINGES], pole[MOST_HINGES];
+    Vector axis[MAX_HINGES], pole[MAX_HINGES];
     const Vector centre = walked(arm, angles, axis, pole);
     for (int k = 0; k < arm.own(); ++k) column[k] = cross(axis[k], centre - pole[k]);
     return centre;
@@ -73,7 +73,7 @@ inline Vector pushed(const Vector* column, const double* mobility, const int* fr
 // Takes one step; free hinges compensate for those at their limits.
 inline void stepped(const Linkage& arm, const double* angles, Vector error, const Vector* column, const double* pulls,
                     const double* mobility, double damping, double* result) {
-    int free[MOST_HINGES], count = 0;
+    int free[MAX_HINGES], count = 0;
     for (int k = 0; k < arm.own(); ++k) {
         result[k] = angles[k];
         if (mobility[k] > 0.0) free[count++] = k;
@@ -82,7 +82,7 @@ inline void stepped(const Linkage& arm, const double* angles, Vector error, cons
         Vector left = error;
         for (int i = 0; i < count; ++i) left = left - column[free[i]] * pulls[free[i]];
         const Vector push = pushed(column, mobility, free, count, damping, left);
-        double wanted[MOST_HINGES];
+        double wanted[MAX_HINGES];
         bool stopped = false;
         for (int i = 0; i < count; ++i) {
             const int k = free[i];
@@ -105,29 +105,29 @@ inline void stepped(const Linkage& arm, const double* angles, Vector error, cons
 }
 
 // Moves the hand to a target, with a null-space pull towards `posture`; returns the best angles.
-inline Polished polish(const Linkage& arm, const Vector& target, const double* angles, const double* posture,
-                       const double* mobility, int most_rounds = polishing::ROUNDS) {
-    using namespace polishing;
+inline CorrectedPosture polish(const Linkage& arm, const Vector& target, const double* angles, const double* posture,
+                       const double* mobility, int most_rounds = correction::MAX_ITERATIONS) {
+    using namespace correction;
     const double size = arm.farthest;
     const int n = arm.own();
-    Polished now;
-    Vector buffers[2][MOST_HINGES], *column = buffers[0], *spare = buffers[1];
+    CorrectedPosture now;
+    Vector buffers[2][MAX_HINGES], *column = buffers[0], *spare = buffers[1];
     std::copy(angles, angles + n, now.angles);
     Vector error = target - columns(arm, now.angles, column);
     now.miss = norm(error);
-    double caution = 1.0, fading = 1.0;
-    for (int stalled = 0; now.miss > TOLERANCE * size && stalled < PATIENCE && now.rounds < most_rounds;) {
+    double damping_factor = 1.0, posture_decay = 1.0;
+    for (int stalled = 0; now.miss > TOLERANCE * size && stalled < MAX_STALLED_STEPS && now.rounds < most_rounds;) {
         ++now.rounds;
-        fading *= FADING;
-        const double damping = caution * (DAMPING * dot(error, error) + LEAST_DAMPING * size * size);
-        double pulls[MOST_HINGES], tried[MOST_HINGES];
-        const double share = POSTURE * fading / caution;
+        posture_decay *= POSTURE_DECAY;
+        const double damping = damping_factor * (ERROR_DAMPING * dot(error, error) + MIN_DAMPING * size * size);
+        double pulls[MAX_HINGES], tried[MAX_HINGES];
+        const double share = POSTURE_GAIN * posture_decay / damping_factor;
         for (int k = 0; k < n; ++k) pulls[k] = share * (posture[k] - now.angles[k]);
         stepped(arm, now.angles, error, column, pulls, mobility, damping, tried);
         const Vector tried_error = target - columns(arm, tried, spare);
         const double tried_miss = norm(tried_error), gain = tried_miss / now.miss;
-        stalled = gain > STALL ? stalled + 1 : 0;
-        caution = gain >= 1.0 ? CAUTION * caution : std::max(1.0, caution / CAUTION);
+        stalled = gain > STALL_RATIO ? stalled + 1 : 0;
+        damping_factor = gain >= 1.0 ? DAMPING_GROWTH * damping_factor : std::max(1.0, damping_factor / DAMPING_GROWTH);
         if (gain < 1.0) {
             std::copy(tried, tried + n, now.angles);
             std::swap(column, spare);

@@ -10,11 +10,11 @@ namespace kinesic::arm {
 struct Pose {  // requested pose
     Vector position;  // [m] in the base
     Rotation wanted;
-    double near[MOST_HINGES];  // [rad] inside the ranges
+    double near[MAX_HINGES];  // [rad] inside the ranges
 };
 
-struct Held {  // solution of a pose
-    double angles[MOST_HINGES];
+struct PoseSolution {  // solution of a pose
+    double angles[MAX_HINGES];
     double residual = INFINITY;  // [m]
     double turn = INFINITY;      // [rad]
     bool reached = false;
@@ -23,63 +23,64 @@ struct Held {  // solution of a pose
 
 namespace poses {
 
-constexpr double NEAR_ENOUGH = 1e-4;  // [m] largest position error of a solved pose
-constexpr double LIKE_ENOUGH = 1e-3;  // [rad] largest rotation error of a solved pose
-constexpr double PERFECT = 1e-6;
-constexpr double ALIKE = 0.05;
-constexpr int CANDIDATES = 12;
-constexpr int SWIVELS = 24;
-constexpr int GIRDLE_STEPS = 5;
-constexpr double MISS_COST = 10.0;
-constexpr int MOST_GIRDLE = 3;                    // largest number of collar-bone hinges in the search
-constexpr int WAYS = GIRDLE_STEPS + 1;            // values per hinge, the present one first
-constexpr int MOST_WAYS = WAYS * WAYS * WAYS;     // combinations of all collar-bone hinges
+constexpr double POSITION_TOLERANCE = 1e-4;  // [m] largest position error of a solved pose
+constexpr double ROTATION_TOLERANCE = 1e-3;  // [rad] largest rotation error of a solved pose
+constexpr double PERFECT_COST = 1e-6;           // cost of a cell at which the search ends
+constexpr double SAME_POSTURE_DISTANCE = 0.05;  // [rad] distance below which postures count as equal
+constexpr int MAX_CANDIDATES = 12;              // largest number of refined cells
+constexpr int SWIVEL_STEPS = 24;                // swivels on the elbow's circle
+constexpr int GIRDLE_STEPS = 5;                 // values over the range of each collar-bone hinge
+constexpr double MISS_COST = 10.0;              // [rad / arm length] cost of the hand's distance from its target
+constexpr int MAX_GIRDLE_HINGES = 3;                 // largest number of collar-bone hinges in the search
+constexpr int VALUES_PER_HINGE = GIRDLE_STEPS + 1;   // the present value is the first
+constexpr int MAX_GIRDLE_POSTURES = VALUES_PER_HINGE * VALUES_PER_HINGE * VALUES_PER_HINGE;
 
 // Swivel offsets around the circle [rad]: 0, then alternating sides.
 inline double outward(int k) {
-    const double step = TAU / SWIVELS;
+    const double step = TAU / SWIVEL_STEPS;
     return ((k + 1) / 2) * (k % 2 ? step : -step);
 }
 
-inline void judge(const Linkage& arm, const Pose& pose, Held& held) {
-    Vector points[MOST_LINKS + 1];
+inline void judge(const Linkage& arm, const Pose& pose, PoseSolution& held) {
+    Vector points[MAX_LINKS + 1];
     const Rotation frame = walk(arm, held.angles, arm.links, points);
     held.residual = distance(points[arm.links - 1], pose.position);
     held.turn = norm(shortest_turn(frame, pose.wanted));
-    held.reached = held.residual <= NEAR_ENOUGH && held.turn <= LIKE_ENOUGH;
+    held.reached = held.residual <= POSITION_TOLERANCE && held.turn <= ROTATION_TOLERANCE;
 }
 
-struct Search {  // search cells: collar-bone postures by distance, each with a full circle of elbow positions
+// Search over cells: collar-bone postures in the order of their distance, each with a full circle of elbow positions.
+struct Search {
     const Linkage& arm;
     const Pose& pose;
     double begin = NATURAL_SWIVEL;
-    int girdle, ways = 1, order[MOST_WAYS];
-    double cost[MOST_WAYS * SWIVELS];
+    int girdle, ways = 1, order[MAX_GIRDLE_POSTURES];
+    double cost[MAX_GIRDLE_POSTURES * SWIVEL_STEPS];
     int seen = 0;
 
     Search(const Linkage& arm, const Pose& pose) : arm(arm), pose(pose), girdle(arm.upper().first) {
-        Vector points[MOST_LINKS + 1];
+        Vector points[MAX_LINKS + 1];
         walk(arm, pose.near, arm.links - 1, points);
         swivel_of(arm, points + arm.girdle(), begin);
-        for (int k = 0; k < girdle; ++k) ways *= WAYS;
+        for (int k = 0; k < girdle; ++k) ways *= VALUES_PER_HINGE;
         order[0] = 0;
     }
 
-    // Collar-bone posture of a combination: each digit selects the value of a hinge, the first hinge has the highest digit.
+    // Collar-bone posture of a combination. Each digit selects the value of a hinge; the first hinge has the highest digit.
     void carry(int way, double* angles) const {
         std::copy_n(pose.near, arm.hinges, angles);
-        for (int k = girdle - 1; k >= 0; --k, way /= WAYS) {
+        for (int k = girdle - 1; k >= 0; --k, way /= VALUES_PER_HINGE) {
             const Pivot& pivot = arm.pivot[k];
-            const int step = way % WAYS;
+            const int step = way % VALUES_PER_HINGE;
             if (step > 0) angles[k] = pivot.lower + (step - 1) * ((pivot.upper - pivot.lower) / (GIRDLE_STEPS - 1));
         }
     }
 
     // Sorts the collar-bone combinations by rotation; the first one, without rotation, stays first.
     void arrange() {
-        double away[MOST_WAYS];
+        double away[MAX_GIRDLE_POSTURES];
         for (int way = 0; way < ways; ++way) {
-            double angles[MOST_HINGES], sum = 0.0;
+            double angles[MAX_HINGES], sum = 0.0;
             carry(way, angles);
             for (int k = 0; k < girdle; ++k) sum += (angles[k] - pose.near[k]) * (angles[k] - pose.near[k]);
             away[way] = std::sqrt(sum);
@@ -91,7 +92,7 @@ struct Search {  // search cells: collar-bone postures by distance, each with a 
 
     // Computes the posture of one swivel with a collar-bone posture, and its cost.
     double at(const double* near, const Place& place, const Circle& circle, int swivel, double* angles) const {
-        Vector ends[MOST_LINKS + 1], points[MOST_LINKS + 1];
+        Vector ends[MAX_LINKS + 1], points[MAX_LINKS + 1];
         std::copy(place.ends, place.ends + arm.girdle(), ends);
         ends[arm.girdle()] = circle.at(arm.side, begin + outward(swivel));
         ends[arm.girdle() + 1] = place.target;
@@ -104,28 +105,28 @@ struct Search {  // search cells: collar-bone postures by distance, each with a 
 
     // Computes a cell by its number.
     void again(int cell, double* angles) const {
-        double near[MOST_HINGES];
-        carry(order[cell / SWIVELS], near);
+        double near[MAX_HINGES];
+        carry(order[cell / SWIVEL_STEPS], near);
         const Place place = place_of(arm, near, pose.position);
-        at(near, place, Circle(arm, place.shoulder, place.target), cell % SWIVELS, angles);
+        at(near, place, Circle(arm, place.shoulder, place.target), cell % SWIVEL_STEPS, angles);
     }
 
-    // Evaluates cells until one is perfect; returns the number and the angles of the cheapest.
+    // Evaluates cells until the cost of one is below PERFECT_COST; returns number and angles of the cheapest.
     int cheapest(double* best) {
         int least = 0;
         for (int way = 0; way < ways; ++way) {
             if (way == 1) arrange();
-            double near[MOST_HINGES], angles[MOST_HINGES];
+            double near[MAX_HINGES], angles[MAX_HINGES];
             carry(order[way], near);
             const Place place = place_of(arm, near, pose.position);
             const Circle circle(arm, place.shoulder, place.target);
-            for (int swivel = 0; swivel < SWIVELS; ++swivel) {
+            for (int swivel = 0; swivel < SWIVEL_STEPS; ++swivel) {
                 cost[seen] = at(near, place, circle, swivel, angles);
                 if (seen == 0 || cost[seen] < cost[least]) {
                     least = seen;
                     std::copy_n(angles, arm.hinges, best);
                 }
-                if (cost[seen++] < PERFECT) return least;
+                if (cost[seen++] < PERFECT_COST) return least;
             }
         }
         return least;
@@ -135,12 +136,12 @@ struct Search {  // search cells: collar-bone postures by distance, each with a 
 inline bool alike(const double* one, const double* other, int count) {
     double sum = 0.0;
     for (int k = 0; k < count; ++k) sum += (one[k] - other[k]) * (one[k] - other[k]);
-    return std::sqrt(sum) <= ALIKE;
+    return std::sqrt(sum) <= SAME_POSTURE_DISTANCE;
 }
 
 // Descends from a posture, and keeps the result if it is better than the best.
-inline void improve(const Linkage& arm, const Pose& pose, const double* mobility, const double* from, Held& best) {
-    Held found;
+inline void improve(const Linkage& arm, const Pose& pose, const double* mobility, const double* from, PoseSolution& best) {
+    PoseSolution found;
     std::copy_n(from, arm.hinges, found.angles);
     best.rounds += six::descend(arm, pose.position, pose.wanted, pose.near, mobility, found.angles);
     judge(arm, pose, found);
@@ -156,12 +157,12 @@ inline void rank(const double* cost, int count, int* order) {
 }
 
 // Descends from the cheapest distinct cells until one solves the pose.
-inline void refine(const Search& search, const double* mobility, Held& best) {
+inline void refine(const Search& search, const double* mobility, PoseSolution& best) {
     const Linkage& arm = search.arm;
-    double kept[CANDIDATES][MOST_HINGES];
-    int order[MOST_WAYS * SWIVELS], count = 0;
+    double kept[MAX_CANDIDATES][MAX_HINGES];
+    int order[MAX_GIRDLE_POSTURES * SWIVEL_STEPS], count = 0;
     rank(search.cost, search.seen, order);
-    for (int cell = 0; cell < search.seen && count < CANDIDATES; ++cell) {
+    for (int cell = 0; cell < search.seen && count < MAX_CANDIDATES; ++cell) {
         double* angles = kept[count];
         search.again(order[cell], angles);
         if (std::any_of(kept, kept + count, [&](const double* known) { return alike(angles, known, arm.hinges); }))
@@ -172,13 +173,13 @@ inline void refine(const Search& search, const double* mobility, Held& best) {
     }
 }
 
-// Descends from start postures all over the ranges, the nearest to the pose first.
-inline void reseed(const Linkage& arm, const Pose& pose, const double* mobility, Held& best) {
-    double cost[MOST_SEEDS], postures[MOST_SEEDS][MOST_HINGES];
-    int order[MOST_SEEDS];
+// Descends from the start postures, which cover the ranges, in the order of their distance from the pose.
+inline void reseed(const Linkage& arm, const Pose& pose, const double* mobility, PoseSolution& best) {
+    double cost[MAX_SEEDS], postures[MAX_SEEDS][MAX_HINGES];
+    int order[MAX_SEEDS];
     for (int n = 0; n < arm.seeds; ++n) {
         double* angles = postures[n];
-        Vector points[MOST_LINKS + 1];
+        Vector points[MAX_LINKS + 1];
         std::copy_n(arm.seed[n].angles, arm.own(), angles);
         const Rotation frame = walk(arm, angles, arm.links - 1, points);
         const double error = face(arm, frame, pose.wanted, pose.near, angles + arm.own());
@@ -191,14 +192,14 @@ inline void reseed(const Linkage& arm, const Pose& pose, const double* mobility,
 }  // namespace poses
 
 // Whether an arm has few enough collar-bone hinges for this search.
-inline bool searched(const Linkage& arm) { return arm.upper().first <= poses::MOST_GIRDLE; }
+inline bool searched(const Linkage& arm) { return arm.upper().first <= poses::MAX_GIRDLE_HINGES; }
 
-inline Held hold(const Linkage& arm, const Pose& pose, const double* mobility) {
+inline PoseSolution hold(const Linkage& arm, const Pose& pose, const double* mobility) {
     poses::Search search(arm, pose);
-    Held held;
+    PoseSolution held;
     const int least = search.cheapest(held.angles);
     poses::judge(arm, pose, held);
-    if (search.cost[least] >= poses::PERFECT) poses::refine(search, mobility, held);
+    if (search.cost[least] >= poses::PERFECT_COST) poses::refine(search, mobility, held);
     if (!held.reached) poses::reseed(arm, pose, mobility, held);
     held.cells = search.seen;
     return held;

@@ -1,4 +1,4 @@
-// Joint angles for a reach: clamp, masses, hinges, polish, wrist (kinesic/ik/solve.py; thesis 7.3).
+// Joint angles for a hand target: reach, springs, hinges, numerical correction, wrist (kinesic/ik/solve.py; thesis 7.3).
 
 #pragma once
 
@@ -8,23 +8,23 @@
 
 namespace kinesic::arm {
 
-constexpr double STALLED = 2e-5;
-constexpr int RESTARTS = 8;
-constexpr double REACHED = 1e-3;
+constexpr double STALL_DISTANCE = 2e-5;    // [m] distance left to the target above which other start postures are tried
+constexpr int MAX_RESTARTS = 8;            // largest number of other start postures
+constexpr double REACHED_DISTANCE = 1e-3;  // [m] largest distance at which a target counts as reached
 
 struct Question {
     Vector position;                   // [m] in the base
     const double* swivel = nullptr;    // [rad] or null
-    Wish wishes[MOST_WISHES];          // desired pointing and palm directions
+    Wish wishes[MAX_DIRECTIONS];          // desired pointing and palm directions
     int wish_count = 0;
-    double near[MOST_HINGES];          // [rad] start posture, inside the ranges
-    double home[MOST_HINGES];          // [rad] preferred posture, inside the ranges
-    double mobility[MOST_HINGES];
+    double near[MAX_HINGES];          // [rad] start posture, inside the ranges
+    double home[MAX_HINGES];          // [rad] preferred posture, inside the ranges
+    double mobility[MAX_HINGES];
 };
 
 struct Answer {
-    double angles[MOST_HINGES] = {};   // [rad] inside the ranges
-    double errors[MOST_WISHES] = {};   // [rad] direction errors in the order of `wishes`
+    double angles[MAX_HINGES] = {};   // [rad] inside the ranges
+    double errors[MAX_DIRECTIONS] = {};   // [rad] direction errors in the order of `wishes`
     double residual = 0.0;             // [m]
     int iterations = 0;
     Vector target;                     // [m] after clamping to the reach
@@ -32,7 +32,7 @@ struct Answer {
 
 // Returns the start postures whose hands are nearest to a target, best first.
 inline void nearest(const Linkage& arm, const Vector& target, int count, int* chosen) {
-    double near[MOST_SEEDS];
+    double near[MAX_SEEDS];
     int kept = 0;
     for (int n = 0; n < arm.seeds; ++n) {
         const double away = distance(arm.seed[n].hand, target);
@@ -47,14 +47,14 @@ inline void nearest(const Linkage& arm, const Vector& target, int count, int* ch
     }
 }
 
-// Corrects the angles numerically, then from other postures until the hand arrives; returns the best.
-inline Polished approach(const Linkage& arm, const Vector& target, const double* angles, const double* posture,
+// Corrects the angles numerically, also from other start postures until the hand arrives; returns the best result.
+inline CorrectedPosture approach(const Linkage& arm, const Vector& target, const double* angles, const double* posture,
                          const double* mobility) {
-    Polished best = polish(arm, target, angles, posture, mobility);
-    int rounds = best.rounds, chosen[RESTARTS];
-    if (best.miss >= STALLED) nearest(arm, target, RESTARTS, chosen);
-    for (int restart = 0; restart < std::min(RESTARTS, arm.seeds) && best.miss >= STALLED; ++restart) {
-        const Polished tried = polish(arm, target, arm.seed[chosen[restart]].angles, posture, mobility);
+    CorrectedPosture best = polish(arm, target, angles, posture, mobility);
+    int rounds = best.rounds, chosen[MAX_RESTARTS];
+    if (best.miss >= STALL_DISTANCE) nearest(arm, target, MAX_RESTARTS, chosen);
+    for (int restart = 0; restart < std::min(MAX_RESTARTS, arm.seeds) && best.miss >= STALL_DISTANCE; ++restart) {
+        const CorrectedPosture tried = polish(arm, target, arm.seed[chosen[restart]].angles, posture, mobility);
         rounds += tried.rounds;
         if (tried.miss < best.miss) best = tried;
     }
@@ -66,10 +66,10 @@ inline Polished approach(const Linkage& arm, const Vector& target, const double*
 inline Bend found(const Linkage& arm, const Place& place, const Question& question) {
     Bend first = bent(arm, place, question.near, question.swivel);
     if (first.exact) return first;
-    const Polished best = approach(arm, place.target, first.angles, question.home, question.mobility);
+    const CorrectedPosture best = approach(arm, place.target, first.angles, question.home, question.mobility);
     std::copy(best.angles, best.angles + arm.own(), first.angles);
     first.iterations += best.rounds;
-    if (best.miss >= STALLED) return first;
+    if (best.miss >= STALL_DISTANCE) return first;
     const Place again = place_of(arm, best.angles, hand(arm, best.angles));
     Bend second = bent(arm, again, best.angles, question.swivel, true);
     if (!second.exact) std::copy(best.angles, best.angles + arm.own(), second.angles);
@@ -80,7 +80,7 @@ inline Bend found(const Linkage& arm, const Place& place, const Question& questi
 inline Answer solve(const Linkage& arm, const Question& question) {
     const Place place = placed(arm, question.position, question.near, question.home);
     const Bend bend = found(arm, place, question);
-    Vector points[MOST_LINKS + 1];
+    Vector points[MAX_LINKS + 1];
     const Rotation frame = walk(arm, bend.angles, arm.links - 1, points);
     Answer answer;
     std::copy(bend.angles, bend.angles + arm.own(), answer.angles);

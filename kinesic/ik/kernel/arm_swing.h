@@ -1,4 +1,4 @@
-// Elbow swing needed for the hand's directions (kinesic/ik/pointing.py).
+// Smallest swivel change that meets the hand's directions (kinesic/ik/pointing.py).
 
 #pragma once
 
@@ -6,31 +6,31 @@
 
 namespace kinesic::arm {
 
-struct Cell {  // posture of one swivel, inside the ranges
-    double angles[MOST_HINGES];
-    double errors[MOST_WISHES];  // [rad] direction errors
+struct SwivelPosture {  // posture of one swivel, inside the ranges
+    double angles[MAX_HINGES];
+    double errors[MAX_DIRECTIONS];  // [rad] direction errors
     double error = 0.0;          // [rad] sum of the direction errors
     double miss = 0.0;           // [m] of the hand
 };
 
-namespace swings {
+namespace swivel_search {
 
-constexpr double SATISFIED = 1e-3;
-constexpr int STEPS = 12;
-constexpr double PRICE = 0.03;
-constexpr int BISECTIONS = 8;
-constexpr double OFF = 1e-6;
+constexpr double SATISFIED_ERROR = 1e-3;  // [rad] sum of direction errors below which the directions are met
+constexpr int SEARCH_STEPS = 12;          // swivels tried on each side
+constexpr double SWIVEL_WEIGHT = 0.03;    // pointing error [rad] traded per radian of swivel change
+constexpr int BISECTION_STEPS = 8;
+constexpr double MAX_HAND_OFFSET = 1e-6;  // [reach] largest displacement of the hand
 
 struct Sweep {  // postures with the elbow at successive swivels and the wrist turned
     places::Scan scan;
     const Question& question;
 
-    Cell at(double offset) {
+    SwivelPosture at(double offset) {
         const Linkage& arm = scan.arm;
         const Extraction found = scan.at(offset);
-        Cell cell;
+        SwivelPosture cell;
         std::copy_n(found.angles, arm.own(), cell.angles);
-        Vector points[MOST_LINKS + 1];
+        Vector points[MAX_LINKS + 1];
         const Rotation frame = walk(arm, cell.angles, arm.links - 1, points);
         turn_hand(arm, frame, question.wishes, question.wish_count, question.home, cell.angles, cell.errors);
         for (int i = 0; i < question.wish_count; ++i) cell.error += cell.errors[i];
@@ -38,13 +38,13 @@ struct Sweep {  // postures with the elbow at successive swivels and the wrist t
         return cell;
     }
 
-    bool serves(const Cell& cell) const { return cell.miss <= scan.tolerance && cell.error <= SATISFIED; }
+    bool serves(const SwivelPosture& cell) const { return cell.miss <= scan.tolerance && cell.error <= SATISFIED_ERROR; }
 
-    // Bisects to the swivel at which the directions begin to be met.
-    Cell edge(double outside, double inside, Cell found) {
-        for (int step = 0; step < BISECTIONS; ++step) {
+    // Bisects to the smallest swivel change that meets the directions.
+    SwivelPosture edge(double outside, double inside, SwivelPosture found) {
+        for (int step = 0; step < BISECTION_STEPS; ++step) {
             const double middle = 0.5 * (outside + inside);
-            const Cell cell = at(middle);
+            const SwivelPosture cell = at(middle);
             if (serves(cell)) {
                 inside = middle;
                 found = cell;
@@ -55,16 +55,17 @@ struct Sweep {  // postures with the elbow at successive swivels and the wrist t
         return found;
     }
 
-    // Returns the smallest swing that meets the directions, searched outward; otherwise the best by error and width.
-    Cell smallest(double widest) {
-        Cell best = at(0.0);
+    // Returns the smallest swivel change that meets the directions; otherwise the best by error and swivel change.
+    SwivelPosture smallest(double max_swivel_change) {
+        SwivelPosture best = at(0.0);
         double least = INFINITY;
-        for (int step = 0; step <= STEPS; ++step)
+        for (int step = 0; step <= SEARCH_STEPS; ++step)
             for (const double side : {1.0, -1.0}) {
-                const double outside = side * (step - 1) * widest / STEPS, offset = side * step * widest / STEPS;
-                const Cell cell = at(offset);
+                const double outside = side * (step - 1) * max_swivel_change / SEARCH_STEPS;
+                const double offset = side * step * max_swivel_change / SEARCH_STEPS;
+                const SwivelPosture cell = at(offset);
                 if (serves(cell)) return edge(outside, offset, cell);
-                const double price = cell.error + PRICE * std::abs(offset);
+                const double price = cell.error + SWIVEL_WEIGHT * std::abs(offset);
                 if (cell.miss <= scan.tolerance && price < least) {
                     best = cell;
                     least = price;
@@ -74,20 +75,20 @@ struct Sweep {  // postures with the elbow at successive swivels and the wrist t
     }
 };
 
-}  // namespace swings
+}  // namespace swivel_search
 
-// Swings the elbow; collar bone and hand keep their positions of `question.near`.
-inline Cell swing(const Linkage& arm, const Question& question, double widest) {
+// Changes the swivel; collar bone and hand keep their positions of `question.near`.
+inline SwivelPosture change_swivel(const Linkage& arm, const Question& question, double max_swivel_change) {
     const Place place = place_of(arm, question.near, question.position);
-    Vector points[MOST_LINKS + 1];
+    Vector points[MAX_LINKS + 1];
     walk(arm, question.near, arm.links - 1, points);
     double begin = NATURAL_SWIVEL;
     swivel_of(arm, points + arm.girdle(), begin);
-    swings::Sweep sweep{{arm, Circle(arm, place.shoulder, place.target), question.near, {}, begin,
-                         swings::OFF * arm.farthest}, question};
+    swivel_search::Sweep sweep{{arm, Circle(arm, place.shoulder, place.target), question.near, {}, begin,
+                         swivel_search::MAX_HAND_OFFSET * arm.farthest}, question};
     std::copy(place.ends, place.ends + arm.girdle(), sweep.scan.ends);
     sweep.scan.ends[arm.girdle() + 1] = place.target;
-    return sweep.smallest(widest);
+    return sweep.smallest(max_swivel_change);
 }
 
 }  // namespace kinesic::arm

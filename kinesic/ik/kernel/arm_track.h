@@ -9,20 +9,20 @@ namespace kinesic::arm {
 
 namespace tracking {
 
-constexpr int ROUNDS = 8;
-constexpr double TOLERANCE = 1e-8;      // [arm lengths] largest remaining distance
-constexpr double DAMPING = 0.3;         // lambda^2 = DAMPING e^2 + LEAST_DAMPING size^2
-constexpr double LEAST_DAMPING = 1e-7;
-constexpr double SOFT = 0.05;           // last fraction of the reach, which is approached asymptotically
+constexpr int MAX_ITERATIONS = 8;
+constexpr double TOLERANCE = 1e-8;       // [arm lengths] largest remaining distance
+constexpr double ERROR_DAMPING = 0.3;    // lambda^2 = ERROR_DAMPING e^2 + MIN_DAMPING size^2
+constexpr double MIN_DAMPING = 1e-7;
+constexpr double SOFT_FRACTION = 0.05;   // last fraction of the reach, which targets approach asymptotically
 
 }  // namespace tracking
 
-// Target moved smoothly inside the reach: d' = s + w (1 - exp((s - d) / w)) beyond s = (1 - SOFT) D, w = SOFT D.
+// Moves a target smoothly inside the reach D: d' = s + w (1 - exp((s - d) / w)) beyond s = D - w, w = SOFT_FRACTION D.
 inline Vector softened(const Linkage& arm, const Vector& target, const double* rest) {
     using namespace tracking;
-    const double width = SOFT * arm.farthest, begin = STRETCH * arm.farthest - width;
+    const double width = SOFT_FRACTION * arm.farthest, begin = MAX_STRETCH_RATIO * arm.farthest - width;
     if (distance(arm.resting, target) <= begin) return target;
-    Vector points[MOST_LINKS + 1];
+    Vector points[MAX_LINKS + 1];
     places::nearest_girdle(arm, target, rest, points);
     const Vector shoulder = points[arm.girdle()];
     const double d = distance(shoulder, target);
@@ -31,17 +31,17 @@ inline Vector softened(const Linkage& arm, const Vector& target, const double* r
 }
 
 // Moves the angles until the hand is on the target; the first iteration pulls them towards rest by the fraction `pull`.
-// Returns the remaining distance [m].
+// Returns the remaining error [m].
 inline Vector moved(const Linkage& arm, const Vector& target, double pull, const double* rest, const double* mobility,
                     double* angles) {
     using namespace tracking;
     const double size = arm.farthest;
     for (int k = arm.own(); k < arm.hinges; ++k) angles[k] = angles[k] + pull * (rest[k] - angles[k]);
-    Vector column[MOST_HINGES];
+    Vector column[MAX_HINGES];
     Vector error = target - columns(arm, angles, column);
-    for (int round = 0; round < ROUNDS; ++round, pull = 0.0) {
-        const double damping = DAMPING * dot(error, error) + LEAST_DAMPING * size * size;
-        double pulls[MOST_HINGES], next[MOST_HINGES];
+    for (int round = 0; round < MAX_ITERATIONS; ++round, pull = 0.0) {
+        const double damping = ERROR_DAMPING * dot(error, error) + MIN_DAMPING * size * size;
+        double pulls[MAX_HINGES], next[MAX_HINGES];
         for (int k = 0; k < arm.own(); ++k) pulls[k] = pull * (rest[k] - angles[k]);
         stepped(arm, angles, error, column, pulls, mobility, damping, next);
         std::copy(next, next + arm.own(), angles);
@@ -54,11 +54,11 @@ inline Vector moved(const Linkage& arm, const Vector& target, double pull, const
 // Tracks for one tick in `parts` equal steps. Returns the distance from the hand to the requested target [m].
 inline double follow(const Linkage& arm, const Vector& target, double pull, int parts, const double* rest,
                      const double* mobility, double* angles) {
-    const Vector goal = softened(arm, target, rest), from = parts > 1 ? hand(arm, angles) : goal;
+    const Vector aim = softened(arm, target, rest), from = parts > 1 ? hand(arm, angles) : aim;
     Vector error;
     for (int part = 1; part <= parts; ++part)
-        error = moved(arm, from + (goal - from) * (double(part) / parts), pull, rest, mobility, angles);
-    return norm((target - goal) + error);
+        error = moved(arm, from + (aim - from) * (double(part) / parts), pull, rest, mobility, angles);
+    return norm((target - aim) + error);
 }
 
 }  // namespace kinesic::arm

@@ -50,8 +50,7 @@ inline Vector turned(const Vector& a, const Vector& axis, double angle) {
     return turned(a, axis, turn.cosine, turn.sine);
 }
 
-// Equivalent angle nearest to zero [rad]. One turn is subtracted without rounding, as
-// std::remainder does, in a tenth of its time.
+// Equivalent angle nearest to zero [rad]. Subtracting one turn is as exact as std::remainder, in a tenth of its time.
 inline double wrapped(double angle) {
     if (std::abs(angle) <= PI) return angle;
     const double once = angle - std::copysign(TAU, angle);

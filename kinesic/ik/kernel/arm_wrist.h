@@ -8,7 +8,7 @@
 
 namespace kinesic::arm {
 
-constexpr int MOST_WISHES = 2;
+constexpr int MAX_DIRECTIONS = 2;
 
 struct Wish {
     Vector own, wanted;  // unit: direction in the last segment, and desired direction in the base
@@ -16,10 +16,10 @@ struct Wish {
 
 namespace wrist {
 
-constexpr int ROUNDS = 40;
-constexpr double TOLERANCE = 1e-6;
-constexpr double PERFECT = 1e-4;
-constexpr double POSTURE = 2e-4;
+constexpr int MAX_ITERATIONS = 40;
+constexpr double TOLERANCE = 1e-6;            // [rad] largest hinge rotation of the last iteration
+constexpr double AGREEMENT_TOLERANCE = 1e-4;  // distance from full agreement below which no restart is needed
+constexpr double REST_WEIGHT = 2e-4;          // weight of the rest angles; each direction has weight 1
 
 struct Aim {  // hinge at an angle
     double angle;
@@ -49,7 +49,7 @@ inline Vector back(const Vector& a, const Hinge& hinge, const Aim& aim) {
 
 // Agreement of directions is A cos q + B sin q in each hinge: returns its best angle in range.
 inline Peak best(const Hinge& hinge, const Vector* looks, const Vector* owns, int wishes) {
-    double a = POSTURE * hinge.home.cosine, b = POSTURE * hinge.home.sine, level = 0.0;
+    double a = REST_WEIGHT * hinge.home.cosine, b = REST_WEIGHT * hinge.home.sine, level = 0.0;
     for (int i = 0; i < wishes; ++i) {
         const double along = dot(hinge.axis, looks[i]) * dot(hinge.axis, owns[i]);
         level += along;
@@ -64,12 +64,13 @@ inline Peak best(const Hinge& hinge, const Vector* looks, const Vector* owns, in
     return {aim, level + height(aim)};
 }
 
-// Optimises hinge after hinge until none moves; returns the agreement of the directions.
+// Optimises one hinge after another until none moves; returns the agreement of the directions.
 inline double climbed(const Hinge* hinge, int hinges, const Vector* wanted, const Wish* wishes, int count, Aim* aims) {
     double height = 0.0;
-    for (int round = 0; round < ROUNDS; ++round) {
+    for (int round = 0; round < MAX_ITERATIONS; ++round) {
         double change = 0.0;
-        Vector looks[MOST_WISHES], owns[MOST_HINGES][MOST_WISHES];  // desired directions in front of, hand's behind a hinge
+        Vector looks[MAX_DIRECTIONS];             // desired directions before a hinge
+        Vector owns[MAX_HINGES][MAX_DIRECTIONS];  // directions of the hand behind each hinge
         for (int i = 0; i < count; ++i) {
             looks[i] = wanted[i];
             owns[hinges - 1][i] = wishes[i].own;
@@ -89,24 +90,24 @@ inline double climbed(const Hinge* hinge, int hinges, const Vector* wanted, cons
 
 }  // namespace wrist
 
-// Computes the wrist angles; with several local optima due to limits the search restarts at each corner.
+// Computes the wrist angles. The search restarts at each corner of the ranges, because limits cause local optima.
 inline void orient(const Linkage& arm, const Rotation& frame, const Wish* wishes, int count, const double* rest,
                    double* angles) {
     const int hinges = arm.last().count;
     const Pivot* pivots = arm.pivot + arm.own();
     std::copy(rest, rest + hinges, angles);
     if (count == 0) return;
-    wrist::Hinge hinge[MOST_HINGES];
-    wrist::Aim found[MOST_HINGES];
-    Vector wanted[MOST_WISHES];
+    wrist::Hinge hinge[MAX_HINGES];
+    wrist::Aim found[MAX_HINGES];
+    Vector wanted[MAX_DIRECTIONS];
     for (int k = 0; k < hinges; ++k) {
         found[k] = wrist::aimed_at(rest[k]);
         hinge[k] = {pivots[k].axis, wrist::aimed_at(pivots[k].lower), wrist::aimed_at(pivots[k].upper), found[k].turn};
     }
     for (int i = 0; i < count; ++i) wanted[i] = within(frame, wishes[i].wanted);
     double height = wrist::climbed(hinge, hinges, wanted, wishes, count, found);
-    for (int corner = 0; corner < (1 << hinges) && height <= count - wrist::PERFECT; ++corner) {
-        wrist::Aim tried[MOST_HINGES];
+    for (int corner = 0; corner < (1 << hinges) && height <= count - wrist::AGREEMENT_TOLERANCE; ++corner) {
+        wrist::Aim tried[MAX_HINGES];
         for (int k = 0; k < hinges; ++k)
             tried[k] = corner >> (hinges - 1 - k) & 1 ? hinge[k].upper : hinge[k].lower;
         const double agreement = wrist::climbed(hinge, hinges, wanted, wishes, count, tried);

@@ -1,4 +1,4 @@
-// Python interface of the arm solver. It refuses anything but finite float64 of the right size; kinesic/ik explains why.
+// Python interface of the arm solver. It accepts only finite float64 of the right size.
 
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
@@ -39,9 +39,9 @@ void pack(Arm* self, const Triple& origin, const std::vector<int>& counts, const
           const Numbers& lower, const Numbers& upper, const Numbers& rest, const Numbers& mobility, const Triple& palm,
           double side, double farthest, double closest, const std::vector<Numbers>& seeds, bool mirrored) {
     const size_t hinges = axes.size(), aiming = size_t(std::accumulate(counts.begin(), counts.end(), 0));
-    if (aiming != hinges || counts.size() < 3 || counts.size() > MOST_LINKS || bones.size() != counts.size() ||
-        hinges > MOST_HINGES || lower.size() != hinges || upper.size() != hinges || rest.size() != hinges ||
-        mobility.size() != hinges || seeds.size() > MOST_SEEDS)
+    if (aiming != hinges || counts.size() < 3 || counts.size() > MAX_LINKS || bones.size() != counts.size() ||
+        hinges > MAX_HINGES || lower.size() != hinges || upper.size() != hinges || rest.size() != hinges ||
+        mobility.size() != hinges || seeds.size() > MAX_SEEDS)
         throw std::invalid_argument("an arm has 3 to 8 bones, at most 12 hinges and 64 seeds, and each its numbers");
     Arm* arm = new (self) Arm();
     Linkage& linkage = arm->linkage;
@@ -63,7 +63,7 @@ void pack(Arm* self, const Triple& origin, const std::vector<int>& counts, const
         arm->mobility[k] = mobility[k];
     }
     linkage.draw_arcs();
-    Vector points[MOST_LINKS + 1];
+    Vector points[MAX_LINKS + 1];
     walk(linkage, arm->rest, linkage.girdle(), points);
     linkage.resting = points[linkage.girdle()];
     linkage.seeds = int(seeds.size());
@@ -99,7 +99,7 @@ nb::object ask(const Arm& arm, nb::handle position, nb::handle pointing, nb::han
                nb::handle start, nb::handle rest, nb::handle mobility) {
     const int n = arm.linkage.hinges;
     Question question;
-    double place[3], turn, asked[MOST_HINGES], pulled = 0.0;
+    double place[3], turn, asked[MAX_HINGES], pulled = 0.0;
     if (!read(position, place, 3) || !read(start, asked, n)) return nb::none();
     for (int k = 0; k < n; ++k) {
         question.near[k] = arm.linkage.pivot[k].clipped(asked[k]);
@@ -129,23 +129,23 @@ nb::object ask(const Arm& arm, nb::handle position, nb::handle pointing, nb::han
     const Vector target = arm.seen(found.target);
     const double clamped[3] = {target.x, target.y, target.z};
     const auto [first, second] = told(pointing, palm, found.errors);
-    return nb::make_tuple(sealed(found.angles, n), found.residual, first, second, found.residual <= REACHED,
+    return nb::make_tuple(sealed(found.angles, n), found.residual, first, second, found.residual <= REACHED_DISTANCE,
                           found.iterations, sealed(clamped, 3), pulled);
 }
 
-// Swings the elbow of a solved posture by at most `widest`: angles, residual, errors of pointing and palm.
+// Changes the swivel of a solved posture by at most `max_swivel_change`; returns angles, residual, errors of pointing and palm.
 nb::object swung(const Arm& arm, nb::handle position, nb::handle pointing, nb::handle palm, nb::handle home,
-                 nb::handle angles, double widest) {
+                 nb::handle angles, double max_swivel_change) {
     Question question;
     double place[3];
     if (!read(position, place, 3) || !read_wishes(arm, pointing, palm, question) ||
         !read_posture(arm, home, question.home) || !read_posture(arm, angles, question.near))
         throw nb::value_error("swing needs finite float64 arrays: vectors of 3 numbers and an angle for each hinge");
     question.position = arm.seen(place);
-    Cell cell;
+    SwivelPosture cell;
     {
         nb::gil_scoped_release free;
-        cell = swing(arm.linkage, question, widest);
+        cell = change_swivel(arm.linkage, question, max_swivel_change);
     }
     const auto [first, second] = told(pointing, palm, cell.errors);
     return nb::make_tuple(sealed(cell.angles, arm.linkage.hinges), cell.miss, first, second);
@@ -153,10 +153,10 @@ nb::object swung(const Arm& arm, nb::handle position, nb::handle pointing, nb::h
 
 // Corrects the angles in place, from other postures if it stalls. Returns the residual [m].
 double reach(const Arm& arm, nb::handle target, nb::handle angles) {
-    double place[3], now[MOST_HINGES];
+    double place[3], now[MAX_HINGES];
     if (!read(target, place, 3) || !read_posture(arm, angles, now))
         throw nb::value_error("reach needs finite float64 arrays: a target of 3 numbers and an angle for each hinge");
-    Polished best;
+    CorrectedPosture best;
     {
         nb::gil_scoped_release free;
         best = approach(arm.linkage, arm.seen(place), now, arm.rest, arm.mobility);
@@ -174,7 +174,7 @@ void reach_many(const Arm& arm, Array<const double, nb::shape<-1, 3>> targets, A
     if (int(start.shape(0)) != n || int(angles.shape(1)) != n || angles.shape(0) != count || residuals.shape(0) != count)
         throw nb::value_error("shapes are targets (m, 3), start (k,), angles (m, k), residuals (m,)");
     nb::gil_scoped_release free;
-    double now[MOST_HINGES];
+    double now[MAX_HINGES];
     for (int k = 0; k < n; ++k) now[k] = arm.linkage.pivot[k].clipped(start.data()[k]);
     for (size_t i = 0; i < count; i += LANES) {
         Vectors target = all(Vector{});
@@ -182,7 +182,7 @@ void reach_many(const Arm& arm, Array<const double, nb::shape<-1, 3>> targets, A
             const Vector seen = arm.seen(targets.data() + 3 * std::min(i + lane, count - 1));
             target.x[lane] = seen.x, target.y[lane] = seen.y, target.z[lane] = seen.z;
         }
-        const Polishing best = polish(arm.linkage, target, now, arm.rest, arm.mobility, rounds);
+        const CorrectedPostures best = polish(arm.linkage, target, now, arm.rest, arm.mobility, rounds);
         for (size_t lane = 0; lane < LANES && i + lane < count; ++lane) {
             double* row = angles.data() + n * (i + lane);
             std::copy_n(now, n, row);
@@ -194,7 +194,7 @@ void reach_many(const Arm& arm, Array<const double, nb::shape<-1, 3>> targets, A
 
 // One tick of tracking, in place, too short to release Python's lock. Returns the residual [m].
 double track(const Arm& arm, nb::handle target, double pull, int parts, nb::handle angles) {
-    double place[3], now[MOST_HINGES];
+    double place[3], now[MAX_HINGES];
     if (!read(target, place, 3) || !read(angles, now, arm.linkage.hinges))
         throw nb::value_error("the target needs three finite numbers in a float64 array");
     const double residual = follow(arm.linkage, arm.seen(place), pull, parts, arm.rest, arm.mobility, now);

@@ -47,9 +47,9 @@ chains::Method method_of(const std::string& name) {
 
 int bones_of(const Rows3& rest) {
     const auto bones = static_cast<std::int64_t>(rest.shape(0)) - 1;
-    if (bones < 1 || bones > chains::MOST_BONES) {
+    if (bones < 1 || bones > chains::MAX_BONES) {
         throw std::invalid_argument("rest has " + std::to_string(bones + 1) + " points; a chain has 2 to " +
-                                    std::to_string(chains::MOST_BONES + 1));
+                                    std::to_string(chains::MAX_BONES + 1));
     }
     for (std::int64_t i = 0; i < bones; ++i) {
         const double* p = rest.data() + 3 * i;
@@ -92,7 +92,7 @@ void run_chain(const std::string& name, const Rows3& rest, const Rows3& targets,
     same_rows("residuals", residuals.shape(0), count);
     same_rows("nanoseconds", nanoseconds.shape(0), count);
     nb::gil_scoped_release released;
-    double points[3 * (chains::MOST_BONES + 1)], rotations[4 * chains::MOST_BONES];
+    double points[3 * (chains::MAX_BONES + 1)], rotations[4 * chains::MAX_BONES];
     for (std::size_t i = 0; i < count; ++i) {
         double least = 0.0;
         for (int repeat = 0; repeat < REPEATS; ++repeat) {

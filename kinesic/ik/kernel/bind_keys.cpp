@@ -26,18 +26,19 @@ void add_wish(const Arm& arm, const double* wanted, const Vector& own, Question&
 // Returns angles, start angles of the current path and requested swivel of every key; `now` and `began` are the values
 // before the first key.
 void pose_keys(const Arm& arm, Modes modes, Flags passing, Triples positions, Triples pointings, Triples palms, Row swivels,
-               Table rests, Row openness, Row now, Row began, double widest, double leap, double open,
-               Array<double, nb::shape<-1, -1>> angles, Array<double, nb::shape<-1, -1>> beginnings,
+               Table rests, Row openness, Row now, Row began, double max_swivel_change, double max_hinge_step,
+               double open_swivel, Array<double, nb::shape<-1, -1>> angles, Array<double, nb::shape<-1, -1>> beginnings,
                Array<double, nb::shape<-1>> turns) {
     const size_t n = size_t(arm.linkage.hinges), count = modes.shape(0);
-    for (const size_t rows : {passing.shape(0), positions.shape(0), pointings.shape(0), palms.shape(0), swivels.shape(0), rests.shape(0),
+    for (const size_t rows : {passing.shape(0), positions.shape(0), pointings.shape(0), palms.shape(0),
+                              swivels.shape(0), rests.shape(0),
                               openness.shape(0), angles.shape(0), beginnings.shape(0), turns.shape(0)})
         if (rows != count) throw nb::value_error("every array has a row for each key");
     for (const size_t width : {rests.shape(1), now.shape(0), began.shape(0), angles.shape(1), beginnings.shape(1)})
         if (width != n) throw nb::value_error("every posture has an angle for each hinge");
     nb::gil_scoped_release free;
-    const Walk path{arm.linkage, arm.rest, arm.mobility, {widest, leap, open}};
-    double here[MOST_HINGES], before[MOST_HINGES];
+    const KeySolver path{arm.linkage, arm.rest, arm.mobility, {max_swivel_change, max_hinge_step, open_swivel}};
+    double here[MAX_HINGES], before[MAX_HINGES];
     std::copy_n(now.data(), n, here);
     bool known = !std::isnan(began.data()[0]);
     std::copy_n(began.data(), n, before);
@@ -57,7 +58,7 @@ void pose_keys(const Arm& arm, Modes modes, Flags passing, Triples positions, Tr
             add_wish(arm, palms.data() + 3 * i, arm.linkage.palm, question);
             for (size_t k = 0; k < n; ++k) question.home[k] = arm.linkage.pivot[k].clipped(rest[k]);
             std::copy_n(arm.mobility, n, question.mobility);
-            double found[MOST_HINGES];
+            double found[MAX_HINGES];
             turns.data()[i] = path.pose(key, here, known ? before : here, found);
             std::copy_n(found, n, here);
         }
@@ -71,9 +72,10 @@ void pose_keys(const Arm& arm, Modes modes, Flags passing, Triples positions, Tr
 }  // namespace
 
 void bind_keys(nb::class_<Arm>& arm) {
-    arm.def("pose_keys", &pose_keys, nb::arg("modes"), nb::arg("passing"), nb::arg("positions"), nb::arg("pointings"), nb::arg("palms"),
+    arm.def("pose_keys", &pose_keys, nb::arg("modes"), nb::arg("passing"), nb::arg("positions"),
+            nb::arg("pointings"), nb::arg("palms"),
             nb::arg("swivels"), nb::arg("rests"), nb::arg("openness"), nb::arg("now"), nb::arg("began"),
-            nb::arg("widest"), nb::arg("leap"), nb::arg("open"), nb::arg("angles").noconvert(),
+            nb::arg("max_swivel_change"), nb::arg("max_hinge_step"), nb::arg("open_swivel"), nb::arg("angles").noconvert(),
             nb::arg("beginnings").noconvert(), nb::arg("turns").noconvert());
 }
 

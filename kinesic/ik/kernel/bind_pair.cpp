@@ -1,4 +1,4 @@
-// Python interface for both hands. Refuses anything but finite float64 of the right size; kinesic/ik/two_hands.py says why.
+// Python interface for both hands. It accepts only finite float64 of the right size.
 
 #include <nanobind/nanobind.h>
 #include <nanobind/stl/array.h>
@@ -32,11 +32,11 @@ Vector vector(const Triple& p) { return {p[0], p[1], p[2]}; }
 
 Strand strand(const Parts& parts, int joints) {
     Strand made;
-    if (parts.size() > MOST_PARTS) throw std::invalid_argument("a strand has at most 24 parts");
+    if (parts.size() > MAX_SEGMENTS) throw std::invalid_argument("a strand has at most 24 parts");
     for (const auto& [offset, hinges] : parts) {
         made.offset[made.parts] = vector(offset);
         for (const auto& [joint, axis, at] : hinges) {
-            if (made.hinges == MOST_HINGES || joint < 0 || joint >= joints)
+            if (made.hinges == MAX_HINGES || joint < 0 || joint >= joints)
                 throw std::invalid_argument("a strand has at most 48 hinges, all of the robot");
             made.hinge[made.hinges++] = {joint, Pivot(vector(axis), 0.0, 0.0, 0.0), vector(at)};
         }
@@ -50,7 +50,7 @@ void pack(Pair* self, const Numbers& lower, const Numbers& upper, const Joints& 
           const std::vector<nb::object>& arms, const std::vector<Joints>& joints, const std::vector<Parts>& bases,
           const std::vector<Parts>& hands) {
     const size_t count = lower.size();
-    if (count > MOST_JOINTS || upper.size() != count || torso.size() > MOST_TORSO || arms.size() != 2 ||
+    if (count > MAX_JOINTS || upper.size() != count || torso.size() > MAX_TORSO_HINGES || arms.size() != 2 ||
         joints.size() != 2 || bases.size() != 2 || hands.size() != 2)
         throw std::invalid_argument("a robot has at most 128 hinges, 6 of them in its torso, and two arms");
     Pair* pair = new (self) Pair();
@@ -79,7 +79,7 @@ void pack(Pair* self, const Numbers& lower, const Numbers& upper, const Joints& 
 // Returns angles, both residuals, torso travel, iterations. `first`: 0 left, 1 right, -1 none. None: refused.
 nb::object reach_both(const Pair& pair, nb::handle left, nb::handle right, nb::handle start, double torso_weight,
                       int first) {
-    Wanted wanted;
+    TwoHandTargets wanted;
     const nb::handle targets[2] = {left, right};
     for (int side = 0; side < 2; ++side) {
         double place[3];
@@ -93,7 +93,7 @@ nb::object reach_both(const Pair& pair, nb::handle left, nb::handle right, nb::h
         wanted.present[k] = std::max(body.lower[k], std::min(body.upper[k], wanted.present[k]));
     wanted.torso_weight = torso_weight;
     wanted.first = first;
-    Both both;
+    TwoHandSolution both;
     {
         nb::gil_scoped_release free;
         both = reach(body, wanted);

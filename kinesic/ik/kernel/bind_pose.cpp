@@ -1,4 +1,4 @@
-// Python interface for hand poses. It refuses anything but finite float64 of the right size; kinesic/ik/pose.py says why.
+// Python interface for hand poses. It accepts only finite float64 of the right size.
 
 #include <nanobind/nanobind.h>
 
@@ -11,25 +11,25 @@ namespace kinesic::arm {
 
 namespace {
 
-constexpr double ORTHONORMAL = 1e-6;  // largest deviation of R^T R from 1
+constexpr double ORTHONORMAL_TOLERANCE = 1e-6;  // largest deviation of R^T R from 1
 
 bool is_rotation(const Rotation& r) {
     const Vector* columns[3] = {&r.x, &r.y, &r.z};
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j <= i; ++j)
-            if (std::abs(dot(*columns[i], *columns[j]) - (i == j)) > ORTHONORMAL) return false;
+            if (std::abs(dot(*columns[i], *columns[j]) - (i == j)) > ORTHONORMAL_TOLERANCE) return false;
     return dot(cross(r.x, r.y), r.z) > 0.0;
 }
 
 // Fields of kinesic.ik.pose.PoseSolution in order.
 nb::object answered(const Arm& arm, const Pose& pose) {
-    Held held;
+    PoseSolution solution;
     {
         nb::gil_scoped_release free;
-        held = hold(arm.linkage, pose, arm.mobility);
+        solution = hold(arm.linkage, pose, arm.mobility);
     }
-    return nb::make_tuple(sealed(held.angles, arm.linkage.hinges), held.residual, held.turn, held.reached, held.cells,
-                          held.rounds);
+    return nb::make_tuple(sealed(solution.angles, arm.linkage.hinges), solution.residual, solution.turn,
+                          solution.reached, solution.cells, solution.rounds);
 }
 
 bool read_pose(const Arm& arm, nb::handle position, nb::handle start, Pose& pose) {

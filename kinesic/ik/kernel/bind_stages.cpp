@@ -24,9 +24,9 @@ Vector vector(const Triple& p) { return {p[0], p[1], p[2]}; }
 Triple triple(const Vector& p) { return {p.x, p.y, p.z}; }
 
 struct Points {
-    Vector at[MOST_LINKS + 1];
+    Vector at[MAX_LINKS + 1];
     explicit Points(const Triples& given) {
-        if (given.size() > MOST_LINKS + 1) throw std::invalid_argument("too many points");
+        if (given.size() > MAX_LINKS + 1) throw std::invalid_argument("too many points");
         for (size_t i = 0; i < given.size(); ++i) at[i] = vector(given[i]);
     }
 };
@@ -38,9 +38,9 @@ Triples triples(const Vector* points, int count) {
 }
 
 struct Angles {  // angles of all hinges; missing ones are zero
-    double at[MOST_HINGES] = {};
+    double at[MAX_HINGES] = {};
     explicit Angles(const Numbers& given) {
-        if (given.size() > MOST_HINGES) throw std::invalid_argument("too many angles");
+        if (given.size() > MAX_HINGES) throw std::invalid_argument("too many angles");
         std::copy(given.begin(), given.end(), at);
     }
 };
@@ -49,16 +49,16 @@ Numbers numbers(const double* values, int count) { return {values, values + coun
 
 std::tuple<Numbers, Triples> stage_walk(const Arm& arm, const Numbers& angles, int links) {
     if (links < 0 || links > arm.linkage.links) throw std::invalid_argument("the arm has fewer links");
-    Vector points[MOST_LINKS + 1];
+    Vector points[MAX_LINKS + 1];
     const Rotation r = walk(arm.linkage, Angles(angles).at, links, points);
     return {{r.x.x, r.y.x, r.z.x, r.x.y, r.y.y, r.z.y, r.x.z, r.y.z, r.z.z}, triples(points, links + 1)};
 }
 
 std::tuple<Triples, int, double> stage_settle(const Triples& points, const Numbers& lengths, const Triple& target) {
     const int bones = int(lengths.size());
-    if (bones > MOST_LINKS || points.size() != lengths.size() + 1) throw std::invalid_argument("points are bones + 1");
-    const Settled settled = settle(Points(points).at, lengths.data(), bones, vector(target));
-    return {triples(settled.points, bones + 1), settled.iterations, settled.energy};
+    if (bones > MAX_LINKS || points.size() != lengths.size() + 1) throw std::invalid_argument("points are bones + 1");
+    const RelaxedMasses relaxed = settle(Points(points).at, lengths.data(), bones, vector(target));
+    return {triples(relaxed.points, bones + 1), relaxed.iterations, relaxed.energy};
 }
 
 std::optional<double> stage_turn_towards(const Triple& axis, const Triple& rest, const Triple& wanted) {
@@ -113,25 +113,25 @@ std::tuple<Numbers, bool, int> stage_bent(const Arm& arm, const Triples& ends, c
 
 std::tuple<Numbers, double, int> stage_polish(const Arm& arm, const Triple& target, const Numbers& angles,
                                               const Numbers& posture, const Numbers& mobility) {
-    const Polished best =
+    const CorrectedPosture best =
         polish(arm.linkage, vector(target), Angles(angles).at, Angles(posture).at, Angles(mobility).at);
     return {numbers(best.angles, arm.linkage.own()), best.miss, best.rounds};
 }
 
 std::vector<int> stage_nearest(const Arm& arm, const Triple& target) {
-    int chosen[RESTARTS];
-    nearest(arm.linkage, vector(target), RESTARTS, chosen);
-    return {chosen, chosen + std::min(RESTARTS, arm.linkage.seeds)};
+    int chosen[MAX_RESTARTS];
+    nearest(arm.linkage, vector(target), MAX_RESTARTS, chosen);
+    return {chosen, chosen + std::min(MAX_RESTARTS, arm.linkage.seeds)};
 }
 
 Numbers stage_orient(const Arm& arm, const Numbers& frame, const Triples& own, const Triples& wanted,
                      const Numbers& rest) {
-    if (frame.size() != 9 || own.size() != wanted.size() || own.size() > MOST_WISHES)
+    if (frame.size() != 9 || own.size() != wanted.size() || own.size() > MAX_DIRECTIONS)
         throw std::invalid_argument("a frame has nine numbers; there are at most two wishes");
     const Rotation rotation{{frame[0], frame[3], frame[6]}, {frame[1], frame[4], frame[7]}, {frame[2], frame[5], frame[8]}};
-    Wish wishes[MOST_WISHES];
+    Wish wishes[MAX_DIRECTIONS];
     for (size_t i = 0; i < own.size(); ++i) wishes[i] = {vector(own[i]), vector(wanted[i])};
-    double angles[MOST_HINGES];
+    double angles[MAX_HINGES];
     orient(arm.linkage, rotation, wishes, int(own.size()), Angles(rest).at, angles);
     return numbers(angles, arm.linkage.last().count);
 }

@@ -1,4 +1,4 @@
-// The Jacobian methods as they are often written, with general dense algebra: what Table 7.1 of the thesis compares.
+// Jacobian methods with general dense algebra, as Table 7.1 of the thesis compares them.
 
 #pragma once
 
@@ -7,10 +7,10 @@
 
 namespace kinesic::chains {
 
-constexpr int MOST_COLUMNS = 3 * MOST_BONES;
-constexpr double SINGULAR = 1e-6;  // share of the greatest singular value below which one counts as zero
+constexpr int MAX_COLUMNS = 3 * MAX_BONES;
+constexpr double MIN_SINGULAR_RATIO = 1e-6;  // smallest used singular value / largest one
 
-// J^T, column by column: row 3 i + a of column b is how much joint i's turn about axis a moves the tip along axis b.
+// J^T, column by column: row 3 i + a of column b is the tip's velocity along axis b per rotation of joint i about axis a.
 inline void transposed_jacobian(const Chain& chain, const Posture& posture, double* columns) {
     const int rows = 3 * chain.bones;
     const Vector tip = posture.points[chain.bones];
@@ -25,19 +25,19 @@ inline void transposed_jacobian(const Chain& chain, const Posture& posture, doub
     }
 }
 
-// Turns the joints by 3n numbers.
+// Rotates the joints by (3n,) rotation vectors [rad].
 inline void step(const Chain& chain, const double* thetas, Posture& posture) {
-    Vector omegas[MOST_BONES];
+    Vector omegas[MAX_BONES];
     for (int i = 0; i < chain.bones; ++i) omegas[i] = {thetas[3 * i], thetas[3 * i + 1], thetas[3 * i + 2]};
     step(chain, omegas, posture);
 }
 
-// Repeats `find(J^T, e, dtheta)` and steps until the tip is there.
+// Repeats `find(J^T, e, dtheta)` and steps until the tip reaches the target.
 template <typename Find>
 int descend_dense(const Chain& chain, const Goal& goal, Posture& posture, Find find) {
-    double columns[3 * MOST_COLUMNS], thetas[MOST_COLUMNS];
+    double columns[3 * MAX_COLUMNS], thetas[MAX_COLUMNS];
     int k = 0;
-    while (residual(chain, goal, posture) > goal.tolerance && k < goal.most) {
+    while (residual(chain, goal, posture) > goal.tolerance && k < goal.max_iterations) {
         const Vector e = error(chain, goal, posture);
         transposed_jacobian(chain, posture, columns);
         find(columns, e, thetas);
@@ -47,7 +47,7 @@ int descend_dense(const Chain& chain, const Goal& goal, Posture& posture, Find f
     return k;
 }
 
-// Solves the symmetric positive system in place by Cholesky's method; `right` becomes the answer.
+// Solves the symmetric positive system in place by Cholesky's method; `right` becomes the solution.
 inline void cholesky(int size, double* matrix, double* right) {
     for (int j = 0; j < size; ++j) {
         double* row = matrix + j * size;
@@ -72,12 +72,12 @@ inline void cholesky(int size, double* matrix, double* right) {
 // (J^T J + lambda^2 I)^-1 J^T e with the 3n x 3n matrix.
 inline int damped_dense(const Chain& chain, const Goal& goal, Posture& posture) {
     const int size = 3 * chain.bones;
-    double matrix[MOST_COLUMNS * MOST_COLUMNS];
+    double matrix[MAX_COLUMNS * MAX_COLUMNS];
     return descend_dense(chain, goal, posture, [&](const double* columns, const Vector& e, double* thetas) {
         const double *x = columns, *y = columns + size, *z = columns + 2 * size;
         for (int j = 0; j < size; ++j) {
             for (int i = 0; i <= j; ++i) matrix[j * size + i] = x[i] * x[j] + y[i] * y[j] + z[i] * z[j];
-            matrix[j * size + j] += LAMBDA * LAMBDA;
+            matrix[j * size + j] += DAMPING_LAMBDA * DAMPING_LAMBDA;
             thetas[j] = x[j] * e.x + y[j] * e.y + z[j] * e.z;
         }
         cholesky(size, matrix, thetas);
@@ -90,17 +90,17 @@ inline int pseudo_inverse_svd(const Chain& chain, const Goal& goal, Posture& pos
     return descend_dense(chain, goal, posture, [&](double* columns, const Vector& e, double* thetas) {
         double u[9], sigma[3];
         svd(size, 3, columns, sigma, u);
-        const double least = SINGULAR * std::fmax(sigma[0], std::fmax(sigma[1], sigma[2]));
+        const double least = MIN_SINGULAR_RATIO * std::fmax(sigma[0], std::fmax(sigma[1], sigma[2]));
         for (int j = 0; j < size; ++j) thetas[j] = 0.0;
         for (int s = 0; s < 3; ++s) {
             if (sigma[s] <= least) continue;
-            const double share = (u[3 * s] * e.x + u[3 * s + 1] * e.y + u[3 * s + 2] * e.z) / sigma[s];
-            for (int j = 0; j < size; ++j) thetas[j] += share * columns[s * size + j];
+            const double gain = (u[3 * s] * e.x + u[3 * s + 1] * e.y + u[3 * s + 2] * e.z) / sigma[s];
+            for (int j = 0; j < size; ++j) thetas[j] += gain * columns[s * size + j];
         }
     });
 }
 
-// Scales numbers so that none exceeds a bound.
+// Scales the values so that no magnitude exceeds a bound.
 inline void clamp_largest(int size, double bound, double* values) {
     double most = 0.0;
     for (int j = 0; j < size; ++j) most = std::fmax(most, std::abs(values[j]));
@@ -109,32 +109,32 @@ inline void clamp_largest(int size, double bound, double* values) {
 }
 
 // Selectively damped least squares (S. R. Buss, J.-S. Kim 2005): each singular direction has a bound of its own,
-//   alpha = u . e;  N = |u| = 1;  M = (1 / sigma) sum_j |v_j| rho_j, rho_j = how far joint j moves the tip per radian
+//   alpha = u . e;  N = |u| = 1;  M = (1 / sigma) sum_j |v_j| rho_j, rho_j = tip displacement per radian of joint j
 //   gamma = min(1, N / M) gamma_max;  phi = clamp(alpha / sigma v, gamma);  dtheta = clamp(sum phi, gamma_max).
 inline int selectively_damped(const Chain& chain, const Goal& goal, Posture& posture) {
     const int size = 3 * chain.bones;
     return descend_dense(chain, goal, posture, [&](double* columns, const Vector&, double* thetas) {
         const Vector e = goal.target - posture.points[chain.bones];
-        double u[9], sigma[3], rho[MOST_COLUMNS], phi[MOST_COLUMNS];
+        double u[9], sigma[3], rho[MAX_COLUMNS], phi[MAX_COLUMNS];
         for (int j = 0; j < size; ++j) {
             rho[j] = norm(Vector{columns[j], columns[size + j], columns[2 * size + j]});
             thetas[j] = 0.0;
         }
         svd(size, 3, columns, sigma, u);
-        const double least = SINGULAR * std::fmax(sigma[0], std::fmax(sigma[1], sigma[2]));
+        const double least = MIN_SINGULAR_RATIO * std::fmax(sigma[0], std::fmax(sigma[1], sigma[2]));
         for (int s = 0; s < 3; ++s) {
             if (sigma[s] <= least) continue;
             const double* v = columns + s * size;
-            const double share = (u[3 * s] * e.x + u[3 * s + 1] * e.y + u[3 * s + 2] * e.z) / sigma[s];
+            const double gain = (u[3 * s] * e.x + u[3 * s + 1] * e.y + u[3 * s + 2] * e.z) / sigma[s];
             double m = 0.0;
             for (int j = 0; j < size; ++j) {
                 m += std::abs(v[j]) * rho[j];
-                phi[j] = share * v[j];
+                phi[j] = gain * v[j];
             }
-            clamp_largest(size, std::fmin(1.0, sigma[s] / m) * MOST_TURN, phi);
+            clamp_largest(size, std::fmin(1.0, sigma[s] / m) * MAX_ROTATION, phi);
             for (int j = 0; j < size; ++j) thetas[j] += phi[j];
         }
-        clamp_largest(size, MOST_TURN, thetas);
+        clamp_largest(size, MAX_ROTATION, thetas);
     });
 }
 

@@ -5,7 +5,7 @@
 //   pseudo-inverse   dtheta = J^T (J J^T)^-1 e                                    D. E. Whitney 1969
 //   damped           dtheta = J^T (J J^T + lambda^2 I)^-1 e                       C. W. Wampler 1986
 //   the same, large  dtheta = (J^T J + lambda^2 I)^-1 J^T e, 3n x 3n
-// The forms follow S. R. Buss's survey (2004), with its two clamps: of the error and of a joint's turn in one step.
+// The forms follow S. R. Buss's survey (2004), which clamps the error and the joint rotation of each step.
 
 #pragma once
 
@@ -13,10 +13,10 @@
 
 namespace kinesic::chains {
 
-constexpr double MOST_STEP = 0.5;            // of the tip in one iteration, in chain lengths
-constexpr double MOST_TURN = arm::PI / 4.0;  // of a joint in one iteration [rad]
-constexpr double LAMBDA = 0.05;              // of the damped methods, in chain lengths
-constexpr double LEAST = 1e-12;              // pivot of J J^T below which a direction is left alone
+constexpr double MAX_STEP = 0.5;               // [chain lengths] largest tip displacement of an iteration
+constexpr double MAX_ROTATION = arm::PI / 4.0;  // [rad] largest joint rotation of an iteration
+constexpr double DAMPING_LAMBDA = 0.05;        // [chain lengths] lambda of the damped methods
+constexpr double MIN_PIVOT_RATIO = 1e-12;      // smallest used pivot of J J^T / its trace
 
 struct Symmetric {  // 3 x 3
     double xx, xy, xz, yy, yz, zz;
@@ -44,9 +44,9 @@ inline Symmetric normal_matrix(const Chain& chain, const Posture& posture, doubl
     return m;
 }
 
-// M^-1 b by L D L^T; a direction without pivot gets nothing.
+// M^-1 b by L D L^T; zero along directions with too small a pivot.
 inline Vector solved(const Symmetric& m, const Vector& b) {
-    const double least = LEAST * (m.xx + m.yy + m.zz);
+    const double least = MIN_PIVOT_RATIO * (m.xx + m.yy + m.zz);
     const double dx = m.xx > least ? 1.0 / m.xx : 0.0;
     const double yx = m.xy * dx, zx = m.xz * dx;
     const double py = m.yy - yx * m.xy, off = m.yz - yx * m.xz;
@@ -60,30 +60,30 @@ inline Vector solved(const Symmetric& m, const Vector& b) {
     return {b.x * dx - yx * y - zx * z, y, z};
 }
 
-// What is left to the target, cut to one step.
+// Error from the tip to the target, clamped to the largest step.
 inline Vector error(const Chain& chain, const Goal& goal, const Posture& posture) {
     const Vector e = goal.target - posture.points[chain.bones];
     const double length = norm(e);
-    return length > MOST_STEP ? e * (MOST_STEP / length) : e;
+    return length > MAX_STEP ? e * (MAX_STEP / length) : e;
 }
 
-// Turns the joints by rotation vectors, all scaled alike where one is too large.
+// Rotates the joints by rotation vectors, all scaled by one factor if one of them is too large.
 inline void step(const Chain& chain, const Vector* omegas, Posture& posture) {
     double most = 0.0;
     for (int i = 0; i < chain.bones; ++i) most = std::fmax(most, dot(omegas[i], omegas[i]));
     most = std::sqrt(most);
-    const double scale = most > MOST_TURN ? MOST_TURN / most : 1.0;
-    Quaternion turns[MOST_BONES];
+    const double scale = most > MAX_ROTATION ? MAX_ROTATION / most : 1.0;
+    Quaternion turns[MAX_BONES];
     for (int i = 0; i < chain.bones; ++i) turns[i] = turn(omegas[i] * scale);
     turn_joints(chain, turns, posture);
 }
 
-// Repeats steps dtheta = J^T y until the tip is there; `find` gives y for the error.
+// Repeats steps dtheta = J^T y until the tip reaches the target; `find` computes y from the error.
 template <typename Find>
 int descend(const Chain& chain, const Goal& goal, Posture& posture, Find find) {
-    Vector omegas[MOST_BONES];
+    Vector omegas[MAX_BONES];
     int k = 0;
-    while (residual(chain, goal, posture) > goal.tolerance && k < goal.most) {
+    while (residual(chain, goal, posture) > goal.tolerance && k < goal.max_iterations) {
         const Vector tip = posture.points[chain.bones];
         const Vector y = find(error(chain, goal, posture));
         for (int i = 0; i < chain.bones; ++i) omegas[i] = cross(tip - posture.points[i], y);
@@ -108,7 +108,7 @@ inline int pseudo_inverse(const Chain& chain, const Goal& goal, Posture& posture
 
 inline int damped(const Chain& chain, const Goal& goal, Posture& posture) {
     return descend(chain, goal, posture,
-                   [&](const Vector& e) { return solved(normal_matrix(chain, posture, LAMBDA), e); });
+                   [&](const Vector& e) { return solved(normal_matrix(chain, posture, DAMPING_LAMBDA), e); });
 }
 
 }  // namespace kinesic::chains

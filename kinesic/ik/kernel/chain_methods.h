@@ -1,4 +1,4 @@
-// All methods by name, and the whole process that is timed: from a chain and a target to points and rotations.
+// All methods by name, and the complete solution that is timed: from a chain and a target to points and rotations.
 
 #pragma once
 
@@ -12,12 +12,12 @@ namespace kinesic::chains {
 
 using Method = int (*)(const Chain&, const Goal&, Posture&);  // returns iterations
 
-struct Named {
+struct NamedMethod {
     const char* name;
     Method method;
 };
 
-constexpr Named METHODS[] = {
+constexpr NamedMethod METHODS[] = {
     {"force_verlet", force_verlet},
     {"pinned_verlet", pinned_verlet},
     {"tridiagonal", tridiagonal},
@@ -34,10 +34,10 @@ constexpr Named METHODS[] = {
 
 struct Outcome {
     int iterations;
-    double residual;  // from the tip to the clamped target, in chain lengths
+    double residual;  // [chain lengths] from the tip to the clamped target
 };
 
-// rest: (n + 1) x 3, target: 3; points: (n + 1) x 3 and rotations: n x 4 (w, x, y, z, each in its parent) are written.
+// Reads rest (n + 1, 3) and target (3,); writes points (n + 1, 3) and rotations (n, 4), each (w, x, y, z) in its parent.
 inline Outcome solve(Method method, int bones, const double* rest, const double* target, double tolerance, int most,
                      double* points, double* rotations) {
     Chain chain;

@@ -1,7 +1,7 @@
 // Ball chains without limits: n bones in a row, from the base outward, and the rotation of each.
 //
-// Everything is in units of the chain's length, with the base at the origin, so that thresholds mean the same for every
-// chain. All baselines share these types, this forward kinematics and this arithmetic: their times can be compared.
+// All lengths are in units of the chain's length, with the base at the origin, so that thresholds hold for every chain.
+// All methods share these types, this forward kinematics and this arithmetic, so that their times are comparable.
 
 #pragma once
 
@@ -11,29 +11,29 @@ namespace kinesic::chains {
 
 using arm::Vector;
 
-constexpr int MOST_BONES = 32;
+constexpr int MAX_BONES = 32;
 
 struct Quaternion {
     double w, x, y, z;
 };
 
-constexpr Quaternion UNTURNED{1.0, 0.0, 0.0, 0.0};
+constexpr Quaternion NO_ROTATION{1.0, 0.0, 0.0, 0.0};
 
 struct Chain {
     int bones;
-    double lengths[MOST_BONES];
-    Vector along[MOST_BONES];  // unit, of each bone at rest
+    double lengths[MAX_BONES];
+    Vector along[MAX_BONES];  // unit direction of each bone at rest
 };
 
 struct Goal {
     Vector target;  // inside the reach
     double tolerance;
-    int most;  // iterations
+    int max_iterations;
 };
 
 struct Posture {
-    Vector points[MOST_BONES + 1];  // joint centres and the tip; the first is the origin
-    Quaternion frames[MOST_BONES];  // of each bone, from rest, in the base
+    Vector points[MAX_BONES + 1];  // joint centres and the tip; the first is the origin
+    Quaternion frames[MAX_BONES];  // rotation of each bone from rest, in the base frame
 };
 
 inline Quaternion operator*(const Quaternion& a, const Quaternion& b) {
@@ -61,8 +61,8 @@ inline Vector aside(const Vector& a) {
     return unit(cross(a, flat ? Vector{1.0, 0.0, 0.0} : Vector{0.0, 1.0, 0.0}));
 }
 
-// The shortest turn from one unit vector to another, by the vector half-way between them. Opposite vectors have no half
-// way: half a turn about any perpendicular axis comes first.
+// The shortest rotation from one unit vector to another, by their bisector. Opposite vectors have no bisector: a rotation
+// by half a turn about any perpendicular axis comes first.
 inline Quaternion arc(const Vector& from, const Vector& to) {
     const Vector sum = from + to;
     const double square = dot(sum, sum);
@@ -75,25 +75,25 @@ inline Quaternion arc(const Vector& from, const Vector& to) {
     return {dot(from, half), v.x, v.y, v.z};
 }
 
-// exp(omega / 2): the turn about a rotation vector [rad].
+// exp(omega / 2): the quaternion of a rotation vector [rad].
 inline Quaternion turn(const Vector& omega) {
     const double angle = norm(omega);
-    const double share = angle > 1e-9 ? std::sin(0.5 * angle) / angle : 0.5;
-    return {std::cos(0.5 * angle), omega.x * share, omega.y * share, omega.z * share};
+    const double scale = angle > 1e-9 ? std::sin(0.5 * angle) / angle : 0.5;
+    return {std::cos(0.5 * angle), omega.x * scale, omega.y * scale, omega.z * scale};
 }
 
 inline Posture at_rest(const Chain& chain) {
     Posture posture;
     for (int i = 0; i < chain.bones; ++i) {
-        posture.frames[i] = UNTURNED;
+        posture.frames[i] = NO_ROTATION;
         posture.points[i + 1] = posture.points[i] + chain.along[i] * chain.lengths[i];
     }
     return posture;
 }
 
-// Turns every joint at once, each by a turn given in the axes of the base: frame_i <- turn_0 .. turn_i frame_i.
+// Rotates all joints at once, each by a rotation in base coordinates: frame_i <- turn_0 .. turn_i frame_i.
 inline void turn_joints(const Chain& chain, const Quaternion* turns, Posture& posture) {
-    Quaternion sum = UNTURNED;
+    Quaternion sum = NO_ROTATION;
     for (int i = 0; i < chain.bones; ++i) {
         sum = sum * turns[i];
         posture.frames[i] = normalised(sum * posture.frames[i]);
@@ -102,10 +102,10 @@ inline void turn_joints(const Chain& chain, const Quaternion* turns, Posture& po
     }
 }
 
-// From points to rotations: each bone is turned the shortest way from where its parent has carried it (the thesis's
-// bone and up vectors, 7.3.1); the points then follow from the rotations, so that bones have their length exactly.
+// Computes rotations from points: each bone rotates by the shortest rotation relative to its parent (the thesis's bone
+// and up vectors, 7.3.1). The points are then recomputed from the rotations, so that bones keep their exact length.
 inline void aim(const Chain& chain, Posture& posture) {
-    Quaternion parent = UNTURNED;
+    Quaternion parent = NO_ROTATION;
     Vector end;
     for (int i = 0; i < chain.bones; ++i) {
         const Vector wanted = unit(posture.points[i + 1] - posture.points[i]);
@@ -118,7 +118,7 @@ inline void aim(const Chain& chain, Posture& posture) {
     posture.points[chain.bones] = end;
 }
 
-// The rotation of joint i in the frame of its parent bone.
+// Rotation of joint i in the frame of its parent bone.
 inline Quaternion local(const Posture& posture, int i) {
     return i == 0 ? posture.frames[0] : conjugate(posture.frames[i - 1]) * posture.frames[i];
 }

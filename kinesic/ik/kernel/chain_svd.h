@@ -9,8 +9,8 @@
 
 namespace kinesic::chains {
 
-constexpr int MOST_SWEEPS = 30;
-constexpr double ORTHOGONAL = 1e-14;  // cosine between columns that counts as zero
+constexpr int MAX_SWEEPS = 30;
+constexpr double ORTHOGONAL_COSINE = 1e-14;  // cosine between columns that counts as zero
 
 // A = V Sigma U^T. `a` holds A column by column and becomes V; `u` gets U column by column, columns x columns.
 inline void svd(int rows, int columns, double* a, double* sigma, double* u) {
@@ -23,7 +23,7 @@ inline void svd(int rows, int columns, double* a, double* sigma, double* u) {
         }
     };
     bool moved = true;
-    for (int sweep = 0; moved && sweep < MOST_SWEEPS; ++sweep) {
+    for (int sweep = 0; moved && sweep < MAX_SWEEPS; ++sweep) {
         moved = false;
         for (int p = 0; p < columns - 1; ++p) {
             for (int q = p + 1; q < columns; ++q) {
@@ -34,7 +34,7 @@ inline void svd(int rows, int columns, double* a, double* sigma, double* u) {
                     beta += second[k] * second[k];
                     gamma += first[k] * second[k];
                 }
-                if (std::abs(gamma) <= ORTHOGONAL * std::sqrt(alpha * beta)) continue;
+                if (std::abs(gamma) <= ORTHOGONAL_COSINE * std::sqrt(alpha * beta)) continue;
                 moved = true;
                 const double zeta = (beta - alpha) / (2.0 * gamma);
                 const double t = std::copysign(1.0, zeta) / (std::abs(zeta) + std::sqrt(1.0 + zeta * zeta));

@@ -10,8 +10,8 @@ using arm::Pivot;
 using arm::Rotation;
 using arm::Vector;
 
-constexpr int MOST_PARTS = 24;
-constexpr int MOST_HINGES = 48;
+constexpr int MAX_SEGMENTS = 24;
+constexpr int MAX_HINGES = 48;
 
 struct Hinge {
     int joint = 0;  // index in the robot's joint order
@@ -21,13 +21,13 @@ struct Hinge {
 
 struct Strand {
     int parts = 0, hinges = 0;
-    Vector offset[MOST_PARTS];       // [m] centre of a segment in its parent
-    int end[MOST_PARTS];             // one past the last hinge of a segment
-    Hinge hinge[MOST_HINGES];
+    Vector offset[MAX_SEGMENTS];       // [m] centre of a segment in its parent
+    int end[MAX_SEGMENTS];             // one past the last hinge of a segment
+    Hinge hinge[MAX_HINGES];
 };
 
 struct Lines {  // the axis of each hinge in the world, with a point on it [m]
-    Vector axis[MOST_HINGES], pole[MOST_HINGES];
+    Vector axis[MAX_HINGES], pole[MAX_HINGES];
 };
 
 // Returns the end's centre [m] in the world and its frame.

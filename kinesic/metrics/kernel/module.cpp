@@ -18,15 +18,15 @@ namespace {
 using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
 using Marks = nb::ndarray<const bool, nb::ndim<2>, nb::c_contig, nb::device::cpu>;
 
-constexpr double DEGREES = 180.0 / 3.14159265358979323846;
-constexpr double SHORTEST = 1e-3;  // [s] of a step that has a speed
+constexpr double DEGREES_PER_RADIAN = 180.0 / 3.14159265358979323846;
+constexpr double MIN_STEP_DURATION = 1e-3;  // [s] shortest step with a defined speed
 
 void require(bool good) {
     if (!good) throw nb::value_error("arrays of a dry run have lengths that do not fit");
 }
 
-// First time within a window about `at` at which a path (m, d) at (m,) times is inside a ball, between samples on a straight
-// line; None where it never is.
+// Returns the first time in a window around `at` at which a path (m, d), linearly interpolated between (m,) times, is
+// inside a ball; None if it never is.
 std::optional<double> first_entry(const Numbers& times, const Numbers& path, double at, double window,
                                   const Numbers& centre, double radius) {
     const size_t count = times.size(), size = centre.size();
@@ -48,9 +48,9 @@ std::optional<double> first_entry(const Numbers& times, const Numbers& path, dou
     return std::nullopt;
 }
 
-// The value below which a share of unsorted values is, between two of them on a straight line.
-double percentile(std::vector<double>& values, double share) {
-    const double place = share * double(values.size() - 1), whole = std::floor(place), part = place - whole;
+// Returns a quantile of unsorted values, linearly interpolated.
+double percentile(std::vector<double>& values, double fraction) {
+    const double place = fraction * double(values.size() - 1), whole = std::floor(place), part = place - whole;
     const auto at = values.begin() + std::ptrdiff_t(whole);
     std::nth_element(values.begin(), at, values.end());
     if (at + 1 == values.end()) return *at;
@@ -58,8 +58,8 @@ double percentile(std::vector<double>& values, double share) {
     return part < 0.5 ? here + (after - here) * part : after - (after - here) * (1.0 - part);
 }
 
-// Errors [deg] of hinges as long as they move, sample after sample: root mean square, 95th percentile, largest; its row and
-// hinge, and the hinge whose squares sum up to most.
+// Returns the errors [deg] of moving hinges: root mean square, 95th percentile, maximum with its row and hinge, and the
+// hinge with the largest sum of squares.
 nb::tuple tracking_errors(const Numbers& found, const Marks& moving) {
     const size_t count = moving.size(), hinges = moving.shape(1);
     std::vector<double> errors, squares(hinges, 0.0);
@@ -69,7 +69,7 @@ nb::tuple tracking_errors(const Numbers& found, const Marks& moving) {
     for (size_t k = 0; k < count; ++k) {
         if (!moving.data()[k]) continue;
         require(errors.size() < found.size());
-        const double error = std::abs(found.data()[errors.size()]) * DEGREES;
+        const double error = std::abs(found.data()[errors.size()]) * DEGREES_PER_RADIAN;
         errors.push_back(error);
         sum += error * error;
         squares[k % hinges] += error * error;
@@ -81,7 +81,8 @@ nb::tuple tracking_errors(const Numbers& found, const Marks& moving) {
     return nb::make_tuple(rmse, high, largest, place / hinges, place % hinges, most);
 }
 
-// The largest speed on a path (m, d) at (m,) times from one moment to another, and its length; on straight lines between.
+// Returns the largest speed and the length of a path (m, d), linearly interpolated between (m,) times, from `begin` to
+// `end`.
 std::pair<double, double> measure_stretch(const Numbers& times, const Numbers& path, double begin, double end) {
     const size_t count = times.size(), size = count ? path.size() / count : 0;
     require(count > 1 && path.size() == count * size);
@@ -89,8 +90,8 @@ std::pair<double, double> measure_stretch(const Numbers& times, const Numbers& p
     const auto place = [&](double moment, double* to) {
         const size_t after = std::clamp<size_t>(std::upper_bound(all, all + count, moment) - all, 1, count - 1);
         const double *here = path.data() + (after - 1) * size, *there = here + size;
-        const double share = std::clamp((moment - all[after - 1]) / (all[after] - all[after - 1]), 0.0, 1.0);
-        for (size_t i = 0; i < size; ++i) to[i] = here[i] + share * (there[i] - here[i]);
+        const double ratio = std::clamp((moment - all[after - 1]) / (all[after] - all[after - 1]), 0.0, 1.0);
+        for (size_t i = 0; i < size; ++i) to[i] = here[i] + ratio * (there[i] - here[i]);
     };
     std::vector<double> edges(2 * size);
     place(begin, edges.data());
@@ -103,9 +104,9 @@ std::pair<double, double> measure_stretch(const Numbers& times, const Numbers& p
         const double *now = ends ? edges.data() + size : path.data() + k * size, next = ends ? end : all[k];
         double squares = 0.0;
         for (size_t i = 0; i < size; ++i) squares += (now[i] - before[i]) * (now[i] - before[i]);
-        const double way = std::sqrt(squares);
-        length += way;
-        if (next - time > SHORTEST) fastest = std::max(fastest, way / (next - time));
+        const double distance = std::sqrt(squares);
+        length += distance;
+        if (next - time > MIN_STEP_DURATION) fastest = std::max(fastest, distance / (next - time));
         before = now;
         time = next;
     }

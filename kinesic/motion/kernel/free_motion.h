@@ -10,11 +10,11 @@
 
 namespace kinesic::motion {
 
-constexpr double HOLD = 1e-9;       // [rad] successive keys that differ by less form a hold
-constexpr double AT_REST = 0.02;    // [knot intervals] before a rest in which a hinge hardly moves
-constexpr int LEAST_HOLD = 40;      // [knot intervals] shortest hold with a rest in its middle
-constexpr int LONG_HOLD = 100;      // [knot intervals] at each end of a long hold in which the hinge may still move
-constexpr double TINY = 1e-9;       // [rad] assumed range of a hinge that cannot move
+constexpr double HOLD_TOLERANCE = 1e-9;  // [rad] successive keys that differ by less form a hold
+constexpr double REST_MARGIN = 0.02;     // [knot intervals] before a rest in which a hinge hardly moves
+constexpr int MIN_HOLD = 40;             // [knot intervals] shortest hold with a rest in its middle
+constexpr int LONG_HOLD = 100;           // [knot intervals] at each end of a long hold in which the hinge may still move
+constexpr double MIN_RANGE = 1e-9;       // [rad] assumed range of a hinge that cannot move
 
 using Rest = std::tuple<int, int, double>;           // knot, previous key of the hinge (-1: none), angle [rad]
 using Beyond = std::tuple<double, int, Rest, Rest>;  // limit ratio, hinge, begin and end of its segment
@@ -63,12 +63,12 @@ class FreeHinge {
     std::vector<Rest> cut() const {
         std::vector<Rest> rests = {{0, -1, angles_.front()}};
         for (size_t k = 0; k + 1 < angles_.size(); ++k) {
-            if (!(std::abs(angles_[k + 1] - angles_[k]) < HOLD) || led_[k]) continue;
+            if (!(std::abs(angles_[k + 1] - angles_[k]) < HOLD_TOLERANCE) || led_[k]) continue;
             const double begin = places_[k], end = places_[k + 1];
-            if (end - begin > 2 * LONG_HOLD + LEAST_HOLD) {
+            if (end - begin > 2 * LONG_HOLD + MIN_HOLD) {
                 rests.emplace_back(int(std::nearbyint(begin)) + LONG_HOLD, int(k), angles_[k]);
                 rests.emplace_back(int(std::nearbyint(end)) - LONG_HOLD, int(k), angles_[k]);
-            } else if (end - begin >= LEAST_HOLD) {
+            } else if (end - begin >= MIN_HOLD) {
                 rests.emplace_back(int(std::nearbyint((begin + end) / 2)), int(k), angles_[k]);
             }
         }
@@ -81,12 +81,12 @@ class FreeHinge {
         const auto [first, before, start] = begin;
         const auto [last, after, rest] = end;
         std::vector<int> inner;
-        bool still = std::abs(rest - start) < HOLD;
+        bool still = std::abs(rest - start) < HOLD_TOLERANCE;
         for (int k = std::max(before, 0); k < after; ++k) still = still && !led_[k];
         for (int k = before + 1; k <= after; ++k) {
-            if (!(first + AT_REST < places_[k] && places_[k] < last - AT_REST)) continue;
+            if (!(first + REST_MARGIN < places_[k] && places_[k] < last - REST_MARGIN)) continue;
             inner.push_back(k);
-            still = still && std::abs(angles_[k] - start) < HOLD;
+            still = still && std::abs(angles_[k] - start) < HOLD_TOLERANCE;
         }
         const int size = last - first + 3;
         std::vector<double> points(size, start);
@@ -143,7 +143,7 @@ class FreeHinge {
 
     // Returns the largest ratio of a spline to its limits of range, velocity, acceleration, jerk and duty.
     double largest_share(const std::vector<double>& points) const {
-        const double middle = (limit(1) + limit(0)) / 2, half = std::max(limit(1) - limit(0), TINY) / 2, h = all.step;
+        const double middle = (limit(1) + limit(0)) / 2, half = std::max(limit(1) - limit(0), MIN_RANGE) / 2, h = all.step;
         const double duty = limit(7) - limit(6) * limit(4) * (h * h) / 8;
         const int size = int(points.size());
         double away = 0.0, speed = 0.0, acceleration = 0.0, jerk = 0.0, pulling = 0.0;

@@ -16,9 +16,9 @@
 
 namespace kinesic::motion {
 
-constexpr double OPTIMALITY = 1e-9;  // [s], or the unit of a plane: reduced costs up to this count as optimal
-constexpr double SMALLEST_PIVOT = 1e-9;  // smallest accepted divisor
-constexpr int MOST_ITERATIONS = 20;  // iterations per row and key after which the method gives up
+constexpr double OPTIMALITY_TOLERANCE = 1e-9;  // [s], or the unit of a plane: reduced costs up to this count as optimal
+constexpr double MIN_PIVOT = 1e-9;  // smallest accepted divisor
+constexpr int MAX_ITERATION_RATIO = 20;  // iterations per row and key after which the method gives up
 constexpr int LARGEST_COST_ITERATIONS = 3;  // multiple of rows and keys after which Bland's rule (1977) avoids cycles
 
 class KeyTimeSimplex {
@@ -41,7 +41,7 @@ class KeyTimeSimplex {
     // Runs the method and returns whether an optimum exists; without feasible times the dual program is unbounded.
     bool solve() {
         const int size = keys_ + rows_;
-        for (int iteration = 0; iteration < MOST_ITERATIONS * size; ++iteration) {
+        for (int iteration = 0; iteration < MAX_ITERATION_RATIO * size; ++iteration) {
             const int column = choose_entering(iteration > LARGEST_COST_ITERATIONS * size);
             if (column < 0) return true;
             if (!enter(column)) return false;
@@ -63,11 +63,11 @@ class KeyTimeSimplex {
     // Returns the column of the entering variable, by largest cost or by smallest index; -1: none.
     int choose_entering(bool by_index) const {
         int entering = -1;
-        double largest = OPTIMALITY;
+        double largest = OPTIMALITY_TOLERANCE;
         for (int r = 0; r < rows_; ++r) {
             const int variable = nonbasic_[r];
             const double cost = at_upper_[variable] ? -reduced_costs_[r] : reduced_costs_[r];
-            if (cost <= (by_index ? OPTIMALITY : largest) || lower_[variable] == upper_[variable]) continue;
+            if (cost <= (by_index ? OPTIMALITY_TOLERANCE : largest) || lower_[variable] == upper_[variable]) continue;
             if (by_index && entering >= 0 && variable > nonbasic_[entering]) continue;
             entering = r;
             largest = cost;
@@ -97,7 +97,7 @@ class KeyTimeSimplex {
         double largest = 0.0;  // pivot among equal ratios
         for (int k = 0; k < keys_; ++k) {
             const double rate = direction * entry(k, column);
-            if (std::abs(rate) < SMALLEST_PIVOT) continue;
+            if (std::abs(rate) < MIN_PIVOT) continue;
             const int variable = basic_[k];
             const double slack = rate > 0.0 ? upper_[variable] - basic_values_[k] : basic_values_[k] - lower_[variable];
             const double ratio = std::max(slack, 0.0) / std::abs(rate);

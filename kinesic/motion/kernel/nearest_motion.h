@@ -12,11 +12,11 @@
 namespace kinesic::motion {
 
 constexpr int MARGINS[] = {40, 96};  // control points tried on both sides of the violations
-constexpr double WORTH = 0.7;    // fraction of the segment above which a window saves nothing
-constexpr int EDGE = 3;          // control points at each end of a window that are fixed
-constexpr double FADED = 1e-11;  // [rad] largest change near an end with which a window's optimum is accepted
-constexpr double LOOSE = 1.0;    // [rad] range around fixed control points
-constexpr double FAINT = 1e-6;   // weight of free control points below which a key counts as fixed
+constexpr double MAX_WINDOW_RATIO = 0.7;   // fraction of the segment above which a window saves nothing
+constexpr int EDGE = 3;                    // control points at each end of a window that are fixed
+constexpr double MAX_EDGE_CHANGE = 1e-11;  // [rad] largest change near an end of an accepted window
+constexpr double EDGE_RANGE = 1.0;         // [rad] range around fixed control points
+constexpr double MIN_KEY_WEIGHT = 1e-6;    // weight of free control points below which a key counts as fixed
 
 // Computes the optimum without limits.
 inline std::vector<double> free_optimum(const SplineProgram& program) {
@@ -41,7 +41,7 @@ class NearestMotion {
         for (int margin : MARGINS) {
             const int begin = first - margin <= 2 * EDGE ? 0 : first - margin;
             const int end = last + margin >= p.size - 2 * EDGE ? p.size : last + margin;
-            if (end - begin > WORTH * p.size) break;
+            if (end - begin > MAX_WINDOW_RATIO * p.size) break;
             const Outcome outcome = solve_window(begin, end);
             if (outcome == Outcome::whole) return true;
             if (outcome == Outcome::none) break;
@@ -86,8 +86,8 @@ class NearestMotion {
         if (!method.solve()) return Outcome::none;
         const std::vector<double>& found = method.controls();
         for (int d = EDGE; d < 2 * EDGE; ++d) {
-            if (begin > 0 && std::abs(found[d] - controls_[begin + d]) > FADED) return Outcome::part;
-            if (end < p.size && std::abs(found[end - begin - 1 - d] - controls_[end - 1 - d]) > FADED)
+            if (begin > 0 && std::abs(found[d] - controls_[begin + d]) > MAX_EDGE_CHANGE) return Outcome::part;
+            if (end < p.size && std::abs(found[end - begin - 1 - d] - controls_[end - 1 - d]) > MAX_EDGE_CHANGE)
                 return Outcome::part;
         }
         std::copy(found.begin(), found.end(), controls_.begin() + begin);
@@ -108,8 +108,8 @@ class NearestMotion {
             const int first = p.first[k] - begin;
             if (first < 0 || first + 4 > part.size) continue;
             const double* shares = p.shares.data() + 4 * k;
-            const bool given = (begin > 0 && first == 0 && std::abs(shares[3]) < FAINT) ||
-                               (end < p.size && first + 4 == part.size && std::abs(shares[0]) < FAINT);
+            const bool given = (begin > 0 && first == 0 && std::abs(shares[3]) < MIN_KEY_WEIGHT) ||
+                               (end < p.size && first + 4 == part.size && std::abs(shares[0]) < MIN_KEY_WEIGHT);
             if (!given) tie(part, first, shares, p.values[k]);
         }
         for (int d = 0; d < EDGE; ++d) {
@@ -130,8 +130,8 @@ class NearestMotion {
         double shares[4] = {};
         shares[which] = 1.0;
         tie(part, first, shares, value);
-        part.lower[first + which] = std::min(part.lower[first + which], value - LOOSE);
-        part.upper[first + which] = std::max(part.upper[first + which], value + LOOSE);
+        part.lower[first + which] = std::min(part.lower[first + which], value - EDGE_RANGE);
+        part.upper[first + which] = std::max(part.upper[first + which], value + EDGE_RANGE);
     }
 
     const SplineProgram& p;

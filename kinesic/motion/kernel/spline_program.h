@@ -18,7 +18,7 @@ constexpr int KINDS = 4;  // velocity, acceleration, jerk, duty
 constexpr int WIDTHS[KINDS] = {2, 3, 4, 3};
 constexpr int ENDS[KINDS] = {2, 1, 0, 1};  // rows at each end that three fixed control points determine
 constexpr double POWERS[KINDS] = {1.0, 2.0, 3.0, 2.0};
-constexpr double ROOMY = 2.0;  // bound of such a row, which relaxations ignore
+constexpr double INACTIVE_BOUND = 2.0;  // bound of such a row, which relaxations ignore
 
 struct Unknowns {
     Unknowns(int size, int fixed) : points(size), ties(fixed) {}
@@ -52,7 +52,7 @@ struct SplineProgram {
 
     double bound(int kind, int row) const {
         const bool decided = row < ENDS[kind] || row >= size - WIDTHS[kind] + 1 - ENDS[kind];
-        return decided ? ROOMY : 1.0;
+        return decided ? INACTIVE_BOUND : 1.0;
     }
 
     // Calls visit(kind, number) for every kind of limit with the number of its first row; the kind is a constant, so that

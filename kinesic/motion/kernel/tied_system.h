@@ -13,9 +13,9 @@
 
 namespace kinesic::motion {
 
-constexpr double NUDGE = 1e-12;  // relative to the scaled diagonal; keeps pivots from 0, and refinement removes its effect
-constexpr double SMALLEST = 1e-300;  // smallest scale of diagonal and rows
-constexpr int REFINED = 3;  // largest number of refinements
+constexpr double PIVOT_OFFSET = 1e-12;  // added to the scaled diagonal against zero pivots; refinement removes its effect
+constexpr double MIN_SCALE = 1e-300;  // smallest scale of diagonal and rows
+constexpr int MAX_REFINEMENTS = 3;  // largest number of refinements
 
 class TiedSystem {
   public:
@@ -37,9 +37,9 @@ class TiedSystem {
     // Scales the diagonal to 1, and that of the equations to about -1 after elimination of their control points, because
     // weights of active limits grow beyond all others.
     void factorise() {
-        for (int place : places_) scales_[place] = 1.0 / std::sqrt(system_.line(place)[place] + SMALLEST);
+        for (int place : places_) scales_[place] = 1.0 / std::sqrt(system_.line(place)[place] + MIN_SCALE);
         for (int k = 0; k < m; ++k) {
-            double sum = SMALLEST;
+            double sum = MIN_SCALE;
             double* line = system_.line(ties_[k]);
             for (int d = 0; d < 4; ++d) {
                 const int place = places_[p.first[k] + d];
@@ -49,8 +49,8 @@ class TiedSystem {
             scales_[ties_[k]] = 1.0 / std::sqrt(sum);
         }
         factor_.scale(system_, scales_);
-        for (int place : places_) factor_.line(place)[place] += NUDGE;
-        for (int tie : ties_) factor_.line(tie)[tie] -= NUDGE;
+        for (int place : places_) factor_.line(place)[place] += PIVOT_OFFSET;
+        for (int tie : ties_) factor_.line(tie)[tie] -= PIVOT_OFFSET;
         factor_.factorise();
     }
 
@@ -64,7 +64,7 @@ class TiedSystem {
         double* left = left_.data();
         const double tolerance = exact * largest_of(n + m, [=](int i) { return std::abs(wanted[i]); });
         double last = HUGE_VAL;
-        for (int k = 0; k < REFINED && exact < 1.0; ++k) {
+        for (int k = 0; k < MAX_REFINEMENTS && exact < 1.0; ++k) {
             system_.multiply(answer_, left_);
             for (int i = 0; i < n + m; ++i) left[i] = wanted[i] - left[i];
             const double most = largest_of(n + m, [=](int i) { return std::abs(left[i]); });

@@ -9,7 +9,7 @@
 
 namespace kinesic::sim {
 
-inline double share(double part, double whole) {
+inline double clamped_ratio(double part, double whole) {
     return whole > std::numeric_limits<double>::min() ? std::min(std::max(part / whole, 0.0), 1.0) : 0.0;
 }
 
@@ -20,9 +20,10 @@ inline double segment_distance(const double* a, const double* along_a, const dou
     const double apart[3] = {a[0] - b[0], a[1] - b[1], a[2] - b[2]};
     const double aa = dot(along_a, along_a), bb = dot(along_b, along_b), ab = dot(along_a, along_b);
     const double ar = dot(along_a, apart), br = dot(along_b, apart);
-    double s = share(ab * br - ar * bb, aa * bb - ab * ab);  // nearest parameter on infinite lines; arbitrary if parallel
-    const double t = share(ab * s + br, bb);
-    s = share(ab * t - ar, aa);
+    // Nearest parameter on infinite lines, arbitrary if they are parallel.
+    double s = clamped_ratio(ab * br - ar * bb, aa * bb - ab * ab);
+    const double t = clamped_ratio(ab * s + br, bb);
+    s = clamped_ratio(ab * t - ar, aa);
     double gap[3];
     for (int i = 0; i < 3; ++i) gap[i] = apart[i] + s * along_a[i] - t * along_b[i];
     return std::sqrt(dot(gap, gap));
@@ -52,7 +53,7 @@ struct CapsulePairs {
         for (int c = 0; c < capsules; ++c) place(c, frames, count);
         for (int p = 0; p < pairs; ++p) {
             double* row = lowest + p * stride;
-            middles(p, count, row);
+            midpoint_distances(p, count, row);
             if (!hulled[p])
                 for (int m = 0; m < count; ++m) bound[m] = std::min(bound[m], row[m]);
         }
@@ -89,16 +90,16 @@ private:
         for (int i = 0; i < 3; ++i) {
             const double *x = rotation + 3 * i * frames.stride, *y = x + frames.stride, *z = y + frames.stride;
             const double* at = origin + i * frames.stride;
-            double *begin = from(capsule) + i * STRIP, *way = along(capsule) + i * STRIP;
+            double *begin = from(capsule) + i * STRIP, *vector = along(capsule) + i * STRIP;
             for (int m = 0; m < count; ++m) {
                 begin[m] = at[m] + (a[0] * x[m] + a[1] * y[m] + a[2] * z[m]);
-                way[m] = at[m] + (b[0] * x[m] + b[1] * y[m] + b[2] * z[m]) - begin[m];
+                vector[m] = at[m] + (b[0] * x[m] + b[1] * y[m] + b[2] * z[m]) - begin[m];
             }
         }
     }
 
     // Computes the distances of the axes' midpoints: upper bounds, and after subtracting half lengths lower bounds.
-    void middles(int pair, int count, double* above) {
+    void midpoint_distances(int pair, int count, double* above) {
         const double *a = from(first[pair]), *b = from(second[pair]), *u = along(first[pair]), *v = along(second[pair]);
         for (int m = 0; m < count; ++m) {
             double squares = 0.0;

@@ -45,10 +45,10 @@ void add_link(MotionFrames& frames, int parent, const Numbers& origin, const std
     Link link{parent, {}, {}};
     std::copy_n(origin.data(), 3, link.origin);
     for (size_t k = 0; k < joints.size(); ++k) {
-        Turn turn{joints[k], {}, false, {}};
+        HingeRotation turn{joints[k], {}, false, {}};
         std::copy_n(axes.data() + 3 * k, 3, turn.axis);
         std::copy_n(offsets.data() + 3 * k, 3, turn.at);
-        turn.aside = turn.at[0] != 0.0 || turn.at[1] != 0.0 || turn.at[2] != 0.0;
+        turn.has_offset = turn.at[0] != 0.0 || turn.at[1] != 0.0 || turn.at[2] != 0.0;
         link.turns.push_back(turn);
     }
     frames.links.push_back(std::move(link));
@@ -60,7 +60,7 @@ void solve(const MotionFrames& self, const Flags& chosen, const Numbers& sines, 
     require(chosen.size() == self.links.size() && rotations.size() == 9 * self.links.size() * count);
     require(origins.size() == 3 * self.links.size() * count && sines.size() == cosines.size());
     for (const Link& link : self.links)
-        for (const Turn& turn : link.turns) require(turn.joint >= 0 && (turn.joint + 1) * count <= sines.size());
+        for (const HingeRotation& turn : link.turns) require(turn.joint >= 0 && (turn.joint + 1) * count <= sines.size());
     self.solve({chosen.data(), chosen.data() + chosen.size()}, sines.data(), cosines.data(), count, int(count),
                rotations.data(), origins.data());
 }
@@ -116,7 +116,7 @@ void measure_strips(CapsulePairs& self, const MotionFrames& frames, const Flags&
     require(self.pairs > 0 && chosen.size() == segments && sines.size() == cosines.size());
     for (int owner : self.owners) require(size_t(owner) < segments);
     for (const Link& link : frames.links)
-        for (const Turn& turn : link.turns) require(turn.joint >= 0 && (turn.joint + 1) * count <= sines.size());
+        for (const HingeRotation& turn : link.turns) require(turn.joint >= 0 && (turn.joint + 1) * count <= sines.size());
     const std::vector<char> kept(chosen.data(), chosen.data() + segments);
     std::vector<double> rotations(9 * segments * STRIP), origins(3 * segments * STRIP), lowest(size_t(self.pairs) * STRIP);
     for (size_t k = 0; k < count; k += STRIP) {
@@ -256,7 +256,7 @@ void measure_drives(const std::array<Numbers, 5>& log, const std::array<Places, 
     require(rises.size() == windings * commands && warmth.size() == windings && charge.size() == n);
     require(std::is_sorted(ends.data(), ends.data() + commands) && ends.data()[0] > 0 &&
             size_t(ends.data()[commands - 1]) <= count);
-    const KeptSteps kept{angles.data(), speeds.data(), spans.data(), supplied.data(), aims.data(),
+    const LoggedSteps kept{angles.data(), speeds.data(), spans.data(), supplied.data(), aims.data(),
                          begins.data(), count, joints, supplied.size(), begins.size()};
     const double* constants = law.data();
     const DriveRows drives{constants, constants + n, constants + 2 * n, constants + 3 * n, constants + 4 * n};

@@ -7,17 +7,17 @@
 
 namespace kinesic::sim {
 
-struct Turn {
+struct HingeRotation {
     int joint;
     double axis[3];
-    bool aside;    // whether the axis does not pass through the segment's origin
-    double at[3];  // [m] offset of the axis from the origin
+    bool has_offset;  // whether the axis misses the segment's origin
+    double at[3];     // [m] offset of the axis from the origin
 };
 
 struct Link {
     int parent;  // -1: the world
     double origin[3];  // [m] in the parent's frame
-    std::vector<Turn> turns;
+    std::vector<HingeRotation> turns;
 };
 
 // Computes rotations (s, 3, 3, m) and origins (s, 3, m) of chosen segments from sines and cosines (n, stride) of hinges.
@@ -31,10 +31,10 @@ struct MotionFrames {
             if (!chosen[k]) continue;
             double *rotation = rotations + 9 * k * count, *origin = origins + 3 * k * count;
             place(links[k], rotations, origins, count, rotation, origin);
-            for (const Turn& turn : links[k].turns) {
-                if (turn.aside) before.assign(rotation, rotation + 9 * size_t(count));
+            for (const HingeRotation& turn : links[k].turns) {
+                if (turn.has_offset) before.assign(rotation, rotation + 9 * size_t(count));
                 apply(turn, sines + turn.joint * stride, cosines + turn.joint * stride, count, rotation);
-                if (turn.aside) shift(turn, before.data(), rotation, count, origin);
+                if (turn.has_offset) shift(turn, before.data(), rotation, count, origin);
             }
         }
     }
@@ -59,7 +59,7 @@ private:
     }
 
     // R (I + sin K + (1 - cos) K^2) with the axis' cross product matrix K: Rodrigues' formula, row by row of R.
-    static void apply(const Turn& turn, const double* sine, const double* cosine, int count, double* rotation) {
+    static void apply(const HingeRotation& turn, const double* sine, const double* cosine, int count, double* rotation) {
         const double *a = turn.axis;
         int along = -1;
         for (int i = 0; i < 3; ++i)
@@ -86,7 +86,7 @@ private:
         }
     }
 
-    static void shift(const Turn& turn, const double* before, const double* after, int count, double* origin) {
+    static void shift(const HingeRotation& turn, const double* before, const double* after, int count, double* origin) {
         for (int i = 0; i < 3; ++i)
             for (int m = 0; m < count; ++m) {
                 double moved = 0.0;
