@@ -1,13 +1,14 @@
-"""Docstring first lines and module constants of Python sources."""
+"""Docstring first lines, module constants, parameters and public names of Python sources."""
 
 import ast
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 
-from .rules import has_old_word, is_one_word, is_unclear
+from .rules import MAX_PARAMETERS, has_old_word, is_one_word, is_unclear
 
-Documented = ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef | ast.Module
+Function = ast.FunctionDef | ast.AsyncFunctionDef
+Documented = Function | ast.ClassDef | ast.Module
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,10 +34,24 @@ def read_findings(path: Path, name: str) -> Iterator[Finding]:
             first_line, place = docstring.splitlines()[0], f"{name}:{node.body[0].lineno}"
             yield Finding("first lines", place, first_line, is_unclear(first_line))
             yield Finding("old words", place, first_line, has_old_word(first_line))
+        if isinstance(node, Function):
+            yield Finding(
+                "long signatures", f"{name}:{node.lineno}", node.name, _count_parameters(node) > MAX_PARAMETERS
+            )
     for statement in tree.body:
+        if isinstance(statement, Function | ast.ClassDef) and not statement.name.startswith("_"):
+            yield Finding("public names", f"{name}:{statement.lineno}", statement.name, False)
         for names in _constant_names(statement):
             is_offender = len(names) > 1 or is_one_word(names[0])
             yield Finding("constants", f"{name}:{statement.lineno}", ", ".join(names), is_offender)
+
+
+def _count_parameters(node: Function) -> int:
+    """Return the number of a function's parameters, without `self` and `cls`."""
+    arguments = node.args
+    named = [*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs]
+    variable = [argument for argument in (arguments.vararg, arguments.kwarg) if argument]
+    return len([item for item in named if item.arg not in ("self", "cls")]) + len(variable)
 
 
 def _constant_names(statement: ast.stmt) -> Iterator[list[str]]:

@@ -1,6 +1,7 @@
 """Measure the wording of the project against its limits."""
 
 import tomllib
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -40,6 +41,8 @@ def measure(root: Path = TREE_ROOT, limits: Limits = Limits()) -> list[Metric]: 
     pages = sorted(page for page in pages if page.name != "CHANGELOG.md")  # whose items are one line each
     findings = [finding for path in sources for finding in read_findings(path, str(path.relative_to(root)))]
     findings += [finding for page in pages for finding in read_sentences(page, str(page.relative_to(root)))]
+    findings += find_shared_names([finding for finding in findings if finding.kind == "public names"])
+    counts = Counter(finding.kind for finding in findings)
     allowed = read_allowed()
     return [
         _count(kind, limit, [finding for finding in findings if finding.kind == kind], allowed)
@@ -48,7 +51,20 @@ def measure(root: Path = TREE_ROOT, limits: Limits = Limits()) -> list[Metric]: 
             ("old words", limits.old_words),
             ("constants", limits.constants),
             ("long sentences", limits.long_sentences),
+            ("long signatures", limits.long_signatures / max(counts["long signatures"], 1)),
+            ("shared names", limits.shared_names / max(counts["shared names"], 1)),
         )
+    ]
+
+
+def find_shared_names(public_names: Sequence[Finding]) -> list[Finding]:
+    """Return each public name once; one that several modules define is an offender."""
+    places: dict[str, list[str]] = defaultdict(list)
+    for finding in public_names:
+        places[finding.text].append(finding.place)
+    return [
+        Finding("shared names", ", ".join(found), name, len({place.split(":")[0] for place in found}) > 1)
+        for name, found in places.items()
     ]
 
 

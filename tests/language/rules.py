@@ -1,10 +1,11 @@
-"""Limits for the wording of code, docs and commits."""
+"""Limits for names and wording of code, docs and commits."""
 
 import re
 from dataclasses import dataclass
 
 MAX_FIRST_LINE_WORDS = 12
 MAX_SENTENCE_WORDS = 30  # in docs
+MAX_PARAMETERS = 6  # of a function, without `self` and `cls`
 
 RIDDLES = re.compile(
     r"\b(what|whatever|who|whoever|whom|nobody|somebody|anybody|anew|beside|told|tells|is said|are said|is called so"
@@ -22,6 +23,8 @@ class Limits:
     old_words: float = 0.01  # docstring first lines with a word that the glossary replaces
     constants: float = 0.08  # module constants of one word, or several in one line
     long_sentences: float = 0.10  # sentences of docs above MAX_SENTENCE_WORDS
+    long_signatures: int = 33  # number of functions above MAX_PARAMETERS
+    shared_names: int = 31  # number of public functions and classes with the name of one in another module
 
 
 def is_unclear(first_line: str) -> bool:

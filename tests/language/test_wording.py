@@ -7,7 +7,7 @@ import pytest
 from .code import read_findings
 from .commit_rules import ImperativeSubject
 from .docs import read_sentences
-from .measure import measure, read_allowed
+from .measure import find_shared_names, measure, read_allowed
 from .rules import has_old_word, is_one_word, is_unclear
 
 CLEAR_LINE = "Return the latest telemetry of all servos."
@@ -47,6 +47,26 @@ def test_wording_check_lists_constants_and_docstrings_of_a_file(tmp_path: Path):
         ("constants", "example.py:2", "NEAR, FAR", True),
         ("constants", "example.py:3", "MAX_ROUNDS", False),
     ]
+
+
+def test_wording_check_counts_functions_with_more_than_six_parameters(tmp_path: Path):
+    file = tmp_path / "example.py"
+    file.write_text(
+        "class Arm:\n    def reach(self, a, b, *, c, d, e, f): ...\n\n\ndef plan(a, b, c, d, e, *rest, **other): ...\n"
+    )
+    found = {
+        item.text: item.is_offender for item in read_findings(file, "example.py") if item.kind == "long signatures"
+    }
+    assert found == {"reach": False, "plan": True}
+
+
+def test_wording_check_counts_public_names_that_several_modules_define(tmp_path: Path):
+    findings = []
+    for name, text in (("a.py", "def draw(): ...\nclass Arm: ...\ndef _own(): ...\n"), ("b.py", "def draw(): ...\n")):
+        (tmp_path / name).write_text(text, encoding="utf-8")
+        findings += [item for item in read_findings(tmp_path / name, name) if item.kind == "public names"]
+    shared = {item.text: (item.place, item.is_offender) for item in find_shared_names(findings)}
+    assert shared == {"draw": ("a.py:1, b.py:1", True), "Arm": ("a.py:2", False)}
 
 
 def test_wording_check_of_a_page_skips_tables_code_and_headings(tmp_path: Path):
