@@ -14,7 +14,7 @@ from kinesic.files.film_file import explain_missing_encoder, find_encoder
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.supervisor.manifest import Manifest
-from kinesic.hardware.tools.diagnosis import Finding, diagnose
+from kinesic.hardware.tools.diagnosis import ServoFinding, diagnose
 from kinesic.sim import gl
 from kinesic.speech import espeak_pool, loudspeaker
 from kinesic.speech.hibari.engine import hibari_fault
@@ -55,7 +55,7 @@ def examine_servos(robot: str, ports: tuple[str, ...]) -> int:
     return CHECK_FAILED_EXIT_CODE if fault_count else 0
 
 
-def _print_finding(finding: Finding) -> None:
+def _print_finding(finding: ServoFinding) -> None:
     mark = click.style("ok  ", fg="green") if finding.well else click.style("fix ", fg="red")
     first, *rest = finding.text.splitlines()
     click.echo(f"{mark}  {finding.bus:8} {finding.about:8} {first}")

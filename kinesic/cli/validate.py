@@ -11,7 +11,7 @@ import click
 from kinesic.body.calibration import calibration_path
 from kinesic.body.config import ConfigError, locate_config
 from kinesic.cli.ending_signals import INTERRUPTED_EXIT_CODE
-from kinesic.cli.many.table import summarise
+from kinesic.cli.many.table import print_batch_summary
 from kinesic.cli.many.workers import Workers
 from kinesic.cli.options import Output, Planning
 from kinesic.cli.progress import show_stages, show_steps
@@ -63,7 +63,7 @@ def validate_paths(paths: tuple[Path, ...], planning: Planning, twin: str, worke
     if output.as_json:
         click.echo(text)
     else:
-        summarise(verdicts, console())
+        print_batch_summary(verdicts, console())
     if folder and finished:
         write_text(folder / SUMMARY_FILE, text, force=True)  # The summary marks the run as finished.
         click.echo(f"summary: {folder / SUMMARY_FILE}", err=output.as_json)

@@ -41,7 +41,7 @@ from kinesic.mcp.robot_gate import RobotGate
 from kinesic.mcp.robot_status import summarise
 from kinesic.mcp.teaching import MODEL_INSTRUCTIONS
 from kinesic.mcp.tool_server import ToolServer
-from kinesic.mcp.vocabulary import all_names, common_gestures, search_gestures
+from kinesic.mcp.vocabulary import all_names, common_gestures, list_gesture_hits
 from kinesic.mcp.waiting import wait_for_end
 from kinesic.version import __version__
 
@@ -85,7 +85,7 @@ def warm_up(setup: "Setup") -> "Setup":
     A slow first call would delay a stop.
     """
     import_at_once("kinesic.mcp.stroke_picture")
-    search_gestures(setup.lexicon, "large", "", DEFAULT_RESULTS)
+    list_gesture_hits(setup.lexicon, "large", "", DEFAULT_RESULTS)
     check_document(lambda: write_speech("Hello.", "", setup).bml)
     return setup
 
@@ -164,7 +164,7 @@ def _add_quiet_tools(
 
         Use the `name` of a result as lexeme of a gesture in a document. Below a score of 0.5, read `says` first.
         """
-        hits = await to_thread(lambda: search_gestures(load_lexicon(), query, category, count))
+        hits = await to_thread(lambda: list_gesture_hits(load_lexicon(), query, category, count))
         return json.dumps(hits, ensure_ascii=False)
 
     @server.tool(annotations=READ_ONLY_TOOL)

@@ -39,7 +39,7 @@ def all_names(lexicon: "Lexicon") -> str:
     return " ".join(form.id for form in lexicon.forms)
 
 
-def search_gestures(lexicon: "Lexicon", query: str, category: str, count: int) -> list[dict[str, Json]]:
+def list_gesture_hits(lexicon: "Lexicon", query: str, category: str, count: int) -> list[dict[str, Json]]:
     """Return the gestures that match a query, best first, for JSON."""
     from kinesic.expressivity.lexicon.search import find_gestures  # noqa: PLC0415 - slow to import
 

@@ -24,7 +24,7 @@ class Limits:
     constants: float = 0.08  # module constants of one word, or several in one line
     long_sentences: float = 0.10  # sentences of docs above MAX_SENTENCE_WORDS
     long_signatures: int = 33  # number of functions above MAX_PARAMETERS
-    shared_names: int = 31  # number of public functions and classes with the name of one in another module
+    shared_names: int = 30  # number of public functions and classes with the name of one in another module
 
 
 def is_unclear(first_line: str) -> bool:

@@ -149,7 +149,7 @@ def test_wait_tool_passes_on_its_block_and_time_limit(robot: Robot, monkeypatch:
 
 
 def test_find_gesture_tool_searches_the_lexicon(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "search_gestures", lambda *arguments: [{"ä": arguments}])
+    monkeypatch.setattr(module, "list_gesture_hits", lambda *arguments: [{"ä": arguments}])
     assert robot.call("find_gesture", query="large", category="beat", count=2) == (
         '[{"ä": ["lexicon", "large", "beat", 2]}]',
         False,
@@ -238,7 +238,7 @@ def test_written_speech_is_appended_with_a_unique_id_in_its_style(monkeypatch: p
 def test_warm_up_imports_the_picture_module_searches_and_plans_once(monkeypatch: pytest.MonkeyPatch) -> None:
     calls: list[object] = []
     monkeypatch.setattr(module, "import_at_once", calls.append)
-    monkeypatch.setattr(module, "search_gestures", lambda lexicon, *_: calls.append(lexicon))
+    monkeypatch.setattr(module, "list_gesture_hits", lambda lexicon, *_: calls.append(lexicon))
     monkeypatch.setattr(module, "check_document", lambda write: calls.append(write()))
     monkeypatch.setattr(module, "write_speech", lambda text, style, setup: SimpleNamespace(bml=setup.style))
     kit = Kit()
@@ -249,7 +249,7 @@ def test_warm_up_imports_the_picture_module_searches_and_plans_once(monkeypatch:
 def test_warm_up_searches_a_gesture_and_writes_a_speech_with_usual_arguments(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[object] = []
     monkeypatch.setattr(module, "import_at_once", lambda name: None)
-    monkeypatch.setattr(module, "search_gestures", lambda *arguments: asked.append(arguments))
+    monkeypatch.setattr(module, "list_gesture_hits", lambda *arguments: asked.append(arguments))
     monkeypatch.setattr(module, "check_document", lambda write: write())
     monkeypatch.setattr(module, "write_speech", lambda *arguments: asked.append(arguments) or SimpleNamespace(bml=""))
     module.warm_up(Kit())

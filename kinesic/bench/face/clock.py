@@ -6,7 +6,7 @@ from time import perf_counter
 import numpy as np
 
 from kinesic.face.gl.context import GlContext
-from kinesic.face.gl.programs import Column
+from kinesic.face.gl.programs import VertexColumn
 
 SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "swrast")
 BUSY_TIME = 0.015  # [s] filler work of the graphics card while the measured commands are queued
@@ -49,7 +49,7 @@ class DrawingClock:
             self._frame = context.frame([context.texture((BUSY_SIZE, BUSY_SIZE), 4)])
             self._program = context.program(VERTEX_SHADER, FRAGMENT_SHADER)
             corners = context.buffer(np.array([-1, -1, 3, -1, -1, 3], dtype="f4").tobytes())
-            self._triangle = context.vertices(self._program, [Column("corner", corners, 2, 0, 2)])
+            self._triangle = context.vertices(self._program, [VertexColumn("corner", corners, 2, 0, 2)])
             self._steps = 16.0
             while context.elapsed(self._keep_busy) < BUSY_TIME and self._steps < MAX_BUSY_STEPS:
                 self._steps *= 2.0

@@ -20,7 +20,7 @@ MIN_TEXT_WIDTH = 8  # [characters] smallest width of the place column and of the
 MAX_FOLDER_ROWS = 16  # largest number of rows; more folders are grouped by their parents
 
 
-def summarise(verdicts: list[DocumentVerdict], screen: Console) -> None:
+def print_batch_summary(verdicts: list[DocumentVerdict], screen: Console) -> None:
     """Print failures, then a table of folders and a table of checks."""
     if not verdicts:
         screen.print("no documents")

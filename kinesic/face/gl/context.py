@@ -6,7 +6,7 @@ from typing import Protocol
 
 from kinesic.face.gl import numbers as n
 from kinesic.face.gl.functions import FindAddress, Functions
-from kinesic.face.gl.programs import Buffer, Column, Program, Vertices
+from kinesic.face.gl.programs import Buffer, Program, VertexColumn, Vertices
 from kinesic.face.gl.textures import Depth, DepthBuffer, DepthTexture, Framebuffer, Rectangle, Size, Texture
 
 UPLOAD_UNIT = 15  # texture unit for uploads; no shader reads it
@@ -112,7 +112,7 @@ class GlContext:
         """Create a vertex buffer of a size [bytes] for repeated writing."""
         return Buffer(self, None, size)
 
-    def vertices(self, program: Program, columns: Sequence[Column], indices: Buffer | None = None) -> Vertices:
+    def vertices(self, program: Program, columns: Sequence[VertexColumn], indices: Buffer | None = None) -> Vertices:
         """Create drawable vertices for a shader program from buffer columns."""
         return Vertices(self, program, columns, indices)
 

@@ -139,7 +139,7 @@ class Buffer:
 
 
 @dataclass(frozen=True)
-class Column:
+class VertexColumn:
     """Position of a vertex attribute in a buffer of floats."""
 
     name: str
@@ -153,7 +153,7 @@ class Vertices:
     """Vertices of a program, as indexed triangles or in buffer order."""
 
     def __init__(
-        self, context: "GlContext", program: Program, columns: Sequence[Column], indices: Buffer | None = None
+        self, context: "GlContext", program: Program, columns: Sequence[VertexColumn], indices: Buffer | None = None
     ) -> None:
         self._context, self.program, gl = context, program, context.functions
         self._indexed = indices is not None

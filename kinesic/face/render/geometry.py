@@ -15,7 +15,7 @@ from kinesic.face.assets.mesh import MESH_PARTS, Mesh
 from kinesic.face.assets.paint import PUPIL_RADIUS, Colour
 from kinesic.face.gl import numbers as gl
 from kinesic.face.gl.context import GlContext
-from kinesic.face.gl.programs import Buffer, Column, Program, Vertices
+from kinesic.face.gl.programs import Buffer, Program, VertexColumn, Vertices
 from kinesic.face.gl.textures import DepthBuffer, Rectangle, Size, Texture
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.passes import MarkPass, PassRegion, Target, compile_program, set_uniforms
@@ -117,11 +117,11 @@ class Geometry:
         moving, still, indices = self._layers[layer]
         row = HAIR_ROW if layer in HAIR_LAYERS else SKIN_ROW
         columns = [
-            Column("position", moving, 3, 0, row),
-            Column("normal", moving, 3, 3, row),
-            Column("strand", moving, 3, 6, row),
-            Column("place", still, 4, 0, 6),
-            Column("matter", still, 2, 4, 6),
+            VertexColumn("position", moving, 3, 0, row),
+            VertexColumn("normal", moving, 3, 3, row),
+            VertexColumn("strand", moving, 3, 6, row),
+            VertexColumn("place", still, 4, 0, 6),
+            VertexColumn("matter", still, 2, 4, 6),
         ]
         read = [column for column in columns if column.name in shader]  # compilers remove unused attributes
         return self.context.vertices(shader, read, indices)

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Floats
 from kinesic.face.gl import numbers as gl
 from kinesic.face.gl.context import GlContext
-from kinesic.face.gl.programs import Column, Program
+from kinesic.face.gl.programs import Program, VertexColumn
 from kinesic.face.gl.textures import DepthBuffer, Framebuffer, Rectangle, Size, Texture
 
 SHADER_FOLDER = Path(__file__).parent / "shaders"
@@ -149,7 +149,7 @@ class ScreenPass:
         self.shader = compile_program(context, "screen", *fragments, defines=defines)
         self._places: dict[str, int] = {}  # texture unit by sampler name
         corners = context.buffer(np.array([-1, -1, 3, -1, -1, 3], dtype="f4").tobytes())
-        self.triangle = context.vertices(self.shader, [Column("corner", corners, 2, 0, 2)])
+        self.triangle = context.vertices(self.shader, [VertexColumn("corner", corners, 2, 0, 2)])
 
     def draw(
         self,

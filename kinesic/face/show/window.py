@@ -13,7 +13,7 @@ from kinesic.extras import install_extra
 from kinesic.face.display import DisplayError
 from kinesic.face.gl import numbers as gl
 from kinesic.face.gl.context import GlContext
-from kinesic.face.gl.programs import Column
+from kinesic.face.gl.programs import VertexColumn
 from kinesic.face.gl.textures import Texture
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ class Window:
         glfw.set_key_callback(handle, note_key)
         shader = context.program(_VERTEX_SHADER, _FRAGMENT_SHADER)
         corners = context.buffer(np.array([0, 0, 1, 0, 0, 1, 1, 1], dtype="f4").tobytes())
-        self._quad = context.vertices(shader, [Column("corner", corners, 2, 0, 2)])
+        self._quad = context.vertices(shader, [VertexColumn("corner", corners, 2, 0, 2)])
         self._texture: Texture | None = None
 
     @property

@@ -17,7 +17,7 @@ MIN_COOLING_MARGIN = 10  # [K] smallest healthy margin between a resting servo's
 
 
 @dataclass(frozen=True)
-class Finding:
+class ServoFinding:
     """Result of one check of a bus: verdict, state and remedy."""
 
     bus: str
@@ -28,7 +28,7 @@ class Finding:
 
 def diagnose(
     manifest: Manifest, ports: dict[str, Path], opens: Callable[[str], Wire], *, system: Path = SYSFS_ROOT
-) -> Iterator[Finding]:
+) -> Iterator[ServoFinding]:
     """Check ports, adapters and servos, and yield the findings.
 
     Only STATUS_RETURN_LEVEL is written. A fault does not stop the other checks.
@@ -41,52 +41,52 @@ def diagnose(
     """
     for bus in manifest.bauds:
         if bus not in ports:
-            yield Finding(bus, "port", False, f"missing; give --port {bus}=PATH")
+            yield ServoFinding(bus, "port", False, f"missing; give --port {bus}=PATH")
             continue
         try:
             wire = opens(bus)
         except BusError as error:
-            yield Finding(bus, "port", False, str(error))
+            yield ServoFinding(bus, "port", False, str(error))
             continue
-        yield Finding(bus, "port", True, f"{wire.name} is open at {wire.baud} baud")
+        yield ServoFinding(bus, "port", True, f"{wire.name} is open at {wire.baud} baud")
         yield _adapter(bus, ports[bus], system)
         try:
             members = [member for member in manifest.members if member.bus == bus]
             yield from _servos(bus, open_slow_access(wire), members)
         except BusError as error:
-            yield Finding(bus, "port", False, str(error))
+            yield ServoFinding(bus, "port", False, str(error))
         finally:
             wire.close()
 
 
-def _adapter(bus: str, port: Path, system: Path) -> Finding:
+def _adapter(bus: str, port: Path, system: Path) -> ServoFinding:
     adapter = read_latency(port, system=system)
     if adapter is None:
-        return Finding(bus, "latency", True, "the adapter has no latency timer")
+        return ServoFinding(bus, "latency", True, "the adapter has no latency timer")
     text = f"USB latency timer is {adapter.timer_ms} ms" if adapter.is_good else adapter.remedy
-    return Finding(bus, "latency", adapter.is_good, text)
+    return ServoFinding(bus, "latency", adapter.is_good, text)
 
 
-def _servos(bus: str, access: ServoAccess, members: list[Member]) -> Iterator[Finding]:
+def _servos(bus: str, access: ServoAccess, members: list[Member]) -> Iterator[ServoFinding]:
     problems = find_problems(access, [member.servo for member in members])
     none_answers = len(problems) == 1 and "no servo of ids" in problems[0]
     sound_count = 0
     for line in problems:
-        yield Finding(bus, "servos", False, line)
+        yield ServoFinding(bus, "servos", False, line)
     for member in members:
         where = f"{access.wire.name}: servo {member.id}"
         if none_answers or any(line.startswith(f"{where}:") for line in problems):
             continue
         lines = [f"{where} ({member.hinge}): {line}" for line in _doubts(access, member)]
         for line in lines:
-            yield Finding(bus, "servos", False, line)
+            yield ServoFinding(bus, "servos", False, line)
         sound_count += not lines
     others = find_unexpected_servos(access, [member.id for member in members])
     if others and not none_answers:
         text = f"servo {', '.join(others)} is not part of the robot; unplug it, or give it an id of [bus.ids]"
-        yield Finding(bus, "servos", False, text)
+        yield ServoFinding(bus, "servos", False, text)
     if sound_count:
-        yield Finding(bus, "servos", True, f"{sound_count} of {len(members)} are ready")
+        yield ServoFinding(bus, "servos", True, f"{sound_count} of {len(members)} are ready")
 
 
 def _doubts(access: ServoAccess, member: Member) -> list[str]:

@@ -9,12 +9,12 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.body.rotation import rotation_to_vector, vector_to_rotation
 from kinesic.ik.thesis.chain import BallChain
-from kinesic.ik.thesis.rotations import Carrier, Stance, stance_of
+from kinesic.ik.thesis.rotations import Carrier, ChainPosture, stance_of
 
 MIN_LEVER_RATIO = 1e-9  # [chain lengths] smallest parent-target distance at which parents compensate limits
 
 
-def within_limits(chain: BallChain, stance: Stance, target: Floats, carrier: Carrier) -> Stance:
+def within_limits(chain: BallChain, stance: ChainPosture, target: Floats, carrier: Carrier) -> ChainPosture:
     """Clip joint rotations to limits, compensated by rotations of the parent joints.
 
     A joint p_i that loses the turn alpha moves the hand by an arc alpha |t - p_i|; its parent turns by

@@ -30,7 +30,7 @@ class Carrier:
 
 
 @dataclass(frozen=True, eq=False)
-class Stance:
+class ChainPosture:
     """Posture of a ball-joint chain, as rotations, frames and positions."""
 
     rotations: Floats  # (n, 3, 3) of the joints away from rest, each in the frame of its own bone at rest
@@ -57,7 +57,7 @@ def transport_up(up: Floats, start: Floats, end: Floats) -> Floats:
     return turned
 
 
-def stance_of(chain: BallChain, rotations: Floats, carrier: Carrier) -> Stance:
+def stance_of(chain: BallChain, rotations: Floats, carrier: Carrier) -> ChainPosture:
     """Compute joint positions and frames from joint rotations.
 
     Args:
@@ -71,10 +71,10 @@ def stance_of(chain: BallChain, rotations: Floats, carrier: Carrier) -> Stance:
         frames[k] = turn @ rest @ rotations[k]
         turn = frames[k] @ rest.T
         points[k + 1] = points[k] + length * frames[k, :, 0]
-    return Stance(sealed(rotations), sealed(frames), sealed(points), Carrier(sealed(points[-1]), sealed(turn)))
+    return ChainPosture(sealed(rotations), sealed(frames), sealed(points), Carrier(sealed(points[-1]), sealed(turn)))
 
 
-def aim_bones(chain: BallChain, before: Floats, points: Floats, carrier: Carrier) -> Stance:
+def aim_bones(chain: BallChain, before: Floats, points: Floats, carrier: Carrier) -> ChainPosture:
     """Aim each bone at the next point by the smallest rotation.
 
     Args:

@@ -18,7 +18,7 @@ from kinesic.ik.scalar3 import clamp_to_reach, vector
 from kinesic.ik.solve import as_triple
 from kinesic.ik.thesis.limbs import Limb, Limbs
 from kinesic.ik.thesis.limits import within_limits
-from kinesic.ik.thesis.rotations import Carrier, Stance, aim_bones, stance_of
+from kinesic.ik.thesis.rotations import Carrier, ChainPosture, aim_bones, stance_of
 from kinesic.ik.thesis.solve import ChainStart, Method, bend_straight_chain, solve_ball_chain
 from kinesic.ik.thesis.springs import Springs
 from kinesic.ik.thesis.task import Effort, Rest
@@ -28,9 +28,9 @@ PULL_DECAY = 0.1  # factor per iteration on pulls of limbs ranked below the firs
 MIN_PULL = 1e-3  # smallest decayed pull of a limb: weaker springs would hardly settle
 
 
-def standing_limbs(limbs: Limbs) -> dict[str, Stance]:
+def standing_limbs(limbs: Limbs) -> dict[str, ChainPosture]:
     """Return the rest posture of each limb."""
-    stances: dict[str, Stance] = {}
+    stances: dict[str, ChainPosture] = {}
     for limb in limbs.members:
         carrier = Carrier.at_rest(limb.chain) if limb.on is None else stances[limb.on].end
         stances[limb.name] = stance_of(limb.chain, np.broadcast_to(np.eye(3), limb.chain.frames.shape), carrier)
@@ -48,8 +48,8 @@ class Wishes:
 
 
 def turn_joints(
-    limbs: Limbs, before: Mapping[str, Stance], wishes: Wishes, *, method: Method, effort: Effort
-) -> dict[str, Stance]:
+    limbs: Limbs, before: Mapping[str, ChainPosture], wishes: Wishes, *, method: Method, effort: Effort
+) -> dict[str, ChainPosture]:
     """Rotate all joints towards their point masses, from the root outward.
 
     Args:
@@ -59,7 +59,7 @@ def turn_joints(
         method: with which a limb solves for its target again, from the actual position of its carrier.
         effort: of that solution; lengths in units of `Limbs.size`.
     """
-    stances: dict[str, Stance] = {}
+    stances: dict[str, ChainPosture] = {}
     turns: dict[str, Floats] = {}
     for limb in limbs.members:
         chain, begun, points = limb.chain, before[limb.name].rotations, wishes.points[limb.name]
@@ -101,7 +101,7 @@ def _outer(limb: Limb, begun: Floats, wishes: Wishes, footing: Carrier, *, metho
     return solve_ball_chain(chain, target, method=method, start=start, effort=effort).rotations
 
 
-def _agreed(siblings: Sequence[Limb], before: Mapping[str, Stance], carrier: Carrier, wishes: Wishes) -> Floats:
+def _agreed(siblings: Sequence[Limb], before: Mapping[str, ChainPosture], carrier: Carrier, wishes: Wishes) -> Floats:
     """Return the rotation matrix of limbs' common joint, by priority or mean.
 
     The first limb in `priority` decides alone; without one, it is the rotation mean weighted by pulls.
@@ -121,7 +121,7 @@ def _agreed(siblings: Sequence[Limb], before: Mapping[str, Stance], carrier: Car
 class Reached:
     """Postures and remaining distances of a tree of limbs."""
 
-    stances: Mapping[str, Stance]  # of each limb, bones at their true lengths
+    stances: Mapping[str, ChainPosture]  # of each limb, bones at their true lengths
     residuals: Mapping[str, float]  # [m] from each end that has a target to that target
     rounds: int
     iterations: int  # of the masses of the whole tree
@@ -184,7 +184,11 @@ def solve_several(
 
 
 def _relax_masses(
-    limbs: Limbs, stances: Mapping[str, Stance], near: Mapping[str, Floats], pulls: Mapping[str, float], effort: Effort
+    limbs: Limbs,
+    stances: Mapping[str, ChainPosture],
+    near: Mapping[str, Floats],
+    pulls: Mapping[str, float],
+    effort: Effort,
 ) -> Rest:
     """Relax all point masses of a limb tree, scaled to unit size."""
     count = 1 + max(max(rows) for rows in limbs.indices.values())

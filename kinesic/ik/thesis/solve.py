@@ -16,7 +16,7 @@ from kinesic.ik.solve import as_triple
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.direct import balance_springs
 from kinesic.ik.thesis.limits import within_limits
-from kinesic.ik.thesis.rotations import Carrier, Stance, aim_bones, stance_of, swivel_chain
+from kinesic.ik.thesis.rotations import Carrier, ChainPosture, aim_bones, stance_of, swivel_chain
 from kinesic.ik.thesis.task import Effort, RelaxationMethod, Rest, Task
 from kinesic.ik.thesis.verlet import draw_by_force, swing_pinned
 
@@ -126,7 +126,7 @@ def bend_straight_chain(points: Floats, ups: Floats) -> Floats:
     return nudged
 
 
-def _relaxed(chain: BallChain, stance: Stance, target: Floats, *, method: Method, effort: Effort) -> Rest:
+def _relaxed(chain: BallChain, stance: ChainPosture, target: Floats, *, method: Method, effort: Effort) -> Rest:
     """Relax the chain's masses towards the target."""
     base, size = stance.points[0], chain.size
     points = np.vstack([stance.points[:-1], target])
@@ -145,5 +145,5 @@ def _relaxed(chain: BallChain, stance: Stance, target: Floats, *, method: Method
     return Rest(base + size * rest.points, rest.iterations, rest.energy)
 
 
-def _miss(stance: Stance, target: Floats) -> float:
+def _miss(stance: ChainPosture, target: Floats) -> float:
     return float(np.linalg.norm(stance.points[-1] - target))

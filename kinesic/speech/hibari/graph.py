@@ -7,7 +7,7 @@ factor. The nodes concerned are found by their connections, so that other export
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from kinesic.speech.hibari.protobuf import Field, ProtobufError, encode_bytes, encode_integer, read_fields
+from kinesic.speech.hibari.protobuf import ProtobufError, WireField, encode_bytes, encode_integer, read_fields
 
 SPEED_INPUT = "speed"  # input of the published graph: speech rate
 PITCH_INPUT = "pitch"  # added input: factor on the pitch, shape (1, 1) or (1, frames)
@@ -61,7 +61,7 @@ def edit_graph(model: bytes) -> EditedGraph:
     return EditedGraph(b"".join(parts), durations)
 
 
-def _edit_graph(fields: list[Field]) -> tuple[bytes, str]:
+def _edit_graph(fields: list[WireField]) -> tuple[bytes, str]:
     """Add pitch input and duration output to the graph, and make its rate variable."""
     durations = _find_durations(field.value for field in fields if field.number == GRAPH_NODE)
     parts: list[bytes | memoryview] = []

@@ -18,7 +18,7 @@ class ProtobufError(ValueError):
     """Invalid bytes of a protocol buffer message."""
 
 
-class Field(NamedTuple):
+class WireField(NamedTuple):
     """Field of a message with its encoded bytes."""
 
     number: int  # field number in the message's definition
@@ -31,7 +31,7 @@ class Field(NamedTuple):
         return bytes(self.value).decode()
 
 
-def read_fields(message: memoryview) -> Iterator[Field]:
+def read_fields(message: memoryview) -> Iterator[WireField]:
     """Yield the fields of a message in order, without copying.
 
     Raises:
@@ -53,7 +53,7 @@ def read_fields(message: memoryview) -> Iterator[Field]:
             raise ProtobufError(f"wire type {kind} at byte {start} is not supported")
         if end > len(message):
             raise ProtobufError(f"the field at byte {start} ends {end - len(message)} bytes after its message")
-        yield Field(tag >> 3, message[begin:end], message[start:end])
+        yield WireField(tag >> 3, message[begin:end], message[start:end])
         position = end
 
 

@@ -9,7 +9,7 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.body.utterance import STRESS_MARKS, Phoneme, Sound
 from kinesic.speech.recorded.given_times import GivenTime
 from kinesic.speech.recorded.loudness import compute_openings, estimate_pitch
-from kinesic.speech.recorded.placement import SpeechFrames, analyse, place_phonemes, place_words
+from kinesic.speech.recorded.placement import SpeechFrames, analyse, place_words, stretch_phonemes
 from kinesic.speech.recorded.prominence import find_prominences, find_prominent_words, move_stress
 from kinesic.speech.recorded.rendition import Rendition
 from kinesic.speech.recorded.spectrum import FRAME_PERIOD
@@ -50,7 +50,7 @@ def follow_recording(
         return None
     rendered = analyse(rendered_sound, bridged=RENDITION_BRIDGE)
     placement = place_words(rendition, frames, given, sound.duration, rendered)
-    sounds = release_stops(phonemes) or place_phonemes(rendition.utterance.phonemes, placement, frames)
+    sounds = release_stops(phonemes) or stretch_phonemes(rendition.utterance.phonemes, placement, frames)
     natural = (rendition.ends - rendition.starts).tolist()
     prominences = find_prominences(placement.words, frames.levels, estimate_pitch(sound), natural)
     accents = find_prominent_words(placement.words, prominences, _find_stressed(rendition))

@@ -238,7 +238,7 @@ def _join_spans(spans: Sequence[tuple[float, float]]) -> list[tuple[float, float
     return joined
 
 
-def place_phonemes(phonemes: Sequence[Phoneme], placement: Placement, frames: SpeechFrames) -> tuple[Phoneme, ...]:
+def stretch_phonemes(phonemes: Sequence[Phoneme], placement: Placement, frames: SpeechFrames) -> tuple[Phoneme, ...]:
     """Return the sounds of a rendition at their times in the recording.
 
     Sounds in long silences are moved to the speech around them, or left out.

@@ -20,7 +20,7 @@ from kinesic.report.scene import pack_rows
 from kinesic.session.options import INTERACTIVE_DEFAULTS, check_options
 from kinesic.session.plan import plan
 from kinesic.studies.gesture_perception.design import StimulusVersion
-from kinesic.studies.gestures.isolated import write_document
+from kinesic.studies.gestures.isolated import write_isolated_gesture
 
 MOTION_RATE = 50.0  # [Hz] sample rate of sampled motions
 MIN_VISIBLE_DIFFERENCE = radians(1.0)  # [rad] smallest visible difference of a joint
@@ -60,7 +60,7 @@ class StimulusPair:
 def gesture_documents(gestures: Iterable[str], lexicon: Lexicon) -> dict[str, str]:
     """Return BML documents with one gesture each, by gesture id."""
     forms = {gesture: lexicon.forms_by_id[gesture] for gesture in gestures}
-    return {gesture: write_document(f"{form.category}={form.id}") for gesture, form in forms.items()}
+    return {gesture: write_isolated_gesture(f"{form.category}={form.id}") for gesture, form in forms.items()}
 
 
 def plan_motions(

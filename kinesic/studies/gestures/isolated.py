@@ -34,7 +34,7 @@ class Show:
     faces: tuple[Mapping[str, float], ...]  # action units -> 0..1 for each posture, with open eyes
 
 
-def write_document(lexeme: str, mode: HandMode = "unspecified", *, stroke: float = STROKE_TIME) -> str:
+def write_isolated_gesture(lexeme: str, mode: HandMode = "unspecified", *, stroke: float = STROKE_TIME) -> str:
     """Return BML with one gesture and its stroke time [s]."""
     hands = f" mode={quoteattr(_BML_MODES[mode])}" if _BML_MODES[mode] else ""
     gesture = (
@@ -51,7 +51,7 @@ def plan_gesture(
     It is never substituted, even if the hand cannot make its shapes.
     """
     alone = replace(setup, lexicon=setup.lexicon.as_written)
-    return plan(write_document(f"{form.category}={form.id}", mode, stroke=stroke), alone)
+    return plan(write_isolated_gesture(f"{form.category}={form.id}", mode, stroke=stroke), alone)
 
 
 def stroke_error(planned: Plan) -> float:

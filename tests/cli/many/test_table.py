@@ -3,7 +3,7 @@ from pathlib import Path
 
 import pytest
 
-from kinesic.cli.many.table import MAX_FOLDER_ROWS, _group_folders, summarise
+from kinesic.cli.many.table import MAX_FOLDER_ROWS, _group_folders, print_batch_summary
 from kinesic.cli.screen.console import Console
 from kinesic.report.batch import DocumentVerdict
 from kinesic.report.checks import Check
@@ -22,7 +22,7 @@ NARROWEST = 79  # [characters] width that leaves 16 for the place and the file o
 
 def summary(verdicts: list[DocumentVerdict], width: int, *, colour: bool = False) -> list[str]:
     text = io.StringIO()
-    summarise(
+    print_batch_summary(
         verdicts,
         Console(text, width, is_terminal=colour),
     )

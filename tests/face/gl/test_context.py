@@ -11,7 +11,7 @@ from kinesic.face.display import open_offscreen_context
 from kinesic.face.gl import numbers as gl
 from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.functions import FUNCTION_SIGNATURES, Functions
-from kinesic.face.gl.programs import Column
+from kinesic.face.gl.programs import VertexColumn
 
 VERTEX_SHADER = """#version 330 core
 uniform mat2 turn; in vec2 corner; in float share; out float seen;
@@ -57,7 +57,7 @@ def test_written_mipmap_levels_are_read_back_by_a_shader(context: GlContext):
         frame.use()
         context.switch_on()
         corners = context.buffer(FULL_TRIANGLE.astype("f4").tobytes())
-        context.vertices(program, [Column("corner", corners, 2, 0, 3)]).render()
+        context.vertices(program, [VertexColumn("corner", corners, 2, 0, 3)]).render()
         seen.append(frame.read()[0])
     assert seen == [0, 50, 100]
 
@@ -67,7 +67,7 @@ def drawn(context: GlContext, tints: object, turn: object = ((1, 0), (0, 1))) ->
     frame = context.frame([context.texture((4, 4), 4, kind="f4")], context.depth_buffer((4, 4)))
     program = context.program(VERTEX_SHADER, FRAGMENT_SHADER)
     corners = context.buffer(FULL_TRIANGLE.astype("f4").tobytes())
-    columns = [Column("corner", corners, 2, 0, 3), Column("share", corners, 1, 2, 3)]
+    columns = [VertexColumn("corner", corners, 2, 0, 3), VertexColumn("share", corners, 1, 2, 3)]
     indices = context.buffer(np.array([0, 1, 2], "i4").tobytes())
     program.set("tints", tints)
     program.set("turn", turn)
@@ -145,7 +145,7 @@ def test_opengl_drawing_time_is_measured(context: GlContext):
         ),
         (
             lambda c: c.vertices(
-                c.program(VERTEX_SHADER, FRAGMENT_SHADER), [Column("nose", c.buffer(b"1234"), 1, 0, 1)]
+                c.program(VERTEX_SHADER, FRAGMENT_SHADER), [VertexColumn("nose", c.buffer(b"1234"), 1, 0, 1)]
             ),
             "the program has no attribute nose",
         ),

@@ -4,11 +4,11 @@ import pytest
 
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
-from kinesic.hardware.tools.diagnosis import Finding, diagnose
+from kinesic.hardware.tools.diagnosis import ServoFinding, diagnose
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 
 
-def found(table, system: Path = Path("/nowhere")) -> list[Finding]:
+def found(table, system: Path = Path("/nowhere")) -> list[ServoFinding]:
     return list(diagnose(table.manifest, {"body": Path("ttyUSB7")}, lambda bus: table.wire, system=system))
 
 
@@ -98,4 +98,4 @@ def test_diagnosis_reports_ports_that_are_not_given_or_cannot_be_opened(bench):
         raise BusError(f"{bus}: no permission")
 
     for ports, text in (({}, "missing; give --port body=PATH"), ({"body": Path("x")}, "body: no permission")):
-        assert list(diagnose(table.manifest, ports, shut)) == [Finding("body", "port", False, text)]
+        assert list(diagnose(table.manifest, ports, shut)) == [ServoFinding("body", "port", False, text)]

@@ -20,8 +20,8 @@ from kinesic.speech.recorded.placement import (
     _place_by_sound,
     _spread,
     analyse,
-    place_phonemes,
     place_words,
+    stretch_phonemes,
 )
 from kinesic.speech.recorded.warping import FrameSequence, Warp
 
@@ -120,7 +120,7 @@ def test_last_word_is_extended_up_to_its_given_end_within_0_15_seconds():
 
 
 def sounds_at(*phonemes: Phoneme, points=((0.0, 0.0), (10.0, 10.0)), spans=((1.0, 2.0), (4.0, 5.0))):
-    return place_phonemes(phonemes, Placement(points, ()), SimpleNamespace(spans=list(spans)))
+    return stretch_phonemes(phonemes, Placement(points, ()), SimpleNamespace(spans=list(spans)))
 
 
 def test_phonemes_are_stretched_with_their_words():

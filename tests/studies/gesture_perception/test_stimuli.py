@@ -17,7 +17,7 @@ from kinesic.studies.gesture_perception.stimuli import (
     plan_motions,
     plan_pairs,
 )
-from kinesic.studies.gestures.isolated import plan_gesture, write_document
+from kinesic.studies.gestures.isolated import plan_gesture, write_isolated_gesture
 
 NAMES = ("doubt_shrug", "stop", "offer")
 
@@ -51,7 +51,7 @@ def test_motions_in_page_data_have_small_quantization_error(motions: dict[str, S
 
 def test_impossible_gesture_is_reported_and_skipped(known):
     results: list[str] = []
-    documents = gesture_documents(NAMES[:1], known.lexicon) | {"nothing": write_document("gobbledygook")}
+    documents = gesture_documents(NAMES[:1], known.lexicon) | {"nothing": write_isolated_gesture("gobbledygook")}
     assert list(plan_motions(documents, known, results.append)) == ["doubt_shrug"]
     (why,) = results
     assert why.startswith("nothing is left out, upper22 cannot perform it: ")

@@ -9,7 +9,13 @@ from matplotlib.image import imread
 from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
 from kinesic.report.silhouette import PALE_COLOUR, depth, fade_lines, hand_outline, project, silhouette
 from kinesic.session.setup import set_up
-from kinesic.studies.gestures.isolated import STROKE_TIME, key_postures, plan_gesture, stroke_error, write_document
+from kinesic.studies.gestures.isolated import (
+    STROKE_TIME,
+    key_postures,
+    plan_gesture,
+    stroke_error,
+    write_isolated_gesture,
+)
 from kinesic.studies.gestures.sheet import draw_gesture_sheet, draw_strip
 from kinesic.studies.gestures.vocabulary import list_vocabulary
 
@@ -28,7 +34,7 @@ def test_single_gesture_has_its_stroke_at_the_requested_time(known):
 
 
 def test_gesture_name_is_escaped_in_xml():
-    assert 'lexeme="a&lt;b"' in write_document("a<b").replace("'", '"')
+    assert 'lexeme="a&lt;b"' in write_isolated_gesture("a<b").replace("'", '"')
 
 
 def test_key_postures_cover_the_stroke(waved, known):

@@ -99,10 +99,10 @@ def read_body_motion(path: Path, skeletons: Mapping[str, Path]) -> BodyMotion:
         joints, motion = read_bvh(read_file(path), str(path))
     else:
         joints, motion = _load_skeleton(_find_skeleton(path, skeletons)), read_motion(read_file(path), str(path))
-    return skip_calibration(_make_motion(path, joints, motion))
+    return drop_calibration_pose(_make_motion(path, joints, motion))
 
 
-def skip_calibration(motion: BodyMotion) -> BodyMotion:
+def drop_calibration_pose(motion: BodyMotion) -> BodyMotion:
     """Drop the calibration T-pose, if any, at the beginning of a clip."""
     hands = motion.wrists - motion.shoulders
     heights = hands[..., 2] / motion.arm
