@@ -1,6 +1,7 @@
 """Gestures that follow from the structure of a sentence: questions, numbers, persons."""
 
 from collections.abc import Collection, Iterator, Sequence
+from itertools import pairwise
 
 from kinesic.intent.meaning.context import Context
 from kinesic.intent.meaning.cues import PICTURE_INTENT, Cue, CueKind
@@ -12,6 +13,10 @@ YES_NO_CERTAINTY = 0.5  # certainty of the gesture for a question that asks for 
 CHOICE_CERTAINTY = 0.62  # certainty of the gesture for a question between two things
 COUNT_CERTAINTY = 0.68  # certainty of the gesture that counts things
 LISTED_COUNT_BONUS = 0.12  # added certainty if the number announces a list (`there are three`)
+SERIES_COUNT_CERTAINTY = 0.82  # certainty of counting gestures for successive numbers (`one, two, three`)
+CORRECTION_CERTAINTY = 0.74  # certainty of the gesture that denies a corrected part (`with the knees, not the back`)
+MAX_CORRECTION_WORDS = 6  # [words] length of the longest corrected part
+DEGREE_CERTAINTY = 0.6  # certainty of the gesture for two compared degrees (`cheaper, but ... longer`)
 PERSON_CERTAINTY = 0.46  # certainty of a gesture to speaker or listener, in sentences without another one
 MIN_PERSON_WORDS = 3  # [words] length of the shortest sentence with a gesture to speaker or listener
 MIN_TOPIC_WORDS = 7  # [words] length of the shortest statement that open hands present
@@ -19,10 +24,12 @@ TOPIC_CERTAINTY = 0.52  # certainty of open hands that present a statement
 TOPIC_GESTURES = ("conduit", "inform_spread", "open_low", "present")  # open hands that present a statement
 GRAVE_CLASSES = ("denial", "sad", "stern")  # word classes of statements without open-hand presenting gestures
 COUNT_GESTURES = {  # gesture by number word or digit
+    "one": "count_one",
     "two": "count_two",
     "three": "count_three",
     "four": "count_four",
     "five": "count_five",
+    "1": "count_one",
     "2": "count_two",
     "3": "count_three",
     "4": "count_four",
@@ -43,6 +50,10 @@ def find_structures(context: Context, taken: Collection[int]) -> Iterator[Candid
         if context.passage.kinds[sentence] == "question":
             yield from _find_questions(context, indices, taken)
         yield from _find_counts(context, indices, taken)
+        yield from _find_series(context, indices, taken)
+        if context.passage.kinds[sentence] != "question":
+            yield from _find_corrections(context, indices, taken)
+            yield from _find_degrees(context, indices, taken)
 
 
 def _find_questions(context: Context, indices: Sequence[int], taken: Collection[int]) -> Iterator[Candidate]:
@@ -63,7 +74,7 @@ def _find_questions(context: Context, indices: Sequence[int], taken: Collection[
 def _find_counts(context: Context, indices: Sequence[int], taken: Collection[int]) -> Iterator[Candidate]:
     for k in indices[:-1]:
         gesture = COUNT_GESTURES.get(context.plain[k])
-        if gesture is None or k in taken or context.clauses[k] != context.clauses[k + 1]:
+        if gesture in (None, "count_one") or k in taken or context.clauses[k] != context.clauses[k + 1]:
             continue
         thing = _counted_thing(context, k, indices)
         before = context.plain[k - 1] if k > indices[0] else ""
@@ -71,6 +82,41 @@ def _find_counts(context: Context, indices: Sequence[int], taken: Collection[int
             continue
         announced = any(context.language.has("announcer", context.plain[j]) for j in range(max(indices[0], k - 3), k))
         yield _candidate(gesture, k, "is a number", "word", COUNT_CERTAINTY + LISTED_COUNT_BONUS * announced)
+
+
+def _find_series(context: Context, indices: Sequence[int], taken: Collection[int]) -> Iterator[Candidate]:
+    """Yield counting gestures for numbers that follow each other (`past one, past two`).
+
+    Numbers of different clauses that are neither followed by a noun count.
+    """
+    values = list(dict.fromkeys(COUNT_GESTURES.values()))
+    bare = [
+        (k, values.index(COUNT_GESTURES[context.plain[k]]))
+        for k in indices
+        if context.plain[k] in COUNT_GESTURES and k not in taken and context.is_clause_end(k)
+    ]
+    successive = {k for before, after in pairwise(bare) if after[1] == before[1] + 1 for k in (before[0], after[0])}
+    for k, value in bare:
+        if k in successive:
+            yield _candidate(values[value], k, "counts on", "idiom", SERIES_COUNT_CERTAINTY)
+
+
+def _find_corrections(context: Context, indices: Sequence[int], taken: Collection[int]) -> Iterator[Candidate]:
+    """Yield a denying gesture on a short final clause with `not`, as in `the knees, not the back`."""
+    for k in indices[1:]:
+        clause = context.clause_words(k)
+        is_last = clause.start == k and clause.stop > indices[-1] and 2 <= len(clause) <= MAX_CORRECTION_WORDS
+        if not is_last or k in taken or not context.language.has("corrector", context.plain[k]):
+            continue
+        if not context.language.has("not_corrected", context.plain[k + 1]):
+            yield _candidate("no_low", k, "corrects", "idiom", CORRECTION_CERTAINTY, intent="negation")
+
+
+def _find_degrees(context: Context, indices: Sequence[int], taken: Collection[int]) -> Iterator[Candidate]:
+    """Yield a gesture of contrast on the second of two compared degrees."""
+    degrees = [k for k in indices if context.language.has("comparative", context.plain[k])]
+    if len(degrees) == 2 and degrees[1] - degrees[0] > 1 and degrees[1] not in taken:
+        yield _candidate("contrast_left_right", degrees[1], "is compared", "idiom", DEGREE_CERTAINTY)
 
 
 def _counted_thing(context: Context, k: int, indices: Sequence[int]) -> bool:
@@ -111,7 +157,9 @@ def find_topics(context: Context) -> Iterator[Candidate]:
             yield from (_candidate(TOPIC_GESTURES, k, "is presented", "idiom", TOPIC_CERTAINTY) for k in content[1:2])
 
 
-def _candidate(gesture: str | tuple[str, ...], k: int, says: str, kind: CueKind, certainty: float) -> Candidate:
+def _candidate(
+    gesture: str | tuple[str, ...], k: int, says: str, kind: CueKind, certainty: float, *, intent: str = PICTURE_INTENT
+) -> Candidate:
     shows = (gesture,) if isinstance(gesture, str) else gesture
-    cue = Cue(says, (), shows, kind, certainty, PICTURE_INTENT, "any")
+    cue = Cue(says, (), shows, kind, certainty, intent, "any")
     return Candidate(cue, k, k, k)

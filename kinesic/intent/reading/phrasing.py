@@ -11,6 +11,7 @@ from kinesic.intent.reading.passage import Passage
 MAX_ITEM_WORDS = 5  # [words] longest item of a list
 _CLAUSE_SIGNS = frozenset(PHRASE_STOPS + SENTENCE_STOPS)
 MIN_ITEMS = 3  # smallest number of items that make a list
+QUOTATION_ENDS = (',"', ",'", ",\u201d", ",\u2019", ",\xbb")  # punctuation of quoted speech before `she said`
 STRESS_DISTANCE = 3  # largest distance [words] from a weak word to the content word that carries its stroke
 
 
@@ -74,6 +75,8 @@ def find_phrases(passage: Passage, language: Language, grammar: Grammar) -> Iter
     """Yield accents, emphasised words, noun phrases, first verbs and lists."""
     for number, indices in enumerate(passage.phrases):
         k = accent_of(passage, number)
+        if language.has("opener", passage.words[k].plain) and not passage.words[k].emphatic:
+            continue  # a lone `well` or `so` carries no accent
         yield PhrasePart("accent", k, k, "carries the accent of its phrase", 0.3 if len(indices) > 1 else 0.2)
     for k, word in enumerate(passage.words):
         if word.emphatic:
@@ -142,6 +145,8 @@ def _list(passage: Passage, language: Language, sentence: Sequence[int]) -> Iter
 
     Items are short parts between commas, the last one after `and` or `or`.
     """
+    if any(passage.words[k].before.startswith(QUOTATION_ENDS) for k in sentence):
+        return  # the commas around `she said` separate no items
     pieces: list[list[int]] = [[]]
     joint = False
     for k in sentence:

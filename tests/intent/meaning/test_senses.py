@@ -40,6 +40,14 @@ def is_beat(lexemes: set[str]) -> bool:
         ("Look at the time!", "I lived in Rome at the time.", "watch_time"),
         ("Hold it!", "Breathe in and hold it.", "stop_low"),
         ("I stood in the middle of the road.", "I was in the middle of a chapter.", "between_fingers"),
+        ("He scratched his head.", "He scratched the table.", "head_scratch"),
+        ("She yawned.", "She was young.", "yawn"),
+        ("The ball sailed over the bar.", "We sailed over to the island.", "arc_over"),
+        ("It's a goal!", "My goal is a quiet life.", "joy_cheer"),
+        ("We looked everywhere but found nothing.", "The point is the whole point.", "everything_circle"),
+        ("How much are the tickets?", "How much time have we got?", "money"),
+        ("The rope snapped.", "The reporter snapped a picture.", "break_apart"),
+        ("Cut the onion in half.", "They cut the prices in half.", "cut"),
     ],
 )
 def test_gesture_accompanies_only_the_literal_sense_of_its_words(literal: str, other: str, gesture: str):
@@ -52,7 +60,8 @@ def test_gesture_accompanies_only_the_literal_sense_of_its_words(literal: str, o
     ["That question really threw me.", "My head was swimming.", "I had chicken wings for lunch.",
      "You're on fire today!", "They fell out over money.", "I like it this way, but that way we save an hour.",
      "She was up all night.", "Give me a break!", "They pulled the plug on it.",
-     "I blew it.", "He drives a hard bargain.", "Go right ahead and ask."],
+     "I blew it.", "Hard work never killed anyone.", "Our next stop is Reading.",
+     "He drives a hard bargain.", "Go right ahead and ask."],
 )  # fmt: skip
 def test_figurative_words_get_no_illustrating_gesture(text: str):
     assert is_beat(shown(text))
