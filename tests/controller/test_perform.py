@@ -8,7 +8,7 @@ from kinesic.controller import perform
 
 
 @pytest.mark.parametrize(("name", "path"), sorted(perform.NEW_PATHS.items()))
-def test_name_moved_from_controller_perform_is_imported_with_a_deprecation_warning(name, path):
+def test_names_moved_out_of_controller_perform_are_imported_with_a_deprecation_warning(name, path):
     with pytest.warns(DeprecationWarning, match=re.escape(f"perform.{name} is deprecated: use {path}")):
         moved = getattr(perform, name)
     assert f"{moved.__module__}.{moved.__name__}" == path

@@ -40,7 +40,7 @@ def hinge_motion(counts=(3, 4, 2), angles=(0.0, 0.8, 0.2, 0.9)) -> _HingeMotion:
     return _HingeMotion(1, LIMITS, np.arange(len(angles)), np.array(angles), np.array(counts))
 
 
-def test_optimal_motion_divides_key_intervals_into_8_to_24_steps_of_20_ms():
+def test_optimal_motion_divides_key_intervals_into_20_ms_steps_but_at_least_8_and_at_most_24():
     motion = SimpleNamespace(planned=np.array([0.0, 0.05, 0.241, 0.241 + 0.4, 9.0]))
     five = keys_of((0, 0), (1, 0.3), (2, 0.1), (3, 0.2), (4, 0.6))
     own = _HingeMotion.of(five, 1, motion, LIMITS)

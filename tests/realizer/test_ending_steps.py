@@ -50,7 +50,7 @@ def test_playing_block_counts_as_over_at_its_end(scene_of, time, expected):
     assert is_over(scene_of(block), block, time) is expected
 
 
-def test_waiting_block_is_not_over_and_a_block_without_pending_feedback_is(scene_of):
+def test_waiting_block_has_not_ended_but_a_block_without_pending_feedback_has(scene_of):
     waiting = playing(state=BlockState.LURKING)
     assert not is_over(scene_of(waiting), waiting, 99.0)
     block = playing()

@@ -203,7 +203,7 @@ def test_hand_transition_starts_where_motions_coincide_at_a_nonzero_angle(crossi
         (0.3, 0.2, 0.6, [(30, 60), (30, 60)]),
     ],
 )
-def test_hand_transition_is_tried_from_the_begin_of_the_next_behaviour_and_then_from_earlier(
+def test_hand_transition_is_tried_from_the_start_of_the_next_behaviour_and_then_from_earlier_times(
     crossings, left, begin, ready, knots
 ):
     crossings[1][0] = 2
@@ -258,7 +258,7 @@ def test_hand_returns_if_only_the_running_motion_ends_away_from_rest_or_a_behavi
         np.testing.assert_array_equal(result, running_end + 5.0)
 
 
-def test_hand_stays_if_both_motions_end_in_the_start_posture_or_the_block_ends_elsewhere():
+def test_hand_does_not_return_if_both_motions_end_in_the_start_posture_or_the_block_ends_elsewhere():
     task = resting(block_end=0.3, running_end=0.3)
     task.start[HINGE] = 0.3
     column = np.full(ROW_COUNT, 0.7)

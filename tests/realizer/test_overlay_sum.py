@@ -201,7 +201,7 @@ def test_arm_motions_are_joined_instead_of_added_except_for_idle_motion_of_free_
     assert not np.delete(whole, arms, axis=1).any()
 
 
-def test_failure_of_the_trunk_is_reported_instead_of_that_of_a_hand(known, limits, monkeypatch):
+def test_trunk_failure_takes_precedence_over_a_hand_failure(known, limits, monkeypatch):
     first, second = MergeFailure("a", "sum"), MergeFailure("b", "hand")
     task = work(still(), still(), performed=[use("beat", "r_hand")])
     monkeypatch.setattr(module, "join_hinge_motions", lambda *_: second)

@@ -80,7 +80,7 @@ def test_behaviours_in_progress_stay_in_the_running_motion_until_they_relax(swit
 
 
 @pytest.mark.parametrize(("knot", "count"), [(20, 160), (77, 160), (78, 161)])
-def test_goal_of_a_plan_change_extends_at_least_83_knots_beyond_the_change(switch, attempts, knot, count):
+def test_target_motion_of_a_plan_change_extends_at_least_83_knots_beyond_the_change(switch, attempts, knot, count):
     assert switch(knot=knot).attempt(set()) == "a merged motion"
     (goal,) = attempts[1]["_catch_up"]
     assert len(goal) == count

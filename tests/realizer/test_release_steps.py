@@ -105,7 +105,7 @@ def test_released_hinges_return_together_in_the_first_feasible_duration(known, t
         (2.67, []),
     ],
 )
-def test_tried_returns_last_1_5_minimum_durations_and_then_a_quarter_longer_up_to_4_seconds(
+def test_return_durations_are_tried_from_1_5_minimum_durations_in_steps_of_a_quarter_up_to_4_seconds(
     known, tries, monkeypatch, least, pieces
 ):
     calls, times, _ = tries
@@ -124,7 +124,7 @@ def test_motion_that_has_ended_is_released_from_its_last_posture(known, tries):
     np.testing.assert_array_equal(np.delete(back, NECK, axis=1), 0.2)
 
 
-def test_minimum_time_covers_the_largest_distance_of_three_control_points(known):
+def test_minimum_return_time_covers_the_largest_distance_of_three_control_points(known):
     current, after = np.zeros((30, HINGE_COUNT)), np.zeros((30, HINGE_COUNT))
     after[20, 0], after[22, 1], after[21, 2] = 0.5, -0.5, 0.5
     after[19, NECK] = after[23, NECK] = 0.5
@@ -136,7 +136,7 @@ def test_minimum_time_covers_the_largest_distance_of_three_control_points(known)
     assert far[NECK] == pytest.approx(compute_quintic_duration(0.2, known.limits, NECK))
 
 
-def test_minimum_time_includes_the_stop_from_velocity_and_acceleration(known):
+def test_minimum_return_time_includes_the_stop_from_velocity_and_acceleration(known):
     moving = np.zeros((30, HINGE_COUNT))
     moving[20:23, NECK] = 0.01, 0.011, 0.013
     limits = known.limits

@@ -144,7 +144,7 @@ def test_commands_sent_ahead_are_resent_from_the_splice_time(simulation: Simulat
     assert np.allclose(list(last.values()), motion.angles(np.array(list(last))), atol=1e-6)
 
 
-def test_past_splice_time_resends_no_past_commands(simulation: Simulation):
+def test_proposal_with_a_past_splice_time_resends_no_past_commands(simulation: Simulation):
     recorder = Recorder()
     simulation.make([RealTimeSink(recorder)])
     planner = simulation.link()

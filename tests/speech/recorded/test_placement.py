@@ -59,7 +59,7 @@ def test_words_of_a_silent_span_fill_it_in_proportion_to_their_durations():
     np.testing.assert_allclose(spans, [(10.0, 10.0 + 10.0 / 3.0), (10.0 + 10.0 / 3.0, 20.0)])
 
 
-def test_span_without_duration_holds_all_words_at_its_start():
+def test_audible_span_without_duration_gets_all_words_at_its_start():
     _, spans = spread((10.0, 12.0), span=(10.0, 10.0))
     np.testing.assert_allclose(spans, [(10.0, 10.0)] * 2)
 
@@ -78,12 +78,12 @@ def test_words_are_grouped_into_runs_between_their_given_times(given, runs):
     assert list(_find_runs_of_words(times, 9.0)) == runs
 
 
-def test_time_between_two_points_of_a_placement_is_interpolated():
+def test_recorded_time_between_two_placed_words_is_interpolated():
     found = Placement(((0.0, 1.0), (2.0, 5.0)), ())
     assert [found.place(time) for time in (-1.0, 0.5, 3.0)] == [1.0, 2.0, 5.0]
 
 
-def test_points_of_a_placement_increase_in_the_rendition_and_do_not_decrease_in_the_recording():
+def test_word_placement_maps_increasing_synthesised_times_to_nondecreasing_recorded_times():
     points = [(0.0, 0.0), (0.0, 0.5), (1.0, 2.0), (1.0, 3.0), (2.0, 1.0), (3.0, 9.0), (3.0 + 2e-9, 9.5), (2.0, 4.0)]
     assert _make_monotone(points, 8.0) == ((0.0, 0.5), (1.0, 3.0), (2.0, 3.0), (3.0, 8.0), (3.0 + 2e-9, 8.0))
     assert _make_monotone([(0.0, 0.0), (5e-10, 1.0)], 8.0) == ((0.0, 0.0),)
