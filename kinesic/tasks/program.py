@@ -4,6 +4,7 @@ Workers with another version give other results.
 """
 
 import hashlib
+import os
 from collections.abc import Iterator
 from functools import cache
 from importlib.metadata import PackageNotFoundError, version
@@ -12,12 +13,17 @@ from platform import python_version
 
 PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
 SOURCE_SUFFIXES = (".py", ".toml", ".cpp", ".h")  # suffixes of files in the source hash
+FOREIGN_FOLDERS = {"node_modules", "__pycache__"}  # folders inside the package without its own files
 VERSIONED_LIBRARIES = ("numpy", "mujoco-core", "casadi", "highspy")  # libraries that affect numerical results
 
 
 def program_files(endings: tuple[str, ...]) -> Iterator[Path]:
     """Yield the package's files with given suffixes, sorted by path."""
-    return (file for file in sorted(PACKAGE_FOLDER.rglob("*")) if file.suffix in endings)
+    files: list[Path] = []
+    for folder, subfolders, names in os.walk(PACKAGE_FOLDER):
+        subfolders[:] = [name for name in subfolders if name not in FOREIGN_FOLDERS]
+        files += (Path(folder, name) for name in names if name.endswith(endings))
+    yield from sorted(files)
 
 
 @cache

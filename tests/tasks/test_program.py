@@ -58,6 +58,14 @@ def test_program_files_include_subfolders_and_are_sorted_by_path(tmp_path: Path,
     assert list(program.program_files((".py",))) == files
 
 
+def test_program_files_exclude_packages_of_the_web_client(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(program, "PACKAGE_FOLDER", tmp_path)
+    (tmp_path / "client" / "node_modules" / "gyp").mkdir(parents=True)
+    (tmp_path / "client" / "node_modules" / "gyp" / "a.py").touch()
+    (tmp_path / "client" / "b.py").touch()
+    assert list(program.program_files((".py",))) == [tmp_path / "client" / "b.py"]
+
+
 def test_version_of_sources_is_independent_of_their_order(version_of):
     assert version_of(a_py="1", b_toml="2") == version_of(b_toml="2", a_py="1")
     assert version_of(a_py="1", b_py="2") != version_of(a_py="2", b_py="1")
