@@ -2,8 +2,9 @@
 
 `make test` starts two processes more than there are processors. Realtime tests wait for three quarters of their time,
 so they run in these two processes; the others calculate at a lower priority, except on a machine that is busy at the
-start, where low priority would stall the run. Files with pages share one process, which starts the browser once. Large
-files come first, so that all processes end together.
+start, where low priority would stall the run. Files with pages share one process, which starts the browser once. Files
+of a folder that share a server run in succession, so that it starts once. Otherwise large files come first, so that all
+processes end together.
 
 Each process imports all tests. After a change, all would compile the same file at the same time, so each starts with
 another file and finds compiled files of the others.
@@ -27,16 +28,18 @@ FILE_ORDER: dict[str, tuple[Kind, ...]] = {  # kinds of files that a process pre
     "gw1": ("clock", "calculation", "page"),
 }
 OTHER_ORDER: tuple[Kind, ...] = ("calculation", "clock", "page")  # of all other processes
-SLOWEST_FILES = ("tests/serve/test_server.py", "tests/bench/bml/test_server.py")  # started first, in this order
+STUDIO_FOLDER = "tests/studio/"
+SERVER_FOLDERS = (STUDIO_FOLDER, "tests/serve/")  # folders whose tests share a server while they run in succession
 CALCULATION_NICENESS = 5  # niceness of calculating processes
 MAX_BUSY_PROCESSES = 3  # runnable processes per processor above which no process lowers its priority
 
 
 @cache
 def rank(file: Path, root: Path) -> tuple[int, int, str]:
-    """Rank test files: longest known duration first, then by size."""
+    """Rank test files: folders that share a server first, then by size."""
     name = file.relative_to(root).as_posix()
-    return (SLOWEST_FILES.index(name) if name in SLOWEST_FILES else len(SLOWEST_FILES)), -file.stat().st_size, name
+    folders = (number for number, folder in enumerate(SERVER_FOLDERS) if name.startswith(folder))
+    return next(folders, len(SERVER_FOLDERS)), -file.stat().st_size, name
 
 
 def begin_elsewhere(nodes: list, worker: str, count: int) -> list:
@@ -49,7 +52,7 @@ def begin_elsewhere(nodes: list, worker: str, count: int) -> list:
 def kind_of(file: str, root: Path) -> Kind:
     """Return whether tests of a file show pages in a browser, are realtime tests, or calculate."""
     text = (root / file).read_text(encoding="utf-8")
-    if "chromium import" in text:
+    if "chromium import" in text or file.startswith(STUDIO_FOLDER):
         return "page"
     return "clock" if "mark.realtime" in text else "calculation"
 

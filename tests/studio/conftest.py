@@ -1,24 +1,59 @@
-"""One server and one browser for all tests of a module."""
+"""One server for all tests of the folder, and one page for those of a module."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from math import ceil
 from pathlib import Path
+from shutil import rmtree
+from time import monotonic, sleep
 
 import pytest
 
 from kinesic.cli.live.studio import StudioPlanning
 from kinesic.cli.options import Planning
+from kinesic.client import Client
 from kinesic.serve.wire.pages import WebFile
 from kinesic.serve.wire.quotas import Quotas
 from kinesic.session.setup import set_up
 from kinesic.studio.page import page_files
 
-from ..chromium import Page, binary, opened
+from ..chromium import MAX_WAIT, Page, binary, opened
 from ..serve.conftest import Running, running
 
 PATIENT = Quotas(planning=60.0)  # the machine may be shared
 STEP = 10.0  # [s] longest wait for an answer of the browser
+
+
+@dataclass(frozen=True)
+class Desk:
+    """Server of a folder of documents."""
+
+    server: Running
+    folder: Path
+    files: Mapping[str, WebFile]
+
+    def clear(self) -> None:
+        """Empty the folder, and interrupt the robot until it rests."""
+        for path in self.folder.iterdir():
+            if path.is_dir():
+                rmtree(path)
+            else:
+                path.unlink()
+        with self.server.client() as client:
+            client.do("resume")
+            client.do("interrupt")
+            end = monotonic() + MAX_WAIT
+            while '"resting"' not in _read_status(client):
+                assert monotonic() < end, "the robot does not come to rest"
+                sleep(0.05)
+
+
+def _read_status(client: Client) -> str:
+    """Request the state of the robot, and return the answer."""
+    client.do("status")
+    while '"status"' not in (message := client.receive(MAX_WAIT) or ""):
+        pass
+    return message
 
 
 @dataclass
@@ -66,16 +101,25 @@ class Studio:
         self.page.click("#save-ok")
 
 
-@pytest.fixture(scope="module")
-def studio(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Studio]:
-    """Page in a browser with a real server and its twin; modules without checks of pictures set DRAWN = False."""
+@pytest.fixture(scope="package")
+def desk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
+    """Server with its twin, for all modules of this folder that run in succession."""
     if binary() is None:
         pytest.skip("no Chromium: apt-get install chromium")
     folder, setup = tmp_path_factory.mktemp("documents"), set_up()
     files = page_files(setup.robot, setup.lexicon)
     make_setup = replace(StudioPlanning.of(Planning("upper22", "neutral", {"voice": "auto"})), folder=folder).set_up
     with running(PATIENT, files=files, folder=folder, make_setup=make_setup) as server:
-        url = f"http://localhost:{server.port}/"
-        with opened(url, drawn=getattr(request.module, "DRAWN", True)) as page:
-            page.until("window.kinesicStudio !== undefined && kinesicStudio.state().planned > 0")
-            yield Studio(page, server, folder, files)
+        yield Desk(server, folder, files)
+
+
+@pytest.fixture(scope="module")
+def studio(request: pytest.FixtureRequest, desk: Desk) -> Iterator[Studio]:
+    """Page in a new profile, an empty folder and a robot at rest.
+
+    Modules without checks of pictures set DRAWN = False.
+    """
+    with opened(f"http://localhost:{desk.server.port}/", drawn=getattr(request.module, "DRAWN", True)) as page:
+        page.until("window.kinesicStudio !== undefined && kinesicStudio.state().planned > 0")
+        yield Studio(page, desk.server, desk.folder, desk.files)
+    desk.clear()
