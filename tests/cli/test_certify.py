@@ -84,7 +84,7 @@ def test_certify_function_returns_and_saves_a_motion_within_limits(known, clips)
 
 
 def test_bvh_clip_is_performed_and_reported_like_a_document(clips):
-    assert command(["perform", "fast.bvh", "--out", "report"], standalone_mode=False) == 0
+    assert command(["perform", "fast.bvh", "--no-film", "--out", "report"], standalone_mode=False) == 0
     report = json.loads((clips / "report" / "report.json").read_text())
     assert report["ok"] is True
     warnings = " ".join(str(warning) for warning in report["warnings"])

@@ -1,5 +1,6 @@
 """Accessibility rules of axe-core, a development dependency of the studio's client."""
 
+import json
 from pathlib import Path
 
 import pytest
@@ -12,13 +13,19 @@ AXE_SCRIPT = (
 SEVERE_IMPACTS = ("serious", "critical")  # impacts that no view may have
 
 
-def severe_violations(page: Page) -> list[str]:
-    """Return the serious and critical violations in the present view, one line each."""
+def severe_violations(page: Page, *rules: str) -> list[str]:
+    """Return the serious and critical violations in the present view, one line each.
+
+    Args:
+        page: page with the view.
+        rules: rules to check; by default all.
+    """
     if not AXE_SCRIPT.exists():
         pytest.skip("no axe-core: npm ci in kinesic/studio/client")
     if not page.value("'axe' in window"):
         page.call("Runtime.evaluate", expression=AXE_SCRIPT.read_text(encoding="utf-8"))
-    violations = page.value("axe.run(document, {resultTypes: ['violations']}).then(result => result.violations)")
+    options = {"resultTypes": ["violations"]} | ({"runOnly": {"type": "rule", "values": rules}} if rules else {})
+    violations = page.value(f"axe.run(document, {json.dumps(options)}).then(result => result.violations)")
     return [
         f"{each['id']} ({each['impact']}): {', '.join(' '.join(node['target']) for node in each['nodes'])}"
         for each in violations

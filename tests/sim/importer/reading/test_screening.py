@@ -11,7 +11,7 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.sim.importer import load
 from kinesic.sim.importer.load import load_robot_tree
-from kinesic.sim.importer.reading import robot_files
+from kinesic.sim.importer.reading import model_text, robot_files
 
 PART_XML = '<mujoco><worldbody><body name="part"><joint/><geom size="0.1"/></body></worldbody></mujoco>'
 
@@ -243,7 +243,7 @@ ENTITY_BOMB_XML = (
         ),
         (mjcf(world='<flexcomp name="f" type="grid" count="1000 1000 1000" dim="3"/>'), "holds a <flexcomp>"),
         (mjcf(world="<body>" * 10_000 + "</body>" * 10_000), "more than 200 deep"),
-        (mjcf(world='<geom size="0.1"/>' * 100_000), "more than 100000 elements"),
+        (mjcf(world='<geom size="0.1"/>' * 1000), "more than 1000 elements"),
         (mjcf(world='<geom size="0.1"/>' * 200), "201 shapes"),
         ("<mujoco/>" + " " * 20_000_000, "more than 20 MB"),
     ],
@@ -253,6 +253,7 @@ def test_robot_file_that_expands_beyond_the_limits_is_rejected(
     robot: Path, monkeypatch: pytest.MonkeyPatch, text: str, says: str
 ):
     monkeypatch.setattr(load, "MAX_GEOMS", 200)  # MuJoCo needs seconds for more geoms
+    monkeypatch.setattr(model_text, "MAX_ELEMENTS", 1000)  # written one by one
     assert says in refused(robot, text)
 
 
