@@ -1,5 +1,6 @@
 """Verb `kinesic face`: render the face to a file or window."""
 
+from collections import Counter
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -174,7 +175,8 @@ def read_emotion(name: str | None, amount: float) -> dict[str, float]:
         return {}
     expression = find_expression(Face((name,), amount=amount))
     if expression.unknown:
-        names = ", ".join(entry.words[0] for entry in entries() if len(entry.words) > 1)
+        count = Counter(entry.words[0] for entry in entries())  # two words name those that share their first one
+        names = ", ".join(" ".join(entry.words[: min(count[entry.words[0]], 2)]) for entry in entries())
         raise DisplayError(f"--emotion {name}: no expression has this name; there are {names}")
     return dict(expression.units)
 

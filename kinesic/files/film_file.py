@@ -80,7 +80,7 @@ def open_film(path: Path, size: tuple[int, int], *, rate: float, sound: Path | N
 def explain_missing_encoder() -> str:
     """Return an error line with the commands that install an MP4 encoder."""
     package = f"{install_command()} imageio-ffmpeg"
-    return f"no encoder for .mp4: {package}, or apt-get install ffmpeg; .webp needs none"
+    return f"no encoder for .mp4: {package}, or install ffmpeg; .webp needs none"
 
 
 def find_encoder() -> str | None:

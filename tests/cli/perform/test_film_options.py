@@ -35,7 +35,7 @@ def test_mp4_without_an_encoder_is_refused_before_planning(kinesic, tmp_path, mo
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     ended = kinesic("perform", "-", "--film-format", "mp4", "--out", "out", stdin=NOD)
     assert ended.code == 2
-    assert f"no encoder for .mp4: {install_command()} imageio-ffmpeg, or apt-get install ffmpeg" in ended.err
+    assert f"no encoder for .mp4: {install_command()} imageio-ffmpeg, or install ffmpeg" in ended.err
     assert not (tmp_path / "out").exists()
     assert "no encoder for .mp4" in kinesic("doctor").out.replace("\n", " ")
 
