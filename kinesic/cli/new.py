@@ -8,6 +8,7 @@ import click
 
 from kinesic.body.config import CONFIGS, ConfigError
 from kinesic.files.output_file import write_text
+from kinesic.files.plain_name import is_device_name
 
 Kind = Literal["gesture", "style", "robot"]
 
@@ -30,10 +31,12 @@ def write_new(kind: Kind, name: str, folder: Path, force: bool) -> int:
         force: whether to replace a file of this name.
 
     Raises:
-        ConfigError: the name is not an identifier, or the file cannot be written.
+        ConfigError: the name is not an identifier or reserved by Windows, or the file cannot be written.
     """
     if not VALID_NAME.fullmatch(name):
         raise ConfigError(f"{name!r}: a name has 1 to 64 letters, digits and underscores and begins with a letter")
+    if is_device_name(name):
+        raise ConfigError(f"{name!r}: Windows reserves this name for a device; choose another one")
     file = folder / f"{name}.toml"
     write_text(file, starting_text(kind, name), force=force)
     click.echo(f"{kind}: {file}")

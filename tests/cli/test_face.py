@@ -124,7 +124,10 @@ def test_face_options_au_and_sheet_together_are_refused(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--emotion", "Qwrtz"], "no expression has this name; there are raise brow, lower brow, oblique, raise mouth,"),
+        (
+            ["--emotion", "Qwrtz"],
+            "no expression has this name; there are raise brow, lower brow, oblique,",
+        ),
         (["--bml", "nowhere.bml"], "nowhere.bml: No such file"),
         (["--au", "99=1"], "no action unit 99"),
         (["--au", "1=1.5"], "action unit 1 is 1.5"),

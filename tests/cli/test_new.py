@@ -66,6 +66,11 @@ def test_new_refuses_names_that_are_no_identifiers(kinesic, tmp_path: Path, name
     assert list(tmp_path.iterdir()) == []
 
 
+def test_new_refuses_a_name_that_windows_reserves_for_a_device(kinesic, tmp_path: Path):
+    ended = kinesic("new", "gesture", "Com1")
+    assert (ended.code, "Windows reserves this name" in ended.err, list(tmp_path.iterdir())) == (2, True, [])
+
+
 def test_every_scalar_setting_of_the_templates_has_a_comment():
     for template in sorted((CONFIGS / "templates").glob("*.toml")):
         lines = template.read_text(encoding="utf-8").splitlines()

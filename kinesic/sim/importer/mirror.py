@@ -58,11 +58,11 @@ def _list_planes(tree: Tree) -> list[tuple[int, float]]:
     Returns:
         Index of the normal axis in the world (1: y, 0: x) and position [m] of each plane.
     """
-    anchors = np.array([joint.anchor for joint in tree.joints])
+    anchors = np.array([joint.anchor for joint in tree.joints]).reshape(-1, 3)
     return [
         (lateral, float(plane))
         for lateral in (1, 0)
-        for plane in (0.0, tree.base.centre[lateral], np.median(anchors[:, lateral]))
+        for plane in (0.0, tree.base.centre[lateral], np.median(anchors[:, lateral]) if tree.joints else 0.0)
     ]
 
 

@@ -47,8 +47,10 @@ def test_robot_without_neck_and_trunk_is_accepted(written, puppets):
     assert (result.trunk, result.neck) == ((), ())
 
 
-def test_robot_without_arms_is_rejected(written):
-    one = '<mujoco model="one"><worldbody><body><joint/><geom size="0.1"/></body></worldbody></mujoco>'
+@pytest.mark.parametrize("joints", ["", "<joint/>"])
+def test_robot_without_arms_is_rejected(written, joints: str):
+    one = f'<mujoco model="one"><worldbody><body>{joints}<geom size="0.1"/></body></worldbody></mujoco>'
     tree = load_robot_tree(written("one.xml", one))
-    with pytest.raises(ConfigError, match="robot one: no arms found: among 1 hinges there are 0 mirror pairs"):
+    message = f"robot one: no arms found: among {joints.count('joint')} hinges there are 0 mirror pairs"
+    with pytest.raises(ConfigError, match=message):
         branches(tree, sides(tree))
