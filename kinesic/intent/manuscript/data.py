@@ -28,6 +28,10 @@ _SILENT_COMMAND = re.compile(
     r"begin|end|cite\w?|(?:eq)?ref|label|includegraphics|usepackage|documentclass|input|include|[vh]space|bibliography\w*"
 )  # LaTeX commands whose argument is not spoken
 
+_UNSPOKEN_BLOCK = re.compile(
+    r"(?:(?:display)?math|equation|align|gather|multline|eqnarray|tabular\w?|array|tikzpicture|verbatim|lstlisting)\*?"
+)  # LaTeX environments whose content is not spoken
+
 
 def read_json(rest: str, *, ends: bool) -> Step | None:
     """Leave out a JSON value, except for its text.
@@ -75,6 +79,9 @@ def read_latex(rest: str, *, ends: bool) -> Step | None:
         Length 0 without a command, None if it may be incomplete.
     """
     command = _LATEX_COMMAND.match(rest)
+    if command and command[1] == "begin" and _UNSPOKEN_BLOCK.fullmatch(command[2]):
+        closing = f"\\end{{{command[2]}}}"
+        return Step(command.end(), " ", f"LaTeX is not spoken: {command[2]}", mode="skipped", closing=closing)
     if command:
         is_silent = _SILENT_COMMAND.fullmatch(command[1]) is not None
         return Step(command.end(), " " if is_silent else _UNSPOKEN_SIGNS.sub(" ", command[2]))

@@ -6,32 +6,28 @@ import unicodedata
 
 from kinesic.body.pictographs import is_pictograph
 from kinesic.intent.manuscript.acts import load_acts
-from kinesic.intent.manuscript.addresses import WEB_ADDRESS, read_address
+from kinesic.intent.manuscript.addresses import read_address
+from kinesic.intent.manuscript.brackets import read_bracket, read_link
 from kinesic.intent.manuscript.code import read_code
 from kinesic.intent.manuscript.data import read_formula, read_json, read_latex
+from kinesic.intent.manuscript.directed_words import (
+    begins_phrase,
+    direct_words,
+    ends_sentence,
+    is_interjected,
+    is_waiting,
+)
 from kinesic.intent.manuscript.emoji import read_control, read_emoji, read_short_code
 from kinesic.intent.manuscript.emoticons import read_emoticon
 from kinesic.intent.manuscript.long_words import cut_long_word
-from kinesic.intent.manuscript.pieces import DIRECTED_PAUSE, END_OF_SENTENCE, Manuscript, Step, direct, pause
+from kinesic.intent.manuscript.pieces import Manuscript, Step, direct, pause
 from kinesic.intent.manuscript.tags import read_tag
 from kinesic.intent.reading.prosody import VOICE_TAG, write_tag
 
-MAX_BRACKET_LENGTH = 120  # [characters] longest text in brackets or asterisks that may be a stage direction
 MAX_STRESS_LENGTH = 400  # [characters] longest emphasised text
-MAX_LINK_LENGTH = 2000  # [characters] longest web address of a link
 MAX_COMMAND_LENGTH = 200  # [characters] longest command of another speech system
 _NAOQI_COMMAND = re.compile(r"\^([A-Za-z]+)\(((?:[^()\n]|\([^()\n]*\))*)\)")
-_TIMESTAMP = re.compile(r"\d{1,2}:\d{2}(?::\d{2})?(?:[.,]\d{1,3})?")  # time stamp of a transcript line
-# Request in square brackets, such as `[emotion: happy]`.
-_REQUEST_PATTERN = re.compile(
-    r"\s*(?:emotion|mood|feeling|expression|face|gesture|action|animation|pose|motion|tone|voice|sound|pause)\s*[:=]\s*(.+)",
-    re.IGNORECASE,
-)
-_SECONDS_PATTERN = re.compile(r"\s*(\d{1,5}(?:\.\d+)?)\s*(ms|s|sec|seconds?)?\s*")
 _OPEN_NUMBER = re.compile(r"\d[\d/\u2044-]{0,20}")  # number, fraction or range that may go on
-_PROMPT_MARKS = frozenset(
-    ("INST", "/INST", "TOOL_CALLS", "AVAILABLE_TOOLS", "/AVAILABLE_TOOLS")
-)  # bracketed marks of prompts for language models
 _VOICE_TAG = re.compile(r"\\{1,2}([A-Za-z]+)(?:=([^\\\s]*))?\\{1,2}")
 _HTML_ENTITY = re.compile(r"&(?:#\d{1,6}|#x[0-9a-fA-F]{1,6}|[A-Za-z]{2,10});")  # `&amp;`, `&#39;`
 _SILENT_COMMANDS = frozenset(("wait", "waitTag", "stop", "stopTag"))  # NAOqi commands ignored without a warning
@@ -54,16 +50,20 @@ def read_inline(state: Manuscript, *, ends: bool) -> Step | None:
             return data
     if sign in "*_":
         return _read_emphasis(state, ends=ends)
-    if sign in "([":
-        return _read_bracket(state, ends=ends)
+    if sign in "([{":
+        return read_bracket(state, ends=ends)
     if sign == "!" and rest[1:2] == "[":
-        return _read_link(rest[1:], 1, ends=ends)
+        return read_link(rest[1:], 1, ends=ends)
     if sign == "!" and len(rest) == 1 and not ends:
         return None
     if sign == "<":
         return read_tag(rest, ends=ends)
     if sign == ":" and not state.spoken[-1:].isalnum():
         return read_short_code(rest, ends=ends)
+    if sign == "~":
+        direction = _read_wavy(state, ends=ends)
+        if direction is None or direction.length:
+            return direction
     if sign in "`~":
         return read_code(state, ends=ends)
     if sign == "^":
@@ -95,7 +95,7 @@ def _read_emphasis(state: Manuscript, *, ends: bool) -> Step | None:
     if state.stress == sign * count and not (sign == "_" and inside[:1].isalnum()):
         return Step(count, "</emphasis>", stress="")
     if state.stress or not inside[:1].strip() or (sign == "_" and state.spoken[-1:].isalnum()):
-        if state.spoken.rstrip()[-1:].isdigit() and _waits(inside, ends=ends):
+        if state.spoken.rstrip()[-1:].isdigit() and is_waiting(inside, ends=ends):
             return None
         is_operator = sign == "*" and state.spoken.rstrip()[-1:].isdigit() and bool(re.match(r"\s*\d", inside))
         if is_operator or sign == "_":
@@ -110,12 +110,33 @@ def _read_emphasis(state: Manuscript, *, ends: bool) -> Step | None:
         return Step(count, "\xd7" if is_product else " " * is_operator)
     words, after = inside[:end], inside[end + count :]
     if count == 1:
-        if _waits(after, ends=ends) or (not ends and re.fullmatch(r"[ \t]*\w+", after)):
+        if is_waiting(after, ends=ends) or (not ends and re.fullmatch(r"[ \t]*\w+", after)):
             return None  # the next word decides
-        begins = _begins(state) or _is_interjected(state, after)
-        if load_acts().is_direction(words, begins=begins, ends=_is_over(after)):
-            return _directed(words, end + 2)
+        begins = begins_phrase(state) or is_interjected(state, after)
+        if load_acts().is_direction(words, begins=begins, ends=ends_sentence(after)):
+            return direct_words(words, end + 2)
     return Step(count, "<emphasis>", stress=sign * count)
+
+
+def _read_wavy(state: Manuscript, *, ends: bool) -> Step | None:
+    """Read a stage direction between single tildes.
+
+    Returns:
+        Length 0 without a direction, None if it may be incomplete.
+    """
+    inside = state.rest[1:]
+    if not inside and not ends:
+        return None
+    if not inside[:1].isalpha() or state.spoken[-1:].isalnum():
+        return Step(0)
+    end = _find_run(inside, "~", 1, ends=ends)
+    after = inside[end + 1 :] if end else ""
+    if end is None or (end > 0 and is_waiting(after, ends=ends)):
+        return None
+    is_direction = end > 0 and load_acts().is_direction(
+        inside[:end], begins=begins_phrase(state), ends=ends_sentence(after), is_bracketed=True
+    )
+    return direct_words(inside[:end], end + 2) if is_direction else Step(0)
 
 
 def _find_run(text: str, sign: str, count: int, *, ends: bool) -> int | None:
@@ -135,98 +156,6 @@ def _find_run(text: str, sign: str, count: int, *, ends: bool) -> int | None:
                 return match.start()
     is_over = ends or "\n" in text or len(text) >= MAX_STRESS_LENGTH
     return -1 if is_over else None
-
-
-def _waits(after: str, *, ends: bool) -> bool:
-    """Return whether the character after a markup has not been received yet."""
-    return not ends and not after.lstrip(" \t")
-
-
-def _begins(state: Manuscript) -> bool:
-    """Return whether a sentence, phrase or line begins at a markup."""
-    before = state.spoken.rstrip(" \t\"'\u201c\u201d\u2019)")
-    return state.is_line_start or not before or before[-1] in END_OF_SENTENCE + ",;:\u2014-\n>"
-
-
-def _is_interjected(state: Manuscript, after: str) -> bool:
-    """Return whether a sentence would be complete without the marked text."""
-    before = re.search(r"([^\W\d_]+)\s+$", state.spoken)
-    following = re.match(r"[ \t]+([^\W\d_]+)", after)
-    if before is None or following is None:
-        return False
-    acts = load_acts()
-    return not acts.has("leading", before[1].lower()) and not acts.has("trailing", following[1].lower())
-
-
-def _is_over(after: str) -> bool:
-    """Return whether a sentence or line ends with a markup."""
-    following = after.lstrip(" \t")[:1]
-    return not following.isalnum() or following.isupper()
-
-
-def _directed(words: str, length: int) -> Step:
-    if load_acts().is_pause(words):
-        return Step(length, pause(DIRECTED_PAUSE))
-    return Step(length, direct(words))
-
-
-def _read_bracket(state: Manuscript, *, ends: bool) -> Step | None:
-    """Read a stage direction or link in brackets, or the bracket alone."""
-    rest, sign = state.rest, state.rest[0]
-    line, newline, _ = rest[1 : MAX_BRACKET_LENGTH + 1].partition("\n")
-    end = line.find("]" if sign == "[" else ")")
-    if end < 0:
-        is_over = ends or newline or len(rest) > MAX_BRACKET_LENGTH
-        return Step(1, sign) if is_over else None
-    if sign == "[":
-        after = rest[end + 2 : end + 3]
-        if not after and not ends:
-            return None
-        if after in ("(", "[") and after:
-            return _read_link(rest, 0, ends=ends)
-    words, after = line[:end], rest[end + 2 :]
-    if _waits(after, ends=ends):
-        return None
-    if load_acts().is_direction(words, begins=_begins(state), ends=_is_over(after), is_bracketed=True):
-        return _directed(words, end + 2)
-    request = _REQUEST_PATTERN.fullmatch(words) if sign == "[" else None
-    if request or (sign == "[" and load_acts().has("moods", words.strip().lower())):
-        seconds = _SECONDS_PATTERN.fullmatch(request[1]) if request else None
-        if seconds:
-            return Step(end + 2, pause(min(float(seconds[1]) / (1000 if seconds[2] == "ms" else 1), 10.0)))
-        return _directed(request[1] if request else words, end + 2)
-    is_time = state.is_line_start and _TIMESTAMP.fullmatch(words)
-    if sign == "[" and (is_time or words in _PROMPT_MARKS):
-        return Step(end + 2)
-    if sign == "[" and words.startswith("^"):  # a footnote
-        return Step(end + 2 + after.startswith(":"))
-    return Step(1, sign)
-
-
-def _read_link(rest: str, begin: int, *, ends: bool) -> Step | None:
-    """Read a Markdown link or picture from its opening bracket."""
-    match = re.match(r"\[([^\]\n]*)\]", rest)
-    if match is None:
-        is_over = ends or "\n" in rest or "]" in rest or len(rest) > MAX_BRACKET_LENGTH
-        return Step(1 + begin, "!" * begin if begin else "[") if is_over else None
-    opening = rest[match.end() : match.end() + 1]
-    if not opening and not ends:
-        return None
-    if opening not in ("(", "["):
-        return Step(begin, "!") if begin else Step(1, "[")
-    end, closing = match.end() + 1, {"(": ")", "[": "]"}[opening]
-    depth = 1
-    while depth and end < len(rest) and end - match.end() < MAX_LINK_LENGTH and rest[end] != "\n":
-        depth += (rest[end] == opening) - (rest[end] == closing)
-        end += 1
-    if depth:
-        is_over = ends or end < len(rest)
-        return Step(begin + 1, "" if begin else "[") if is_over else None
-    text = re.sub(r"[<>*_`^|~#\\&]", " ", match[1])
-    if begin:
-        return Step(end + 1, " ", f"a picture is not shown: {match[1].strip() or 'without description'}")
-    is_address = WEB_ADDRESS.match(match[1])
-    return Step(end, "" if is_address else text)
 
 
 def _read_command(rest: str, *, ends: bool) -> Step | None:
@@ -287,7 +216,7 @@ def _read_sign(state: Manuscript, *, ends: bool) -> Step | None:
         return Step(1, "number ")
     if sign != "|":
         return Step(1)
-    if _waits(state.rest[1:], ends=ends):
+    if is_waiting(state.rest[1:], ends=ends):
         return None
     following = state.rest[1:].lstrip(" \t")[:1]
     is_between = following.strip() and state.spoken.rstrip(" ")[-1:] not in ("", "\n", ",")

@@ -3,7 +3,15 @@
 import re
 
 from kinesic.intent.manuscript.acts import load_acts
-from kinesic.intent.manuscript.pieces import END_OF_SENTENCE, LINE_PAUSE, PARAGRAPH_PAUSE, Manuscript, Step, pause
+from kinesic.intent.manuscript.pieces import (
+    END_OF_SENTENCE,
+    LINE_PAUSE,
+    PARAGRAPH_PAUSE,
+    Manuscript,
+    Step,
+    direct,
+    pause,
+)
 
 MAX_LABEL_WORDS = 3  # largest number of words in a speaker's name
 MAX_LABEL_LENGTH = 40  # [characters] longest name of a speaker
@@ -22,6 +30,8 @@ _TILDE_FENCE = re.compile(r"~{3,4}[ \t]*")  # opens a code block; longer lines o
 _REFERENCE_PATTERN = re.compile(r"[ \t]*\[[^\]\n]+\]:[ \t]*(?:<[^>\n]*>|\S*[/#]\S*)(?:[ \t]+[\"'(][^\n]*)?[ \t]*")
 _LABEL_PATTERN = re.compile(r"(\*\*|__|\[(?=[^\]:\n]*\]))?([^\W\d_][\w .'\u2019()-]*?)(\*\*|__|\])?:(\*\*|__)?[ \t]+")
 _OPEN_LABEL = re.compile(r"(\*\*|\*|__|_|\[)?([^\W\d_][\w .'\u2019()-]*)?(\*\*|\*|__|_|\])?:?(\*\*|\*|__|_)?[ \t]*")
+_REMARK_PATTERN = re.compile(r"[^\W\d_]+ \(([^()]*)\)")
+_OPEN_REMARK = re.compile(r"[^\W\d_]+(?: (?:\((?:[^()]*(?:\):?[ \t]*)?)?)?)?")  # name with a remark that may follow
 
 
 def read_line_start(state: Manuscript, *, ends: bool) -> Step | None:
@@ -90,7 +100,8 @@ def _read_marker(state: Manuscript, line: str, *, is_whole: bool) -> Step | None
     if label and len(label[2]) <= MAX_LABEL_LENGTH and _is_speaker(label[2], state):
         name = _upper(label[2])
         if not state.character or name == state.character:
-            return Step(label.end(), is_block=False)
+            remark = _read_remark(label[2])
+            return Step(label.end(), direct(remark) if remark else "", is_block=False)
         warning = f"lines of {name} are not spoken: this robot is {state.character}"
         return Step(label.end(), "", warning * (name not in state.others), mode="other", other=name)
     is_open = len(line) - indent <= MAX_LABEL_LENGTH and _OPEN_LABEL.fullmatch(line, indent)
@@ -99,6 +110,8 @@ def _read_marker(state: Manuscript, line: str, *, is_whole: bool) -> Step | None
 
 def _may_be_speaker(text: str, state: Manuscript) -> bool:
     """Return whether the beginning of a line may become a speaker's name."""
+    if _OPEN_REMARK.fullmatch(text):
+        return True
     words = re.sub(r"\(.*", "", text).strip("*_[: \t").split()
     if not words or all(word.upper() == word for word in words):
         return len(words) <= MAX_LABEL_WORDS
@@ -120,7 +133,19 @@ def _is_speaker(name: str, state: Manuscript) -> bool:
     is_role = load_acts().has("roles", words[0].lower()) and (
         len(words) == 1 or (words[-1].isalnum() and len(words[-1]) <= 2)
     )
-    return is_loud or (is_role and name != "a") or _upper(name) in {*state.speakers, *state.others, state.character}
+    return (
+        is_loud
+        or bool(_read_remark(name))
+        or (is_role and name != "a")
+        or _upper(name) in {*state.speakers, *state.others, state.character}
+    )
+
+
+def _read_remark(name: str) -> str:
+    """Return the stage direction after a speaker's name (`Robin (laughing)`), or an empty text."""
+    remark = _REMARK_PATTERN.fullmatch(name)
+    is_act = remark and load_acts().is_direction(remark[1], begins=True, ends=True, is_bracketed=True)
+    return remark[1] if remark and is_act else ""
 
 
 def _upper(name: str) -> str:
