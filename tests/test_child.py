@@ -99,7 +99,7 @@ def test_fork_server_is_used_only_from_python_3_11_1(monkeypatch, version: tuple
 
 
 @pytest.mark.skipif(CONTEXT.get_start_method() != "forkserver", reason="children are no forks here")
-def test_child_starts_with_the_lexicon_loaded():
+def test_child_process_starts_with_the_lexicon_loaded():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, tell_gestures, theirs)
     read, there = ours.recv()
@@ -107,7 +107,7 @@ def test_child_starts_with_the_lexicon_loaded():
     assert child.wait() == 0
 
 
-def test_killed_child_closes_its_pipe_end():
+def test_killed_child_process_closes_its_pipe_end():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, answer, theirs, "ready")
     assert theirs.closed

@@ -148,7 +148,7 @@ def test_after_and_before_in_attributes_become_precedences() -> None:
         ("overlap", Composition.MERGE, 1),
     ],
 )
-def test_composition_attribute_is_read(text: str, composition: Composition, notices: int) -> None:
+def test_composition_attribute_of_a_block_is_read(text: str, composition: Composition, notices: int) -> None:
     block = parse_block("", f'id="b" composition="{text}" characterId="c"')
     assert (block.composition, len(block.notices), block.character) == (composition, notices, "c")
 
@@ -159,7 +159,7 @@ def test_repeated_unknown_extension_attribute_gives_one_notice() -> None:
     assert "z:a" in block.notices[0].text
 
 
-def test_missing_ids_are_generated() -> None:
+def test_missing_behaviour_ids_are_generated() -> None:
     block = parse(f"<bml {BML_TEMPLATE}/>")
     assert [n.type for n in block.notices] == [NoticeType.PARSING_FAILURE]
     assert parse("<bml/>").notices == ()
@@ -258,7 +258,7 @@ def test_invalid_documents_are_rejected_with_line_and_column(text: str, place: s
         parse(text, source="f.xml")
 
 
-def test_too_many_behaviours_are_rejected() -> None:
+def test_document_with_too_many_behaviours_is_rejected() -> None:
     assert len(parse(f"<bml>{'<head/>' * DEFAULT_BOUNDS.behaviours}</bml>").behaviours) == DEFAULT_BOUNDS.behaviours
     with pytest.raises(BmlError, match="the limit is 1000"):
         parse(f"<bml>{'<head/>' * (DEFAULT_BOUNDS.behaviours + 1)}</bml>")

@@ -46,7 +46,7 @@ def test_error_names_a_missing_config_file(tmp_path: Path):
         read_toml(tmp_path / "nowhere.toml", Cart)
 
 
-def test_folder_is_refused_as_toml_file(tmp_path: Path):
+def test_folder_in_place_of_a_toml_file_is_refused(tmp_path: Path):
     with pytest.raises(ConfigError, match="directory"):
         read_toml(tmp_path, Cart)
 
@@ -92,7 +92,7 @@ def test_suggestion_names_the_nearest_or_all_valid_names():
     assert suggestion("knee", []) == ""
 
 
-def test_file_over_4_megabytes_is_refused(tmp_path: Path):
+def test_config_file_over_4_megabytes_is_refused(tmp_path: Path):
     path = tmp_path / "large.toml"
     path.write_bytes(b"#" * 4_000_001)
     with pytest.raises(ConfigError, match=r"large\.toml: more than 4 MB"):

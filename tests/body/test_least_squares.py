@@ -22,7 +22,7 @@ def decaying_waves(values):
 
 
 @pytest.mark.parametrize("start", [(-1.2, 1.0), (3.0, -2.0), (0.0, 0.0)])
-def test_minimum_without_bounds_is_found(start):
+def test_least_squares_minimum_without_bounds_is_found(start):
     solution = minimise_squares(rosenbrock, np.array(start), bounds=(-FREE, FREE), max_evaluations=60)
     np.testing.assert_allclose(solution.values, [1.0, 1.0], atol=1e-5)
     assert solution.cost == pytest.approx(0.0, abs=1e-9)
@@ -30,7 +30,7 @@ def test_minimum_without_bounds_is_found(start):
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_minimum_within_bounds_matches_scipy(seed):
+def test_bounded_least_squares_minimum_matches_scipy(seed):
     random = np.random.default_rng(seed)
     lower, upper = random.uniform([-2.0, 0.0, -1.0, -0.5], 0.4), random.uniform(0.5, [2.0, 5.0, 1.0, 0.6])
     start = random.uniform(lower, upper)
@@ -49,19 +49,19 @@ def test_bounded_minimum_lies_on_the_upper_bound_of_a_variable():
     np.testing.assert_allclose(solution.values, [0.5, 0.25], atol=1e-5)
 
 
-def test_variable_with_equal_bounds_stays_fixed():
+def test_least_squares_variable_with_equal_bounds_stays_fixed():
     lower, upper = np.array([0.3, -9.0]), np.array([0.3, 9.0])
     solution = minimise_squares(rosenbrock, np.array([0.3, 4.0]), bounds=(lower, upper), max_evaluations=60)
     np.testing.assert_allclose(solution.values, [0.3, 0.09], atol=1e-5)
 
 
-def test_search_that_starts_at_a_lower_bound_reaches_the_free_minimum():
+def test_least_squares_search_from_a_lower_bound_reaches_the_unbounded_minimum():
     lower = np.array([-1.2, -9.0])
     solution = minimise_squares(rosenbrock, np.array([-1.2, -9.0]), bounds=(lower, FREE), max_evaluations=60)
     np.testing.assert_allclose(solution.values, [1.0, 1.0], atol=1e-5)
 
 
-def test_evaluation_limit_excludes_evaluations_of_the_jacobian():
+def test_least_squares_evaluation_limit_excludes_evaluations_of_the_jacobian():
     counts = {"residuals": 0, "jacobian": 0}
 
     def residuals(values):
@@ -77,7 +77,7 @@ def test_evaluation_limit_excludes_evaluations_of_the_jacobian():
     assert counts["jacobian"] <= 5
 
 
-def test_larger_tolerance_ends_the_search_earlier():
+def test_larger_tolerance_ends_the_least_squares_search_earlier():
     def count(tolerance):
         points = []
         minimise_squares(
@@ -92,7 +92,7 @@ def test_larger_tolerance_ends_the_search_earlier():
     assert count(0.5) < count(1e-8)
 
 
-def test_search_that_cannot_reduce_the_cost_returns_its_start():
+def test_least_squares_search_that_cannot_reduce_the_cost_returns_its_start():
     start = np.array([1.0, 2.0])
     found = minimise_squares(
         lambda values: values,

@@ -60,7 +60,7 @@ def test_robot_file_in_same_folder_can_be_extended(extended, tmp_path: Path):
     assert robot.skeleton.rest[robot.skeleton.joint("r_wrist_pivot")] == pytest.approx(0.0873, abs=1e-4)
 
 
-def test_circular_extension_is_refused(tmp_path: Path):
+def test_robot_files_that_extend_each_other_are_refused(tmp_path: Path):
     for name, other in (("one", "two"), ("two", "one")):
         (tmp_path / f"{name}.toml").write_text(
             f'[robot]\nname = "{name}"\nextends = "{other}.toml"\n', encoding="utf-8"

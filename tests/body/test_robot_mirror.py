@@ -85,7 +85,7 @@ def test_mirrored_hinges_mounts_chains_and_bodies_get_the_other_prefix(file):
     assert len(both.hinge) == len(hinges)
 
 
-def test_excluded_collision_pairs_are_mirrored_once(file):
+def test_excluded_collision_pairs_of_a_robot_file_are_mirrored_once(file):
     pairs = [("l_wrist", "l_elbow"), ("l_wrist", "r_wrist"), ("l_wrist", "r_elbow"), ("vl5", "skullbase")]
     entries = [ExclusionTable(pair, "why") for pair in pairs]
     changed = msgspec.structs.replace(file, collision=CollisionTable(0.01, entries))

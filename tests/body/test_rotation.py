@@ -33,7 +33,7 @@ def test_positive_rotation_follows_the_right_hand_rule(axis, before, after):
     np.testing.assert_allclose(vector_to_rotation(np.pi / 2 * axis) @ before, after, atol=1e-15)
 
 
-def test_rotation_by_zero_is_the_identity():
+def test_rotation_by_zero_angle_is_the_identity():
     np.testing.assert_array_equal(rotation_about(Z, 0.0), np.eye(3))
     np.testing.assert_array_equal(vector_to_rotation(np.zeros(3)), np.eye(3))
 
@@ -50,7 +50,7 @@ def test_rotation_vectors_and_quaternions_match_scipy():
     assert (rotations.inv() * Rotation.from_rotvec(vectors)).magnitude().max() < 1e-14
 
 
-def test_rotation_vectors_keep_leading_dimensions():
+def test_rotation_vector_conversion_keeps_leading_dimensions():
     vectors = VECTORS[:12].reshape(2, 6, 3)
     matrices = vector_to_rotation(vectors)
     assert matrices.shape == (2, 6, 3, 3)

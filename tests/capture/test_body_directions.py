@@ -50,7 +50,7 @@ def test_head_rotates_in_the_chest_frame_about_its_own_axes():
 
 
 @pytest.mark.parametrize("prefix", ["mixamorig:", "a:b:"])
-def test_prefixes_of_joint_names_are_ignored(prefix):
+def test_prefixes_of_captured_joint_names_are_ignored(prefix):
     clip = read(bvh(rename=lambda name: prefix + name))
     assert clip.guesses == ()
     assert clip.arms["l"].wrist[0] == pytest.approx([0, 1, 0], abs=1e-9)
@@ -94,7 +94,7 @@ def test_calibration_pose_at_the_beginning_is_dropped():
     assert len(clip.times) == 50
 
 
-def test_arm_without_length_is_rejected():
+def test_captured_arm_of_zero_length_is_rejected():
     data = bvh().replace(b"OFFSET 29 0 0", b"OFFSET 0 0 0").replace(b"OFFSET 26 0 0", b"OFFSET 0 0 0")
     with pytest.raises(CaptureError, match="no length"):
         read(data)

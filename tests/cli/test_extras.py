@@ -55,7 +55,7 @@ def test_missing_viewer_library_is_reported_in_one_line_with_its_extra(tmp_path,
     assert list(tmp_path.iterdir()) == []
 
 
-def test_gesture_is_shown_without_matplotlib(tmp_path):
+def test_gestures_show_command_works_without_matplotlib(tmp_path):
     ended = run_without("matplotlib", tmp_path, "gestures", "show", "beat")
     assert (ended.returncode, ended.stderr) == (0, "")
 

@@ -183,7 +183,7 @@ def test_missing_opengl_is_reported_with_the_packages_to_install(
         ["--light", "0.5"],
     ],
 )
-def test_effect_options_change_the_picture(
+def test_effect_options_change_the_face_picture(
     drawable: None, words: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     plain, other = tmp_path / "a.png", tmp_path / "b.png"

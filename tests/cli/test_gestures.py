@@ -98,7 +98,7 @@ def test_gesture_render_draws_lines_without_opengl_or_for_vector_formats(kinesic
     assert ("kinesic: drawn as lines: OpenGL is missing: install it" in ended.err) == name.endswith(".png")
 
 
-def test_turntable_is_a_looping_film(kinesic, tmp_path, monkeypatch):
+def test_turntable_of_a_gesture_is_a_looping_film(kinesic, tmp_path, monkeypatch):
     if why := portraits.opengl_fault():
         pytest.skip(why)
     monkeypatch.setattr(portraits, "TURNTABLE_FRAMES", 6)
@@ -125,7 +125,7 @@ def test_invalid_turntable_options_are_refused(kinesic, tmp_path, arguments, mes
     assert list(tmp_path.iterdir()) == []
 
 
-def test_turntable_requires_opengl(kinesic, tmp_path, monkeypatch):
+def test_turntable_film_of_a_gesture_requires_opengl(kinesic, tmp_path, monkeypatch):
     monkeypatch.setattr(portraits, "opengl_fault", lambda: "OpenGL is missing: install it")
     ended = kinesic("gestures", "render", "offer", "--turntable", "--out", "x.webp")
     assert ended.code == 2

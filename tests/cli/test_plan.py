@@ -181,7 +181,7 @@ def test_plan_prints_a_plain_text_file_as_bml(kinesic, tmp_path: Path):
     assert not ended.out.endswith("\n\n")
 
 
-def test_output_file_is_checked_before_planning(kinesic, tmp_path: Path):
+def test_output_file_of_a_plan_is_checked_before_planning(kinesic, tmp_path: Path):
     (tmp_path / "old.npz").write_bytes(b"kept")
     for name in ("plan.doc", "old.npz"):
         ended = kinesic("plan", "missing.bml", "--out", name)

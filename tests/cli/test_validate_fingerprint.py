@@ -7,11 +7,11 @@ from kinesic.cli.validate import fingerprint_inputs
 PLANNING = Planning("upper22", "neutral", {})
 
 
-def test_equal_planning_options_have_equal_fingerprints():
+def test_validations_with_equal_planning_options_have_equal_fingerprints():
     assert fingerprint_inputs(PLANNING, "nominal") == fingerprint_inputs(replace(PLANNING), "nominal")
 
 
-def test_each_planning_option_changes_the_fingerprint(tmp_path):
+def test_each_planning_option_changes_the_fingerprint_of_a_validation(tmp_path):
     targets = tmp_path / "targets.toml"
     targets.write_text("box = [1.0, 0.0, 1.0]")
     others = [
@@ -34,7 +34,7 @@ def test_content_of_a_lexicon_file_changes_the_fingerprint(tmp_path):
     assert fingerprints[0] != fingerprints[1]
 
 
-def test_calibration_file_changes_the_fingerprint(tmp_path):
+def test_calibration_file_changes_the_fingerprint_of_a_validation(tmp_path):
     path = tmp_path / "mine.toml"
     path.write_text(Robot.load().path.read_text(encoding="utf-8"), encoding="utf-8")
     mine = replace(PLANNING, robot=str(path))

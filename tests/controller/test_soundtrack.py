@@ -127,7 +127,7 @@ def test_resampled_sound_matches_scipy(given: int, rate: int, count: int):
     np.testing.assert_allclose(resample_sound(noise, rate), other, atol=1e-6)
 
 
-def test_wav_file_contains_the_sound(tmp_path: Path):
+def test_wav_file_contains_the_soundtrack(tmp_path: Path):
     ramp = Sound.of(RATE, np.linspace(-1.0, 1.0, 1001))
     write_wav(ramp, tmp_path / "ramp.wav")
     with wave.open(str(tmp_path / "ramp.wav")) as file:
@@ -135,7 +135,7 @@ def test_wav_file_contains_the_sound(tmp_path: Path):
     assert read_wav(tmp_path / "ramp.wav").samples == pytest.approx(ramp.samples, abs=1e-4)
 
 
-def test_wav_file_clips_loud_samples(tmp_path: Path):
+def test_loud_samples_are_clipped_in_the_wav_file(tmp_path: Path):
     write_wav(Sound.of(RATE, np.array([1.5, -1.5, 0.5])), tmp_path / "loud.wav")
     with wave.open(str(tmp_path / "loud.wav")) as file:
         assert np.frombuffer(file.readframes(3), "<i2").tolist() == [32767, -32767, 16384]

@@ -22,7 +22,7 @@ def test_behaviour_has_expressivity_of_its_modality(context, action, power):
     assert here.manner(behaviour, "torso").power == 0.3
 
 
-def test_document_parameters_override_the_style(context):
+def test_expressivity_parameters_of_a_document_override_the_style(context):
     here = context(block(Head("NOD"), Manner(power=0.7), {"head": Manner(power=0.6, spatial=0.4)}), TEST_STYLE)
     assert here.manner(here.block.behaviours[0]) == Expressivity(power=0.7, spatial=0.4)
 

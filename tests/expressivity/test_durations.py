@@ -50,7 +50,7 @@ def test_gesture_durations_depend_on_tempo_and_category(natural, lexicon):
     assert natural(Pointing("left"))["relax"] > natural(Gesture("beat"))["relax"]
 
 
-def test_rest_pose_has_no_hold_time(natural):
+def test_rest_pose_gesture_has_no_hold_time(natural):
     assert natural(Gesture("arms_crossed"))["relax"] == 0
 
 

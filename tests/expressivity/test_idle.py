@@ -67,7 +67,7 @@ def test_permanent_gaze_shift_does_not_prevent_idle_motion(timeline, context):
     assert moving[-1].head.torsion == pytest.approx(still[-1].head.torsion)
 
 
-def test_short_pause_has_no_idle_motion():
+def test_short_pause_of_a_block_has_no_idle_motion():
     assert idle([(0.0, MIN_PAUSE + 2 * IDLE_MARGIN - 0.01)], LIVELY_IDLING) == ((), ())
     assert idle([(0.0, MIN_PAUSE + 2 * IDLE_MARGIN + 0.01)], LIVELY_IDLING)[0]
 

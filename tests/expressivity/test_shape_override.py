@@ -54,7 +54,7 @@ def test_unknown_requested_hand_shape_is_reported_and_ignored():
     ("written", "kind"), [("index", "partly"), ("flat", "realised"), ("FORM_OPEN", "realised"), ("tentacle", "partly")]
 )
 @pytest.mark.parametrize("element", ['gesture id="g" lexeme="beat"', 'pointing id="g" target="user"'])
-def test_hand_without_fingers_reports_impossible_shape(element: str, written: str, kind: str):
+def test_hand_without_fingers_reports_an_impossible_hand_shape(element: str, written: str, kind: str):
     made = planned(f'<{element} handShape="{written}" stroke="2"/>', "upper22")
     outcome = made.keyframes.outcomes["g"]
     assert outcome.kind == kind

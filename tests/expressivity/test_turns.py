@@ -130,7 +130,7 @@ def test_rotation_near_a_reversal_stays_near_its_peak():
     assert max(abs(turn_at(shake, 0.01 * k).torsion) for k in range(81)) <= 0.2
 
 
-def test_rotation_passes_intermediate_keys_without_stopping():
+def test_trunk_or_head_rotation_passes_intermediate_keys_without_stopping():
     rising = tuple(TurnKey(0.2 * k, Turn(tilt=angle)) for k, angle in enumerate((0.0, 0.1, 0.2, 0.3)))
     before, after = (turn_at(rising, 0.2 + offset).tilt for offset in (-0.01, 0.01))
     assert (after - before) / 0.02 == pytest.approx(0.5, rel=0.1)

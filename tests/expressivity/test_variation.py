@@ -53,7 +53,7 @@ def beat(timeline, phases):
     return timeline(("g0", Gesture("beat"), phases(0, 1, 1, 1.5, 1.5, 2, 3))).timed[0]
 
 
-def test_zero_variation_ignores_the_seed(context, timeline, phases):
+def test_gestures_with_zero_random_variation_do_not_depend_on_the_seed(context, timeline, phases):
     built = timeline(*((f"g{k}", Gesture("beat"), phases(0, 1, 1, 1.5, 1.5, 2, 3)) for k in range(2)))
     usual, other = (
         make_keyframes(built, context(built.block, **way)) for way in ({}, {"variation": Variation(0.0, 9)})

@@ -128,7 +128,7 @@ def test_npz_arrays_compressed_with_lzma_are_refused(tmp_path: Path):
     assert read_arrays(archive(path, method=zipfile.ZIP_STORED, array=packed(np.zeros(2))), max_size=ENOUGH_BYTES)
 
 
-def test_encrypted_arrays_are_refused(tmp_path: Path):
+def test_encrypted_npz_archives_are_refused(tmp_path: Path):
     path = archive(tmp_path / "secret.npz", array=packed(np.zeros(2)))
     data = bytearray(path.read_bytes())
     data[data.index(b"PK\1\2") + 8] |= 1  # flags in the directory of the archive
@@ -137,7 +137,7 @@ def test_encrypted_arrays_are_refused(tmp_path: Path):
         read_arrays(path, max_size=ENOUGH_BYTES)
 
 
-def test_missing_or_invalid_archives_are_refused(tmp_path: Path):
+def test_missing_or_invalid_npz_archives_are_refused(tmp_path: Path):
     (tmp_path / "text.npz").write_text("no archive")
     with pytest.raises(ConfigError, match=r"text\.npz: no log; a log is a file \(File is not a zip file\)"):
         read_arrays(tmp_path / "text.npz", max_size=ENOUGH_BYTES, kind="log; a log is a file")

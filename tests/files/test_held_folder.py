@@ -20,7 +20,7 @@ def test_empty_dot_and_root_paths_are_resolved_to_absolute_paths(path: str):
     assert find_place(Path(path)) == Path(path).resolve()
 
 
-def test_cyclic_links_give_a_config_error(tmp_path: Path):
+def test_cyclic_links_to_a_folder_give_a_config_error(tmp_path: Path):
     (tmp_path / "a").symlink_to("b")
     (tmp_path / "b").symlink_to("a")
     with pytest.raises(ConfigError):

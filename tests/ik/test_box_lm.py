@@ -27,7 +27,7 @@ def test_least_squares_variable_without_mobility_keeps_its_value():
     assert descent.miss < 1e-9
 
 
-def test_variable_with_low_mobility_moves_less():
+def test_least_squares_variable_with_low_mobility_moves_less():
     box = Box(-5 * ALL, 5 * ALL, np.zeros(3), np.array([0.1, 1.0, 1.0]))
     descent = descend(_line, np.zeros(3), box, tolerance=1e-9)
     assert descent.miss < 1e-9

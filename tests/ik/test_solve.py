@@ -108,7 +108,7 @@ def test_requested_swivel_is_met_within_the_joint_ranges() -> None:
     assert 1.5 < results[5] < 3.0
 
 
-def test_default_swivel_lets_the_elbow_hang() -> None:
+def test_ik_without_a_requested_swivel_lets_the_elbow_hang() -> None:
     for out in (0.0, 0.25, 0.5):
         point = ROBOT.gesture_origin + ROBOT.arm_length * np.array([0.5, out, 0.25])
         solution = solve(LEFT, Reach(_in_base(point)), start=LEFT.rest)

@@ -46,7 +46,7 @@ def test_two_hands_in_front_cause_lean_without_torsion() -> None:
     assert tilt > 0.02
 
 
-def test_mirrored_targets_mirror_the_torso() -> None:
+def test_mirrored_hand_targets_mirror_the_torso_rotation() -> None:
     point = _sector(0.95, -0.1, 0.0)
     left, right = lean_torso(ROBOT, {"l": point}), lean_torso(ROBOT, {"r": point * FLIP})
     assert right == pytest.approx((-left[0], left[1], -left[2]), abs=1e-12)
@@ -62,7 +62,7 @@ def test_torso_rotation_grows_with_distance_up_to_its_bound() -> None:
     ) == pytest.approx(0.1)
 
 
-def test_torso_angles_stay_in_range() -> None:
+def test_torso_angles_of_a_reach_stay_within_joint_ranges() -> None:
     joints = list(ROBOT.joints("torso"))
     turn = np.array(lean_torso(ROBOT, {"l": _sector(-5.0, 3.0, 2.0)}, max_turn=3.0))
     assert np.all(ROBOT.skeleton.lower[joints] <= turn)

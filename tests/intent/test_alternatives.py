@@ -39,7 +39,7 @@ def test_words_without_candidates_have_the_results_of_the_ranked_search():
     assert [each.id for each in ranked("boxes") if each.why == "found for 'boxes'"][:3] == hits
 
 
-def test_function_words_are_not_searched():
+def test_function_words_are_not_searched_for_alternative_gestures():
     assert find_gestures(LEXICON, "and"), "descriptions contain it"
     assert {each.why for each in ranked("and", text="They and I met.")} == {BEAT_REASON}
 
@@ -59,7 +59,7 @@ def test_gesture_of_a_user_lexicon_is_offered_for_an_unrelated_word(tmp_path: Pa
     assert OWN_REASON not in [each.why for each in ranked("say")]
 
 
-def test_number_of_alternatives_is_limited(monkeypatch: pytest.MonkeyPatch):
+def test_number_of_alternative_gestures_of_a_word_is_limited(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("kinesic.intent.alternatives.MAX_ALTERNATIVES", 3)
     assert len(ranked("No")) == 3
 

@@ -64,7 +64,7 @@ def test_feedback_warnings_are_classified_as_refusal_end_or_notice(feedback: Fee
     assert not feedback.begins(feedback.subject)
 
 
-def test_behaviour_progress_is_not_block_progress():
+def test_progress_feedback_of_a_behaviour_is_not_read_as_that_of_its_block():
     message = read(f'<syncPointProgress {XMLNS} id="b:g:end" time="1" globalTime="1">rule x</syncPointProgress>')
     assert not message.begins("b")
     assert message.ended_block == ""

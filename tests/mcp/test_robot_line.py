@@ -272,7 +272,7 @@ def test_unconfirmed_stop_error_mentions_the_power_switch():
 
 
 @pytest.mark.parametrize("answer", ['<warningFeedback id="message">rule rate</warningFeedback>', ""])
-def test_missing_status_answer_is_reported(monkeypatch, answer: str):
+def test_missing_answer_to_a_robot_status_request_is_reported(monkeypatch, answer: str):
     monkeypatch.setattr(robot_line, "STATUS_TIMEOUT", 0.1)
     with line(ignore) as (robot, server):
         monkeypatch.setattr(

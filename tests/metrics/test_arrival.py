@@ -21,7 +21,7 @@ def test_arrival_time_is_when_the_path_enters_the_target_ball():
     assert _find_first_entry(1.0, TIMES, STRAIGHT_PATH, np.array([1.0, 0, 0]), 0.05) == pytest.approx(0.95)
 
 
-def test_arrival_time_is_interpolated_between_samples():
+def test_arrival_time_of_a_hand_is_interpolated_between_samples():
     assert _find_first_entry(1.0, TIMES, STRAIGHT_PATH, np.array([1.0, 0, 0]), 0.0333) == pytest.approx(0.9667)
 
 

@@ -87,7 +87,7 @@ def test_setpoints_too_large_for_integer_ticks_are_stored_as_floats(rounds: bool
 
 
 @pytest.mark.parametrize("far", [1, 4])
-def test_setpoints_beyond_int16_widen_storage_once(far: int) -> None:
+def test_setpoints_beyond_the_int16_range_widen_their_storage_once(far: int) -> None:
     robot = Robot.load()
     twin, still, sent = Twin(robot), np.zeros(len(robot.drives)), np.full(6, 0.1)
     sent[far] = 1e3

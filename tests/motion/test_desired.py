@@ -48,7 +48,7 @@ def test_desired_motion_of_a_hinge_does_not_depend_on_the_other_hinge():
             assert np.array_equal(one[:, hinge], other[:, 0])
 
 
-def test_motion_starts_and_ends_at_rest():
+def test_desired_motion_starts_and_ends_at_rest():
     for time in (0.0, joined().duration):
         _, speeds, accelerations = state(joined(), time)
         np.testing.assert_allclose(speeds, 0.0, atol=1e-9)
@@ -62,7 +62,7 @@ def test_velocity_and_acceleration_are_continuous_at_keys():
         np.testing.assert_allclose(before[2], after[2], atol=1e-3)
 
 
-def test_velocities_are_the_derivative_of_angles():
+def test_velocities_of_the_desired_motion_are_the_derivative_of_its_angles():
     times = np.linspace(0.01, joined().duration - 0.01, 97)
     step = 1e-6
     ahead, behind = joined().sample(times + step)[0], joined().sample(times - step)[0]

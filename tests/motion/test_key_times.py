@@ -75,7 +75,7 @@ def test_key_time_search_starts_from_full_velocity_durations():
     assert search.bottlenecks[1, 2].ratio == pytest.approx(1.5)
 
 
-def test_infeasible_segment_gets_more_time():
+def test_key_time_search_gives_an_infeasible_segment_more_time():
     keys = Keys.of(KEYS, FEASIBLE_LIMITS)
     search = KeyTimeSearch(keys, FEASIBLE_LIMITS, 0.6)
     infeasible = find_infeasible(search, keys)
@@ -250,7 +250,7 @@ def test_time_deficits_of_segments_among_very_many_keys_are_measurable(known, mo
     assert all(deficits)
 
 
-def test_segments_with_unchanged_times_are_cached():
+def test_segments_with_unchanged_key_times_come_from_the_cache():
     search = KeyTimeSearch(Keys.of(KEYS, FEASIBLE_LIMITS), FEASIBLE_LIMITS, 0.6)
     first, second = ([*search._find_segments(search.times)] for _ in range(2))
     assert first

@@ -18,7 +18,7 @@ def keys(*rows):
     return Keys.of(tuple(postures), LIMITS)
 
 
-def test_only_exact_keys_are_constraints():
+def test_only_exact_keys_constrain_the_motion():
     result = keys((BOTH, True), (FIRST, False), (SECOND, True), (FIRST, False), (BOTH, True))
     assert result.exact_rows == ([0, 4], [0, 2, 4])
     assert [result.has_path(hinge).tolist() for hinge in (0, 1)] == [[True], [False, False]]

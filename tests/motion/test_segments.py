@@ -95,7 +95,7 @@ def test_key_interval_with_ample_time_is_split_into_segments_at_its_middle():
     assert not whole.within(last)
 
 
-def test_segment_with_equal_key_angles_is_still():
+def test_motion_segment_with_equal_key_angles_is_still():
     assert [item.is_still for item in cut(1)] == [True, True, False]
 
 

@@ -118,7 +118,7 @@ def test_time_warp_step_is_limited_by_its_radius(radius):
     assert np.abs(change).max() > 0.5 * radius
 
 
-def test_larger_time_reserve_lengthens_segments():
+def test_larger_time_reserve_lengthens_stretched_segments():
     lacks = measure(KEYS.requested_times)
     spans = [
         np.ptp(stretch_times(PROBLEM, KEYS.requested_times, lacks, limits=LIMITS, radius=0.4, reserves=[reserve]))

@@ -20,7 +20,7 @@ def test_trajectory_equals_a_uniform_cubic_b_spline(order):
     np.testing.assert_allclose(MOTION.sample(times)[order], expected, rtol=1e-9, atol=1e-9 / KNOT_INTERVAL**order)
 
 
-def test_jerk_is_constant_between_knots():
+def test_jerk_of_a_trajectory_is_constant_between_knots():
     times = KNOT_INTERVAL * (np.arange(30) + 0.5)
     np.testing.assert_allclose(MOTION.jerks(times), SAME.derivative(3)(times), rtol=1e-9)
     np.testing.assert_array_equal(MOTION.jerks(times + 0.4 * KNOT_INTERVAL), MOTION.jerks(times))
@@ -83,7 +83,7 @@ def test_trajectory_state_at_a_time_equals_its_sample():
 
 
 @pytest.mark.parametrize("order", range(3))
-def test_spline_weights_sum_to_one(order):
+def test_weights_of_the_b_spline_sum_to_one(order):
     first, shares = spline_weights(np.array([-1.0, 0.0, 0.4, 5.0, 29.99, 30.0, 31.0]), 30, order)
     assert shares.shape == (7, 4 - order)
     np.testing.assert_allclose(shares.sum(axis=1), 1.0)
@@ -98,7 +98,7 @@ def test_motion_of_one_posture_stays_still():
     assert not speeds.any()
 
 
-def test_rest_starts_after_the_last_movement():
+def test_rest_of_a_trajectory_starts_after_its_last_movement():
     held = np.vstack((CONTROLS, np.repeat(CONTROLS[-1:] + 1e-12, 50, axis=0)))
     motion = Trajectory(held, zero=0.0, start=2.0)
     assert motion.end - motion.rest_start == pytest.approx(48 * KNOT_INTERVAL)

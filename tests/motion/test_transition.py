@@ -39,7 +39,7 @@ def test_transition_starts_in_one_motion_and_ends_in_the_other(leave):
     assert share(way) <= 1.001
 
 
-def test_too_short_transition_returns_none():
+def test_transition_without_enough_time_returns_none():
     own, after = wave(150, 0.4, 1.6), np.full(153, 1.0)
     assert cross_over(own, after, (20, 22), widen_limits(LIMITS), 0) is None
     assert cross_over(own, after, (20, 30), widen_limits(LIMITS), 0) is None

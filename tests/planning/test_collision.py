@@ -55,7 +55,7 @@ def test_corrected_posture_has_just_the_required_clearance():
             assert np.array_equal(np.delete(clear, ARMS), np.delete(posture, ARMS))
 
 
-def test_collision_free_posture_is_unchanged():
+def test_collision_correction_leaves_a_collision_free_posture_unchanged():
     rest = ROBOT.skeleton.rest
     assert np.array_equal(separate(rest, ARMS, ROBOT, DISTANCES, Spacing(MIN_CLEARANCE)), rest)
 
@@ -93,7 +93,7 @@ def test_collision_of_segments_that_the_given_joints_do_not_move_is_ignored():
 
 
 @pytest.mark.parametrize("room", [0.02, 0.03])
-def test_colliding_pairs_get_the_target_distance(room):
+def test_collision_correction_separates_colliding_pairs_by_the_target_distance(room):
     for posture in near_ones(6):
         clear = separate(posture, ARMS, ROBOT, DISTANCES, Spacing(MIN_CLEARANCE, room))
         if clear is not None:
@@ -177,7 +177,7 @@ def test_infeasible_distance_constraints_have_no_joint_step():
     assert _smallest(np.array([[1.0], [-1.0]]), np.array([1.0, -0.1]), np.eye(1)) is None
 
 
-def test_joint_step_is_limited_per_hinge():
+def test_joint_step_of_a_collision_correction_is_limited_per_hinge():
     """A long step is scaled down as a whole; a short one is taken fully."""
     seen = []
 

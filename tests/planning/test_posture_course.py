@@ -20,7 +20,7 @@ def test_moving_a_hold_key_moves_all_keys_of_the_hold():
     np.testing.assert_array_equal(moved.postures[3].angles, REST)
 
 
-def test_new_key_has_interpolated_requested_time():
+def test_new_detour_key_has_an_interpolated_requested_time():
     late = replace(CROSSING, planned=sealed([0.0, 1.5, 3.0, 4.0]))
     longer = late.extended(2.25, late.at(2.25), tuple(LEFT))
     (added,) = set(longer.postures) - set(late.postures)

@@ -55,7 +55,7 @@ def test_key_postures_begin_and_end_with_the_rest_posture():
         assert all(key.keyed)
 
 
-def test_only_gesturing_hand_has_keys():
+def test_only_the_hand_of_the_gesture_has_key_postures():
     stroke = at_sync(solved(Gesture("beat", "left")), "stroke")
     keyed = {name for name, key in zip(ROBOT.skeleton.names, stroke.keyed, strict=True) if key}
     assert {"l_elbow_flexion", "l_wrist_pivot"} <= keyed

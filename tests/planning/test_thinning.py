@@ -54,7 +54,7 @@ def test_behaviour_with_two_body_parts_joins_both_groups_of_overlaps():
 
 
 @pytest.mark.parametrize("share", [0.5, 1.0])
-def test_drop_reason_names_counts_and_times(share):
+def test_drop_reason_of_overlapping_behaviours_names_counts_and_times(share):
     reasons = set(drop_by_priority(frames(SPANS, waiting=("b",)), {"c"}, share).values())
     (why,) = reasons
     assert re.match(r"\d behaviours overlap from 2\.50 to 5\.00 s", why)

@@ -79,7 +79,7 @@ def test_gesture_space_keeps_its_size_if_the_trunk_is_rigid(turn):
     assert find_gesture_volume(ROBOT, turn).scale == pytest.approx(1.0, abs=1e-12)
 
 
-def test_gesture_space_scales_about_its_pivot():
+def test_gesture_space_of_a_bent_torso_scales_about_its_pivot():
     box = find_gesture_volume(ROBOT, Turn(tilt=0.3))
     half = type(box)(box.pivot, box.rotation, 0.5)
     np.testing.assert_allclose(

@@ -82,7 +82,7 @@ def test_feedback_lists_are_merged_by_time() -> None:
     assert [due.block for due in joined] == ["b"] * 3 + ["a"] * 3 + ["c"] * 3
 
 
-def test_measured_times_use_the_kinesic_namespace() -> None:
+def test_measured_times_in_feedback_use_the_kinesic_namespace() -> None:
     due = ScheduledFeedback(12.0, Progress("b", "h", "stroke", 2.0, "Anna")).measured_at(12.034)
     assert 'xmlns:kinesic="urn:kinesic"' in due.xml
     assert 'kinesic:measuredGlobalTime="12.034" kinesic:lag="0.034"' in due.xml

@@ -83,7 +83,7 @@ def test_block_for_another_character_is_refused(played):
     assert play.was_told("c:end")
 
 
-def test_blocks_beyond_256_are_refused(play):
+def test_new_blocks_are_refused_while_256_blocks_run_or_wait(play):
     waiting = play.ready("w", "", 'composition="APPEND"')
     play.send("a", '<wait id="w" duration="9"/>')
     for number in range(300):

@@ -227,7 +227,7 @@ def commanded(scene: Scene, block) -> Scene:
         (ACTIVATE, ("activate_block", "a", 10.0)),
     ],
 )
-def test_command_is_executed_at_its_start(scene, steps, command, expected):
+def test_bml_command_is_executed_at_its_start_time(scene, steps, command, expected):
     playing = commanded(scene, commanding(command))
     assert steps == []
     advance(playing, 9.9)

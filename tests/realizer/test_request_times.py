@@ -71,7 +71,7 @@ def test_references_to_existing_blocks_become_offsets_from_the_block_start():
     assert (unknown.block, unknown.offset) == ("gone", 0.25)
 
 
-def test_references_within_a_block_are_kept():
+def test_time_references_within_a_block_are_kept():
     own = block(NODS.format("k:start+0.5", "0"))
     assert not refers_elsewhere(own)
     assert anchor_references(own, CONTEXT, 10.0) is own

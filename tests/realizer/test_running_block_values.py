@@ -72,7 +72,7 @@ def test_feedback_of_a_block_names_its_run_sender_and_character():
     assert 'characterId="Anna"' in warning.xml
 
 
-def test_prediction_states_start_and_end():
+def test_prediction_feedback_of_a_block_states_its_start_and_end():
     message = small_block("b", TIMES, zero=10.0).prediction(3.0)
     assert (message.time, message.sender) == (3.0, 5)
     assert 'globalStart="9.5"' in message.xml

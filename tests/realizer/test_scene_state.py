@@ -111,7 +111,7 @@ def test_waiting_block_may_start_50_ms_before_the_commands_of_its_start_are_sent
 
 
 @pytest.mark.parametrize("state", [BlockState.PENDING, BlockState.IN_EXEC])
-def test_only_waiting_blocks_may_start(scene, state):
+def test_only_blocks_in_the_waiting_state_may_start(scene, state):
     assert not scene.may_start(small_block("w", state=state), 1e9)
     assert scene.may_start(small_block("w", state=BlockState.LURKING), 0.0)
 

@@ -54,7 +54,7 @@ def run(folder: Path, known, *, engine: Here | None = None, settings: str = "", 
     return {Path(verdict.file).stem: verdict for verdict in result}
 
 
-def test_each_document_has_a_verdict(folder: Path, known):
+def test_each_document_of_a_batch_has_a_verdict(folder: Path, known):
     result = run(folder, known, out=False)
     nod = result["nod"]
     assert (nod.outcome, nod.exit, nod.error, nod.report) == ("performed", 0, "", None)
@@ -184,7 +184,7 @@ VERDICTS = [
 ]
 
 
-def test_documents_and_behaviours_are_counted():
+def test_documents_and_behaviours_of_a_batch_are_counted():
     assert counts(VERDICTS) == {
         "documents": 5,
         "performed": 2,

@@ -189,7 +189,7 @@ def test_human_is_filmed_without_its_skin_if_scipy_is_missing(drawing, tmp_path:
     assert film.robot.skin is None
 
 
-def test_report_is_rewritten_in_place(calm, data, tmp_path: Path):
+def test_written_report_is_rewritten_in_place_with_new_data(calm, data, tmp_path: Path):
     written = write_report(calm, data, tmp_path / "calm")
     before = page(tmp_path / "calm")
     rewrite(written, calm, data | {"input": "other.bml"})

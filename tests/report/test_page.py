@@ -105,7 +105,7 @@ def test_report_page_contains_all_tables(text: str, data: dict[str, Json]) -> No
     assert "No film: not recorded" in words
 
 
-def test_page_names_the_hands_of_gestures(text: str, data: dict[str, Json]) -> None:
+def test_report_page_names_the_hands_of_gestures(text: str, data: dict[str, Json]) -> None:
     rows = data["behaviours"]
     assert isinstance(rows, list)
     hands = [row["hands"] for row in rows if isinstance(row, dict) and row["type"] == "gesture"]
@@ -184,7 +184,7 @@ def embedded(path: Path, kind: str) -> str:
     return f"data:{kind};base64,{base64.b64encode(path.read_bytes()).decode()}"
 
 
-def test_film_is_embedded_in_the_page(
+def test_film_is_embedded_in_the_report_page(
     hurried: DryRun, data: dict[str, Json], media: Path, sources: list[tuple[str, str | None]]
 ) -> None:
     assert ("img", embedded(media / "film.webp", "image/webp")) in sources

@@ -50,7 +50,7 @@ def test_arrival_delay_at_a_sync_point_long_after_the_motion_is_nan():
     assert np.isnan(seen(motion, 0.0, 1.9).lateness(1.8, HINGES, motion))
 
 
-def test_nan_and_unordered_measurements_are_ignored():
+def test_arrival_monitor_ignores_nan_and_unordered_measurements():
     motion = moving(0.0)
     gauge = seen(motion, 0.02, 0.8)
     gauge.add(0.805, np.array([np.nan, 0.0]))

@@ -39,7 +39,7 @@ def test_clients_are_admitted_if_no_token_is_required_or_they_are_trusted():
     assert Registry(TOKEN_ACCESS).join("a", trusted=True).admitted
 
 
-def test_client_numbers_are_unique():
+def test_numbers_of_server_clients_are_unique():
     registry = Registry()
     assert [registry.join("a").number for _ in range(3)] == [1, 2, 3]
 

@@ -190,7 +190,7 @@ def test_read_limits_are_lifted_for_admitted_clients_and_those_with_a_slot(door,
     assert ("pending" in door._pending) is not placed
 
 
-def test_first_reads_of_a_connection_have_a_burst_of_four(monkeypatch) -> None:
+def test_first_four_reads_of_a_connection_are_not_rate_limited(monkeypatch) -> None:
     bursts = []
 
     def make(rate: float, burst: int) -> TokenBucket:

@@ -103,7 +103,7 @@ def test_client_is_served_without_an_admission_callback() -> None:
     assert len(registry.session.performed) == 1
 
 
-def test_read_time_limit_ends_when_the_client_is_admitted() -> None:
+def test_read_time_limit_of_a_connection_ends_when_the_client_is_admitted() -> None:
     wire = PlayedWire(b'{"do": "hello", "token": "open sesame"}', b'{"do": "ping"}')
     Conversation(wire, TOKEN_ACCESS).hold()
     assert wire.hurries == [True, False]

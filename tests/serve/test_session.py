@@ -32,7 +32,7 @@ def test_planner_and_query_service_get_the_text_tables_of_the_voice(on_stage: Ca
     on_stage(act)
 
 
-def test_free_planner_gets_a_document_with_the_number_of_stops(on_stage: Callable):
+def test_idle_planner_gets_a_document_with_the_number_of_stops(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.planner.is_warm = True
         stage.loop.stop_count = 3
@@ -45,7 +45,7 @@ def test_free_planner_gets_a_document_with_the_number_of_stops(on_stage: Callabl
     on_stage(act)
 
 
-def test_free_planner_gets_a_request_immediately(on_stage: Callable):
+def test_idle_planner_gets_a_request_immediately(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.planner.is_warm = True
         stage.session.interrupt("b")
@@ -54,7 +54,7 @@ def test_free_planner_gets_a_request_immediately(on_stage: Callable):
     on_stage(act)
 
 
-def test_queued_requests_precede_documents(on_stage: Callable):
+def test_queued_client_requests_are_planned_before_documents(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.session.perform(stage.document("a"))
         stage.session.interrupt("b")
@@ -77,7 +77,7 @@ def test_documents_beyond_the_client_limit_are_refused(on_stage: Callable):
     on_stage(act)
 
 
-def test_stop_refuses_documents_until_resume(on_stage: Callable):
+def test_documents_are_refused_between_a_stop_and_a_resume_request(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.session.perform(stage.document("a", 4))
         stage.session.perform(stage.document("b", 5))

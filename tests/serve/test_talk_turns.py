@@ -31,7 +31,7 @@ def texts(talks: Talks, scene: Scene, now: float) -> list[tuple[int, str]]:
     return results
 
 
-def test_length_of_waiting_text_is_limited():
+def test_length_of_streamed_text_that_waits_is_limited():
     talks = Talks()
     assert talks.take(Words("x " * (MAX_TEXT_LENGTH // 2), 1), 0.0) == ""
     assert "characters already wait" in talks.take(Words("y", 1), 0.0)

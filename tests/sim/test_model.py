@@ -107,7 +107,7 @@ def test_arm_length_of_the_default_robot_is_between_42_and_55_cm():
     assert 0.42 - 1e-9 <= ROBOT.arm_length <= 0.55
 
 
-def test_left_side_mirrors_the_right_side():
+def test_left_side_of_the_physics_model_mirrors_the_right_side():
     flip = np.array([1, -1, 1])
     for segment in ROBOT.skeleton.segments:
         if segment.name.startswith("l_"):
@@ -123,7 +123,7 @@ def test_left_side_mirrors_the_right_side():
             assert left.range == pytest.approx(right.range, abs=1e-15)
 
 
-def test_joints_have_the_drive_parameters():
+def test_joints_of_the_physics_model_have_the_drive_parameters():
     for k, drive in enumerate(ROBOT.drives):
         assert MODEL.dof_armature[k] == pytest.approx(drive.armature)
         assert MODEL.dof_frictionloss[k] == pytest.approx(drive.frictionloss)
@@ -165,7 +165,7 @@ def test_mujoco_has_contacts_in_a_colliding_posture_but_none_in_the_zero_posture
     assert data.ncon > 0
 
 
-def test_sites_are_at_the_described_positions():
+def test_sites_of_the_physics_model_are_at_the_described_positions():
     data = mujoco.MjData(MODEL)
     mujoco.mj_forward(MODEL, data)
     frames = ROBOT.skeleton.frames(np.zeros(22))

@@ -118,7 +118,7 @@ def test_factor_file_with_supply_latency_gain_and_servo_keys_is_read(tmp_path):
     assert hash(read) == hash(Factors.read(path)) != hash(NOMINAL_FACTORS)
 
 
-def test_written_factors_are_read_back(tmp_path):
+def test_written_servo_factors_are_read_back(tmp_path):
     own = {"xm540_w270": DriveFactors(gain=0.5), "a b": DriveFactors()}
     path = tmp_path / "own.toml"
     for factors in (NOMINAL_FACTORS, PESSIMISTIC_FACTORS, Factors(mass=1.1, latency=0.01, amps=3.0, servos=own)):
@@ -132,13 +132,13 @@ def test_factors_of_an_unknown_servo_are_rejected():
         Factors(servos={"xm430_w21": DriveFactors()}).applied(ROBOT)
 
 
-def test_negative_latency_is_rejected():
+def test_negative_servo_latency_is_rejected():
     with pytest.raises(ValueError, match=r"latency is -0\.001"):
         Factors(latency=-0.001)
 
 
 @pytest.mark.parametrize("play", [-0.001, 0.5])
-def test_implausible_backlash_is_rejected(play):
+def test_implausible_servo_backlash_is_rejected(play):
     with pytest.raises(ValueError, match=f"play is {play} rad"):
         Factors(play=play)
 

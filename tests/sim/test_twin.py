@@ -116,7 +116,7 @@ def test_twin_steps_exactly_to_uneven_command_times():
     assert len(seen.clearance.distances) == len(seen.clearance.pairs) == 5
 
 
-def test_latency_delays_the_motion():
+def test_servo_latency_delays_the_motion_of_the_twin():
     # The delayed twin sags before its first setpoints arrive.
     waiting = [structs.replace(COMMANDS[0], time=-0.5), *COMMANDS]
     prompt, late = performed(waiting), performed(waiting, factors=Factors(latency=0.02))
@@ -124,7 +124,7 @@ def test_latency_delays_the_motion():
     assert np.abs(late.angles - prompt.angles).max() > np.radians(1.0)
 
 
-def test_latency_equals_mujoco_actuator_delay():
+def test_servo_latency_equals_the_actuator_delay_of_mujoco():
     """MuJoCo's actuator delay is an independent reference."""
     latency, step = 0.006, 0.001
     spec = describe(ROBOT)

@@ -24,7 +24,7 @@ def test_every_second_random_posture_has_about_half_its_hinges_at_stops():
     assert 0.4 < at_stop[3::2].mean() < 0.6
 
 
-def test_coordinate_ascent_finds_the_maximum():
+def test_coordinate_ascent_over_postures_finds_the_maximum():
     def measure(postures):
         return 1.0 - (postures - SKELETON.upper) ** 2 - np.abs(postures[:, ::-1] - SKELETON.lower[::-1])
 

@@ -55,6 +55,6 @@ def test_kana_and_hangul_give_their_sounds_and_kanji_a_neutral_vowel():
     assert mora_sounds("漢") == ("ə",)
 
 
-def test_spelling_rules_are_lower_case():
+def test_patterns_of_the_spelling_rules_are_lower_case():
     assert all(spelling == spelling.casefold() and sounds for spelling, sounds in SPELLING_SOUNDS.items())
     assert {"a", "e", "i", "o", "u"} < VOWEL_SOUNDS

@@ -48,7 +48,7 @@ def test_all_tasks_are_repeated_without_a_journal():
         assert engine.preload == "a.module"
 
 
-def test_recorded_task_is_not_repeated(journal: Journal[int]):
+def test_task_recorded_in_the_journal_is_not_repeated(journal: Journal[int]):
     assert run(Engine(), journal, {1: "one", 2: "two"}) == {1: 11, 2: 22}
     assert journal.read() == {"one": 11, "two": 22}
     engine = Engine()

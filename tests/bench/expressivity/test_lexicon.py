@@ -63,7 +63,7 @@ def test_gesture_keeps_limits_and_clearance_and_reports_time_shifts(known, gestu
 
 
 @pytest.mark.parametrize(("gesture", "style"), sample_tasks(list_tasks((NEUTRAL_STYLE,)), fraction=0.05, seed=2))
-def test_neutral_strokes_are_on_time_and_hands_in_position(known, gesture, style):
+def test_gestures_in_neutral_style_have_punctual_strokes_and_hands_in_position(known, gesture, style):
     result = judge_gesture(gesture, style, known)
     assert result.on_time
     assert result.stroke_error <= 0.010

@@ -129,7 +129,7 @@ def test_each_rendering_stage_is_timed_by_a_gpu_or_cpu_clock(monkeypatch: pytest
 
 
 @drawable
-def test_drawing_time_excludes_command_queueing():
+def test_measured_drawing_time_excludes_command_queueing():
     """Check that drawing nothing takes far less time than keeping the card busy."""
     from kinesic.bench.face.clock import DrawingClock  # noqa: PLC0415 - needs OpenGL
 

@@ -129,7 +129,7 @@ def test_ik_time_ratio_goal_depends_on_the_kind_of_measurement(kind, goal):
 
 @ignore_library_warnings
 @pytest.mark.parametrize("peer", PEER_LIBRARIES, ids=lambda peer: peer.name)
-def test_installed_library_reaches_a_nearby_target(peer, chain):
+def test_installed_ik_library_reaches_a_nearby_target(peer, chain):
     if not peers.is_installed(peer):
         pytest.skip(f"{peer.package} is not installed")
     target = chain.hand(np.clip(chain.rest + 0.1, chain.lower, chain.upper))

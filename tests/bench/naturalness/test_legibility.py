@@ -31,7 +31,7 @@ def test_gestures_with_the_same_meaning_may_look_alike():
     assert not table.may_be_alike("hush", "come")
 
 
-def test_misplaced_hands_are_counted_and_named():
+def test_gestures_with_misplaced_hands_are_counted_and_named():
     assert legibility(HUSH_TABLE, {"hush": 0.04})["misplaced"].ok
     distant = legibility(HUSH_TABLE, {"hush": 0.06})
     assert (distant["misplaced"].value, distant["misplaced"].why, distant["farthest_place"].value) == (

@@ -157,7 +157,7 @@ def test_non_neutral_style_has_naturalness_metrics_without_goals(gestures):
     assert "calm.variety" not in results
 
 
-def test_gesture_categories_have_separate_metrics(gestures):
+def test_gesture_categories_have_separate_naturalness_metrics(gestures):
     results = metrics_by_name([*gestures, replace(gestures[1], category="beat")])
     assert results["category.beat.flow"].value == 0.5
     assert results["category.emblem.flow"].value == pytest.approx((gestures[0].hand.flow + 0.5) / 2)

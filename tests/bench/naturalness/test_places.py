@@ -31,13 +31,13 @@ def sample_stroke(planned, count=1):
 
 
 @pytest.mark.soak
-def test_hands_are_at_their_required_positions(plans, known):
+def test_hands_of_gestures_are_at_their_required_positions(plans, known):
     distances = {name: measure_place(known.lexicon.forms_by_id[name], planned) for name, planned in plans.items()}
     assert [name for name, distance in distances.items() if not 0.0 < distance <= REQUIREMENTS[name].within] == []
 
 
 @pytest.mark.parametrize("name", ["adjust_cuff", "watch_time", "cry", "me", "photo"])
-def test_hands_with_random_variation_are_at_their_required_positions(known, name):
+def test_hands_of_randomly_varied_gestures_are_at_their_required_positions(known, name):
     form, varied = known.lexicon.forms_by_id[name], replace(known, variation=Variation(1.0, 2))
     assert measure_place(form, plan_gesture(form, varied)) <= REQUIREMENTS[name].within
 

@@ -57,7 +57,7 @@ def test_planning_process_reports_cpu_time_memory_and_refusal():
 
 
 @pytest.mark.soak
-def test_peak_memory_includes_freed_memory():
+def test_measured_peak_memory_includes_freed_memory():
     code = "from kinesic.bench.plan.plan_process import peak_memory as p; print(p(), bool(bytearray(3 * 10**8)), p())"
     before, _, after = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, check=True, text=True

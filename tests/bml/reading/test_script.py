@@ -161,5 +161,5 @@ def test_audio_description_without_wav_file_or_with_negative_priority_is_ignored
     assert recording(description) is None
 
 
-def test_recordings_are_ignored_in_documents_that_are_not_files():
+def test_speech_recordings_are_ignored_in_documents_that_are_not_read_from_a_file():
     assert recording('<description type="audio/wav" ref="/etc/a.wav"/>', source="<text>") is None

@@ -82,7 +82,7 @@ def test_each_kind_of_ignored_document_part_gives_one_notice(content: str, words
         '<x:dance id="d" speed="1"><step/>left</x:dance>',
     ],
 )
-def test_supported_document_parts_give_no_notice(content: str) -> None:
+def test_supported_parts_of_a_document_give_no_notice(content: str) -> None:
     assert [text for text in notices(f'<bml id="b">{content}</bml>') if "a.wav" not in text] == []
 
 

@@ -24,7 +24,7 @@ def write(path, **arrays):
     return path
 
 
-def test_arm_rotations_move_elbow_and_wrist(tmp_path):
+def test_smpl_arm_rotations_move_elbow_and_wrist(tmp_path):
     clip = read_clip(write(tmp_path / "a.npz", poses=poses(), mocap_frame_rate=np.array(20.0)))
     arm = clip.arms["l"]
     assert clip.times[1] == pytest.approx(0.05)

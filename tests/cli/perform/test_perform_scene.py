@@ -18,7 +18,7 @@ def folder(tmp_path_factory):
     return scene_folder
 
 
-def test_performance_is_written_as_gltf_scene(trimesh, kinesic_in, folder):
+def test_perform_command_writes_a_gltf_scene(trimesh, kinesic_in, folder):
     ended = kinesic_in(folder, "perform", "nod.bml", "--out", "nod.glb", "--idle", "0", "--variation", "0")
     assert ended.code == 0, ended.err
     assert ended.out.splitlines()[-1] == "scene: nod.glb"

@@ -42,7 +42,7 @@ def test_clearance_watch_subtracts_the_effect_of_tracking_errors_of_either_sign(
     assert CREEP_PACE < watch.pace < 1.0
 
 
-def test_time_scale_falls_linearly_with_clearance():
+def test_time_scale_of_a_performance_falls_linearly_with_clearance():
     assert choose_pace(SLOWING_FRACTION * MIN_CLEARANCE, MIN_CLEARANCE) == pytest.approx(1.0)
     assert choose_pace((SLOWING_FRACTION + CREEP_FRACTION) / 2 * MIN_CLEARANCE, MIN_CLEARANCE) == pytest.approx(0.5)
     assert choose_pace(CREEP_FRACTION * MIN_CLEARANCE, MIN_CLEARANCE) == CREEP_PACE == choose_pace(-1.0, MIN_CLEARANCE)

@@ -38,7 +38,7 @@ def test_rotation_spline_interpolates_its_keys():
 
 
 @pytest.mark.parametrize("passed", [PLAIN_PASSAGE, KeyPassage(-1.0, 0.0, 1.0), KeyPassage(0.4, -0.3, -0.7)])
-def test_angular_velocity_is_continuous_at_keys(passed):
+def test_angular_velocity_of_a_rotation_spline_is_continuous_at_keys(passed):
     motion = rotation_spline(passed)
     for time in KEY_TIMES[1:-1]:
         before, after = angular_velocity(motion, time - TIME_STEP), angular_velocity(motion, time + TIME_STEP)
@@ -74,24 +74,24 @@ def test_hand_rotation_with_full_tension_stops_at_each_key():
         assert np.linalg.norm(angular_velocity(rotation_spline(KeyPassage(tension=1.0)), time)) < 1e-4
 
 
-def test_rotation_is_constant_before_and_after_its_keys():
+def test_hand_rotation_is_constant_before_and_after_its_keys():
     motion = rotation_spline()
     np.testing.assert_allclose(motion.at(np.array([-3.0, 9.0])), KEY_ROTATIONS[[0, -1]], atol=1e-12)
 
 
-def test_rotation_is_constant_during_holds():
+def test_hand_rotation_is_constant_during_holds():
     motion = rotation_spline(keys=KEY_ROTATIONS[[0, 1, 1, 2, 3]])
     during = motion.at(np.linspace(KEY_TIMES[1], KEY_TIMES[2], 9))
     np.testing.assert_allclose(during, np.broadcast_to(KEY_ROTATIONS[1], during.shape), atol=1e-12)
 
 
-def test_rotation_takes_the_shortest_arc():
+def test_hand_rotation_takes_the_shortest_arc():
     there = Rotation.from_rotvec([[0.0, 0.0, 0.1], [0.0, 0.0, 2 * np.pi - 0.1]]).as_matrix()
     motion = RotationSpline.through((0.0, 1.0), there, (PLAIN_PASSAGE, PLAIN_PASSAGE))
     np.testing.assert_allclose(motion.at(np.array([0.5]))[0], np.eye(3), atol=1e-12)
 
 
-def test_facing_rotation_matches_pointing_and_palm():
+def test_hand_rotation_matches_pointing_and_palm_directions():
     pointing, palm = np.array([0.0, 0.6, 0.8]), np.array([1.0, 0.0, 0.0])
     matrix = facing_rotations(pointing, palm)
     np.testing.assert_allclose(matrix[:, 0], pointing, atol=1e-12)

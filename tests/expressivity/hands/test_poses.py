@@ -63,7 +63,7 @@ def test_hand_without_a_stroke_key_keeps_its_previous_pose(robot):
 
 
 @pytest.mark.parametrize(("repetition", "times"), [(-1.0, 1), (0.0, 1), (0.2, 1), (0.5, 2), (1.0, 3)])
-def test_repetition_adds_up_to_two_strokes(robot, repetition, times):
+def test_repetition_parameter_adds_up_to_two_strokes(robot, repetition, times):
     work = poses(form({"r": A}, {"r": B}), robot, Expressivity(repetition=repetition))
     assert work.stroke_count == times
     assert (work.count, work.stroke, work.again) == (2 * times, 1, tuple(range(3, 2 * times, 2)))
@@ -118,7 +118,7 @@ def with_path(amplitude: float, last=A) -> GestureForm:
     return GestureForm("x", "iconic", (StrokeKey({"r": HandPose(sealed(A))}), key))
 
 
-def test_path_grows_with_spatial_extent_within_easy_reach(robot):
+def test_hand_path_grows_with_spatial_extent_within_easy_reach(robot):
     centre, easy = shoulder(robot, "r"), EASY_REACH * robot.arm_length
     widths = []
     for spatial in (-1.0, 0.0, 1.0):
@@ -169,7 +169,7 @@ def test_pointing_hand_lies_on_the_line_from_its_shoulder(robot, side):
         assert (work.stroke, hand.shape, work.traits.dynamic) == (1, "index", False)
 
 
-def test_pointing_at_own_shoulder_points_forward(robot):
+def test_pointing_at_a_target_in_the_own_shoulder_points_forward(robot):
     hand = pointing_poses(shoulder(robot, "r"), "r", robot).hands["r"][-1]
     np.testing.assert_allclose(hand.reach.pointing, [1.0, 0.0, 0.0])
     np.testing.assert_allclose(hand.reach.position, shoulder(robot, "r"))

@@ -79,7 +79,7 @@ def test_number_of_path_keys_depends_on_path_size_and_not_on_duration(done):
     assert counts[0] == counts[1] < counts[2] == counts[3]
 
 
-def test_path_keys_keep_the_minimum_spacing(done):
+def test_keys_of_a_hand_path_keep_the_minimum_spacing(done):
     _, keys = done(CIRCLE_FORM, 1.0, 1.1, 1.1)
     assert np.diff([key.time for key in keys]).min() >= 0.02 - 1e-9
 
@@ -109,7 +109,7 @@ def test_path_amplitude_follows_spatial_extent_except_on_fixed_axes(robot):
     np.testing.assert_allclose(poses(fixed, robot, Expressivity(spatial=1.0)).path("r", 1).amplitude, sizes[1])
 
 
-def test_left_and_right_paths_are_mirrored(robot, pace, done):
+def test_left_and_right_hand_paths_are_mirrored(robot, pace, done):
     kinds = [
         shape_path("spiral"),
         shape_path("points", points=(sealed([0.5, 0.4, 0.2]),)),
@@ -140,7 +140,7 @@ def test_hand_motion_along_a_path_takes_longer_than_a_straight_one(robot, pace):
     assert twice == pytest.approx(2 * once, rel=0.01)
 
 
-def test_power_increases_velocity_in_mid_path(done):
+def test_power_parameter_increases_hand_velocity_in_the_middle_of_a_path(done):
     shares = []
     for power in (-1.0, 0.0, 1.0):
         _, keys = done(CIRCLE_FORM, 1.0, 2.0, 2.0, manner=Expressivity(power=power))
@@ -150,7 +150,7 @@ def test_power_increases_velocity_in_mid_path(done):
 
 
 @pytest.mark.parametrize(("one", "written"), [(TWO_KEY_FORM, 1), (CIRCLE_FORM, 1), (REPEATED_FORM, 2)])
-def test_number_of_strokes_grows_with_repetition(robot, one, written):
+def test_number_of_strokes_grows_with_the_repetition_parameter(robot, one, written):
     times = [poses(one, robot, Expressivity(repetition=r)).stroke_count for r in (-1.0, -0.4, 0.0, 0.2, 0.5, 0.8, 1.0)]
     assert times == sorted(times)
     assert times[2] == written

@@ -46,7 +46,7 @@ def test_gestures_parsed_alone_equal_those_of_whole_files():
     assert set(lexicon.bodies) == set(whole.bodies)
 
 
-def test_unused_gestures_are_not_parsed(fresh_lexicon):
+def test_unused_gestures_of_a_lexicon_are_not_parsed(fresh_lexicon):
     assert parsed_names(fresh_lexicon) == set()
     assert "offer" in fresh_lexicon.forms_by_id
     assert "no such" not in fresh_lexicon.forms_by_id
@@ -62,7 +62,7 @@ def test_reading_a_whole_lexicon_parses_every_gesture(fresh_lexicon):
     assert "names" in vars(builtin_gestures())
 
 
-def test_changed_lexicon_keeps_names_and_lazy_parsing(fresh_lexicon):
+def test_lexicon_with_modified_gestures_keeps_names_and_lazy_parsing(fresh_lexicon):
     changed = fresh_lexicon.changed(lambda form: replace(form, tempo="sudden"))
     assert parsed_names(fresh_lexicon) == set()
     assert changed.find("shrug").form.tempo == "sudden"

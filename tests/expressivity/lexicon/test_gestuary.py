@@ -47,7 +47,7 @@ def test_gestuary_positions_are_reordered_to_kinesic_axes(read):
 
 
 @pytest.mark.parametrize(("side", "own"), [("LEFT", "l"), ("RIGHT", "r")])
-def test_unit_quaternion_gives_a_hanging_hand(read, side, own):
+def test_identity_quaternion_of_a_gestuary_gives_a_hanging_hand(read, side, own):
     pose = read(hand(side)).keys[0].hands[own]
     assert pose.pointing == pytest.approx([0, 0, -1])
     assert pose.palm == pytest.approx([0, -1, 0])
@@ -68,7 +68,7 @@ def test_forearm_relative_rotation_of_a_straight_hand_gives_only_a_palm_directio
     assert pose.palm[2] < -0.7  # a quarter turn about the forearm: palm down
 
 
-def test_mirrored_quaternions_give_mirrored_directions(read):
+def test_mirrored_gestuary_quaternions_give_mirrored_hand_directions(read):
     for world in ("true", "false"):
         left, right = hand("LEFT", "X", world, 0.5, 0.3, 0.6, -0.4), hand("RIGHT", "X", world, 0.5, 0.3, -0.6, 0.4)
         hands = read(left + right).keys[0].hands
@@ -144,7 +144,7 @@ def test_error_names_a_missing_gestuary_file(tmp_path):
 @pytest.mark.parametrize(
     ("name", "count", "usable"), [("gestuary", 12, 12), ("gestuary_camille", 282, 273), ("gestuary_poppy", 179, 116)]
 )
-def test_corpus_gestuaries_are_read(name, count, usable):
+def test_gestuaries_of_the_corpus_are_read(name, count, usable):
     forms = read_gestuary(CORPUS_FOLDER / f"{name}.xml")
     assert len(forms) == count
     assert sum(is_enabled(form) for form in forms) == usable
@@ -197,7 +197,7 @@ def test_gestuary_trajectory_is_not_inherited(read):
     assert [key.hands["l"].path is None for key in keys] == [True, False, True]
 
 
-def test_trajectory_without_axes_has_default_parameters(read):
+def test_gestuary_trajectory_without_axes_has_default_parameters(read):
     assert read(hand(), moved('<Trajectory type="wave"/>')).keys[1].hands["l"].path.turns == 2
 
 
@@ -213,6 +213,6 @@ def test_trajectory_without_axes_has_default_parameters(read):
         (CIRCLE_TRAJECTORY.replace('"0.2"', '"wide"'), "amplitude is 'wide', not a number"),
     ],
 )
-def test_invalid_trajectory_error_has_file_and_line(read, trajectory, said):
+def test_invalid_gestuary_trajectory_error_has_file_and_line(read, trajectory, said):
     with pytest.raises(ConfigError, match=said):
         read(hand(), moved(trajectory))

@@ -30,7 +30,7 @@ def test_straight_hand_path_needs_no_intermediate_samples():
     assert line.length(START_POSITION, END_POSITION) == pytest.approx(np.linalg.norm(END_POSITION - START_POSITION))
 
 
-def test_circle_path_has_constant_radius():
+def test_circular_hand_path_has_constant_radius():
     circle = path("circle", amplitude=0.2)
     points = circle.at(START_POSITION, START_POSITION, np.linspace(0, 1, 101))
     centre = START_POSITION - [0, 0, 0.2]
@@ -40,19 +40,19 @@ def test_circle_path_has_constant_radius():
     assert points[10, 1] > START_POSITION[1]  # outward first
 
 
-def test_circle_path_may_lie_in_another_plane():
+def test_circular_hand_path_may_lie_in_another_plane():
     circle = path("circle", amplitude=(0.0, 0.1, 0.1))  # up and forward
     points = circle.at(START_POSITION, START_POSITION, np.linspace(0, 1, 101))
     assert np.ptp(points[:, 1]) == 0
     np.testing.assert_allclose(np.ptp(points[:, [0, 2]], axis=0), 0.2, atol=1e-3)
 
 
-def test_arc_path_peaks_in_the_middle():
+def test_arc_shaped_hand_path_peaks_in_the_middle():
     middle = path("arc").at(START_POSITION, END_POSITION, np.array([0.5]))[0]
     np.testing.assert_allclose(middle, (START_POSITION + END_POSITION) / 2 + [0, 0, 0.12])
 
 
-def test_wave_path_alternates_outward_and_inward():
+def test_wave_shaped_hand_path_alternates_outward_and_inward():
     out = (
         path("wave", frequency=3.0).at(START_POSITION, START_POSITION, np.array([1, 3, 5]) / 12)[:, 1]
         - START_POSITION[1]
@@ -74,7 +74,7 @@ def test_radius_of_a_spiral_path_grows():
         ("spiral", (0.15, 0.15, 0.0), 2.0, (0.0, 0.25, 0.0), "grows"),
     ],
 )
-def test_path_without_parameters_has_the_documented_defaults(kind, amplitude, frequency, shift, variation):
+def test_hand_path_without_parameters_has_the_documented_defaults(kind, amplitude, frequency, shift, variation):
     explicit = path(kind, amplitude=amplitude, frequency=frequency, shift=shift, variations=(variation, "none"))
     times = np.linspace(0, 1, 33)
     np.testing.assert_array_equal(
@@ -113,7 +113,7 @@ def test_zigzag_path_of_six_points_has_5_to_7_swings():
 
 
 @pytest.mark.parametrize("kind", get_args(PathKind))
-def test_path_samples_keep_the_chord_tolerance(kind):
+def test_samples_of_a_hand_path_keep_the_chord_tolerance(kind):
     made = path(kind)
     coarse, fine = (made.samples(START_POSITION, END_POSITION, tolerance) for tolerance in (0.02, 0.001))
     assert len(fine) >= len(coarse)
@@ -155,6 +155,6 @@ def test_slowed_path_has_fewer_periods_and_the_same_amplitude():
         ({"kind": "arc", "amplitude": float("nan")}, "amplitude is"),
     ],
 )
-def test_invalid_path_parameters_are_refused(given, said):
+def test_invalid_hand_path_parameters_are_refused(given, said):
     with pytest.raises(ValueError, match=said):
         shape_path(**given)

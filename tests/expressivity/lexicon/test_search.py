@@ -118,7 +118,7 @@ def test_gesture_search_is_limited_by_category_and_count(lexicon):
 
 
 @pytest.mark.parametrize("query", ["", "  "])
-def test_empty_query_lists_all_gestures(lexicon, query):
+def test_empty_gesture_search_lists_all_gestures(lexicon, query):
     assert [hit.id for hit in find_gestures(lexicon, query, count=9999)] == [entry.id for entry in lexicon.entries]
 
 
@@ -147,7 +147,7 @@ def test_gestures_of_the_user_are_found_with_their_names(tmp_path):
         ("stop", "stopped", "stopping"),
     ],
 )
-def test_inflected_forms_share_their_stem(forms):
+def test_inflected_forms_of_a_word_share_their_stem(forms):
     assert len({word_stem(form) for form in forms}) == 1
 
 

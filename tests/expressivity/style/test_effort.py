@@ -64,14 +64,14 @@ def test_longer_movement_takes_longer_at_higher_velocity(efforts, phase):
 @pytest.mark.parametrize(
     "manner", [Expressivity(temporal=1.0), Expressivity(power=1.0), Expressivity(1.0, 1.0, 1.0, 1.0)]
 )
-def test_extreme_expressivity_keeps_minimum_servo_times(efforts, phase, manner):
+def test_extreme_expressivity_keeps_the_minimum_times_of_the_servos(efforts, phase, manner):
     for effort in efforts:
         hurried = replace(effort, manner=manner)
         assert all(getattr(hurried, phase)(distance) >= effort.pace.least_hand_time(distance) for distance in DISTANCES)
 
 
 @pytest.mark.parametrize("phase", PHASE_METHODS)
-def test_temporal_extent_shortens_every_phase(efforts, phase):
+def test_temporal_extent_shortens_every_movement_phase(efforts, phase):
     for effort in efforts:
         for distance in DISTANCES[::9]:
             manners = (replace(effort, manner=Expressivity(temporal=extent)) for extent in EXTENT_VALUES)
@@ -125,7 +125,7 @@ def test_sudden_tempo_shortens_preparation_and_stroke_but_not_retraction(pace):
     assert sudden.return_time(0.3) == plain.return_time(0.3) < sustained.return_time(0.3)
 
 
-def test_retraction_takes_longer_than_a_transition(efforts, pace):
+def test_hand_retraction_takes_longer_than_a_transition_between_gestures(efforts, pace):
     own = [effort for effort in efforts if effort.pace is pace]
     assert all(
         effort.return_time(distance) > effort.joining_time(distance) for effort in own for distance in (0.2, 0.4, 0.6)
@@ -258,7 +258,7 @@ def test_low_fluidity_sharpens_the_velocity_peak_of_strokes(pace):
     assert stroke_passages(pace, "tension")[0].easing == "minimum_jerk"
 
 
-def test_fluidity_softens_the_retraction(pace):
+def test_fluidity_softens_the_retraction_of_the_hand(pace):
     homes = [Effort(pace, manner=Expressivity(fluidity=f)).passage("retraction").steepness for f in (-1.0, 0.0, 1.0)]
     assert homes[0] > homes[1] > homes[2] == pytest.approx(LINEAR_STEEPNESS)
 

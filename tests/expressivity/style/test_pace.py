@@ -44,7 +44,7 @@ def test_neck_rotation_keeps_its_minimum_servo_time_at_any_temporal_extent(pace,
     assert pace.turn_time("neck", Turn(tilt=0.2), -1.0) > pace.turn_time("neck", Turn(tilt=0.2))
 
 
-def test_slowest_axis_determines_the_rotation_time(pace):
+def test_slowest_axis_determines_the_time_of_a_trunk_or_head_rotation(pace):
     both = pace.least_turn_time("neck", Turn(torsion=0.8, tilt=0.05))
     assert both == pace.least_turn_time("neck", Turn(torsion=0.8)) > pace.least_turn_time("neck", Turn(tilt=0.05))
 

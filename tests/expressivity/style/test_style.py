@@ -104,7 +104,7 @@ def test_out_of_range_error_names_parameter_and_range(name, value, text):
     assert str(error.value) == text
 
 
-def test_unknown_style_error_suggests_the_nearest():
+def test_unknown_style_error_suggests_the_nearest_style():
     with pytest.raises(ConfigError, match=r"no style joyfull; did you mean joyful\?"):
         Style.load("joyfull")
 
@@ -170,7 +170,7 @@ def test_invalid_style_setting_is_refused_with_its_cause(text, message):
         Style().changed([text])
 
 
-def test_uniform_style_has_equal_modalities():
+def test_uniform_style_has_equal_parameters_in_all_modalities():
     style = Style.uniform(Expressivity(power=0.5), "mine")
     assert style.name == "mine"
     assert {style.of(modality) for modality in MODALITIES} == {Expressivity(power=0.5)}

@@ -34,7 +34,7 @@ def gap(eye: Lids, positions: np.ndarray) -> np.ndarray:
     return top - bottom
 
 
-def test_lid_edges_run_from_corner_to_corner(mesh: Mesh, eyes: list[Lids]):
+def test_eyelid_edges_run_from_corner_to_corner_of_the_eye(mesh: Mesh, eyes: list[Lids]):
     for eye in eyes:
         assert eye.upper[0] == eye.lower[0]
         assert eye.upper[-1] == eye.lower[-1]

@@ -135,7 +135,7 @@ def test_missing_or_broken_head_mesh_file_raises_a_display_error(tmp_path: Path)
         load_head("femal")  # type: ignore[arg-type] # as from a command line
 
 
-def test_cube_is_subdivided_by_catmull_clark():
+def test_subdivision_of_a_cube_follows_catmull_and_clark():
     stencil, faces = build_subdivision(CUBE_FACES, 8)
     fine = stencil @ CUBE_CORNERS
     assert fine.shape == (8 + 12 + 6, 3)

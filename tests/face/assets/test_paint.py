@@ -18,7 +18,7 @@ def at(pixels: np.ndarray, a: float, y: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("variant", FACE_VARIANTS)
-def test_brows_are_dark_and_lips_red(variant: Variant):
+def test_painted_brows_are_dark_and_lips_red(variant: Variant):
     complexion = COMPLEXIONS[variant]
     painted = paint_skin(complexion)
     assert painted.min() >= 0.0
@@ -48,13 +48,13 @@ def test_skin_painting_is_deterministic():
     np.testing.assert_array_equal(paint_skin(COMPLEXIONS["male"]), paint_skin(COMPLEXIONS["male"]))
 
 
-def test_brows_are_symmetric():
+def test_painted_brows_are_symmetric():
     painted = paint_skin(COMPLEXIONS["female"])[700:760, :, :3]
     smooth = gaussian_filter(painted, (3.0, 3.0, 0.0))  # pores and spots differ
     assert np.abs(smooth - smooth[:, ::-1]).mean() < 0.01
 
 
-def test_eye_has_pupil_iris_and_white():
+def test_painted_eye_has_pupil_iris_and_white():
     eye = paint_iris(COMPLEXIONS["female"])
     middle = len(eye) // 2
     pupil, coloured, white = (eye[middle, middle + step].mean() for step in (0, len(eye) // 6, len(eye) // 3))

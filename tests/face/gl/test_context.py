@@ -31,7 +31,7 @@ def context(drawable: None) -> Iterator[GlContext]:
 
 @pytest.mark.parametrize("components", [1, 2, 3, 4])
 @pytest.mark.parametrize(("kind", "stored"), [("f1", "u1"), ("f2", "f2"), ("f4", "f4")])
-def test_texture_pixels_are_read_back_unchanged(context: GlContext, components: int, kind: str, stored: str):
+def test_opengl_texture_pixels_are_read_back_unchanged(context: GlContext, components: int, kind: str, stored: str):
     pixels = np.arange(3 * 5 * components).astype(stored).tobytes()
     texture = context.texture((3, 5), components, pixels, kind)
     assert texture.read() == pixels
@@ -91,7 +91,7 @@ def test_matrix_rows_become_columns_in_the_shader(context: GlContext):
     assert drawn(context, np.ones((2, 3)), [[0.1, 0.0], [0.0, 0.1]]) == [0.25, 0.5, 0.75, 1.0]
 
 
-def test_scissor_and_depth_mask_protect_pixels(context: GlContext):
+def test_opengl_scissor_and_depth_mask_protect_pixels(context: GlContext):
     frame = context.frame([context.texture((4, 4), 1)], context.depth_buffer((4, 4)))
     frame.clear(0.0, depth=0.25)
     frame.depth_mask = False

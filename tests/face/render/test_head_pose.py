@@ -12,7 +12,7 @@ def robot() -> Robot:
     return Robot.load("upper22")
 
 
-def test_head_rotation_matches_the_skeleton(robot: Robot):
+def test_rotation_of_the_drawn_head_matches_the_skeleton(robot: Robot):
     chance = np.random.default_rng(0)
     skeleton = robot.skeleton
     angles = chance.uniform(skeleton.lower, skeleton.upper, (40, len(skeleton.hinges))) * 0.6
@@ -22,7 +22,7 @@ def test_head_rotation_matches_the_skeleton(robot: Robot):
         np.testing.assert_allclose(compute_head_rotation(*turn), stands, atol=1e-9)
 
 
-def test_head_is_upright_at_rest(robot: Robot):
+def test_drawn_head_is_upright_at_rest(robot: Robot):
     np.testing.assert_allclose(compute_head_turns(robot, robot.skeleton.rest), 0.0, atol=1e-9)
 
 

@@ -52,7 +52,7 @@ def test_inside_of_cheeks_is_darker_than_teeth(close: Portrait):
     assert np.percentile(bright[inside], 95) < 0.85 * np.median(bright[parts == MESH_PARTS.index("teeth") + 1])
 
 
-def test_mouth_darkens_with_depth(close: Portrait):
+def test_inside_of_the_mouth_darkens_with_depth(close: Portrait):
     bright = brightness(close, {"27": 0.8}, yaw_deg=40.0)
     geometry = close.pipeline.geometry
     depth = -geometry.target.read(1)[..., 2]
@@ -96,7 +96,7 @@ def test_closed_lips_show_only_a_thin_dark_line(drawable: None, variant: Variant
             assert column[seam] > 0.2 * lower_lip
 
 
-def test_occlusion_hardly_changes_direct_light(drawable: None):
+def test_ambient_occlusion_hardly_changes_direct_light(drawable: None):
     lamps_alone = replace(STUDIO_LIGHTS, sky=(0.0, 0.0, 0.0), ground=(0.0, 0.0, 0.0))
     without = replace(NORMAL_PRESET, occlusion=None, scattering=None)
     strong = replace(without, occlusion=Occlusion(strength=3.0))

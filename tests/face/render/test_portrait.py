@@ -87,7 +87,7 @@ def test_head_covers_over_40_percent_of_the_picture_from_all_listed_camera_yaws(
     assert (pixels != pixels[0, 0]).any(axis=2).mean() > 0.4
 
 
-def test_left_and_right_views_are_mirrored(gallery: Gallery):
+def test_left_and_right_views_of_a_face_are_mirrored(gallery: Gallery):
     actual = []
     with gallery(dataclasses.replace(DRAFT_PRESET, hair=False), (PICTURE_SIDE, PICTURE_SIDE)) as portrait:
         for yaw in (60.0, -60.0):
@@ -116,12 +116,12 @@ def test_portrait_leaves_the_callers_opengl_context_open(drawable: None):
         assert context.texture((2, 2), 4, bytes(16)).read() == bytes(16)
 
 
-def test_draft_preset_has_no_wrinkles(gallery: Gallery):
+def test_rendering_preset_draft_has_no_wrinkles(gallery: Gallery):
     with gallery(DRAFT_PRESET, (64, 64)) as portrait:
         np.testing.assert_array_equal(portrait.draw({"4": 1.0}, gain=1.0), portrait.draw({"4": 1.0}, gain=0.0))
 
 
-def test_full_preset_has_the_subdivided_mesh(gallery: Gallery):
+def test_rendering_preset_full_has_the_subdivided_mesh(gallery: Gallery):
     with gallery(dataclasses.replace(FULL_PRESET, samples=2), (64, 64)) as portrait:
         assert portrait.draw({"12": 1.0}).shape == (64, 64, 3)
         assert len(portrait.mesh.faces) > 20_000
@@ -143,7 +143,7 @@ def test_full_preset_has_the_subdivided_mesh(gallery: Gallery):
         {"coarse": 1},
     ],
 )
-def test_each_effect_can_be_switched_off(gallery: Gallery, everything: Picture, off: dict[str, object]):
+def test_each_rendering_effect_can_be_switched_off(gallery: Gallery, everything: Picture, off: dict[str, object]):
     with gallery(dataclasses.replace(FULL_PRESET, **off), (96, 80)) as portrait:
         without = portrait.draw(GRIN_UNITS)
     apart = np.abs(without.astype(int) - everything.astype(int)).max(axis=2)
@@ -187,12 +187,12 @@ def test_picture_size_out_of_range_is_rejected(size: tuple[int, int]):
 @pytest.mark.parametrize(
     ("fields", "says"), [({"yaw_deg": float("nan")}, "yaw nan"), ({"distance": 0.1}, "0.1 m away")]
 )
-def test_camera_out_of_range_is_rejected(fields: dict[str, float], says: str):
+def test_portrait_camera_out_of_range_is_rejected(fields: dict[str, float], says: str):
     with pytest.raises(DisplayError, match=says):
         Camera(**fields)
 
 
-def test_default_camera_looks_at_the_head():
+def test_default_portrait_camera_looks_at_the_head():
     for yaw in (0.0, 37.0, 180.0):
         view = Camera(yaw_deg=yaw).view()
         np.testing.assert_allclose(view[:3, :3] @ view[:3, :3].T, np.eye(3), atol=1e-12)

@@ -61,7 +61,7 @@ def test_larger_circle_of_confusion_blurs_more(drawn):
     assert apart[0] < apart[1] < apart[2]
 
 
-def test_focus_distance_selects_the_sharp_region(drawn):
+def test_focus_distance_selects_the_sharp_region_of_the_picture(drawn):
     """A plane through the nearer eye is the default; one through the ear blurs the eyes instead of the ear."""
     usual, eyes, ear = (
         drawn(replace(NORMAL_PRESET, focus=Focus(circle=0.3, plane=plane)), FRONT_CAMERA)
@@ -113,11 +113,11 @@ def unscattered(smiling) -> Picture:
     return smiling(PLAIN_PRESET)
 
 
-def test_negative_scattering_threshold_filters_nothing(smiling, unscattered: Picture):
+def test_negative_threshold_of_skin_scattering_filters_nothing(smiling, unscattered: Picture):
     np.testing.assert_array_equal(smiling(replace(PLAIN_PRESET, scattering=Scattering(threshold=-1.0))), unscattered)
 
 
-def test_higher_scattering_threshold_filters_more(smiling, unscattered: Picture):
+def test_higher_threshold_of_skin_scattering_filters_more(smiling, unscattered: Picture):
     effects = [
         apart(smiling(replace(PLAIN_PRESET, scattering=Scattering(threshold=item))), unscattered)
         for item in (0.7, 0.93, 1.0)
@@ -125,7 +125,7 @@ def test_higher_scattering_threshold_filters_more(smiling, unscattered: Picture)
     assert 0.0 < effects[0] < effects[1] < effects[2]
 
 
-def test_scattering_preserves_the_mean_brightness(smiling, unscattered: Picture):
+def test_skin_scattering_preserves_the_mean_brightness(smiling, unscattered: Picture):
     full = smiling(replace(PLAIN_PRESET, scattering=Scattering(threshold=1.0)))
     assert abs(full.astype(float).mean() - unscattered.astype(float).mean()) < 0.5
     assert np.abs(full.astype(int) - unscattered.astype(int)).max() > 5

@@ -188,7 +188,7 @@ def test_action_unit_changes_skin_normals_only_under_its_wrinkle_maps(bent: Bent
 
 
 @pytest.mark.parametrize("unit", [unit for unit in WRINKLED_UNITS if unit != 17])  # without sides
-def test_left_and_right_wrinkles_mirror(bent: Bent, unit: int):
+def test_left_and_right_wrinkles_are_mirror_images(bent: Bent, unit: int):
     flat = bent.normals({})
     left, right = (tangent(bent.normals({f"{side}{unit}": 1.0}), flat) for side in "LR")
     assert left.max() > 0.1

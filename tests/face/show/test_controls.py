@@ -13,7 +13,7 @@ def after(*keys: str) -> Controls:
     return controls
 
 
-def test_digit_keys_select_presets():
+def test_digit_keys_of_the_face_window_select_rendering_presets():
     assert [after(str(k)).preset for k in (1, 2, 3)] == list(QUALITY_PRESETS)
     assert after("9") == after()
 

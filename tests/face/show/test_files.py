@@ -18,7 +18,7 @@ from kinesic.files import film_file
 BLACK_PICTURE = np.zeros((8, 8, 3), dtype=np.uint8)
 
 
-def test_saved_picture_is_read_back(tmp_path: Path):
+def test_saved_face_picture_is_read_back(tmp_path: Path):
     pixels = np.random.default_rng(0).integers(0, 256, (8, 12, 3), dtype=np.uint8)
     save_picture(pixels, tmp_path / "x.png")
     np.testing.assert_array_equal(np.asarray(Image.open(tmp_path / "x.png")), pixels)

@@ -6,7 +6,7 @@ import pytest
 from kinesic.face.show.pictures import LazyPictures
 
 
-def test_lazy_pictures_are_drawn_on_access():
+def test_pictures_of_a_lazy_sequence_are_drawn_on_access():
     drawn = []
 
     def draw(index: int):

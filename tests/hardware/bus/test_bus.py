@@ -122,7 +122,7 @@ def test_old_firmware_is_queried_without_fast_reads(rig: Make, mixed: bool):
     assert fresh_share(made.run(20, np.full(7, MID))) == 1.0
 
 
-def test_bus_may_have_a_single_servo(rig: Make):
+def test_servo_bus_may_have_a_single_servo(rig: Make):
     assert fresh_share(rig(1).run(10, np.array([MID]))) == 1.0
 
 

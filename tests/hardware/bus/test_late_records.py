@@ -79,7 +79,7 @@ def test_late_record_in_a_damaged_reply_is_assigned_to_its_servo(gate: Plausibil
     assert gate.late.tolist() == [False, True]
 
 
-def test_reply_in_time_is_returned_unchanged(gate: PlausibilityFilter):
+def test_servo_reply_in_time_is_returned_unchanged(gate: PlausibilityFilter):
     given = answer(blocks(1040))
     assert gate.without_late(ALL, given, 1.04, leeway=0.004) is given
     assert not gate.late.any()

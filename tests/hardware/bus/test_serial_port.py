@@ -69,7 +69,7 @@ def test_port_is_opened_exclusively_without_a_timeout_and_without_old_bytes(port
     wire.close()
 
 
-def test_written_bytes_are_sent_unchanged(port: Port, wire: SerialWire) -> None:
+def test_bytes_written_to_a_serial_port_are_sent_unchanged(port: Port, wire: SerialWire) -> None:
     wire.write(b"\x00\xff\r\n")
     assert os.read(port.file, 10) == b"\x00\xff\r\n"
     assert port.waits == []
@@ -123,7 +123,7 @@ def full(port: Port, wire: SerialWire, monkeypatch: pytest.MonkeyPatch) -> tuple
     return port, wire, [written, flushed]
 
 
-def test_long_output_is_written_in_pieces(full) -> None:
+def test_long_output_to_a_serial_port_is_written_in_pieces(full) -> None:
     _, wire, (written, flushed) = full
     wire.write(bytearray(b"abcdefgh"))
     assert written == [b"abc", b"def", b"gh"]
@@ -221,14 +221,14 @@ def test_serial_device_is_locked_exclusively_but_a_pseudo_terminal_is_not(monkey
         (OSError(errno.EIO, "broken"), "does not open"),
     ],
 )
-def test_refused_port_names_the_reason(tmp_path: Path, error: Exception, message: str) -> None:
+def test_error_for_a_refused_serial_port_names_the_reason(tmp_path: Path, error: Exception, message: str) -> None:
     path = tmp_path / "port"
     path.write_text("")
     text = str(_refusal(path, BAUD, error))
     assert text.startswith(f"{path}: {message}")
 
 
-def test_missing_port_names_the_connected_adapters(tmp_path: Path) -> None:
+def test_error_for_a_missing_serial_port_names_the_connected_adapters(tmp_path: Path) -> None:
     folder = tmp_path / "by-id"
     folder.mkdir()
     assert str(_refusal(folder / "x", BAUD, OSError())).endswith(

@@ -64,7 +64,7 @@ def test_eeprom_is_locked_while_torque_is_on(bench: Make):
     assert made.read("return_delay") == (0, 3)
 
 
-def test_reg_write_waits_for_action(bench: Make):
+def test_reg_write_instruction_takes_effect_at_the_action_instruction(bench: Make):
     made = bench()
     made.ask(1, p.REG_WRITE, words(65) + b"\1")
     assert made.read("registered") == (0, 1)
@@ -127,7 +127,7 @@ def test_bus_watchdog_stops_the_servo_and_locks_its_goals(bench: Make):
     assert made.read("torque") == (0, 1)
 
 
-def test_velocity_based_profile_is_a_trapezoid(bench: Make):
+def test_velocity_based_profile_of_a_servo_is_a_trapezoid(bench: Make):
     made = bench()
     made.write("profile_velocity", 64)  # 1000 ticks/s
     made.write("profile_acceleration", 20)  # 4883 ticks/s^2: 0.2 s to full speed
@@ -143,7 +143,7 @@ def test_velocity_based_profile_is_a_trapezoid(bench: Make):
     assert made.device.shaft.ticks == pytest.approx(3048, abs=5)
 
 
-def test_time_based_profile_takes_its_duration(bench: Make):
+def test_time_based_profile_of_a_servo_takes_its_duration(bench: Make):
     made = bench()
     for name, value in (("drive_mode", 4), ("profile_velocity", 1000), ("profile_acceleration", 200), ("torque", 1)):
         assert made.write(name, value) == 0

@@ -194,7 +194,7 @@ def test_data_that_looks_like_a_packet_header_arrives_unchanged():
     assert read.parameters == bytes((102, 0)) + data
 
 
-def test_invalid_packets_are_skipped():
+def test_invalid_packets_in_a_byte_stream_are_skipped():
     good = packet.status(3, 0, b"\x01\x02")
     wrong = bytearray(packet.status(4, 0, b"\x01\x02"))
     wrong[-3] ^= 1
@@ -204,14 +204,14 @@ def test_invalid_packets_are_skipped():
     assert list(reader.feed(stream)) == [Packet(3, 0x55, b"\0\1\2")] * 2
 
 
-def test_impossible_length_counts_as_noise():
+def test_packet_with_an_impossible_length_counts_as_noise():
     reader = Reader()
     assert list(reader.feed(b"\xff\xff\xfd\x00\x01\xff\xff" + packet.ping(1))) == [Packet(1, 1, b"")]
     assert list(reader.feed(b"\xff\xff\xfd\x00\x01\xfe\xff" + packet.ping(1))) == [Packet(1, 1, b"")]
     assert list(reader.feed(b"\xff\xff\xfd\x00\x01\x02\x00\x55" + packet.ping(1))) == [Packet(1, 1, b"")]
 
 
-def test_status_has_error_and_data():
+def test_status_packet_has_error_and_data():
     (status,) = Reader().feed(packet.status(9, ALERT_BIT | Fault.ACCESS, b"\x05"))
     assert (status.error, status.data) == (0x87, b"\x05")
 

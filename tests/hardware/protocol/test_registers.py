@@ -31,13 +31,13 @@ NUMBERS = {
 }
 
 
-def test_no_registers_overlap():
+def test_registers_of_a_servo_do_not_overlap():
     fields = sorted((register.field for register in Register), key=lambda field: field.address)
     for one, next_one in pairwise(fields):
         assert one.end <= next_one.address
 
 
-def test_register_addresses_are_unique():
+def test_register_addresses_of_a_servo_are_unique():
     assert len(Register) == len(Register.__members__)
     assert len({register.field.address for register in Register}) == len(Register)
 
@@ -56,7 +56,7 @@ def test_factory_values_and_limits_fit_into_their_registers():
 
 
 @EVERY
-def test_factory_values_are_within_their_ranges(model: Model):
+def test_factory_register_values_are_within_their_ranges(model: Model):
     for register in model.registers:
         lower, upper = model.allowed_range(register)
         if register.field.writable:
@@ -133,7 +133,7 @@ def test_register_rejects_values_that_exceed_its_size():
         Register.GOAL_POSITION.field.unpack(b"\0\0")
 
 
-def test_negative_values_are_twos_complement():
+def test_negative_register_values_are_twos_complement():
     assert Register.GOAL_POSITION.field.pack(-1) == b"\xff\xff\xff\xff"
     assert Register.BUS_WATCHDOG.field.unpack(b"\xff") == -1
 

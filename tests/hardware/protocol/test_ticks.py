@@ -19,7 +19,7 @@ def test_ticks_and_angles_are_inverse(zero: int, turns: float):
     assert (line.ticks(line.angles(ALL)) == ALL).all()
 
 
-def test_quarter_turn_is_1024_ticks():
+def test_quarter_turn_of_a_servo_is_1024_ticks():
     assert scale().ticks(np.array([pi / 2])) == [3072]
     assert scale(turns=-1.0).ticks(np.array([pi / 2])) == [1024]
 
@@ -34,6 +34,6 @@ def test_angles_are_rounded_to_the_nearest_tick():
 
 
 @pytest.mark.parametrize("angle", [np.nan, np.inf])
-def test_non_finite_angle_is_refused(angle: float):
+def test_conversion_of_a_non_finite_angle_to_ticks_is_refused(angle: float):
     with pytest.raises(ValueError, match="must be finite"):
         scale().ticks(np.array([angle]))

@@ -258,7 +258,7 @@ WRONG = ("", "nonsense", "1 3", "1 2 3 4", "-1 4 3", "../.. 4 3", "1 4 0", "1 4 
 
 
 @pytest.mark.parametrize("text", WRONG)
-def test_invalid_address_finds_no_supervisor(held: Held, text: str):
+def test_search_with_an_invalid_address_finds_no_supervisor(held: Held, text: str):
     publish([held.port], held.memory, JOINTS)
     held.file.write_text(text)
     assert not held.found()

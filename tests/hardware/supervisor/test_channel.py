@@ -57,7 +57,7 @@ def test_command_row_written_incompletely_is_not_read(ends):
     assert len(supervisor.commands(9)) == 1
 
 
-def test_channel_returns_the_latest_status(ends):
+def test_supervisor_channel_returns_the_latest_status(ends):
     planner, supervisor = ends
     assert planner.status().stage is Stage.CLOSED
     assert np.isnan(planner.status().time)
@@ -90,7 +90,7 @@ def test_history_returns_every_cycle_once_or_the_latest_ones(ends):
     assert planner.history() == ()
 
 
-def test_channel_returns_events_once(ends):
+def test_supervisor_channel_returns_each_event_once(ends):
     planner, supervisor = ends
     supervisor.note(Note(1.0, 3, "error", "hardware error 0x00 -> 0x20"))
     assert planner.notes() == (Note(1.0, 3, "error", "hardware error 0x00 -> 0x20"),)

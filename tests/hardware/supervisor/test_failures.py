@@ -173,12 +173,12 @@ def test_slow_commands_at_standstill_count_as_interruption(clock: Clock):
     assert clock.take(0.25, Stage.HOLD, before=True).interrupted
 
 
-def test_timely_commands_are_no_interruption(clock: Clock):
+def test_commands_in_time_do_not_count_as_interruption(clock: Clock):
     assert not clock.take(STARTLE, Stage.HOLD, before=False).interrupted
     assert not clock.cycle(2.0).interrupted
 
 
-def test_resume_before_new_commands_clears_the_interruption(clock: Clock):
+def test_resume_request_before_new_commands_clears_the_interruption(clock: Clock):
     assert clock.take(2.0, Stage.HOLD, before=False).interrupted
     clock.watch.note_resume()
     assert not clock.watch.interrupted

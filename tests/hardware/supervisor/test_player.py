@@ -102,7 +102,7 @@ def test_performance_starts_at_the_time_of_its_first_command_and_runs_at_full_ra
     assert player.time_scale.time == pytest.approx(3.0)
 
 
-def test_performance_resumes_smoothly_after_a_pause():
+def test_performance_time_resumes_smoothly_after_a_pause():
     player = player_with(np.arange(0.0, 4.0, STEP))
     player.follow()
     play(player, 1.0)
@@ -115,7 +115,7 @@ def test_performance_resumes_smoothly_after_a_pause():
     assert player.time_scale.time == pytest.approx(1.0, abs=1e-3)
 
 
-def test_approach_ends_at_the_first_setpoint():
+def test_approach_motion_of_the_servos_ends_at_the_first_setpoint():
     player = player_with(np.arange(0.0, 1.0, STEP))
     player.approach(np.array([0.8]))
     assert not player.reached

@@ -133,7 +133,7 @@ def test_watchdog_is_longer_without_real_time_scheduling(host: Host, granted: bo
     assert 1 <= host.priorities[0] <= 99
 
 
-def test_each_signal_requests_one_release(host: Host) -> None:
+def test_each_process_signal_requests_one_release_of_the_servos(host: Host) -> None:
     signals = [False, True, True]
     host.supervise(lambda: signals.pop(0))
     assert host.channel.word("release") == 2
@@ -267,7 +267,9 @@ def test_unreadable_order_is_refused_on_standard_error(started, line: bytes, cap
     assert capsys.readouterr().err.startswith("kinesic.hardware.supervisor: ")
 
 
-def test_unknown_robot_is_refused(started, host: Host, monkeypatch: pytest.MonkeyPatch, capsys) -> None:
+def test_supervisor_of_an_unknown_robot_is_refused(
+    started, host: Host, monkeypatch: pytest.MonkeyPatch, capsys
+) -> None:
     monkeypatch.setattr(process, "supervise", supervise)
     code, _, _ = started(msgspec.json.encode(host.order(robot="/no/such.toml")) + b"\n")
     assert code == 2

@@ -285,7 +285,7 @@ def test_integral_and_feedforward_gains_of_adopted_servos_are_reset_to_zero(pair
     assert pair.true(Register.TORQUE_ENABLE).all()
 
 
-def test_lost_writes_are_repeated_before_torque(pair: Desk, monkeypatch: pytest.MonkeyPatch):
+def test_lost_register_writes_are_repeated_before_torque_is_enabled(pair: Desk, monkeypatch: pytest.MonkeyPatch):
     """Gains are written by broadcast, which no servo acknowledges."""
     servo, place, lost = pair.plant.servos[0], Register.POSITION_I_GAIN.field.address, [1, 2]
     heard = servo.write

@@ -96,7 +96,7 @@ def test_resume_request_does_not_cancel_a_release_request(asked: Asked):
     assert asked.requests.release
 
 
-def test_confirmation_request_is_reported(asked: Asked):
+def test_confirmation_request_is_reported_as_confirmed(asked: Asked):
     asked.ask("confirm", 1)
     assert asked.requests.confirmed
 

@@ -174,6 +174,6 @@ def test_performance_time_advances_only_in_the_active_and_degraded_stages():
     assert {stage for stage in Stage if stage.runs} == {Stage.ACTIVE, Stage.DEGRADED}
 
 
-def test_opening_resets_the_supervisor_state():
+def test_opening_the_ports_resets_the_supervisor_state():
     after = SupervisorState(Stage.CLOSED, checked=True, armed=True, stopped=True, paused=True, faulty=True, folded=True)
     assert step(after, "open", Observation()) == (SupervisorState(Stage.PROBE), ("check",))

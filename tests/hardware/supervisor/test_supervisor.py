@@ -129,7 +129,7 @@ def test_feedforward_is_reduced_in_proportion_to_a_slowed_performance(desk: Make
     assert ahead == pytest.approx(0.01, abs=0.005)
 
 
-def test_status_time_is_performance_time(desk: Make):
+def test_time_in_the_supervisor_status_is_performance_time(desk: Make):
     made = desk()
     made.open()
     made.perform(2.0, begin=7.0)

@@ -91,7 +91,7 @@ def test_calibration_without_narrowed_ranges_has_no_table_of_ranges():
         ("skullbase_tilt", 100, "remount its horn"),
     ],
 )
-def test_misaligned_horn_is_reported(hinge: str, zero: int, message: str):
+def test_misaligned_servo_horn_is_reported(hinge: str, zero: int, message: str):
     zeros = np.where([m.hinge == hinge for m in MANIFEST.members], zero, ZEROS)
     with pytest.raises(ConfigError) as refused:
         found(Travel.begin(zeros))
@@ -134,5 +134,5 @@ def test_calibrated_range_that_excludes_the_rest_angle_is_refused():
         ("l_sternoclavicular_abduct", "l_sternoclavicular goes up"),
     ],
 )
-def test_positive_direction_is_described(hinge: str, words: str):
+def test_positive_direction_of_a_hinge_is_described_for_calibration(hinge: str, words: str):
     assert describe_positive_direction(ROBOT, ROBOT.skeleton.joint(hinge)) == words

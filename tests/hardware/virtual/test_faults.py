@@ -92,7 +92,7 @@ def test_fault_of_several_servos_damages_the_reply_of_one_of_them_at_a_time():
     assert places == {1, 2}
 
 
-def test_lost_block_ends_a_fast_reply():
+def test_fast_reply_ends_at_a_lost_servo_block():
     weather = WireFaults(FaultPlan((PlannedFault("lost", servos=(2,)),)))
     chain = [Sent(servo, DATA, chained=True) for servo in (1, 2, 3)]
     assert len(weather.replies(chain, 0.0)) == 1

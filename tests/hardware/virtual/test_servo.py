@@ -41,7 +41,7 @@ def test_eeprom_is_locked_while_torque_is_on(line: Lines):
         (168, (63).to_bytes(2, "little"), Fault.RANGE),
     ],
 )
-def test_invalid_write_is_refused_without_changes(line: Lines, address: int, data: bytes, fault: Fault):
+def test_invalid_register_write_is_refused_without_changes(line: Lines, address: int, data: bytes, fault: Fault):
     one = line()
     before = one.servo.memory.read(0, 120)
     assert one.error(packet.write_packet(1, address, data)) == fault
@@ -94,11 +94,11 @@ def test_servo_reply_is_delayed_by_the_return_delay_time(line: Lines):
     assert waits[0] - waits[1] == pytest.approx(500e-6)
 
 
-def test_unknown_instruction_causes_an_error(line: Lines):
+def test_unknown_servo_instruction_causes_an_error_reply(line: Lines):
     assert line().error(packet.packet(1, 0x77)) == Fault.INSTRUCTION
 
 
-def test_broadcast_is_obeyed_without_reply(line: Lines):
+def test_broadcast_instruction_is_executed_without_a_reply(line: Lines):
     two = line(1, 2)
     assert two.ask(packet.write_packet(BROADCAST_ID, Register.TORQUE_ENABLE.field.address, b"\1")) == []
     assert [servo.memory[Register.TORQUE_ENABLE] for servo in two.plant.servos] == [1, 1]

@@ -38,14 +38,14 @@ def test_profile_shape_depends_on_limits_and_distance():
     assert time_profile(0.0, 1.0, duration=0.0, rise=0.2).form == "step"
 
 
-def test_profile_durations_match_closed_form_expressions():
+def test_durations_of_servo_profiles_match_closed_form_expressions():
     assert velocity_profile(0.0, 0.0, 9.0, limit=2.0, acceleration=1.0).duration == pytest.approx(9 / 2 + 2 / 1)
     assert velocity_profile(0.0, 0.0, 1.0, limit=2.0, acceleration=1.0).duration == pytest.approx(2 * sqrt(1.0))
     assert velocity_profile(0.0, 0.0, -3.0, limit=2.0, acceleration=inf).duration == 1.5
     assert time_profile(0.0, 5.0, duration=1.25, rise=0.3).duration == 1.25
 
 
-def test_step_profile_reaches_its_goal_immediately():
+def test_servo_profile_of_kind_step_reaches_its_goal_immediately():
     assert velocity_profile(0.0, 0.0, 1.0, limit=inf, acceleration=1.0).at(0.0) == (1.0, 0.0)
     assert still_profile(0.3).at(0.0) == (0.3, 0.0)
 
@@ -65,7 +65,7 @@ def test_servo_profile_keeps_velocity_and_acceleration_limits_and_reaches_its_go
 
 
 @given(PLACES, PLACES, st.floats(0.05, 5.0), st.floats(0.0, 5.0))
-def test_time_profile_takes_requested_duration(start: float, goal: float, duration: float, rise: float):
+def test_time_based_servo_profile_takes_the_requested_duration(start: float, goal: float, duration: float, rise: float):
     profile = time_profile(start, goal, duration=duration, rise=rise)
     assert profile.duration == pytest.approx(duration)
     _, places, _ = sampled(profile)
@@ -213,7 +213,7 @@ def test_new_goal_reverses_a_moving_profile_without_a_velocity_jump(line: Lines)
     assert places[-1] == 2048
 
 
-def test_velocity_mode_ramps_to_its_goal(line: Lines):
+def test_servo_in_velocity_mode_ramps_to_its_goal_velocity(line: Lines):
     one = line()
     one.set(Register.OPERATING_MODE, Mode.VELOCITY.value)
     one.set(Register.TORQUE_ENABLE, 1)

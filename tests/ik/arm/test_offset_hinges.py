@@ -50,7 +50,7 @@ def test_idealised_arm_merges_joints_that_are_split_by_axis_offsets():
     assert nominal(LEFT) is LEFT
 
 
-def test_offset_along_a_bone_lengthens_it():
+def test_joint_offset_along_a_bone_lengthens_the_ideal_bone():
     ideal = nominal(_split(LEFT, "l_shoulder", 2, (0.02, 0.0, -0.02)))
     assert ideal.joints[1].bone == pytest.approx([0.0, 0.0, -0.24])
 

@@ -11,7 +11,7 @@ CHAIN = Robot.load().arms["l"]
 ARM = linkage_of(CHAIN)
 
 
-def test_start_postures_cover_the_joint_ranges() -> None:
+def test_ik_start_postures_cover_the_joint_ranges() -> None:
     angles = np.array([seed.angles for seed in seeds(ARM)])
     shares = (angles - CHAIN.lower[:5]) / (CHAIN.upper[:5] - CHAIN.lower[:5])
     assert angles.shape == (SEED_COUNT, 5)

@@ -41,7 +41,7 @@ def test_collar_bone_stays_if_excluded_from_the_search():
     assert {round(cell.angles[0], 9) for cell in seen} == {0.1}
 
 
-def test_searched_posture_has_the_requested_swivel():
+def test_posture_found_by_the_swivel_search_has_the_requested_swivel():
     place = place_of(LINKAGE, POSTURE.tolist(), TARGET)
     now = present_swivel(LINKAGE, POSTURE.tolist())
     cell = cell_at(LINKAGE, place, now + 0.2, _still, near=POSTURE.tolist())

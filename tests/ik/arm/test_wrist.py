@@ -27,7 +27,7 @@ def _agreement(frame: Rotation, wishes: list[HandDirection], angles: tuple[float
     return sum(dot(rotated(frame, wish.own), wish.wanted) for wish in wishes)
 
 
-def test_feasible_wrist_directions_are_met() -> None:
+def test_wrist_solution_meets_feasible_hand_directions() -> None:
     random = default_rng(8)
     for _ in range(60):
         angles = random.uniform(CHAIN.lower, CHAIN.upper).tolist()

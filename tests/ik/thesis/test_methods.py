@@ -74,7 +74,7 @@ def test_mass_spring_methods_approach_targets_at_the_reach_limit(way, joints):
 
 
 @pytest.mark.parametrize("way", ["force", "position"])
-def test_undamped_masses_do_not_settle(way):
+def test_undamped_mass_spring_chain_does_not_settle(way):
     rests = _rests(way, 6, 20, damping=0.0)
     assert np.mean([rest.iterations == Effort().iterations for _, rest in rests]) > 0.9
 
@@ -100,7 +100,7 @@ def test_spring_energy_threshold_ends_the_iteration():
 
 
 @pytest.mark.parametrize("way", WAYS)
-def test_relaxed_springs_have_their_rest_lengths(way):
+def test_springs_of_a_settled_chain_have_their_rest_lengths(way):
     task = _task(6, np.array([0.3, 0.3, 0.3]), effort=Effort(tolerance=0.0, threshold=1e-8, iterations=600))
     points = WAYS[way](task).points
     assert np.linalg.norm(np.diff(points, axis=0), axis=1) == pytest.approx(task.rests, abs=1e-6)

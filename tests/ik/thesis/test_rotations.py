@@ -51,7 +51,7 @@ def test_moving_the_base_moves_the_whole_ball_joint_chain():
     assert carried.end.rotation == pytest.approx(turn @ alone.end.rotation)
 
 
-def test_coincident_masses_keep_the_bone_direction():
+def test_bone_between_coincident_masses_keeps_its_direction():
     points = CHAIN.points.copy()
     points[2] = points[1]
     stance = aim_bones(CHAIN, UNTURNED, points, GROUND)

@@ -100,7 +100,7 @@ def test_solution_of_several_limbs_is_independent_of_length_scale():
         assert big.stances[name].points / 1e3 == pytest.approx(stance.points, abs=1e-9)
 
 
-def test_joint_limits_hold_in_every_limb():
+def test_solution_of_several_limbs_keeps_joint_limits_in_every_limb():
     wide, narrow = [np.pi, np.pi / 2.0, np.pi], [0.8, 0.8, 0.8]
     arm = np.array([wide, narrow, narrow, narrow])
     boxes = {

@@ -60,7 +60,7 @@ def test_generated_bml_contains_the_agents_expressivity(agent):
         (QUALIFIER_XML.replace("<destination>gesture</destination>", "", 1), "has no <destination>"),
     ],
 )
-def test_invalid_qualifiers_are_refused(tmp_path, text, says):
+def test_invalid_qualifiers_of_a_greta_agent_are_refused(tmp_path, text, says):
     (tmp_path / "q.xml").write_text(text)
     with pytest.raises(ConfigError, match=says):
         read_agent(None, tmp_path / "q.xml")

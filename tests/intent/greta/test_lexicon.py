@@ -149,7 +149,7 @@ def test_missing_greta_sets_fall_back_to_builtin_ones(sets):
         (LEXICON_XML.replace('probability="0.5"', 'probability="nan"'), "'nan' in <alternative> is no number"),
     ],
 )
-def test_invalid_lexicon_files_are_refused(tmp_path, text, says):
+def test_invalid_greta_lexicon_files_are_refused(tmp_path, text, says):
     path = tmp_path / "wrong.xml"
     path.write_text(text)
     with pytest.raises(ConfigError, match=says):

@@ -103,7 +103,7 @@ def test_denied_emblem_is_not_shown():
     assert "heart" not in shown("It wasn't my fault.")
 
 
-def test_denial_ends_at_a_conjunction():
+def test_scope_of_a_denial_ends_at_a_conjunction():
     assert "large" in shown("It was not expensive but it was a huge house.")
     assert "large" not in shown("It was not a huge house.")
 

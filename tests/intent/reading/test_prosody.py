@@ -82,7 +82,7 @@ def test_prosody_continues_across_the_parts_of_a_streamed_text(lexicon: Lexicon)
 
 
 @pytest.mark.parametrize("attributes", ["", ' contour="(0%,+20Hz)"', ' rate="; drop"'])
-def test_unsupported_prosody_is_reported(lexicon: Lexicon, attributes: str):
+def test_unsupported_prosody_tag_is_reported(lexicon: Lexicon, attributes: str):
     written = author_text(f"Hello <prosody{attributes}>there</prosody>, you.", lexicon, Style.load("neutral"))
     assert written.warnings == ("<prosody> has no rate, pitch or volume that the voice knows",)
     assert all(not values for _, values in spoken_prosody(written.bml))

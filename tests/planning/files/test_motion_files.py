@@ -55,7 +55,7 @@ def test_bap_parameter_numbers_follow_the_standard():
     assert PARAMETER_NUMBERS["vl5_tilt"] == 122
 
 
-def test_unknown_suffix_error_names_known_suffixes(motion, tmp_path):
+def test_unknown_motion_file_suffix_error_names_the_supported_suffixes(motion, tmp_path):
     with pytest.raises(ConfigError, match=r"m\.txt.*\.npz, \.csv, \.bap"):
         write_motion(motion, ROBOT, tmp_path / "m.txt")
     with pytest.raises(ConfigError, match=rf"^{re.escape(str(tmp_path / 'm.txt'))}: cannot write"):
@@ -76,7 +76,7 @@ def test_only_files_written_by_kinesic_are_replaced_without_force(ending: str, m
     assert replace_motion_file(motion, ROBOT, other, force=False) == other
 
 
-def test_other_npz_archives_are_not_replaced(motion, tmp_path):
+def test_npz_archives_of_other_programs_are_not_replaced(motion, tmp_path):
     np.savez(tmp_path / "m.npz", times=[1.0])
     with pytest.raises(ConfigError, match="no motion"):
         replace_motion_file(motion, ROBOT, tmp_path / "m.npz", force=False)

@@ -33,7 +33,7 @@ def test_motion_is_extended_until_last_offset_ends():
     np.testing.assert_array_equal(laid.controls[-3:], np.tile(REST, (3, 1)))
 
 
-def test_offset_is_smooth_up_to_acceleration():
+def test_motion_offset_is_smooth_up_to_acceleration():
     laid = laid_on(STILL, [(swell(1.0, 2.0, 4.0), 1.0)])
     accelerations = laid.sample(np.arange(0.0, 5.0, KNOT_INTERVAL))[2][:, TILT]
     assert np.abs(np.diff(accelerations)).max() < 0.08 * np.ptp(accelerations)

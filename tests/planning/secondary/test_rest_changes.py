@@ -45,11 +45,11 @@ def test_20_to_80_percent_of_rest_changes_use_a_pause_posture_of_the_style():
     assert 0.2 < len(folded) / len(found) < 0.8
 
 
-def test_short_rest_keeps_its_posture():
+def test_short_rest_between_gestures_keeps_its_posture():
     assert changes(MIN_REST_SPAN - 1.0) == []
 
 
-def test_rest_changes_are_repeatable_by_seed():
+def test_changes_of_the_rest_posture_are_repeatable_by_seed():
     one, same, other = (changes(20.0, seed)[0].away for seed in (3, 3, 4))
     assert np.array_equal(one, same)
     assert not np.allclose(one, other)

@@ -273,7 +273,7 @@ def test_capsules_of_limbs_are_light_and_of_the_trunk_dark(tmp_path: Path):
         np.testing.assert_allclose(lengths, 1.0, atol=1e-5)
 
 
-def test_shell_normals_are_of_unit_length(tmp_path: Path):
+def test_gltf_normals_of_the_shell_are_of_unit_length(tmp_path: Path):
     robot = ROBOTS["upper22"]
     tables, block = read(written(robot, robot.skeleton.rest[None], tmp_path / "robot.glb"))
     for mesh in tables["meshes"]:

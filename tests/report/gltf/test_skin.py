@@ -103,7 +103,7 @@ def vertices_of(scene: GltfScene, primitive: dict, *parts: str) -> np.ndarray:
     return candidates[result]
 
 
-def test_linear_colours_are_converted_to_srgb() -> None:
+def test_linear_colours_of_gltf_textures_are_converted_to_srgb() -> None:
     linear = np.array([-1.0, 0.0, 0.001, 0.0031307, 0.0031309, 0.01, 0.5, 1.0, 2.0])
     expected = [0.0, 0.0, 0.01292, 0.04045, 0.04045, 0.09985, 0.73536, 1.0, 1.0]
     np.testing.assert_allclose(screen_colours(linear), expected, atol=2e-5)
@@ -177,7 +177,7 @@ def test_clothes_have_the_colours_of_the_figure(scene: GltfScene) -> None:
         assert colour[3] == 1.0
 
 
-def test_locks_of_hair_follow_the_head(scene: GltfScene) -> None:
+def test_gltf_locks_of_hair_follow_the_head(scene: GltfScene) -> None:
     (primitive,) = scene.primitives("hair", "hair")
     np.testing.assert_allclose(scene.attribute(primitive, "POSITION"), FIGURE.locks.positions, atol=1e-6)
     joints, weights = (scene.attribute(primitive, name) for name in ("JOINTS_0", "WEIGHTS_0"))
@@ -260,7 +260,7 @@ def test_gltf_body_mesh_has_no_morph_targets(scene: GltfScene) -> None:
         assert all("targets" not in primitive for primitive in scene.primitives("hands and clothes", name))
 
 
-def test_each_eyeball_follows_its_own_joint(scene: GltfScene) -> None:
+def test_each_gltf_eyeball_follows_its_own_joint(scene: GltfScene) -> None:
     (primitive,) = scene.primitives("face", "eyes")
     joints = scene.attribute(primitive, "JOINTS_0")
     is_left = scene.attribute(primitive, "POSITION")[:, 1] > 0.0
@@ -271,7 +271,7 @@ def test_each_eyeball_follows_its_own_joint(scene: GltfScene) -> None:
     assert names == ["l_eyeball", "r_eyeball"]
 
 
-def test_eyeballs_turn_with_the_gaze(scene: GltfScene) -> None:
+def test_gltf_eyeballs_turn_with_the_gaze(scene: GltfScene) -> None:
     for number, name in enumerate(("l_eyeball", "r_eyeball")):
         straight, turned = scene.rotations(name)
         np.testing.assert_allclose(straight, np.eye(3), atol=1e-6)

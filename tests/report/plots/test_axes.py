@@ -103,7 +103,7 @@ def test_playhead_spans_the_width_of_the_time_axes():
         ((3.0, 3.0), 3, []),
     ],
 )
-def test_ticks_are_few_round_values(limits: tuple[float, float], most: int, names: list[str]):
+def test_plot_axis_ticks_are_few_round_values(limits: tuple[float, float], most: int, names: list[str]):
     ticks = nice_ticks(*limits, most)
     assert [name for _, name in ticks] == names
     assert all(min(limits) - 1e-9 <= value <= max(limits) + 1e-9 for value, _ in ticks)

@@ -62,7 +62,7 @@ def test_invalid_backup_files_are_skipped_and_replaced(backups, tmp_path):
     assert "secret" in (tmp_path / "secret").read_text()
 
 
-def test_earlier_backup_survives_a_failed_write(backups, monkeypatch):
+def test_earlier_backup_of_a_document_survives_a_failed_write(backups, monkeypatch):
     backups.keep("a", "tea.bml", "", "one")
 
     def fail(_descriptor):
@@ -92,6 +92,6 @@ def test_backup_of_a_text_beyond_the_size_limit_is_refused(backups):
         backups.keep("a", "tea.bml", "", "x" * (MAX_TEXT_SIZE + 1))
 
 
-def test_backups_need_a_document_folder():
+def test_backups_of_documents_need_a_document_folder():
     with pytest.raises(ConfigError, match="--folder"):
         BackupFolder(None).list()

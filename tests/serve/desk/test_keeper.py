@@ -218,7 +218,7 @@ def test_number_of_waiting_requests_per_client_is_limited(work: Callable):
     work(act)
 
 
-def test_no_request_is_executed_after_close(work: Callable, tmp_path: Path):
+def test_no_file_request_is_executed_after_close(work: Callable, tmp_path: Path):
     async def act(office: Office) -> None:
         office.take(SaveRequest("a.toml", "x"))
         await office.asked(1)

@@ -64,7 +64,7 @@ def test_invalid_styles_are_refused_with_their_fault(text: str, fault: str):
     assert fault in find_style_fault(text, None)
 
 
-def test_list_entry_of_an_incomplete_style_raises_a_config_error():
+def test_listing_an_incomplete_style_raises_a_config_error():
     with pytest.raises(ConfigError):
         StyleEntry("mine", "spatial = 0.5", is_own=True).as_json()
 

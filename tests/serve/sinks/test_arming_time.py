@@ -54,7 +54,7 @@ def test_arming_confirmation_expires(play: Play, late: float):
     play(scene)
 
 
-def test_confirmation_timeout_is_half_a_minute():
+def test_confirmation_timeout_for_arming_is_half_a_minute():
     assert CONFIRMATION_TIMEOUT == 30.0
 
 
@@ -84,7 +84,7 @@ def test_confirmation_code_is_void_for_another_client_and_after_a_wrong_guess(pl
     play(scene)
 
 
-def test_confirmation_codes_are_unique(play: Play):
+def test_confirmation_codes_for_arming_are_unique(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         codes = {(await desk.ask(Client(number)))["code"] for number in range(20)}
         assert len(codes) == 20
@@ -141,7 +141,7 @@ def test_arming_does_not_wait_if_the_control_loop_has_ended(play: Play):
     play(scene)
 
 
-def test_concurrent_torque_changes_are_refused(play: Play):
+def test_torque_change_during_another_torque_change_is_refused(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         one, other = Client(1), Client(2)
         code = (await desk.ask(one))["code"]

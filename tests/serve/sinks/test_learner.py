@@ -81,7 +81,7 @@ def test_recorded_cycles_are_discarded_when_the_performance_is_interrupted(known
     learner.close()
 
 
-def test_identification_is_returned_once_when_it_has_ended(known):
+def test_servo_identification_result_is_returned_once_when_it_has_ended(known):
     learner = ServoLearner(known.robot, NOMINAL_FACTORS)
     learner._result = running = Future()
     assert learner.lesson() is None

@@ -113,7 +113,7 @@ class Teaching(Recorder):
 
 
 @pytest.mark.parametrize(("why", "leads"), [("", True), ("no servo telemetry was recorded", False)])
-def test_only_successful_identification_changes_later_setpoints(known: Setup, why: str, leads: bool):
+def test_only_successful_servo_identification_changes_later_setpoints(known: Setup, why: str, leads: bool):
     lesson = Identification(Factors(gain=0.5, latency=0.03), why=why)
     learner = Learner(lesson)
     taught, plain = RealTimeSink(Teaching(), learner=learner), RealTimeSink(Recorder())
@@ -184,7 +184,7 @@ def test_real_time_twin_drops_old_measurements(known: Setup, monkeypatch: pytest
         (0.0, 0.0, 0.2, False),
     ],
 )
-def test_motion_change_with_a_step_in_angle_velocity_or_acceleration_is_not_steady(
+def test_motion_change_with_a_step_in_angle_velocity_or_acceleration_is_detected_as_unsteady(
     angle: float, speed: float, acceleration: float, steady: bool
 ):
     """At 1 s a motion continues as another one with an offset in one hinge."""

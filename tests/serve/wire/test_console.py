@@ -50,7 +50,7 @@ def test_input_after_the_event_loop_is_closed_is_ignored(type_text: Callable[[by
     type_text(b"late")  # an exception in the reader thread fails the test
 
 
-def test_overlong_message_is_refused(type_text: Callable[[bytes], None]) -> None:
+def test_overlong_console_message_is_refused(type_text: Callable[[bytes], None]) -> None:
     async def run() -> list[bytes]:
         type_text(b"x" * 11)
         return await read(Console(Quotas(message=10)))

@@ -101,7 +101,7 @@ def test_invalid_control_messages_report_the_error(text, why):
         read_control(text.encode())
 
 
-def test_server_answers_are_encoded_as_json():
+def test_answers_of_the_server_are_encoded_as_json():
     assert json.loads(json_answer("pong", id='"7"')) == {"told": "pong", "id": '"7"'}
 
 

@@ -153,7 +153,7 @@ def test_capsules_below_the_floor_are_clipped_at_the_floor():
     assert clip_below_floor(places[:, 4:], np.full(2, 0.1), 0.0)[0].shape == (2, 0, 3)
 
 
-def test_floor_hides_capsules_below_it():
+def test_floor_of_the_scene_hides_capsules_below_it():
     """The column ends at a raised floor, also in a region of the picture."""
     if why := opengl_fault():
         pytest.skip(why)

@@ -75,7 +75,7 @@ def test_identifiable_servo_parameters_are_recovered_within_five_percent(worn):
     }
 
 
-def test_fitted_factors_are_the_identified_estimates(worn):
+def test_fitted_servo_factors_are_the_identified_estimates(worn):
     for estimate in worn.estimates:
         left = 0.0 if estimate.unknown.figure == "latency" else 1.0
         assert true_value(estimate.unknown, worn.factors) == pytest.approx(left if estimate.why else estimate.value)

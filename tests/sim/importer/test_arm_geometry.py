@@ -60,7 +60,7 @@ def test_arm_of_twenty_hinges_has_twelve_divisions_with_three_wrist_hinges():
     assert {split.wrist for split in found} == {3}
 
 
-def test_bones_run_between_joint_centres():
+def test_bones_of_an_imported_arm_run_between_joint_centres():
     anchors = np.array([[0, 0.1, 0], [0, 0, 0.3]])
     at = Centres(np.zeros(3), -0.3 * Z, -0.3 * Z + 0.2 * X, anchors, np.array([X, X]))
     np.testing.assert_allclose((at.upper, at.fore), (-Z, X))

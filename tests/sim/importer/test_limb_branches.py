@@ -43,7 +43,7 @@ def limb_tree(*rows):
     return make_tree(*rows), make_sides(pairs={k: 100 + k for k in range(len(rows))})
 
 
-def test_limb_ends_where_it_branches():
+def test_limb_of_an_imported_robot_ends_where_it_branches():
     tree, pairs = limb_tree(("a", -1, 1, 1.0), ("b", 0, 1, 1.0), ("c", 1, 1, 1.0), ("d", 1, 1, 1.0))
     assert _find_limb(tree, pairs, 0) == (0, 1)
     assert _find_limb(tree, pairs, 2) == (2,)
@@ -124,7 +124,7 @@ def test_neck_is_on_the_base_of_a_robot_without_a_trunk():
 @pytest.mark.parametrize(
     ("left", "right", "sign"), [(X, X, -1), (X, -X, 1), (Y, Y, 1), (Y, -Y, -1), (Z, Z, -1), (Z, -Z, 1), (X, Y, 1)]
 )
-def test_mirrored_hinges_turn_to_mirror_images(left, right, sign):
+def test_mirrored_hinges_of_an_imported_robot_turn_to_mirror_images(left, right, sign):
     tree = SimpleNamespace(joints=[SimpleNamespace(axis=left), SimpleNamespace(axis=right)])
     assert mirror_angles(tree, (0,), (1,), np.array([0.5])).tolist() == [0.5 * sign]
 

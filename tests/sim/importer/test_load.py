@@ -12,7 +12,7 @@ def named(tree, name):
     return next(joint for joint in tree.joints if joint.name == name)
 
 
-def test_model_loads_without_its_mesh_files(tee, hanging):
+def test_robot_model_is_loaded_without_its_mesh_files(tee, hanging):
     assert len(tee.joints) == 4 + 2 * 9 + 2 * 3
     assert len(hanging.joints) == 1 + 2 * 7
 
@@ -36,7 +36,7 @@ def test_motor_data_are_read_from_the_file(tee, hanging):
     assert (elbow.effort, elbow.speed) == (30.0, 3.5)
 
 
-def test_continuous_joint_has_no_range(hanging):
+def test_continuous_joint_of_a_robot_file_has_no_range(hanging):
     turn, elbow = named(hanging, "left_turn_joint"), named(hanging, "left_elbow_joint")
     assert (turn.lower, turn.upper) == (None, None)
     assert (elbow.lower, elbow.upper) == (-2.2, 0.0)
@@ -65,14 +65,14 @@ def test_loading_a_robot_model_creates_no_files(tee_path, tmp_path, monkeypatch)
         ('<robot name="r"><joint name="j"><limit velocity="fast"/></joint></robot>', "not a readable MJCF or URDF"),
     ],
 )
-def test_broken_file_error_names_the_cause(written, text, message):
+def test_error_for_a_broken_robot_file_names_the_cause(written, text, message):
     with pytest.raises(ConfigError, match=message) as caught:
         load_robot_tree(written("broken.xml", text))
     assert "\n" not in str(caught.value)
 
 
 @pytest.mark.parametrize("ending", [".URDF", ".Urdf", ".XML", ".MJCF", ".mjcf", ""])
-def test_file_suffix_may_be_uppercase(tee_path, hanging_path, tmp_path, ending):
+def test_suffix_of_a_robot_file_may_be_uppercase(tee_path, hanging_path, tmp_path, ending):
     source = hanging_path if ending.lower() == ".urdf" else tee_path
     (tmp_path / f"robot{ending}").write_bytes(source.read_bytes())
     (tmp_path / "robot.xml").write_text("<mujoco/>")  # a different file that must not be read

@@ -15,7 +15,7 @@ BODIES = """<worldbody><body><joint name="a"/><geom size="0.1"/>
   <body pos="0 0 1"><joint name="b"/><geom size="0.1"/></body></body></worldbody>"""
 
 
-def test_warnings_of_the_reader_are_ignored():
+def test_warnings_of_the_robot_file_reader_are_ignored():
     assert _ignore_warning("text") is None
 
 

@@ -194,7 +194,7 @@ def test_names_pair_hinges_if_symmetry_finds_fewer_than_six_pairs_and_names_find
     assert not sides(make_tree(*arms(count=5))).by_names
 
 
-def test_names_decide_which_side_is_left():
+def test_joint_names_decide_which_side_is_left():
     found = sides(make_tree(*arms(), *FEET))
     assert (found.left, found.certain, found.pairs) == ((0.0, 1.0), True, {0: 3, 1: 4, 2: 5, 6: 7})
     found = sides(make_tree(*arms("r", "l"), *FEET))

@@ -22,7 +22,7 @@ def test_arms_hang_at_rest_with_bent_elbows(tee_mapped, tee_path):
         assert fore[0] > 0.3 * np.linalg.norm(fore)
 
 
-def test_rest_pose_is_symmetric(tee_mapped):
+def test_rest_pose_of_an_imported_robot_is_symmetric(tee_mapped):
     rest = tee_mapped.file.rest
     for name, angle in rest.items():
         if name.startswith("l_"):

@@ -57,5 +57,5 @@ def test_trunk_capsules_leave_space_for_hanging_arms(tall):
     assert all(capsule.end[2] < tall for capsule in capsules)
 
 
-def test_rounded_coordinates_have_no_negative_zero():
+def test_rounded_coordinates_of_imported_segments_have_no_negative_zero():
     assert str(round_triple(np.array([-1e-9, -0.0, -0.25]))) == "(0.0, 0.0, -0.25)"

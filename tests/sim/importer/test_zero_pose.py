@@ -8,7 +8,7 @@ from kinesic.sim.importer.mirror import sides
 from kinesic.sim.importer.zero_pose import branches
 
 
-def test_hanging_arms_are_mirror_images(tee_figure):
+def test_hanging_arms_of_an_imported_robot_are_mirror_images(tee_figure):
     assert tee_figure.split == Split(0, 3, 3)
     assert tee_figure.asymmetry < 1e-3
     assert max(arm.off for arm in tee_figure.arms.values()) < np.radians(1)
@@ -29,7 +29,7 @@ def names(tree, row):
     return [tree.joints[k].name for k in row]
 
 
-def test_arms_trunk_and_head_are_found(tee):
+def test_arms_trunk_and_head_of_an_imported_robot_are_found(tee):
     result = branches(tee, sides(tee))
     assert names(tee, result.trunk) == ["waist", "bow"]
     assert names(tee, result.neck) == ["pan", "nod"]

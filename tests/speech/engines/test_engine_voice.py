@@ -64,7 +64,7 @@ def test_text_without_a_readable_word_gives_no_sound_or_uses_the_fallback_voice(
     assert "durations speaks instead" in substituted.remarks[0]
 
 
-def test_too_long_text_is_not_spoken():
+def test_text_above_the_length_limit_is_not_spoken():
     utterance = VOICE.say(Script("a " * MAX_CHARACTERS))
     assert utterance.sound is None
     assert f"{2 * MAX_CHARACTERS} characters" in utterance.remarks[0]

@@ -19,7 +19,7 @@ BILABIALS = ("p", "b", "m")
 OPEN_SOUNDS = "aeiouæɐɑɒɔəɚɛɜɪʊʌlɹwj"  # noqa: RUF001 - phonetic letters
 
 
-def test_phrase_is_spoken_without_the_network(neural: EngineVoice, monkeypatch: pytest.MonkeyPatch):
+def test_neural_voice_speaks_a_phrase_without_the_network(neural: EngineVoice, monkeypatch: pytest.MonkeyPatch):
     def refuse(*_: object, **__: object) -> None:
         raise AssertionError("a network was used")
 

@@ -34,7 +34,7 @@ def test_long_sound_has_the_same_band_powers_as_a_short_one_of_the_same_tone():
     assert whole[4500] == pytest.approx(compute_band_powers(tone(500.0, seconds=1.0))[50], rel=1e-2, abs=1e-3)
 
 
-def test_features_are_normalised_over_speech():
+def test_spectral_features_are_normalised_over_speech():
     powers = np.random.default_rng(1).uniform(0.1, 1.0, (200, BAND_COUNT))
     is_speech = np.arange(200) >= 50
     features = compute_features(powers, is_speech)

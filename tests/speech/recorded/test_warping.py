@@ -151,7 +151,7 @@ def test_one_frame_of_speech_gives_no_warping(recorded: int, spoken: int):
     assert warp(recording, rendition, np.array([0])) is None
 
 
-def test_two_frames_of_speech_are_warped():
+def test_recording_with_two_frames_of_speech_is_warped():
     both = FrameSequence(np.array([[0.0], [5.0]]), np.ones(2, dtype=bool))
     found = warp(both, both, np.array([0, 1]))
     assert found is not None

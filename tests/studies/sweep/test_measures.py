@@ -54,7 +54,7 @@ def left(known) -> Measures:
     return measured(known, '<gesture id="g" lexeme="beat" mode="LEFT_HAND" stroke="2"/>')
 
 
-def test_mirrored_gesture_has_equal_measures(right, left):
+def test_mirrored_gesture_has_equal_motion_measures(right, left):
     for name in MEASURE_FORMATS:
         if name != "stroke_error":
             assert getattr(left, name) == pytest.approx(getattr(right, name), rel=0.02, abs=1e-3), name

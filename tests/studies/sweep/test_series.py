@@ -69,7 +69,7 @@ def test_parameter_series_is_monotone_only_if_its_measure_changes_in_the_expecte
     assert series(parameter, *values).monotone is monotone
 
 
-def test_series_reports_its_worst_stroke_error():
+def test_parameter_series_reports_its_worst_stroke_error():
     assert series("power", -0.004, 0.009, name="stroke_error").in_time
     late = series("power", 0.0, -2 * MAX_STROKE_ERROR, name="stroke_error")
     assert late.worst_stroke == pytest.approx(2 * MAX_STROKE_ERROR)

@@ -87,7 +87,7 @@ def test_clamped_angles_are_in_range_and_clamping_is_idempotent(angles: Floats):
 
 
 @given(AXIS_VECTORS, st.floats(-7.0, 7.0), st.floats(-7.0, 7.0))
-def test_rotations_about_one_axis_add_up(axis: Floats, first: float, second: float):
+def test_rotations_about_one_axis_add_their_angles(axis: Floats, first: float, second: float):
     axis = axis / np.linalg.norm(axis)
     np.testing.assert_allclose(
         rotation_about(axis, first) @ rotation_about(axis, second), rotation_about(axis, first + second), atol=1e-12

@@ -30,7 +30,7 @@ SAMPLE_SIZE, SOAK_SIZE = 2_000, 100_000
 
 
 @given(PACKET_BODIES)
-def test_unstuffing_inverts_stuffing(body: bytes):
+def test_byte_unstuffing_inverts_byte_stuffing(body: bytes):
     assert unstuff(stuff(body)) == body
     assert PACKET_HEADER not in stuff(body)
 

@@ -28,7 +28,7 @@ def test_area_under_curve_counts_pairs_and_halves_ties():
 
 
 @pytest.mark.parametrize("scorer", SCORERS)
-def test_equal_distributions_cannot_be_separated(scorer):
+def test_classifier_cannot_separate_equal_distributions(scorer):
     generator = np.random.default_rng(1)
     result = separate_samples(make_sample(generator, 300), make_sample(generator, 300, name="b"), scorer)
     assert result.auc == pytest.approx(0.5, abs=0.08)
@@ -60,7 +60,7 @@ def test_cross_validation_by_performance_prevents_leakage_of_performance_feature
     assert separate_samples(ours, others, scorer).auc < 0.75
 
 
-def test_clips_of_a_performance_are_in_the_same_fold():
+def test_clips_of_one_performance_are_in_the_same_cross_validation_fold():
     performances = ["a"] * 5 + ["b"] * 3 + ["c", "d", "e", "f", "g"]
     folds = assign_folds(performances)
     assert len({tuple(set(folds[[k for k, p in enumerate(performances) if p == name]])) for name in "abcdefg"}) == 5
@@ -69,7 +69,7 @@ def test_clips_of_a_performance_are_in_the_same_fold():
         assign_folds(["a", "a"])
 
 
-def test_unseen_clips_are_not_used_for_training():
+def test_classifier_is_not_trained_with_unseen_clips():
     generator = np.random.default_rng(4)
     ours, seen = make_sample(generator, 100, shift=6.0), make_sample(generator, 100, name="b")
     unseen = make_sample(generator, 100, shift=12.0, name="c")  # on the other side of ours
@@ -77,7 +77,7 @@ def test_unseen_clips_are_not_used_for_training():
     assert separate_unseen(ours, seen, unseen).auc < 0.05
 
 
-def test_constant_features_are_ignored():
+def test_classifier_ignores_constant_features():
     ours = Sample(np.column_stack([np.ones(20), np.arange(20.0)]), tuple(map(str, range(20))))
     others = Sample(np.column_stack([np.ones(20), np.arange(20.0) + 100]), tuple(map(str, range(20))))
     assert separate_samples(ours, others).auc == 1.0

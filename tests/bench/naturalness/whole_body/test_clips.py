@@ -28,7 +28,7 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_clip_is_read_with_z_upwards_and_the_name_of_its_set(folder):
+def test_captured_clip_is_read_with_the_z_axis_upwards_and_the_name_of_its_set(folder):
     (motion,) = read_clips(folder)
     assert isinstance(motion, BodyMotion)
     assert (motion.set_name, motion.performance) == ("Some", "Idle01_Beat")
@@ -41,7 +41,7 @@ def test_clip_is_read_with_z_upwards_and_the_name_of_its_set(folder):
     assert motion.chest_rotations[45] @ [0.0, 0.0, 1.0] == pytest.approx([-np.sin(np.radians(10)), 0, 0.985], abs=2e-3)
 
 
-def test_actor_without_head_is_reported(folder):
+def test_captured_clip_without_a_head_is_reported(folder):
     path = folder / "skeletons" / "ChrTest.sk"
     path.write_text(path.read_text().replace("JtSkullA", "JtOther"))
     (clip,) = read_clips(folder)
@@ -49,7 +49,7 @@ def test_actor_without_head_is_reported(folder):
     assert "known names" in clip.why
 
 
-def test_missing_clip_folder_is_rejected(tmp_path):
+def test_missing_folder_of_captured_clips_is_rejected(tmp_path):
     with pytest.raises(ConfigError, match="no such folder"):
         list(read_clips(tmp_path / "nowhere"))
 

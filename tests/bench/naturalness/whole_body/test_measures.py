@@ -49,7 +49,7 @@ def test_hand_turning_excludes_rotation_with_the_chest():
     assert measure_whole_body(with_chest).hand_turning == pytest.approx(0.0, abs=1e-3)
 
 
-def test_body_size_does_not_change_measures():
+def test_body_size_does_not_change_motion_measures():
     small, large = (measure_whole_body(make_body(scale=s, lift=0.02, swing=(0.02, 0.2))) for s in (0.7, 1.4))
     for name in ("collar", "free_arm", "path", "largest_speed", "elbow_range", "sparc", "stroke_speed", "flow"):
         assert getattr(small, name) == pytest.approx(getattr(large, name))

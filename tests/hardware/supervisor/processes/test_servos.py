@@ -72,7 +72,7 @@ def test_error_names_all_buses_if_one_has_no_port(robot: Robot, tmp_path: Path):
         Servos(robot, {"left": tmp_path})
 
 
-def test_non_finite_setpoints_are_refused(rig):
+def test_non_finite_servo_setpoints_are_refused(rig):
     servos = rig.opened()
     still = np.zeros(4)
     with pytest.raises(BusError, match="must be 4 finite numbers"):

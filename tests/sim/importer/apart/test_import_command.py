@@ -69,7 +69,7 @@ def test_import_process_may_take_300_s_2_gb_and_120_cpu_seconds_by_default(fake_
     assert (begun["timeout"], begun["command"][-2:]) == (300.0, ["2000000000", "120"])
 
 
-def test_refusal_names_the_file_as_given(fake_process, tmp_path: Path, monkeypatch):
+def test_refusal_of_an_import_names_the_file_as_given(fake_process, tmp_path: Path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     fake_process(output=msgspec.msgpack.encode(Refusal(f"{tmp_path / 'robot.xml'}:3: is no robot")))
     assert refused(Path("robot.xml")) == "robot.xml:3: is no robot"
@@ -134,7 +134,7 @@ def test_import_answer_contains_robot_text_and_hinge_mapping(hanging_path: Path,
     assert list(tmp_path.iterdir()) == []
 
 
-def test_import_answer_to_an_invalid_file_is_a_refusal(tmp_path: Path, monkeypatch):
+def test_import_process_answers_an_invalid_file_with_a_refusal(tmp_path: Path, monkeypatch):
     (tmp_path / "broken.xml").write_text("<mujoco>")
     result = answered(tmp_path / "broken.xml")
     assert isinstance(result, Refusal)

@@ -39,7 +39,7 @@ def large_mesh(puppets, tmp_path: Path) -> Path:
     return path
 
 
-def test_separate_process_imports_the_same_robot(hanging_path: Path, hanging_mapped: Mapped):
+def test_import_in_a_separate_process_gives_the_same_robot(hanging_path: Path, hanging_mapped: Mapped):
     result, here = import_apart(hanging_path), hanging_mapped
     assert [row[0] for row in result.mapping] == [hinge.name for hinge in here.hinges]
     assert result.left_out == here.figure.tree.left_out

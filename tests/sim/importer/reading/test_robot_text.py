@@ -168,7 +168,7 @@ def test_xml_element_is_unused_depending_on_its_parents(tag: str, around: list[s
 @pytest.mark.parametrize(
     ("attribute", "most"), [("name", 200), ("prefix", 200), ("childclass", 200), ("pos", 10_000), ("rgba", 10_000)]
 )
-def test_attribute_values_have_a_length_limit(attribute: str, most: int):
+def test_attribute_values_of_a_robot_file_have_a_length_limit(attribute: str, most: int):
     assert screen_element("body", {attribute: "x" * most}) == {attribute: "x" * most}
     with pytest.raises(UnfitError, match=rf"{attribute} of <body> has {most + 1} characters, at most {most} are taken"):
         screen_element("body", {attribute: "x" * (most + 1)})
@@ -214,7 +214,7 @@ def test_xml_element_count_of_a_robot_includes_copies(read, refused, monkeypatch
     assert "robot.xml:2: more than 11 elements, copies and attached models included" in refused(text)
 
 
-def test_element_count_includes_each_attached_model(read, refused, monkeypatch):
+def test_element_count_of_a_robot_file_includes_each_attached_model(read, refused, monkeypatch):
     model = '<asset><model name="m" file="hand.xml"/></asset>'
     text = f'<mujoco>{model}<worldbody><attach/><replicate count="2"><attach/></replicate></worldbody></mujoco>'
     hand = "<mujoco><worldbody><body/></worldbody></mujoco>"  # three elements

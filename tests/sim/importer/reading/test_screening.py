@@ -83,7 +83,7 @@ def test_attached_model_cannot_include_files_from_outside(robot: Path):
     assert r"hand.xml:1: reads ..\secret.xml, outside" in said
 
 
-def test_backslashes_work_as_folder_separators(robot: Path):
+def test_backslashes_in_robot_files_work_as_folder_separators(robot: Path):
     robot.write_text(mjcf('<include file="parts\\arm.xml"/>'))
     assert len(load_robot_tree(robot).joints) == 2
 
@@ -115,7 +115,7 @@ def test_error_of_a_missing_included_file_names_the_expected_folder(robot: Path)
     assert f"robot.xml:1: reads parts/leg.xml, which is not there; copy that file into {robot.parent}" in said
 
 
-def test_model_that_attaches_itself_is_rejected(robot: Path):
+def test_robot_model_that_attaches_itself_is_rejected(robot: Path):
     loop = '<mujoco><asset><model name="m" file="{}.xml"/></asset></mujoco>'
     (robot.parent / "a.xml").write_text(loop.format("b"))
     (robot.parent / "b.xml").write_text(loop.format("a"))
@@ -221,7 +221,7 @@ def test_nested_include_of_a_file_outside_the_robot_folder_is_rejected(robot: Pa
     assert "two.xml:1: reads ../../secret.xml" in refused(robot, mjcf('<include file="parts/one.xml"/>'))
 
 
-def test_file_that_includes_itself_is_refused(robot: Path):
+def test_robot_file_that_includes_itself_is_refused(robot: Path):
     (robot.parent / "loop.xml").write_text('<mujoco><include file="loop.xml"/></mujoco>')
     refused(robot, mjcf('<include file="loop.xml"/>'))  # rejected by MuJoCo
 
