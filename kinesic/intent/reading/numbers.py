@@ -11,7 +11,7 @@ _PHONE_PATTERN = (
     r"|(?:1[ -])?(?:\(\d{3}\)[ ]?|\d{3}[ -])\d{3}-\d{4}|\d{3}\.\d{3}\.\d{4}"
 )
 _LOCAL_PHONE_PATTERN = r"[2-9]\d{2}-\d{4}"  # local telephone number of North America, or a range
-_DATE_PATTERN = r"\d{4}-\d{2}-\d{2}|\d{1,2}/\d{1,2}/\d{2,4}"
+_DATE_PATTERN = r"\d{4}-\d{2}-\d{2}|\d{1,2}-\d{1,2}-\d{4}|\d{1,2}\.\d{1,2}\.\d{4}|\d{1,2}/\d{1,2}/\d{2,4}"
 _RANGE_PATTERN = r"[1-9]\d{0,3}[\u2013-][1-9]\d{0,3}"
 _END_PATTERN = r"(?![\w/@-]|[.,:]\d)"
 _SIGNED_PATTERN = rf"(?:{_DATE_PATTERN}|{_PHONE_PATTERN}|{_LOCAL_PHONE_PATTERN}|{_RANGE_PATTERN}){_END_PATTERN}"

@@ -48,6 +48,11 @@ def test_full_stop_of_an_abbreviation_within_a_sentence_does_not_end_it(text: st
     assert len(read_text(text, load_language()).kinds) == sentences
 
 
+@pytest.mark.parametrize(("language", "text"), [("fr", "Prenez p. ex. du lait."), ("es", "Tome p. ej. leche.")])
+def test_full_stops_of_a_divided_abbreviation_end_no_sentence(language: str, text: str) -> None:
+    assert len(read_text(text, load_language(language)).kinds) == 1
+
+
 def test_number_abbreviation_no_is_not_a_negation():
     words = read_text("No. 5 is here.", load_language()).words
     assert [word.text for word in words] == ["number", "5", "is", "here"]

@@ -50,7 +50,23 @@ def test_fractions_ratings_and_units_are_spoken_by_their_names(text: str, spoken
     assert written(text) == spoken
 
 
-@pytest.mark.parametrize("language", ["de", "fi"])
+@pytest.mark.parametrize(
+    ("language", "text", "spoken"),
+    [
+        ("de", "3/4 Liter, 2 1/2 km, 80 km/h", "drei Viertel Liter, 2 und ein halb km, 80 Kilometer pro Stunde"),
+        ("de", "Teil 1/3 am 03.12.2026, am 3/4", "Teil 1 von 3 am 03 12 2026, am 3 4"),
+        ("fr", "3/4 de litre \xe0 80 km/h", "trois quarts de litre \xe0 80 kilom\xe8tres \xe0 l'heure"),
+        ("es", "2/3 de litro el 3/4", "dos tercios de litro el 3 4"),
+        ("it", "1/8 di litro, 4/5 stelle", "un ottavo di litro, 4 su 5 stelle"),
+        ("pt", "5/6 de litro, passo 1/3", "cinco sextos de litro, passo 1 de 3"),
+        ("nl", "3/4 liter op 3-12-2026", "drie kwart liter op 3 12 2026"),
+    ],
+)
+def test_fractions_units_and_dates_are_spoken_in_the_language_of_the_text(language: str, text: str, spoken: str):
+    assert written(text, language) == spoken
+
+
+@pytest.mark.parametrize("language", ["fi", "ja"])
 @pytest.mark.parametrize("text", ["1/2 x, 2 1/2 y", "2\xbd, \xbd z, 555-0123", "80 km/h"])
 def test_fractions_stay_as_written_in_languages_without_fraction_names(text: str, language: str):
     assert written(text, language) == text
