@@ -40,7 +40,7 @@ Arguments = TypeVarTuple("Arguments")
 
 
 def has_private_forkserver() -> bool:
-    """Return whether Python has a fork server that only this user can reach."""
+    """Return whether Python has a fork server private to this user."""
     # In Python 3.11.0 all users can connect to it and run code (CVE-2022-42919).
     return "forkserver" in multiprocessing.get_all_start_methods() and sys.version_info[:3] >= (3, 11, 1)
 

@@ -38,7 +38,7 @@ def list_clips(folder: Path) -> list[Path]:
 
 
 def robot_metrics(robot: str, paths: Sequence[Path]) -> list[Metric]:
-    """Certify clips for a robot and measure violations, distances, stretch and computing time."""
+    """Certify clips for a robot and measure the results."""
     setup = set_up(robot)
     unread: list[str] = []
 

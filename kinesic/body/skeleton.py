@@ -112,7 +112,7 @@ class Skeleton:
 
     @cached_property
     def axes(self) -> Floats:
-        """Unit axes (n + c, 3) of hinges and couplings, in their segments."""
+        """Segment-frame unit axes (n + c, 3) of hinges and couplings."""
         return sealed(np.reshape([*(h.axis for h in self.hinges), *(c.axis for c in self.couplings)], (-1, 3)))
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Verb `kinesic certify`: judge a motion file and write the nearest feasible motion."""
+"""Verb `kinesic certify`: check a motion file and write a feasible motion."""
 
 import json
 from collections.abc import Mapping

@@ -51,7 +51,7 @@ class FrameMoment:
     syncs: tuple[tuple[str, str], ...]
 
     def among(self, times: Sequence[float]) -> float | None:
-        """Return the given time in this span that is nearest the frame [s].
+        """Return the given time [s] in this span nearest to the frame.
 
         Args:
             times: sorted [s].

@@ -91,7 +91,7 @@ def idle(free_spans: Iterable[Span], idling: Idling) -> tuple[Layer, Layer]:
 
 
 def used_spans(sequences: Sequences) -> tuple[Span, ...]:
-    """Return the time spans [s] of head or trunk motion, or raised hands.
+    """Return time spans [s] with head motion, trunk motion or raised hands.
 
     Hands count while they are away from rest. Head and trunk may hold any rotation.
     """

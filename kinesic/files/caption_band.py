@@ -45,7 +45,10 @@ def write_caption(picture: Picture, text: str) -> None:
 
 @lru_cache(maxsize=4)
 def _render_band(text: str, size: tuple[int, int]) -> tuple[PixelBox, NDArray[np.float32], NDArray[np.float32]]:
-    """Render a caption: pixel box, colours (h, w, 3), opacity (h, w, 1)."""
+    """Render a caption as pixel box, colours and opacity.
+
+    The colours have shape (h, w, 3), the opacity (h, w, 1).
+    """
     width, height = size
     font = ImageFont.load_default(max(round(LETTER_HEIGHT * height), 8))
     lines = _break_lines(text, font, MAX_LINE_WIDTH * width)

@@ -43,7 +43,7 @@ def rank_alternatives(
     intent: str = "",
     language: str = "en",
 ) -> tuple[str, tuple[Alternative, ...]]:
-    """Rank the gestures that could be shown at a word, the most suitable first.
+    """Rank the possible gestures at a word, the most suitable first.
 
     First come the candidates of the text at this word, by their scores. Then follow the other gestures of the intent,
     the results of `find_gestures` for the word, gestures of the user, and beats.

@@ -39,7 +39,7 @@ class Intent:
 
 
 def shift_reference(moment: Moment, seconds: float) -> str:
-    """Return the BML reference of a moment shifted by a signed time [s].
+    """Return the BML reference of a time plus an offset [s].
 
     A time in the block is at least 0.
     """

@@ -20,7 +20,7 @@ MIN_STROKE_TIME = 0.55  # [s] earliest stroke that a hand can reach
 
 @dataclass(frozen=True, eq=False)
 class RecordedAudio:
-    """Recording of a spoken text, and the function that adds its word times."""
+    """Recording of a spoken text, and a reader of its word times."""
 
     audio: str  # name of the sound file in the BML
     words: str  # name of the file with the times of words; empty: none

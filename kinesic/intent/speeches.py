@@ -34,7 +34,7 @@ def divide_speech(passage: Passage) -> list[range]:
 
 
 def gap_before(passage: Passage, index: int) -> float:
-    """Return the silence [s] before a later speech that begins at a word."""
+    """Return the silence [s] before a later speech's first word."""
     words = passage.words
     if words[index].sentence != words[index - 1].sentence:
         return SENTENCE_PAUSE + words[index].pause

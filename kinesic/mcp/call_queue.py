@@ -1,4 +1,4 @@
-"""Bounded queue of tool calls, all of which can be discarded at once."""
+"""Bounded queue of tool calls that can be discarded together."""
 
 from asyncio import CancelledError, Future, Lock, Task, create_task, current_task, get_running_loop, sleep
 from collections.abc import AsyncIterator, Callable, Coroutine

@@ -108,7 +108,7 @@ class Grid:
 
     @cached_property
     def powers(self) -> Floats:
-        """Exponent of 1 / duration in each limit constraint, shape (4 k + 4,)."""
+        """Time exponent of each limit constraint, (4 k + 4,)."""
         return np.repeat(TIME_POWERS, self.counts)
 
     @cached_property
@@ -208,5 +208,5 @@ def stack_stencils(groups: Sequence[Floats], size: int) -> SparseMatrix:
 
 @lru_cache(maxsize=GRID_CACHE_SIZE)
 def grid(pieces: int, step: float) -> Grid:
-    """Return the cached spline grid for a count and duration of knot intervals."""
+    """Return the cached spline grid for some knot intervals."""
     return Grid(pieces, step)

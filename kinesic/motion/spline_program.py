@@ -84,7 +84,7 @@ def nearest_within_limits(segment: SplineSegment, desired: Floats, limits: Limit
 
 
 def find_free_motion(times: Floats, keys: Keys, limits: Limits, desired: Floats) -> tuple[Floats, ExceedingSegments]:
-    """Return control points (k + 3, n) without limits, and segments beyond limits.
+    """Return unlimited control points (k + 3, n), and segments beyond limits.
 
     Args:
         times: (m,) [s] of the keys.

@@ -16,7 +16,7 @@ MIN_SHOULDER_DISTANCE = 1e-6  # [m] smallest assumed distance between the should
 
 
 def measure_arm(robot: Robot, side: Side, angles: Floats) -> Floats:
-    """Compute an arm's link angles (..., 6) [deg] from postures (..., n) [rad].
+    """Compute link angles (..., 6) [deg] of an arm from postures [rad].
 
     The columns are `ARM_FEATURES`.
     """
@@ -28,7 +28,7 @@ def measure_arm(robot: Robot, side: Side, angles: Floats) -> Floats:
 
 
 def set_arm(robot: Robot, side: Side, features: Floats, angles: Floats) -> Floats:
-    """Fit a posture's arm to given link angles, returning the posture (n,) [rad].
+    """Return a posture (n,) [rad] whose arm has given link angles.
 
     Link directions are compared as unit vectors. Hinges that lift the shoulder keep their angles.
 

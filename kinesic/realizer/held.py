@@ -108,7 +108,7 @@ def offset_to_held_posture(controls: Floats, occupancy: Sequence[Occupancy], rob
 
 
 def add_step_to_held_posture(controls: Floats, occupancy: Sequence[Occupancy], robot: Robot) -> Floats:
-    """Add a smooth step, so that a motion ends in the held posture.
+    """Add a smooth step to a motion, up to the held posture.
 
     The step coincides with the last holding behaviour; without one, the whole motion is shifted.
 

@@ -201,7 +201,7 @@ def _hinges(parts: frozenset[PartName], robot: Robot) -> Flags:
 
 
 def _roles(action: Action, parts: frozenset[PartName]) -> frozenset[Role]:
-    """Return the roles that a behaviour uses: arms, and head sign, gaze or trunk.
+    """Return the arms and trunk roles that a behaviour uses.
 
     Trunk movements of different roles add up.
     """
@@ -245,6 +245,6 @@ class Overlay:
     finishing: Sequence[Occupancy] = ()  # behaviours of the block that its hands finish in the running motion
 
     def trunk_failure(self, why: str) -> MergeFailure:
-        """Return a failure of the last behaviour, preferably one that moves the trunk."""
+        """Return a failure of the last behaviour with trunk motion, if any."""
         performed = sorted(self.performed, key=lambda entry: not entry.roles <= set(ARM_ROLES))
         return MergeFailure(performed[-1].behaviour if performed else "", why)

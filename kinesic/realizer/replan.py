@@ -109,7 +109,7 @@ class _PlanSwitch:
 
     @cached_property
     def zero(self) -> float:
-        """Time [s] of the new plan's block time 0; its motion starts at a knot."""
+        """Time [s] of the new plan's block time 0."""
         return self.offset * KNOT_INTERVAL + self.new_plan.trajectory.zero
 
     @cached_property

@@ -120,7 +120,7 @@ class Scene:
         return latest
 
     def _next_start_check(self, running: RunningBlock) -> float:
-        """Return the earliest time [s] at which a waiting block may be merged.
+        """Return the earliest merge time [s] of a waiting block.
 
         Infinity if its dependencies wait themselves.
         """

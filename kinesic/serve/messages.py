@@ -203,7 +203,7 @@ class Halted:
 
 @dataclass(frozen=True)
 class ProposalVerdict:
-    """Message from the loop to the planner: acceptance or rejection of a proposal."""
+    """Message to the planner that accepts or rejects a proposal."""
 
     accepted: bool
     stops: int

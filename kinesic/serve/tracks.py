@@ -35,7 +35,7 @@ class Track:
     sounds: tuple[tuple[float, Sound], ...]  # start [s] in clock time, and sound
 
     def at(self, time: float) -> dict[str, float]:
-        """Return the intensities (0..1) of the action units at a clock time [s].
+        """Return action unit intensities 0..1 at a clock time [s].
 
         Empty outside the track.
         """
@@ -132,7 +132,7 @@ class TrackEffects:
         self.take(dict.fromkeys(self._tracks))
 
     def face(self, time: float) -> dict[str, float]:
-        """Return each action unit's maximum intensity over the tracks at a time [s]."""
+        """Return maximum action unit intensities of all tracks at a time [s]."""
         intensities: dict[str, float] = {}
         for track in self._tracks.values():
             for unit, value in track.at(time).items():

@@ -109,7 +109,7 @@ def plan_motion_file(path: str | Path, setup: Setup, *, source: str | None = Non
 
 
 def is_motion_file(path: str | Path) -> bool:
-    """Return whether the suffix of a path is that of a motion file."""
+    """Return whether a path has the suffix of a motion file."""
     return Path(path).suffix.lower() in MOTION_FILE_SUFFIXES
 
 

@@ -47,7 +47,7 @@ class Constraints:
         return other in self._connected_behaviours(one)
 
     def directly_grounded(self, behaviour: str) -> bool:
-        """Return whether any sync point of a behaviour has a fixed block time."""
+        """Return whether a behaviour has a sync point with fixed block time."""
         return any(self._start in self.classes[index] for index in self._classes_of.get(behaviour, ()))
 
     def directly_after_grounded(self, behaviour: str) -> bool:

@@ -17,7 +17,7 @@ SCENARIO_TIMEOUT = 60.0  # [s] virtual time after which a scenario fails
 
 @dataclass(frozen=True)
 class DraftScenario:
-    """Block with sync point names of a BML draft, and their expected times."""
+    """Block with sync points of a BML draft and their expected times."""
 
     content: str  # content of <bml id="b">
     times: Mapping[str, float]  # "behaviour:sync" by BML 1.0's names -> block time [s]

@@ -289,7 +289,7 @@ def _posture(arm: AblationArm, angles: Sequence[float]) -> list[Vector]:
 
 
 def _draw_line(axes: Axes, points: Sequence[Sequence[float]], colour: str, label: str) -> None:
-    """Draw connected points, seen from the front: y to the left, z up [m]."""
+    """Draw connected points [m], projected to the frontal plane."""
     axes.plot([y for _, y, _ in points], [z for _, _, z in points], "o-", color=colour, markersize=4, label=label)
 
 

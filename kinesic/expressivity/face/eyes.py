@@ -180,7 +180,7 @@ def saccade_offsets(span: tuple[float, float], times: Floats, seed: int) -> Floa
 
 
 def eye_angles(looks: Sequence[GazeDirection], times: Floats, head: Floats) -> Floats:
-    """Return eye angles (m, 2) [rad] that hold the gaze on its target.
+    """Return eye angles (m, 2) [rad] that fixate the gaze target.
 
     The eyes arrive before the head.
 

@@ -43,7 +43,7 @@ class HandArrangement:
 
 @dataclass(frozen=True)
 class _Retraction:
-    """Begin and end of a retraction [s], and the rest pose at its end."""
+    """Begin and end [s] of a retraction, and its final rest pose."""
 
     relax: float
     end: float

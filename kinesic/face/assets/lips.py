@@ -112,7 +112,7 @@ def find_lips(mesh: Mesh) -> Lips:
 
 
 def measure_jaw_following(mesh: Mesh) -> Floats:
-    """Return the (v,) downward displacement by a dropping jaw, relative to the largest."""
+    """Return the (v,) relative downward displacement by a dropping jaw."""
     down = -mesh.deltas[:, [mesh.shapes.index(JAW_SHAPE)]].toarray().reshape(-1, 3)[:, 2]
     return np.asarray(down / down.max())
 

@@ -206,7 +206,7 @@ def build_subdivision(
 
 
 def _find_edges(faces: Indices) -> tuple[Indices, NDArray[np.intp]]:
-    """Return vertex indices (e, 2) of edges and edge indices (f, 4) of faces."""
+    """Return vertices (e, 2) of edges and edges (f, 4) of faces."""
     both = np.stack([faces, np.roll(faces, -1, axis=1)], axis=2).reshape(-1, 2)
     ends, edge_of = np.unique(np.sort(both, axis=1), axis=0, return_inverse=True)
     return ends, edge_of.reshape(faces.shape)

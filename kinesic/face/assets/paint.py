@@ -151,7 +151,7 @@ def paint_skin(complexion: Complexion) -> Floats:
 
 @cache
 def paint_iris(complexion: Complexion) -> Floats:
-    """Return an (n, n, 3) picture of an eye seen along its axis.
+    """Return an (n, n, 3) picture of an eye along its axis.
 
     Its half width is `EYE_HALF_WIDTH` radii of the eyeball.
     """
@@ -219,7 +219,7 @@ def _paint_brows(complexion: Complexion, random: np.random.Generator) -> Floats:
 
 
 def _measure_brow(complexion: Complexion) -> tuple[Floats, Floats, Floats]:
-    """Return points of a brow: position 0..1 along it, chart a and y."""
+    """Return points of a brow: position 0..1, chart a, chart y."""
     points = np.array(complexion.brow)
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     return lengths / lengths[-1], points[:, 0], points[:, 1]

@@ -64,7 +64,7 @@ LIP_SHIFTS: Mapping[str, tuple[float, float, float]] = MappingProxyType(
 
 @dataclass(frozen=True)
 class LipArc:
-    """Displacement of a lip that varies from the middle to the corners of the mouth."""
+    """Displacement of a lip between the middle and the mouth corners."""
 
     lip: Literal["upper", "lower", "both"]
     axis: Literal["forward", "outward", "up"]
@@ -207,7 +207,7 @@ def round_lips(shape: str, moves: Floats, head: Mesh, falls: Floats) -> Floats:
 
 
 def smooth_corners(values: Floats, head: Mesh) -> Floats:
-    """Return (v, 3) positions or displacements [m], smoothed at the corners of the mouth.
+    """Return (v, 3) positions or displacements [m], smoothed at the mouth corners.
 
     In the source, the ends of the lower lip are flat triangles.
 
@@ -223,7 +223,7 @@ def smooth_corners(values: Floats, head: Mesh) -> Floats:
 
 
 def _weight_corners(head: Mesh) -> Floats:
-    """Return the (v,) weight 0..1 of the smoothing at the corners of the mouth."""
+    """Return the (v,) weight 0..1 of smoothing at the mouth corners."""
     rest = head.positions / (head.eyes[0, 1] - head.eyes[1, 1])
     away = np.hypot(np.abs(rest[:, 1]) - CORNER_CENTRE[0], rest[:, 2] - CORNER_CENTRE[1]) / CORNER_RADIUS
     on_lips = (head.parts == MESH_PARTS.index("skin")) & (rest[:, 0] > TEETH_FORWARD)
@@ -231,7 +231,10 @@ def _weight_corners(head: Mesh) -> Floats:
 
 
 def _weight_lips(head: Mesh, rest: Floats) -> Floats:
-    """Return the (v,) weight 0..1 of lip corrections, which fades above and below the lips."""
+    """Return the (v,) weight 0..1 of lip corrections.
+
+    It fades above and below the lips.
+    """
     away = np.abs(rest[:, 2] - LIP_LINE_HEIGHT)
     on_lips = (head.parts == MESH_PARTS.index("skin")) & (rest[:, 0] > TEETH_FORWARD)
     return np.asarray(np.clip((LIP_RAMP[1] - away) / (LIP_RAMP[1] - LIP_RAMP[0]), 0.0, 1.0) * on_lips)

@@ -230,7 +230,7 @@ class Bus:
         return True
 
     def _restore_cells(self, place: int) -> None:
-        """Rewrite the indirect addresses of a servo if a reboot has cleared them."""
+        """Rewrite indirect addresses of a servo after a reboot."""
         servo, exchange = self.servos[place], self._listener.exchange
         cells = servo.model.cells[0].addresses
         shown = exchange(packet.read_packet(servo.id, cells, len(CELL_CONTENTS)), servo.id, len(CELL_CONTENTS))

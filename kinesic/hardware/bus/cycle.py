@@ -86,7 +86,7 @@ class Event:
 
 @dataclass(frozen=True, eq=False)
 class Cycle:
-    """Result of one bus cycle, with servos in the order of the bus."""
+    """Result of one bus cycle, with servos in bus order."""
 
     time: float  # [s] start, on the wire's clock
     duration: float  # [s]

@@ -62,7 +62,7 @@ def stroke_delay(lexemes: Collection[str]) -> float:
 
 
 def is_in_long_stroke(at: float, strokes: Iterable[tuple[str, float]]) -> bool:
-    """Return whether a time lies between start and stroke of a long gesture.
+    """Return whether a long stroke is under way at a time.
 
     Args:
         at: time of a beat [s].

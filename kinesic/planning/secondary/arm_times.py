@@ -32,7 +32,7 @@ class ArmStroke:
 
 @dataclass(frozen=True, eq=False)
 class Gap:
-    """Time span before, between or after an arm's strokes, with its rests [s]."""
+    """Time span outside an arm's strokes, with its rests [s]."""
 
     begin: float
     end: float

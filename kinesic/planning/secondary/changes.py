@@ -69,7 +69,7 @@ class Changes:
 
     @cached_property
     def _spans(self) -> Indices:
-        """First and one past the last control point of each offset, (c, 2)."""
+        """Control-point range (c, 2) of each offset, end excluded."""
         (begins, ends), start = self._times.T, self.motion.start
         first = np.maximum(
             MIN_CONTROLS - 1, ((begins - start) / KNOT_INTERVAL).astype(np.intp)

@@ -67,7 +67,7 @@ def _find_rests(motion: Trajectory, span: Span, robot: Robot) -> Iterator[Span]:
 
 
 def _change_hands(setup: Setup, standing: Standing, chance: np.random.Generator) -> Floats | None:
-    """Return the offset (n,) [rad] from the rest pose to another one, or None.
+    """Return the offset (n,) [rad] to another rest pose, or None.
 
     Returns:
         None if the style names none, or the body cannot take it.

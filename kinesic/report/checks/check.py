@@ -110,5 +110,5 @@ def grade(verdicts: Iterable[Check]) -> Grade:
 
 
 def format_time(time: float) -> str:
-    """Format a time [s] as the place of a check: `at 1.20 s`."""
+    """Format a time [s] as place of a check: `at 1.20 s`."""
     return f"at {round(time, 2) + 0.0:.2f} s"

@@ -75,7 +75,7 @@ def _bones(skin_of: Skin, skeleton: Skeleton) -> list[Json]:
 
 
 def _turns(frame: SkinningFrame, skeleton: Skeleton) -> list[Json]:
-    """List the hinges of a rig frame that follows its segment only in part."""
+    """List the hinges of a rig frame with fractional rotation."""
     if (frame.rotation_fraction, frame.twist) == (1, 1):
         return []
     return [

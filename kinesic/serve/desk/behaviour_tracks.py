@@ -1,4 +1,4 @@
-"""Label and body parts of a planned behaviour, for timelines with a track per body part."""
+"""Label and body parts of a planned behaviour for timeline tracks."""
 
 from collections.abc import Sequence
 from typing import Literal

@@ -121,7 +121,7 @@ def locate_error(text: str) -> dict[str, Json]:
 
 
 def _words(plan: Plan) -> Iterator[dict[str, Json]]:
-    """Yield each caption of a plan's speeches with its start and end [s].
+    """Yield captions of a plan's speeches with start and end [s].
 
     Times count from the first command.
     """

@@ -187,7 +187,7 @@ class DocumentKeeper:
         return json_answer("backup", id=request.id, **msgspec.structs.asdict(backup.header), text=backup.text)
 
     def _list_styles(self, request: StylesRequest) -> str:
-        """Answer with the built-in styles and the valid style files of the folder."""
+        """Answer with the built-in styles and those of the folder."""
         names = [name for name in self._folder.list().names if name.endswith(GESTURE_SUFFIX)]
         styles = [entry.as_json() for entry in list_builtin_styles()]
         for name in names[:MAX_STYLE_FILES]:

@@ -1,4 +1,4 @@
-"""Styles of a client's folder: validation before they are saved, and their list."""
+"""Validation and list of the styles of a client's folder."""
 
 from dataclasses import asdict, dataclass
 from pathlib import Path

@@ -68,7 +68,7 @@ class AuthorQuestion(Struct, tag="author", tag_field="do", forbid_unknown_fields
 
 
 class AlternativesQuestion(Struct, tag="alternatives", tag_field="do", forbid_unknown_fields=True):
-    """Request for the gestures that could be shown at a word, the best first."""
+    """Request for the possible gestures at a word, the best first."""
 
     text: str  # spoken text
     at: Annotated[int, Meta(ge=0, le=99_999)]  # position [characters] of the word in the text

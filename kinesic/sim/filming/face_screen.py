@@ -110,7 +110,7 @@ def build_face_screen(robot: Robot) -> FaceScreen | None:
 
 
 def _measure_head_width(shell: SegmentShell | None, shapes: tuple[Capsule, ...], left: Floats) -> float:
-    """Return the width [m] of a head's shell, or else of its capsules."""
+    """Return the width [m] of a head's shell or capsules."""
     if shell is not None:
         return float(np.ptp(shell.vertices @ left))
     ends = [(float(end @ left), shape.radius) for shape in shapes for end in (shape.start, shape.end)]

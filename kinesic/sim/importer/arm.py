@@ -42,7 +42,7 @@ class Split:
 
 @dataclass(frozen=True, eq=False)
 class Centres:
-    """Joint centres [m] of an arm in one pose, and its shoulder axes."""
+    """Joint centres [m] and shoulder axes of an arm in one pose."""
 
     shoulder: Floats  # (3,)
     elbow: Floats  # (3,)

@@ -58,7 +58,7 @@ def _list_points(part: ModelPart) -> Floats:
 
 
 def _find_front(points: Floats, size: float) -> Floats | None:
-    """Return the midpoint (3,) [m] of the eyes from a head's surface points.
+    """Return the eyes' midpoint (3,) [m] from a head's surface points.
 
     It is at half the head's height, as far forward as the head there. None if there are too few points.
     """

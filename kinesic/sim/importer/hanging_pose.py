@@ -33,7 +33,7 @@ class HangingPose:
 
 @dataclass(frozen=True, eq=False)
 class Ranges:
-    """Ranges of an arm's hinges relative to their angles in its start pose."""
+    """Ranges of an arm's hinges relative to its start pose."""
 
     lower: Floats  # (k,) [rad], -inf if unknown
     upper: Floats  # (k,) [rad], inf if unknown

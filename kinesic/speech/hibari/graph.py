@@ -62,7 +62,7 @@ def edit_graph(model: bytes) -> EditedGraph:
 
 
 def _edit_graph(fields: list[WireField]) -> tuple[bytes, str]:
-    """Add pitch input and duration output to the graph, and make its rate variable."""
+    """Add pitch and rate inputs and a duration output to the graph."""
     durations = _find_durations(field.value for field in fields if field.number == GRAPH_NODE)
     parts: list[bytes | memoryview] = []
     edited: list[str] = []

@@ -1,4 +1,4 @@
-"""Reader and analysis of answers to face studies, as in thesis Tables 4.3-4.5.
+"""Reader and analysis of answers to face studies (thesis Tables 4.3-4.5).
 
 An answer is one CSV row per face. Likert scales are not normally distributed, so two conditions are compared by the
 Mann-Whitney test (thesis 4.5). It takes answers as independent; a second test compares the means of each participant.

@@ -80,7 +80,7 @@ def write_study_page(path: Path, *, folder: str = "stimuli", post_to: str = "") 
 
 
 def file_of(stimulus: Stimulus) -> str:
-    """Return the picture or film name of a stimulus, which reveals no condition."""
+    """Return a stimulus' file name, which reveals no condition."""
     return f"{stimulus.code}{'.webp' if stimulus.presentation == 'animation' else '.png'}"
 
 

@@ -59,7 +59,7 @@ def group_poses(clips: Iterable[BodyMotion]) -> Mapping[str, StanceGroups]:
 
 
 def find_pose(stance: Floats) -> str | None:
-    """Return the name of the arm pose of posture angles (s,) [deg], or None."""
+    """Return the arm pose's name of posture angles (s,) [deg], or None."""
     right, left = _find_place(stance, 1), _find_place(stance, 0)
     return next((name for name, places in POSE_PLACES.items() if places in ((right, left), (left, right))), None)
 
