@@ -22,6 +22,7 @@ from ..serve.conftest import Running, running
 
 PATIENT = Quotas(planning=60.0)  # the machine may be shared
 STEP = 10.0  # [s] longest wait for an answer of the browser
+BACKUP_DELAY = 0.2  # [s] in which the server writes the last backup of a closed page
 
 
 @dataclass(frozen=True)
@@ -33,12 +34,10 @@ class Desk:
     files: Mapping[str, WebFile]
 
     def clear(self) -> None:
-        """Empty the folder, and interrupt the robot until it rests."""
-        for path in self.folder.iterdir():
-            if path.is_dir():
-                rmtree(path)
-            else:
-                path.unlink()
+        """Interrupt the robot until it rests, and empty the folder.
+
+        A last backup of a closed page may come late.
+        """
         with self.server.client() as client:
             client.do("resume")
             client.do("interrupt")
@@ -46,6 +45,13 @@ class Desk:
             while '"resting"' not in _read_status(client):
                 assert monotonic() < end, "the robot does not come to rest"
                 sleep(0.05)
+        while paths := list(self.folder.iterdir()):
+            for path in paths:
+                if path.is_dir():
+                    rmtree(path, ignore_errors=True)
+                else:
+                    path.unlink(missing_ok=True)
+            sleep(BACKUP_DELAY)
 
 
 def _read_status(client: Client) -> str:

@@ -31,7 +31,7 @@ def select(studio: Studio, value: str) -> None:
 def slide(studio: Studio, name: str, value: float) -> None:
     planned, slider = studio.state("planned"), f"document.querySelector('[aria-label={name}]')"
     studio.page.value(f"{slider}.value = '{value}', {slider}.dispatchEvent(new Event('change'))")
-    studio.until(f"s.planned > {planned}")
+    studio.until(f"s.planned > {planned} && s.plannedText === s.text")
 
 
 def sliders(studio: Studio) -> dict[str, float]:
