@@ -17,6 +17,8 @@ from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.session.setup import set_up
 from kinesic.studies.gestures.vocabulary import list_vocabulary
 
+from .naming import about
+
 ROOT = Path(__file__).resolve().parent.parent
 ARCHITECTURE = ROOT / "docs" / "explanation" / "architecture.md"
 GUIDES = ROOT / "docs" / "how-to"
@@ -27,20 +29,22 @@ MAPS = [ROOT / "CONTRIBUTING.md", ROOT / "AGENTS.md", ARCHITECTURE, THESIS_MAP, 
 PAGES = sorted([*ROOT.glob("*.md"), *SKILLS, *(ROOT / "docs").rglob("*.md")])
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_documentation_links_have_targets(page: Path):
-    links = re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text(encoding="utf-8"))
-    local = [link for link in links if not link.startswith(("http://", "https://"))]
-    assert [link for link in local if not (page.parent / link).exists()] == []
+def test_documentation_links_have_targets():
+    for page in PAGES:
+        links = re.findall(r"\]\(([^)#]+)[^)]*\)", page.read_text(encoding="utf-8"))
+        local = [link for link in links if not link.startswith(("http://", "https://"))]
+        with about(page.relative_to(ROOT)):
+            assert [link for link in local if not (page.parent / link).exists()] == []
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_names_imported_in_documentation_examples_exist(page: Path):
-    snippets = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
-    imports = [node for text in snippets for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)]
-    names = [(str(node.module), name.name) for node in imports for name in node.names]
-    names = [name for name in names if name[0].startswith("kinesic")]
-    assert [name for name in names if not hasattr(import_module(name[0]), name[1])] == []
+def test_names_imported_in_documentation_examples_exist():
+    for page in PAGES:
+        snippets = re.findall(r"```python\n(.*?)```", page.read_text(encoding="utf-8"), re.DOTALL)
+        imports = [node for text in snippets for node in ast.walk(ast.parse(text)) if isinstance(node, ast.ImportFrom)]
+        names = [(str(node.module), name.name) for node in imports for name in node.names]
+        names = [name for name in names if name[0].startswith("kinesic")]
+        with about(page.relative_to(ROOT)):
+            assert [name for name in names if not hasattr(import_module(name[0]), name[1])] == []
 
 
 def test_site_navigation_lists_each_page_once():

@@ -13,6 +13,8 @@ import pytest
 from kinesic import Performer
 from kinesic.cli.verbs import kinesic
 
+from .naming import about
+
 ROOT = Path(__file__).resolve().parent.parent
 USAGE_LINES = ROOT / "docs" / "reference" / "command-line.md"  # written from the code, with placeholders
 PAGES = [
@@ -54,13 +56,11 @@ def parse_command(words: list[str]) -> None:
     command.make_context(command.name, list(words), parent=context.parent)
 
 
-@pytest.mark.parametrize("page", PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_documented_commands_have_valid_verbs_options_and_values(page: Path):
-    for words in list_commands(page):
-        try:
-            parse_command(words)
-        except click.UsageError as error:
-            pytest.fail(f"kinesic {shlex.join(words)}: {error.format_message()}")
+def test_documented_commands_have_valid_verbs_options_and_values():
+    for page in PAGES:
+        for words in list_commands(page):
+            with about(f"{page.relative_to(ROOT)}: kinesic {shlex.join(words)}"):
+                parse_command(words)
 
 
 def test_wrong_options_and_verbs_of_documented_commands_are_rejected(tmp_path: Path):

@@ -7,6 +7,8 @@ from pathlib import Path
 import pytest
 from packaging.requirements import Requirement
 
+from .naming import about
+
 ROOT = Path(__file__).resolve().parent.parent
 EXTRAS = ("speech", "face", "voice", "dev")
 TOOLS = ("docs", "release", "compiler")  # lists without the core
@@ -39,10 +41,11 @@ NEEDED = [
 ]
 
 
-@pytest.mark.parametrize(("extra", "needed"), NEEDED)
-def test_locked_versions_satisfy_the_project_requirements(extra: str, needed: str):
-    requirement = Requirement(needed)
-    assert requirement.specifier.contains(pins(extra)[normalised(requirement.name)])
+def test_locked_versions_satisfy_the_project_requirements():
+    for extra, needed in NEEDED:
+        requirement = Requirement(needed)
+        with about(f"{needed} of {extra or 'the core'}"):
+            assert requirement.specifier.contains(pins(extra)[normalised(requirement.name)])
 
 
 @pytest.mark.parametrize("extra", LISTS)

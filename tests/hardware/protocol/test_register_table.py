@@ -5,7 +5,8 @@ import pytest
 from kinesic.hardware.protocol.models import SERVO_MODELS, Model
 from kinesic.hardware.protocol.registers import Register
 
-from ...manual_servo.table import MODELS, Item, items
+from ...manual_servo.table import MODELS, items
+from ...naming import about
 
 BY_ADDRESS = {register.field.address: register for register in Register}
 UNSPECIFIED_INITIALS = {"firmware", "volts", "celsius", "shutdown"}  # present values, and 53 or 52 by the edition
@@ -20,26 +21,23 @@ SERIES_TEMPERATURES = {"xl330": 70, "xc330": 70, "xl430": 72, "xc430": 80, "xm43
 SERIES_TEMPERATURES |= {"xm540": 80, "xh540": 80, "xw540": 80}  # [C]
 SERIES_VOLTAGES = {"xl330": (35, 70), "xl430": (60, 140), "xc430": (60, 160), "xm430": (95, 160)}  # [0.1 V]
 SERIES_VOLTAGES |= dict.fromkeys(("xh430", "xm540", "xh540", "xw540"), (95, 160))  # [0.1 V]
-CASES = [(name, label) for name, model in MODELS.items() for label in items(model, 1, 52)]
 EVERY_MODEL = pytest.mark.parametrize("model", SERVO_MODELS.values(), ids=list(SERVO_MODELS))
 
 
-def item_of(name: str, label: str) -> Item:
-    return items(MODELS[name], 1, 52)[label]
-
-
-@pytest.mark.parametrize(("name", "label"), CASES)
-def test_register_agrees_with_the_independent_table(name: str, label: str):
-    item, model = item_of(name, label), SERVO_MODELS[name]
-    register = BY_ADDRESS[item.address]
-    assert model.has(register)
-    assert (register.field.size, register.field.signed) == (item.size, item.signed)
-    assert register.field.writable == item.writable
-    assert register.field.eeprom == item.lasting
-    if label not in UNSPECIFIED_INITIALS:
-        assert model.factory_value(register) == MODEL_INITIALS.get((name, label), item.initial)
-    if item.bounds is not None and item.writable and label not in UNSPECIFIED_RANGES:
-        assert model.allowed_range(register) == MODEL_RANGES.get((name, label), item.bounds)
+@pytest.mark.parametrize("name", MODELS)
+def test_registers_of_a_model_agree_with_the_independent_table(name: str):
+    model = SERVO_MODELS[name]
+    for label, item in items(MODELS[name], 1, 52).items():
+        register = BY_ADDRESS[item.address]
+        with about(label):
+            assert model.has(register)
+            assert (register.field.size, register.field.signed) == (item.size, item.signed)
+            assert register.field.writable == item.writable
+            assert register.field.eeprom == item.lasting
+            if label not in UNSPECIFIED_INITIALS:
+                assert model.factory_value(register) == MODEL_INITIALS.get((name, label), item.initial)
+            if item.bounds is not None and item.writable and label not in UNSPECIFIED_RANGES:
+                assert model.allowed_range(register) == MODEL_RANGES.get((name, label), item.bounds)
 
 
 @pytest.mark.parametrize("name", MODELS)

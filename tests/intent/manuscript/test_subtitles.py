@@ -8,6 +8,8 @@ from kinesic.intent.manuscript.pieces import Manuscript, SubtitleState
 from kinesic.intent.manuscript.reading import read_manuscript, read_more
 from kinesic.intent.manuscript.subtitles import read_more_subtitles, read_subtitles
 
+from ...naming import about
+
 SUBRIP = (
     "1\r\n00:00:01,000 --> 00:00:02,000\r\n<i>Hello</i>\r\nthere.\r\n\r\n2\r\n00:00:04,500 --> 00:00:06,000\r\nBye.\r\n"
 )
@@ -77,11 +79,12 @@ def test_code_fence_ends_a_subtitle():
     assert read_subtitles("```\n1\n00:00:01,000 --> 00:00:02,000\nHi.\n```\nBye.") == "```\nHi.\n```\nBye."
 
 
-@pytest.mark.parametrize("seed", CUT_SEEDS)
-def test_subtitles_streamed_in_random_chunks_are_read_like_whole_ones(seed: int):
-    generator = random.Random(seed)
-    text = "".join(generator.choices(FRAGMENTS, k=generator.randrange(2, 30)))
-    assert read_in_parts(text, generator) == read_subtitles(text)
+def test_subtitles_streamed_in_random_chunks_are_read_like_whole_ones():
+    for seed in CUT_SEEDS:
+        generator = random.Random(seed)
+        text = "".join(generator.choices(FRAGMENTS, k=generator.randrange(2, 30)))
+        with about(f"seed {seed}"):
+            assert read_in_parts(text, generator) == read_subtitles(text)
 
 
 @pytest.mark.parametrize("text", [SUBRIP, WEBVTT, f"Read this:\n\n{SUBRIP}\nThank you."])
