@@ -105,14 +105,13 @@ def validate_documents(
     """
     tasks = [DocumentTask.of(file, settings) for file in dict.fromkeys(files)]
     journal = Journal(folder / JOURNAL_FILE, DocumentVerdict) if folder else None
+    prepare = partial(_prepare, make_setup, twins, reports=folder is not None)
     verdicts = run_once(
         {task: task.key for task in tasks},
-        partial(_prepare, make_setup, twins, reports=folder is not None),
-        engine,
+        lambda left: engine.run(left, prepare, preload=__name__),
         journal,
         keep=partial(_keep, folder),
         holds=lambda verdict: verdict.report is None or Path(verdict.report).exists(),
-        preload=__name__,
     )
     for task, verdict in verdicts:
         yield _crashed(task, verdict, folder) if isinstance(verdict, WorkerCrash) else verdict

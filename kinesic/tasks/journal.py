@@ -3,14 +3,13 @@
 An interrupted run continues without repeating finished tasks.
 """
 
-from collections.abc import Callable, Generator, Iterator, Mapping
+from collections.abc import Callable, Generator, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Generic, TypeVar
 
 import msgspec
 
 from kinesic.files.output_file import new_file, open_to_add
-from kinesic.tasks.engine import Engine
 from kinesic.tasks.processes import WorkerCrash
 
 Task = TypeVar("Task")
@@ -74,14 +73,12 @@ def _line(key: str, entry: object) -> bytes:
 
 def run_once(
     tasks: Mapping[Task, str],
-    prepare: Callable[[], Callable[[Task], Result]],
-    engine: Engine,
+    run: Callable[[list[Task]], Iterable[tuple[Task, Result | WorkerCrash]]],
     journal: Journal[Entry] | None,
     *,
     keep: Callable[[Task, Result], Entry],
     holds: Callable[[Entry], bool] = lambda entry: True,
     forgets: bool = True,
-    preload: str = "",
 ) -> Generator[tuple[Task, Entry | WorkerCrash], None, None]:
     """Run each task once across interrupted runs, and yield the results.
 
@@ -90,13 +87,11 @@ def run_once(
 
     Args:
         tasks: task -> key, which contains everything that its result depends on.
-        prepare: called once in each worker, returns the function that does a task; picklable.
-        engine: engine for the tasks.
+        run: runs the remaining tasks and yields each result as soon as it is available, like `Engine.run`.
         journal: journal of the run; None: nothing is recorded.
         keep: converts a result to its entry, and writes files that must exist before the task counts as done.
         holds: returns whether a recorded entry is still valid.
         forgets: whether invalid entries and those of other tasks are removed; a run of several rounds keeps them.
-        preload: module that workers import first.
     """
     recorded = journal.read() if journal else {}
     valid = {key: entry for key, entry in recorded.items() if holds(entry)}
@@ -105,7 +100,7 @@ def run_once(
         journal.rewrite(valid)
     yield from ((task, valid[key]) for task, key in tasks.items() if key in valid)
     left = [task for task, key in tasks.items() if key not in valid]
-    for task, result in engine.run(left, prepare, preload=preload):
+    for task, result in run(left):
         if isinstance(result, WorkerCrash):
             yield task, result
             continue

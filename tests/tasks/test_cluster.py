@@ -86,7 +86,8 @@ def test_no_task_is_lost_or_duplicated_when_workers_are_killed(kind, two, tmp_pa
     journal = Journal(tmp_path / "finished.jsonl", int)
     tasks = {number: str(number) for number in range(COUNT)}
     killed, results = set(), []
-    run = run_once(tasks, partial(square_in, tmp_path / "notes"), engine, journal, keep=lambda task, result: result)
+    square = partial(square_in, tmp_path / "notes")
+    run = run_once(tasks, lambda left: engine.run(left, square), journal, keep=lambda task, result: result)
     for task, result in run:
         results.append((task, result))
         alive = victims(tmp_path / "notes") - killed

@@ -92,12 +92,10 @@ def search(
         tasks = [DesignTask(design, tuple(added_documents), settings) for design in designs_to_try]
         results = run_once(
             {task: task.key for task in tasks},
-            partial(prepare_trials, robot, style),
-            engine,
+            lambda left: engine.run(left, partial(prepare_trials, robot, style), preload=__name__),
             journal,
             keep=lambda task, trial: trial,
             forgets=False,
-            preload=__name__,
         )
         for number, (task, result) in enumerate(results, 1):
             stage(words, number / len(tasks))
