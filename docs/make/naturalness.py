@@ -12,7 +12,8 @@ from kinesic.bench.naturalness import VARIATION_SEEDS, document_metrics, draw, m
 from kinesic.bench.naturalness.bars import METRIC_PREFIX
 from kinesic.bench.naturalness.body import BODY_PARTS
 from kinesic.bench.naturalness.captured_table import read_captured_table
-from kinesic.bench.naturalness.lexicon import MeasuredGesture, group_by_style
+from kinesic.bench.naturalness.lexicon import group_by_style
+from kinesic.bench.naturalness.measures import GestureMeasures
 from kinesic.bench.naturalness.rows import EFFORT_ROWS, MOTION_ROWS, ROW_PERCENTILES, values
 from kinesic.bench.naturalness.story import STORY_STYLES
 from kinesic.body.config import names_of
@@ -24,20 +25,33 @@ LEGIBILITY_COLUMNS = {
     "without variation": f"{METRIC_PREFIX}.",
     **{f"variation, seed {seed}": f"{METRIC_PREFIX}.varied.{seed}." for seed in VARIATION_SEEDS},
 }
+HandsByStyle = Mapping[str, Sequence[GestureMeasures]]
 DELAYS = re.compile(r"later: (\S+) \S+ \S+ \S+ (\S+) \(n (\d+)\)")  # percentiles in the note of a delay metric
 
 
-def hand_table(gestures: Sequence[MeasuredGesture]) -> list[str]:
-    """Tabulate percentiles of captured gestures and the neutral style, and medians of other styles."""
-    styles = {style: [each.hand for each in group if each.hand] for style, group in group_by_style(gestures).items()}
-    others = [style for style in styles if style != NEUTRAL_STYLE]
+def hand_table(styles: HandsByStyle) -> list[str]:
+    """Tabulate percentiles of captured gestures and of the neutral style."""
     rows = []
-    for name, label in read_definitions("hand-rows").items():
+    for name, label in hand_labels().items():
         people = read_captured_table().percentiles.get(name)
         neutral = np.percentile(values(name, styles[NEUTRAL_STYLE]), ROW_PERCENTILES).tolist()
-        medians = [f"{np.median(values(name, styles[style])):.2f}" for style in others]
-        rows.append((label, MOTION_ROWS[name].unit, format_range(people), format_range(neutral), *medians))
-    return format_table("quantity", "unit", "captured", NEUTRAL_STYLE, *others, rows=rows)
+        rows.append((label, format_range(people), format_range(neutral)))
+    return format_table("quantity", "captured", NEUTRAL_STYLE, rows=rows)
+
+
+def style_table(styles: HandsByStyle) -> list[str]:
+    """Tabulate medians of each style."""
+    rows = [
+        (label, *(f"{np.median(values(name, hands)):.2f}" for hands in styles.values()))
+        for name, label in hand_labels().items()
+    ]
+    return format_table("quantity", *styles, rows=rows)
+
+
+def hand_labels() -> dict[str, str]:
+    """Return the label of each hand-motion measure with its unit."""
+    labels = read_definitions("hand-rows")
+    return {name: f"{label} [{unit}]" if (unit := MOTION_ROWS[name].unit) else label for name, label in labels.items()}
 
 
 def format_range(percentiles: Sequence[float] | None) -> str:
@@ -86,12 +100,14 @@ def turn_table(metrics: Mapping[str, Metric]) -> list[str]:
 if __name__ == "__main__":
     styles = names_of("style")
     gestures = measured(styles)
+    hands = {style: [each.hand for each in group if each.hand] for style, group in group_by_style(gestures).items()}
     metrics = [*style_metrics(gestures, Robot.load().arm_length), *document_metrics(), *varied_metrics()]
     details, by_name = describe_details(metrics), {metric.name: metric for metric in metrics}
     replace_tables(
         BENCHMARKS / "naturalness.md",
         {
-            "hands": hand_table(gestures),
+            "hands": hand_table(hands),
+            "styles": style_table(hands),
             "hand-motion": metric_table(metrics, "hand-motion", details),
             "legibility": compared_table(metrics, "legibility", LEGIBILITY_COLUMNS, details),
             "synchrony": metric_table(metrics, "synchrony", details),

@@ -21,8 +21,10 @@ def body_table(metrics: Mapping[str, Metric]) -> list[str]:
         people = [metrics.get(f"{METRIC_PREFIX}.{measured.name}.{name}") for measured in tuned]
         unseen = _format_value(metrics.get(f"{METRIC_PREFIX}.PNGestures.{name}"))
         cells = [_format_value(metric) + (" (missed)" if metric.ok is False else "") for metric in ours]
-        rows.append((label, ours[0].unit, *cells, _format_range(people), unseen, format_goal(ours[0])))
-    return format_table("measure", "unit", *COMPARED_ROBOTS, "tuned sets", "PNGestures", "goal", rows=rows)
+        unit = ours[0].unit.replace("deg", "°")
+        measure = f"{label} [{unit}]" if unit else label
+        rows.append((measure, *cells, _format_range(people), unseen, format_goal(ours[0])))
+    return format_table("measure", *COMPARED_ROBOTS, "tuned sets", "PNGestures", "goal", rows=rows)
 
 
 def _format_value(metric: Metric | None) -> str:
