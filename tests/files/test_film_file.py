@@ -164,10 +164,10 @@ def test_mp4_film_keeps_colours_duration_and_sound(tmp_path: Path):
     assert np.median(apart) < 4
 
 
-def test_error_for_a_missing_encoder_gives_the_command_that_installs_ffmpeg(
+def test_error_for_a_missing_encoder_gives_the_command_that_installs_one(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setenv("PATH", str(tmp_path))
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
-    with pytest.raises(EncodingError, match="apt-get install ffmpeg"):
+    with pytest.raises(EncodingError, match="pip install imageio-ffmpeg, or install ffmpeg"):
         open_film(tmp_path / "x.mp4", PICTURE_SIZE, rate=30.0)
