@@ -2,21 +2,22 @@
 
 `make test` starts two processes more than there are processors. Realtime tests wait for three quarters of their time,
 so they run in these two processes; the others calculate at a lower priority, except on a machine that is busy at the
-start, where low priority would stall the run. Files with pages share one process, which starts the browser once. Files
-of a folder that share a server run in succession, so that it starts once. Otherwise large files come first, so that all
-processes end together.
+start, where low priority would stall the run. Files with pages share one process, which starts the browser once. A
+process stays in a package as long as it has files: they share servers, caches and imported modules. Otherwise large
+files come first, so that all processes end together.
 
 Each process imports all tests. After a change, all would compile the same file at the same time, so each starts with
 another file and finds compiled files of the others.
 """
 
 import os
-from collections.abc import Collection
+from collections.abc import Collection, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Literal
 
 import pytest
+from xdist.remote import Producer
 from xdist.scheduler import LoadFileScheduling
 from xdist.workermanage import WorkerController
 
@@ -28,18 +29,15 @@ FILE_ORDER: dict[str, tuple[Kind, ...]] = {  # kinds of files that a process pre
     "gw1": ("clock", "calculation", "page"),
 }
 OTHER_ORDER: tuple[Kind, ...] = ("calculation", "clock", "page")  # of all other processes
-STUDIO_FOLDER = "tests/studio/"
-SERVER_FOLDERS = (STUDIO_FOLDER, "tests/serve/")  # folders whose tests share a server while they run in succession
+STUDIO_FOLDER = "tests/studio/"  # folder whose tests show pages by a fixture
 CALCULATION_NICENESS = 5  # niceness of calculating processes
 MAX_BUSY_PROCESSES = 3  # runnable processes per processor above which no process lowers its priority
 
 
 @cache
-def rank(file: Path, root: Path) -> tuple[int, int, str]:
-    """Rank test files: folders that share a server first, then by size."""
-    name = file.relative_to(root).as_posix()
-    folders = (number for number, folder in enumerate(SERVER_FOLDERS) if name.startswith(folder))
-    return next(folders, len(SERVER_FOLDERS)), -file.stat().st_size, name
+def rank(file: Path, root: Path) -> tuple[int, str]:
+    """Rank test files by size, the largest first."""
+    return -file.stat().st_size, file.relative_to(root).as_posix()
 
 
 def begin_elsewhere(nodes: list, worker: str, count: int) -> list:
@@ -57,18 +55,59 @@ def kind_of(file: str, root: Path) -> Kind:
     return "clock" if "mark.realtime" in text else "calculation"
 
 
-def choose_file(files: Collection[str], worker: str, root: Path) -> str:
-    """Return the first file of the kind that a process prefers."""
-    order = FILE_ORDER.get(worker, OTHER_ORDER)
-    return next(file for kind in order for file in files if kind_of(file, root) == kind)
+@cache
+def package_of(file: str) -> str:
+    """Return the folder below `tests` that contains a test file, or the file itself."""
+    return "/".join(file.split("/")[:2])
+
+
+def choose_file(files: Collection[str], worker: str, root: Path, packages: Mapping[str, str]) -> str:
+    """Return the next file for a process.
+
+    It has the kind that the process prefers. Files of its last package come first, those of other processes last.
+
+    Args:
+        files: files that remain, the largest first.
+        worker: name of the process.
+        root: root folder of the project.
+        packages: last package of each process.
+    """
+    order, last = FILE_ORDER.get(worker, OTHER_ORDER), packages.get(worker)
+    kind = next(kind for kind in order if any(kind_of(file, root) == kind for file in files))
+    taken = {package for other, package in packages.items() if other != worker}
+    return min(
+        (file for file in files if kind_of(file, root) == kind),
+        key=lambda file: (package_of(file) != last, package_of(file) in taken),
+    )
+
+
+class IndexedTests(list[str]):
+    """Collected tests whose positions are found without a search."""
+
+    def __init__(self, names: Sequence[str]) -> None:
+        super().__init__(names)
+        self._positions = {name: position for position, name in enumerate(names)}
+
+    def index(self, name: str, *_range: int) -> int:
+        return self._positions[name]
 
 
 class ClockBesideCalculation(LoadFileScheduling):
-    """Scheduler that gives each process files of its kind first."""
+    """Scheduler that gives each process files of its kind and package first."""
+
+    def __init__(self, config: pytest.Config, log: Producer) -> None:
+        super().__init__(config, log)
+        self._packages: dict[str, str] = {}  # last package of each process
+
+    def add_node_collection(self, node: WorkerController, collection: Sequence[str]) -> None:
+        super().add_node_collection(node, collection)
+        self.registered_collections[node] = IndexedTests(collection)
 
     def _assign_work_unit(self, node: WorkerController) -> None:
         if self.workqueue:
-            mine = choose_file(self.workqueue, node.gateway.id, Path(self.config.rootpath))
+            worker = node.gateway.id
+            mine = choose_file(self.workqueue, worker, Path(self.config.rootpath), self._packages)
+            self._packages[worker] = package_of(mine)
             self.workqueue.move_to_end(mine, last=False)
         super()._assign_work_unit(node)
 

@@ -2,7 +2,9 @@
 
 from pathlib import Path
 
-from .scheduling import SERVER_FOLDERS, begin_elsewhere, choose_file, rank
+import pytest
+
+from .scheduling import IndexedTests, begin_elsewhere, choose_file, package_of, rank
 
 
 def test_each_test_process_collects_all_files_in_another_order():
@@ -20,33 +22,53 @@ def test_larger_test_files_come_first_and_equal_ones_in_order_of_name(tmp_path: 
     assert [file.name for file in results] == ["test_large.py", "test_a.py", "test_b.py"]
 
 
-def test_files_of_folders_with_a_shared_server_come_first_and_in_succession(tmp_path: Path):
-    names = ("tests/serve/test_b.py", "tests/studio/test_a.py", "tests/test_large.py", "tests/serve/desk/test_c.py")
-    for name in names:
+FILE_TEXTS = {  # test files by size, the largest first
+    "tests/sum/test_large.py": "",
+    "tests/clock/test_tick.py": "pytest.mark.realtime",
+    "tests/page/test_page.py": "from ..chromium import opened",
+    "tests/studio/test_words.py": "",
+    "tests/sum/test_small.py": "",
+    "tests/face/test_eyes.py": "",
+}
+
+
+@pytest.fixture
+def root(tmp_path: Path) -> Path:
+    for name, text in FILE_TEXTS.items():
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text("#" * len(name))
-    results = sorted((tmp_path / name for name in names), key=lambda file: rank(file, tmp_path))
-    assert [file.name for file in results] == ["test_a.py", "test_c.py", "test_b.py", "test_large.py"]
-
-
-def test_studio_files_run_in_the_browser_process(tmp_path: Path):
-    names = ["tests/test_large.py", "tests/studio/test_a.py"]
-    for name in names:
-        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).touch()
-    chosen = {worker: choose_file(names, worker, tmp_path) for worker in ("gw0", "gw1", "gw2")}
-    assert chosen == {"gw0": names[1], "gw1": names[0], "gw2": names[0]}
-
-
-def test_folders_listed_with_a_shared_server_exist():
-    assert all((Path(__file__).parents[1] / folder).is_dir() for folder in SERVER_FOLDERS)
-
-
-def test_browser_test_files_run_in_one_process_while_other_files_remain(tmp_path: Path):
-    texts = {"sum.py": "", "tick.py": "pytest.mark.realtime", "page.py": "from ..chromium import opened"}
-    for name, text in texts.items():
         (tmp_path / name).write_text(text)
-    chosen = {worker: choose_file(texts, worker, tmp_path) for worker in ("gw0", "gw1", "gw2")}
-    assert chosen == {"gw0": "page.py", "gw1": "tick.py", "gw2": "sum.py"}
-    assert choose_file(["tick.py", "page.py"], "gw2", tmp_path) == "tick.py"
-    assert choose_file(["page.py"], "gw2", tmp_path) == "page.py"
+    return tmp_path
+
+
+def test_pages_and_clocks_have_a_process_each_beside_calculations(root: Path):
+    chosen = {worker: choose_file(FILE_TEXTS, worker, root, {}) for worker in ("gw0", "gw1", "gw2")}
+    assert chosen == {
+        "gw0": "tests/page/test_page.py",
+        "gw1": "tests/clock/test_tick.py",
+        "gw2": "tests/sum/test_large.py",
+    }
+    pages = [name for name in FILE_TEXTS if "test_page" in name or "test_tick" in name]
+    assert choose_file(pages, "gw2", root, {}) == "tests/clock/test_tick.py"
+    assert choose_file(pages[1:], "gw2", root, {}) == "tests/page/test_page.py"
+
+
+def test_process_stays_in_its_package_while_files_of_its_kind_remain(root: Path):
+    assert choose_file(FILE_TEXTS, "gw2", root, {"gw2": "tests/face"}) == "tests/face/test_eyes.py"
+    assert choose_file(FILE_TEXTS, "gw0", root, {"gw0": "tests/studio"}) == "tests/studio/test_words.py"
+    assert choose_file(FILE_TEXTS, "gw0", root, {"gw0": "tests/sum"}) == "tests/page/test_page.py"
+
+
+def test_process_begins_a_package_of_another_process_last(root: Path):
+    assert choose_file(FILE_TEXTS, "gw2", root, {"gw3": "tests/sum"}) == "tests/face/test_eyes.py"
+    assert choose_file(list(FILE_TEXTS)[:4], "gw2", root, {"gw3": "tests/sum"}) == "tests/sum/test_large.py"
+
+
+def test_package_of_a_test_is_its_folder_below_tests_or_its_file():
+    assert package_of("tests/face/render/test_shadow.py") == "tests/face"
+    assert package_of("tests/test_lock.py") == "tests/test_lock.py"
+
+
+def test_positions_of_indexed_tests_equal_those_of_a_list():
+    names = ["b", "a", "c"]
+    assert [IndexedTests(names).index(name) for name in names] == [0, 1, 2]
+    assert IndexedTests(names) == names
