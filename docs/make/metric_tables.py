@@ -29,6 +29,8 @@ def metric_table(metrics: Iterable[Metric], table: str, details: Mapping[str, st
     found = {metric.name: metric for metric in metrics}
     rows = []
     for name, definition in read_definitions(table).items():
+        if name not in found:
+            continue  # for example the nearest of no pairs
         metric, short = found[name], name.partition(".")[2]
         cells = format_value(metric), format_goal(metric), VERDICTS[metric.ok], details.get(name, "")
         rows.append((f"`{short}`", definition, *cells))
@@ -41,16 +43,18 @@ def compared_table(
     """Format metrics that were measured several times, one column each, as Markdown.
 
     Args:
-        metrics: measured metrics; a goal is that of the first column.
+        metrics: measured metrics; the goal of a row is that of its first metric.
         table: name of the table in metric_definitions.toml.
         columns: prefix of the metrics' names, by title of the column.
-        details: text of the last column, by full name of the first column's metric.
+        details: text of the last column, by full name of the row's first metric.
     """
     found = {metric.name: metric for metric in metrics}
     rows = []
     for name, definition in read_definitions(table).items():
         values = [found.get(prefix + name) for prefix in columns.values()]
-        first = found[next(iter(columns.values())) + name]
+        first = next((metric for metric in values if metric is not None), None)
+        if first is None:
+            continue
         cells = ["" if metric is None else format_value(metric, MISSED_NOTES[metric.ok]) for metric in values]
         rows.append((f"`{name}`", definition, *cells, format_goal(first), details.get(first.name, "")))
     return format_table("metric", "definition", *columns, "goal", "details", rows=rows)
