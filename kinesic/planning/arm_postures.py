@@ -199,7 +199,7 @@ def solve_arms(
     max_count = MAX_KEYS_PER_CALL if all(true_arm(robot, side).exact for side in SIDES) else 1
     first, count = 0, max_count
     while first < len(tasks):
-        next_tasks = _ahead(tasks, first, count, angles[first], robot)
+        next_tasks = _list_independent_keys(tasks, first, count, angles[first], robot)
         rows, beginnings = _solved(next_tasks, angles[first : first + len(next_tasks)], path_starts, robot)
         collision_row = _cleared(next_tasks, rows, robot, distances)
         solved_count = len(rows) if collision_row is None else collision_row + 1
@@ -214,7 +214,9 @@ def solve_arms(
     return angles, targets
 
 
-def _ahead(tasks: Sequence[ArmsTask], first: int, count: int, posture: Floats, robot: Robot) -> list[ArmsTask]:
+def _list_independent_keys(
+    tasks: Sequence[ArmsTask], first: int, count: int, posture: Floats, robot: Robot
+) -> list[ArmsTask]:
     """Return the next keys whose arm postures can be solved together.
 
     These are at most `count`, and end before the next task with a pointing hand after the first one. The target of a

@@ -97,7 +97,7 @@ def keep_clear(
         budget.spend(SAMPLE_COST * len(times))
         if budget.spent:
             break
-        course = _course(postures, motion.planned, setup).straying(motion.trajectory)
+        course = _course(postures, motion.planned, setup).with_deviation(motion.trajectory)
         changed = add_detours_to(course, min_clearance=required).postures
         required += deficit + REPAIR_MARGIN
         if changed == postures:  # without helpful detours, more time brings the motion nearer to the desired one

@@ -81,10 +81,10 @@ def add_detours(
             break
         sample = open_stretches[0]
         time = sample / SCAN_RATE - course.motion.zero
-        if (calm_keys := course.calmed(time)) is not course:
+        if (calm_keys := course.reduce_overshoot(time)) is not course:
             calm_scan = scan.after(calm_keys, distances, min_clearance)
             if calm_scan.deficits.sum() < scan.deficits.sum():
-                reduced = course.calmed(time, SWING_RATIO)
+                reduced = course.reduce_overshoot(time, SWING_RATIO)
                 reduced_scan = scan.after(reduced, distances, min_clearance)
                 remaining, gain = calm_scan.deficits.sum(), scan.deficits.sum() - calm_scan.deficits.sum()
                 if reduced_scan.deficits.sum() <= remaining + CALM_TOLERANCE * gain:
@@ -184,7 +184,7 @@ def _add_key_candidates(
         clear = clear_postures.near(start, joints, Spacing(min_clearance, min_clearance + DETOUR_MARGIN))
         if clear is not None:
             change = course
-            for together in course.keyed_alike(arms):
+            for together in course.group_by_key_times(arms):
                 change = change.extended(time, clear, together)
             yield change
 

@@ -50,7 +50,7 @@ class PostureCourse:
         angles = self.motion.angles(np.arange(0.0, self.motion.duration, 1.0 / SCAN_RATE))
         return angles if self.stray is None else np.asarray(angles + self.stray)
 
-    def straying(self, trajectory: Trajectory) -> "PostureCourse":
+    def with_deviation(self, trajectory: Trajectory) -> "PostureCourse":
         """Return the course with a trajectory's deviation from the desired motion added.
 
         Detours then start from the actual motion.
@@ -103,7 +103,7 @@ class PostureCourse:
             ),
         )
 
-    def keyed_alike(self, arms: list[ArmHinges]) -> list[ArmHinges]:
+    def group_by_key_times(self, arms: list[ArmHinges]) -> list[ArmHinges]:
         """Group arms with equal key times, so that detours move them together."""
         matches: dict[tuple[bool, ...], ArmHinges] = {}
         for arm in arms:
@@ -111,7 +111,7 @@ class PostureCourse:
             matches[keys] = (*matches.get(keys, ()), *arm)
         return list(matches.values())
 
-    def calmed(self, time: float, swing_ratio: float = 0.0) -> "PostureCourse":
+    def reduce_overshoot(self, time: float, swing_ratio: float = 0.0) -> "PostureCourse":
         """Return the course with less overshoot and accents around a block time.
 
         Of each arm's keys with overshoot or an accent, the last one before and the first one after the time change.
@@ -132,7 +132,8 @@ class PostureCourse:
             self,
             postures=tuple(
                 replace(
-                    posture, passages=_calmed(posture.passages, {j for key, j in calm_keys if key == k}, swing_ratio)
+                    posture,
+                    passages=_reduce_overshoot(posture.passages, {j for key, j in calm_keys if key == k}, swing_ratio),
                 )
                 for k, posture in enumerate(self.postures)
             ),
@@ -168,7 +169,7 @@ def _is_lively(posture: KeyPosture, joint: int) -> bool:
     return posture.passages[joint] != posture.passages[joint].without_accent
 
 
-def _calmed(passages: tuple[KeyPassage, ...], joints: set[int], swing_ratio: float) -> tuple[KeyPassage, ...]:
+def _reduce_overshoot(passages: tuple[KeyPassage, ...], joints: set[int], swing_ratio: float) -> tuple[KeyPassage, ...]:
     return tuple(
         passage
         if k not in joints

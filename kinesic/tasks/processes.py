@@ -52,7 +52,7 @@ class _Worker(Generic[Task, Result]):
             return _describe_crash(self.child.wait() or 0, self.errors.read_text(errors="replace"))
         return result
 
-    def go_on(self, task: Task, tries: int) -> bool:
+    def send_task(self, task: Task, tries: int) -> bool:
         """Send the worker its next task and return False if it died."""
         try:
             self.line.send(task)
@@ -88,7 +88,7 @@ def run_pool(
     working: dict[PipeEnd, _Worker[Task, Result]] = {}
     with TemporaryDirectory() as folder:
 
-        def hire() -> None:
+        def start_worker() -> None:
             errors = Path(folder) / f"{next(began)}.txt"
             ours, theirs = context.Pipe()
             task, tries = left.popleft()
@@ -97,7 +97,7 @@ def run_pool(
 
         try:
             while left and len(working) < jobs:
-                hire()
+                start_worker()
             while working:
                 for line in wait(list(working)):
                     worker = working[line]  # type: ignore[index]  # wait returns its arguments
@@ -105,11 +105,11 @@ def run_pool(
                     again = isinstance(result, WorkerCrash) and result.is_killed and worker.tries < MAX_TRIES
                     if again:
                         left.append((task, worker.tries + 1))
-                    if isinstance(result, WorkerCrash) or not left or not worker.go_on(*left[0]):
+                    if isinstance(result, WorkerCrash) or not left or not worker.send_task(*left[0]):
                         worker.dismiss()
                         del working[worker.line]
                         if left:
-                            hire()
+                            start_worker()
                     else:
                         left.popleft()
                     if not again:

@@ -8,7 +8,7 @@ import pytest
 
 from kinesic.bml.block import Face, Gaze, Gesture, Head, Pointing, Torso
 from kinesic.expressivity.hands.poses import poses
-from kinesic.expressivity.hands.strokes import Stroke, do_stroke
+from kinesic.expressivity.hands.strokes import Stroke, time_stroke
 from kinesic.expressivity.keyframes import BodyMove, Turn
 from kinesic.expressivity.lexicon.body_form import BodyForm
 from kinesic.expressivity.realise import make_keyframes
@@ -28,7 +28,7 @@ def gesture(lexicon, robot, pace, phases):
     def of(body: BodyForm = BODY_FORM, *times: float, id: str = "g", form: str = "offer") -> AccompaniedGesture:
         posed = poses(replace(lexicon.forms_by_id[form], body=body), robot, NEUTRAL_EXPRESSIVITY)
         stroke = Stroke(id, phases(*(times or (0, 1, 1, 1.6, 1.6, 2, 3))), (posed,))
-        return AccompaniedGesture(do_stroke(stroke, posed, pace), NEUTRAL_EXPRESSIVITY, NEUTRAL_EXPRESSIVITY)
+        return AccompaniedGesture(time_stroke(stroke, posed, pace), NEUTRAL_EXPRESSIVITY, NEUTRAL_EXPRESSIVITY)
 
     return of
 

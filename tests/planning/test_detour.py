@@ -71,17 +71,17 @@ def test_overshoot_near_a_collision_is_halved_before_the_path_is_changed():
 
     near = course(key(0.0), swinging(0.5, inner), swinging(0.8, outer), swinging(4.0, outer), key(6.0))
     assert least(near) < 0.0
-    calm = near.calmed(0.45)
+    calm = near.reduce_overshoot(0.45)
     assert swings(calm) == [None, 0.0, 0.75, 0.75, None]
     assert least(calm) > MIN_CLEARANCE
     led = add_detours(near, DISTANCES, min_clearance=MIN_CLEARANCE)
     assert least(led) > MIN_CLEARANCE
     assert [posture.time for posture in led.postures] == [posture.time for posture in near.postures]
     assert swings(led)[1] == 0.375
-    assert swings(near.calmed(0.45, 0.5)) == [None, 0.375, 0.75, 0.75, None]
+    assert swings(near.reduce_overshoot(0.45, 0.5)) == [None, 0.375, 0.75, 0.75, None]
     assert swings(led)[3] == 0.75
     plain = course(key(0.0), key(0.5, left=inner), key(6.0))
-    assert plain.calmed(0.45) is plain
+    assert plain.reduce_overshoot(0.45) is plain
 
 
 def between(one, other, share):
@@ -96,7 +96,7 @@ def test_detours_reduce_a_collision_of_a_trajectory_that_deviates_from_its_cours
     together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
     clear = add_detours(together, DISTANCES, min_clearance=MIN_CLEARANCE)
     trajectory = between(clear, together, 0.5)
-    straying = clear.straying(trajectory)
+    straying = clear.with_deviation(trajectory)
     np.testing.assert_allclose(straying.at(1.2), trajectory.at(1.2 + trajectory.zero).angles, atol=1e-3)
     last = float(clear.planned[-1])
     np.testing.assert_allclose(straying.at(last), trajectory.at(last + trajectory.zero).angles, atol=1e-3)

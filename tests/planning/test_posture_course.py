@@ -76,9 +76,9 @@ def test_requested_key_times_are_distinct_and_ordered():
 
 def test_arms_are_grouped_only_if_they_have_equal_key_times():
     arms = [tuple(LEFT), tuple(RIGHT)]
-    assert CROSSING.keyed_alike(arms) == [(*LEFT, *RIGHT)]
+    assert CROSSING.group_by_key_times(arms) == [(*LEFT, *RIGHT)]
     apart = course(key(0.0), key(1.0, left=IN_FRONT), key(3.0))
-    assert apart.keyed_alike(arms) == arms
+    assert apart.group_by_key_times(arms) == arms
 
 
 def test_moving_an_arm_keeps_other_arm_and_postures():
@@ -102,7 +102,7 @@ def test_overshoot_is_removed_only_from_keys_adjacent_to_a_time():
         return replace(key(time, left=IN_FRONT), passages=(KeyPassage(swing=1.0),) * len(REST))
 
     made = course(key(0.0), *map(lively, (0.5, 1.0, 2.0, 3.0, 4.0)), key(5.0))
-    calm = made.calmed(2.5)
+    calm = made.reduce_overshoot(2.5)
     assert [bool(posture.passages) and posture.passages[LEFT[0]].swing for posture in calm.postures] == [
         False,
         1.0,
@@ -120,6 +120,6 @@ def test_posture_course_follows_a_trajectory_with_another_start_time():
     speed, zero = 0.2, 0.7  # [rad/s], [s]
     block_times = KNOT_INTERVAL * np.arange(-1.0, 299.0) - zero  # a B-spline follows control points on a line
     controls = sealed(np.repeat(speed * block_times[:, None], len(REST), axis=1))
-    followed = early.straying(Trajectory(controls, zero))
+    followed = early.with_deviation(Trajectory(controls, zero))
     for time in (-0.4, 0.3, 1.5):
         assert followed.at(time) == pytest.approx(np.full(len(REST), speed * time))

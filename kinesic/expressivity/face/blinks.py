@@ -43,14 +43,14 @@ def blink_times(
     """
     generator = np.random.default_rng((seed, 1))
     wide_shifts = [time for look in looks if look.angle > BLINK_ANGLE for time in (look.start, look.end)] + [*also]
-    caused = _thin_out([time for time in sorted(wide_shifts) if span[0] <= time < span[1]])
+    caused = _keep_rate_limits([time for time in sorted(wide_shifts) if span[0] <= time < span[1]])
     required, candidates = np.array(caused), list(caused)
     time = span[0] + _draw_blink_interval(generator) - MIN_BLINK_INTERVAL
     while time < span[1]:
         if not np.any(np.abs(required - time) < RANDOM_BLINK_DISTANCE):
             candidates.append(time)
         time += _draw_blink_interval(generator)
-    return tuple(_thin_out(sorted(candidates)))
+    return tuple(_keep_rate_limits(sorted(candidates)))
 
 
 def blink_units(begins: Sequence[float], times: Floats, seed: int = 0) -> Mapping[str, Floats]:
@@ -83,7 +83,7 @@ def _draw_blink_interval(generator: np.random.Generator) -> float:
     return min(interval, MAX_BLINK_INTERVAL)
 
 
-def _thin_out(ordered: Sequence[float]) -> list[float]:
+def _keep_rate_limits(ordered: Sequence[float]) -> list[float]:
     """Omit blinks that exceed the rate limits."""
     kept: list[float] = []
     for time in ordered:

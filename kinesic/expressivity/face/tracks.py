@@ -172,7 +172,7 @@ def _expressions(
 ) -> Iterator[Channels]:
     temporary, permanent = (_showings(timeline, styles, shift=shift) for shift in (False, True))
     for showing in (*_bridge_gaps(temporary), *_gesture_expressions(timeline, styles, bodies)):
-        modulation = showing.at(times) * _flutter(showing.shown, times - showing.envelope.start)
+        modulation = showing.at(times) * _pulsation_factor(showing.shown, times - showing.envelope.start)
         yield {channel: intensity * modulation for channel, intensity in showing.shown.units.items()}
     remaining = np.ones(len(times))
     for showing in reversed(permanent):
@@ -258,7 +258,7 @@ def _bridge_gaps(showings: Sequence[_Showing]) -> list[_Showing]:
     return merged
 
 
-def _flutter(shown: Expression, since: Floats) -> Floats | float:
+def _pulsation_factor(shown: Expression, since: Floats) -> Floats | float:
     """Return the intensity factor (m,) of an expression that pulsates, 0..1."""
     return np.sin(np.pi * since / shown.flutter) ** 2 if shown.flutter else 1.0
 

@@ -11,7 +11,7 @@ from kinesic.body.robot import SIDES, Side
 from kinesic.expressivity.durations import stroke_durations
 from kinesic.expressivity.hands.keys import hand_at
 from kinesic.expressivity.hands.poses import poses, resting_hands
-from kinesic.expressivity.hands.strokes import Stroke, do_stroke, stroke_keys
+from kinesic.expressivity.hands.strokes import Stroke, stroke_keys, time_stroke
 from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.style.effort import Effort
 from kinesic.expressivity.style.pace import Pace
@@ -47,7 +47,7 @@ def look(form: GestureForm, pace: Pace) -> StrokeAppearance:
     natural = stroke_durations(work, Effort(pace, work.traits))
     whole = natural["stroke"] + natural["strokeEnd"]
     times = {"ready": 0.0, "strokeStart": 0.0, "stroke": natural["stroke"], "strokeEnd": whole}
-    done, rest = do_stroke(Stroke(form.id, times, (work,)), work, pace), resting_hands(pace.robot)
+    done, rest = time_stroke(Stroke(form.id, times, (work,)), work, pace), resting_hands(pace.robot)
     seen = np.empty((3, len(SIDES), _SAMPLE_COUNT, 3))
     for s, side in enumerate(SIDES):
         keys = stroke_keys(done, side, pace) if side in work.hands else []

@@ -22,7 +22,7 @@ from kinesic.expressivity.hands.conflict_messages import (
 )
 from kinesic.expressivity.hands.poses import REST_HAND, Poses, pose_distance, resting_hands
 from kinesic.expressivity.hands.stroke_spacing import FixedSyncs, StrokeSpacing
-from kinesic.expressivity.hands.strokes import HandStroke, Stroke, do_stroke, is_brief, overlaps, shortened, show_once
+from kinesic.expressivity.hands.strokes import HandStroke, Stroke, is_brief, overlaps, shortened, show_once, time_stroke
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.style.pace import Pace
 
@@ -144,7 +144,7 @@ class _Hands:
                 self._replace(before, self.spacing.merge_transition(sooner, later, option))
                 self._note(stroke, later)
                 stroke = later
-        work = do_stroke(stroke, option, self.pace)
+        work = time_stroke(stroke, option, self.pace)
         for side in option.hands:
             self.works[side].append(work)
 
@@ -260,7 +260,7 @@ class _Hands:
                 (side,) = option.hands
                 for work in works:
                     self.works[side].remove(work)
-                    one = do_stroke(work.stroke, work.poses.only(OTHER_SIDE[side]), self.pace)
+                    one = time_stroke(work.stroke, work.poses.only(OTHER_SIDE[side]), self.pace)
                     self._replace(work, one)
                     self.outcomes[work.id] = one_hand_outcome(OTHER_SIDE[side], needed_elsewhere(side, stroke))
                 self._take(stroke, option)

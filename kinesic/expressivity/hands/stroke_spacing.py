@@ -7,7 +7,7 @@ from functools import lru_cache
 from kinesic.bml.block import GESTURE_SYNCS
 from kinesic.body.robot import Side
 from kinesic.expressivity.hands.poses import REST_HAND, Poses, pose_distance, resting_hands
-from kinesic.expressivity.hands.strokes import HandStroke, Stroke, do_stroke, least_stroke_times, overlaps
+from kinesic.expressivity.hands.strokes import HandStroke, Stroke, least_stroke_times, overlaps, time_stroke
 from kinesic.expressivity.style.effort import Effort
 from kinesic.expressivity.style.pace import Pace
 
@@ -30,7 +30,7 @@ class StrokeSpacing:
             The later stroke and the shortened one.
         """
         ends, begins = work.at("strokeEnd"), stroke.times["strokeStart"]
-        soonest, latest = self._soonest_end(work), self._latest_start(stroke, option)
+        soonest, latest = self._earliest_end(work), self._latest_start(stroke, option)
         missing_time = ends + self.transition_time(work, stroke, option, side) - begins
         if missing_time <= 0.0:
             return stroke, work
@@ -38,7 +38,7 @@ class StrokeSpacing:
         fraction = min(1.0, missing_time / available_time) if available_time > 0 else 0.0
         shortened = replace(work.stroke, times=_shorten(work.stroke.times, ends - fraction * (ends - soonest)))
         later = dict(stroke.times) | {"strokeStart": begins + fraction * (latest - begins)}
-        return replace(stroke, times=later), do_stroke(shortened, work.poses, self.pace)
+        return replace(stroke, times=later), time_stroke(shortened, work.poses, self.pace)
 
     def merge_transition(self, work: HandStroke, stroke: Stroke, option: Poses) -> HandStroke:
         """Shorten hold and retraction of a stroke for the next preparation.
@@ -66,11 +66,11 @@ class StrokeSpacing:
     def stop_repeating(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> HandStroke:
         """Drop stroke repetitions that would delay the following rest pose."""
         latest = stroke.times["strokeStart"] - self.transition_time(work, stroke, option, side)
-        end = max(self._soonest_end(work), latest)
+        end = max(self._earliest_end(work), latest)
         if not work.poses.again or end >= work.at("strokeEnd"):
             return work
         shortened = replace(work.stroke, times=_shorten(work.stroke.times, end))
-        return self.merge_transition(do_stroke(shortened, work.poses, self.pace), stroke, option)
+        return self.merge_transition(time_stroke(shortened, work.poses, self.pace), stroke, option)
 
     def transition_time(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> float:
         """Return the natural transition time of a hand between two strokes [s]."""
@@ -82,12 +82,12 @@ class StrokeSpacing:
     def can_move_apart(self, work: HandStroke, stroke: Stroke, option: Poses) -> bool:
         """Return whether two strokes can be moved apart far enough."""
         shortened = replace(
-            work, stroke=replace(work.stroke, times=_shorten(work.stroke.times, self._soonest_end(work)))
+            work, stroke=replace(work.stroke, times=_shorten(work.stroke.times, self._earliest_end(work)))
         )
         later = {**stroke.times, "strokeStart": self._latest_start(stroke, option)}
         return not overlaps(shortened, replace(stroke, times=later))
 
-    def _soonest_end(self, work: HandStroke) -> float:
+    def _earliest_end(self, work: HandStroke) -> float:
         """Return the earliest end of a stroke without optional repetitions [s]."""
         fixed_syncs, times = self.fixed_points(work.id), work.stroke.times
         if "strokeEnd" in fixed_syncs:

@@ -89,7 +89,7 @@ def overlaps(work: HandStroke, stroke: Stroke) -> bool:
     )
 
 
-def do_stroke(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
+def time_stroke(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
     """Assign key times to a stroke, with only the repetitions that fit.
 
     Paths that are too fast lose periods. The remarks name both changes.
@@ -103,7 +103,7 @@ def do_stroke(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
             f"only {available:.2f} s remain after the first one"
         )
     moments = stroke_key_times(feasible, stroke.times, pace)
-    slowed, slowed_row = _slow_paths(feasible, moments, pace)
+    slowed, slowed_row = _reduce_path_periods(feasible, moments, pace)
     return HandStroke(stroke, slowed, moments, (*remarks, *slowed_row))
 
 
@@ -124,7 +124,7 @@ def is_brief(stroke: Stroke) -> bool:
 
 def show_once(work: HandStroke, pace: Pace) -> HandStroke:
     """Return a performed stroke reduced to its pose at sync point `stroke`."""
-    return do_stroke(shortened(work.stroke), _at_stroke(work.poses), pace)
+    return time_stroke(shortened(work.stroke), _at_stroke(work.poses), pace)
 
 
 def _at_stroke(poses: Poses) -> Poses:
@@ -263,7 +263,7 @@ def _drop_repetitions(poses: Poses, times: Mapping[str, float], pace: Pace) -> P
     return poses
 
 
-def _slow_paths(poses: Poses, moments: Sequence[float], pace: Pace) -> tuple[Poses, tuple[str, ...]]:
+def _reduce_path_periods(poses: Poses, moments: Sequence[float], pace: Pace) -> tuple[Poses, tuple[str, ...]]:
     """Reduce the number of periods of hand paths that are too fast.
 
     The remarks name the reduced paths.

@@ -106,7 +106,7 @@ class Bus:
         self._begun = self.wire.now()
         self._accepted.begin()
         try:
-            if self._lost and not self._regained():
+            if self._lost and not self._reopen_port():
                 self._queue.clear()
                 return
             self._late.catch_up(self.wire.read(self._begun), self._begun)
@@ -118,7 +118,7 @@ class Bus:
             self._sent_at = self._listener.sent_at
             self._queue.clear()
         except BusError as error:
-            self._lose(error)
+            self._report_lost_port(error)
 
     def finish(self) -> Cycle:
         """Run the second half of a cycle: receive records and repeat queries."""
@@ -126,7 +126,7 @@ class Bus:
             try:
                 self._receive_all()
             except BusError as error:
-                self._lose(error)
+                self._report_lost_port(error)
         self._update_polling()
         ended, accepted = self.wire.now(), self._accepted
         events, self._events = tuple(self._events), []
@@ -147,7 +147,7 @@ class Bus:
     def drop(self, reason: BusError) -> None:
         """Close the port for `MISMATCH_DELAY`, after a failed identification of servos."""
         self.wire.close()
-        self._lose(reason)
+        self._report_lost_port(reason)
         self._looked = self.wire.now() + MISMATCH_DELAY
 
     @property
@@ -162,7 +162,7 @@ class Bus:
             return
         self._whole = self._receive(self._question, self._places, patient=mute)
         late.note(fresh=bool(self._accepted.fresh.any()))
-        self._repair()
+        self._query_missing_servos()
         if self._accepted.late.any() or (mute and self._accepted.fresh.any()):
             self._listener.replies_late = bool(self._accepted.late.any())
         late.keep(self._question, self._places, sent_at=self._sent_at, whole=self._whole)
@@ -187,7 +187,7 @@ class Bus:
             late.note_missed(question)
         return answer is not None and answer.whole
 
-    def _repair(self) -> None:
+    def _query_missing_servos(self) -> None:
         """Query missing and silent servos again while the cycle has time."""
         accepted, polling, listener = self._accepted, self._polling, self._listener
         if accepted.fresh.all():
@@ -197,7 +197,7 @@ class Bus:
             # the first missing servo may have cut off the others, so it is queried last
             suspect_last = (*missing[1:], *missing[:1])
             mute = listener.mute
-            if not missing or not self._request(suspect_last[: self._room()]):
+            if not missing or not self._request(suspect_last[: self._count_possible_servos()]):
                 break
             if mute and not listener.mute:
                 # a repeated query recovers lost replies but destroys late ones
@@ -213,7 +213,7 @@ class Bus:
             if not accepted.fresh[alone[0]]:
                 self._late.keep_alone(self._question_to((alone[0],)), np.array([alone[0]]), sent_at=listener.sent_at)
 
-    def _room(self) -> int:
+    def _count_possible_servos(self) -> int:
         wire_time, status_size = self._listener.wire_time, packet.STATUS_OVERHEAD + RECORD_SIZE + 1
         left = self._end - self.wire.now() - self._listener.slack.usual - wire_time(FAST_OVERHEAD)
         return max(1, int(left / wire_time(BLOCK_DTYPE.itemsize + 1 if self.fast else status_size)))
@@ -290,11 +290,11 @@ class Bus:
             if was["torque"] != now["torque"]:
                 self._report(servo, "torque", "on" if now["torque"] else "off")
 
-    def _lose(self, error: BusError) -> None:
+    def _report_lost_port(self, error: BusError) -> None:
         self._lost = True
         self._report(None, "port lost", str(error))
 
-    def _regained(self) -> bool:
+    def _reopen_port(self) -> bool:
         """Try to reopen the lost port, and return success."""
         if self._begun - self._looked < REOPEN_INTERVAL:
             return False

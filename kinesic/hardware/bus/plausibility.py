@@ -67,7 +67,7 @@ class PlausibilityFilter:
         ) + PLAUSIBILITY_TUNING.position_tolerance  # (n,) [ticks] between two cycles
         self._span = 2 * self._reach.astype(np.uint32)
         self._doubts: dict[int, np.void] = {}
-        self._accused: set[int] = set()  # indices of servos with impossible values
+        self._impossible: set[int] = set()  # indices of servos with impossible values
         self._past: dict[int, list[int]] = {}  # index -> increasing clocks of consecutive records from the past
         self._unset: set[int] = set()  # indices of servos whose clock is not compared with the wire's
         self._none, self._every = self.fresh, np.ones(count, dtype=np.bool_)
@@ -92,7 +92,7 @@ class PlausibilityFilter:
             self.times = self._ones * time
             self.fresh = self._every
             self._doubts.clear()
-            self._accused.clear()
+            self._impossible.clear()
             self._past.clear()
             self._unset.clear()
             return
@@ -104,7 +104,7 @@ class PlausibilityFilter:
                 blocks[index], times[index] = block, clock_time if old else min(time, max(clock_time, open_since))
                 fresh[index], late[index] = fresh[index] or not old, late[index] or old
                 self._doubts.pop(index, None)
-                self._accused.discard(index)
+                self._impossible.discard(index)
                 self._past.pop(index, None)
                 self._unset.discard(index)
         self.blocks, self.times, self.signature = blocks, times, signature(blocks)
@@ -211,7 +211,7 @@ class PlausibilityFilter:
             self.unmapped.add(index)
             return False
         if reason := self._bounds.reason(index, block):
-            self._accuse(index, reason)
+            self._mark_impossible(index, reason)
             return False
         elapsed = time - self.times[index]
         if elapsed == inf:
@@ -245,7 +245,9 @@ class PlausibilityFilter:
         if doubt is not None and not near and block["torque"]:
             if self._is_near(index, block, doubt, self._brief_time):  # it continues from the impossible position
                 self._doubts[index] = block.copy()
-                self._accuse(index, f"position jumped from {before['position']} to {block['position']}, with torque")
+                self._mark_impossible(
+                    index, f"position jumped from {before['position']} to {block['position']}, with torque"
+                )
                 return False
             if self._is_near(index, block, before, elapsed) and self._is_calm(block, before, elapsed):
                 return True
@@ -255,9 +257,9 @@ class PlausibilityFilter:
         self.doubted.add(index)
         return False
 
-    def _accuse(self, index: int, reason: str) -> None:
-        if index not in self._accused:
-            self._accused.add(index)
+    def _mark_impossible(self, index: int, reason: str) -> None:
+        if index not in self._impossible:
+            self._impossible.add(index)
             self.impossible[index] = reason
 
     def _is_near(self, index: int, block: np.void, before: np.void, elapsed: float) -> bool:

@@ -129,7 +129,7 @@ class FastQuery(Query):
             if blocks is not None:
                 return ServoReplies(blocks, self._all, True, start + self.length)
             start = raw.find(self._head, start + 1)  # a reply of other servos may precede this one
-        return self._salvage(raw, first)
+        return self._find_intact_blocks(raw, first)
 
     def _parse_intact(self, raw: bytes, start: int) -> Records | None:
         """Return the blocks of an undamaged reply, or None."""
@@ -157,7 +157,7 @@ class FastQuery(Query):
         crc = crc16(last[:CHECKED_SIZE], crc16(before, int.from_bytes(before, "little")))
         return crc == int.from_bytes(last[CHECKED_SIZE:], "little")
 
-    def _salvage(self, raw: bytes, start: int) -> ServoReplies:
+    def _find_intact_blocks(self, raw: bytes, start: int) -> ServoReplies:
         """Find all intact blocks in a damaged reply.
 
         Bytes may have changed, been lost or been added. Each block is searched near its expected offset; after a

@@ -145,7 +145,7 @@ class GoalSteering:
         ahead = course.velocities * np.abs(course.velocities) * self._lag
         return np.rint(np.minimum(np.maximum(course.goals + ahead, bounds.lower), bounds.upper)).astype(np.int64)
 
-    def follow_limp(self, limp: Flags, present: Floats) -> None:
+    def follow_without_torque(self, limp: Flags, present: Floats) -> None:
         """Set the goals of torque-free servos to their positions.
 
         Hence they do not jump when torque is switched on.

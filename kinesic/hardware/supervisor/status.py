@@ -33,7 +33,7 @@ class EventLog:
         self._path, self._file = path, None
         self.failure = ""  # reason of lost events; empty: none lost
         if path is not None:
-            with self._noting_failure():
+            with self._record_failure():
                 self._file = open_to_add(path)
 
     def write(self, note: Note) -> None:
@@ -46,7 +46,7 @@ class EventLog:
         line = {"time": round(note.clock, 6), "wall": round(wall_time(), 3), "kind": note.kind}
         servo = {"servo": note.servo} if note.servo >= 0 else {}
         octets = json.dumps({**line, **servo, "text": note.text}).encode() + b"\n"
-        with self._noting_failure():
+        with self._record_failure():
             written = self._file.write(octets)
             if written < len(octets):
                 self._file.truncate(self._file.tell() - written)
@@ -58,7 +58,7 @@ class EventLog:
             self._file.close()
 
     @contextmanager
-    def _noting_failure(self) -> Iterator[None]:
+    def _record_failure(self) -> Iterator[None]:
         try:
             yield
         except OSError as error:

@@ -150,7 +150,7 @@ class Supervisor:
         limp = ~self._monitor.energised
         if self._procedure is not None:
             limp[self._members] = False  # the procedure sets their goals
-        self._steering.follow_limp(limp, self._monitor.present)
+        self._steering.follow_without_torque(limp, self._monitor.present)
         return self._steering.ticks()
 
     @property

@@ -82,7 +82,7 @@ def turn_joints(
             stance = stance_of(chain, np.concatenate([first[None], outer]), carrier)
         stances[limb.name] = stance
         if siblings := limbs.hanging_on(limb.name):
-            turns[limb.name] = _agreed(siblings, before, stance.end, wishes)
+            turns[limb.name] = _common_rotation(siblings, before, stance.end, wishes)
     return stances
 
 
@@ -101,7 +101,9 @@ def _outer(limb: Limb, begun: Floats, wishes: Wishes, footing: Carrier, *, metho
     return solve_ball_chain(chain, target, method=method, start=start, effort=effort).rotations
 
 
-def _agreed(siblings: Sequence[Limb], before: Mapping[str, ChainPosture], carrier: Carrier, wishes: Wishes) -> Floats:
+def _common_rotation(
+    siblings: Sequence[Limb], before: Mapping[str, ChainPosture], carrier: Carrier, wishes: Wishes
+) -> Floats:
     """Return the rotation matrix of limbs' common joint, by priority or mean.
 
     The first limb in `priority` decides alone; without one, it is the rotation mean weighted by pulls.

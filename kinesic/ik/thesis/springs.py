@@ -50,7 +50,7 @@ class Springs:
         return float(np.sqrt((forces * forces).sum(axis=1)).sum() / self.stiffness.mean())
 
     @property
-    def advised(self) -> tuple[float, float]:
+    def recommended_settings(self) -> tuple[float, float]:
         """Recommended time step and damping: fractions of `pace`, by mass count."""
         long = int(self.free.sum()) > TUNED_MASSES
         step, loss = self.pace

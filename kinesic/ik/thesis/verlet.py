@@ -27,11 +27,11 @@ def swing_to_rest(
     Args:
         springs: the system.
         points: (p, 3) initial positions, at rest.
-        damping: c; None: as advised.
+        damping: c; None: as recommended.
         effort: when to stop.
         arrived: receives the points before each step; True ends the loop.
     """
-    step, loss = springs.advised
+    step, loss = springs.recommended_settings
     dt = step if effort.step is None else effort.step
     kept = 1.0 - (loss if damping is None else damping)
     gain = (dt * dt / springs.masses)[:, None]

@@ -97,7 +97,7 @@ class _ChangeSpans:
         joints = [joint for side in SIDES for joint in self.robot.arm(side).joints]
         return np.asarray(self.changes.moved[:, joints].any(axis=1))
 
-    def under_way(self, times: Floats) -> Indices:
+    def find_sample_ranges(self, times: Floats) -> Indices:
         """Return the index range of the times within each offset, (c, 2).
 
         The columns are the first index, and one past the last.
@@ -112,14 +112,14 @@ class _ChangeSpans:
             times: (m,) [s].
             violating: (m,) whether limits are violated at each time.
         """
-        first, last = self.under_way(times).T
+        first, last = self.find_sample_ranges(times).T
         before = np.append(0, np.cumsum(violating))
         return np.asarray(before[np.maximum(first, last)] > before[first])
 
     def touched(self, times: Floats, offsets: Flags) -> Flags:
         """Flag the times (m,) at which any chosen offset is active."""
         changed_clearance: Flags = np.zeros(len(times), dtype=np.bool_)
-        for first, last in self.under_way(times)[offsets].tolist():
+        for first, last in self.find_sample_ranges(times)[offsets].tolist():
             changed_clearance[first:last] = True
         return changed_clearance
 

@@ -30,14 +30,16 @@ def place_eyes(figure: HumanoidGeometry, layout: SegmentLayout, carried: Mapping
     """
     size, tree = figure.arm_length, figure.tree
     if figure.neck:
-        neck_part, last = tree.lump(tree.below(figure.neck[0])), tree.lump(tree.below(figure.neck[-1]))
+        neck_part, last = tree.merge_parts(tree.below(figure.neck[0])), tree.merge_parts(tree.below(figure.neck[-1]))
         position = _find_front(_list_points(last), size)
         if position is None:
             position = sealed(neck_part.centre + HEAD_RADIUS_RATIO * size * np.array([1.0, 0.0, 0.2]))
         return SiteTable(HEAD_SEGMENT, round_triple(layout.inside(HEAD_SEGMENT, position)), (1.0, 0.0, 0.0))
     shoulder = figure.arms["l"].centres.shoulder
     mid_shoulders = np.array([shoulder[0], 0.0, shoulder[2]])
-    points = _list_points(tree.lump(carried[layout.carrier])) if carried.get(layout.carrier) else np.zeros((0, 3))
+    points = (
+        _list_points(tree.merge_parts(carried[layout.carrier])) if carried.get(layout.carrier) else np.zeros((0, 3))
+    )
     is_above = points[:, 2] > mid_shoulders[2] + FIXED_HEAD[0] * size
     position = _find_front(sealed(points[is_above & (np.abs(points[:, 1]) < MAX_HEAD_HALF_WIDTH * size)]), size)
     if position is None:

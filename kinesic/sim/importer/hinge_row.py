@@ -27,7 +27,7 @@ class HingeRow:
         return cls(
             sealed([tree.joints[k].anchor for k in joints]),
             sealed([tree.joints[k].axis for k in joints]),
-            tree.lump(tree.below(joints[-1])).centre,
+            tree.merge_parts(tree.below(joints[-1])).centre,
         )
 
     def turned(self, angles: Floats) -> "HingeRow":

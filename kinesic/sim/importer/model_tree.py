@@ -102,7 +102,7 @@ class Tree:
         """List the indices of a hinge and of all its descendants."""
         return (joint, *(k for child in self.children[joint] for k in self.below(child)))
 
-    def lump(self, parts: Sequence[int]) -> ModelPart:
+    def merge_parts(self, parts: Sequence[int]) -> ModelPart:
         """Merge several rigid parts into one.
 
         BASE_INDEX is the index of the base.

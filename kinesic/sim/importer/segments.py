@@ -91,7 +91,9 @@ def bodies(figure: HumanoidGeometry, layout: SegmentLayout, hinges: tuple[Mapped
     tables = []
     for name, parent in layout.parents.items():
         part = (
-            figure.tree.lump(carried.get(name, ())) if carried.get(name) else ModelPart(0.0, layout.origins[name], ())
+            figure.tree.merge_parts(carried.get(name, ()))
+            if carried.get(name)
+            else ModelPart(0.0, layout.origins[name], ())
         )
         origin = layout.origins[name] - (layout.origins[parent] if parent != "world" else np.zeros(3))
         capsules = convert_capsules(part.shapes, layout.origins[name]) or _generate_capsules(figure, layout, name, part)

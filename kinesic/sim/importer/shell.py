@@ -29,7 +29,9 @@ def build_imported_shell(mapped: Mapped, robot: Robot) -> Shell | None:
     """
     layout = lay_out_segments(mapped.figure, mapped.hinges)
     carried = assign_parts(mapped.figure, layout, mapped.hinges)
-    surfaces_by_segment = {name: mapped.figure.tree.lump(parts).surfaces for name, parts in carried.items() if parts}
+    surfaces_by_segment = {
+        name: mapped.figure.tree.merge_parts(parts).surfaces for name, parts in carried.items() if parts
+    }
     if not any(surfaces_by_segment.values()):
         return None
     max_triangles = min(MAX_SEGMENT_TRIANGLES, MAX_ROBOT_TRIANGLES // max(len(surfaces_by_segment), 1))

@@ -63,7 +63,7 @@ def _find_limb(tree: Tree, sides: Sides, first: int) -> tuple[int, ...]:
     while True:
         next_joints = [k for k in tree.children[row[-1]] if k in sides.pairs and tree.joints[k].follows is None]
         min_mass = FINGER_MASS_RATIO * tree.parts[row[-1]].mass
-        if len(next_joints) != 1 or tree.lump(tree.below(next_joints[0])).mass < min_mass:
+        if len(next_joints) != 1 or tree.merge_parts(tree.below(next_joints[0])).mass < min_mass:
             return tuple(row)
         row.append(next_joints[0])
 

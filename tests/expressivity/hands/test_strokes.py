@@ -7,7 +7,7 @@ from kinesic.body.arrays import sealed
 from kinesic.expressivity.hands import strokes
 from kinesic.expressivity.hands.phases import arrange_hands
 from kinesic.expressivity.hands.poses import pose_distance, poses
-from kinesic.expressivity.hands.strokes import Stroke, do_stroke, natural_times, stroke_key_times, stroke_keys
+from kinesic.expressivity.hands.strokes import Stroke, natural_times, stroke_key_times, stroke_keys, time_stroke
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.expressivity.lexicon.paths import shape_path
@@ -41,7 +41,7 @@ def done(robot, pace, phases):
     def run(form, *times, manner=NEUTRAL):
         start, stroke, end = times
         asked = phases(start - 1, start, start, stroke, end, end, end + 1)
-        work = do_stroke(
+        work = time_stroke(
             Stroke("g", asked, (poses(form, robot, manner),), manner=manner), poses(form, robot, manner), pace
         )
         return work, stroke_keys(work, "r", pace)
@@ -118,7 +118,7 @@ def test_left_and_right_hand_paths_are_mirrored(robot, pace, done):
     for path in kinds:
         one = form(FIRST_POSITION, SECOND_POSITION, path=path)
         work, keys = done(one, 1.0, 3.0, 3.0)
-        other = do_stroke(work.stroke, poses(mirror_form(one), robot, NEUTRAL), pace)
+        other = time_stroke(work.stroke, poses(mirror_form(one), robot, NEUTRAL), pace)
         for a, b in zip(keys, stroke_keys(other, "l", pace), strict=True):
             assert a.time == pytest.approx(b.time, abs=1e-12)
             np.testing.assert_allclose(a.hand.reach.position * [1, -1, 1], b.hand.reach.position, atol=1e-12)

@@ -7,7 +7,7 @@ from kinesic.body.reach import Reach
 from kinesic.expressivity.durations import stroke_durations
 from kinesic.expressivity.hands.phases import arrange_hands
 from kinesic.expressivity.hands.poses import Poses
-from kinesic.expressivity.hands.strokes import Stroke, do_stroke
+from kinesic.expressivity.hands.strokes import Stroke, time_stroke
 from kinesic.expressivity.hands.time_ratios import available_time_ratios
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.style.effort import Effort
@@ -31,7 +31,7 @@ def timed_gesture(pace):
 
 
 def time_ratio(pace, *strokes):
-    works = [do_stroke(stroke, TWO_KEY_POSES, pace) for stroke in strokes]
+    works = [time_stroke(stroke, TWO_KEY_POSES, pace) for stroke in strokes]
     ratios = available_time_ratios({"r": works}, pace)
     return [ratios[id(work)] for work in works]
 

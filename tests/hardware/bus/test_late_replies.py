@@ -280,6 +280,6 @@ def test_replies_of_a_slow_adapter_stay_late_with_constant_age(rig: Make):
 def test_one_late_record_suffices_to_wait_longer_for_the_next_missing_reply(rig: Make, late: tuple[bool, ...]):
     made = rig(3)
     made.run(3)
-    made.bus._repair = lambda: setattr(made.bus._accepted, "late", np.array(late))
+    made.bus._query_missing_servos = lambda: setattr(made.bus._accepted, "late", np.array(late))
     made.run(1)
     assert made.bus._listener.replies_late

@@ -161,9 +161,9 @@ def test_goals_follow_servos_without_torque(steering, manifest):
     limp = np.array([True, True, False, True, False])
     present = np.array([1900.0, 2 * HALF_A_TURN + 1905.0, 1000.0, np.nan, 1000.0])
     before = steering.goals.copy()
-    steering.follow_limp(limp, present)
+    steering.follow_without_torque(limp, present)
     assert steering.goals.tolist() == [1900.0, 1905.0, *before[2:]]
-    steering.follow_limp(~limp & False, np.full(5, 7.0))
+    steering.follow_without_torque(~limp & False, np.full(5, 7.0))
     assert steering.goals.tolist() == [1900.0, 1905.0, *before[2:]]
 
 
@@ -174,7 +174,7 @@ def test_fold_command_does_not_wait_for_a_servo_without_torque(steering, manifes
     steering.fold(frozenset())
     for _ in range(400):
         present = np.where(is_limp, raised, steering.goals)
-        steering.follow_limp(is_limp, present)
+        steering.follow_without_torque(is_limp, present)
         steering.move(PERIOD, present, target=1.0, slow=DEFAULT_SETTINGS.slow)
     lag = steering.goals - manifest.scale.nearest(manifest.rest[manifest.joints])
     assert (np.abs(lag) > 100.0).tolist() == is_limp.tolist()
@@ -183,7 +183,7 @@ def test_fold_command_does_not_wait_for_a_servo_without_torque(steering, manifes
 
 def test_following_servos_without_torque_creates_no_goals_if_none_exist(manifest):
     steering = GoalSteering(manifest, DEFAULT_SETTINGS)
-    steering.follow_limp(np.array([True, False, False, False, False]), np.full(5, 1900.0))
+    steering.follow_without_torque(np.array([True, False, False, False, False]), np.full(5, 1900.0))
     assert steering.goals is None
 
 

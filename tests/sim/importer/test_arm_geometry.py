@@ -185,7 +185,7 @@ def test_hinge_row_contains_hinge_axes_and_the_centre_of_mass_beyond_the_last():
     tree = SimpleNamespace(
         joints=joints,
         below=lambda k: {1: (1, 5), 2: (2, 6)}[k],
-        lump=lambda parts: SimpleNamespace(centre=np.array(parts)),
+        merge_parts=lambda parts: SimpleNamespace(centre=np.array(parts)),
     )
     row = HingeRow.of(tree, (2, 1))
     np.testing.assert_array_equal(row.anchors, (2 * X, X))

@@ -22,7 +22,7 @@ def part(*points, centre=0 * X):
 
 
 def place(neck, lumps, carried=None, parents=("humanoid_root",)):
-    tree = SimpleNamespace(below=lambda k: (k, "end"), lump=lambda parts: lumps[parts])
+    tree = SimpleNamespace(below=lambda k: (k, "end"), merge_parts=lambda parts: lumps[parts])
     figure = SimpleNamespace(
         arm_length=2.0, neck=neck, tree=tree, arms={"l": SimpleNamespace(centres=SimpleNamespace(shoulder=SHOULDER))}
     )

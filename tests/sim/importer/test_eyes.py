@@ -33,7 +33,7 @@ def box(middle: tuple[float, float, float], half: tuple[float, float, float]) ->
 def test_eyes_are_on_the_front_of_a_spherical_head(tee_path):
     figure = analyse_geometry(load_robot_tree(tee_path))
     segment, at = eyes_in_world(figure)
-    (ball,) = figure.tree.lump(figure.tree.below(figure.neck[-1])).shapes
+    (ball,) = figure.tree.merge_parts(figure.tree.below(figure.neck[-1])).shapes
     assert segment == HEAD_SEGMENT
     assert at == pytest.approx(np.add(ball.start, [ball.radius, 0.0, 0.0]), abs=1e-4)
 
@@ -57,7 +57,7 @@ def test_fixed_head_is_found_above_the_shoulders(written, puppets):
     high = float(shoulder[2]) + 0.35 * figure.arm_length
     surfaces = (box((0.0, 0.0, high), (0.1, 0.06, 0.1)), box((0.0, 0.0, float(shoulder[2]) - 0.2), (0.3, 0.2, 0.15)))
     tree = replace(figure.tree, base=replace(figure.tree.base, surfaces=surfaces))
-    assert figure.tree.lump((BASE_INDEX,)).surfaces == ()
+    assert figure.tree.merge_parts((BASE_INDEX,)).surfaces == ()
     own, at = eyes_in_world(replace(figure, tree=tree))
     assert own == segment
     assert at == pytest.approx([0.1, 0.0, high], abs=0.03)

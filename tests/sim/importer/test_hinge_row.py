@@ -32,4 +32,4 @@ def test_hinge_chain_at_given_angles_equals_the_chain_of_the_whole_model(tee):
     limb, tree = HingeRow.of(tee, row).turned(angles), tee.turned(dict(zip(row, angles, strict=True)))
     assert limb.anchors == pytest.approx(np.array([tree.joints[k].anchor for k in row]))
     assert limb.axes == pytest.approx(np.array([tree.joints[k].axis for k in row]))
-    assert limb.centre == pytest.approx(tree.lump(tree.below(row[-1])).centre)
+    assert limb.centre == pytest.approx(tree.merge_parts(tree.below(row[-1])).centre)

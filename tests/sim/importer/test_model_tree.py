@@ -17,7 +17,7 @@ def test_tree_lists_paths_descendants_and_children(tee):
 
 def test_merged_part_has_the_mass_of_its_parts(tee):
     rows = [index(tee, "l_twist"), index(tee, "r_twist")]
-    both = tee.lump(rows)
+    both = tee.merge_parts(rows)
     assert both.mass == pytest.approx(2.4)
     assert both.centre[1] == pytest.approx(0.0, abs=1e-9)
     assert len(both.shapes) == 2

@@ -43,16 +43,16 @@ def test_tree_lists_children_paths_and_descendants():
 
 
 def test_merged_part_has_the_total_mass_at_the_common_centre_of_mass():
-    both = TREE.lump((0, BASE_INDEX))
+    both = TREE.merge_parts((0, BASE_INDEX))
     assert (both.mass, both.centre.tolist()) == (5.0, [0.3, 0, 0])
     assert [shape.radius for shape in both.shapes] == pytest.approx([0.1, 0.4])
     assert [surface.dark for surface in both.surfaces] == [False, True]
 
 
 def test_merged_part_without_mass_is_at_its_first_part():
-    massless = TREE.lump((3,))
+    massless = TREE.merge_parts((3,))
     assert (massless.mass, massless.centre.tolist()) == (0.0, [-2, 0, 0])
-    light = TREE.lump((0, 3))
+    light = TREE.merge_parts((0, 3))
     assert (light.mass, light.centre.tolist()) == (1.0, [1.5, 0, 0])
 
 
@@ -91,7 +91,7 @@ def test_whole_robot_is_rotated_before_it_is_translated():
 
 def test_arrays_of_a_moved_robot_are_read_only():
     moved = TREE.moved(np.eye(3), X)
-    arrays = (moved.joints[0].anchor, moved.joints[0].axis, moved.base.centre, TREE.lump((0,)).centre)
+    arrays = (moved.joints[0].anchor, moved.joints[0].axis, moved.base.centre, TREE.merge_parts((0,)).centre)
     assert not any(array.flags.writeable for array in arrays)
 
 
