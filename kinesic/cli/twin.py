@@ -24,17 +24,18 @@ def fit_twin(log: Path, robot: str, free: tuple[str, ...], out: Path | None, for
     if out is not None:
         check_file(out, force=force)
     robot_model = load_robot(robot)
-    try:
-        with show_stages() as stage:
-            stage("reading the log")
+    with show_stages() as stage:
+        stage("reading the log")
+        measured = read_log(log, robot_model)
+        try:
             fit = fit_factors(
-                read_log(log, robot_model),
+                measured,
                 robot_model,
                 free=cast(tuple[ServoParameter, ...], free),
                 progress=lambda count: stage(f"fitting: replay {count} of the log"),
             )
-    except ValueError as error:
-        raise ConfigError(f"--free: {error}") from None
+        except ValueError as error:
+            raise ConfigError(f"--free: {error}") from None
     if as_json:
         click.echo(json.dumps(_to_json(fit), indent=1))
     else:

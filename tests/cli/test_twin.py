@@ -55,7 +55,11 @@ def test_twin_fit_refuses_free_stall_torque_and_mass_together(kinesic, log):
     ended = kinesic("twin", "fit", log, "--free", "stall", "--free", "mass")
     assert ended.code == 2
     assert "angles show only their ratio" in ended.err
-    assert kinesic("twin", "fit", "none.npz").code == 2
+
+
+def test_twin_fit_names_a_missing_log(kinesic):
+    ended = kinesic("twin", "fit", "none.npz")
+    assert (ended.code, ended.err) == (2, "kinesic: none.npz: No such file or directory\n")
 
 
 NODS = (
