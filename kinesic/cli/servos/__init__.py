@@ -20,7 +20,7 @@ PHYSICS_HELP = "Physics of the shafts: each servo's motor alone, or the robot's 
 
 @click.group("servos", cls=VerbGroup)
 def servo_verbs() -> None:
-    """Find, show, calibrate, stop, release and simulate servos."""
+    """Find, show, calibrate, record, stop, release and simulate servos."""
 
 
 @servo_verbs.command("calibrate")
@@ -40,6 +40,19 @@ def _calibrate_robot() -> None:
 @implemented_by("doctor:examine_servos", needs=SERVO_DRIVER)
 def _examine_servos() -> None:
     """Check ports, permissions, latency, supply and servos, and print remedies."""
+
+
+@servo_verbs.command("record")
+@robot_and_port_options
+@click.option("--out", type=click.Path(path_type=Path, dir_okay=False), required=True, help="CSV file to write.")
+@click.option("--seconds", type=click.FloatRange(min=0.1), help="Duration in s (default: until Enter).")
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+@implemented_by("servos.record:record_hands", needs=SERVO_DRIVER)
+def _record_hands() -> None:
+    """Record the joint angles of a robot that you move by hand.
+
+    No servo gets torque. `kinesic certify` and `kinesic perform` read the file.
+    """
 
 
 @servo_verbs.command("release")

@@ -4,7 +4,7 @@ Zero positions, directions and limits are measured.
 """
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from math import inf
 from pathlib import Path
 
@@ -19,6 +19,7 @@ from kinesic.cli.screen.console import Content
 from kinesic.cli.screen.live import LiveLines
 from kinesic.cli.screen.table import Table
 from kinesic.cli.screen.text import Text
+from kinesic.cli.servos.hand_motion import poll_servos, require_torque_off
 from kinesic.cli.servos.ports import open_ports, read_all_ports
 from kinesic.cli.terminal import console, pressed_keys, quote_text
 from kinesic.files.held_folder import name_failures
@@ -27,7 +28,6 @@ from kinesic.hardware.protocol.device import RegisterChange
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.protocol.ticks import Ticks
-from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.preflight import prepare_servos
@@ -43,7 +43,6 @@ from kinesic.hardware.tools.calibration import (
 PROMPT_LINES = 6  # lines of the terminal that the prompt and the heading take
 DISPLAY_RATE = 8.0  # [Hz] redraws of the table
 POLL_PERIOD = 0.05  # [s] between two snapshots of the servos
-FIRST_ANSWER_TIMEOUT = 2.0  # [s] time limit for the first answer of every servo
 ZERO_POSTURE_PROMPT = (
     "Hold the robot in its zero posture, every hinge at 0 degrees (upper22: arms hang, palms to the thighs, head up)."
 )
@@ -95,24 +94,6 @@ def _write_calibration(measured: Calibration, robot: Robot) -> Path:
     return path
 
 
-def require_torque_off(axes: Axes) -> Snapshot:
-    """Read all servos until each has answered, refusing servos with torque.
-
-    Raises:
-        BusError: a servo has torque, or does not answer.
-    """
-    for snapshot in _poll_servos(axes, FIRST_ANSWER_TIMEOUT):
-        energised = [axes.label(k) for k in np.flatnonzero(snapshot.torque).tolist()]
-        if energised:
-            raise BusError(
-                f"{energised[0]}: has torque, as have {len(energised) - 1} others; "
-                "switch it off with `kinesic servos release`"
-            )
-        if snapshot.recent.all():
-            return snapshot
-    raise BusError("not all servos answer; run `kinesic servos doctor` to find the cause")
-
-
 def free_servos(axes: Axes) -> list[RegisterChange]:
     """Configure the servos for driving, with position limits of a whole turn.
 
@@ -145,7 +126,7 @@ def watch_hands(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, key
         click.echo(f"{TURN_HINGES_PROMPT} Enter ends.")
     contents: tuple[Content, ...] = ()
     with LiveLines(output, lambda: contents, rate=DISPLAY_RATE).shown():
-        for snapshot in _poll_servos(axes, seconds):
+        for snapshot in poll_servos(axes, seconds, period=POLL_PERIOD):
             travel = travel.with_positions(count_ticks(snapshot), manifest)
             hinges = measure_hinges(travel, manifest, robot)
             contents = show_progress(hinges, robot, height=output.height)
@@ -161,15 +142,6 @@ def count_ticks(snapshot: Snapshot) -> Ticks:
     A silent servo has its last known position.
     """
     return snapshot.records["position"].astype(np.int64)
-
-
-def _poll_servos(axes: Axes, seconds: float) -> Iterator[Snapshot]:
-    """Yield snapshots of all servos periodically for a duration [s]."""
-    end = axes.now() + seconds
-    while axes.now() <= end:
-        snapshot = axes.cycle(None)
-        yield snapshot
-        axes.sleep(snapshot.time + POLL_PERIOD)
 
 
 def show_progress(hinges: tuple[HingeCalibration, ...], robot: Robot, *, height: int) -> tuple[Table, Text]:
