@@ -16,7 +16,7 @@ def begin(studio: Studio) -> None:
     """Select the gesture of a document."""
     studio.write(WORDS)
     studio.until("s.draft?.block === 'doc'")
-    if studio.page.value("document.querySelector('#inspector').hidden"):
+    if studio.state("selected") != ["g"]:
         studio.page.click('[data-block="g"]')
     studio.page.until("document.querySelector('#own-style').options.length > 7")
 
@@ -85,6 +85,34 @@ def test_expressivity_of_the_block_is_inherited_by_its_behaviours(studio: Studio
     calm = Style.load("calm").numbers()["gesture"]
     assert sliders(studio) == {**calm, "power": 0.75}
     assert not marked(studio, "set")
+
+
+def test_style_of_several_selected_behaviours_is_written_to_each(studio: Studio):
+    begin(studio)
+    two = WORDS.replace("</bml>", '<gesture id="h" lexeme="beat" mode="LEFT_HAND" stroke="s:m2"/></bml>')
+    studio.write(two)
+    studio.until("s.draft.behaviours.length === 3")
+    studio.page.value("kinesicStudio.tracks.chooseAll(['g', 'h'], false); 0")
+    assert studio.page.value("document.querySelector('#chosen').textContent") == "2 selected"
+    assert not studio.page.value("document.querySelector('#lexeme-line').checkVisibility()")
+    select(studio, "shy")
+    assert studio.state("text").count('kinesic:style="shy"') == 2
+    assert "kinesic:style" not in studio.state("text").partition(">")[0]
+    studio.page.click("#undo")
+    assert studio.state("text") == two
+
+
+def test_without_a_selection_the_style_is_that_of_the_whole_performance(studio: Studio):
+    begin(studio)
+    usual = "document.querySelector('#usual-style').checkVisibility()"
+    assert not studio.page.value(usual)
+    studio.page.value("kinesicStudio.tracks.chooseAll([], false); 0")
+    assert studio.page.value("document.querySelector('#chosen').textContent") == "Whole performance"
+    assert studio.page.value(usual), "all choices of styles are in one place"
+    select(studio, "calm")
+    assert 'kinesic:style="calm"' in studio.state("text").partition(">")[0]
+    studio.page.click("#undo")
+    assert studio.state("text") == WORDS
 
 
 def test_user_style_is_saved_listed_and_written_into_the_document_as_numbers(studio: Studio):

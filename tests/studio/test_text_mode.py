@@ -8,18 +8,24 @@ from kinesic.session.setup import set_up
 from .conftest import Studio
 
 DRAWN = False  # WebGL pictures are tested in test_stage.py
+EMPTY = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="new"></bml>'
 TEXT = "No, I did not say that! There were three big boxes, and it is tea versus coffee today."
 WORD = "[...document.querySelectorAll('#spoken button')].find(each => each.textContent.startsWith({!r}))"
 
 
-def perform(studio: Studio, text: str) -> None:
-    """Type a text in place of an empty document, and let the studio choose its gestures."""
-    studio.write('<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="new"></bml>')
-    studio.until("s.draft?.block === 'new'")
+def write_words(studio: Studio, text: str) -> None:
+    """Type a text into the field, and let the studio choose its gestures."""
     studio.page.value(
         f"(f => {{ f.value = {text!r}; f.dispatchEvent(new Event('input')) }})(document.querySelector('#plain'))"
     )
     studio.page.click("#plain-make")
+
+
+def perform(studio: Studio, text: str, replaced: str = EMPTY) -> None:
+    """Type a text in place of an empty document, and let the studio choose its gestures."""
+    studio.write(replaced)
+    studio.until("s.draft?.block === 'new'")
+    write_words(studio, text)
     studio.until("s.draft?.block === 'said' && document.querySelectorAll('#spoken button').length > 0")
 
 
@@ -93,10 +99,27 @@ def test_gesture_is_added_to_a_word_without_one_and_removed_again(studio: Studio
 
 
 def test_style_of_a_text_is_written_into_its_document(studio: Studio):
-    studio.page.value("document.querySelector('#plain-style').value = 'joyful'")
-    perform(studio, f"{TEXT} Joy.")
-    studio.page.value("document.querySelector('#plain-style').value = ''")
+    styled = (
+        '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic" kinesic:style="joyful" '
+    )
+    perform(studio, f"{TEXT} Joy.", f'{styled}id="new"></bml>')
     assert 'kinesic:style="joyful"' in studio.state("text").partition(">")[0]
+
+
+def test_picked_gesture_stays_on_its_word_and_is_marked_when_the_text_changes(studio: Studio):
+    perform(studio, TEXT)
+    choose(studio, "coffee")
+    planned = studio.state("planned")
+    studio.page.value("document.querySelector('#alternatives-list li:last-child button').click()")
+    studio.until(f"s.planned > {planned}")
+    picked = shown(studio)["coffee"]
+    write_words(studio, f"Well. {TEXT}")
+    studio.until("s.text.includes('>Well') && s.text === s.plannedText")
+    assert shown(studio)["coffee"] == picked
+    marked = "[...document.querySelectorAll('#spoken .picked')].map(each => each.parentNode.firstChild.textContent)"
+    assert studio.page.value(marked) == ["coffee"]
+    status = "document.querySelector('#plain-status').textContent"
+    assert "The gesture that you picked stays." in studio.page.value(status)
 
 
 def test_text_without_words_is_refused_and_changes_nothing(studio: Studio):

@@ -1,7 +1,7 @@
 // Effect of each button, menu and key of the page.
 import type { Actions } from "./controls.ts";
+import { byId } from "./dom.ts";
 import type { Studio } from "./studio.ts";
-import { BLOCK } from "./xml.ts";
 
 export function listActions(studio: Studio): Actions {
   const { document, files, performances, player, playback, robot, tracks, view } = studio;
@@ -18,7 +18,10 @@ export function listActions(studio: Studio): Actions {
     remove: () => tracks.remove(),
     show: (mode) => view.setMode(mode),
     view: (direction) => view.stage.view(direction),
-    chooseBlock: () => tracks.choose(BLOCK, false),
+    chooseBlock: () => {
+      tracks.chooseAll([], false);
+      byId("inspector").scrollIntoView({ block: "nearest" });
+    },
     sectors: (on) => view.showSectors(on),
     seek: (time) => player.seek(time),
     style: (style) => robot.wire.tell("style", { style }),

@@ -4,11 +4,11 @@ import type { ServoReport } from "./types.ts";
 import type { Answer, Wire } from "./wire.ts";
 
 const BUTTON_LABELS: Record<ServoReport["state"], string> = {
-  limp: "Arm …",
-  arming: "Arming",
-  armed: "Disarm",
-  releasing: "Disarming",
-  ended: "Arm …",
+  limp: "Motors on …",
+  arming: "Switching on",
+  armed: "Motors off",
+  releasing: "Switching off",
+  ended: "Motors on …",
 };
 
 export class Arming {

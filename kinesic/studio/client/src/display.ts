@@ -40,7 +40,7 @@ export class Display {
     studio.timeline.show(draft, studio.tracks.selection.all);
     showNotices(draft.notices);
     studio.textMode.show(draft);
-    studio.styles.preview.drafted(draft, studio.chosen);
+    studio.styles.preview.drafted(draft, studio.inspection.ids);
     studio.player.seek(Math.min(studio.player.time, draft.duration));
     if ("keys" in draft) studio.gestures.show(draft as GestureDraft);
     studio.inspection.show();

@@ -93,16 +93,19 @@ export function findWord(
   return at < 0 ? null : { at, prefix: tags[first]?.prefix ?? "" };
 }
 
-/** Return the index of the n-th word in a part of a text, or -1 if it has fewer; tags and comments have no words. */
+/** Return the index of the n-th word in a part of a text, or -1 if it has fewer; tags do not divide words. */
 function wordAt(text: string, from: number, to: number, count: number): number {
   const tags = findTags(text).filter((tag) => tag.from >= from && tag.to <= to);
   let seen = 0;
+  let isInWord = false; // whether a word goes on behind a tag
   for (const [k, begin] of [from, ...tags.map((tag) => tag.to)].entries()) {
-    for (const word of text.slice(begin, tags[k]?.from ?? to).matchAll(WORD_OR_MARKUP)) {
-      if (word[0].startsWith("<")) continue;
+    const part = text.slice(begin, tags[k]?.from ?? to);
+    for (const word of part.matchAll(WORD_OR_MARKUP)) {
+      if (word[0].startsWith("<") || (isInWord && word.index === 0)) continue;
       if (seen === count) return begin + word.index;
       seen += 1;
     }
+    if (part) isInWord = !/\s$/.test(part);
   }
   return -1;
 }

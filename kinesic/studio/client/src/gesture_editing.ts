@@ -1,10 +1,11 @@
 // Editor of a gesture: its keys, the tried manner, and hands dragged into their keys.
+import { toArmLengths } from "./arm_lengths.ts";
 import { byId } from "./dom.ts";
 import { alone } from "./edits.ts";
 import { GestureList, readFound } from "./gestures.ts";
 import { KeysPanel } from "./keys.ts";
 import type { Drag } from "./stage.ts";
-import { copyKey, formatPosition, type Hand, mirror, type Place, removeKey, rename, setHand } from "./toml.ts";
+import { copyKey, formatPosition, type Hand, mirror, moveKey, type Place, removeKey, rename, setHand } from "./toml.ts";
 import type { About, Fault, GestureDraft, Side } from "./types.ts";
 import type { Answer, Wire } from "./wire.ts";
 
@@ -94,7 +95,7 @@ export class GestureEditing {
     const key = this.draft?.keys[this.keys.chosen];
     if (!key) return;
     const hand = "both" in key ? "both" : side;
-    this.desk.edit(this.placed(this.desk.text(), hand, this.inArms(side, target)));
+    this.desk.edit(this.placed(this.desk.text(), hand, toArmLengths(this.about.robot, side, target)));
   }
 
   /** Set the hands of the key to their positions on the stage; a key for both gets the mean. */
@@ -102,7 +103,7 @@ export class GestureEditing {
     const key = this.draft?.keys[this.keys.chosen];
     const seen = SIDES.map((side) => this.desk.hand(side));
     if (!key || !seen[0] || !seen[1]) return;
-    const places = SIDES.map((side, k) => this.inArms(side, seen[k]!)) as [Place, Place];
+    const places = SIDES.map((side, k) => toArmLengths(this.about.robot, side, seen[k]!)) as [Place, Place];
     let text = this.desk.text();
     if ("both" in key) {
       const [out, up, forward] = places[0].map((value, k) => (value + places[1][k]!) / 2) as [number, number, number];
@@ -112,21 +113,21 @@ export class GestureEditing {
         if (side in key) text = this.placed(text, side, places[k]!);
       });
     this.desk.edit(text);
-    this.desk.say(`key ${this.keys.chosen + 1} set from the stage`);
+    this.desk.say(`pose ${this.keys.chosen + 1} set from the stage`);
   }
 
-  /** Convert a position [m] to arm lengths: outward, up, forward. */
-  private inArms(side: Side, place: readonly number[]): Place {
-    const { gesture_origin: origin, arm_length: size } = this.about.robot;
-    const [x, y, z] = place.map((value, k) => (value - origin[k]!) / size) as [number, number, number];
-    return [side === "left" ? y : -y, z, x];
+  /** Move a key to another place in their order, where it stays selected. */
+  reorder(from: number, to: number): void {
+    this.keys.chosen = to;
+    this.desk.edit(moveKey(this.desk.text(), from, to));
   }
 
   private placed(text: string, hand: Hand, place: Place): string {
     return setHand(text, this.keys.chosen, hand, "at", formatPosition(place));
   }
 
-  private choose(key: number): void {
+  /** Show another key, and the posture at its time. */
+  choose(key: number): void {
     if (!this.draft) return;
     this.keys.chosen = key;
     this.keys.show(this.draft);

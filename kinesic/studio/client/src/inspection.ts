@@ -1,4 +1,4 @@
-// The selected behaviour in the inspector; changes go into the document, or into the tried manner of a gesture.
+// The selected behaviours, or the whole performance, in the inspector; changes go into the document, or into the tried manner of a gesture.
 import { setAttribute, setManner } from "./edits.ts";
 import { Inspector } from "./inspector.ts";
 import type { Numbers } from "./styles/numbers.ts";
@@ -11,8 +11,8 @@ export interface InspectionListener {
   text(): string;
   edit(text: string): void;
   draft(): Draft | null;
-  /** Id of the only selected behaviour, or of the gesture under edit. */
-  chosen(): string | null;
+  /** Ids of the selected behaviours, or of the gesture under edit. */
+  selected(): readonly string[];
   isGesture(): boolean;
   /** Manner that is tried on the gesture under edit. */
   tried(): Map<string, number>;
@@ -28,13 +28,13 @@ export class Inspection {
     private readonly listener: InspectionListener,
   ) {
     this.inspector = new Inspector({
-      attribute: (name, value) => this.edit((text, chosen) => setAttribute(text, chosen, name, value)),
+      attribute: (name, value) => this.edit((text, id) => changeAttribute(text, id, name, value)),
       manner: (name, value) => {
         this.styles().preview.expect();
         if (listener.isGesture()) this.tryManner(name, value);
-        else this.edit((text, chosen) => setManner(text, chosen, name, value));
+        else this.edit((text, id) => setManner(text, id, name, value));
       },
-      style: (name) => this.edit((text, chosen) => this.styles().choose(text, chosen, name)),
+      style: (name) => this.edit((text, id) => this.styles().choose(text, id, name)),
     });
   }
 
@@ -43,16 +43,22 @@ export class Inspection {
     return this.inspector.manners.numbers;
   }
 
-  /** Show the selected behaviour, or nothing. */
+  /** Show the selected behaviours, or else the whole performance. */
   show(): void {
-    const chosen = this.listener.chosen();
     const draft = this.listener.draft();
-    const block = chosen === BLOCK && draft ? { id: BLOCK, type: "block" } : null;
-    const shown = draft?.behaviours.find(({ id }) => id === chosen) ?? block;
-    const inherited = this.styles().inherited(this.listener.text(), shown?.id ?? "");
+    const ids = this.ids;
+    const first = ids[0]!;
+    const type = first === BLOCK ? "block" : draft?.behaviours.find(({ id }) => id === first)?.type;
     const alone = this.listener.isGesture();
-    const read = (name: string) => this.read(shown?.id ?? "", name);
-    this.inspector.show(shown ? { id: shown.id, type: shown.type, read, inherited, alone } : null);
+    const inherited = this.styles().inherited(this.listener.text(), first);
+    const read = (name: string) => this.read(first, name);
+    this.inspector.show(draft && type ? { ids, type, read, inherited, alone } : null);
+  }
+
+  /** Ids of all behaviours that a change concerns; `BLOCK` stands for the whole performance. */
+  get ids(): readonly string[] {
+    const selected = this.listener.selected();
+    return selected.length ? selected : [BLOCK];
   }
 
   private read(id: string, name: string): string | undefined {
@@ -61,9 +67,8 @@ export class Inspection {
     return tag && findAttribute(tag, name)?.value;
   }
 
-  private edit(change: (text: string, chosen: string) => string): void {
-    const chosen = this.listener.chosen();
-    if (chosen) this.listener.edit(change(this.listener.text(), chosen));
+  private edit(change: (text: string, id: string) => string): void {
+    this.listener.edit(this.ids.reduce(change, this.listener.text()));
   }
 
   private tryManner(name: string, value: number | null): void {
@@ -71,4 +76,10 @@ export class Inspection {
     else this.listener.tried().set(name, value);
     this.listener.tryAgain();
   }
+}
+
+/** Set an attribute; another gesture loses the reason that the server gave for the former one. */
+function changeAttribute(text: string, id: string, name: string, value: string | null): string {
+  const changed = setAttribute(text, id, name, value);
+  return name === "lexeme" ? setManner(changed, id, "reason", null) : changed;
 }

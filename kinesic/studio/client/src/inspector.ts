@@ -1,13 +1,16 @@
 // Editable attributes of the selected behaviour.
-import { byId } from "./dom.ts";
+import { byId, say } from "./dom.ts";
 import { Manners } from "./manners.ts";
+import { typeWords } from "./plain_words.ts";
 import type { Numbers } from "./styles/numbers.ts";
 import { BLOCK } from "./xml.ts";
 
 const ATTRIBUTES = ["lexeme", "mode"] as const;
 
 export interface Chosen {
-  id: string;
+  /** One behaviour, several, or `BLOCK` for the whole performance. */
+  ids: readonly string[];
+  /** Type of the first one. */
   type: string;
   /** Value in the document, or undefined. */
   read(name: string): string | undefined;
@@ -37,17 +40,24 @@ export class Inspector {
   show(chosen: Chosen | null): void {
     byId("inspector").hidden = !chosen;
     if (!chosen) return;
-    byId("chosen").textContent = chosen.alone
-      ? "Manner"
-      : chosen.id === BLOCK
-        ? "Whole block"
-        : `${chosen.type} ${chosen.id}`;
-    byId("remove").hidden = chosen.alone || chosen.id === BLOCK;
-    byId("lexeme-line").hidden = byId("hand-line").hidden = chosen.type !== "gesture" || chosen.alone;
+    const isBlock = chosen.ids[0] === BLOCK;
+    const isSingle = chosen.ids.length === 1;
+    say(byId("chosen"), describe(chosen));
+    byId("remove").hidden = chosen.alone || isBlock;
+    byId("lexeme-line").hidden = byId("hand-line").hidden = chosen.type !== "gesture" || chosen.alone || !isSingle;
+    byId("usual-style").hidden = !isBlock;
+    say(byId("no-own-style"), isBlock ? "as the robot usually moves" : "as the whole performance");
     byId("manners").hidden = chosen.type === "speech";
     for (const name of ATTRIBUTES) byId<HTMLInputElement>(name).value = chosen.read(name) ?? "";
     byId("style-line").hidden = chosen.alone;
     this.style.value = chosen.read("style") ?? "";
     this.manners.show((name) => chosen.read(name), chosen.inherited);
   }
+}
+
+/** Return what the shown style is the style of. */
+function describe({ ids, type, read, alone }: Chosen): string {
+  if (alone) return "This gesture";
+  if (ids.length > 1) return `${ids.length} selected`;
+  return ids[0] === BLOCK ? "Whole performance" : `${typeWords(type)} ${read("lexeme") ?? ids[0]}`;
 }

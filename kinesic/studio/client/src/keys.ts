@@ -26,19 +26,19 @@ export class KeysPanel {
   show(draft: GestureDraft): void {
     this.chosen = Math.min(this.chosen, draft.keys.length - 1);
     const tabs = draft.keys.map((_, k) => {
-      const tab = make("button", { type: "button", "aria-pressed": String(k === this.chosen) }, `Key ${k + 1}`);
+      const tab = make("button", { type: "button", "aria-pressed": String(k === this.chosen) }, `Pose ${k + 1}`);
       tab.addEventListener("click", () => this.listener.choose(k));
       return tab;
     });
     const hands = Object.entries(draft.keys[this.chosen] ?? {}).filter(([, hand]) => Array.isArray(hand?.at));
     const acts: [string, () => void][] = [
-      ["Copy key", () => this.listener.copy(this.chosen)],
-      ["Remove key", () => this.listener.remove(this.chosen)],
+      ["Copy pose", () => this.listener.copy(this.chosen)],
+      ["Remove pose", () => this.listener.remove(this.chosen)],
       ["Mirror", () => this.listener.mirror()],
       ["Capture pose", () => this.listener.capture()],
     ];
     this.place.replaceChildren(
-      make("div", { class: "group", role: "group", "aria-label": "Keys" }, ...tabs),
+      make("div", { class: "group", role: "group", "aria-label": "Key poses" }, ...tabs),
       ...hands.map(([name, hand]) => this.hand(name, hand)),
       make("div", { class: "acts" }, ...acts.map(([words, act]) => this.button(words, act))),
       make("ul", { "aria-label": "Checks" }, ...draft.checks.map((each) => this.check(each))),
@@ -61,7 +61,7 @@ export class KeysPanel {
       const made = make("input", {
         value,
         "aria-label": `${name} ${axis}`,
-        title: `${axis} in arm lengths, or a sector`,
+        title: `${axis} in arm lengths, or the name of a zone`,
       });
       made.addEventListener("change", () => {
         const all = places.map(({ value }) =>

@@ -2,8 +2,15 @@
 import { byId, make, say } from "./dom.ts";
 import type { Feedback } from "./feedback.ts";
 import { Strips } from "./telemetry.ts";
-import type { Body, BodyReport, ServoPlace } from "./types.ts";
+import type { Body, BodyReport, ServoPlace, ServoReport } from "./types.ts";
 
+const STATE_WORDS: Record<ServoReport["state"], string> = {
+  limp: "motors off",
+  arming: "switching on",
+  armed: "motors on",
+  releasing: "switching off",
+  ended: "motors off",
+};
 const MIN_INTERVAL = 90; // [ms] between two updates of the strips
 const MAX_LOG_LINES = 60; // lines of the log
 
@@ -26,18 +33,18 @@ export class Live {
     this.last = performance.now();
     this.strips.show(report);
     const servos = [
-      report.servos?.state ?? "",
+      report.servos ? STATE_WORDS[report.servos.state] : "",
       report.hottest === null ? "" : `${report.hottest.toFixed(0)} °C`,
       report.volts === null ? "" : `${report.volts.toFixed(1)} V`,
-      report.faulty ? "a servo reports an error" : "",
+      report.faulty ? "a motor reports a fault" : "",
     ];
     say(byId("servos"), servos.filter(Boolean).join(", ") || "simulated");
   }
 
-  /** Log BML feedback in short form. */
+  /** Log BML feedback in short form, with its XML as the title. */
   feedback({ kind, about, time, text }: Feedback, xml: string): void {
-    const what = kind === "warningFeedback" ? `: ${text}` : "";
-    this.say(`${kind}${about ? ` ${about}` : ""}${time === null ? "" : ` ${time.toFixed(2)} s`}${what}`, xml);
+    const words = kind === "warningFeedback" ? `${about}: ${text}` : about.replace(":", ": ");
+    this.say(`${words || kind}${time === null ? "" : ` at ${time.toFixed(2)} s`}`, xml);
   }
 
   say(text: string, title = ""): void {

@@ -128,7 +128,7 @@ export class Robot {
       this.listener.moved();
     } else if (answer.told === "stopped" || answer.told === "failed") {
       this.halt(true);
-      this.live.say(String(answer.why ?? "stopped: all joints hold"));
+      this.live.say(String(answer.why ?? "stopped: the robot holds its posture"));
     } else if (answer.told === "status") {
       this.isResting = answer.state === "resting";
       this.halt(answer.state === "stopped");

@@ -93,9 +93,9 @@ export class Stage {
   }
 
   /** Return the world position [m] of a hand in the shown posture; null if nothing is drawn. */
-  handPosition(side: Side): Vector | null {
+  handPosition(side: Side, angles = this.shown.angles): Vector | null {
     if (!this.scene) return null;
-    const [x, y, z] = handlePosition(this.body, { part: "hand", side }, this.scene.frames(this.shown.angles));
+    const [x, y, z] = handlePosition(this.body, { part: "hand", side }, this.scene.frames(angles));
     const [ux, uy, uz] = this.scene.up;
     return [x - ux, y - uy, z - uz];
   }

@@ -18,6 +18,7 @@ import { Performing } from "./performing.ts";
 import { PlannedDocument } from "./planned_document.ts";
 import { Playback } from "./playback.ts";
 import type { Player } from "./player.ts";
+import { GestureRecorder } from "./recording/gesture_recorder.ts";
 import { RecordingPanel } from "./recording/recording_panel.ts";
 import { Robot } from "./robot.ts";
 import { StylesPanel } from "./styles/styles_panel.ts";
@@ -59,6 +60,7 @@ export class Studio {
   readonly textMode: TextMode;
   readonly styles: StylesPanel;
   readonly recording: RecordingPanel;
+  readonly recorder: GestureRecorder;
 
   constructor(readonly about: About) {
     const text = () => this.document.text;
@@ -84,6 +86,10 @@ export class Studio {
         chosen: () => this.display.selection(),
         say: (line) => say(byId("track-status"), line),
         add: (value) => this.insertion.paletteEntry(value),
+        poses: {
+          choose: (pose) => this.gestures.choose(pose),
+          reorder: (from, to) => this.gestures.reorder(from, to),
+        },
       },
       this.figures,
     ));
@@ -97,6 +103,7 @@ export class Studio {
         if (this.robot.report) {
           this.performing.reported(this.robot.report.time);
           this.recording.add(this.robot.report);
+          this.recorder.add(this.robot.report);
         }
         this.view.follow();
       },
@@ -129,7 +136,7 @@ export class Studio {
     this.inspection = new Inspection(() => this.styles, {
       ...{ text, edit, isGesture },
       draft: () => this.plan.draft,
-      chosen: () => this.chosen,
+      selected: () => (this.isGesture ? [GESTURE_ID] : [...this.tracks.selection.all]),
       tried: () => this.gestures.manner,
       tryAgain: () => this.plan.now(),
     });
@@ -152,7 +159,7 @@ export class Studio {
       typed: () => this.files.saving.changed(),
       select: (id, time) => {
         seek(time);
-        if (id !== null && id !== this.chosen) this.tracks.choose(id, false);
+        if (id !== null && id !== this.tracks.selection.single) this.tracks.choose(id, false);
       },
     });
     this.styles = new StylesPanel(this.robot.wire, this.view, this.player, {
@@ -166,6 +173,11 @@ export class Studio {
         this.view.setMode("robot");
       },
       say: log,
+    });
+    this.recorder = new GestureRecorder(about.robot, {
+      hand: (side, angles) => this.view.stage.handPosition(side, angles),
+      open,
+      showRobot: () => this.view.setMode("robot"),
     });
     listen(listActions(this));
     new Tour(() => this.textMode.tabs.choose("words"));
@@ -185,11 +197,6 @@ export class Studio {
   /** Whether the document is a gesture under edit. */
   get isGesture(): boolean {
     return this.files.saving.name.endsWith(".toml");
-  }
-
-  /** Id of the only selected behaviour, or of the one that performs the gesture under edit. */
-  get chosen(): string | null {
-    return this.isGesture ? GESTURE_ID : this.tracks.selection.single;
   }
 
   /** State for tests and debugging. */

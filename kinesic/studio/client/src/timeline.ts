@@ -1,13 +1,15 @@
 // Timeline: spoken words, and a track per body part whose behaviours can be dragged and selected.
 import { make } from "./dom.ts";
+import { typeWords } from "./plain_words.ts";
 import { type Drawing, drawTrack } from "./tracks/blocks.ts";
 import { beginDrag, type DragListener, type Ground } from "./tracks/drags.ts";
 import { layOut } from "./tracks/layout.ts";
 import { type Points, pointsOf } from "./tracks/phases.ts";
+import { drawPoses, type PoseListener } from "./tracks/pose_row.ts";
 import { listSnaps, nearest, type Snap } from "./tracks/snapping.ts";
 import { listWords, type Word } from "./tracks/words.ts";
 import { Zoom } from "./tracks/zoom.ts";
-import type { Draft } from "./types.ts";
+import type { Draft, GestureDraft } from "./types.ts";
 import { drawWaveform } from "./waveform.ts";
 
 const WORD_ROW_MARGIN = 4; // [CSS pixels] below the words in which a drop still hits them
@@ -26,6 +28,7 @@ export class Timeline implements Ground {
     readonly place: HTMLElement,
     private readonly figures: { draw(gesture: string): Element | null },
     listener: DragListener,
+    private readonly poses: PoseListener,
   ) {
     this.zoom = new Zoom(place, () => this.duration);
     place.addEventListener("pointerdown", (event) => beginDrag(event, this, listener));
@@ -49,7 +52,7 @@ export class Timeline implements Ground {
       percent: (time) => `${(100 * time) / this.duration}%`,
     };
     const tracks = rows.map((row) => drawTrack(row, drawing, row.track === "voice" ? this.sounds(draft) : []));
-    const all = [this.wordRow(), ...tracks, this.unplacedRow(unplaced)];
+    const all = [this.wordRow(), this.poseRow(draft), ...tracks, this.unplacedRow(unplaced)];
     const inner = make("div", { class: "inner" }, ...all.filter((row) => row !== null), this.head, this.line);
     const focus = this.focused;
     const { scrollLeft, scrollTop } = this.place;
@@ -148,6 +151,10 @@ export class Timeline implements Ground {
     if (!reachable) this.place.querySelector(".block[data-block]")?.setAttribute("tabindex", "0");
   }
 
+  private poseRow(draft: Draft): HTMLElement | null {
+    return "keys" in draft ? drawPoses((draft as GestureDraft).times, this.duration, this.poses) : null;
+  }
+
   private wordRow(): HTMLElement | null {
     if (!this.words.length) return null;
     const lane = make("div", { class: "lane words" });
@@ -179,7 +186,7 @@ export class Timeline implements Ground {
   private unplacedRow(unplaced: Draft["behaviours"]): HTMLElement | null {
     if (!unplaced.length) return null;
     const buttons = unplaced.map(({ id, type, label, outcome, why }) => {
-      const title = `${type} ${label}: ${outcome}${why ? `, ${why}` : ""}`;
+      const title = `${typeWords(type)} ${label}: ${outcome}${why ? `, ${why}` : ""}`;
       const pressed = String(this.chosen.has(id));
       const attributes = { type: "button", title, "data-behaviour": id, "data-block": id, "aria-pressed": pressed };
       return make("button", { class: `unplaced ${outcome}`, ...attributes }, label || id);

@@ -118,6 +118,16 @@ export function removeKey(text: string, key: number): string {
   return after ? text.slice(0, own.from) + text.slice(after.from) : text.slice(0, before!.to) + text.slice(own.to);
 }
 
+/** Move a key to another place in their order. */
+export function moveKey(text: string, from: number, to: number): string {
+  const spans = keySpans(text);
+  const keys = spans.map((span) => text.slice(span.from, span.to));
+  const [moved] = keys.splice(from, 1);
+  if (moved === undefined) return text;
+  keys.splice(to, 0, moved);
+  return spans.reduceRight((present, span, k) => present.slice(0, span.from) + keys[k] + present.slice(span.to), text);
+}
+
 /** Mirror the gesture. */
 export function mirror(text: string): string {
   const other: Record<string, string> = { left: "right", right: "left" };

@@ -58,7 +58,7 @@ function readTag(match: RegExpExecArray, at: number): Tag {
       const value = each[4] ?? each[5] ?? "";
       const from = first + each.index;
       const begin = from + each[1]!.length + each[2]!.length + each[3]!.length + 1;
-      return { name: each[2]!, value: unescaped(value), from, begin, end: begin + value.length };
+      return { name: each[2]!, value: unescapeXml(value), from, begin, end: begin + value.length };
     }),
     from: at,
     to: at + whole!.length,
@@ -106,7 +106,8 @@ const UNWRITABLE = /[^\P{Cc}\t\n\r]|\p{Cs}|[\uFFFE\uFFFF]/gu; // characters that
 /** Escape a value for an attribute, without characters that XML cannot have. */
 export const escapeXml = (value: string) =>
   value.replace(UNWRITABLE, "").replace(/[&<>"']/g, (letter) => ESCAPES[letter]!);
-const unescaped = (value: string) =>
+/** Replace the predefined entities by their characters. */
+export const unescapeXml = (value: string) =>
   value.replace(
     /&(?:amp|lt|gt|quot|apos);/g,
     (code) => Object.keys(ESCAPES).find((letter) => ESCAPES[letter] === code) ?? code,

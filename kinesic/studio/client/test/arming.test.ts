@@ -124,7 +124,13 @@ test("No, a closed dialog and a stop withdraw the question", async () => {
 
 test("the button shows the state and disarms only armed servos", () => {
   const button = () => element<HTMLButtonElement>("arm");
-  const states = { limp: "Arm …", arming: "Arming", armed: "Disarm", releasing: "Disarming", ended: "Arm …" };
+  const states = {
+    limp: "Motors on …",
+    arming: "Switching on",
+    armed: "Motors off",
+    releasing: "Switching off",
+    ended: "Motors on …",
+  };
   for (const [state, text] of Object.entries(states) as [ServoReport["state"], string][]) {
     const scene = begin(state);
     assert.equal(button().textContent, text);

@@ -109,6 +109,18 @@ test("a second Perform replaces the first, so that the document is sent once", a
   assert.deepEqual(line.sent, [DOCUMENT]);
 });
 
+test("a withdrawn performance stays withdrawn when Perform is pressed again", async () => {
+  const { performances, page, line, choose } = open();
+  page.typed = true;
+  void performances.perform();
+  performances.stop();
+  void performances.perform();
+  await choose(true);
+  assert.deepEqual(line.sent, []);
+  await choose(true);
+  assert.deepEqual(line.sent, [DOCUMENT]);
+});
+
 test("a gesture that is not saved is not performed, and the log says so", async () => {
   const { performances, page, line } = open();
   page.unsavedGesture = true;

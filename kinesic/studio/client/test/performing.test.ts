@@ -85,6 +85,7 @@ test("feedback of other blocks, kinds and without a time is ignored", () => {
   assert.ok(!performing.runs);
   hear("b:start", 10);
   hear("other:end");
+  hear("b:end", null);
   assert.ok(performing.runs && performing.waits);
 });
 

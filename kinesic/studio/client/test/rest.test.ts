@@ -47,6 +47,13 @@ test("the robot rests only if the server said so, nothing has begun since, and n
   assert.ok(!robot.rests);
 });
 
+test("servos that never had torque rest from the first report on", () => {
+  const { robot, line } = begin();
+  line.tell({ told: "status", state: "resting" });
+  line.tell(body("limp"));
+  assert.ok(robot.rests);
+});
+
 test("a document waits from its request until its end or a stop", () => {
   load();
   const performing = new Performing(

@@ -30,6 +30,28 @@ test("the connected page watches the robot and lists its servos", async () => {
   assert.ok(!robot.ready);
   assert.equal(shown().stop, false);
   assert.equal(element("state").textContent, "no server");
+  assert.equal(calls.filter((call) => call === "opened").length, 1);
+});
+
+test("a connection that is lost before the servos are listed leaves none", async () => {
+  const { robot, line } = begin();
+  line.close();
+  await settle();
+  assert.deepEqual(robot.places, []);
+});
+
+test("a report is not shown while an earlier one is looked at", () => {
+  const { robot, line } = begin();
+  line.tell(body("limp"));
+  const drawn: unknown[] = [];
+  robot.live.show = (report) => drawn.push(report.time);
+  robot.look(robot.report);
+  line.tell({ ...body("limp"), time: 2 });
+  assert.deepEqual(drawn, [1]);
+  assert.deepEqual([robot.report?.time, robot.shown?.time], [2, 1]);
+  robot.look(null);
+  line.tell({ ...body("limp"), time: 3 });
+  assert.deepEqual(drawn, [1, 2, 3]);
 });
 
 test("stop is sent at once, shown when the server has stopped, and ended by resume", () => {
@@ -44,7 +66,7 @@ test("stop is sent at once, shown when the server has stopped, and ended by resu
   assert.deepEqual(shown(), { stopped: true, resume: true, stop: true });
   assert.ok(robot.stopped && !robot.ready);
   assert.deepEqual(calls, ["changed"]);
-  assert.equal(log(), "stopped: all joints hold");
+  assert.equal(log(), "stopped: the robot holds its posture");
   robot.resume();
   assert.deepEqual(line.read(), [{ do: "resume" }]);
   assert.deepEqual(shown(), { stopped: false, resume: false, stop: true });
@@ -98,6 +120,7 @@ test("limp servos disable documents, and reports of another robot are ignored", 
   assert.deepEqual(calls, ["changed", "moved", "moved"], "what has not changed is not told");
   line.tell({ ...body("armed"), angles: [0, 0] });
   assert.ok(robot.limp);
+  assert.equal(robot.report?.servos?.state, "limp");
   line.tell(body("armed"));
   assert.ok(robot.ready);
   assert.equal(robot.report?.angles[0], 0.1);
@@ -108,6 +131,7 @@ test("a refusal is logged, and a missing token opens its dialog", () => {
   line.tell({ told: "refused", why: "a token is needed" });
   assert.equal(log(), "a token is needed");
   assert.ok(element<HTMLDialogElement>("lock").open);
+  assert.equal(element("state").textContent, "token needed");
   assert.ok(!robot.ready && !shown().stop);
   line.read();
   robot.unlock("secret");

@@ -25,12 +25,12 @@ export class Preview {
     if (this.on.checked) this.before = this.view.motion;
   }
 
-  /** Play the behaviour, if this draft has its change. */
-  drafted(draft: Draft, chosen: string | null): void {
+  /** Play the changed behaviours, if this draft has their change. */
+  drafted(draft: Draft, ids: readonly string[]): void {
     const { before } = this;
     this.view.before = this.before = null;
     this.end = null;
-    const span = before && spanOf(draft, chosen);
+    const span = before && spanOf(draft, ids);
     if (!span) return;
     this.view.setMode("plan");
     this.view.before = before;
@@ -48,9 +48,9 @@ export class Preview {
   }
 }
 
-/** Return the planned start and end [s] of a behaviour or of the whole block; null without times. */
-function spanOf(draft: Draft, chosen: string | null): { start: number; end: number } | null {
-  if (chosen === BLOCK) return { start: 0, end: draft.duration };
-  const times = draft.syncs.filter(({ behaviour }) => behaviour === chosen).map(({ planned }) => planned);
+/** Return the planned start and end [s] of behaviours or of the whole block; null without times. */
+function spanOf(draft: Draft, ids: readonly string[]): { start: number; end: number } | null {
+  if (ids.includes(BLOCK)) return { start: 0, end: draft.duration };
+  const times = draft.syncs.filter(({ behaviour }) => ids.includes(behaviour)).map(({ planned }) => planned);
   return times.length ? { start: Math.min(...times), end: Math.max(...times) } : null;
 }

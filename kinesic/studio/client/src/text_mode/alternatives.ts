@@ -26,11 +26,17 @@ export class AlternativesPanel {
     this.place.hidden = true;
   }
 
-  /** Show the present gesture of a word and what else could be shown; null: still asked for. */
-  show(word: string, present: ShownGesture | null, alternatives: readonly Alternative[] | null): void {
+  /** Show the present gesture of a word, with reasons, and what else could be shown; null: still asked for. */
+  show(
+    word: string,
+    present: ShownGesture | null,
+    alternatives: readonly Alternative[] | null,
+    reasons: readonly string[] = [],
+  ): void {
     this.place.hidden = false;
     say(byId("alternatives-title"), present ? `“${word}”: ${present.name}` : `“${word}”: no gesture`);
     say(byId("alternatives-reason"), present ? present.reason || "without a reason" : "Choose one below.");
+    say(byId("alternatives-choice"), reasons.filter(Boolean).join(" "));
     byId("alternatives-remove").hidden = present === null;
     const rows = alternatives?.map((each) => this.row(each, each.id === present?.name)) ?? [];
     const none = alternatives ? "nothing fits this word" : "looking for gestures …";

@@ -1,11 +1,13 @@
 // Spoken words of a document, each with the gestures whose strokes fall on it.
 import { listWords, type Word } from "../tracks/words.ts";
 import type { Draft } from "../types.ts";
-import { findAttribute, tagWithId } from "../xml.ts";
+import { findAttribute, findTags, tagWithId } from "../xml.ts";
 
 const GESTURE_TYPES: readonly string[] = ["gesture", "pointing"];
 /** Attributes that place a gesture, the most significant first. */
 const PLACES = ["stroke", "strokeStart", "attackPeak", "start", "ready", "strokeEnd"] as const;
+/** Begins the reason of a gesture that a person has picked. */
+export const PICKED_PREFIX = "chosen: ";
 const REFERENCE = /^\s*([^:\s]+):([^\s+-]+)/; // speech and mark of a reference such as s:w9+0.07
 const REASON = /^(.*?)(?:\s*\(([\w-]+), [\d.]+\))?$/s; // reason, with intent and score in parentheses
 
@@ -18,11 +20,16 @@ export interface ShownGesture {
   reason: string;
   /** Intent of the reason; empty without one. */
   intent: string;
+  /** Whether a person has picked it; gestures that the server chose have an intent. */
+  isPicked: boolean;
 }
 
 export interface SpokenWord extends Word {
   gestures: ShownGesture[];
 }
+
+/** Position of a word in the text of a document. */
+type Place = Pick<Word, "speech" | "mark" | "index">;
 
 /** List all spoken words with their gestures; a gesture without a mark belongs to the word at its stroke time. */
 export function listSpoken(text: string, draft: Draft): SpokenWord[] {
@@ -35,25 +42,43 @@ export function listSpoken(text: string, draft: Draft): SpokenWord[] {
   return words;
 }
 
+/** Add its gestures to each word of a document that is not planned yet. */
+export function findShown<W extends Place>(text: string, words: readonly W[]): (W & { gestures: ShownGesture[] })[] {
+  const shown = words.map((word) => ({ ...word, gestures: [] as ShownGesture[] }));
+  for (const tag of findTags(text)) {
+    const id = tag.closing || !GESTURE_TYPES.includes(tag.name) ? undefined : findAttribute(tag, "id")?.value;
+    const gesture = id === undefined ? null : readGesture(text, id, tag.name);
+    if (gesture) shown[placeInText(text, gesture.id, words)]?.gestures.push(gesture);
+  }
+  return shown;
+}
+
 function readGesture(text: string, id: string, type: string): ShownGesture | null {
   const tag = tagWithId(text, id);
   if (!tag) return null;
   const value = (name: string) => findAttribute(tag, name)?.value ?? "";
   const [, reason, intent] = REASON.exec(value("reason")) ?? [];
   const name = type === "gesture" ? value("lexeme") : `to ${value("target")}`;
-  return { id, type, name, reason: reason ?? "", intent: intent ?? "" };
+  const shownReason = (reason ?? "").replace(PICKED_PREFIX, "");
+  return { id, type, name, reason: shownReason, intent: intent ?? "", isPicked: intent === undefined };
 }
 
-/** Return the index of the word of a gesture, or -1. */
-function placeOf(text: string, id: string, draft: Draft, words: readonly Word[]): number {
+/** Return the index of the word to whose mark a gesture refers, or -1. */
+function placeInText(text: string, id: string, words: readonly Place[]): number {
   const tag = tagWithId(text, id);
   for (const place of PLACES) {
     const [, speech, mark] = REFERENCE.exec((tag && findAttribute(tag, place)?.value) ?? "") ?? [];
     const found = words.findIndex((word) => word.speech === speech && word.mark === mark && word.index === 0);
     if (found >= 0) return found;
   }
+  return -1;
+}
+
+/** Return the index of the word of a planned gesture, or -1. */
+function placeOf(text: string, id: string, draft: Draft, words: readonly Word[]): number {
+  const found = placeInText(text, id, words);
   const stroke = draft.syncs.find((sync) => sync.behaviour === id && sync.sync === "stroke")?.planned;
-  return stroke === undefined ? -1 : words.findLastIndex((word) => word.start <= stroke);
+  return found >= 0 || stroke === undefined ? found : words.findLastIndex((word) => word.start <= stroke);
 }
 
 /** Return the text of a word's speech, and the position of the word in it. */
@@ -68,4 +93,10 @@ export function spokenText(words: readonly Word[]): string {
   const lines = new Map<string, string[]>();
   for (const { speech, text } of words) lines.set(speech, [...(lines.get(speech) ?? []), text]);
   return [...lines.values()].map((line) => line.join(" ")).join("\n");
+}
+
+/** Return name and reason of a gesture; `isMarked`: whether it says that a person has picked it. */
+export function describeGesture({ name, reason }: ShownGesture, isMarked: boolean): string {
+  const why = [isMarked ? "picked by you" : "", reason].filter(Boolean).join(", ");
+  return why ? `${name}: ${why}` : name;
 }

@@ -1,16 +1,19 @@
 // Text mode: a plain text becomes a performance; each word shows its gesture, and offers others.
 
-import { byId, make, say } from "../dom.ts";
+import { byId, say } from "../dom.ts";
 import { remove, setManner } from "../edits.ts";
 import { wordAt } from "../tracks/pauses.ts";
 import type { About, Draft } from "../types.ts";
 import type { Wire } from "../wire.ts";
-import { BLOCK } from "../xml.ts";
+import { BLOCK, findAttribute, tagWithId } from "../xml.ts";
 import { AlternativesPanel, readAlternatives } from "./alternatives.ts";
+import { explainHand, explainRank } from "./choice_reasons.ts";
 import { describePending, measure } from "./pending.ts";
+import { describeKept, keepPicked } from "./picked_gestures.ts";
 import { type Choice, choose, isWritten } from "./replacing.ts";
-import { listSpoken, locate, type SpokenWord, spokenText } from "./spoken.ts";
+import { listSpoken, locate, type ShownGesture, type SpokenWord, spokenText } from "./spoken.ts";
 import { Tabs } from "./tabs.ts";
+import { WordList } from "./word_list.ts";
 
 const NEW_NAME = "talk.bml"; // suggested name of a document for a text
 
@@ -29,10 +32,10 @@ export interface TextModeListener {
 
 export class TextMode {
   private readonly field = byId<HTMLTextAreaElement>("plain");
-  private readonly style = byId<HTMLSelectElement>("plain-style");
-  private readonly list = byId("spoken");
+  private readonly list = new WordList((index) => this.choose(index));
   private readonly panel: AlternativesPanel;
   readonly tabs = new Tabs();
+  private draft: Draft | null = null;
   private words: SpokenWord[] = [];
   private chosen = -1; // index of the chosen word; -1: none
   private isReplaced = false; // whether the next draft shows a new choice for the word
@@ -49,7 +52,6 @@ export class TextMode {
       choose: (choice) => this.replace(choice),
       remove: () => this.replace(null),
     });
-    for (const name of about.styles) this.style.append(make("option", { value: name }, name));
     this.field.addEventListener("input", () => {
       this.isTyped = this.pending !== "";
       this.listener.typed();
@@ -59,7 +61,6 @@ export class TextMode {
       event.preventDefault();
       void this.make();
     });
-    this.list.addEventListener("keydown", (event) => this.step(event));
     this.enable();
   }
 
@@ -111,6 +112,7 @@ export class TextMode {
 
   /** Show the words of a draft with their gestures. */
   show(draft: Draft): void {
+    this.draft = draft;
     this.words = listSpoken(this.listener.text(), draft);
     const wasTyped = this.isTyped;
     this.isTyped &&= this.pending !== "";
@@ -119,60 +121,24 @@ export class TextMode {
     const chosen = this.words[this.chosen];
     if (this.isReplaced && chosen) this.listener.select(chosen.gestures[0]?.id ?? null, chosen.start);
     this.isReplaced = false;
-    const isFocused = this.list.contains(document.activeElement);
     if (this.chosen >= this.words.length) this.chosen = -1;
-    this.list.replaceChildren(...this.words.map((word, k) => this.wordButton(word, k)));
+    this.list.show(this.words, this.chosen, isWritten(this.listener.text()));
     const count = this.words.reduce((sum, { gestures }) => sum + gestures.length, 0);
     say(byId("spoken-count"), this.words.length ? `${this.words.length} words, ${count} gestures` : "no spoken words");
     if (this.chosen >= 0) void this.ask(false);
     else this.panel.hide();
-    if (isFocused) this.button(Math.max(this.chosen, 0))?.focus();
     this.enable();
   }
 
-  private wordButton(word: SpokenWord, index: number): HTMLElement {
-    const isChosen = index === this.chosen;
-    const button = make(
-      "button",
-      {
-        type: "button",
-        "data-spoken": String(index),
-        "aria-pressed": String(isChosen),
-        tabindex: index === Math.max(this.chosen, 0) ? "0" : "-1",
-        title: word.gestures.map(({ name, reason }) => `${name}: ${reason}`).join("\n") || "no gesture",
-      },
-      word.text,
-      ...word.gestures.map(({ name }) => make("span", { class: "shown" }, name)),
-    );
-    button.addEventListener("click", () => this.choose(index));
-    return button;
-  }
-
-  private button(index: number): HTMLElement | null {
-    return this.list.querySelector(`[data-spoken="${index}"]`);
-  }
-
-  /** Move from word to word with the arrow keys. */
-  private step(event: KeyboardEvent): void {
-    const by = { ArrowRight: 1, ArrowLeft: -1 }[event.key];
-    const at = Number((event.target as HTMLElement).dataset.spoken);
-    const next = by === undefined ? null : this.button(at + by);
-    if (!next) return;
-    event.preventDefault();
-    (event.target as HTMLElement).tabIndex = -1;
-    next.tabIndex = 0;
-    next.focus();
-  }
-
   private choose(index: number): void {
-    this.button(this.chosen)?.setAttribute("aria-pressed", "false");
+    this.list.press(this.chosen, false);
     this.chosen = this.chosen === index ? -1 : index;
     const word = this.words[this.chosen];
     if (!word) {
       this.panel.hide();
       return;
     }
-    this.button(index)?.setAttribute("aria-pressed", "true");
+    this.list.press(index, true);
     this.listener.select(word.gestures[0]?.id ?? null, word.start);
     void this.ask(true);
   }
@@ -182,12 +148,20 @@ export class TextMode {
     const word = this.words[this.chosen];
     if (!word) return;
     const present = word.gestures[0] ?? null;
-    this.panel.show(word.text, present, null);
+    const hand = present ? this.explainHand(present) : "";
+    this.panel.show(word.text, present, null, [hand]);
     const place = locate(this.words, word);
     const answer = await this.wire.ask("alternatives", { ...place, intent: present?.intent ?? "" });
     if (answer?.outdated || word !== this.words[this.chosen]) return;
-    this.panel.show(word.text, present, readAlternatives(answer));
+    const alternatives = readAlternatives(answer);
+    const rank = present ? explainRank(word, present, alternatives, this.words) : "";
+    this.panel.show(word.text, present, alternatives, [rank, hand]);
     if (isClicked) this.panel.reveal();
+  }
+
+  private explainHand({ id }: ShownGesture): string {
+    const tag = tagWithId(this.listener.text(), id);
+    return this.draft ? explainHand(id, tag && findAttribute(tag, "mode")?.value, this.draft) : "";
   }
 
   /** Show another gesture at the chosen word; null: none. */
@@ -210,7 +184,7 @@ export class TextMode {
   }
 
   private async write(): Promise<boolean> {
-    const { value: style } = this.style;
+    const style = findStyle(this.listener.text());
     const text = this.field.value;
     const { documents } = this;
     say(byId("plain-status"), "choosing gestures …");
@@ -225,14 +199,17 @@ export class TextMode {
     this.isTyped = false; // the text moves into the document
     this.listener.typed();
     const bml = style ? setManner(answer.bml, BLOCK, "style", style) : answer.bml;
-    if (!isWritten(this.listener.text())) this.listener.open(NEW_NAME, this.about.templates[0]?.text ?? "");
+    const former = this.listener.text();
+    const kept = isWritten(former) ? keepPicked(former, this.words, bml) : { text: bml, count: 0, gone: [] };
+    if (!isWritten(former)) this.listener.open(NEW_NAME, this.about.templates[0]?.text ?? "");
     this.chosen = -1;
-    this.listener.edit(bml);
+    this.listener.edit(kept.text);
     this.field.value = later;
     this.isTyped = later !== text;
     this.listener.typed();
     this.enable();
-    say(byId("plain-status"), Array.isArray(answer.warnings) ? answer.warnings.join(" ") : "");
+    const warnings = Array.isArray(answer.warnings) ? answer.warnings : [];
+    say(byId("plain-status"), [...describeKept(kept), ...warnings].join(" "));
     return true;
   }
 
@@ -241,4 +218,10 @@ export class TextMode {
     say(byId("plain-count"), measure(this.field.value));
     say(byId("plain-pending"), this.isTyped ? this.pending : "");
   }
+}
+
+/** Return the style of a whole document; empty without one. */
+function findStyle(text: string): string {
+  const root = tagWithId(text, BLOCK);
+  return (root && findAttribute(root, "style")?.value) ?? "";
 }

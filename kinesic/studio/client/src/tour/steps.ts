@@ -11,7 +11,7 @@ export const STEPS: readonly Step[] = [
   {
     part: "#stage",
     title: "The robot",
-    text: "Play shows the plan of the document here. Drag to turn the view, or drag a hand to try its reach.",
+    text: "Play shows the plan of the document here. Drag to turn the view, or drag a hand to see how far it reaches.",
   },
   {
     part: "#plain-form",
@@ -31,11 +31,11 @@ export const STEPS: readonly Step[] = [
   {
     part: "#choose-block",
     title: "Give it a style",
-    text: "Manner shows the style of the whole document on eight sliders. Select a gesture to style it alone.",
+    text: "Style shows how the whole performance moves, on eight sliders. Select a gesture to style it alone.",
   },
   {
     part: "#control",
     title: "Perform, and stop",
-    text: "Perform plays the document on the robot. Stop, Space and Escape halt every joint at once.",
+    text: "Perform plays the document on the robot. Stop, Space and Escape end every movement at once.",
   },
 ];

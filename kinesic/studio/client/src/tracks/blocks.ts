@@ -1,5 +1,6 @@
 // Elements of the timeline: a block per behaviour with its phases, and handles at its sync points.
 import { make } from "../dom.ts";
+import { pointWords, typeWords } from "../plain_words.ts";
 import type { Sync } from "../types.ts";
 import type { Placed, TrackRow } from "./layout.ts";
 import { edgesOf, mainPoint, phasesOf } from "./phases.ts";
@@ -69,13 +70,13 @@ function drawBlock(item: Placed, drawing: Drawing, chosen: boolean): HTMLElement
       "data-behaviour": id,
       ...(item.first ? { "data-block": id } : { "data-echo": id, "aria-hidden": "true" }),
       "aria-pressed": String(chosen),
-      "aria-label": `${type} ${label}, ${id}, ${times}${about}`,
-      title: `${label || type} (${id}), ${times}${about}`,
+      "aria-label": `${typeWords(type)} ${label}, ${id}, ${times}${about}`,
+      title: `${label || typeWords(type)} (${id}), ${times}${about}`,
       tabindex: item.first && chosen ? "0" : "-1",
     },
     ...phases,
     ...(picture ? [picture] : []),
-    ...(type === "speech" ? [] : [make("span", { class: "label" }, label || type)]),
+    ...(type === "speech" ? [] : [make("span", { class: "label" }, label || typeWords(type))]),
   );
   block.style.left = drawing.percent(from);
   block.style.width = drawing.percent(to - from);
@@ -90,7 +91,7 @@ function slider(kind: string, sync: Sync, drawing: Drawing, more: Record<string,
     "aria-valuenow": sync.planned.toFixed(2),
     "aria-valuemin": "0",
     "aria-valuemax": drawing.duration.toFixed(2),
-    "aria-label": `${sync.sync} of ${sync.behaviour}`,
+    "aria-label": `${pointWords(sync.sync)}: ${sync.behaviour}`,
     "data-behaviour": sync.behaviour,
     ...more,
   });
@@ -103,14 +104,14 @@ function drawStroke(item: Placed, main: Sync, drawing: Drawing, chosen: boolean)
   return slider("stroke", main, drawing, {
     "data-stroke": id,
     tabindex: chosen ? "0" : "-1",
-    title: `${main.sync} of ${id} at ${main.planned.toFixed(2)} s: drag it onto a word`,
+    title: `${id}, ${pointWords(main.sync)} at ${main.planned.toFixed(2)} s: drag it onto a word`,
   });
 }
 
 function drawEdge(id: string, edge: Sync, drawing: Drawing): HTMLElement {
   return slider("edge", edge, drawing, {
     "data-edge": edge.sync,
-    title: `${edge.sync} of ${id} at ${edge.planned.toFixed(2)} s: drag it to change the phases`,
+    title: `${id}, ${pointWords(edge.sync)} at ${edge.planned.toFixed(2)} s: drag it to change the phases`,
   });
 }
 

@@ -3,7 +3,6 @@ import { type Anchor, blockTime } from "../anchors.ts";
 import { mark, remove, shift, tie } from "../edits.ts";
 import { addDropped } from "../palette.ts";
 import type { Draft } from "../types.ts";
-import { BLOCK } from "../xml.ts";
 import { type Clip, copyAll, paste } from "./clipboard.ts";
 import type { Move } from "./drags.ts";
 import { dependsOn, moveAll, moveOnto, stretch } from "./group_edits.ts";
@@ -45,7 +44,7 @@ export class TrackEditing {
   /** Use the points of a new draft, and select what was just pasted. */
   drafted(draft: Draft): void {
     this.points = pointsOf(draft);
-    const existing = new Set([...draft.behaviours.map(({ id }) => id), BLOCK]);
+    const existing = new Set(draft.behaviours.map(({ id }) => id));
     if (this.pending.length) this.selection.set(this.pending.filter((id) => existing.has(id)));
     else this.selection.keep(existing);
     this.pending = [];
@@ -59,7 +58,6 @@ export class TrackEditing {
   choose(id: string, isExtended: boolean): void {
     if (this.desk.locked()) return;
     if (isExtended) this.selection.extend(id);
-    else if (id === BLOCK) this.selection.toggle(id);
     else this.selection.set([id]);
   }
 
@@ -175,7 +173,7 @@ export class TrackEditing {
   }
 
   private get movable(): string[] {
-    return this.desk.locked() ? [] : [...this.selection.all].filter((id) => id !== BLOCK);
+    return this.desk.locked() ? [] : [...this.selection.all];
   }
 
   private inBlock(time: number): number {

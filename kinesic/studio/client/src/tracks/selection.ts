@@ -27,11 +27,6 @@ export class Selection {
     this.changed();
   }
 
-  /** Select one behaviour alone, or deselect it if it was alone. */
-  toggle(id: string): void {
-    this.set(this.single === id ? [] : [id]);
-  }
-
   /** Add a behaviour to the selection, or remove it. */
   extend(id: string): void {
     this.set(this.has(id) ? this.ids.filter((each) => each !== id) : [...this.ids, id]);
