@@ -58,17 +58,28 @@ def milliseconds(seconds: float) -> str:
 
 
 def compare_drivers() -> list[str]:
-    """Compare the drivers at one number of servos and one baud rate."""
+    """Compare fresh positions and cycle times of the drivers."""
+    head = [f"{name}: {column}" for column in ("fresh [%]", "cycle time, p99 [ms]") for name in DRIVERS]
+    rows = {fault: [each[k] for k in (1, 2) for each in results] for fault, results in summarise_faults().items()}
+    return table(("fault", *head), *[(fault, *row) for fault, row in rows.items()])
+
+
+def compare_errors() -> list[str]:
+    """Compare exceptions, wrong positions and reports of the drivers; faults without any are left out."""
+    columns = ("exceptions / wrong positions", "reported after [ms]")
+    head = [f"{name}: {column}" for column in columns for name in DRIVERS]
+    rows = {fault: [each[k] for k in (0, 3) for each in results] for fault, results in summarise_faults().items()}
+    shown = {fault: row for fault, row in rows.items() if {*row} - {"0 / 0", ""}}
+    return table(("fault", *head), *[(fault, *row) for fault, row in shown.items()])
+
+
+def summarise_faults() -> dict[str, list[tuple[str, str, str, str]]]:
+    """Return the summary of each driver by fault, at one number of servos and one baud rate."""
     cases = [
         by_case([trial for trial in drivers[name] if (trial["servos"], trial["baud"]) == (SERVOS, BAUD)])
         for name in DRIVERS
     ]
-    head = ["fault"]
-    for name in DRIVERS:
-        head += [f"{name}: exceptions / wrong positions"]
-        head += [f"{name}: {column}" for column in ("fresh [%]", "cycle time, p99 [ms]", "reported after [ms]")]
-    rows = {name: [cell for each in cases for cell in summarise(each[name])] for name in cases[0]}
-    return table(head, *[(name.replace("_", " "), *row) for name, row in rows.items()])
+    return {fault.replace("_", " "): [summarise(each[fault]) for each in cases] for fault in cases[0]}
 
 
 def format_worst() -> list[str]:
@@ -102,7 +113,12 @@ def mean(trials: Sequence[Trial], what: str) -> float:
     return sum(trial[what] for trial in trials) / len(trials)
 
 
-TABLES: dict[str, Callable[[], list[str]]] = {"rates": format_rates, "drivers": compare_drivers, "worst": format_worst}
+TABLES: dict[str, Callable[[], list[str]]] = {
+    "rates": format_rates,
+    "drivers": compare_drivers,
+    "errors": compare_errors,
+    "worst": format_worst,
+}
 text = PAGE.read_text(encoding="utf-8")
 for mark, made in TABLES.items():
     before, rest = text.split(f"<!-- {mark} -->")
