@@ -16,7 +16,7 @@ from kinesic.ik.scalar3 import Vector, unit, vector
 
 from ..reference.ik.hinges import extract
 from ..reference.ik.masses import settle_masses
-from ..reference.ik.multistart import RESTARTS, nearest_seeds
+from ..reference.ik.multistart import MAX_RESTARTS, nearest_seeds
 from ..reference.ik.polish import polish
 from ..reference.ik.shoulder_elbow import bend_elbow, gap, place_shoulder
 from ..reference.ik.swivel import elbow_at
@@ -138,7 +138,7 @@ def test_compiled_multistart_postures_equal_the_python_reference() -> None:
     for _ in range(50):
         target = vector(random.uniform(-0.6, 0.6, 3))
         chosen = [seeds(LINKAGE)[k].angles for k in arm.nearest(target)]
-        assert chosen == [seed.angles for seed in nearest_seeds(LINKAGE, target, RESTARTS)]
+        assert chosen == [seed.angles for seed in nearest_seeds(LINKAGE, target, MAX_RESTARTS)]
 
 
 @pytest.mark.parametrize("count", [0, 1, 2])

@@ -16,7 +16,7 @@ from kinesic.ik.pose import PoseSolution, solve_pose
 
 from ..reference.ik import pose as reference
 from ..reference.ik.pose import _errors
-from ..reference.ik.swivel_search import GIRDLE_STEPS, SWIVELS
+from ..reference.ik.swivel_search import GIRDLE_STEPS, SWIVEL_STEPS
 
 ARMS = Robot.load().arms
 LEFT = ARMS["l"]
@@ -233,7 +233,7 @@ def test_hand_pose_search_counts_the_tried_postures():
     near, far = (solve_pose(LEFT, factor * position, rotation, start=LEFT.rest) for factor in (1.0, 9.0))
     assert near.reached
     assert near.rounds == 0
-    assert 1 <= near.cells < far.cells == SWIVELS * (1 + GIRDLE_STEPS)
+    assert 1 <= near.cells < far.cells == SWIVEL_STEPS * (1 + GIRDLE_STEPS)
     assert far.rounds > 0
 
 

@@ -11,7 +11,7 @@ from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.track import Tracker
 
 from ..reference.ik import track as reference
-from ..reference.ik.track import SOFT
+from ..reference.ik.track import SOFT_FRACTION
 
 ROBOT = Robot.load()
 LEFT, RIGHT = ROBOT.arms["l"], ROBOT.arms["r"]
@@ -85,7 +85,7 @@ def test_tracker_residual_grows_only_beyond_the_easy_reach() -> None:
         target = np.array(linkage.walk(LEFT.rest.tolist(), 1)[1][-1]) + share * linkage.farthest * np.array([1, 0, 0])
         angles = tracker.step(target)
         assert tracker.residual == pytest.approx(np.linalg.norm(LEFT.hand(angles) - target), abs=1e-9)
-        assert share > 1 - SOFT or tracker.residual < 1e-6
+        assert share > 1 - SOFT_FRACTION or tracker.residual < 1e-6
     assert tracker.residual > 0.05 * linkage.farthest
 
 

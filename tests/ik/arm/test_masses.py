@@ -4,7 +4,7 @@ from numpy.random import Generator, default_rng
 
 from kinesic.ik.scalar3 import Vector, across, clamp_to_reach, cross, distance, dot, minus, norm, plus, scaled, unit
 
-from ...reference.ik.masses import ROUNDS, SWUNG, TOLERANCE, settle_masses
+from ...reference.ik.masses import MAX_ITERATIONS, SWIVEL_ITERATIONS, TOLERANCE, settle_masses
 
 LENGTHS = (0.115, 0.22, 0.20)
 POINTS: tuple[Vector, ...] = ((0.0, 0.0, 0.0), (0.0, 0.115, 0.0), (0.05, 0.15, -0.2), (0.2, 0.15, -0.3))
@@ -29,7 +29,7 @@ def test_settled_mass_chain_keeps_bone_lengths_and_both_ends() -> None:
         assert distance(settled.points[-1], target) < 1e-12
         assert settled.energy < TOLERANCE
         assert _stretch(settled.points, LENGTHS) < 1e-4
-        assert 0 < settled.iterations <= ROUNDS
+        assert 0 < settled.iterations <= MAX_ITERATIONS
 
 
 def test_mass_chain_that_is_already_settled_needs_no_iterations() -> None:
@@ -40,7 +40,7 @@ def test_mass_chain_that_is_already_settled_needs_no_iterations() -> None:
 def test_mass_chain_points_straight_at_an_unreachable_target() -> None:
     settled = settle_masses(POINTS, LENGTHS, (3.0, 2.0, 1.0))
     line = unit((3.0, 2.0, 1.0))
-    assert settled.iterations <= ROUNDS
+    assert settled.iterations <= MAX_ITERATIONS
     assert distance(settled.points[-1], scaled(line, sum(LENGTHS))) < 1e-9
     assert all(norm(cross(line, point)) < 0.05 * sum(LENGTHS) for point in settled.points)
 
@@ -93,7 +93,7 @@ def test_single_elbow_mass_stays_on_its_side_of_the_shoulder_hand_line() -> None
         points, target = ((0.0, 0.0, 0.0), elbow, (1.0, 0.0, 0.0)), (span, 0.0, 0.0)
         early, late = (
             unit(across(settle_masses(points, (upper, 1.0 - upper), target, rounds=rounds).points[1], (1.0, 0.0, 0.0)))
-            for rounds in (SWUNG, ROUNDS)
+            for rounds in (SWIVEL_ITERATIONS, MAX_ITERATIONS)
         )
         assert dot(early, late) > 1.0 - 1e-12
         assert distance(early, late) < 1e-9

@@ -6,7 +6,7 @@ from kinesic.body.robot import Robot
 from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.scalar3 import distance, vector
 
-from ...reference.ik.polish import ROUNDS, polish
+from ...reference.ik.polish import MAX_ITERATIONS, polish
 
 CHAIN = Robot.load().arms["l"]
 ARM = linkage_of(CHAIN)
@@ -23,7 +23,7 @@ def test_numerical_ik_correction_brings_a_near_hand_onto_its_target() -> None:
         polished = polish(ARM, target, angles.tolist(), posture=HOME, mobility=EASE)
         assert polished.miss < 1e-6
         assert polished.miss == pytest.approx(distance(ARM.hand(polished.angles), target), abs=1e-15)
-        assert polished.rounds <= ROUNDS
+        assert polished.rounds <= MAX_ITERATIONS
 
 
 def test_numerical_correction_of_random_postures_does_not_increase_errors_or_leave_ranges() -> None:

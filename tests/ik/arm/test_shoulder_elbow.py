@@ -12,7 +12,7 @@ from kinesic.ik.solve import solve
 
 from ...reference.ik import shoulder_elbow
 from ...reference.ik.hinges import extract
-from ...reference.ik.shoulder_elbow import STRETCH, TAUT, bend_elbow, gap, place_of, place_shoulder
+from ...reference.ik.shoulder_elbow import MAX_STRETCH_RATIO, TAUT_RATIO, bend_elbow, gap, place_of, place_shoulder
 
 ROBOT = Robot.load()
 CHAIN = ROBOT.arms["l"]
@@ -31,7 +31,7 @@ def test_shoulder_stays_at_rest_for_targets_within_easy_reach() -> None:
 
 def test_shoulder_rises_more_the_farther_the_target_beyond_easy_reach() -> None:
     lifts = []
-    for share in (TAUT, TAUT + 0.01, 1.0, 1.02, 1.05):
+    for share in (TAUT_RATIO, TAUT_RATIO + 0.01, 1.0, 1.02, 1.05):
         place = place_shoulder(
             ARM, (SHOULDER[0], SHOULDER[1], SHOULDER[2] + share * ARM.farthest), near=REST, rest=REST
         )
@@ -45,7 +45,7 @@ def test_shoulder_rises_more_the_farther_the_target_beyond_easy_reach() -> None:
 def test_unreachable_target_is_moved_towards_the_shoulder_into_reach() -> None:
     target = (0.3, 2.0, 1.5)
     place = place_shoulder(ARM, target, near=REST, rest=REST)
-    assert distance(place.shoulder, place.target) == pytest.approx(STRETCH * ARM.farthest)
+    assert distance(place.shoulder, place.target) == pytest.approx(MAX_STRETCH_RATIO * ARM.farthest)
     assert norm(cross(unit(minus(place.target, place.shoulder)), unit(minus(target, place.shoulder)))) < 1e-12
     assert gap(ARM, target) == pytest.approx(distance(place.shoulder, target))
 

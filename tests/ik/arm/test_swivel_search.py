@@ -7,7 +7,7 @@ from kinesic.ik.arm.swivel import swivel
 from kinesic.ik.scalar3 import Rotation, vector
 
 from ...reference.ik.shoulder_elbow import place_of
-from ...reference.ik.swivel_search import GIRDLE_STEPS, SWIVELS, cell_at, cells, present_swivel
+from ...reference.ik.swivel_search import GIRDLE_STEPS, SWIVEL_STEPS, cell_at, cells, present_swivel
 
 LEFT = Robot.load().arms["l"]
 LINKAGE = linkage_of(LEFT)
@@ -27,17 +27,17 @@ def test_swivel_search_starts_with_the_present_arm_posture():
 
 def test_postures_of_the_swivel_search_are_in_range_and_report_their_errors():
     seen = list(cells(LINKAGE, TARGET, _still, near=POSTURE.tolist()))
-    assert len(seen) == SWIVELS * (GIRDLE_STEPS + 1)
+    assert len(seen) == SWIVEL_STEPS * (GIRDLE_STEPS + 1)
     for cell in seen:
         angles = np.array(cell.angles)
         assert np.all((LEFT.lower <= angles) & (angles <= LEFT.upper))
         assert cell.miss == pytest.approx(np.linalg.norm(LEFT.hand(angles) - TARGET), abs=1e-9)
-    assert sum(cell.miss < 1e-9 for cell in seen) > SWIVELS
+    assert sum(cell.miss < 1e-9 for cell in seen) > SWIVEL_STEPS
 
 
 def test_collar_bone_stays_if_excluded_from_the_search():
     seen = list(cells(LINKAGE, TARGET, _still, near=POSTURE.tolist(), girdle=False))
-    assert len(seen) == SWIVELS
+    assert len(seen) == SWIVEL_STEPS
     assert {round(cell.angles[0], 9) for cell in seen} == {0.1}
 
 

@@ -25,8 +25,8 @@ from kinesic.ik.scalar3 import (
     within,
 )
 
-MISS_COST = 1e3  # per arm length that a joint misses its point
-TRAVEL_COST = 1e-3  # per radian away from the current angles
+MISS_COST = 1e3  # cost per arm length of a joint's distance from its point
+TRAVEL_COST = 1e-3  # cost per radian of travel from the current angles
 
 
 @dataclass(frozen=True)

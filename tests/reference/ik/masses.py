@@ -11,12 +11,12 @@ from math import pi, sqrt
 from kinesic.ik.angles import cosine_sine
 from kinesic.ik.scalar3 import Vector, across, clamp_to_reach, cross, minus, norm, plus, scaled, unit
 
-TOLERANCE = 1e-6  # total spring force at rest, in units of stiffness x chain length
-ROUNDS = 300
-SWUNG = 16  # rounds after which one free mass stays on its side: what is left are slow bends, which do not overshoot
-DAMPING_SHARE = 0.75  # of the theory's damping: bends add slower modes than the straight chain has
-STRAIGHT = 1e-4  # sine below which neighbouring bones count as collinear
-NUDGE = 0.02  # of the chain's length, sideways, to leave a straight line
+TOLERANCE = 1e-6  # [stiffness x chain length] total spring force at rest
+MAX_ITERATIONS = 300  # largest number of iterations
+SWIVEL_ITERATIONS = 16  # iterations after which a single free mass no longer changes its side
+DAMPING_FRACTION = 0.75  # damping / theoretical optimum, because bends add slower modes
+PARALLEL_SINE = 1e-4  # sine of the angle below which bones count as collinear
+NUDGE_DISTANCE = 0.02  # [chain lengths] sideways displacement that bends a straight chain
 
 
 @dataclass(frozen=True)
@@ -29,7 +29,7 @@ class Settled:
 
 
 def settle_masses(
-    points: Sequence[Vector], lengths: Sequence[float], target: Vector, *, rounds: int = ROUNDS
+    points: Sequence[Vector], lengths: Sequence[float], target: Vector, *, rounds: int = MAX_ITERATIONS
 ) -> Settled:
     """Let a chain of unit masses settle between base and target.
 
@@ -67,7 +67,7 @@ def _tuned(bones: int) -> tuple[float, float]:
     """Return stiffness x dt^2 and the momentum of the heavy-ball optimum."""
     slow, fast = (sqrt(2.0 - 2.0 * cosine_sine(pi * bends / bones)[0]) for bends in (1, bones - 1))
     share = (fast - slow) / (fast + slow)
-    return 4.0 / ((fast + slow) * (fast + slow)), 1.0 - DAMPING_SHARE * (1.0 - share * share)
+    return 4.0 / ((fast + slow) * (fast + slow)), 1.0 - DAMPING_FRACTION * (1.0 - share * share)
 
 
 def _forces(masses: Sequence[Vector], rests: Sequence[float]) -> list[Vector]:
@@ -85,8 +85,8 @@ def _bent(masses: list[Vector]) -> list[Vector]:
     line = unit(minus(masses[-1], masses[0]))
     if line == (0.0, 0.0, 0.0):
         line = unit(minus(masses[1], masses[0]))
-    if any(norm(cross(line, minus(mass, masses[0]))) > STRAIGHT for mass in masses[1:-1]):
+    if any(norm(cross(line, minus(mass, masses[0]))) > PARALLEL_SINE for mass in masses[1:-1]):
         return masses
     sag = across((0.0, 0.0, -1.0), line)
-    aside = unit(sag if norm(sag) > STRAIGHT else across((-1.0, 0.0, 0.0), line))
-    return [masses[0], *(plus(mass, scaled(aside, NUDGE)) for mass in masses[1:-1]), masses[-1]]
+    aside = unit(sag if norm(sag) > PARALLEL_SINE else across((-1.0, 0.0, 0.0), line))
+    return [masses[0], *(plus(mass, scaled(aside, NUDGE_DISTANCE)) for mass in masses[1:-1]), masses[-1]]

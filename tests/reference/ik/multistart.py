@@ -11,9 +11,9 @@ from kinesic.ik.arm.multistart import STALL_DISTANCE
 from kinesic.ik.arm.seeds import Seed, seeds
 from kinesic.ik.scalar3 import Vector, distance, vector
 
-from .polish import ROUNDS, Polished, polish
+from .polish import MAX_ITERATIONS, Polished, polish
 
-RESTARTS = 8
+MAX_RESTARTS = 8  # largest number of other start postures
 
 
 def nearest_seeds(linkage: Linkage, target: Vector, count: int) -> list[Seed]:
@@ -45,7 +45,7 @@ def approach(
     if best.miss < STALL_DISTANCE:
         return best
     rounds = best.rounds
-    for seed in nearest_seeds(linkage, target, RESTARTS):
+    for seed in nearest_seeds(linkage, target, MAX_RESTARTS):
         tried = polish(linkage, target, seed.angles, posture=posture, mobility=mobility)
         rounds += tried.rounds
         if tried.miss < best.miss:
@@ -65,7 +65,7 @@ def reach(chain: Chain, target, angles) -> float:
     return solution.miss
 
 
-def reach_many(chain: Chain, targets, start, *, rounds: int = ROUNDS):
+def reach_many(chain: Chain, targets, start, *, rounds: int = MAX_ITERATIONS):
     """Return angles and residuals after polish from one start."""
     angles, residuals = np.empty((len(targets), len(start))), np.empty(len(targets))
     linkage, home = _packed(chain)

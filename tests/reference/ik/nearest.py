@@ -15,12 +15,12 @@ from kinesic.ik.scalar3 import Vector, cross, dot, minus, norm
 
 from .polish import Polished
 
-ROUNDS = 30
-GAIN = 1e-9  # a round that wins less than this share of the squared distance is the last
-LEAST_DAMPING = 1e-6  # of the arm's length squared, added to the curvature
-MOST_DAMPING = 1e6
-WORTH = 2.5e-3  # of the arm's length: for less the elbow does not give up the side that it bends to
-CAUTION = 8.0  # times the damping after a round that lost ground or met a saddle
+MAX_ITERATIONS = 30  # largest number of iterations
+MIN_GAIN = 1e-9  # relative decrease of the squared distance below which the search ends
+MIN_DAMPING = 1e-6  # [arm lengths^2] added to the curvature
+MAX_DAMPING = 1e6  # [arm lengths^2] damping above which the search ends
+MIN_IMPROVEMENT = 2.5e-3  # [arm lengths] smallest gain for which the elbow may change its side
+DAMPING_GROWTH = 8.0  # factor on the damping after a rejected step, divisor after an accepted one
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,8 +50,8 @@ def finish(linkage: Linkage, target: Vector, beginnings: Sequence[Sequence[float
     shapes = [_shape(linkage, target, posture) for posture in postures]
     nearest = min(range(len(shapes)), key=lambda k: shapes[k].distance)
     now, here = postures[nearest], shapes[nearest]
-    damping, rounds = LEAST_DAMPING, 0
-    while rounds < ROUNDS and damping < MOST_DAMPING:
+    damping, rounds = MIN_DAMPING, 0
+    while rounds < MAX_ITERATIONS and damping < MAX_DAMPING:
         rounds += 1
         free = ((now > lower) | (here.slope < 0.0)) & ((now < upper) | (here.slope > 0.0))
         step = _newton(here.slope[free], here.curvature[np.ix_(free, free)], damping * linkage.farthest**2)
@@ -60,12 +60,12 @@ def finish(linkage: Linkage, target: Vector, beginnings: Sequence[Sequence[float
         there = _shape(linkage, target, tried)
         won = here.distance**2 - there.distance**2
         if won <= 0.0 and np.any(tried != now):
-            damping *= CAUTION
+            damping *= DAMPING_GROWTH
             continue
-        now, here, damping = tried, there, max(LEAST_DAMPING, damping / CAUTION)
-        if won <= GAIN * here.distance**2:
+        now, here, damping = tried, there, max(MIN_DAMPING, damping / DAMPING_GROWTH)
+        if won <= MIN_GAIN * here.distance**2:
             break
-    if shapes[0].distance - here.distance < WORTH * linkage.farthest:
+    if shapes[0].distance - here.distance < MIN_IMPROVEMENT * linkage.farthest:
         now, here = postures[0], shapes[0]
     return Polished(tuple(now.tolist()), here.distance, rounds)
 

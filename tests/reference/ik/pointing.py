@@ -23,10 +23,10 @@ from .wrist import direction_errors, orient
 
 Swing = tuple[Floats, float, float | None, float | None]  # angles, residual, errors of pointing and palm
 
-SEARCH_STEPS = 12  # of the search to either side
-PRICE = 0.03  # [rad] of error that a radian of swing has to win
-BISECTIONS = 8
-OFF = 1e-6  # of the reach: a swing that takes the hand farther off its place does not count
+SEARCH_STEPS = 12  # swivels tried on each side
+SWIVEL_WEIGHT = 0.03  # pointing error [rad] traded per radian of swivel change
+BISECTION_STEPS = 8  # number of bisection steps at the boundary
+MAX_HAND_OFFSET = 1e-6  # [reach] largest displacement of the hand
 
 
 def best_swivel(chain: Chain, reach: Reach, *, start: Floats, rest: Floats | None = None, max_swivel: float = pi):
@@ -66,18 +66,18 @@ def _search_swivel(linkage: Linkage, at: Callable[[float], Cell], max_swivel: fl
     """Return the smallest satisfying swing, or the best trade-off."""
 
     def fits(cell: Cell) -> bool:
-        return cell.miss <= OFF * linkage.farthest and cell.error <= SATISFIED_ERROR
+        return cell.miss <= MAX_HAND_OFFSET * linkage.farthest and cell.error <= SATISFIED_ERROR
 
     best, least = at(0.0), inf
     for step in range(SEARCH_STEPS + 1):
         for side in (1.0, -1.0):
             outside, offset = side * (step - 1) * max_swivel / SEARCH_STEPS, side * step * max_swivel / SEARCH_STEPS
             cell = at(offset)
-            if cell.miss > OFF * linkage.farthest:
+            if cell.miss > MAX_HAND_OFFSET * linkage.farthest:
                 continue
             if fits(cell):
-                return bisect_edge(at, outside, offset, cell, fits=fits, rounds=BISECTIONS)
-            price = cell.error + PRICE * abs(offset)
+                return bisect_edge(at, outside, offset, cell, fits=fits, rounds=BISECTION_STEPS)
+            price = cell.error + SWIVEL_WEIGHT * abs(offset)
             if price < least:
                 best, least = cell, price
     return best

@@ -10,15 +10,15 @@ from dataclasses import dataclass
 from kinesic.ik.arm.linkage import Linkage
 from kinesic.ik.scalar3 import Vector, cross, dot, minus, norm, scaled
 
-ROUNDS = 24
-TOLERANCE = 1e-7  # of the arm's length
-DAMPING = 0.3  # lambda^2 = DAMPING e^2 + LEAST_DAMPING size^2 (after Sugihara)
-LEAST_DAMPING = 1e-7
-POSTURE = 0.4  # share of the way back to the posture in a round, as far as the hand does not notice ...
-FADING = 0.7  # ... less from round to round: the last ones belong to the target
-STALL = 0.98  # a round that leaves more than this share of the error ...
-STALLED_STEPS = 6  # ... so many times in a row has come to a rest
-CAUTION = 8.0  # times the damping after a round that lost ground
+MAX_ITERATIONS = 24  # largest number of iterations
+TOLERANCE = 1e-7  # [arm lengths] largest remaining distance
+ERROR_DAMPING = 0.3  # lambda^2 = ERROR_DAMPING e^2 + MIN_DAMPING size^2 (after Sugihara)
+MIN_DAMPING = 1e-7  # damping at zero error
+POSTURE_GAIN = 0.4  # fraction of the distance to the preferred posture per iteration
+POSTURE_DECAY = 0.7  # factor on `POSTURE_GAIN` per iteration, from the first on
+STALL_RATIO = 0.98  # error ratio of successive iterations above which progress has stalled
+MAX_STALLED_STEPS = 6  # successive stalled iterations that end the solver
+DAMPING_GROWTH = 8.0  # factor on the damping after a rejected step, divisor after an accepted one
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def polish(
     *,
     posture: Sequence[float],
     mobility: Sequence[float],
-    rounds: int = ROUNDS,
+    rounds: int = MAX_ITERATIONS,
 ) -> Polished:
     """Move the hand to a target by damped least squares.
 
@@ -67,18 +67,18 @@ def polish(
     hand, moves = columns(linkage, now)
     error = minus(target, hand)
     caution, fading, stalled, done = 1.0, 1.0, 0, 0
-    while norm(error) > TOLERANCE * size and stalled < STALLED_STEPS and done < rounds:
+    while norm(error) > TOLERANCE * size and stalled < MAX_STALLED_STEPS and done < rounds:
         done += 1
-        fading *= FADING
-        damping = caution * (DAMPING * dot(error, error) + LEAST_DAMPING * size * size)
-        share = POSTURE * fading / caution
+        fading *= POSTURE_DECAY
+        damping = caution * (ERROR_DAMPING * dot(error, error) + MIN_DAMPING * size * size)
+        share = POSTURE_GAIN * fading / caution
         pulls = [share * (home - angle) for home, angle in zip(posture, now, strict=False)]
         tried = polish_step(linkage, now, error, HandSlope(moves, pulls, mobility, damping))
         hand, tried_moves = columns(linkage, tried)
         tried_error = minus(target, hand)
         gain = norm(tried_error) / norm(error)
-        stalled = stalled + 1 if gain > STALL else 0
-        caution = CAUTION * caution if gain >= 1.0 else max(1.0, caution / CAUTION)
+        stalled = stalled + 1 if gain > STALL_RATIO else 0
+        caution = DAMPING_GROWTH * caution if gain >= 1.0 else max(1.0, caution / DAMPING_GROWTH)
         if gain < 1.0:
             now, error, moves = tried, tried_error, tried_moves
     return Polished(tuple(now), norm(error), done)

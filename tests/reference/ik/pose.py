@@ -36,12 +36,12 @@ from kinesic.ik.scalar3 import (
 from .swivel_search import MISS_COST, Cell, WristSolver, cells
 from .wrist import HandDirection, orient
 
-NEAR_ENOUGH = 1e-4  # [m] residual and ...
-LIKE_ENOUGH = 1e-3  # ... [rad] turn at which the pose is held
-PERFECT = 1e-6  # cost of a cell at which the search ends
-TOLERANCE = 1e-7  # of the descent: arm lengths and rad together
-ALIKE = 0.05  # [rad] distance of postures that need no second descent
-CANDIDATES = 12  # cells that are refined, the best first
+POSITION_TOLERANCE = 1e-4  # [m] largest position error of a solved pose
+ROTATION_TOLERANCE = 1e-3  # [rad] largest rotation error of a solved pose
+PERFECT_COST = 1e-6  # cost of a cell at which the search ends
+TOLERANCE = 1e-7  # error of the descent in arm lengths and rad
+SAME_POSTURE_DISTANCE = 0.05  # [rad] distance below which postures count as equal
+MAX_CANDIDATES = 12  # largest number of refined cells
 
 
 def solve_pose(chain: Chain, position: Floats, rotation: Floats, *, start: Floats) -> PoseSolution:
@@ -62,11 +62,11 @@ def _solved(linkage: Linkage, target: Vector, wanted: Rotation, near: tuple[floa
     seen: list[Cell] = []
     for cell in cells(linkage, target, hand, near=near):
         seen.append(cell)
-        if cell.cost < PERFECT:
+        if cell.cost < PERFECT_COST:
             break
     seen.sort(key=lambda cell: cell.cost)
     best, rounds = _solution(linkage, target, wanted, seen[0].angles), 0
-    if seen[0].cost >= PERFECT:
+    if seen[0].cost >= PERFECT_COST:
         errors, box = _errors(linkage, target, wanted), _box(linkage, near)
         for begin in _beginnings(linkage, target, hand, seen):
             descent = descend(errors, np.array(begin), box, tolerance=TOLERANCE)
@@ -82,7 +82,7 @@ def _beginnings(
     linkage: Linkage, target: Vector, hand: WristSolver, seen: Sequence[Cell]
 ) -> Iterator[tuple[float, ...]]:
     """Yield start postures: cheap distinct cells, then seeds."""
-    yield from (cell.angles for cell in islice(_distinct(seen), CANDIDATES))
+    yield from (cell.angles for cell in islice(_distinct(seen), MAX_CANDIDATES))
     spread: list[tuple[float, tuple[float, ...]]] = []
     for seed in seeds(linkage):
         frame, points = linkage.walk(seed.angles, len(linkage.links) - 1)
@@ -95,7 +95,7 @@ def _distinct(seen: Sequence[Cell]) -> Iterator[Cell]:
     """Yield cells that differ from all earlier ones."""
     kept: list[Cell] = []
     for cell in seen:
-        if all(dist(cell.angles, other.angles) > ALIKE for other in kept):
+        if all(dist(cell.angles, other.angles) > SAME_POSTURE_DISTANCE for other in kept):
             kept.append(cell)
             yield cell
 
@@ -103,7 +103,9 @@ def _distinct(seen: Sequence[Cell]) -> Iterator[Cell]:
 def _solution(linkage: Linkage, target: Vector, wanted: Rotation, angles: Sequence[float]) -> PoseSolution:
     rotation, points = linkage.walk(angles, len(linkage.links))
     residual, turn = distance(points[-2], target), norm(shortest_turn(rotation, wanted))
-    return PoseSolution(sealed(angles), residual, turn, residual <= NEAR_ENOUGH and turn <= LIKE_ENOUGH, 0, 0)
+    return PoseSolution(
+        sealed(angles), residual, turn, residual <= POSITION_TOLERANCE and turn <= ROTATION_TOLERANCE, 0, 0
+    )
 
 
 def _wrist(link: Link, frame: Rotation, wanted: Rotation, near: Sequence[float]) -> tuple[tuple[float, ...], float]:
@@ -113,7 +115,7 @@ def _wrist(link: Link, frame: Rotation, wanted: Rotation, near: Sequence[float])
     ways = _three_turns(link, inner, now) if len(link.pivots) == 3 else [_few_turns(link, frame, wanted, now)]
     held = [tuple(p.bring_into_range(a, b) for p, a, b in zip(link.pivots, way, now, strict=True)) for way in ways]
     turns = [norm(shortest_turn(link.turn(IDENTITY_ROTATION, way), inner)) for way in held]
-    best = min(range(len(held)), key=lambda k: (turns[k] > PERFECT and turns[k], _travel(held[k], now)))
+    best = min(range(len(held)), key=lambda k: (turns[k] > PERFECT_COST and turns[k], _travel(held[k], now)))
     return held[best], turns[best]
 
 

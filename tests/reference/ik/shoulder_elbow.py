@@ -10,18 +10,18 @@ from kinesic.ik.arm.swivel import swivel_of
 from kinesic.ik.scalar3 import Vector, clamp_to_reach, distance, minus, plus, scaled, unit
 
 from .hinges import Extraction, extract
-from .masses import ROUNDS, SWUNG, settle_masses
+from .masses import MAX_ITERATIONS, SWIVEL_ITERATIONS, settle_masses
 from .swivel import bisect_edge, elbow_at, elbow_radius
 
-STRETCH = 0.9999  # of the reach, to which targets beyond it come: the elbow keeps a side to bend to
-TAUT = 0.97  # of the reach, at which the arm begins to pull the shoulder along
-EXACT = 1e-6  # of the reach: a miss that counts as none
-NATURAL_SWIVEL = 0.35  # [rad] elbow a little away from the body
-NATURE = 0.5  # how far an unasked swivel goes from the present one to the natural one
-SEARCH_STEPS = 12  # of the search to either side, where the wished swivel does not fit the ranges
-BISECTIONS = 6
-SLIM = 1e-3  # of the reach: on a circle of a smaller radius an elbow has no side to stay on
-TIED = 1e-9  # of the reach: misses that differ by less are equal
+MAX_STRETCH_RATIO = 0.9999  # [reach] distance to which targets beyond reach are clamped
+TAUT_RATIO = 0.97  # [reach] distance beyond which the arm pulls the shoulder along
+EXACT_MISS = 1e-6  # [reach] largest miss of an exact posture
+NATURAL_SWIVEL = 0.35  # [rad] swivel of a relaxed elbow, slightly away from the body
+NATURAL_SWIVEL_WEIGHT = 0.5  # fraction of the change towards the natural swivel if none is requested
+SEARCH_STEPS = 12  # swivels tried on each side of the desired one
+BISECTION_STEPS = 6  # number of bisection steps at the boundary
+MIN_CIRCLE_RATIO = 1e-3  # [reach] radius of the elbow's circle below which it has no side
+EQUAL_MISS = 1e-9  # [reach] misses that differ by less are equal
 
 
 @dataclass(frozen=True)
@@ -48,12 +48,12 @@ def place_shoulder(linkage: Linkage, target: Vector, *, near: Sequence[float], r
     """
     reach = linkage.farthest
     resting = linkage.walk(rest, len(linkage.girdle))[1]
-    if distance(resting[-1], target) <= TAUT * reach:
+    if distance(resting[-1], target) <= TAUT_RATIO * reach:
         return _place(resting, target, 0)
     nearer = nearest_girdle(linkage, target, near)
-    if distance(nearer[-1], target) > STRETCH * reach:
-        return _place(nearer, clamp_to_reach(target, nearer[-1], STRETCH * reach), 0)
-    upper, fore = TAUT * linkage.links[-3].length, TAUT * linkage.links[-2].length
+    if distance(nearer[-1], target) > MAX_STRETCH_RATIO * reach:
+        return _place(nearer, clamp_to_reach(target, nearer[-1], MAX_STRETCH_RATIO * reach), 0)
+    upper, fore = TAUT_RATIO * linkage.links[-3].length, TAUT_RATIO * linkage.links[-2].length
     elbow = plus(resting[-1], scaled(unit(minus(target, resting[-1])), upper))
     lengths = (*(link.length for link in linkage.girdle), upper, fore)
     settled = settle_masses((*resting, elbow, target), lengths, target)
@@ -115,12 +115,16 @@ def bend_elbow(linkage: Linkage, place: ShoulderPlace, *, near: Sequence[float],
     lengths = (linkage.links[-3].length, linkage.links[-2].length)
     radius = elbow_radius(linkage, place.shoulder, place.target)
     point = radius == 0.0  # the arm is too short: all swivels are one, whatever the masses say
-    rounds = 0 if point else ROUNDS if radius <= SLIM * linkage.farthest else SWUNG
+    rounds = 0 if point else MAX_ITERATIONS if radius <= MIN_CIRCLE_RATIO * linkage.farthest else SWIVEL_ITERATIONS
     settled = settle_masses((place.shoulder, elbow, place.target), lengths, place.target, rounds=rounds)
     present = swivel_of(linkage, settled.points)
     if present is None:
         present = NATURAL_SWIVEL
-    wish = present + NATURE * remainder(NATURAL_SWIVEL - present, tau) if swivel is None else remainder(swivel, tau)
+    wish = (
+        present + NATURAL_SWIVEL_WEIGHT * remainder(NATURAL_SWIVEL - present, tau)
+        if swivel is None
+        else remainder(swivel, tau)
+    )
     towards = 1.0 if remainder(present - wish, tau) >= 0.0 else -1.0
 
     def at(offset: float) -> Extraction:
@@ -128,8 +132,8 @@ def bend_elbow(linkage: Linkage, place: ShoulderPlace, *, near: Sequence[float],
         return extract(linkage, (*place.girdle, elbow, place.target), near)
 
     span = distance(place.shoulder, place.target)
-    least = inf if point else _least_miss(linkage, span) + TIED * linkage.farthest
-    result, exact = _nearest_exact(at, towards, EXACT * linkage.farthest, least)
+    least = inf if point else _least_miss(linkage, span) + EQUAL_MISS * linkage.farthest
+    result, exact = _nearest_exact(at, towards, EXACT_MISS * linkage.farthest, least)
     return Bend(result.angles, exact, settled.iterations)
 
 
@@ -151,7 +155,7 @@ def _nearest_exact(
             result = at(side * step * pi / SEARCH_STEPS)
             if fits(result):
                 outside, inside = side * (step - 1) * pi / SEARCH_STEPS, side * step * pi / SEARCH_STEPS
-                return bisect_edge(at, outside, inside, result, fits=fits, rounds=BISECTIONS), True
+                return bisect_edge(at, outside, inside, result, fits=fits, rounds=BISECTION_STEPS), True
             best = min(best, result, key=lambda candidate: candidate.miss)
     return best, False
 

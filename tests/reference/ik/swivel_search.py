@@ -16,9 +16,9 @@ from .hinges import extract
 from .shoulder_elbow import NATURAL_SWIVEL, ShoulderPlace, place_of
 from .swivel import elbow_at
 
-SWIVELS = 24  # on the elbow's circle
-GIRDLE_STEPS = 5  # of each collar bone hinge over its range, beside where it is
-MISS_COST = 10.0  # [rad] per arm length that the hand is off its place
+SWIVEL_STEPS = 24  # swivels on the elbow's circle
+GIRDLE_STEPS = 5  # values over the range of each collar-bone hinge, in addition to the present one
+MISS_COST = 10.0  # [rad / arm length] cost of the hand's distance from its target
 
 WristSolver = Callable[
     [Rotation], tuple[tuple[float, ...], float]
@@ -48,7 +48,7 @@ def cells(
         girdle: whether the collar bone moves too.
 
     Yields:
-        `SWIVELS` postures for each place of the shoulder. A stopped hinge shows as a miss.
+        `SWIVEL_STEPS` postures for each place of the shoulder. A stopped hinge shows as a miss.
     """
     begin = present_swivel(linkage, near)
     for angles in _girdles(linkage, near) if girdle else [tuple(near)]:
@@ -75,8 +75,8 @@ def present_swivel(linkage: Linkage, near: Sequence[float]) -> float:
 
 def _outward() -> Iterator[float]:
     """Yield swivel offsets, alternating outward [rad]."""
-    step = 2.0 * pi / SWIVELS
-    return ((k + 1) // 2 * (step if k % 2 else -step) for k in range(SWIVELS))
+    step = 2.0 * pi / SWIVEL_STEPS
+    return ((k + 1) // 2 * (step if k % 2 else -step) for k in range(SWIVEL_STEPS))
 
 
 def _girdles(linkage: Linkage, near: Sequence[float]) -> list[tuple[float, ...]]:

@@ -13,13 +13,13 @@ from kinesic.ik.scalar3 import Vector, distance, dot, minus, norm, plus, scaled,
 from kinesic.ik.track import Tracker as CompiledTracker
 
 from .polish import HandSlope, columns, polish_step
-from .shoulder_elbow import STRETCH, nearest_girdle
+from .shoulder_elbow import MAX_STRETCH_RATIO, nearest_girdle
 
-ROUNDS = 8
-TOLERANCE = 1e-8  # of the arm's length
-DAMPING = 0.3  # lambda^2 = DAMPING e^2 + LEAST_DAMPING size^2 (after Sugihara)
-LEAST_DAMPING = 1e-7
-SOFT = 0.05  # the last part of the reach, given out ever more slowly: a straight elbow turns infinitely fast
+MAX_ITERATIONS = 8  # largest number of iterations per step
+TOLERANCE = 1e-8  # [arm lengths] largest remaining distance
+ERROR_DAMPING = 0.3  # lambda^2 = ERROR_DAMPING e^2 + MIN_DAMPING size^2 (after Sugihara)
+MIN_DAMPING = 1e-7  # damping at zero error
+SOFT_FRACTION = 0.05  # last fraction of the reach, approached asymptotically: a straight elbow turns infinitely fast
 
 
 class Tracker(CompiledTracker):
@@ -54,8 +54,8 @@ class Ticks:
 def soften_target(linkage: Linkage, target: Vector, rest: Sequence[float]) -> Vector:
     """Move a target smoothly inside the reach.
 
-    Beyond s = (1 - SOFT) D its distance d from the shoulder becomes s + w (1 - exp((s - d) / w)), w = SOFT D: equal
-    in value and slope at s, and never more than the reach.
+    With w = SOFT_FRACTION D, its distance d from the shoulder becomes s + w (1 - exp((s - d) / w)) beyond s = D - w,
+    equal in value and slope at s, and never more than the reach.
 
     Args:
         linkage: the arm.
@@ -65,8 +65,8 @@ def soften_target(linkage: Linkage, target: Vector, rest: Sequence[float]) -> Ve
     Returns:
         [m] the target itself in easy reach.
     """
-    width = SOFT * linkage.farthest
-    begin = STRETCH * linkage.farthest - width
+    width = SOFT_FRACTION * linkage.farthest
+    begin = MAX_STRETCH_RATIO * linkage.farthest - width
     if distance(linkage.walk(rest, len(linkage.girdle))[1][-1], target) <= begin:
         return target
     shoulder = nearest_girdle(linkage, target, rest)[-1]
@@ -85,8 +85,8 @@ def _moved(
     now, size = list(angles[:own]), linkage.farthest
     hand, moves = columns(linkage, now)
     error = minus(target, hand)
-    for _ in range(ROUNDS):
-        damping = DAMPING * dot(error, error) + LEAST_DAMPING * size * size
+    for _ in range(MAX_ITERATIONS):
+        damping = ERROR_DAMPING * dot(error, error) + MIN_DAMPING * size * size
         pulls = [pull * (home - angle) for home, angle in zip(rest, now, strict=False)]
         now, pull = polish_step(linkage, now, error, HandSlope(moves, pulls, linkage.mobility, damping)), 0.0
         hand, moves = columns(linkage, now)

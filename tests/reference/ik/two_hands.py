@@ -15,9 +15,9 @@ from kinesic.ik.two_hands import REACHED_DISTANCE, TORSO_WEIGHT, Both
 
 from .solve import solve
 
-TOLERANCE = 1e-6  # of the arm's length, at which an attempt ends
-SPREAD = (0.25, 0.75)  # of each torso hinge's range: where attempts begin beside the present posture
-YIELDING = (0.1, 0.01, 0.001)  # weights of the hand that yields, one after another
+TOLERANCE = 1e-6  # [arm lengths] error at which an attempt ends
+TORSO_FRACTIONS = (0.25, 0.75)  # start values over the range of each torso hinge
+YIELD_WEIGHTS = (0.1, 0.01, 0.001)  # successive weights of the hand without priority
 
 
 def reach_both(
@@ -40,7 +40,7 @@ def _attempted(
     angles = min(attempts, key=lambda attempt: attempt.miss).angles
     rounds = sum(attempt.rounds for attempt in attempts)
     if priority is not None and attempts[-1].miss > TOLERANCE:
-        for weight in YIELDING:
+        for weight in YIELD_WEIGHTS:
             yielded = descend(_errors(robot, targets, priority, weight), angles, box, tolerance=TOLERANCE)
             angles, rounds = yielded.angles, rounds + yielded.rounds
     residuals = {side: float(np.linalg.norm(_hand(robot, side, angles)[0] - targets[side])) for side in SIDES}
@@ -56,7 +56,7 @@ def _torsos(robot: Robot, present: Floats, weight: float) -> Iterator[Floats]:
     if not joints or weight <= 0.0:
         return
     lower, upper = robot.skeleton.lower[joints], robot.skeleton.upper[joints]
-    for shares in product(SPREAD, repeat=len(joints)):
+    for shares in product(TORSO_FRACTIONS, repeat=len(joints)):
         torso = present.copy()
         torso[joints] = lower + (upper - lower) * np.array(shares)
         yield torso

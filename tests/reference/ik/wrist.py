@@ -13,10 +13,10 @@ from kinesic.ik.angles import arccosine, arctangent, cosine_sine
 from kinesic.ik.arm.linkage import Link, Pivot
 from kinesic.ik.scalar3 import Rotation, Vector, cross, dot, rotated, turned, within
 
-ROUNDS = 40
-TOLERANCE = 1e-6  # [rad] the largest change of a round at rest
-PERFECT = 1e-4  # short of full agreement: higher needs no search
-POSTURE = 2e-4  # pull to the rest angles, beside 1 for each direction: decides only what directions leave open
+MAX_ITERATIONS = 40  # largest number of iterations
+TOLERANCE = 1e-6  # [rad] largest hinge rotation of the last iteration
+AGREEMENT_TOLERANCE = 1e-4  # distance from full agreement below which no restart is needed
+REST_WEIGHT = 2e-4  # weight of the rest angles; each direction has weight 1
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ def orient(
         return tuple(rest)
     best, height = _climbed(link, frame, directions, rest, rest)
     for start in product(*((pivot.lower, pivot.upper) for pivot in link.pivots)):
-        if height > len(directions) - PERFECT:
+        if height > len(directions) - AGREEMENT_TOLERANCE:
             break
         result, agreement = _climbed(link, frame, directions, rest, start)
         if agreement > height:
@@ -66,7 +66,7 @@ def _climbed(
     """Optimise hinge after hinge until none moves."""
     angles, height = list(start), 0.0
     wanted = [within(frame, direction.wanted) for direction in directions]
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ITERATIONS):
         change = 0.0
         for k, pivot in enumerate(link.pivots):
             pairs = [
@@ -95,7 +95,7 @@ def _outward(link: Link, angles: Sequence[float], k: int, own: Vector) -> Vector
 
 
 def _best(pivot: Pivot, pairs: Sequence[tuple[Vector, Vector]], rest: float) -> tuple[float, float]:
-    a, b = (POSTURE * part for part in cosine_sine(rest))
+    a, b = (REST_WEIGHT * part for part in cosine_sine(rest))
     level = 0.0
     for look, own in pairs:
         along = dot(pivot.axis, look) * dot(pivot.axis, own)
