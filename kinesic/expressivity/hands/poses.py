@@ -153,7 +153,7 @@ def _convert_keys(form_keys: tuple[StrokeKey, ...], robot: Robot, manner: Expres
     sides = frozenset(side for key in form_keys for side in key.hands)
     hands = {side: _hands_of(keys, side, robot, manner) for side in sides}
     paths = {side: _paths(form_keys[:once], row, side, robot, manner) for side, row in hands.items()}
-    travels = _is_dynamic(hands, paths, robot)
+    travels = _is_dynamic(hands, paths, robot, stroke_count)
     if once == 1:
         hands = {side: (withdrawn(hand, robot, side), hand) for side, (hand,) in hands.items()}
         paths = {side: (None, *row) for side, row in paths.items()}
@@ -211,16 +211,19 @@ def pose_distance(a: Hand, b: Hand, rest: Reach) -> float:
 
 
 def _is_dynamic(
-    hands: Mapping[Side, Sequence[Hand]], paths: Mapping[Side, Sequence[HandPath | None]], robot: Robot
+    hands: Mapping[Side, Sequence[Hand]], paths: Mapping[Side, Sequence[HandPath | None]], robot: Robot, count: int
 ) -> bool:
-    """Return whether a hand travels farther than `_DYNAMIC_DISTANCE` in the stroke."""
+    """Return whether a hand travels farther than `_DYNAMIC_DISTANCE` in some strokes.
+
+    The returns between them count. If a hand touches something, a single stroke counts.
+    """
+    count = 1 if any(hand.touch for row in hands.values() for hand in row) else count
     for side, row in hands.items():
         places = [(hand.reach or resting_hands(robot)[side]).position for hand in row]
-        lengths = [
-            path.length(a, b) if path else float(np.linalg.norm(b - a))
-            for a, b, path in zip(places, places[1:], paths[side][1:], strict=False)
-        ]
-        if sum(lengths) > _DYNAMIC_DISTANCE * robot.arm_length:
+        steps = zip(places, places[1:], paths[side][1:], strict=False)
+        stroke = sum(path.length(a, b) if path else float(np.linalg.norm(b - a)) for a, b, path in steps)
+        back = float(np.linalg.norm(places[-1] - places[0]))
+        if count * stroke + (count - 1) * back > _DYNAMIC_DISTANCE * robot.arm_length:
             return True
     return False
 

@@ -23,6 +23,7 @@ OVERSHOOT_THRESHOLD = 0.5  # power at which accented strokes overshoot; with as 
 OVERSHOOT_ACCENT_FRACTION = 0.68  # steepness of easing `out_back` / steepness of an accent of equal peak velocity
 MIN_LATE_ACCENT = 2.5  # smallest steepness above `MIN_STEEPNESS` of a full accent at the end of a movement
 POWER_BIAS = 0.25  # spline bias at a power of 1, towards the direction of approach
+LOOSENESS_BIAS = 0.4  # spline bias in strokes at a tension of -1, towards the direction of departure
 
 
 def passage_of(
@@ -38,8 +39,9 @@ def passage_of(
 
     Tension is the spline's tension; fluidity f gives its continuity c = (f - 1) / 2. In preparation and stroke, power
     and tension make the hand begin steeply, overshoot a little and return to its key in time; where both are high, it
-    bounces (thesis 8.7). Weakness first removes the accent, then keeps an even velocity. No duration changes. A late
-    accent keeps the steepness that a word needs, and only a bounce replaces it.
+    bounces (thesis 8.7). A loose hand turns early towards the next stroke key. Weakness first removes the accent, then
+    keeps an even velocity. No duration changes. A late accent keeps the steepness that a word needs, and only a bounce
+    replaces it.
 
     Args:
         manner: expressivity of the behaviour.
@@ -53,6 +55,8 @@ def passage_of(
     if phase not in ("preparation", "stroke"):
         return passed
     power, tension, weakness = (max(0.0, value) for value in (manner.power, manner.tension, -manner.power))
+    looseness = max(-manner.tension, 0.0) if phase == "stroke" else 0.0
+    passed = replace(passed, bias=POWER_BIAS * power - LOOSENESS_BIAS * looseness)
     force, left = (
         POWER_STEEPNESS * power**FORCE_EXPONENT
         + tension ** tension_exponent(manner.power if gesture_power is None else gesture_power),
@@ -62,14 +66,13 @@ def passage_of(
         left = max(left, MIN_LATE_ACCENT * min(accent, 1.0)) + force
         return replace(
             passed,
-            bias=POWER_BIAS * power,
             easing=LATE_ACCENT_EASING,
             steepness=min(MIN_STEEPNESS + left, MAX_STEEPNESS),
         )
     if force > 0.0:
         easing, kept = _forced(power, tension, accent)
         steepness = MIN_STEEPNESS + kept * max(left, 0.0) + force
-        return replace(passed, bias=POWER_BIAS * power, easing=easing, steepness=min(steepness, MAX_STEEPNESS))
+        return replace(passed, easing=easing, steepness=min(steepness, MAX_STEEPNESS))
     if left < 0.0:
         return replace(passed, easing="linear", steepness=LINEAR_STEEPNESS - (MAX_STEEPNESS - LINEAR_STEEPNESS) * left)
     return (

@@ -112,6 +112,13 @@ def test_gesture_is_dynamic_if_the_stroke_exceeds_a_quarter_arm_length(robot, sp
     assert work.traits.dynamic is travels
 
 
+@pytest.mark.parametrize(("touch", "travels"), [(None, True), ("head", False)])
+def test_repetitions_of_a_small_stroke_count_as_travel_unless_the_hand_touches_something(robot, touch, travels):
+    near, far = (HandPose(sealed((A[0], A[1] + offset, A[2])), touch=touch) for offset in (0.0, 0.15))
+    repeated = GestureForm("x", "emblem", tuple(StrokeKey({"r": pose}) for pose in (near, far, near, far)))
+    assert poses(repeated, robot, NEUTRAL_EXPRESSIVITY).traits.dynamic is travels
+
+
 def with_path(amplitude: float, last=A) -> GestureForm:
     path = shape_path("circle", amplitude=(amplitude, 0.0, amplitude))
     key = StrokeKey({"r": HandPose(sealed(last), path=path)})

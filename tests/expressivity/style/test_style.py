@@ -193,6 +193,20 @@ def test_fluidity_sets_spline_continuity_and_tension_sets_spline_tension(phase):
     assert passage_of(Expressivity(fluidity=1.0), phase) == PLAIN_PASSAGE
 
 
+def test_low_tension_turns_strokes_towards_their_next_key_and_no_other_phase():
+    biases = {phase: passage_of(Expressivity(tension=-1.0), phase).bias for phase in PHASE_NAMES}
+    assert biases.pop("stroke") < passage_of(Expressivity(tension=-0.5), "stroke").bias < 0.0
+    assert set(biases.values()) == {0.0}
+
+
+def test_low_tension_and_high_power_add_their_effects_on_the_direction_at_a_key():
+    forceful, loose, both = (
+        passage_of(manner, "stroke").bias
+        for manner in (Expressivity(power=1.0), Expressivity(tension=-1.0), Expressivity(power=1.0, tension=-1.0))
+    )
+    assert both == pytest.approx(forceful + loose)
+
+
 @pytest.mark.parametrize(("accent", "least"), [(0.0, 1.6), (1.0, 1.4), (1.9, 1.3)])
 def test_power_raises_peak_velocity_over_its_whole_range(accent, least):
     powers = (Expressivity(power=float(power)) for power in np.linspace(-1.0, 1.0, 21))

@@ -17,17 +17,17 @@ from kinesic.planning.files.imported_motion import (
 from kinesic.report.checks import checks
 from kinesic.session.plan import plan
 
-WAVE = (
+OFFER = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">'
-    '<gesture id="g" lexeme="greet_wave" stroke="1.5"/><head id="h" lexeme="NOD" start="0.5"/></bml>'
+    '<gesture id="g" lexeme="offer" stroke="1.5"/><head id="h" lexeme="NOD" start="0.5"/></bml>'
 )
 
 
 @pytest.fixture(scope="module")
-def wave(known, tmp_path_factory) -> BapFrames:
+def offer(known, tmp_path_factory) -> BapFrames:
     """Return frames of a motion within all limits."""
-    path = tmp_path_factory.mktemp("bap") / "wave.bap"
-    write_bap(plan(WAVE, known).trajectory, known.robot, path)
+    path = tmp_path_factory.mktemp("bap") / "offer.bap"
+    write_bap(plan(OFFER, known).trajectory, known.robot, path)
     return read_bap(path, known.robot)
 
 
@@ -40,42 +40,42 @@ def violations(performed: DryRun) -> int:
     return sum(check.status == "fail" for check in results)
 
 
-def test_feasible_imported_motion_is_followed_within_two_degrees(known, wave):
-    planned = plan_imported(wave, known, source="wave.bap")
-    away = np.degrees(np.abs(at_frames(planned, wave) - wave.angles))
+def test_feasible_imported_motion_is_followed_within_two_degrees(known, offer):
+    planned = plan_imported(offer, known, source="offer.bap")
+    away = np.degrees(np.abs(at_frames(planned, offer) - offer.angles))
     assert away.max() < 2.0
     assert np.sqrt((away**2).mean()) < 0.3
     assert planned.notices == ()
     np.testing.assert_allclose(planned.motion.planned, planned.motion.requested_times)
 
 
-def test_imported_motion_begins_and_ends_at_rest(known, wave):
-    late = BapFrames(wave.times + 5.0, sealed(wave.angles + 0.2), wave.given, ())
+def test_imported_motion_begins_and_ends_at_rest(known, offer):
+    late = BapFrames(offer.times + 5.0, sealed(offer.angles + 0.2), offer.given, ())
     planned = plan_imported(late, known, source="late.bap")
     motion = planned.trajectory
     np.testing.assert_allclose(motion.at(0.0).angles, known.robot.skeleton.rest, atol=2e-3)
     np.testing.assert_allclose(motion.at(motion.duration).angles, known.robot.skeleton.rest, atol=2e-3)
 
 
-def test_twin_follows_imported_motion_within_one_degree_and_all_limits(known, wave):
-    performed = dry_run(plan_imported(wave, known, source="wave.bap"))
+def test_twin_follows_imported_motion_within_one_degree_and_all_limits(known, offer):
+    performed = dry_run(plan_imported(offer, known, source="offer.bap"))
     apart = np.abs(performed.measured.angles - performed.reference.angles).max()
     assert np.degrees(apart) < 1.0
     assert violations(performed) == 0
 
 
-def test_too_fast_motion_is_slowed_with_a_notice(known, wave):
-    fast = BapFrames(sealed(wave.times / 4), wave.angles, wave.given, ())
+def test_too_fast_motion_is_slowed_with_a_notice(known, offer):
+    fast = BapFrames(sealed(offer.times / 4), offer.angles, offer.given, ())
     planned = plan_imported(fast, known, source="fast.bap")
     assert any("faster than the servos" in notice.text for notice in planned.notices)
     assert violations(dry_run(planned)) == 0
 
 
-def test_angles_beyond_range_are_clipped_and_reported(known, wave):
+def test_angles_beyond_range_are_clipped_and_reported(known, offer):
     elbow = known.robot.skeleton.joint("l_elbow_flexion")
-    angles = wave.angles.copy()
+    angles = offer.angles.copy()
     angles[:, elbow] = -0.1
-    planned = plan_imported(BapFrames(wave.times, sealed(angles), wave.given, ()), known, source="bent.bap")
+    planned = plan_imported(BapFrames(offer.times, sealed(angles), offer.given, ()), known, source="bent.bap")
     (notice,) = planned.notices
     assert "l_elbow_flexion is requested 5.7 deg beyond its range" in notice.text
 
@@ -89,14 +89,14 @@ def test_single_frame_of_an_imported_motion_is_reached_as_a_posture(known):
     np.testing.assert_allclose(planned.trajectory.at(planned.trajectory.zero).angles, posture, atol=2e-3)
 
 
-def test_parameters_without_hinge_are_reported_and_refused_if_there_are_no_others(known, wave):
-    legs = BapFrames(wave.times, wave.angles, wave.given, (4, 5))
+def test_parameters_without_hinge_are_reported_and_refused_if_there_are_no_others(known, offer):
+    legs = BapFrames(offer.times, offer.angles, offer.given, (4, 5))
     (notice,) = plan_imported(legs, known, source="legs.bap").notices
     assert notice == Notice(
         NoticeType.IMPOSSIBLE_TO_SCHEDULE, "motion", "the robot has no hinge for the parameters 4, 5"
     )
     with pytest.raises(ConfigError, match=r"legs\.bap: sets no parameter that upper22 has a hinge for"):
-        plan_imported(BapFrames(wave.times, wave.angles, (), (4, 5)), known, source="legs.bap")
+        plan_imported(BapFrames(offer.times, offer.angles, (), (4, 5)), known, source="legs.bap")
 
 
 @pytest.mark.parametrize("begin", [-3.0, 0.0, 7.0])
@@ -108,8 +108,8 @@ def test_keys_of_an_imported_motion_are_evenly_spaced_from_its_first_to_its_last
     assert times[-1] == pytest.approx(1.0 + MIN_APPROACH_TIME)
 
 
-def test_notice_of_a_slowed_motion_names_the_posture_with_the_largest_shift(known, wave):
-    fast = BapFrames(sealed(wave.times / 4), wave.angles, wave.given, ())
+def test_notice_of_a_slowed_motion_names_the_posture_with_the_largest_shift(known, offer):
+    fast = BapFrames(sealed(offer.times / 4), offer.angles, offer.given, ())
     planned = plan_imported(fast, known, source="fast.bap")
     shifts = (planned.motion.planned - planned.motion.requested_times)[1:-1]
     worst = np.abs(shifts).argmax()
