@@ -21,7 +21,8 @@ def plan_standing_block(block: Block, setup: Setup, *, conditioned: Conditioner 
     """Plan a block in the standing posture of its style.
 
     A hand before the body or an uneven stance can be in the way of a gesture. If gestures are dropped, the block is
-    planned again with hanging arms, then in the even stance of the style. The plan that performs most is returned.
+    planned again with hanging arms, then in the even stance of the style, then upright. The plan that performs most is
+    returned.
 
     Args:
         block: to be planned.
@@ -51,13 +52,16 @@ def _take_posture(style: Style, setup: Setup) -> Setup:
 def _propose_stances(style: Style, setup: Setup) -> Iterator[Setup]:
     """Yield setups with other stances that obstruct gestures less.
 
-    The first has hanging arms, the second no random variation. Equal ones are left out.
+    The first has hanging arms, the second no random variation, the third not even the posture of the style. Equal ones
+    are left out.
     """
     if setup.unstyled is None:
         return
     tried = [setup.robot.skeleton.rest]
-    for variation, hands_hang in ((setup.variation, True), (NO_VARIATION, False)):
-        other = _stand(setup.unstyled, style, setup, variation, hands_hang=hands_hang)
+    upright = replace(style, posture=0.0)
+    stances = ((style, setup.variation, True), (style, NO_VARIATION, False), (upright, NO_VARIATION, False))
+    for stance, variation, hands_hang in stances:
+        other = _stand(setup.unstyled, stance, setup, variation, hands_hang=hands_hang)
         if not any(np.array_equal(other.robot.skeleton.rest, rest) for rest in tried):
             tried.append(other.robot.skeleton.rest)
             yield other

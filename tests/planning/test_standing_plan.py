@@ -70,3 +70,18 @@ def test_gesture_that_an_uneven_stance_prevents_is_performed_from_an_even_one():
     assert plan.keyframes.outcomes["g"].kind != "dropped"
     assert not np.array_equal(setup.robot.skeleton.rest, even.skeleton.rest)
     assert np.array_equal(plan.setup.robot.skeleton.rest, even.skeleton.rest)
+
+
+def test_gesture_that_every_stance_of_a_style_prevents_is_performed_upright(monkeypatch):
+    setup = set_up(robot="upper22", style="proud", variation=1.0, seed=1)
+    own, plan_block = setup.unstyled.skeleton.rest, standing_plan.plan_block
+
+    def refuse_stances(block, posture, **options):
+        is_upright = np.array_equal(posture.robot.skeleton.rest, own)
+        return plan_block(block, posture, without={} if is_upright else {"g": "the hip is in the way"}, **options)
+
+    monkeypatch.setattr(standing_plan, "plan_block", refuse_stances)
+    plan = plan_gesture(setup, "wave")
+    assert plan.keyframes.outcomes["g"].kind == "realised"
+    assert plan.setup.style is setup.style
+    assert np.array_equal(plan.setup.robot.skeleton.rest, own)
