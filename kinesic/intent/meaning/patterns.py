@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 from kinesic.expressivity.lexicon.word_stems import word_stem
 
@@ -154,6 +154,8 @@ def spell_out(pattern: Pattern) -> Pattern | None:
     Returns:
         None for a pattern without contractions.
     """
+    if all(FULL_FORMS.keys().isdisjoint(slot.words) for slot in pattern.slots):
+        return None
     slots = list[Slot]()
     for slot in pattern.slots:
         negated = frozenset(FULL_FORMS[word] for word in slot.words if word in FULL_FORMS)
@@ -162,9 +164,10 @@ def spell_out(pattern: Pattern) -> Pattern | None:
             continue
         slots.append(Slot(negated, is_optional=slot.is_optional))
         slots.append(Slot(NEGATING_WORDS, is_optional=slot.is_optional, is_stroke=slot.is_stroke))
-    return replace(pattern, slots=tuple(slots)) if len(slots) > len(pattern.slots) else None
+    return replace(pattern, slots=tuple(slots))
 
 
+@lru_cache(maxsize=8192)
 def _read_slot(part: str, *, is_optional: bool) -> Slot:
     is_stroke = part.startswith(STROKE_SIGN)
     alternatives = part.removeprefix(STROKE_SIGN).split("/")
