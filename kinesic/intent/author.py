@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 from kinesic.body.choices import GrammarName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
@@ -15,7 +16,7 @@ from kinesic.intent.intents import Intent
 from kinesic.intent.manuscript.reading import read_manuscript
 from kinesic.intent.meaning.reader import read_meanings
 from kinesic.intent.pacing.accents import find_accents, follow_accents
-from kinesic.intent.pacing.long_strokes import stroke_delay
+from kinesic.intent.pacing.long_strokes import slowness_of, stroke_delay
 from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory
 from kinesic.intent.pacing.rhythm import BEAT_INTENTS
 from kinesic.intent.pacing.tempo import liveliness_of
@@ -146,7 +147,7 @@ def plan_behaviours(
     passage = read_text(spoken, rules)
     passage = passage if recorded is None else recorded.hear(passage)
     directed = find_directed(passage, lexicon)
-    asked = tuple(map(reach_directed, directed.behaviours))
+    asked = tuple(reach_directed(behaviour, slowness=slowness_of(style)) for behaviour in directed.behaviours)
     meanings = read_meanings(passage, rules, lexicon, grammar=grammar, liveliness=liveliness_of(style))
     intents = add_accents(meanings, passage)
     if style.name != PLAIN_STYLE:
@@ -159,7 +160,7 @@ def plan_behaviours(
         seed=seed,
         earlier=Earlier(fixed=asked),
         memory=memory,
-        reachable=reachable,
+        reachable=partial(reachable, slowness=slowness_of(style)),
     )
     behaviours = merge_directed(selection.behaviours, asked)
     return passage, replace(selection, behaviours=behaviours, warnings=(*lacking, *warnings, *directed.warnings))
@@ -173,14 +174,14 @@ def add_accents(intents: Sequence[Intent], passage: Passage) -> tuple[Intent, ..
     return tuple(ordered)
 
 
-def reach_directed(behaviour: ChosenBehaviour, since: float = 0.0) -> ChosenBehaviour:
+def reach_directed(behaviour: ChosenBehaviour, since: float = 0.0, *, slowness: float = 1.0) -> ChosenBehaviour:
     """Delay a stage direction's gesture until the hand can reach its stroke.
 
     Behaviours of other channels are returned unchanged.
     """
     if behaviour.channel != "gesture":
         return behaviour
-    return replace(behaviour, intent=reachable(behaviour.intent, since))
+    return replace(behaviour, intent=reachable(behaviour.intent, since, slowness=slowness))
 
 
 def merge_directed(
@@ -204,7 +205,7 @@ def merge_directed(
     )
 
 
-def reachable(intent: Intent, since: float = 0.0) -> Intent:
+def reachable(intent: Intent, since: float = 0.0, *, slowness: float = 1.0) -> Intent:
     """Delay an intent's stroke until the hand can reach it.
 
     A long stroke is delayed until it accompanies its word. The hand sets out just before the first word.
@@ -212,6 +213,7 @@ def reachable(intent: Intent, since: float = 0.0) -> Intent:
     Args:
         intent: that a gesture shows.
         since: time of the first word [s].
+        slowness: factor on the duration of long strokes.
     """
     if intent.word < 0:
         return intent
@@ -219,7 +221,7 @@ def reachable(intent: Intent, since: float = 0.0) -> Intent:
     is_wave = intent.name == GREETING_INTENT or is_directed_wave
     least = since + (MIN_WAVE_DELAY if is_wave else MIN_STROKE_DELAY)
     late = least - intent.stroke.seconds
-    delay = max(late if late > REACH_TOLERANCE else 0.0, stroke_delay(intent.lexemes))
+    delay = max(late if late > REACH_TOLERANCE else 0.0, stroke_delay(intent.lexemes, slowness))
     return replace(intent, stroke=intent.stroke.later(delay))
 
 

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field
 
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.behaviour_sets import Channel
+from kinesic.intent.pacing.long_strokes import slowness_of
 from kinesic.intent.pacing.memory import REPEAT_WINDOW
 from kinesic.intent.pacing.tempo import RHYTHM_DURATION, Tempo, beat_manner_of, tempo_of
 
@@ -32,6 +33,7 @@ class MovementBudget:
     beat_manner: Mapping[str, float] = field(default_factory=dict)  # expressivity of beats, -1..1
     preferences: Mapping[str, float] = field(default_factory=dict)  # gesture -> factor on its probability
     repeat_window: float = 0.0  # [s] within which gestures differ; 0: the last two gestures count
+    slowness: float = 1.0  # factor on the duration of long strokes
 
 
 def budget_of(seconds: float, style: Style) -> MovementBudget:
@@ -56,4 +58,5 @@ def budget_of(seconds: float, style: Style) -> MovementBudget:
         beat_manner=beat_manner_of(style),
         preferences=dict(style.prefers),
         repeat_window=REPEAT_WINDOW,
+        slowness=slowness_of(style),
     )

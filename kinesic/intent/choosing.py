@@ -91,7 +91,16 @@ def choose_behaviours(
         uses, offset = _recall(memory.forget(replaced), fixed, budget, since), memory.seconds - since
         forms = _beat_forms(sets)
         sampler = LexemeSampler(
-            channel, agent, generator, omitted, uses, offset, forms, budget.beat_manner, budget.preferences
+            channel,
+            agent,
+            generator,
+            omitted,
+            uses,
+            offset,
+            forms,
+            budget.beat_manner,
+            budget.preferences,
+            budget.slowness,
         )
         past = [time - offset for time in memory.times if time - offset < since]
         times = [since - HAND_LEAD_TIME, *past, *(behaviour.intent.stroke.seconds for behaviour in fixed)]

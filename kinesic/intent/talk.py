@@ -19,6 +19,7 @@ from kinesic.intent.manuscript.pieces import Manuscript
 from kinesic.intent.manuscript.reading import read_more
 from kinesic.intent.manuscript.subtitles import read_more_subtitles
 from kinesic.intent.meaning.reader import read_meanings
+from kinesic.intent.pacing.long_strokes import slowness_of
 from kinesic.intent.pacing.memory import NO_MEMORY, TURN_PAUSE, ChoiceMemory
 from kinesic.intent.pacing.progress import NO_PROGRESS, Progress
 from kinesic.intent.pacing.tempo import liveliness_of
@@ -170,11 +171,10 @@ def next_part(
     )
     accented, end = add_accents(meanings, passage), passage.starts[words.stop]
     intents = [clip_intent(intent, passage, words) for intent in accented if intent.stroke.seconds < end]
-    if style.name != PLAIN_STYLE:
-        intents = [replace(intent, style="") for intent in intents]
+    intents = intents if style.name == PLAIN_STYLE else [replace(intent, style="") for intent in intents]
     directed = find_directed(passage, lexicon, words, is_last=ends)
-    asked = tuple(reach_directed(behaviour, passage.starts[words.start]) for behaviour in directed.behaviours)
-    since = passage.starts[words.start]
+    since, slowness = passage.starts[words.start], slowness_of(style)
+    asked = tuple(reach_directed(behaviour, since, slowness=slowness) for behaviour in directed.behaviours)
     duration = passage.starts[words.stop - 1] + word_duration(passage.words[words.stop - 1]) - since
     free_behaviours = tuple(behaviour for id, behaviour in talk.shown if id in free)
     earlier = Earlier(
@@ -192,7 +192,7 @@ def next_part(
         since=since,
         earlier=earlier,
         memory=talk.memory,
-        reachable=partial(reachable, since=since),
+        reachable=partial(reachable, since=since, slowness=slowness),
     )
     behaviours = merge_directed(selection.behaviours, asked, since)
     replaced = frozenset(id for id, behaviour in talk.shown if behaviour in selection.replaced)

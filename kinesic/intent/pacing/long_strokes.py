@@ -2,7 +2,10 @@
 
 from collections.abc import Collection, Iterable, Mapping
 
+from kinesic.expressivity.style.style import Style
+
 STROKE_LEAD = 0.6  # [s] from the start of a long stroke to its word
+SLOWNESS_BASE = 2.3  # duration of a drawing at temporal extent -1 / at 0; 1.42 at -0.4, 1.64 at -0.6 on `human`
 MAX_STROKE_DELAY = 1.6  # [s] longest delay of a gesture's stroke point after its word
 LONG_STROKES: Mapping[str, float] = {
     "around_here": 1.6,
@@ -47,17 +50,24 @@ LONG_STROKES: Mapping[str, float] = {
 }  # [s] natural time from a gesture's start to its stroke point, in the neutral style
 
 
-def stroke_delay(lexemes: Collection[str]) -> float:
+def slowness_of(style: Style) -> float:
+    """Return the duration of drawings in a style, relative to neutral, at least 1."""
+    return float(max(1.0, SLOWNESS_BASE**-style.gesture.temporal))
+
+
+def stroke_delay(lexemes: Collection[str], slowness: float = 1.0) -> float:
     """Return the delay [s] of a gesture's stroke after its word.
 
     It is 0 for gestures of usual length, at most `MAX_STROKE_DELAY`.
 
     Args:
         lexemes: gestures of which one is shown; their mean duration counts.
+        slowness: factor on the duration of long strokes, from `slowness_of`.
     """
     if not lexemes:
         return 0.0
-    mean = sum(LONG_STROKES.get(lexeme, STROKE_LEAD) for lexeme in lexemes) / len(lexemes)
+    durations = (slowness * LONG_STROKES[lexeme] if lexeme in LONG_STROKES else STROKE_LEAD for lexeme in lexemes)
+    mean = sum(durations) / len(lexemes)
     return min(mean - STROKE_LEAD, MAX_STROKE_DELAY)
 
 

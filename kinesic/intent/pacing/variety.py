@@ -96,16 +96,16 @@ def prefer(choices: Sequence[Choice], preferences: Mapping[str, float], intent: 
     return tuple(weighted)
 
 
-def _make_beat(intent: Intent) -> Intent:
+def _make_beat(intent: Intent, slowness: float) -> Intent:
     """Convert an intent with a recently shown gesture into a beat intent.
 
-    Its stroke falls on the word, without the delay of a long stroke.
+    Its stroke falls on the word, without the delay of a long stroke, which depends on the slowness of the style.
     """
     return replace(
         intent,
         name=MAIN_BEAT_INTENT,
         reason=BEAT_REASON.format(intent.reason),
-        stroke=intent.stroke.later(-stroke_delay(intent.lexemes)),
+        stroke=intent.stroke.later(-stroke_delay(intent.lexemes, slowness)),
         lexemes=(),
         target="",
         hand="",
@@ -139,6 +139,7 @@ class LexemeSampler:
     beats: Sequence[Choice]  # forms that replace a gesture without an unused alternative
     beat_manner: Mapping[str, float]  # expressivity of beats, where it differs from the style
     preferences: Mapping[str, float]  # gesture -> factor on its probability
+    slowness: float = 1.0  # factor on the duration of long strokes
 
     def draw(self, kept: Sequence[Candidate], *, others: Sequence[float] = ()) -> Iterable[ChosenBehaviour]:
         """Yield a behaviour with a random lexeme for each new candidate.
@@ -165,7 +166,7 @@ class LexemeSampler:
                 continue
             free = self.uses.select(candidate, at) if self.channel == "gesture" else candidate.choices
             if not free and self.uses.window:
-                beat = _make_beat(intent)
+                beat = _make_beat(intent, self.slowness)
                 near = sorted([*others, *(each.intent.stroke.seconds for each in kept if each is not kept_candidate)])
                 fitting = _fitting(replace(candidate, intent=beat, choices=tuple(self.beats)), near)
                 at = beat.stroke.seconds + self.offset

@@ -7,7 +7,13 @@ from kinesic.expressivity.hands.poses import poses
 from kinesic.expressivity.style.effort import Effort
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.author import plan_behaviours
-from kinesic.intent.pacing.long_strokes import LONG_STROKES, MAX_STROKE_DELAY, is_in_long_stroke, stroke_delay
+from kinesic.intent.pacing.long_strokes import (
+    LONG_STROKES,
+    MAX_STROKE_DELAY,
+    is_in_long_stroke,
+    slowness_of,
+    stroke_delay,
+)
 from kinesic.session.setup import set_up
 
 DRAWING_CATEGORIES = ("iconic", "metaphoric", "deictic")
@@ -31,6 +37,31 @@ def test_long_stroke_is_delayed_relative_to_its_word():
     _, selection = plan_behaviours("We sat in the kitchen and the rain came.", setup.lexicon, Style.load("neutral"))
     rain = next(behaviour for behaviour in selection.behaviours if behaviour.lexeme == "rain")
     assert rain.intent.stroke.reference == "s:w8+1.67"
+
+
+def test_long_stroke_of_a_slow_style_is_delayed_further_so_that_it_begins_at_the_same_time() -> None:
+    delays = {}
+    for name in ("neutral", "joyful", "sad"):
+        slowness = slowness_of(Style.load(name))
+        delays[name] = stroke_delay(("circle_drawn",), slowness) - slowness * LONG_STROKES["circle_drawn"]
+    assert delays["neutral"] == delays["joyful"] == pytest.approx(delays["sad"])
+    strokes = {
+        name: {
+            each.lexeme: each.intent.stroke.seconds
+            for each in plan_behaviours(
+                "We sat in the kitchen and the storm blew everything away.", set_up().lexicon, Style.load(name)
+            )[1].behaviours
+        }
+        for name in ("neutral", "sad")
+    }
+    assert strokes["sad"]["wind"] > strokes["neutral"]["wind"]
+
+
+def test_beat_in_place_of_a_long_stroke_of_a_slow_style_falls_on_its_word() -> None:
+    text = "We sat in the kitchen and the rain came. We sat in the garden, and again the rain came."
+    _, selection = plan_behaviours(text, set_up().lexicon, Style.load("sad"))
+    beats = [each for each in selection.behaviours if "shown a moment ago" in each.intent.reason]
+    assert [each.intent.stroke.reference for each in beats] == ["s:w18+0.07"]
 
 
 def test_delay_of_a_gesture_choice_is_half_the_mean_stroke_up_to_a_maximum():
