@@ -10,7 +10,7 @@ from kinesic.body.arrays import Floats, sealed
 
 RESTORING_GAINS = sealed([0.2, 0.02, 0.2])  # correction per deviation, per velocity [s] and per disturbance
 LOAD_ERROR_RANGE = (-0.5, 1.0)  # bounds of the relative load error: half or twice the modelled load
-PUSH_DECAY = 0.95  # factor per tick on the estimated disturbance of a servo that does not answer
+DISTURBANCE_DECAY = 0.95  # factor per tick on the estimated disturbance of a servo that does not answer
 
 
 def pack_observer(
@@ -26,5 +26,5 @@ def pack_observer(
         arrival: (h,) fraction of each setpoint in flight that acts in this tick.
         restoring: fraction of `RESTORING_GAINS` that is used.
     """
-    constants = np.array([*(restoring * RESTORING_GAINS), *LOAD_ERROR_RANGE, PUSH_DECAY])
+    constants = np.array([*(restoring * RESTORING_GAINS), *LOAD_ERROR_RANGE, DISTURBANCE_DECAY])
     return kernel.make_observer(forecast, gain, step, full, arrival, constants)

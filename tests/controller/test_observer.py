@@ -20,7 +20,7 @@ from kinesic.controller.observer import (
     _compute_transition,
     correct_setpoints,
 )
-from kinesic.controller.observer_step import LOAD_ERROR_RANGE, PUSH_DECAY, RESTORING_GAINS
+from kinesic.controller.observer_step import DISTURBANCE_DECAY, LOAD_ERROR_RANGE, RESTORING_GAINS
 from kinesic.session.plan import plan
 from kinesic.sim.log import Log, make_log
 from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
@@ -208,7 +208,7 @@ def test_external_torque_estimate_decays_for_a_silent_servo_but_not_for_a_measur
     for _ in range(40):
         belief = OBSERVER.advance(belief, silent, INPUTS, 0)
         assert np.isfinite(belief.setpoints).all()
-    assert abs(belief.motion[2, 3]) < 1.01 * abs(push[3]) * PUSH_DECAY**40
+    assert abs(belief.motion[2, 3]) < 1.01 * abs(push[3]) * DISTURBANCE_DECAY**40
     assert abs(belief.motion[2, 4]) > 0.5 * abs(push[4])
 
 

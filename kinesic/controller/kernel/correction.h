@@ -85,15 +85,15 @@ class Correction {
             smooth(load * load + lead * lead, forgotten, learned[i]);
             const double trust = settings.clear + learned[i] / forgotten;
             row(ANGLE)[i] = tick.angles[i];
-            row(GOAL)[i] = goal;
-            row(LOWEST)[i] = std::max(settings.lower[i], goal - settings.largest);
-            row(HIGHEST)[i] = std::min(settings.upper[i], goal + settings.largest);
+            row(SETPOINT)[i] = goal;
+            row(LOWER_LIMIT)[i] = std::max(settings.lower[i], goal - settings.largest);
+            row(UPPER_LIMIT)[i] = std::min(settings.upper[i], goal + settings.largest);
             row(LOAD)[i] = now[0][i];
-            row(NOTICED)[i] = load;
-            row(TRUST)[i] = load / trust;
-            row(LEAD)[i] = now[1][i];
-            row(NOTICED_LEAD)[i] = lead;
-            row(TRUST_LEAD)[i] = lead / trust;
+            row(DETECTED_LOAD)[i] = load;
+            row(LOAD_TRUST)[i] = load / trust;
+            row(VELOCITY_OFFSET)[i] = now[1][i];
+            row(DETECTED_VELOCITY_OFFSET)[i] = lead;
+            row(VELOCITY_OFFSET_TRUST)[i] = lead / trust;
         }
     }
 
@@ -105,7 +105,7 @@ class Correction {
     const Observer observer;
     const CorrectionSettings settings;
     std::vector<double> estimate, inputs, deviation, before;  // rows of (n,) each
-    std::vector<double> noticed[2], learned;              // (n,)
+    std::vector<double> noticed[2], learned;                  // (n,)
     std::vector<double> earlier;                          // (2, late + 1, n) load and velocity offsets of the last ticks
 };
 

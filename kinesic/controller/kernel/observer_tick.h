@@ -1,4 +1,4 @@
-// One tick of the observer of `controller/observer.py` for all hinges, with the arithmetic of `controller/observer_step.py`.
+// One tick of the observer of `controller/observer.py` for all hinges, with constants of `controller/observer_step.py`.
 
 #pragma once
 
@@ -8,9 +8,21 @@
 
 namespace kinesic::controller {
 
-// Rows of an estimate; behind the pending corrections follow load, velocity factor, correction and setpoints.
+// Rows of an estimate; behind the pending corrections follow load factor, velocity factor, correction and setpoints.
 enum Estimate { DEVIATION, VELOCITY, DISTURBANCE, PENDING };
-enum Input { ANGLE, GOAL, LOWEST, HIGHEST, LOAD, NOTICED, TRUST, LEAD, NOTICED_LEAD, TRUST_LEAD, INPUTS };
+enum Input {
+    ANGLE,
+    SETPOINT,
+    LOWER_LIMIT,
+    UPPER_LIMIT,
+    LOAD,
+    DETECTED_LOAD,
+    LOAD_TRUST,
+    VELOCITY_OFFSET,
+    DETECTED_VELOCITY_OFFSET,
+    VELOCITY_OFFSET_TRUST,
+    INPUTS
+};
 
 struct Observer {
     int hinges = 0, late = 0;      // late: number of pending corrections, one per tick of latency
@@ -34,7 +46,7 @@ inline void observe(const Observer& self, const double* inputs, const double* me
     for (int i = 0; i < n; ++i) {
         const auto held = [&](int row) -> double& { return estimate[row * n + i]; };
         const auto input = [&](int row) { return inputs[row * n + i]; };
-        double &load = held(PENDING + late), &velocity_factor = held(PENDING + late + 1);
+        double &load_factor = held(PENDING + late), &velocity_factor = held(PENDING + late + 1);
         double &correction = held(PENDING + late + 2), &goals = held(PENDING + late + 3);
 
         const bool is_measured = std::isfinite(measured[i]);
@@ -43,9 +55,11 @@ inline void observe(const Observer& self, const double* inputs, const double* me
         const double velocity = held(VELOCITY) + self.gain[n + i] * innovation;
         double disturbance =
             is_measured ? held(DISTURBANCE) + self.gain[2 * n + i] * innovation : self.fading * held(DISTURBANCE);
-        const double heavier = between(load - input(TRUST) * disturbance, self.lightest, self.heaviest);
-        const double faster = between(velocity_factor - input(TRUST_LEAD) * disturbance, self.lightest, self.heaviest);
-        disturbance += (heavier - load) * input(NOTICED) + (faster - velocity_factor) * input(NOTICED_LEAD);
+        const double heavier = between(load_factor - input(LOAD_TRUST) * disturbance, self.lightest, self.heaviest);
+        const double faster =
+            between(velocity_factor - input(VELOCITY_OFFSET_TRUST) * disturbance, self.lightest, self.heaviest);
+        disturbance += (heavier - load_factor) * input(DETECTED_LOAD) +
+                       (faster - velocity_factor) * input(DETECTED_VELOCITY_OFFSET);
 
         double arrived = 0.0;
         for (int k = 0; k < late; ++k) arrived += self.arrival[k] * held(PENDING + k);
@@ -58,15 +72,15 @@ inline void observe(const Observer& self, const double* inputs, const double* me
         motion[2] -= arrived;
         for (int k = 0; k < 3; ++k) restored += self.restoring[k] * motion[k];
 
-        const double setpoint = input(GOAL), before = setpoint + correction;
-        const double expected = setpoint + heavier * input(LOAD) + faster * input(LEAD);
+        const double setpoint = input(SETPOINT), before = setpoint + correction;
+        const double expected = setpoint + heavier * input(LOAD) + faster * input(VELOCITY_OFFSET);
         const double requested = between(expected - restored, before - self.step[i], before + self.step[i]);
-        goals = between(requested, input(LOWEST), input(HIGHEST));
+        goals = between(requested, input(LOWER_LIMIT), input(UPPER_LIMIT));
         const double position = input(ANGLE) + motion[0];
         for (int k = late - 1; k > 0; --k) held(PENDING + k) = held(PENDING + k - 1);
         held(PENDING) = between(goals, position - self.full[i], position + self.full[i]) - expected;
         for (int k = 0; k < 3; ++k) held(k) = motion[k];
-        load = heavier;
+        load_factor = heavier;
         velocity_factor = faster;
         correction = goals - setpoint;
     }
