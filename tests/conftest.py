@@ -22,6 +22,7 @@ from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
 from xdist.remote import Producer
 
+from .durations import MIN_TESTS, list_slowest_files
 from .machine import Watch, depends_on_time
 from .messages import send_few_messages
 from .nudge import nudge_random_inputs
@@ -151,10 +152,15 @@ def pytest_runtest_makereport(
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """List tests that failed while the machine was too slow."""
+    """List tests that failed while the machine was too slow, and the slowest files of a long run."""
     skipped = terminalreporter.stats.get("skipped", [])
     unknown = [report for report in skipped if "; it failed: " in str(report.longrepr)]
     if unknown:
         terminalreporter.section("failed on a machine too slow to tell")
     for report in unknown:
         terminalreporter.write_line(f"{report.nodeid}: {report.longrepr[2]!s}")
+    passed = terminalreporter.stats.get("passed", [])
+    if len(passed) >= MIN_TESTS:
+        terminalreporter.section("slowest test files")
+        for line in list_slowest_files(passed):
+            terminalreporter.write_line(line)

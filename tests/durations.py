@@ -1,0 +1,23 @@
+"""Durations of test files, without fixtures, whose reports are not sent."""
+
+from collections import Counter
+from collections.abc import Iterable
+from typing import Protocol
+
+LISTED_FILES = 8  # number of slowest files in the summary
+MIN_TESTS = 5000  # fewer tests have no summary of durations
+
+
+class TimedReport(Protocol):
+    """Report of one test."""
+
+    nodeid: str
+    duration: float  # [s]
+
+
+def list_slowest_files(reports: Iterable[TimedReport]) -> list[str]:
+    """Return the slowest files with their seconds, the slowest first."""
+    durations: Counter[str] = Counter()
+    for report in reports:
+        durations[report.nodeid.partition("::")[0]] += report.duration
+    return [f"{duration:.0f} s {file}" for file, duration in durations.most_common(LISTED_FILES)]
