@@ -8,10 +8,7 @@ from kinesic.body.reach import Reach
 from kinesic.capture.clip import ArmPath
 from kinesic.capture.resampling import low_pass
 from kinesic.capture.robot_motion import SAMPLE_RATE
-from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.mirror import is_right, mirror_chain, mirror_place
-from kinesic.ik.arm.swivel import swivel_of
-from kinesic.ik.scalar3 import vector
+from kinesic.ik.arm.swivel import measure_swivels
 from kinesic.ik.solve import solve
 
 SWIVEL_CUTOFF = 3.0  # [Hz] cut-off frequency of the elbow's swivel, which is noisy on straight arms
@@ -48,17 +45,10 @@ def find_swivels(chain: Chain, path: ArmPath) -> Floats:
 
     Straight arms take the swivel of the frames before and after; an arm that is always straight gets 0.
     """
-    linkage = linkage_of(mirror_chain(chain) if is_right(chain) else chain)
-    is_mirrored = is_right(chain)
     swivels = np.full(len(path.wrist), np.nan)
     lines = path.wrist / np.maximum(np.linalg.norm(path.wrist, axis=1, keepdims=True), 1e-9)
-    offsets = np.linalg.norm(np.cross(path.elbow, lines), axis=1)
-    for k in np.flatnonzero(offsets > MIN_ELBOW_OFFSET):
-        places = [np.zeros(3), path.elbow[k], path.wrist[k]]
-        points = [vector(mirror_place(place) if is_mirrored else place) for place in places]
-        swivel = swivel_of(linkage, points)
-        if swivel is not None:
-            swivels[k] = swivel
+    is_bent = np.linalg.norm(np.cross(path.elbow, lines), axis=1) > MIN_ELBOW_OFFSET
+    swivels[is_bent] = measure_swivels(chain, path.elbow[is_bent], path.wrist[is_bent])
     is_known = np.isfinite(swivels)
     if not is_known.any():
         return np.zeros(len(swivels))

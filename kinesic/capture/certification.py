@@ -20,7 +20,8 @@ from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.files.motion_files import save_motion
 from kinesic.planning.setup import Setup
 
-MAX_DETOURS = 4  # largest number of self-collision avoidance rounds, with increasing clearance
+MAX_DETOURS = 3  # largest number of self-collision avoidance rounds for one cost, with increasing clearance
+HINGE_COSTS = (0.1, 10.0)  # [arm lengths/rad] costs of hinge rotation, tried in turn: 0.1 keeps the wrist's path
 DETOUR_MARGIN = 0.002  # [m] added to the required clearance of the next round, besides the missing one
 MIN_PATH = 0.1  # [arm lengths] wrist path extent up to which a hand counts as still
 
@@ -124,17 +125,18 @@ def _find_clear(desired: RobotMotion, setup: Setup) -> tuple[NearestMotion, floa
     If no round reaches the required clearance, it is the motion with the largest one.
     """
     course = Course.of(desired.angles, setup)
-    required = setup.robot.min_clearance + LAG_RESERVE
     best: tuple[NearestMotion, float] | None = None
-    for _ in range(MAX_DETOURS):
-        cleared = replace(course, angles=clear_path(course.angles, setup, min_clearance=required))
-        nearest = find_nearest(cleared, setup, best[0].stretch if best else None)
-        clearance = float(scan_clearance(nearest.motion.trajectory, setup.distances)[1].distances.min())
-        if best is None or clearance > best[1]:
-            best = nearest, clearance
-        if clearance >= setup.robot.min_clearance:
-            break
-        required += setup.robot.min_clearance - clearance + DETOUR_MARGIN
+    for hinge_cost in HINGE_COSTS:
+        required = setup.robot.min_clearance + LAG_RESERVE
+        for _ in range(MAX_DETOURS):
+            angles = clear_path(course.angles, setup, min_clearance=required, hinge_cost=hinge_cost)
+            nearest = find_nearest(replace(course, angles=angles), setup, best[0].stretch if best else None)
+            clearance = float(scan_clearance(nearest.motion.trajectory, setup.distances)[1].distances.min())
+            if best is None or clearance > best[1]:
+                best = nearest, clearance
+            if clearance >= setup.robot.min_clearance:
+                return best
+            required += setup.robot.min_clearance - clearance + DETOUR_MARGIN
     assert best is not None
     return best
 

@@ -6,6 +6,7 @@ from kinesic.bml.block import Block, Notice, NoticeType
 from kinesic.bml.schedule import schedule
 from kinesic.capture.certification import Certification, certify_clip
 from kinesic.capture.clip import Clip
+from kinesic.capture.reading.text import CaptureError
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.planning.clearance import scan_clearance
 from kinesic.planning.plan import Plan
@@ -26,10 +27,11 @@ def plan_captured(clip: Clip, setup: Setup, *, source: str) -> Plan:
         source: file name, for messages.
 
     Raises:
-        CaptureError: the clip is too long, or has no joint of the robot.
+        CaptureError: the clip is too long, has no joint of the robot, or no motion within all limits was found.
     """
     began = perf_counter()
     certification = certify_clip(clip, setup, source)
+    _check_certified(certification)
     nearest, timeline = certification.nearest, schedule(Block(id="motion", behaviours=(), source=source), {}, {})
     times, clearance = scan_clearance(certification.trajectory, setup.distances)
     return Plan(
@@ -46,6 +48,21 @@ def plan_captured(clip: Clip, setup: Setup, *, source: str) -> Plan:
         seconds=perf_counter() - began,
         requested_postures=nearest.keys,
     )
+
+
+def _check_certified(certification: Certification) -> None:
+    """Raise an error if the nearest motion violates a limit.
+
+    Raises:
+        CaptureError: it does; the message has the values.
+    """
+    if not certification.is_certified:
+        raise CaptureError(
+            f"{certification.source}: no motion within all limits found: clearance "
+            f"{1000.0 * certification.clearance:.0f} mm of {1000.0 * certification.setup.robot.min_clearance:.0f} mm, "
+            f"value / limit {certification.limit_ratio:.3f}, drive duty {certification.torque_ratio:.2f}; "
+            "`kinesic certify` lists what the file violates"
+        )
 
 
 def list_notices(certification: Certification) -> tuple[Notice, ...]:

@@ -1,16 +1,20 @@
 """Self-collision avoidance for sampled arm motions."""
 
+from dataclasses import dataclass
+
 import numpy as np
 from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from kinesic.body.arrays import Flags, Floats, Indices, find_runs, sealed
-from kinesic.body.robot import SIDES
-from kinesic.capture.robot_motion import SAMPLE_RATE
+from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.capture.robot_motion import SAMPLE_RATE, arm_paths
 from kinesic.planning.setup import Setup
 
 MAX_ROUNDS = 16  # largest number of correction rounds of a path
 GRADIENT_STEP = 1e-3  # [rad] rotation for the finite difference of the clearance
 MIN_GRADIENT = 0.02  # [m/rad] damping of corrections where clearance hardly depends on the hinges
+MIN_GAIN = 1e-12  # smallest divisor, for samples whose clearance depends on no hinge
+COST_GROWTH = 1.3  # factor on the cost of hinge rotations after each round, as wrists that stay may block the way
 MAX_CORRECTION = 0.08  # [rad] largest rotation of a hinge in one round
 CORRECTION_MARGIN = 0.002  # [m] clearance beyond the required one that a correction aims at
 CORRECTION_WINDOW = 0.10  # [s] window of the maximum filter that holds a correction at full size
@@ -19,40 +23,59 @@ FADE_TIME = 0.15  # [s] time over which corrections fade to zero at both ends of
 SAMPLES_PER_GRADIENT = 5  # number of samples per gradient, less than `CORRECTION_WINDOW` holds
 
 
-def clear_path(angles: Floats, setup: Setup, *, min_clearance: float) -> Floats:
+@dataclass(frozen=True, eq=False)
+class _Arm:
+    """Hinges of one arm, and the pairs of segments that they can separate."""
+
+    side: Side
+    hinges: list[int]
+    is_own: Flags  # (p,) of `Robot.counted_pairs`
+
+    @classmethod
+    def of(cls, robot: Robot, side: Side) -> "_Arm":
+        """Return one arm of a robot."""
+        arm = robot.arm(side)
+        is_own = np.array([bool(arm.bodies & set(pair)) for pair in robot.counted_pairs], dtype=np.bool_)
+        return cls(side, list(arm.joints), is_own)
+
+
+def clear_path(angles: Floats, setup: Setup, *, min_clearance: float, hinge_cost: float) -> Floats:
     """Rotate arms away from the robot's body where clearance is too small.
 
-    The hinges of each arm follow the gradient of its smallest distance; the corrections are smooth over time, and zero
-    at both ends. The result may still be too near where no direction leads away.
+    The hinges of each arm follow the gradient of its smallest distance, in the way that displaces the wrist least. The
+    corrections are smooth over time, and zero at both ends. The result may still be too near where no direction leads
+    away.
 
     Args:
         angles: (m, n) [rad] at `SAMPLE_RATE`.
         setup: robot and distances.
         min_clearance: [m] required distance.
+        hinge_cost: [arm lengths/rad] cost of rotating a hinge, relative to the wrist displacement that it causes.
 
     Returns:
         (m, n) [rad] within the joint ranges.
     """
     robot, cleared = setup.robot, angles.copy()
     fade = _fade(len(angles))[:, None]
+    arms = [_Arm.of(robot, side) for side in SIDES]
     is_near = setup.distances.clearance(cleared).distances < min_clearance
     for _ in range(MAX_ROUNDS):
         if not is_near.any():
             break
         rows = np.flatnonzero(is_near)
         gaps = setup.distances.gaps(cleared[rows])
-        for side in SIDES:
-            bodies, hinges = robot.arm(side).bodies, list(robot.arm(side).joints)
-            is_own = np.array([bool(bodies & set(pair)) for pair in robot.counted_pairs], dtype=np.bool_)
+        for arm in arms:
             distances = np.full(len(angles), np.inf)
-            distances[rows] = gaps[:, is_own].min(axis=1, initial=np.inf)
+            distances[rows] = gaps[:, arm.is_own].min(axis=1, initial=np.inf)
             chosen = _choose_samples(distances, min_clearance)
-            steps = _find_steps(cleared[chosen], distances[chosen], (hinges, is_own), setup, min_clearance)
-            corrections = np.zeros((len(angles), len(hinges)))
-            corrections[chosen] = steps
-            lower, upper = robot.skeleton.lower[hinges], robot.skeleton.upper[hinges]
-            cleared[:, hinges] = np.clip(cleared[:, hinges] + fade * _smooth(corrections), lower, upper)
+            if not chosen.size:
+                continue
+            corrections = np.zeros((len(angles), len(arm.hinges)))
+            corrections[chosen] = _find_steps(arm, cleared[chosen], distances[chosen], setup, min_clearance, hinge_cost)
+            lower, upper = robot.skeleton.lower[arm.hinges], robot.skeleton.upper[arm.hinges]
+            cleared[:, arm.hinges] = np.clip(cleared[:, arm.hinges] + fade * _smooth(corrections), lower, upper)
         is_near = setup.distances.clearance(cleared).distances < min_clearance
+        hinge_cost *= COST_GROWTH
     return sealed(cleared)
 
 
@@ -76,26 +99,37 @@ def _choose_samples(distances: Floats, min_clearance: float) -> Indices:
 
 
 def _find_steps(
-    angles: Floats, distances: Floats, arm: tuple[list[int], Flags], setup: Setup, min_clearance: float
+    arm: _Arm, angles: Floats, distances: Floats, setup: Setup, min_clearance: float, hinge_cost: float
 ) -> Floats:
     """Return hinge rotations (m, h) [rad] that increase an arm's clearance.
 
+    They minimise the squared wrist displacement [arm lengths] plus the squared rotation x `hinge_cost`.
+
     Args:
+        arm: the arm.
         angles: (m, n) [rad].
         distances: (m,) [m] smallest distance of the arm.
-        arm: indices of its hinges, and flags of its pairs of segments.
         setup: robot and distances.
         min_clearance: [m] required distance.
+        hinge_cost: [arm lengths/rad] cost of rotating a hinge.
     """
-    hinges, is_own = arm
-    moved = np.repeat(angles[:, None], len(hinges), axis=1)
-    moved[:, np.arange(len(hinges)), hinges] += GRADIENT_STEP
-    gaps = setup.distances.gaps(moved.reshape(-1, angles.shape[1]))[:, is_own]
-    changed = gaps.min(axis=1, initial=np.inf).reshape(len(angles), len(hinges))
+    count, hinges = len(angles), len(arm.hinges)
+    moved = np.repeat(angles[:, None], hinges, axis=1)
+    moved[:, np.arange(hinges), arm.hinges] += GRADIENT_STEP
+    moved = moved.reshape(count * hinges, -1)
+    changed = setup.distances.gaps(moved)[:, arm.is_own].min(axis=1, initial=np.inf).reshape(count, hinges)
     gradients = (changed - distances[:, None]) / GRADIENT_STEP
+    before, after = (arm_paths(setup.robot, postures)[arm.side].wrist for postures in (angles, moved))
+    jacobians = (after.reshape(count, hinges, 3) - before[:, None]) / GRADIENT_STEP
+    costs = jacobians @ np.swapaxes(jacobians, 1, 2) + hinge_cost**2 * np.eye(hinges)
+    directions = np.linalg.solve(costs, gradients[:, :, None])[:, :, 0]
+    gains = np.sum(directions * gradients, axis=1, keepdims=True)
+    damping = MIN_GRADIENT**2 * np.sum(directions**2, axis=1, keepdims=True)
     deficits = (min_clearance + CORRECTION_MARGIN - distances)[:, None]
-    steps: Floats = gradients * deficits / (np.sum(gradients**2, axis=1, keepdims=True) + MIN_GRADIENT**2)
-    return np.clip(steps, -MAX_CORRECTION, MAX_CORRECTION)
+    steps = directions * gains * deficits / np.maximum(gains**2 + damping, MIN_GAIN)
+    largest = np.abs(steps).max(axis=1, keepdims=True, initial=0.0)
+    limited: Floats = steps * (MAX_CORRECTION / np.maximum(largest, MAX_CORRECTION))
+    return limited
 
 
 def _smooth(corrections: Floats) -> Floats:

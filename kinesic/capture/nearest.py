@@ -92,53 +92,51 @@ def find_nearest(course: Course, setup: Setup, stretch: Floats | None = None) ->
         setup: robot, limits and dynamics.
         stretch: (m,) local time stretch; searched by default.
     """
-    stretch = _find_stretch(course, setup) if stretch is None else stretch
-    request = _request(course, stretch, setup)
-    return request.match(keep_duties(request.search, setup))
+    trial = _search_stretch(course, setup) if stretch is None else _try_stretch(course, stretch, setup)
+
+    def search(limits: Limits) -> Conditioned:
+        return trial.nearest.motion if limits is setup.limits else trial.request.search(limits)
+
+    return trial.request.match(keep_duties(search, setup))
 
 
-def _find_stretch(course: Course, setup: Setup) -> Floats:
-    """Search the local time stretch (m,) that brings wrists near their paths.
+def _search_stretch(course: Course, setup: Setup) -> "_Trial":
+    """Search the local time stretch that brings wrists near their paths.
 
     It is 1 where no stretch is needed, or none helps enough.
     """
-    none = np.ones(len(course.clip))
-    distance = _distance_with(course, none, setup)
+    unstretched = _try_stretch(course, np.ones(len(course.clip)), setup)
+    distance = unstretched.measure_distance(course, setup)
     if distance <= MAX_WRIST_DISTANCE:
-        return none
+        return unstretched
     ratios = np.minimum(compute_time_stretch(course.clip, setup.limits), MAX_TIME_RATIO)
     widest = maximum_filter1d(ratios, max(1, round(RATIO_WINDOW * SAMPLE_RATE)))
     excess = gaussian_filter1d(widest, RATIO_SMOOTHING * SAMPLE_RATE) - 1.0
     lower, upper = 0.0, 0.0
     for amount in STRETCH_AMOUNTS:
         lower, upper = upper, amount
-        reached = _distance_with(course, _stretch_by(amount, excess), setup)
+        best = _try_stretch(course, _stretch_by(amount, excess), setup)
+        reached = best.measure_distance(course, setup)
         if lower == 0.0 and reached > MAX_FIRST_RATIO * distance:
-            return none
+            return unstretched
         if reached <= MAX_WRIST_DISTANCE:
             break
     else:
-        return none if reached > MAX_LAST_RATIO * distance else _stretch_by(upper, excess)
+        return unstretched if reached > MAX_LAST_RATIO * distance else best
     for _ in range(BISECTION_STEPS):
         middle = (lower + upper) / 2.0
-        if _distance_with(course, _stretch_by(middle, excess), setup) > MAX_WRIST_DISTANCE:
+        trial = _try_stretch(course, _stretch_by(middle, excess), setup)
+        if trial.measure_distance(course, setup) > MAX_WRIST_DISTANCE:
             lower = middle
         else:
-            upper = middle
-    return _stretch_by(upper, excess)
+            upper, best = middle, trial
+    return best
 
 
 def _stretch_by(amount: float, excess: Floats) -> Floats:
     """Return the local time stretch (m,), equal to 1 + amount x excess."""
     stretch: Floats = 1.0 + amount * excess
     return stretch
-
-
-def _distance_with(course: Course, stretch: Floats, setup: Setup) -> float:
-    """Return the nearest motion's largest wrist distance [arm lengths] at a stretch."""
-    request = _request(course, stretch, setup)
-    nearest = request.match(request.search(setup.limits))
-    return largest_wrist_distance(setup.robot, course.clip, nearest.angles)
 
 
 def largest_wrist_distance(robot: Robot, first: Floats, second: Floats) -> float:
@@ -164,6 +162,23 @@ class _Request:
         """Add the performance times of the desired samples to a motion."""
         planned = np.interp(self.times, motion.requested_times, motion.planned)
         return NearestMotion(motion, self.keys, sealed(planned + motion.trajectory.zero), sealed(self.stretch))
+
+
+@dataclass(frozen=True, eq=False)
+class _Trial:
+    """Nearest motion at one time stretch, within all limits but the torques of its own loads."""
+
+    request: _Request
+    nearest: NearestMotion
+
+    def measure_distance(self, course: Course, setup: Setup) -> float:
+        """Return the largest wrist distance [arm lengths] from a course."""
+        return largest_wrist_distance(setup.robot, course.clip, self.nearest.angles)
+
+
+def _try_stretch(course: Course, stretch: Floats, setup: Setup) -> _Trial:
+    request = _request(course, stretch, setup)
+    return _Trial(request, request.match(request.search(setup.limits)))
 
 
 def _request(course: Course, stretch: Floats, setup: Setup) -> _Request:

@@ -1,5 +1,7 @@
 """Resampling and low-pass filtering of captured samples."""
 
+from functools import cache
+
 import numpy as np
 from scipy.interpolate import CubicSpline
 from scipy.signal import butter, sosfiltfilt
@@ -33,7 +35,13 @@ def low_pass(values: Floats, cutoff: float = CUTOFF_FREQUENCY) -> Floats:
         values: samples.
         cutoff: [Hz] frequency of half power, in each of both directions.
     """
-    sections = butter(FILTER_ORDER, cutoff, fs=SAMPLE_RATE, output="sos")
     padding = min(len(values) - 1, round(MAX_PADDING * SAMPLE_RATE))
-    filtered: Floats = sosfiltfilt(sections, values, axis=0, padlen=padding)
+    filtered: Floats = sosfiltfilt(_design_filter(cutoff), values, axis=0, padlen=padding)
     return filtered
+
+
+@cache
+def _design_filter(cutoff: float) -> Floats:
+    """Return the second-order sections of a low-pass filter."""
+    sections: Floats = butter(FILTER_ORDER, cutoff, fs=SAMPLE_RATE, output="sos")
+    return sections

@@ -61,8 +61,7 @@ def _follow_body(clip: BodyClip, times: Floats, setup: Setup) -> RobotMotion:
             notes.append(f"{leaps} leaps of the {SIDE_NAMES[side]} arm bridged, where it cannot follow")
     heads = low_pass(resample(clip.times, _unwrap_vectors(clip.head), times))
     turns = Rotation.from_rotvec(heads).as_euler(HEAD_AXES)
-    for row, turn in zip(angles, turns, strict=True):
-        set_turn(robot, "neck", turn - compute_torso_turn(robot, "torso", row), row)
+    set_turn(robot, "neck", turns - compute_torso_turn(robot, "torso", angles), angles)
     fast = {side: arm for side, arm in arms.items() if _exceeds_limits(angles, side, setup)}
     angles = smooth_arms(angles, fast, setup) if fast else angles
     return RobotMotion(sealed(times), sealed(angles), _inside(angles, robot), arms, clip.syncs, tuple(notes))

@@ -56,21 +56,21 @@ def joint_frames(skeleton: Sequence[CapturedJoint], motion: CapturedMotion) -> J
 
     A joint rotates by its own rotation and then by the motion's; its child lies at an offset in the rotated axes.
     """
-    zeros = np.zeros((len(motion.frames), 3))
     positions: dict[str, Floats] = {}
-    rotations: dict[str | None, Rotation] = {None: Rotation.from_rotvec(zeros)}
+    rotations: dict[str | None, Floats] = {None: np.broadcast_to(np.eye(3), (len(motion.frames), 3, 3))}
     for joint in skeleton:
-        offset = zeros + joint.offset
+        offset = np.tile(joint.offset, (len(motion.frames), 1))
         for axis, kind in enumerate(AXIS_CHANNELS):
             if (joint.name, kind) in motion.columns:
                 offset[:, axis] += motion.frames[:, motion.columns[joint.name, kind]][:, 0]
-        has_rotation = (joint.name, ROTATION_CHANNEL) in motion.columns
-        vectors = motion.frames[:, motion.columns[joint.name, ROTATION_CHANNEL]] if has_rotation else zeros
-        base = positions[joint.parent] if joint.parent else zeros
-        positions[joint.name] = sealed(base + rotations[joint.parent].apply(offset))
-        rotations[joint.name] = rotations[joint.parent] * _make_rotation(joint.turn) * _make_rotation(vectors)
-    matrices = {name: sealed(rotation.as_matrix()) for name, rotation in rotations.items() if name}
-    return JointFrames(positions, matrices)
+        rotation = _make_matrices(joint.turn)
+        if (joint.name, ROTATION_CHANNEL) in motion.columns:
+            rotation = rotation @ _make_matrices(motion.frames[:, motion.columns[joint.name, ROTATION_CHANNEL]])
+        above = rotations[joint.parent]
+        base = positions[joint.parent] if joint.parent else np.zeros(3)
+        positions[joint.name] = sealed(base + np.einsum("tij,tj->ti", above, offset))
+        rotations[joint.name] = sealed(above @ rotation)
+    return JointFrames(positions, {name: rotation for name, rotation in rotations.items() if name})
 
 
 def select_ancestors(skeleton: Sequence[CapturedJoint], names: Collection[str]) -> tuple[CapturedJoint, ...]:
@@ -82,9 +82,10 @@ def select_ancestors(skeleton: Sequence[CapturedJoint], names: Collection[str]) 
     return tuple(joint for joint in skeleton if joint.name in chosen)
 
 
-def _make_rotation(vectors: Floats) -> Rotation:
-    """Convert one or more rotation vectors to SciPy rotations.
+def _make_matrices(vectors: Floats) -> Floats:
+    """Convert rotation vectors (..., 3) to matrices (..., 3, 3).
 
     SciPy does not accept read-only arrays.
     """
-    return Rotation.from_rotvec(vectors.copy())
+    matrices: Floats = Rotation.from_rotvec(vectors.copy()).as_matrix()
+    return matrices

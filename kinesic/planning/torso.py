@@ -22,18 +22,18 @@ MIN_RANGE = 1e-9  # [rad] smallest assumed hinge range, which avoids division by
 
 
 def compute_torso_turn(robot: Robot, chain: str, angles: Floats) -> Floats:
-    """Sum a chain's hinge angles to torsion, tilt and roll (3,) [rad].
+    """Sum a chain's hinge angles to torsion, tilt and roll (..., 3) [rad].
 
     Several hinges may have the same axis.
 
     Args:
         robot: the robot.
         chain: `torso` or `neck`.
-        angles: (n,) [rad] of all hinges.
+        angles: (..., n) [rad] of all hinges.
     """
-    turn, hinges = np.zeros(len(TURN_AXES)), _hinges(robot, chain)
+    turn, hinges = np.zeros((*angles.shape[:-1], len(TURN_AXES))), _hinges(robot, chain)
     for joint, axis in zip(hinges.joints, hinges.axes, strict=True):
-        turn[axis] += angles[joint]
+        turn[..., axis] += angles[..., joint]
     return turn
 
 
@@ -45,15 +45,15 @@ def set_turn(robot: Robot, chain: str, turn: Floats, angles: Floats) -> None:
     Args:
         robot: the robot.
         chain: `torso` or `neck`.
-        turn: (3,) [rad] torsion, tilt and roll.
-        angles: (n,) [rad] of all hinges; those of the chain are overwritten.
+        turn: (..., 3) [rad] torsion, tilt and roll.
+        angles: (..., n) [rad] of all hinges; those of the chain are overwritten.
     """
     hinges = _hinges(robot, chain)
-    requested = np.asarray(turn)[hinges.axes]
+    requested = np.asarray(turn)[..., hinges.axes]
     positive = requested > 0
     ranges = np.where(positive, hinges.above, hinges.below)
     parts = requested * ranges / np.where(positive, hinges.all_above, hinges.all_below)
-    angles[hinges.joints] = np.minimum(np.maximum(parts, hinges.lower), hinges.upper)
+    angles[..., hinges.joints] = np.minimum(np.maximum(parts, hinges.lower), hinges.upper)
 
 
 def raise_shoulder(robot: Robot, rise: float, angles: Floats) -> None:

@@ -7,13 +7,14 @@ import pytest
 
 from kinesic.bench.blocks import find_corpus
 from kinesic.body.arrays import sealed
-from kinesic.capture.certification import certify_clip, correlate, largest_limit_ratio
+from kinesic.capture.certification import HINGE_COSTS, certify_clip, correlate, largest_limit_ratio
 from kinesic.capture.clear_path import clear_path
 from kinesic.capture.clip import ArmPath, BodyClip, JointClip
 from kinesic.capture.derivatives import compute_time_stretch, differentiate
 from kinesic.capture.nearest import Course
 from kinesic.capture.read import read_clip
 from kinesic.capture.retarget import retarget
+from kinesic.capture.robot_motion import arm_paths
 from kinesic.capture.violations import find_violations
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
@@ -89,14 +90,19 @@ def test_clip_is_stretched_in_time_only_around_its_fast_part(known):
     assert stretch[400:].max() == pytest.approx(1.0)
 
 
+def reach_towards(wrist, elbow) -> BodyClip:
+    """Return a clip whose hanging right arm goes to the given places [arm lengths] and back."""
+    blend = np.sin(np.pi * np.linspace(0.0, 1.0, 120)[:, None]) ** 2
+    wrists = (1.0 - blend) * [0.1, -0.1, -0.95] + blend * wrist
+    elbows = (1.0 - blend) * [0.0, 0.0, -0.52] + blend * elbow
+    return BodyClip(
+        sealed(np.arange(120) / 30), {"r": ArmPath(sealed(elbows), sealed(wrists))}, sealed(np.zeros((120, 3)))
+    )
+
+
 def test_hand_path_through_the_body_is_moved_around_it(known):
     """The right wrist goes from the side through the belly and back."""
-    u = np.linspace(0.0, 1.0, 120)[:, None]
-    blend = np.sin(np.pi * u) ** 2
-    wrist = (1.0 - blend) * [0.1, -0.1, -0.95] + blend * [0.05, 0.45, -0.5]
-    elbow = (1.0 - blend) * [0.0, 0.0, -0.52] + blend * [0.0, -0.1, -0.5]
-    path = ArmPath(sealed(elbow), sealed(wrist))
-    clip = BodyClip(sealed(np.arange(120) / 30), {"r": path}, sealed(np.zeros((120, 3))))
+    clip = reach_towards([0.05, 0.45, -0.5], [0.0, -0.1, -0.5])
     result = certify_clip(clip, known, "a.bvh")
     before = known.distances.clearance(result.desired.requested).distances.min()
     assert before < 0.0
@@ -107,10 +113,22 @@ def test_hand_path_through_the_body_is_moved_around_it(known):
     assert known.distances.clearance(result.trajectory.angles(times)).distances.min() > known.robot.min_clearance - 1e-3
 
 
+def test_detour_with_cheap_hinge_rotations_displaces_the_wrist_less(known):
+    """The right hand enters the hip."""
+    angles = retarget(reach_towards([0.0, 0.15, -0.9], [0.0, 0.0, -0.5]), known, "a.bvh").angles
+    wrist = arm_paths(known.robot, angles)["r"].wrist
+    displacements = []
+    for hinge_cost in HINGE_COSTS:
+        cleared = clear_path(angles, known, min_clearance=0.012, hinge_cost=hinge_cost)
+        assert known.distances.clearance(cleared).distances.min() >= 0.012
+        displacements.append(np.linalg.norm(arm_paths(known.robot, cleared)["r"].wrist - wrist, axis=1).max())
+    assert displacements[0] < 0.7 * displacements[1]
+
+
 def test_collision_free_motion_gets_no_detour(known):
     angles = retarget(clip_of(reach(60)), known, "a").angles
     assert known.distances.clearance(angles).distances.min() > 0.012
-    np.testing.assert_array_equal(clear_path(angles, known, min_clearance=0.012), angles)
+    np.testing.assert_array_equal(clear_path(angles, known, min_clearance=0.012, hinge_cost=0.1), angles)
 
 
 def test_motion_that_overloads_a_drive_by_coupled_loads_is_slowed(known):

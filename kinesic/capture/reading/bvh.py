@@ -109,7 +109,7 @@ def _parse_rows(lines: Sequence[str], first: int, width: int, source: str) -> Fl
     """Parse the channel values (m, width) of all complete frames."""
     numbers = array("d")
     for k in range(first, len(lines)):
-        numbers.extend(parse_numbers(lines[k].split(), f"{source}:{k + 1}").tolist())
+        numbers.frombytes(parse_numbers(lines[k].split(), f"{source}:{k + 1}").tobytes())
     if len(numbers) > MAX_FRAMES * width:
         raise CaptureError(f"{source}: it has more than {MAX_FRAMES} frames")
     values = np.array(numbers)
@@ -124,17 +124,16 @@ def _make_motion(joints: Sequence[CapturedJoint], channels: Channels, rows: Floa
     for k, (name, kind) in enumerate(channels):
         channels_of.setdefault(name, []).append((k, kind))
     for joint in joints:
-        rotation = Rotation.identity(len(rows))
-        has_rotation = False
+        order, turned = "", []
         for k, kind in channels_of.get(joint.name, ()):
             if kind.endswith("rotation"):
-                rotation *= Rotation.from_euler(kind[0], rows[:, [k]], degrees=True)
-                has_rotation = True
+                order += kind[0]
+                turned.append(k)
             elif joint.parent is None:  # suits also repeat the offsets of other joints
                 blocks.append(rows[:, [k]])
                 columns[joint.name, f"{kind[0]}Pos"] = slice(width, width := width + 1)
-        if has_rotation:
-            blocks.append(rotation.as_rotvec())
+        if turned:
+            blocks.append(Rotation.from_euler(order, rows[:, turned], degrees=True).as_rotvec())
             columns[joint.name, "Quat"] = slice(width, width := width + 3)
     frames = np.concatenate(blocks, axis=1) if blocks else np.zeros((len(rows), 0))
     return CapturedMotion(sealed(period * np.arange(len(rows))), columns, sealed(frames), {})
@@ -211,4 +210,6 @@ def _parse_channels(words: _Words) -> list[str]:
     for kind in kinds:
         if kind.capitalize() not in CHANNEL_KINDS:
             raise CaptureError(f"{words.place}: channel {kind[:40]!r}; known are {', '.join(sorted(CHANNEL_KINDS))}")
+        if [other.capitalize() for other in kinds].count(kind.capitalize()) > 1:
+            raise CaptureError(f"{words.place}: channel {kind!r} occurs twice in one joint")
     return [kind.capitalize() for kind in kinds]

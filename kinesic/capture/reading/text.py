@@ -3,12 +3,13 @@
 from array import array
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from math import isfinite
 from pathlib import Path
 from typing import BinaryIO
 
 import numpy as np
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Floats, seal_in_place
 from kinesic.body.config import ConfigError
 from kinesic.files.input_file import open_regular
 
@@ -101,10 +102,12 @@ def parse_numbers(words: Iterable[str], place: str) -> Floats:
         CaptureError: a word is no finite number; the message begins with the place.
     """
     try:
-        numbers = sealed(np.frombuffer(array("d", map(float, words))))
+        numbers = array("d", map(float, words))
     except (ValueError, OverflowError) as error:
         raise CaptureError(f"{place}: {error}") from None
-    return check_numbers(numbers, place)
+    values = seal_in_place(np.frombuffer(numbers))
+    is_moderate = isfinite(sum(numbers)) and -MAX_NUMBER <= min(numbers, default=0.0) <= max(numbers, default=0.0)
+    return values if is_moderate and max(numbers, default=0.0) <= MAX_NUMBER else check_numbers(values, place)
 
 
 def check_numbers(numbers: Floats, place: str) -> Floats:

@@ -8,13 +8,17 @@ vertical plane is not.
 
 from collections.abc import Sequence
 
-from kinesic.body.arrays import Floats
+import numpy as np
+
+from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.ik.angles import arctangent
 from kinesic.ik.arm.linkage import Linkage, linkage_of
-from kinesic.ik.arm.mirror import is_right, mirror_chain
+from kinesic.ik.arm.mirror import MIRROR_SIGNS, is_right, mirror_chain
 from kinesic.ik.scalar3 import Vector, across, cross, dot, minus, norm, unit
 
+FORWARD = sealed([1.0, 0.0, 0.0])  # forward axis of the arm's base
+UPWARD = sealed([0.0, 0.0, 1.0])  # upward axis of the arm's base
 BACKWARD_COSINE = -1.0 + 1e-9  # cosine between arm line and forward axis below which the hanging direction is set to up
 
 
@@ -43,6 +47,29 @@ def swivel_of(linkage: Linkage, points: Sequence[Vector]) -> float | None:
         return None
     zero = hanging_direction(line)
     return linkage.side * arctangent(dot(off, cross(line, zero)), dot(off, zero))
+
+
+def measure_swivels(chain: Chain, elbows: Floats, hands: Floats) -> Floats:
+    """Compute the swivel angles (m,) [rad] of many elbows and hands.
+
+    The result is NaN or arbitrary for a straight arm, which has no swivel.
+
+    Args:
+        chain: the arm.
+        elbows: (m, 3) from the shoulder.
+        hands: (m, 3) from the shoulder, not zero.
+    """
+    if is_right(chain):
+        elbows, hands = elbows * MIRROR_SIGNS, hands * MIRROR_SIGNS
+    lines = hands / np.linalg.norm(hands, axis=1, keepdims=True)
+    offsets = elbows - lines * np.sum(elbows * lines, axis=1, keepdims=True)
+    is_backward = lines[:, 0] < BACKWARD_COSINE
+    shares = lines[:, 2] / np.where(is_backward, 1.0, 1.0 + lines[:, 0])
+    zeros = shares[:, None] * (lines + FORWARD) - UPWARD
+    zeros[is_backward] = UPWARD
+    asides = np.cross(lines, zeros)
+    swivels: Floats = np.arctan2(np.sum(offsets * asides, axis=1), np.sum(offsets * zeros, axis=1))
+    return swivels
 
 
 def swivel(chain: Chain, angles: Floats) -> float | None:

@@ -71,6 +71,7 @@ def test_bvh_skeleton_has_joints_but_no_end_sites(tmp_path):
         ("OFFSET 10.0", "OFFSET ten", "could not convert"),
         ("HIERARCHY\nROOT Hips", "MOTION", "no joints"),
         ("Frame Time: 0.05", "Frame Time: -1", "positive"),
+        ("Yrotation Xrotation Zrotation", "Yrotation Xrotation Yrotation", "channel 'Yrotation' occurs twice"),
     ],
 )
 def test_broken_bvh_file_is_rejected_with_its_path(tmp_path, old, new, message):

@@ -3,10 +3,10 @@ import math
 import numpy as np
 import pytest
 
-from kinesic.body.robot import Robot
+from kinesic.body.robot import Robot, Side
 from kinesic.ik.arm.linkage import linkage_of
-from kinesic.ik.arm.swivel import hanging_direction, swivel, swivel_of
-from kinesic.ik.scalar3 import Vector, distance, dot, unit
+from kinesic.ik.arm.swivel import hanging_direction, measure_swivels, swivel, swivel_of
+from kinesic.ik.scalar3 import Vector, distance, dot, unit, vector
 
 from ...reference.ik.swivel import elbow_at
 
@@ -64,3 +64,16 @@ def test_straight_arm_has_no_swivel() -> None:
 def test_elbow_lies_on_the_shoulder_target_line_if_the_target_is_beyond_reach() -> None:
     assert elbow_at(ARM, (0.0, 0.0, 0.0), (1.0, 0.0, 0.0), 0.3) == pytest.approx((0.22, 0.0, 0.0))
     assert all(math.isfinite(x) for x in elbow_at(ARM, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 0.3))
+
+
+@pytest.mark.parametrize("side", ["l", "r"])
+def test_swivels_of_many_arms_equal_those_of_single_arms(side: Side) -> None:
+    """The last arm reaches straight backward, where hanging is upward; a swivel counts outward on both sides."""
+    rng = np.random.default_rng(4)
+    elbows, hands = rng.normal(size=(2, 40, 3))
+    hands[-1] = -1.0, 0.0, 0.0
+    found = measure_swivels(ROBOT.arms[side], elbows, hands)
+    mirrored = np.array([1.0, 1.0 if side == "l" else -1.0, 1.0])
+    for k, angle in enumerate(found):
+        points = [vector(place * mirrored) for place in (np.zeros(3), elbows[k], hands[k])]
+        assert angle == pytest.approx(swivel_of(ARM, points), abs=1e-9)
