@@ -28,7 +28,8 @@ def read_rows(paths: Sequence[Path], needed: Sequence[str]) -> Iterator[tuple[st
             missing = [name for name in needed if name not in names]
             if missing:
                 hint, listed = suggestion(missing[0], names), ", ".join(names[:MAX_NAMED_COLUMNS])
-                raise ConfigError(f"{path}: no column {missing[0]}{hint}; it has {listed}")
+                content = f"it has {listed}" if names else "the file is empty"
+                raise ConfigError(f"{path}: no column {missing[0]}{hint}; {content}")
             for row in rows:
                 location = f"{path}:{rows.line_num}"
                 if None in row or None in row.values():

@@ -166,6 +166,7 @@ ROW = "p,1,s,female,4,upper,high,with,image,1,4,2,,,,3,3,1.0,30"
         (HEAD + "\n" + ROW.replace("high", "huge"), "strength is 'huge', must be one of low, high"),
         (HEAD + "\n" + ROW.replace(",1,4,2,", ",1,,2,"), "no answer in column 4"),
         (HEAD + "\n", "no answer for any of"),
+        ("", "no column participant; the file is empty"),
         (HEAD + "\n" + ROW[:-11], "must have 19 values, like the first line"),
         (HEAD + "\n" + ROW + ",1", "must have 19 values, like the first line"),
         (HEAD + "\n" + ROW.replace(",3,3,", ",3,\u0663,"), "must be a whole number"),
