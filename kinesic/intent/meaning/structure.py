@@ -16,6 +16,7 @@ LISTED_COUNT_BONUS = 0.12  # added certainty if the number announces a list (`th
 SERIES_COUNT_CERTAINTY = 0.82  # certainty of counting gestures for successive numbers (`one, two, three`)
 CORRECTION_CERTAINTY = 0.74  # certainty of the gesture that denies a corrected part (`with the knees, not the back`)
 MAX_CORRECTION_WORDS = 6  # [words] length of the longest corrected part
+PAIR_CERTAINTY = 0.68  # certainty of the gesture for a word that is repeated after `by`
 DEGREE_CERTAINTY = 0.6  # certainty of the gesture for two compared degrees (`cheaper, but ... longer`)
 PERSON_CERTAINTY = 0.46  # certainty of a gesture to speaker or listener, in sentences without another one
 MIN_PERSON_WORDS = 3  # [words] length of the shortest sentence with a gesture to speaker or listener
@@ -51,6 +52,7 @@ def find_structures(context: Context, taken: Collection[int]) -> Iterator[Candid
             yield from _find_questions(context, indices, taken)
         yield from _find_counts(context, indices, taken)
         yield from _find_series(context, indices, taken)
+        yield from _find_pairs(context, indices, taken)
         if context.passage.kinds[sentence] != "question":
             yield from _find_corrections(context, indices, taken)
             yield from _find_degrees(context, indices, taken)
@@ -99,6 +101,14 @@ def _find_series(context: Context, indices: Sequence[int], taken: Collection[int
     for k, value in bare:
         if k in successive:
             yield _candidate(values[value], k, "counts on", "idiom", SERIES_COUNT_CERTAINTY)
+
+
+def _find_pairs(context: Context, indices: Sequence[int], taken: Collection[int]) -> Iterator[Candidate]:
+    """Yield a gesture of repeated placing for `brick by brick`."""
+    for k in indices[:-2]:
+        is_pair = context.plain[k] == context.plain[k + 2] and context.language.has("pair_joint", context.plain[k + 1])
+        if is_pair and context.passage.words[k].is_content and not any(j in taken for j in range(k, k + 3)):
+            yield _candidate("one_after_another", k + 2, "goes on by steps", "idiom", PAIR_CERTAINTY)
 
 
 def _find_corrections(context: Context, indices: Sequence[int], taken: Collection[int]) -> Iterator[Candidate]:

@@ -45,6 +45,11 @@ def test_commas_around_a_reported_speaker_make_no_list(quote: str) -> None:
     assert any("of a list" in each.intent.reason for each in gestures_of("Get milk, flour, and butter."))
 
 
+def test_word_repeated_after_by_is_set_down_again_and_again() -> None:
+    assert shown("Brick by brick, they built a tower.")["one_after_another"] == 2
+    assert "one_after_another" not in shown("They built a tower by hand, by day.")
+
+
 def test_lone_opening_word_gets_no_beat() -> None:
     assert all(each.intent.word > 0 for each in gestures_of("Well, the old captain described the whole story."))
     assert any(each.intent.word == 0 for each in gestures_of("*Well*, the old captain described the whole story."))
