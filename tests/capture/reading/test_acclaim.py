@@ -18,48 +18,48 @@ def left_wrist(*, skeleton=None, **motion) -> np.ndarray:
     return clip_of_skeleton(joints.joints, moved, "a.amc").arms["l"].wrist[0]
 
 
-def test_arm_without_rotation_points_in_the_direction_of_its_bones():
+def test_acclaim_arm_without_rotation_points_in_the_direction_of_its_bones():
     assert left_wrist() == pytest.approx(LEFT)
 
 
-def test_rotation_about_z_raises_the_arm():
+def test_acclaim_rotation_about_z_raises_the_arm():
     assert left_wrist(lhumerus="0 0 90") == pytest.approx(UP)
 
 
-def test_rotations_are_applied_in_the_order_of_the_degrees_of_freedom():
+def test_acclaim_rotations_are_applied_in_the_order_of_the_degrees_of_freedom():
     """The rotation about x comes first, and has no effect on an arm along x."""
     assert left_wrist(lhumerus="90 0 90") == pytest.approx(UP)
 
 
-def test_bone_rotates_about_its_own_axes():
+def test_acclaim_bone_rotates_about_its_own_axes():
     """The z axis of the bone points down, so that the arm swings ahead."""
     skeleton = acclaim_skeleton(axis="90 0 0 XYZ")
     assert left_wrist(skeleton=skeleton, lhumerus="0 0 90") == pytest.approx(AHEAD)
 
 
-def test_order_of_the_axes_changes_them():
+def test_axis_order_of_an_acclaim_bone_changes_its_axes():
     """Axes by Z and then X differ from axes by X and then Z."""
     first = left_wrist(skeleton=acclaim_skeleton(axis="90 0 90 XYZ"), lhumerus="0 0 90")
     second = left_wrist(skeleton=acclaim_skeleton(axis="90 0 90 ZYX"), lhumerus="0 0 90")
     assert np.abs(first - second).max() > 0.5
 
 
-def test_one_degree_of_freedom_bends_the_elbow():
+def test_acclaim_joint_with_one_degree_of_freedom_bends_the_elbow():
     """The forearm, 5 of 11, points ahead."""
     assert left_wrist(lradius="-90") == pytest.approx((6 * LEFT + 5 * AHEAD) / 11)
 
 
-def test_position_and_heading_of_the_root_drop_out():
+def test_arm_paths_do_not_depend_on_position_and_heading_of_the_acclaim_root():
     assert left_wrist(root="7 -3 2 0 130 0", lhumerus="0 0 90") == pytest.approx(UP)
 
 
-def test_angles_in_radians_are_recognised_in_both_files():
+def test_acclaim_angles_in_radians_are_recognised_in_skeleton_and_motion_files():
     skeleton = acclaim_skeleton(axis=f"{np.pi / 2} 0 0 XYZ", unit="rad")
     wrist = left_wrist(skeleton=skeleton, lhumerus=f"0 0 {np.pi / 2}", heading=":FULLY-SPECIFIED\n:RADIANS")
     assert wrist == pytest.approx(AHEAD)
 
 
-def test_skeleton_is_found_by_the_subject_and_the_frame_rate_is_reported(tmp_path):
+def test_acclaim_skeleton_is_found_by_its_subject_and_the_assumed_frame_rate_reported(tmp_path):
     (tmp_path / "02.asf").write_bytes(acclaim_skeleton())
     (tmp_path / "05.asf").write_bytes(b"")
     (tmp_path / "02_01.amc").write_bytes(acclaim_motion(13))
@@ -68,7 +68,7 @@ def test_skeleton_is_found_by_the_subject_and_the_frame_rate_is_reported(tmp_pat
     assert "frame rate taken as 120 Hz" in clip.guesses
 
 
-def test_only_skeleton_of_a_folder_serves_any_motion_and_a_missing_one_is_named(tmp_path):
+def test_single_acclaim_skeleton_of_a_folder_is_used_and_a_missing_one_is_named(tmp_path):
     (tmp_path / "walk.amc").write_bytes(acclaim_motion())
     with pytest.raises(CaptureError, match=r"walk.amc: no skeleton walk.asf beside it"):
         read_clip(tmp_path / "walk.amc")
@@ -91,7 +91,7 @@ def test_only_skeleton_of_a_folder_serves_any_motion_and_a_missing_one_is_named(
         ("order TX TY TZ RX RY RZ", "order", "it has no order in :root"),
     ],
 )
-def test_invalid_skeleton_is_rejected_with_its_line(old, new, message):
+def test_invalid_acclaim_skeleton_is_rejected_with_its_line(old, new, message):
     data = acclaim_skeleton().replace(old.encode(), new.encode(), 1)
     with pytest.raises(CaptureError, match=message):
         read_acclaim_skeleton(data, "a.asf")

@@ -38,21 +38,21 @@ def test_gltf_and_bvh_of_the_same_motion_give_the_same_arm_paths(kind):
         assert clip.arms[side].elbow[::2] == pytest.approx(expected.arms[side].elbow, abs=1e-5)
 
 
-def test_animated_rotation_replaces_the_rotation_of_the_node():
+def test_animated_rotation_replaces_that_of_the_gltf_node():
     nodes = person()
     arm = next(node for node in nodes if node["name"] == "LeftArm")
     arm["rotation"] = quaternions([[50.0, 20.0, -30.0]])[0].tolist()
     assert left_wrists(moving_person({"LeftArm": np.zeros((3, 3))}, nodes=nodes))[0] == pytest.approx(LEFT, abs=1e-6)
 
 
-def test_node_without_animation_keeps_its_rotation():
+def test_gltf_node_without_animation_keeps_its_rotation():
     nodes = person()
     arm = next(node for node in nodes if node["name"] == "LeftArm")
     arm["rotation"] = quaternions([[90.0, 0.0, 0.0]])[0].tolist()
     assert left_wrists(moving_person({"Head": np.zeros((3, 3))}, nodes=nodes))[0] == pytest.approx(UP, abs=1e-6)
 
 
-def test_matrix_of_a_node_is_its_place_and_rotation():
+def test_matrix_of_a_gltf_node_gives_its_position_and_rotation():
     nodes = person()
     arm = next(node for node in nodes if node["name"] == "LeftArm")
     matrix = np.eye(4)
@@ -62,7 +62,7 @@ def test_matrix_of_a_node_is_its_place_and_rotation():
     assert left_wrists(moving_person({"Head": np.zeros((3, 3))}, nodes=nodes))[0] == pytest.approx(UP, abs=1e-6)
 
 
-def test_linear_rotations_have_constant_speed_along_the_shorter_arc():
+def test_linear_gltf_rotations_have_constant_speed_along_the_shorter_arc():
     """The second quaternion is negated, which is the same rotation."""
     quaternion = quaternions([[0.0, 0.0, 0.0], [90.0, 0.0, 0.0]]) * [[1.0], [-1.0]]
     wrists = left_wrists(GltfFile().animate("LeftArm", [0.0, 1.0], quaternion))
@@ -70,7 +70,7 @@ def test_linear_rotations_have_constant_speed_along_the_shorter_arc():
     assert raised == pytest.approx(np.linspace(0.0, 90.0, 61), abs=1e-3)
 
 
-def test_step_holds_each_rotation_until_the_next_key():
+def test_gltf_step_interpolation_holds_each_rotation_until_the_next_key():
     rotations = {"LeftArm": np.array([[0.0, 0, 0], [90, 0, 0], [0, 0, 0]])}
     wrists = left_wrists(moving_person(rotations, period=0.5, interpolation="STEP"))
     assert wrists[29] == pytest.approx(LEFT, abs=1e-6)
@@ -79,7 +79,7 @@ def test_step_holds_each_rotation_until_the_next_key():
     assert wrists[60] == pytest.approx(LEFT, abs=1e-6)
 
 
-def test_cubic_spline_follows_its_slopes():
+def test_gltf_cubic_spline_follows_the_slopes_at_its_keys():
     """A translation of the hips by t^3 - t, whose slopes are -1 at 0 and 11 at 2 s."""
     keys = [[[0.0, 0, 0], [0, 90, 0], [-1, 0, 0]], [[11.0, 0, 0], [6, 90, 0], [0, 0, 0]]]
     file = GltfFile().animate(
@@ -91,13 +91,13 @@ def test_cubic_spline_follows_its_slopes():
     assert clip_of_skeleton(joints, motion, "a").arms["l"].wrist[30] == pytest.approx(LEFT, abs=1e-6)
 
 
-def test_rotations_in_normalised_integers_are_read():
+def test_gltf_rotations_in_normalised_integers_are_read():
     """Their resolution is 1 / 32767."""
     expected = left_wrists(moving_person(reach(10)))
     assert left_wrists(moving_person(reach(10), dtype="<i2")) == pytest.approx(expected, abs=2e-4)
 
 
-def test_buffer_beside_the_file_is_read_and_one_outside_is_refused(tmp_path):
+def test_gltf_buffer_in_the_folder_of_its_file_is_read_and_one_outside_is_refused(tmp_path):
     file, folder = moving_person(reach(5)), tmp_path / "inside"
     folder.mkdir()
     (folder / "the data.bin").write_bytes(file.data)
@@ -110,7 +110,7 @@ def test_buffer_beside_the_file_is_read_and_one_outside_is_refused(tmp_path):
             read_clip(folder / "a.gltf")
 
 
-def test_further_animations_are_reported():
+def test_further_animations_of_a_gltf_file_are_reported():
     file = moving_person(reach(5))
     file.json["animations"].append({"name": "nod", "channels": [], "samplers": []})
     assert read_gltf(file.binary(), "a.glb", no_buffer)[2] == ("first of 2 animations: 'wave'",)

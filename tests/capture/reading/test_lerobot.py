@@ -11,7 +11,7 @@ from kinesic.capture.reading.text import CaptureError
 from ..lerobot_files import write_dataset
 
 
-def test_first_episode_is_read_with_the_joint_names_of_the_dataset(tmp_path):
+def test_first_episode_of_a_lerobot_dataset_is_read_with_its_joint_names(tmp_path):
     clip = read_clip(write_dataset(tmp_path))
     assert clip.names == ("pan", "tilt")
     assert clip.times == pytest.approx(np.arange(20) / 50, abs=1e-6)
@@ -22,13 +22,13 @@ def test_first_episode_is_read_with_the_joint_names_of_the_dataset(tmp_path):
     )
 
 
-def test_values_beyond_a_turn_are_read_as_degrees(tmp_path):
+def test_lerobot_angles_beyond_a_full_turn_are_read_as_degrees(tmp_path):
     clip = read_clip(write_dataset(tmp_path, scale=2.0, episodes=1))
     assert clip.angles == pytest.approx(np.radians(np.outer(np.arange(20), [2.0, 4.0]) + 4.0), abs=1e-6)
     assert clip.guesses == ("action read as degrees; the dataset does not state its unit",)
 
 
-def test_measured_state_is_read_where_actions_are_missing(tmp_path):
+def test_lerobot_states_are_read_if_actions_are_missing(tmp_path):
     names = {"motors": ["pan", "tilt"]}
     path = write_dataset(tmp_path, feature="observation.state", episodes=1)
     description = tmp_path / "meta" / "info.json"
@@ -40,7 +40,7 @@ def test_measured_state_is_read_where_actions_are_missing(tmp_path):
     assert clip.guesses[0].startswith("observation.state read as radians")
 
 
-def test_dataset_without_description_or_joints_is_refused(tmp_path):
+def test_lerobot_dataset_without_description_or_joints_is_refused(tmp_path):
     path = write_dataset(tmp_path)
     description = tmp_path / "meta" / "info.json"
     description.write_text('{"features": {"action": {"names": null}}}')
@@ -72,7 +72,7 @@ def test_damaged_or_missing_parquet_is_refused_by_name(tmp_path):
         ("SELECT 0 AS episode_index", 'column "timestamp" not found'),
     ],
 )
-def test_rows_without_positions_are_refused(tmp_path, query, message):
+def test_lerobot_rows_without_positions_are_refused(tmp_path, query, message):
     path = write_dataset(tmp_path)
     with duckdb.connect() as connection:
         connection.execute(f"COPY ({query}) TO '{path}' (FORMAT parquet)")

@@ -17,13 +17,13 @@ def test_reachy_nod_becomes_a_pitch_of_the_head_from_time_zero():
     assert clip.arms == {}
 
 
-def test_yaw_of_the_body_is_subtracted_from_the_head():
+def test_body_yaw_of_a_reachy_move_is_subtracted_from_the_head():
     yaw = rotation_about(np.array([0.0, 0.0, 1.0]), 0.4)
     clip = read_reachy_move(reachy_move([yaw @ rotation for rotation in NOD], body_yaw=0.4), "a.json")
     assert clip.head == pytest.approx(np.outer([0, 0.1, 0.2, 0.1], [0, 1, 0]), abs=1e-9)
 
 
-def test_setpoints_without_pose_are_left_out():
+def test_reachy_setpoints_without_a_pose_are_left_out():
     clip = read_reachy_move(reachy_move([NOD[0], None, *NOD[1:]]), "a.json")
     assert len(clip.times) == 4
     assert "1 setpoints" in clip.guesses[1]

@@ -16,7 +16,7 @@ STATES = {"/joint_states": (JOINT_STATE, state_messages())}
 
 
 @pytest.mark.parametrize("compression", CompressionType)
-def test_joint_states_of_an_mcap_file_are_read_by_name_and_stamp(compression):
+def test_joint_states_of_an_mcap_file_are_read_by_name_and_time_stamp(compression):
     clip = read_joint_mcap(mcap(STATES, compression=compression), "a.mcap")
     assert clip.names == ("pan", "tilt")
     assert clip.times == pytest.approx(np.arange(40) / 50)
@@ -24,20 +24,20 @@ def test_joint_states_of_an_mcap_file_are_read_by_name_and_stamp(compression):
     assert clip.guesses == ()
 
 
-def test_log_times_replace_stamps_of_zero():
+def test_log_times_of_ros_messages_replace_time_stamps_of_zero():
     messages = [(7.0 + k / 10, joint_state(0.0, ["a"], [float(k)])) for k in range(3)]
     clip = read_joint_mcap(mcap({"/a": (JOINT_STATE, messages)}), "a.mcap")
     assert clip.times == pytest.approx([0, 0.1, 0.2])
 
 
-def test_big_endian_messages_are_read():
+def test_big_endian_ros_messages_are_read():
     messages = [(k / 10, joint_state(1 + k / 10, ["one", "b"], [k, 2.5], order=">")) for k in range(2)]
     clip = read_joint_mcap(mcap({"/a": (JOINT_STATE, messages)}), "a.mcap")
     assert clip.names == ("one", "b")
     assert clip.angles == pytest.approx(np.array([[0, 2.5], [1, 2.5]]))
 
 
-def test_first_trajectory_with_its_points_is_read_and_others_are_counted():
+def test_first_ros_trajectory_is_read_and_others_are_counted():
     trajectory = joint_trajectory(["pan", "tilt"], [0.5, 1.0, 2.25], [[0, 1], [2, 3], [4, 5]])
     other = joint_trajectory(["pan", "tilt"], [0.0, 9.0], [[0, 0], [0, 0]])
     topics = {
@@ -51,14 +51,14 @@ def test_first_trajectory_with_its_points_is_read_and_others_are_counted():
     assert clip.guesses == ("topic /arm/joint_trajectory; 6 messages of other joints left out",)
 
 
-def test_messages_of_a_second_publisher_with_other_joints_are_left_out():
+def test_ros_messages_of_a_second_publisher_with_other_joints_are_left_out():
     messages = [*state_messages(5), *state_messages(3, names=("wheel",))]
     clip = read_joint_mcap(mcap({"/joint_states": (JOINT_STATE, messages)}), "a.mcap")
     assert len(clip.times) == 5
     assert clip.guesses == ("topic /joint_states; 3 messages of other joints left out",)
 
 
-def test_trajectory_in_json_is_read_by_its_suffix(tmp_path):
+def test_ros_trajectory_in_a_json_file_is_read(tmp_path):
     points = [{"positions": [k, -k], "time_from_start": {"sec": k, "nanosec": 500_000_000}} for k in range(3)]
     path = tmp_path / "a.json"
     path.write_text(json.dumps({"header": {}, "joint_names": ["pan", "tilt"], "points": points}))
@@ -110,13 +110,13 @@ def test_invalid_mcap_file_is_rejected(data, message):
         ),
     ],
 )
-def test_invalid_trajectory_in_json_is_rejected(data, message):
+def test_invalid_ros_trajectory_in_json_is_rejected(data, message):
     with pytest.raises(CaptureError, match=message):
         read_joint_trajectory(data, "a.json")
 
 
 @pytest.mark.parametrize("compression", [CompressionType.LZ4, CompressionType.ZSTD])
-def test_chunk_that_unpacks_to_another_size_is_refused(compression):
+def test_mcap_chunk_that_unpacks_to_another_size_is_refused(compression):
     """The stated size is one byte smaller than the content."""
     data = mcap(STATES, compression=compression)
     chunk = data.index(b"\x06", data.index(b"\x06") if data[8] == 6 else 8 + 9)
