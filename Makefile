@@ -61,7 +61,7 @@ notebooks: .venv/.stamp-test
 mutants: .venv/.stamp-test
 	@$(BIN)/python tests/mutants
 
-# The same for the part of the studio's page that arms and stops the servos: all 400 mutants, ten minutes.
+# The same for the part of the studio's page that arms, performs and stops: all of its about 600 mutants.
 mutants-studio:
 	@cd kinesic/studio/client && npm ci --no-audit --no-fund && npm run --silent mutants
 

@@ -126,7 +126,7 @@ def make_and_perform(person: Person) -> None:
     person.page.until("document.querySelector('#file').textContent === 'talk.bml'")
     person.sees("document.querySelectorAll('#strips .strip:not(.head)').length === s.report.servos.celsius.length")
     assert person.page.value("document.querySelector('#perform').disabled"), "the servos have no torque yet"
-    person.click("#arm", "Arm gives servos their torque")
+    person.click("#arm", "Motors on gives servos their torque")
     person.page.until("document.querySelector('#arming').open")
     person.page.value("document.querySelector('#arm-yes').click()")  # a script's click does not count
     assert person.page.value("document.querySelector('#arming').open")

@@ -30,7 +30,7 @@ EDITED_BLOCK = (
     '<gesture id="h" lexeme="GIVE" stroke="s:b"/><gesture id="i" lexeme="BEAT" mode="RIGHT_HAND" stroke="s:c"/>'
     '<head id="n" lexeme="NOD" stroke="s:c"/></bml>'
 )  # BML block of about 5 s that the benchmark edits
-MAX_EDIT_TIME = 700.0  # [ms] goal for the 95th percentile of replanning after an edit
+MAX_EDIT_TIME = 300.0  # [ms] goal for the 95th percentile of replanning after an edit
 MAX_REACH_TIME = 33.0  # [ms] goal for the 95th percentile of answers while a hand is dragged
 MAX_WATCH_LOAD = 5.0  # [% of a core] goal for the extra CPU load of a watching client
 MAX_BUNDLE_SIZE = 200.0  # [kB] goal for the compressed size of the page's scripts

@@ -31,7 +31,7 @@ export class Arming {
   }
 
   /** Whether there are servos without torque. */
-  get limp(): boolean {
+  get isTorqueOff(): boolean {
     return this.state !== null && this.state !== "armed" && this.state !== "arming";
   }
 

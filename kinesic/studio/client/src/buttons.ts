@@ -11,6 +11,6 @@ export function enableButtons(edited: EditedDocument, robot: Robot): void {
   enable("undo", edited.undoSteps > 0);
   enable("redo", edited.redoSteps > 0);
   enable("perform", robot.ready);
-  byId("perform").title = robot.limp ? "Switch the motors on first" : "Perform on the robot (Ctrl Enter)";
+  byId("perform").title = robot.isTorqueOff ? "Switch the motors on first" : "Perform on the robot (Ctrl Enter)";
   for (const name of ["save", "save-as"]) enable(name, robot.wire.state === "open");
 }

@@ -53,8 +53,13 @@ export function setAttribute(text: string, behaviour: string, name: string, valu
   return tag ? withAttribute(text, tag, name, value) : text;
 }
 
-/** Set a behaviour's style or manner in kinesic's namespace, which is declared if needed; null removes it. */
-export function setManner(text: string, behaviour: string, name: string, value: string | number | null): string {
+/** Set an attribute of a behaviour in kinesic's namespace, which is declared if needed; null removes it. */
+export function setKinesicAttribute(
+  text: string,
+  behaviour: string,
+  name: string,
+  value: string | number | null,
+): string {
   const tag = tagWithId(text, behaviour);
   const written = typeof value === "number" ? formatTime(value) : value;
   const present = tag && findAttribute(tag, name)?.name;
@@ -118,12 +123,12 @@ export function remove(text: string, behaviour: string): string {
   return text.slice(0, span.from - blank) + text.slice(span.to);
 }
 
-/** Return a document that performs one gesture in a manner; its id is unique, as the server requires. */
-export function alone(lexeme: string, manner: ReadonlyMap<string, number>, number: number): string {
+/** Return a document that performs one gesture with some expressivity; its id is unique, as the server requires. */
+export function alone(lexeme: string, expressivity: ReadonlyMap<string, number>, number: number): string {
   const bml = `<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="studio${number}"></bml>`;
   const asked = addGesture(bml, lexeme, 0);
   const id = asked.match(/<gesture id="([^"]*)"/)?.[1] ?? "";
-  return [...manner].reduce((text, [name, value]) => setManner(text, id, name, value), asked);
+  return [...expressivity].reduce((text, [name, value]) => setKinesicAttribute(text, id, name, value), asked);
 }
 
 /** Document with a new behaviour. */

@@ -1,4 +1,4 @@
-// Editor of a gesture: its keys, the tried manner, and hands dragged into their keys.
+// Editor of a gesture: its keys, the tried expressivity, and hands dragged into their keys.
 import { toArmLengths } from "./arm_lengths.ts";
 import { byId } from "./dom.ts";
 import { alone } from "./edits.ts";
@@ -26,8 +26,8 @@ export interface Desk {
 }
 
 export class GestureEditing {
-  /** Tried manner, NAME=VALUE; it is not stored in the gesture's file. */
-  readonly manner = new Map<string, number>();
+  /** Tried expressivity, NAME=VALUE; it is not stored in the gesture's file. */
+  readonly expressivity = new Map<string, number>();
   private readonly keys: KeysPanel;
   private readonly list: GestureList;
   private draft: GestureDraft | null = null;
@@ -58,20 +58,20 @@ export class GestureEditing {
   begin(isGesture: boolean): void {
     this.keys.chosen = 0;
     this.draft = null;
-    this.manner.clear();
+    this.expressivity.clear();
     byId("keys").hidden = !isGesture;
     if (isGesture) byId("keys").parentElement?.scrollTo(0, 0);
   }
 
-  /** Request the plan of the gesture in the tried manner. */
+  /** Request the plan of the gesture with the tried expressivity. */
   ask(): Promise<Answer | null> {
-    const set = [...this.manner].map(([name, value]) => `${name}=${value}`);
+    const set = [...this.expressivity].map(([name, value]) => `${name}=${value}`);
     return this.wire.ask("gesture", { toml: this.desk.text(), set });
   }
 
-  /** Document that performs the gesture in the tried manner; each has an id of its own. */
+  /** Document that performs the gesture with the tried expressivity; each has an id of its own. */
   performed(): string {
-    return this.draft ? alone(this.draft.gesture, this.manner, ++this.performances) : this.desk.text();
+    return this.draft ? alone(this.draft.gesture, this.expressivity, ++this.performances) : this.desk.text();
   }
 
   /** Draw the list of gestures again, with pictures that have been loaded. */

@@ -1,5 +1,6 @@
-// The selected behaviours, or the whole performance, in the inspector; changes go into the document, or into the tried manner of a gesture.
-import { setAttribute, setManner } from "./edits.ts";
+// The selected behaviours, or the whole performance, in the inspector. Changes go into the document, or into the
+// expressivity that is tried on a gesture under edit.
+import { setAttribute, setKinesicAttribute } from "./edits.ts";
 import { Inspector } from "./inspector.ts";
 import type { Numbers } from "./styles/numbers.ts";
 import type { StylesPanel } from "./styles/styles_panel.ts";
@@ -14,9 +15,9 @@ export interface InspectionListener {
   /** Ids of the selected behaviours, or of the gesture under edit. */
   selected(): readonly string[];
   isGesture(): boolean;
-  /** Manner that is tried on the gesture under edit. */
+  /** Expressivity that is tried on the gesture under edit. */
   tried(): Map<string, number>;
-  /** Plan the gesture under edit again, with another manner. */
+  /** Plan the gesture under edit again, with other expressivity. */
   tryAgain(): void;
 }
 
@@ -29,10 +30,10 @@ export class Inspection {
   ) {
     this.inspector = new Inspector({
       attribute: (name, value) => this.edit((text, id) => changeAttribute(text, id, name, value)),
-      manner: (name, value) => {
+      expressivity: (name, value) => {
         this.styles().preview.expect();
-        if (listener.isGesture()) this.tryManner(name, value);
-        else this.edit((text, id) => setManner(text, id, name, value));
+        if (listener.isGesture()) this.tryExpressivity(name, value);
+        else this.edit((text, id) => setKinesicAttribute(text, id, name, value));
       },
       style: (name) => this.edit((text, id) => this.styles().choose(text, id, name)),
     });
@@ -40,7 +41,7 @@ export class Inspection {
 
   /** Numbers that the sliders show now. */
   get numbers(): Numbers {
-    return this.inspector.manners.numbers;
+    return this.inspector.sliders.numbers;
   }
 
   /** Show the selected behaviours, or else the whole performance. */
@@ -71,7 +72,7 @@ export class Inspection {
     this.listener.edit(this.ids.reduce(change, this.listener.text()));
   }
 
-  private tryManner(name: string, value: number | null): void {
+  private tryExpressivity(name: string, value: number | null): void {
     if (value === null) this.listener.tried().delete(name);
     else this.listener.tried().set(name, value);
     this.listener.tryAgain();
@@ -81,5 +82,5 @@ export class Inspection {
 /** Set an attribute; another gesture loses the reason that the server gave for the former one. */
 function changeAttribute(text: string, id: string, name: string, value: string | null): string {
   const changed = setAttribute(text, id, name, value);
-  return name === "lexeme" ? setManner(changed, id, "reason", null) : changed;
+  return name === "lexeme" ? setKinesicAttribute(changed, id, "reason", null) : changed;
 }

@@ -1,6 +1,6 @@
 // Editable attributes of the selected behaviour.
 import { byId, say } from "./dom.ts";
-import { Manners } from "./manners.ts";
+import { ExpressivitySliders } from "./expressivity_sliders.ts";
 import { typeWords } from "./plain_words.ts";
 import type { Numbers } from "./styles/numbers.ts";
 import { BLOCK } from "./xml.ts";
@@ -16,20 +16,20 @@ export interface Chosen {
   read(name: string): string | undefined;
   /** Numbers of its style. */
   inherited: Numbers;
-  /** Whether it is a gesture under edit, where only the manner can be changed. */
+  /** Whether it is a gesture under edit, where only the expressivity can be changed. */
   alone: boolean;
 }
 
 export class Inspector {
-  readonly manners: Manners;
+  readonly sliders: ExpressivitySliders;
   private readonly style = byId<HTMLSelectElement>("own-style");
 
   constructor(listener: {
     attribute(name: string, value: string | null): void;
-    manner(name: string, value: number | null): void;
+    expressivity(name: string, value: number | null): void;
     style(name: string | null): void;
   }) {
-    this.manners = new Manners((name, value) => listener.manner(name, value));
+    this.sliders = new ExpressivitySliders((name, value) => listener.expressivity(name, value));
     this.style.addEventListener("change", () => listener.style(this.style.value || null));
     for (const name of ATTRIBUTES)
       byId(name).addEventListener("change", () =>
@@ -51,7 +51,7 @@ export class Inspector {
     for (const name of ATTRIBUTES) byId<HTMLInputElement>(name).value = chosen.read(name) ?? "";
     byId("style-line").hidden = chosen.alone;
     this.style.value = chosen.read("style") ?? "";
-    this.manners.show((name) => chosen.read(name), chosen.inherited);
+    this.sliders.show((name) => chosen.read(name), chosen.inherited);
   }
 }
 

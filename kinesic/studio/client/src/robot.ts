@@ -21,6 +21,7 @@ export class Robot {
   /** Servos; empty for a simulated robot. */
   places: readonly ServoPlace[] = [];
   private readonly arming: Arming;
+  // Stryker disable next-line BooleanLiteral: a new connection sets the value before it is read
   private isResting = false; // whether the server said that nothing moves, and nothing has begun since
 
   constructor(
@@ -61,12 +62,12 @@ export class Robot {
 
   /** Whether documents can be performed. */
   get ready(): boolean {
-    return this.wire.state === "open" && !this.stopped && !this.limp;
+    return this.wire.state === "open" && !this.stopped && !this.isTorqueOff;
   }
 
   /** Whether the servos have no torque. */
-  get limp(): boolean {
-    return this.arming.limp;
+  get isTorqueOff(): boolean {
+    return this.arming.isTorqueOff;
   }
 
   /** Whether surely nothing moves or has torque; false while that is unknown. */
@@ -121,9 +122,9 @@ export class Robot {
       const report = readReport(answer, this.body.hinges.length);
       if (!report) return;
       this.report = report;
-      const { limp } = this;
+      const { isTorqueOff } = this;
       this.arming.show(report.servos);
-      if (limp !== this.limp) this.listener.changed();
+      if (isTorqueOff !== this.isTorqueOff) this.listener.changed();
       if (!this.earlier) this.live.show(report);
       this.listener.moved();
     } else if (answer.told === "stopped" || answer.told === "failed") {

@@ -137,7 +137,7 @@ export class Studio {
       ...{ text, edit, isGesture },
       draft: () => this.plan.draft,
       selected: () => (this.isGesture ? [GESTURE_ID] : [...this.tracks.selection.all]),
-      tried: () => this.gestures.manner,
+      tried: () => this.gestures.expressivity,
       tryAgain: () => this.plan.now(),
     });
     this.gestures = new GestureEditing(about, this.robot.wire, {

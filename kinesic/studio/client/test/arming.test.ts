@@ -74,6 +74,15 @@ test("a person's click confirms once with the code, and the answer is logged", a
   assert.deepEqual(scene.server.read(), [], "the code is used up");
 });
 
+test("a connection that is lost after the confirmation is logged", async () => {
+  const scene = begin();
+  await ask(scene);
+  click(scene.window, "arm-yes");
+  scene.server.close();
+  await settle();
+  assert.deepEqual(scene.log, ["no server"]);
+});
+
 test("a script's click is ignored", async () => {
   const scene = begin();
   await ask(scene);
@@ -136,18 +145,18 @@ test("the button shows the state and disarms only armed servos", () => {
     assert.equal(button().textContent, text);
     assert.equal(button().hidden, false);
     assert.equal(button().disabled, state === "arming" || state === "releasing", state);
-    assert.equal(scene.arming.limp, state !== "armed" && state !== "arming", state);
+    assert.equal(scene.arming.isTorqueOff, state !== "armed" && state !== "arming", state);
     click(scene.window, "arm");
     const asked = button().disabled ? undefined : state === "armed" ? "disarm" : "arm";
     assert.equal(scene.server.read()[0]?.do, asked, state);
   }
 });
 
-test("a simulated robot has no button and is not limp", () => {
+test("a simulated robot has no button, and nothing to switch on", () => {
   const { arming } = begin("limp");
   arming.show(null);
   assert.ok(element("arm").hidden);
-  assert.equal(arming.limp, false);
+  assert.equal(arming.isTorqueOff, false);
 });
 
 test("refusals, answers and a lost connection are logged", async () => {

@@ -1,7 +1,7 @@
 // Edits and their undo history; random edits are undone exactly.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { addGesture, mark, remove, setAttribute, setManner, shift, tie } from "../src/edits.ts";
+import { addGesture, mark, remove, setAttribute, setKinesicAttribute, shift, tie } from "../src/edits.ts";
 import { begin, change, redo, STEPS, undo } from "../src/history.ts";
 import { findAttribute, findTags, tagWithId } from "../src/xml.ts";
 import { edited, randomly, texts, welcome } from "./random_edits.ts";
@@ -50,25 +50,25 @@ test("a shift keeps its reference", () => {
   assert.equal(value(shift(oneGesture, "g", "start", 0.5, 0.3), "g", "start"), "0.8");
 });
 
-test("a manner is added in the kinesic namespace, changed in place, and removed", () => {
+test("an expressivity number is added in the kinesic namespace, changed in place, and removed", () => {
   const plain = oneGesture;
-  const strong = setManner(plain, "g", "power", 0.5);
+  const strong = setKinesicAttribute(plain, "g", "power", 0.5);
   const declared = plain.replace('id="one"', 'id="one" xmlns:kinesic="urn:kinesic"');
   assert.equal(strong, declared.replace('start="0.3"', 'start="0.3" kinesic:power="0.5"'));
-  assert.equal(setManner(strong, "g", "power", null), declared);
-  assert.equal(setManner(plain, "g", "power", null), plain);
-  assert.equal(value(setManner(manners, "shy", "spatial", 0), "shy", "k:spatial"), "0");
+  assert.equal(setKinesicAttribute(strong, "g", "power", null), declared);
+  assert.equal(setKinesicAttribute(plain, "g", "power", null), plain);
+  assert.equal(value(setKinesicAttribute(manners, "shy", "spatial", 0), "shy", "k:spatial"), "0");
 });
 
 test("an attribute with an undeclared prefix is changed, and its prefix declared", () => {
   const bare = '<bml id="b"><gesture id="g" kinesic:style="shy"/></bml>';
-  const after = setManner(bare, "g", "style", "proud");
+  const after = setKinesicAttribute(bare, "g", "style", "proud");
   assert.equal(after, '<bml id="b" xmlns:kinesic="urn:kinesic"><gesture id="g" kinesic:style="proud"/></bml>');
 });
 
 test("another meaning of the prefix is left alone", () => {
   const taken = '<bml id="b" xmlns:kinesic="urn:other"><gesture id="g"/></bml>';
-  const after = setManner(taken, "g", "power", 1);
+  const after = setKinesicAttribute(taken, "g", "power", 1);
   assert.ok(after.includes('xmlns:kinesic2="urn:kinesic"') && after.includes('<gesture id="g" kinesic2:power="1"/>'));
 });
 

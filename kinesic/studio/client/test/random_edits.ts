@@ -1,6 +1,6 @@
 // Random edits of documents.
 import { readdirSync, readFileSync } from "node:fs";
-import { addGesture, mark, remove, setAttribute, setManner, shift, tie } from "../src/edits.ts";
+import { addGesture, mark, remove, setAttribute, setKinesicAttribute, shift, tie } from "../src/edits.ts";
 import { addEntry, addSpeech, PALETTE } from "../src/palette.ts";
 import { copyAll, paste } from "../src/tracks/clipboard.ts";
 import { moveAll, moveOnto, stretch } from "../src/tracks/group_edits.ts";
@@ -56,9 +56,9 @@ export function edited(text: string, random: () => number): string {
     case 5:
       return addGesture(text, one(["Open_Palm", "beat", "m1", "9 lives", ...VALUES]), time);
     case 6:
-      return setManner(text, one([id, BLOCK]), one(["power", "spatial"]), random() < 0.2 ? null : random());
+      return setKinesicAttribute(text, one([id, BLOCK]), one(["power", "spatial"]), random() < 0.2 ? null : random());
     case 7:
-      return setManner(text, id, "style", one(["shy", null, ...VALUES]));
+      return setKinesicAttribute(text, id, "style", one(["shy", null, ...VALUES]));
     case 8:
       return addSpeech(text, one(VALUES), time)?.text ?? text;
     case 9:

@@ -110,16 +110,16 @@ test("a stop closes the arming dialog", async () => {
   assert.ok(!element<HTMLDialogElement>("arming").open);
 });
 
-test("limp servos disable documents, and reports of another robot are ignored", () => {
+test("servos without torque disable documents, and reports of another robot are ignored", () => {
   const { robot, line, calls } = begin();
   calls.length = 0;
   line.tell(body("limp"));
-  assert.ok(robot.limp && !robot.ready);
+  assert.ok(robot.isTorqueOff && !robot.ready);
   assert.deepEqual(calls, ["changed", "moved"]);
   line.tell(body("limp"));
   assert.deepEqual(calls, ["changed", "moved", "moved"], "what has not changed is not told");
   line.tell({ ...body("armed"), angles: [0, 0] });
-  assert.ok(robot.limp);
+  assert.ok(robot.isTorqueOff);
   assert.equal(robot.report?.servos?.state, "limp");
   line.tell(body("armed"));
   assert.ok(robot.ready);

@@ -1,4 +1,4 @@
-// Plays the selected behaviour once after its manner was changed, with the former plan as a ghost.
+// Plays the selected behaviour once after its expressivity was changed, with the former plan as a ghost.
 import { byId } from "../dom.ts";
 import type { Motion } from "../motion.ts";
 import type { Player } from "../player.ts";
@@ -20,7 +20,7 @@ export class Preview {
     this.on.checked = !matchMedia("(prefers-reduced-motion: reduce)").matches;
   }
 
-  /** Expect the draft of a changed manner. */
+  /** Expect the draft of changed expressivity. */
   expect(): void {
     if (this.on.checked) this.before = this.view.motion;
   }

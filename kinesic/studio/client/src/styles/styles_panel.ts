@@ -1,6 +1,6 @@
 // Styles of the selected behaviour: choice of a style, saving an own one, and playback of each change.
 import { byId, make, say } from "../dom.ts";
-import { setManner } from "../edits.ts";
+import { setKinesicAttribute } from "../edits.ts";
 import type { Player } from "../player.ts";
 import type { StageView } from "../view.ts";
 import type { Wire } from "../wire.ts";
@@ -68,11 +68,11 @@ export class StylesPanel {
   /** Give a behaviour a style of the menu; own styles are written as numbers, which every server understands. */
   choose(text: string, behaviour: string, value: string | null): string {
     this.preview.expect();
-    if (!value?.startsWith(OWN_PREFIX)) return setManner(text, behaviour, "style", value);
+    if (!value?.startsWith(OWN_PREFIX)) return setKinesicAttribute(text, behaviour, "style", value);
     const numbers = this.own.numbers(value.slice(OWN_PREFIX.length));
-    const plain = setManner(text, behaviour, "style", null);
+    const plain = setKinesicAttribute(text, behaviour, "style", null);
     return changesFor(numbers, this.inherited(plain, behaviour)).reduce(
-      (present, [name, number]) => setManner(present, behaviour, name, number),
+      (present, [name, number]) => setKinesicAttribute(present, behaviour, name, number),
       plain,
     );
   }

@@ -1,5 +1,5 @@
 // Gestures that a person has picked, which stay on their words when gestures are chosen for a changed text.
-import { POINTS, setAttribute, setManner } from "../edits.ts";
+import { POINTS, setAttribute, setKinesicAttribute } from "../edits.ts";
 import { tagWithId } from "../xml.ts";
 import { alignWords } from "./alignment.ts";
 import { placeGesture } from "./replacing.ts";
@@ -56,7 +56,7 @@ function put(
     .reduce(
       (present, { name, value }) =>
         name.includes(":")
-          ? setManner(present, placed.id, name.slice(name.indexOf(":") + 1), value)
+          ? setKinesicAttribute(present, placed.id, name.slice(name.indexOf(":") + 1), value)
           : setAttribute(present, placed.id, name, value),
       cleared,
     );

@@ -1,5 +1,5 @@
 // Edits of text mode: another gesture at a word, or a first one.
-import { type Added, append, mark, remove, setAttribute, setManner } from "../edits.ts";
+import { type Added, append, mark, remove, setAttribute, setKinesicAttribute } from "../edits.ts";
 import type { Word } from "../tracks/words.ts";
 import { BLOCK, escapeXml, findAttribute, tagWithId } from "../xml.ts";
 import { PICKED_PREFIX, type ShownGesture } from "./spoken.ts";
@@ -18,7 +18,7 @@ export interface Choice {
 /** Show a chosen gesture at a word instead of the present one, with its reason; null: no gesture before. */
 export function choose(text: string, word: WordPlace, present: ShownGesture | null, choice: Choice): string {
   const placed = placeGesture(text, word, present, choice.id);
-  return placed ? setManner(placed.text, placed.id, "reason", `${PICKED_PREFIX}${choice.why}`) : text;
+  return placed ? setKinesicAttribute(placed.text, placed.id, "reason", `${PICKED_PREFIX}${choice.why}`) : text;
 }
 
 /** Put a gesture at a word instead of the present one; null if the text is no document. */

@@ -1,7 +1,7 @@
 // Text mode: a plain text becomes a performance; each word shows its gesture, and offers others.
 
 import { byId, say } from "../dom.ts";
-import { remove, setManner } from "../edits.ts";
+import { remove, setKinesicAttribute } from "../edits.ts";
 import { wordAt } from "../tracks/pauses.ts";
 import type { About, Draft } from "../types.ts";
 import type { Wire } from "../wire.ts";
@@ -198,7 +198,7 @@ export class TextMode {
     const later = this.field.value;
     this.isTyped = false; // the text moves into the document
     this.listener.typed();
-    const bml = style ? setManner(answer.bml, BLOCK, "style", style) : answer.bml;
+    const bml = style ? setKinesicAttribute(answer.bml, BLOCK, "style", style) : answer.bml;
     const former = this.listener.text();
     const kept = isWritten(former) ? keepPicked(former, this.words, bml) : { text: bml, count: 0, gone: [] };
     if (!isWritten(former)) this.listener.open(NEW_NAME, this.about.templates[0]?.text ?? "");

@@ -1,4 +1,4 @@
-// Sliders for the manner of the selected behaviour; each number is set in the document or left to the style.
+// Sliders for the expressivity of the selected behaviour; each number is set in the document or left to the style.
 import { byId, make } from "./dom.ts";
 import { NAMES, NEUTRAL, type Numbers, RANGES, type Shown, showNumbers } from "./styles/numbers.ts";
 
@@ -9,7 +9,7 @@ interface Row {
   reset: HTMLButtonElement;
 }
 
-export class Manners {
+export class ExpressivitySliders {
   private readonly rows = new Map<string, Row>();
   private shown: Record<string, Shown> = {};
 
