@@ -46,7 +46,7 @@ export class Inspector {
     byId("remove").hidden = chosen.alone || isBlock;
     byId("lexeme-line").hidden = byId("hand-line").hidden = chosen.type !== "gesture" || chosen.alone || !isSingle;
     byId("usual-style").hidden = !isBlock;
-    say(byId("no-own-style"), isBlock ? "as the robot usually moves" : "as the whole performance");
+    say(byId("no-own-style"), isBlock ? "usual style" : "as the performance");
     byId("manners").hidden = chosen.type === "speech";
     for (const name of ATTRIBUTES) byId<HTMLInputElement>(name).value = chosen.read(name) ?? "";
     byId("style-line").hidden = chosen.alone;

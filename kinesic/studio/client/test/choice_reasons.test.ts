@@ -37,8 +37,9 @@ test("the left hand is explained by the document, or by what the right hand show
     { id: "b", label: "small", tracks: ["l_hand"] },
     { id: "c", label: "wide", tracks: ["r_hand", "l_hand"] },
     { id: "d", label: "here", tracks: ["l_hand"] },
+    { id: "e", label: "open", tracks: ["r_hand", "l_hand"] },
   ];
-  const syncs = Object.entries({ a: [0, 3], b: [2, 4], c: [5, 6], d: [6.5, 7] }).flatMap(
+  const syncs = Object.entries({ a: [0, 3], b: [2, 4], c: [5, 6], d: [6.5, 7], e: [6, 6.6] }).flatMap(
     ([behaviour, [start, end]]) => [
       { behaviour, sync: "start", planned: start },
       { behaviour, sync: "end", planned: end },

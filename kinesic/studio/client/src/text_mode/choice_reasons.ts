@@ -45,7 +45,8 @@ export function explainHand(id: string, hand: string | undefined, draft: Draft):
   const own = points.get(id);
   const span = own && spanOf(own);
   const busy = draft.behaviours.find(({ id: other, tracks }) => {
-    const times = other !== id && tracks.includes("r_hand") ? points.get(other) : undefined;
+    const isRight = tracks.includes("r_hand") && !tracks.includes("l_hand");
+    const times = isRight && other !== id ? points.get(other) : undefined;
     return times && span && spanOf(times).from < span.to && span.from < spanOf(times).to;
   });
   return busy
