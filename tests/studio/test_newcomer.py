@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+from kinesic.studio.page import EXAMPLE_FOLDER
+
 from ..chromium import binary
 from ..reduced_robots import write_robot
 from .newcomer import STATE, Person, before_the_studio, make_and_perform
@@ -14,6 +16,7 @@ from .newcomer import STATE, Person, before_the_studio, make_and_perform
 pytestmark = pytest.mark.realtime
 
 MAX_ACTIONS = 20
+EXAMPLES = ("welcome", *sorted(path.stem.partition("_")[2] for path in EXAMPLE_FOLDER.glob("*.bml")))
 
 
 @pytest.fixture
@@ -43,3 +46,15 @@ def test_new_gesture_on_a_word_in_shy_style_is_performed_by_servos(person: Perso
     assert {*person.page.value(f"{STATE}.report.servos.volts")} == {12.0}
     person.click("#arm")
     person.sees("s.report.servos.state === 'limp' && s.report.servos.torque.every(each => each === 0)")
+
+
+@pytest.mark.soak
+@pytest.mark.parametrize("example", EXAMPLES)
+def test_first_use_takes_at_most_20_actions_from_every_example(person: Person, example: str):
+    person.page.value("document.querySelector('#examples').focus(), 0")
+    person.write("#examples", f"example:{example}", f"open {example}")
+    person.sees(f"s.name === '{example}.bml' && s.text === s.plannedText")
+    person.actions.clear()  # the page shows the example before the task begins
+    make_and_perform(person)
+    person.sees("s.performs")
+    assert len(person.actions) <= MAX_ACTIONS, person.actions
