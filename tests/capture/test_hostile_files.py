@@ -65,7 +65,7 @@ def colliding(known: Setup, rng: Rng) -> bytes:
 def whirling(known: Setup, rng: Rng) -> bytes:
     """Body joints that rotate anywhere, also the spine."""
     names = ("Spine", "Head", "LeftShoulder", "LeftArm", "LeftForeArm", "RightArm", "RightForeArm")
-    rotations = {name: rng.uniform(-180.0, 180.0, (30, 3)) for name in names}
+    rotations = {name: rng.uniform(-180.0, 180.0, (8, 3)) for name in names}
     return bvh(rotations, period=float(rng.choice([1.0, 1 / 30, 1 / 1000])))
 
 
