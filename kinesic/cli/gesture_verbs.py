@@ -10,7 +10,7 @@ from kinesic.cli.option_values import GesturePicture
 from kinesic.cli.options import force_option, group_options, implemented_by
 
 lexicon_option = click.option(
-    "--lexicon", type=click.Path(path_type=Path), help="Gesture lexicon: TOML, or Greta's gestuary XML."
+    "--lexicon", type=click.Path(path_type=Path), help="Gestures: TOML, a folder of TOML, or Greta's XML."
 )
 gesture_robot_option = click.option(
     "--robot", type=ROBOT_NAME, default="upper22", help="Robot that performs the gestures."

@@ -37,6 +37,8 @@ def write_new(kind: Kind, name: str, folder: Path, force: bool) -> int:
         raise ConfigError(f"{name!r}: a name has 1 to 64 letters, digits and underscores and begins with a letter")
     if is_device_name(name):
         raise ConfigError(f"{name!r}: Windows reserves this name for a device; choose another one")
+    if folder.suffix == ".toml":
+        raise ConfigError(f"--out {folder}: give the folder alone; the file is {name}.toml")
     file = folder / f"{name}.toml"
     write_text(file, starting_text(kind, name), force=force)
     click.echo(f"{kind}: {file}")

@@ -101,6 +101,7 @@ def import_robot(file: Path, out: Path | None, force: bool) -> int:
         imported = import_apart(file)
     write_text(target, imported.text, force=force, durable=True)
     console().print(_tabulate_mapping(imported))
+    click.echo(f"to check: [robot.imported] of {target} rates the mapping and lists its assumptions")
     click.echo(f"robot: {target}")
     if imported.shell:
         with new_file(shell, force=force) as temporary:

@@ -55,7 +55,7 @@ class PlanningOptions(TypedDict, total=False):
     settings: Annotated[
         Mapping[str, float] | Sequence[str], CliOption(SET_HELP, flag="--set", metavar="NAME=VALUE", many=True)
     ]
-    lexicon: Annotated[str | Path | None, CliOption("Gesture lexicon: TOML, or Greta's gestuary XML.", kind=Path)]
+    lexicon: Annotated[str | Path | None, CliOption("Gestures: TOML, a folder of TOML, or Greta's XML.", kind=Path)]
     dialect: Annotated[Dialect | Literal["auto"], CliOption("Dialect of the documents.", "auto")]
     gather: Annotated[
         KeyFrameFilling, CliOption("Interpolation of body parts that have no key at a key frame.", "complex")

@@ -56,6 +56,7 @@ def test_imported_robot_performs_a_document(kinesic, model, tmp_path):
     assert ended.code == 0, ended.err
     assert "l_elbow_flexion" in ended.out
     assert "left_elbow" in ended.out
+    assert "to check: [robot.imported] of puppet.toml" in ended.out
     assert ended.out.splitlines()[-1] == "robot: puppet.toml"
     assert kinesic("robots", "check", "puppet.toml").code == 0
     ended = kinesic("perform", "-", "--robot", "puppet.toml", "--no-film", "--json", "--out", "report", stdin=BML)

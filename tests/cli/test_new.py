@@ -71,6 +71,15 @@ def test_new_refuses_a_name_that_windows_reserves_for_a_device(kinesic, tmp_path
     assert (ended.code, "Windows reserves this name" in ended.err, list(tmp_path.iterdir())) == (2, True, [])
 
 
+def test_new_asks_for_the_folder_if_out_is_a_file(kinesic, tmp_path: Path):
+    ended = kinesic("new", "gesture", "mine", "--out", "mine.toml")
+    assert (ended.code, ended.err, list(tmp_path.iterdir())) == (
+        2,
+        "kinesic: --out mine.toml: give the folder alone; the file is mine.toml\n",
+        [],
+    )
+
+
 def test_every_scalar_setting_of_the_templates_has_a_comment():
     for template in sorted((CONFIGS / "templates").glob("*.toml")):
         lines = template.read_text(encoding="utf-8").splitlines()
