@@ -18,7 +18,7 @@ BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 NOD = BLOCK.format('<head id="h" lexeme="NOD" start="0.2"/>')
 SAME_PROGRAM = """
 from kinesic.cli import main, validate
-validate.fingerprint = lambda settings, *others: repr((settings, others))
+validate.fingerprint_inputs = lambda settings, *others: repr((settings, others))
 main()
 """
 WALK = BLOCK.format('<locomotion id="w" target="user"/>')
