@@ -131,6 +131,6 @@ def test_descriptions_of_toml_keys_come_from_source_comments(generator, tmp_path
     assert [(key.name, key.kind, key.default, key.meaning) for key in keys] == [
         ("a", "whole number", "required", "first"),
         ("b", "number", "", "[m] second"),
-        ("c", "list of text", "", ""),
+        ("c", "list of texts", "", ""),
     ]
     assert issubclass(loaded.Child, msgspec.Struct)

@@ -15,10 +15,10 @@ class Strict(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class MirrorTable(Strict, rename={"source": "from", "target": "to"}):
-    """TOML table `mirror`: name prefixes of the described and the derived side."""
+    """TOML table `mirror`: how names of one side become those of the other."""
 
-    source: str  # prefix of the described side, such as `l_`
-    target: str  # prefix of the derived side, such as `r_`
+    source: str  # prefix of the side that the file describes, such as `l_`
+    target: str  # prefix of the other side, which is its mirror image, such as `r_`
 
 
 class ImportTable(Strict, rename={"source": "from"}):
@@ -155,7 +155,7 @@ class ServoTable(Strict):
 
 
 class RobotFile(Strict):
-    """Contents of a robot's TOML file, by table."""
+    """TOML file of a robot."""
 
     robot: RobotTable  # name and options
     body: list[BodyTable]  # rigid segments, one `[[body]]` each

@@ -11,6 +11,7 @@ from typing import Annotated, Literal, Union, get_args, get_origin, get_type_hin
 import msgspec
 
 PLAIN_TYPES = {str: "text", float: "number", int: "whole number", bool: "true or false", object: "any"}
+PLURALS: dict[object, str] = {str: "texts", float: "numbers", int: "whole numbers"}
 NO_KINDS: Mapping[str, str] = {}
 
 
@@ -88,9 +89,9 @@ def describe_type(hint: object) -> str:
         words = list(dict.fromkeys(describe_type(part) for part in parts))
         return f"[{', '.join(words * len(parts) if len(words) == 1 else words)}]"
     if origin in (list, tuple):
-        return f"list of {describe_type(parts[0])}"
+        return f"list of {PLURALS.get(parts[0]) or describe_type(parts[0])}"
     if isinstance(origin, type) and issubclass(origin, Mapping):
-        return f"table of {describe_type(parts[1])} by {describe_name(parts[0])}"
+        return f"table: {describe_name(parts[0])} = {describe_type(parts[1])}"
     if isinstance(hint, type) and issubclass(hint, msgspec.Struct):
         return f"[{title_of(hint)}](#{title_of(hint).lower().replace(' ', '-')})"
     raise TypeError(f"no words for the type {hint}")

@@ -36,7 +36,7 @@ class StandingTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     trunk: StandingTurnTable = StandingTurnTable()  # rotation from upright
     arms: dict[str, float] = {}  # [deg] added to the hinges of both resting arms, by the hinge name without side
     fist: float = 0.0  # 0 relaxed .. 1 closed fingers of the resting hands
-    rest: str = ""  # rest gesture of the lexicon that the hands take where the body can; empty: arms hang
+    rest: str = ""  # rest gesture of the hands, if the body can take it; empty: arms hang
     mirrored: bool = False  # whether the rest gesture is mirrored to the other hand
     pauses: dict[str, float] = {}  # weights of rest gestures (and "hanging") that the hands take in long pauses
     face: dict[str, float] = {}  # lexeme of an expression -> amount, shown all the time

@@ -108,10 +108,10 @@ class StyleTable(msgspec.Struct, forbid_unknown_fields=True):
     repetition: float  # -1 single .. 1 repeated strokes
     activation: float  # -1 passive .. 1 animated
     openness: float  # 0 elbows at the body .. 1 elbows away from it
-    gesture: PartTable = PartTable()  # parameters in which gestures differ
-    head: PartTable = PartTable()  # parameters in which the head differs
-    torso: PartTable = PartTable()  # parameters in which the torso differs
-    face: PartTable = PartTable()  # parameters in which the face differs
+    gesture: PartTable = PartTable()  # other values of the parameters above, for gestures
+    head: PartTable = PartTable()  # other values for the head
+    torso: PartTable = PartTable()  # other values for the torso
+    face: PartTable = PartTable()  # other values for the face
     whole_body: float = 1.0  # factor on accompanying motion of head, trunk, shoulders and face, 0 .. 2
     posture: float = 1.0  # factor on standing posture, face and gaze, 0 .. 2
     effort: float = 1.0  # weight of the profile that gives each phase its duration and force, 0 .. 1

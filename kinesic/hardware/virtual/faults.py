@@ -124,7 +124,7 @@ class FaultTable(msgspec.Struct, forbid_unknown_fields=True):
     rate: float = 1.0  # probability 0..1 per message, for wire faults only
     start: float = 0.0  # [s] time of its beginning
     seconds: float | None = None  # [s] duration; default: to the end
-    value: float | None = None  # strength, in the unit of its kind: s, bytes, bits, K/s, V or a number
+    value: float | None = None  # strength: s, bytes, bits, K/s, V or a number, as the kind requires
     way: Direction = "reply"  # affected direction, for wire faults only
 
     def fault(self) -> PlannedFault:
@@ -141,7 +141,7 @@ class FaultTable(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class FaultFile(msgspec.Struct, forbid_unknown_fields=True):
-    """Schema of a TOML file with a fault plan."""
+    """TOML file of planned faults."""
 
     fault: list[FaultTable] = []  # one `[[fault]]` each
     seed: int = 0  # seed of random faults
