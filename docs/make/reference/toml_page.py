@@ -28,6 +28,83 @@ class Document:
     title: str
     use: str
     tables: tuple[type[msgspec.Struct], ...]
+    note: str = ""
+
+
+STYLE_EXAMPLE = """For example, this style is slow and soft, and its head moves less than its arms:
+
+```toml
+spatial = -0.1
+temporal = -0.4
+fluidity = 0.7
+power = -0.3
+tension = -0.6
+repetition = -0.2
+activation = -0.2
+openness = 0.3
+
+[head]
+spatial = -0.2
+
+[standing]
+trunk = { tilt = -1 }
+rest = "hands_folded_low"
+```"""
+
+CALIBRATION_EXAMPLE = """For example, this calibration sets the zero of one hinge and the direction of another:
+
+```toml
+robot = "upper22"
+
+[zero_ticks]
+l_elbow_flexion = 2332
+
+[inverted]
+l_wrist_pivot = true
+```"""
+
+FACTORS_EXAMPLE = """For example, these factors make all servos weaker and all messages late:
+
+```toml
+stall = 0.8
+latency = 0.02
+
+[servos.xm430_w350]
+gain = 0.9
+```"""
+
+FAULTS_NOTE = """For example, this plan damages one answer in a hundred, and cuts the power of servo 3 once:
+
+```toml
+[[fault]]
+kind = "corrupt"
+rate = 0.01
+
+[[fault]]
+kind = "reboot"
+servos = [3]
+start = 2.0
+```
+
+| kind | effect | `value`, with its default |
+|---|---|---|
+| `corrupt` | one byte of a message changes | |
+| `drop` | one byte of a message is lost | |
+| `truncate` | the end of a message is lost | |
+| `duplicate` | a message arrives twice | |
+| `noise` | random bytes arrive before a message | largest number of bytes: 8 |
+| `lost` | a whole message is lost | |
+| `late` | an answer arrives late | delay: 0.012 s |
+| `silent` | a servo does not answer | |
+| `reboot` | a servo loses its power for a moment | time without power: 0.13 s |
+| `alert` | a servo reports a hardware error | bits of the register Hardware Error Status: 32, overload |
+| `overheat` | a servo becomes hotter | heating rate: 2 K/s |
+| `undervoltage` | the supply voltage of a servo falls | supply voltage: 9 V |
+| `watchdog` | the bus watchdog of a servo stops it | |
+| `duplicate_id` | a second servo has the same id | model number of the second servo: 0, the same model |
+| `wrong_model` | a servo reports the number of another model | model number: 1060, XL430 |
+| `old_firmware` | a servo has an old firmware | version of the firmware: 41 |
+| `unplug` | the adapter is unplugged | |"""
 
 
 DOCUMENTS = (
@@ -38,11 +115,12 @@ DOCUMENTS = (
         "[expressivity](../explanation/expressivity.md) shows the effect of each. The tables `gesture`, "
         "`head`, `torso` and `face` override parameters for one modality.",
         (StyleTable,),
+        STYLE_EXAMPLE,
     ),
     Document(
         "Gestures",
         "Read by `--lexicon FILE.toml`, and from `kinesic/configs/gestures/`. `kinesic new gesture NAME` "
-        "writes one. [Gesture files](gesture-files.md) explains sectors, direction words and paths, and "
+        "writes an example. [Gesture files](gesture-files.md) explains sectors, direction words and paths, and "
         "[Write a gesture](../how-to/write-a-gesture.md#hand-shapes) hand shapes.",
         (GestureFile,),
     ),
@@ -50,8 +128,8 @@ DOCUMENTS = (
         "Robots",
         "Read by `--robot FILE.toml`; the built-in ones are in `kinesic/configs/robots/`. `kinesic robots "
         "import` writes one from MJCF or URDF, `kinesic new robot NAME` one from a built-in robot, and "
-        "`kinesic robots check FILE` checks it. Frames: x forward, y left, z up; zero pose: arms hanging, "
-        "palms to the thighs.",
+        "`kinesic robots check FILE` checks it. In all frames, x points forward, y left and z up. At angle 0 of "
+        "all hinges, the arms hang down, with the palms at the thighs.",
         (RobotFile, BusTable),
     ),
     Document(
@@ -65,6 +143,7 @@ DOCUMENTS = (
         "Written by `kinesic servos calibrate` beside the robot's file, as `NAME.calibration.toml`. For a "
         "built-in robot it is in the user's configuration folder, `~/.config/kinesic`.",
         (Calibration,),
+        CALIBRATION_EXAMPLE,
     ),
     Document(
         "Twin factors",
@@ -72,11 +151,13 @@ DOCUMENTS = (
         "multiply the values of the robot's file. A table `[servos.MODEL]` replaces the factors of one servo "
         "model.",
         (Factors,),
+        FACTORS_EXAMPLE,
     ),
     Document(
         "Fault plans",
-        "Read by `kinesic servos simulate --faults FILE.toml`. Each `[[fault]]` disturbs a virtual bus for a while.",
+        "Read by `kinesic servos simulate --faults FILE.toml`. Each `[[fault]]` disturbs a virtual bus or its servos.",
         (FaultFile,),
+        FAULTS_NOTE,
     ),
 )
 
@@ -91,6 +172,7 @@ def write_page() -> str:
     lines.append("| Targets | Read by `--targets FILE.toml`: lines `name = [x, y, z]`, positions in the world [m] |")
     for document in DOCUMENTS:
         lines += ["", f"## {document.title}", "", document.use, ""]
+        lines += [document.note, ""] if document.note else []
         for table in list_tables(document):
             lines += [f"### {title_of(table)}", "", *_about(table), *key_table(table, OTHER_KINDS.get(table, {})), ""]
     return "\n".join(lines).rstrip() + "\n"

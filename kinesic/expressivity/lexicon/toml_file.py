@@ -36,7 +36,7 @@ class StrictTable(msgspec.Struct, forbid_unknown_fields=True):
 class PathTable(StrictTable):
     """TOML table of a hand path from the previous key.
 
-    Axes are in the order of `at`.
+    Three numbers apply to the directions outward, up and forward, as in `at`.
     """
 
     kind: PathKind  # shape of the path

@@ -31,7 +31,7 @@ class BusTable(msgspec.Struct, forbid_unknown_fields=True):
 
     name: str  # name for the option `--port NAME=PATH`
     baud: int  # [bit/s] baud rate
-    ids: dict[str, int | list[int]]  # id, or ids of servos on one shaft, by hinge
+    ids: dict[str, int | list[int]]  # for each hinge: id of its servo, or ids of all servos on its shaft
     zero_ticks: dict[str, int] = {}  # [ticks] servo position at hinge angle 0; default 2048
     inverted: list[str] = []  # hinges whose servos turn in the opposite direction
 
