@@ -1,15 +1,18 @@
 """Report of a run on servos: metrics, checks and servo log."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from kinesic.hardware.supervisor.channel import Note
 from kinesic.metrics.servo_run import ServoRun
 from kinesic.report.checks import GRADE_NAMES, Check, grade
 from kinesic.report.checks.twin import P95_LIMIT, PEAK_ERROR_LIMIT
 from kinesic.report.report import Json
 from kinesic.sim.log import Log
 
+HOST_KIND = "host"  # kind of events about late cycles of the computer
+FULL_RATE = "at 100 %"  # part of a message of this kind that leaves time at its normal rate
 RMSE_LIMIT = 1.0  # [deg] limit of the RMS tracking error on servos
 COMPLETE_FRACTION = 0.999  # performed fraction that counts as a complete plan
 MIN_FULL_PACE_FRACTION = 0.95  # required fraction of samples at full speed; late cycles slow time briefly
@@ -19,7 +22,8 @@ def live_checks(live: ServoRun) -> list[Check]:
     """Check tracking error, completed fraction and full-speed fraction of a servo run."""
     results = [Check.of("measured.performed", live.performed, COMPLETE_FRACTION, live.why or live.ending)]
     if len(live.times):
-        results.append(Check.of("measured.pace", live.full_speed_fraction, MIN_FULL_PACE_FRACTION))
+        pace = live.full_speed_fraction
+        results.append(Check.of("measured.pace", pace, MIN_FULL_PACE_FRACTION, _find_host_delay(live.notes)))
     errors = np.degrees(np.abs(live.errors))
     counted = errors[np.isfinite(errors)]
     if not len(counted):
@@ -34,6 +38,12 @@ def live_checks(live: ServoRun) -> list[Check]:
         Check.of("measured.p95", float(np.percentile(counted, 95)), P95_LIMIT),
         Check.of("measured.max", float(counted.max()), PEAK_ERROR_LIMIT, worst),
     ]
+
+
+def _find_host_delay(notes: Sequence[Note]) -> str:
+    """Return the first message about time slowed by the computer, else nothing."""
+    slowing = (note.text for note in notes if note.kind == HOST_KIND and FULL_RATE not in note.text)
+    return next((f"the computer was busy: {text}" for text in slowing), "")
 
 
 def with_live(data: Mapping[str, Json], live: ServoRun) -> dict[str, Json]:

@@ -89,6 +89,19 @@ def test_servo_run_without_tracking_errors_passes_all_checks(performance: DryRun
     results = {check.name: check for check in live_checks(live)}
     assert all(check.status == "pass" for check in results.values())
     assert results["measured.rmse"].value < 1e-6
+
+
+def test_pace_check_names_the_computer_only_if_it_slowed_time(performance: DryRun):
+    live = perform_live(performance, Actor())
+    longer, slower = (
+        Note(0.0, -1, "host", f"cycles begin up to {gap} ms apart: time runs at {rate} %")
+        for gap, rate in ((9, 100), (57, 50))
+    )
+    places = [
+        {check.name: check.where for check in live_checks(replace(live, notes=notes))}["measured.pace"]
+        for notes in ((longer,), (longer, slower))
+    ]
+    assert places == ["", f"the computer was busy: {slower.text}"]
     assert set(live.lags.values()) <= {0.0}
 
 
