@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from itertools import pairwise
+from math import ceil
 
 import numpy as np
 
@@ -98,9 +99,10 @@ def time_stroke(stroke: Stroke, option: Poses, pace: Pace) -> HandStroke:
     remarks = []
     if feasible.stroke_count < option.stroke_count:
         available = stroke.times["strokeEnd"] - stroke.times["stroke"]
+        needed = ceil(100 * sum(least_stroke_times(option, pace)[option.stroke :])) / 100
         remarks.append(
             f"its stroke is done {_count_words(feasible.stroke_count)}, not {_count_words(option.stroke_count)}: "
-            f"only {available:.2f} s remain after the first one"
+            f"only {available:.2f} s remain after the first one, of {needed:.2f} s for all"
         )
     moments = stroke_key_times(feasible, stroke.times, pace)
     slowed, slowed_row = _reduce_path_periods(feasible, moments, pace)

@@ -1,3 +1,4 @@
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -190,6 +191,14 @@ def test_stroke_repetitions_that_do_not_fit_are_dropped(done, end, times):
     assert work.poses.stroke_count == times
     assert bool(work.remarks) == (times < 3)
     assert all("its stroke is done once, not 3" in remark for remark in work.remarks)
+
+
+def test_time_named_for_all_repetitions_suffices_and_a_little_less_does_not(done):
+    manner = Expressivity(repetition=1.0)
+    work, _ = done(TWO_KEY_FORM, 0.6, 1.0, 1.0, manner=manner)
+    needed = float(re.search(r"of (\d+\.\d\d) s for all", work.remarks[0])[1])
+    assert done(TWO_KEY_FORM, 0.6, 1.0, 1.0 + needed, manner=manner)[0].remarks == ()
+    assert done(TWO_KEY_FORM, 0.6, 1.0, 1.0 + needed - 0.02, manner=manner)[0].remarks != ()
 
 
 def test_gesture_without_a_hand_path_has_no_intermediate_keys(robot, pace, phases):
