@@ -21,13 +21,13 @@ TRIAL_COMMANDS: dict[Kind, str] = {
 }
 
 
-def write_new(kind: Kind, name: str, folder: Path, force: bool) -> int:
+def write_new(kind: Kind, name: str, out: Path, force: bool) -> int:
     """Write a template file and print a command that tries it.
 
     Args:
         kind: kind of file.
-        name: name of the gesture, style or robot, and of the file without `.toml`.
-        folder: folder of the file.
+        name: name of the gesture, style or robot.
+        out: TOML file, or a folder for the file `NAME.toml`.
         force: whether to replace a file of this name.
 
     Raises:
@@ -37,9 +37,7 @@ def write_new(kind: Kind, name: str, folder: Path, force: bool) -> int:
         raise ConfigError(f"{name!r}: a name has 1 to 64 letters, digits and underscores and begins with a letter")
     if is_device_name(name):
         raise ConfigError(f"{name!r}: Windows reserves this name for a device; choose another one")
-    if folder.suffix == ".toml":
-        raise ConfigError(f"--out {folder}: give the folder alone; the file is {name}.toml")
-    file = folder / f"{name}.toml"
+    file = out if out.suffix == ".toml" and not out.is_dir() else out / f"{name}.toml"
     write_text(file, starting_text(kind, name), force=force)
     click.echo(f"{kind}: {file}")
     click.echo("try: " + TRIAL_COMMANDS[kind].format(name=name, file=file))

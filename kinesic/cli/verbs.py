@@ -245,7 +245,10 @@ def _import_robot() -> None:
 @click.argument("kind", type=click.Choice(["gesture", "style", "robot"]))
 @click.argument("name")
 @click.option(
-    "--out", "folder", type=click.Path(path_type=Path), default=".", help="Folder of NAME.toml (default: this folder)."
+    "--out",
+    type=click.Path(path_type=Path),
+    default=".",
+    help="TOML file, or folder of NAME.toml (default: this folder).",
 )
 @force_option
 @implemented_by("new:write_new")

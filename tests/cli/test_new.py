@@ -47,6 +47,15 @@ def test_robot_template_has_the_joints_of_the_example_robot(kinesic, tmp_path: P
     assert robot.skeleton.names == example.skeleton.names
 
 
+def test_new_writes_to_the_toml_file_or_folder_given_as_out(kinesic, tmp_path: Path):
+    (tmp_path / "mine.toml").mkdir()
+    for out, file in (("tap.toml", "tap.toml"), ("mine.toml", "mine.toml/my_offer.toml")):
+        assert kinesic("new", "gesture", "my_offer", "--out", out).code == 0
+        assert Lexicon.load(tmp_path / file).find("my_offer") is not None
+    refused = kinesic("new", "gesture", "my_offer", "--out", "nowhere/tap.toml")
+    assert (refused.code, "there is no folder nowhere;" in refused.err) == (2, True)
+
+
 @pytest.mark.parametrize("kind", ["gesture", "style", "robot"])
 def test_new_replaces_an_existing_file_only_with_force(kinesic, tmp_path: Path, kind: str):
     mine = tmp_path / "mine.toml"
@@ -69,15 +78,6 @@ def test_new_refuses_names_that_are_no_identifiers(kinesic, tmp_path: Path, name
 def test_new_refuses_a_name_that_windows_reserves_for_a_device(kinesic, tmp_path: Path):
     ended = kinesic("new", "gesture", "Com1")
     assert (ended.code, "Windows reserves this name" in ended.err, list(tmp_path.iterdir())) == (2, True, [])
-
-
-def test_new_asks_for_the_folder_if_out_is_a_file(kinesic, tmp_path: Path):
-    ended = kinesic("new", "gesture", "mine", "--out", "mine.toml")
-    assert (ended.code, ended.err, list(tmp_path.iterdir())) == (
-        2,
-        "kinesic: --out mine.toml: give the folder alone; the file is mine.toml\n",
-        [],
-    )
 
 
 def test_every_scalar_setting_of_the_templates_has_a_comment():
