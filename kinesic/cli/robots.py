@@ -19,7 +19,7 @@ from kinesic.sim.shells.variant import find_shell
 WARN_TORQUE_RATIO = 0.4  # ratio of static to stall torque above which a hinge gets a warning
 TORQUE_COLOURS = {"pass": "", "warn": "yellow", "fail": "red"}  # verdict on a torque ratio -> its colour
 FAIL_TORQUE_RATIO = 0.8  # ratio of static to stall torque above which a hinge fails the check
-MAX_PRINTED_NOTES = 5  # largest number of printed notes on parts that the import omits
+MAX_PRINTED_NOTES = 5  # largest number of printed notes of one kind about an import
 
 
 def list_robots() -> int:
@@ -101,19 +101,25 @@ def import_robot(file: Path, out: Path | None, force: bool) -> int:
         imported = import_apart(file)
     write_text(target, imported.text, force=force, durable=True)
     console().print(_tabulate_mapping(imported))
-    click.echo(f"to check: [robot.imported] of {target} rates the mapping and lists its assumptions")
+    click.echo(f"confidence of the joint mapping: {imported.confidence:.2f} of 1")
+    _print_notes("to check", imported.review)
     click.echo(f"robot: {target}")
     if imported.shell:
         with new_file(shell, force=force) as temporary:
             temporary.write_bytes(imported.shell)
         click.echo(f"shell: {shell}")
-    for note in imported.left_out[:MAX_PRINTED_NOTES]:
-        click.echo(f"left out: {quote_text(note)}")
-    if (hidden_count := len(imported.left_out) - MAX_PRINTED_NOTES) > 0:
-        click.echo(f"left out: {hidden_count} more")
+    _print_notes("left out", imported.left_out)
     if imported.doubt:
         click.echo(f"kinesic: review {target} before it moves: {imported.doubt}", err=True)
     return 1 if imported.doubt else 0
+
+
+def _print_notes(kind: str, notes: tuple[str, ...]) -> None:
+    """Print the first notes of one kind, and the number of others."""
+    for note in notes[:MAX_PRINTED_NOTES]:
+        click.echo(f"{kind}: {quote_text(note)}")
+    if (hidden_count := len(notes) - MAX_PRINTED_NOTES) > 0:
+        click.echo(f"{kind}: {hidden_count} more")
 
 
 def _tabulate_mapping(imported: ImportedRobot) -> Table:

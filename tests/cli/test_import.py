@@ -1,4 +1,5 @@
 import json
+import re
 import subprocess
 from dataclasses import replace
 from pathlib import Path
@@ -56,7 +57,9 @@ def test_imported_robot_performs_a_document(kinesic, model, tmp_path):
     assert ended.code == 0, ended.err
     assert "l_elbow_flexion" in ended.out
     assert "left_elbow" in ended.out
-    assert "to check: [robot.imported] of puppet.toml" in ended.out
+    assert "confidence of the joint mapping: 1.00 of 1\n" in ended.out
+    assert "to check: legs are left out, the trunk stands on a fixed base\n" in ended.out
+    assert re.search(r"to check: \d+ of \d+ servos have assumed values", ended.out)
     assert ended.out.splitlines()[-1] == "robot: puppet.toml"
     assert kinesic("robots", "check", "puppet.toml").code == 0
     ended = kinesic("perform", "-", "--robot", "puppet.toml", "--no-film", "--json", "--out", "report", stdin=BML)

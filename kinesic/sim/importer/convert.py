@@ -68,7 +68,9 @@ def import_humanoid(path: Path) -> Mapped:
     rest = {name: angle for name, angle in (rest_pose(geometry, hinges, file, path) | rest).items() if angle}
     file = with_exclusions(msgspec.structs.replace(file, rest=rest), path)
     confidence = _rate_confidence(geometry)
-    file.robot.imported = ImportTable(path.name, round(confidence, 2), _review(geometry, hinges, hands))
+    file.robot.imported = ImportTable(
+        path.name, round(confidence, 2), [*_review(geometry, hinges, hands), *_review_servos(sources)]
+    )
     joints = geometry.tree.joints
     remarks = {hinge.name: spell_angle(hinge, joints[hinge.joint].name) for hinge in (*hinges, *fingers)}
     return Mapped(file, geometry, hinges, hands, remarks | sources, confidence)
@@ -127,6 +129,12 @@ def _review(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], hands: Ha
         for name in _list_uncoupled_hinges(figure, hinges, hands)
     ]
     return [*(text for text, applies in notes.items() if applies), *uncoupled_notes, *figure.tree.left_out]
+
+
+def _review_servos(sources: dict[str, str]) -> list[str]:
+    """Name how many servos have assumed values, if any."""
+    count = sum("assumed" in source for source in sources.values())
+    return [f"{count} of {len(sources)} servos have assumed values, named beside them"] if count else []
 
 
 def _describe_fingers(hands: Hands) -> str:

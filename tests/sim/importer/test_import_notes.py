@@ -18,6 +18,7 @@ from kinesic.sim.importer.convert import (
     _list_uncoupled_hinges,
     _rate_confidence,
     _review,
+    _review_servos,
     import_humanoid,
 )
 
@@ -47,6 +48,12 @@ def hinge(name, joint=0, *, assumed=False):
 
 
 BOTH = {"l": hand(finger("thumb"), finger("index")), "r": hand(finger("thumb"))}
+
+
+def test_servos_with_assumed_values_are_counted_in_the_review():
+    sources = {"a": "stall: the file's effort; speed assumed", "b": "stall: the file's effort"}
+    assert _review_servos(sources) == ["1 of 2 servos have assumed values, named beside them"]
+    assert _review_servos({"b": sources["b"]}) == []
 
 
 @pytest.mark.parametrize(

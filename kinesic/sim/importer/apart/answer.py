@@ -38,7 +38,10 @@ def _import(path: Path) -> ImportedRobot:
         if shell is not None:
             write_shell(shell, mesh)
         packed = b"" if shell is None else mesh.read_bytes()
-    return ImportedRobot(text, _list_mapping(mapped), packed, mapped.figure.tree.left_out, doubt)
+    left_out = mapped.figure.tree.left_out
+    imported = mapped.file.robot.imported
+    review = tuple(note for note in imported.review if note not in left_out) if imported is not None else ()
+    return ImportedRobot(text, _list_mapping(mapped), packed, mapped.confidence, review, left_out, doubt)
 
 
 def _list_mapping(mapped: Mapped) -> tuple[tuple[str, str, str, str], ...]:

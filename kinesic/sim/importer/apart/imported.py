@@ -34,6 +34,8 @@ class ImportedRobot(msgspec.Struct, frozen=True, tag=True):
     text: str  # TOML of the robot
     mapping: tuple[tuple[str, str, str, str], ...]  # hinge, joint of the file, range [deg], rest [deg]
     shell: bytes  # contents of its .npz file, empty without meshes
+    confidence: float  # 0..1, of the mapping
+    review: tuple[str, ...]  # notes on what a person must check
     left_out: tuple[str, ...]  # notes on parts that are not imported
     doubt: str  # reason that a person must review it, empty if none
 

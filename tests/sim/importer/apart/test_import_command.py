@@ -15,7 +15,9 @@ from kinesic.sim.importer.apart.answer import answer_import
 from kinesic.sim.importer.apart.imported import Answer, Bounds, ImportedRobot, Refusal, import_apart
 from kinesic.sim.importer.convert import Mapped
 
-IMPORTED_ROBOT = ImportedRobot("text", (("l_elbow", "left", "0..90", "0"),), b"shell", ("mesh.stl",), "")
+IMPORTED_ROBOT = ImportedRobot(
+    "text", (("l_elbow", "left", "0..90", "0"),), b"shell", 1.0, ("legs",), ("mesh.stl",), ""
+)
 
 
 @pytest.fixture
