@@ -66,13 +66,21 @@ def describe_details(metrics: Iterable[Metric]) -> Mapping[str, str]:
     """Return the note of each metric without percentiles."""
     details = {}
     for metric in metrics:
-        delays = DELAYS.fullmatch(metric.why)
-        if delays:
-            low, high, count = delays.groups()
-            details[metric.name] = f"{low} to {high} s after the word (5th to 95th percentile of {count})"
+        match = DELAYS.fullmatch(metric.why)
+        if match:
+            low, high, count = match.groups()
+            details[metric.name] = (
+                f"{describe_delay(low)} to {describe_delay(high)} (5th to 95th percentile of {count})"
+            )
         elif "(n " not in metric.why and not metric.name.startswith(DEFINED_PREFIXES):
             details[metric.name] = metric.why
     return details
+
+
+def describe_delay(seconds: str) -> str:
+    """Format a delay [s] with the side of the word on which it lies."""
+    value = float(seconds)
+    return "0 s" if value == 0.0 else f"{abs(value):.2f} s {'before' if value < 0.0 else 'after'} the word"
 
 
 def category_table(metrics: Mapping[str, Metric]) -> list[str]:
