@@ -1,4 +1,4 @@
-"""Sink that drives servos through a separate supervisor process.
+"""Motion output that drives servos through a separate supervisor process.
 
 A crash of this process cannot stop the supervisor.
 """
@@ -177,14 +177,14 @@ class Servos:
         self._channel.set("resume", self._channel.word("resume") + 1)
 
     def release(self) -> None:
-        """End the performance now by folding and switching torque off.
+        """End the performance now: move to the rest posture, switch torque off.
 
         This also works after an emergency stop.
         """
         self._channel.set("release", self._channel.word("release") + 1)
 
     def close(self) -> None:
-        """Finish all written commands, fold, and switch torque off.
+        """Finish all commands, move to the rest posture, and switch torque off.
 
         The call returns when that is done. Ctrl-C, or an earlier `release`, makes the robot fold at once. The call also
         returns if a limb is raised and cannot fold: the supervisor then keeps holding it and outlives this process.
@@ -217,7 +217,7 @@ class Servos:
             time.sleep(POLL_INTERVAL)
 
     def _leave(self) -> None:
-        """Close the pipe, so that the supervisor folds the arms itself."""
+        """Close the pipe, so that the supervisor moves the arms to rest."""
         if self._process.stdin is not None:
             self._process.stdin.close()
 

@@ -32,7 +32,7 @@ class _Verdict:
     """Pending answer to a document: its refusal reason, empty if accepted."""
 
     block: str
-    names: frozenset[str]  # ids by which the server may refuse the block
+    names: frozenset[str]  # ids under which the server's refusal may name the block
     future: Future[str] = field(default_factory=Future)
 
 
@@ -90,7 +90,7 @@ class DocumentLine:
         return "" if block in self._playing else self._outcomes.get(block)
 
     async def ask(self, verb: str, **values: Json) -> RobotAnswer:
-        """Send a question from docs/reference/wire-protocol.md and wait for its answer.
+        """Send a query of docs/reference/wire-protocol.md and wait for the answer.
 
         Raises:
             RefusedError: the message exceeds the server's size limit.
@@ -219,7 +219,7 @@ class DocumentLine:
             self._judge(feedback)
 
     def _follow_talk(self, answer: RobotAnswer) -> None:
-        """Record the first phrase and the end of a streamed text."""
+        """Pass on a streamed text's first phrase, and record the text's end."""
         match answer:
             case {"told": "saying", "block": str(block)} if self._phrase is not None:
                 _settle(self._phrase, block)

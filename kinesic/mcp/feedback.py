@@ -21,7 +21,7 @@ class Feedback:
     subject: str  # id of block or behaviour; in progress messages with `:` and the sync point
     text: str
     type: str = ""  # warning type
-    state: str = ""  # of a block that ends early, such as INTERRUPTED
+    state: str = ""  # final state of a block that ends early, such as INTERRUPTED
 
     @property
     def is_refusal(self) -> bool:

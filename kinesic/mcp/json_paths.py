@@ -5,8 +5,8 @@ import re
 from dataclasses import dataclass
 
 TOKEN_PATTERN = re.compile(r'"(?:[^"\\]|\\.)*"|[{}\[\],:]|[^\s{}\[\],:"]+')
-PLAIN_KEY_PATTERN = re.compile(r"[A-Za-z_]\w*")  # pattern of keys that a path shows as `.key`, without brackets
-KEY_PREFIX_PATTERN = re.compile(r"([A-Za-z_][\w:.-]*)(?==|: )")  # pattern of an attribute name that begins an error
+PLAIN_KEY_PATTERN = re.compile(r"[A-Za-z_]\w*")  # keys that a path shows as `.key`, without brackets
+KEY_PREFIX_PATTERN = re.compile(r"([A-Za-z_][\w:.-]*)(?==|: )")  # attribute name at the beginning of an error message
 MAX_PATH_LENGTH = 200  # [characters] longest JSON path in a message; the rest is cut off
 
 
@@ -15,7 +15,7 @@ class _Level:
     """Open JSON object or list, with its current key or index."""
 
     is_object: bool
-    at: str | int | None  # None before the first key of an object
+    at: str | int | None  # current key or index; None: no key of the object was read yet
 
 
 def find_json_path(text: str, line: int, column: int, *, problem: str = "") -> str:

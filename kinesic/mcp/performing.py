@@ -18,7 +18,7 @@ from kinesic.mcp.robot_gate import RobotGate
 from kinesic.mcp.robot_line import RobotLine
 from kinesic.serve.wire.protocol import MESSAGE_END, read_control
 
-MAX_NOTICES = 12  # largest number of notices in one answer
+MAX_NOTICES = 12  # largest number of deviations from the document that one answer lists
 CHARACTERS_PER_SECOND = 14.0  # [1/s] assumed speaking rate, for estimated durations of texts
 CALL_DISCARDED = "an emergency stop discarded this call, nothing moves: resume, then send it again"
 STOP_HOLDS = "an emergency stop holds: resume, then send it again"

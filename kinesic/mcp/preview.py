@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from kinesic.mcp.stroke_picture import StrokeFigure
 
 MAX_PREVIEWS = 8  # largest number of pending previews
-MAX_FIGURES = 8  # largest number of strokes in one picture
+MAX_FIGURES = 8  # largest number of robot figures, one per stroke, in a picture
 TIME_DIGITS = 2  # decimal places of the times [s] in a preview
 HAND_TYPES = ("gesture", "pointing", "grasp")  # behaviour types whose strokes are preferred in the picture
 NO_PICTURE_NOTE = "no picture: no behaviour has a stroke"
@@ -30,7 +30,7 @@ class PlanPreview:
     """Answer and stroke picture of a dry run."""
 
     answer: RobotAnswer
-    picture: bytes | None  # PNG
+    picture: bytes | None  # PNG file of the robot at the strokes, if it could be drawn
 
 
 class Previewer:

@@ -11,17 +11,17 @@ from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from kinesic.mcp.call_queue import request_end
 
 SESSION_HEADER = "mcp-session-id"  # HTTP header with the session id
-MAX_SESSIONS = 16  # number of HTTP sessions above which those without pending calls are ended
+MAX_SESSIONS = 16  # number of HTTP sessions above which sessions without pending calls are ended
 OPENING_REQUESTS = 2  # POST requests of a client that only opens a session: `initialize` and its confirmation
 
 
 @dataclass(eq=False)
 class _Session:
-    """Numbers of requests and open streams of an HTTP session."""
+    """Counts of requests and open streams of an HTTP session."""
 
-    requests: int = 0  # requests so far, without streams
+    requests: int = 0  # number of requests so far, without streams
     pending_calls: int = 0
-    streams: int = 0  # open streams of the client
+    streams: int = 0  # number of open streams of the client
 
     @contextmanager
     def used(self, method: str) -> Iterator[None]:

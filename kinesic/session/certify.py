@@ -1,4 +1,4 @@
-"""Certification of motion files for a robot by name."""
+"""Certification of motion files for a robot that is chosen by name."""
 
 from pathlib import Path
 

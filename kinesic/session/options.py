@@ -40,8 +40,8 @@ class CliOption:
 
     help: str
     default: str | int | float | None = None
-    kind: type = str  # type of the value
-    flag: str = ""  # such as --set; empty: derived from the name of the option
+    kind: type = str  # Python type of the value
+    flag: str = ""  # command-line flag such as --set; empty: derived from the name of the option
     metavar: str | None = None
     many: bool = False  # whether the option may be repeated
     show_default: bool = False

@@ -142,7 +142,7 @@ def _is_content(text: str) -> bool:
 
 
 def _plan_read(read: Callable[[], Block], setup: Setup, conditioned: Conditioner) -> Plan:
-    """Call `read` and plan its block, recording the time [s] of `read`."""
+    """Plan the block that `read` returns, recording the duration [s] of `read`."""
     began = perf_counter()
     block = read()
     parse_seconds = perf_counter() - began

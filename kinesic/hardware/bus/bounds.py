@@ -22,7 +22,7 @@ MAX_PUSHED_VELOCITY = 2 * TICKS_PER_TURN  # [ticks/s] largest plausible velocity
 LIMIT_FACTOR = 2.0  # Largest plausible velocity or current / factory limit of the servo model
 RANGE_MARGIN = TICKS_PER_TURN // 8  # [ticks] by which a servo with torque may be pushed beyond its goal range
 MAX_WOUND_POSITION = 8 * TICKS_PER_TURN  # [ticks] largest plausible distance from 0 of a servo turned without torque
-STALL_LOAD = 1000  # [0.1 %] PRESENT_CURRENT at stall of a servo without current sensor
+STALL_LOAD = 1000  # [0.1 %] value of PRESENT_CURRENT at stall, if the servo has no current sensor
 MIN_VOLTAGE = 25  # [0.1 V] lowest supply voltage at which a servo's processor works
 MAX_SUPPLY_RATIO = 1.5  # Largest plausible supply voltage / factory voltage limit of the servo
 MAX_TEMPERATURE = 125  # [C] largest plausible temperature, the end of the sensor's range
@@ -43,8 +43,8 @@ CHECKED_FIELDS: tuple[FieldName, ...] = (
 class RecordBounds:
     """Smallest and largest plausible register values of several servos."""
 
-    lower: Floats  # (7, n) of the fields in CHECKED_FIELDS
-    upper: Floats  # (7, n)
+    lower: Floats  # (7, n) smallest plausible value of each field in CHECKED_FIELDS
+    upper: Floats  # (7, n) largest plausible value of each field in CHECKED_FIELDS
     torque_range: Floats  # (2, n) [ticks] position range of a servo with torque
     max_velocity: Floats  # (n,) [ticks/s] largest plausible velocity of each servo
 
@@ -70,7 +70,7 @@ class RecordBounds:
         )
 
     def outside(self, records: Records) -> Flags:
-        """Return which records (n,) have a value outside its bounds."""
+        """Return which records (n,) have a value outside the plausible bounds."""
         values = np.array([records[name] for name in CHECKED_FIELDS])
         positions, torque = records["position"], records["torque"] != 0
         lower = np.where(torque, self.torque_range[0], -MAX_WOUND_POSITION)

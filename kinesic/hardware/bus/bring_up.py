@@ -15,7 +15,7 @@ from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE, BusError, Wire
 
 FAST_TRIES = 3  # attempts of a fast read before the bus uses plain reads
-FAST_TIMEOUT = 0.02  # [s] wait for a fast reply, in addition to its transmission time
+FAST_TIMEOUT = 0.02  # [s] longest wait for the reply to a fast read, in addition to the transmission time
 
 
 def open_bus(wire: Wire, servos: Sequence[Servo], *, period: float = 0.01) -> Bus:
@@ -74,7 +74,7 @@ def _problem(access: ServoAccess, servo: Servo) -> str:
 
 
 def map_record(access: ServoAccess, servo: Servo) -> None:
-    """Map a servo's indirect cells to the registers of its record.
+    """Point a servo's indirect addresses at the registers that each cycle reads.
 
     The mapping is read back and checked.
 
@@ -94,7 +94,7 @@ def map_record(access: ServoAccess, servo: Servo) -> None:
 
 
 def supports_fast_reads(wire: Wire, servos: Sequence[Servo]) -> bool:
-    """Return whether all servos answer a common fast read.
+    """Return whether all servos answer one fast read of all of them.
 
     Older firmware does not. A single servo is read plainly, which gives False.
     """

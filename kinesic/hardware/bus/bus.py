@@ -50,7 +50,7 @@ class Servo:
 
 
 class Bus:
-    """Bus that exchanges goals and records with prepared servos of one wire."""
+    """Bus that sends goal positions to prepared servos and reads their registers."""
 
     def __init__(self, wire: Wire, servos: Sequence[Servo], *, period: float = 0.01, fast: bool = True) -> None:
         """Create the bus without sending anything.
@@ -81,7 +81,7 @@ class Bus:
         self._only_listens = False  # whether this cycle sends no query
 
     def put(self, register: Register, values: Mapping[int, int]) -> None:
-        """Queue register writes for the next cycle, before its goals.
+        """Queue register writes that the next cycle sends before the goal positions.
 
         Servos do not acknowledge `values` (id -> raw value). While the port is lost, queued writes are dropped.
 
@@ -219,7 +219,7 @@ class Bus:
         return max(1, int(left / wire_time(BLOCK_DTYPE.itemsize + 1 if self.fast else status_size)))
 
     def _request(self, places: tuple[int, ...], *, must: bool = False) -> bool:
-        """Query servos if time suffices or `must` is true, and return whether."""
+        """Send a query if time suffices or `must`, and return whether sent."""
         question = self._question_to(places)
         listener = self._listener
         ends = self.wire.now() + listener.wire_time(len(question.data) + question.length) + listener.slack.usual

@@ -67,7 +67,7 @@ _STEADY_OFFSETS = np.array([0, *(2 + sum(_REGISTER_SIZES[: FIELD_NAMES.index(nam
 
 
 def signature(blocks: Records) -> bytes:
-    """Return the bytes of errors, torque, watchdogs and temperatures, for comparison.
+    """Return the records' errors, torque, watchdogs and temperatures as bytes for comparison.
 
     Equal bytes mean that none of these values, nor the error byte of a block, has changed.
     """
@@ -89,15 +89,15 @@ class Cycle:
     """Result of one bus cycle, with servos in bus order."""
 
     time: float  # [s] start, on the wire's clock
-    duration: float  # [s]
+    duration: float  # [s] from the start to the end of the cycle
     servos: tuple[int, ...]  # ids
     records: Records  # (n,) last accepted records of dtype BLOCK_DTYPE, zeros before the first
-    times: Floats  # (n,) [s] of each record; -inf: none yet
-    fresh: Flags  # (n,) record is of this cycle
-    late: Flags  # (n,) record of an earlier cycle arrived in this one, dated by the servo's clock
-    silent: Flags  # (n,) excluded from the joint query
-    lost: bool  # the port is gone
-    signature: bytes  # of the records; constant while torque, errors, watchdogs and temperatures are
+    times: Floats  # (n,) [s] time of each record; -inf: no record yet
+    fresh: Flags  # (n,) whether the record was read in this cycle
+    late: Flags  # (n,) whether a record queried in an earlier cycle arrived in this one, dated by the servo's clock
+    silent: Flags  # (n,) whether the servo is left out of the query of all servos
+    lost: bool  # whether the port is gone
+    signature: bytes  # errors, torque, watchdogs and temperatures of the records, for quick comparison
     events: tuple[Event, ...]
 
     @cached_property

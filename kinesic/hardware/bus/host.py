@@ -90,7 +90,7 @@ class AdapterLatency:
 
     port: Path
     timer_ms: int  # [ms] setting of the timer
-    setting: Path  # file of the setting
+    setting: Path  # system file that holds the setting
 
     @property
     def is_good(self) -> bool:

@@ -16,11 +16,11 @@ class TimeoutTuning:
 
     min_timeout: float = 0.002  # [s] lower bound of the timeout beyond the transmission time
     max_timeout: float = 0.020  # [s] upper bound of the timeout and of its estimate
-    quantile_step: float = 50e-6  # [s] decrease of the estimate per fast reply
+    quantile_step: float = 50e-6  # [s] decrease of the estimate per reply that came earlier than estimated
     target_quantile: float = 0.9  # fraction of replies that the estimate covers
     max_extra_pause: float = 0.0003  # [s] longest accepted pause inside a reply, beyond the usual delay
-    alert_replies: int = 10  # intact replies after a damaged one until the listener sleeps again
-    full_burst_fraction: float = 0.75  # of a full burst; smaller ones waited for the adapter's timer
+    alert_replies: int = 10  # intact replies after a damaged reply until the listener sleeps again while it waits
+    full_burst_fraction: float = 0.75  # of a full burst; smaller bursts were held back by the adapter's timer
     max_burst_fall: float = 0.05  # largest relative decrease of the burst interval per reply
 
 
@@ -238,18 +238,18 @@ class _Wait:
     A truncated reply falls behind the bytes that the wire could have transmitted.
     """
 
-    sent_at: float  # [s] when the query is out
+    sent_at: float  # [s] time at which the query is transmitted
     byte: float  # [s] transmission time of a byte
-    length: int  # [bytes] of the reply
-    usual: float  # [s] that the last bytes stay in the adapter
-    burst: float  # [s] between two bursts of the adapter
-    last: float  # [s] deadline
-    end: float  # [s] latest deadline
-    patient: bool  # whether pauses are ignored
+    length: int  # [bytes] expected length of the reply
+    usual: float  # [s] usual time for which the adapter holds the last bytes
+    burst: float  # [s] time between two bursts of the adapter
+    last: float  # [s] present deadline
+    end: float  # [s] latest permitted deadline
+    patient: bool  # whether pauses inside the reply are ignored
     tight: bool  # whether a truncated reply must be noticed at once, to leave time for a repeated query
     spare: bool  # whether the cycle has time to repeat the full query after this wait
     replies_late: bool  # whether a missing reply is late rather than lost
-    behind: float = inf  # [s] smallest delay of its received bytes so far
+    behind: float = inf  # [s] smallest delay of received bytes so far
     began: float = inf  # [s] arrival of the first bytes
 
     @property

@@ -15,7 +15,7 @@ MAX_POLL_INTERVAL = 0.09  # [s] longest interval between queries of a silent ser
 
 
 class PollingPlan:
-    """Query order of a bus: servos that missed replies come last."""
+    """Query order of a bus: servos whose replies were missing come last."""
 
     def __init__(self, count: int) -> None:
         self.silent: Flags = np.zeros(count, dtype=np.bool_)
@@ -25,7 +25,7 @@ class PollingPlan:
 
     @property
     def is_natural(self) -> bool:
-        """Whether no servo missed its last reply, so that bus order applies."""
+        """Whether all last replies arrived, so that bus order applies."""
         return not any(self._misses)
 
     def note(self, fresh: Flags) -> tuple[tuple[int, ...], tuple[int, ...]]:

@@ -203,9 +203,9 @@ class _Windows(NamedTuple):
     """Ids and CRCs at all offsets where a servo's block may begin."""
 
     raw: bytes
-    own_crcs: list[int]  # contribution of its bytes to its CRC
+    own_crcs: list[int]  # contribution of the block's bytes to the CRC of the block
     ids: list[int]
-    crcs: list[int]  # CRC at its end
+    crcs: list[int]  # received CRC at the end of the block
 
     @classmethod
     def of(cls, raw: bytes) -> "_Windows":

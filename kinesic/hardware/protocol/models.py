@@ -42,7 +42,7 @@ class Model:
     name: str
     number: int  # MODEL_NUMBER
     family: Family
-    amperes: float | None  # [A] per count of current; None: it reports load (0.1 % per count) and has no current limit
+    amperes: float | None  # [A] per count of current; None: no current limit, and load in 0.1 % per count
     initial: Mapping[Register, int]
     ranges: Mapping[Register, tuple[int, int]]
     missing: frozenset[Register]
@@ -100,17 +100,17 @@ class FactorySheet:
 
     name: str  # as in `configs/servos.toml`
     number: int  # MODEL_NUMBER
-    volts: tuple[int, int]  # [0.1 V] limits
+    volts: tuple[int, int]  # [0.1 V] lower and upper limit of the supply voltage
     amperes: int | None  # current limit; None: no current sensor
-    speed: int  # velocity limit
-    gains: tuple[int, int, int]  # position P, I, D
-    inner: tuple[int, int] = (1920, 100)  # velocity I, P
+    speed: int  # [counts] velocity limit
+    gains: tuple[int, int, int]  # P, I and D gain of the position loop
+    inner: tuple[int, int] = (1920, 100)  # I and P gain of the velocity loop
     hottest: int = 80  # [C] temperature limit
     lowest: int | None = None  # [0.1 V] smallest allowed voltage limit, if it differs from the factory limit
-    shutdown: int = 52  # bit mask
-    threshold: int = 10  # moving threshold
-    ports: bool = False  # whether it has external ports
-    light: bool = True  # whether it has an LED
+    shutdown: int = 52  # bit mask of the errors that switch torque off
+    threshold: int = 10  # [counts] velocity from which the servo reports motion
+    ports: bool = False  # whether the model has external ports
+    light: bool = True  # whether the model has an LED
 
     @property
     def family(self) -> Family:

@@ -13,7 +13,7 @@ from enum import IntEnum
 PACKET_HEADER = b"\xff\xff\xfd\x00"
 BROADCAST_ID = 0xFE  # Id that addresses all servos
 ALERT_BIT = 0x80  # Bit of the error byte for a nonzero hardware error register
-MAX_LENGTH = 1024  # Largest accepted length field of a packet; a larger one is treated as noise
+MAX_LENGTH = 1024  # [bytes] largest accepted length field of a packet; a larger one is treated as noise
 PACKET_OVERHEAD = 10  # [bytes] size of an instruction packet without parameters
 STATUS_OVERHEAD = 11  # [bytes] size of a status packet without data
 

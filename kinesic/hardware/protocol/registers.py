@@ -38,10 +38,10 @@ class Field:
     writable: bool = True
     initial: int = 0
     lower: int = 0
-    upper: int = 0  # 0 for read-only registers
+    upper: int = 0  # largest writable value; 0 for read-only registers
     unit: str = ""
     scale: float = 1.0  # units per count
-    firmware: int = 0  # first firmware with this register, in the larger families
+    firmware: int = 0  # first firmware version with this register, in the larger servo families
 
     @cached_property
     def end(self) -> int:

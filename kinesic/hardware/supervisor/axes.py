@@ -27,12 +27,12 @@ class Snapshot:
     """Records of all servos from one cycle of all buses."""
 
     time: float  # [s] start of the cycle
-    records: Records  # (m,)
-    times: Floats  # (m,) [s] of each record; minus infinity: none yet
+    records: Records  # (m,) last accepted record of each servo
+    times: Floats  # (m,) [s] time of each record; minus infinity: no record yet
     recent: Flags  # (m,) whether the record is at most RECENT_PERIODS old
     lost: bool  # whether a port is gone
-    signature: bytes  # constant while torque, errors, watchdogs and temperatures are
-    events: tuple[tuple[str, Event], ...]  # with the name of the bus
+    signature: bytes  # errors, torque, watchdogs and temperatures of the records, for quick comparison
+    events: tuple[tuple[str, Event], ...]  # name of the bus, and the event
 
     @cached_property
     def positions(self) -> Floats:

@@ -62,17 +62,17 @@ class Status:
     stage: Stage = Stage.CLOSED
     clock: float = 0.0  # [s] of the machine's monotonic clock at this status
     time: float = nan  # [s] performance time; NaN before the first command
-    scale: float = 0.0  # rate of performance time
+    scale: float = 0.0  # rate of performance time relative to real time
     energised: int = 0  # number of servos with torque
-    hottest: float = 0.0  # [C] maximum temperature
-    volts: float = 0.0  # [V] minimum voltage
+    hottest: float = 0.0  # [C] temperature of the hottest servo
+    volts: float = 0.0  # [V] lowest supply voltage of all servos
     silent: int = 0  # number of servos that have not answered lately
     late: int = 0  # number of cycles that began more than a period late
     faulty: bool = False
     waits: Awaited = "nothing"  # input that the supervisor waits for
     angles: Floats = field(default_factory=_no_values)  # (n,) [rad] measured; NaN for a silent servo
     setpoints: Floats = field(default_factory=_no_values)  # (n,) [rad]
-    taken: Floats = field(default_factory=_no_values)  # (n,) [s] of that clock for each angle; NaN for a silent servo
+    taken: Floats = field(default_factory=_no_values)  # (n,) [s] clock time of each angle; NaN for a silent servo
 
     def time_at(self, clock: float) -> float:
         """Extrapolate the performance time [s] to a slightly later clock time [s]."""

@@ -45,7 +45,7 @@ class FailureWatch:
 
 
 class InterruptionWatch:
-    """Timer of faults and of missing commands.
+    """Timer of how long servo faults and missing commands last.
 
     It decides whether a motion may continue without a person's consent.
     """

@@ -19,10 +19,10 @@ LIMIT_TOLERANCE = 1e-6  # Relative tolerance of the limits against rounding
 class GoalBounds:
     """Limits of goal positions: range, velocity, distance from the present position."""
 
-    lower: Floats  # (m,) [ticks]
-    upper: Floats  # (m,) [ticks]
-    speed: Floats  # (m,) [ticks/s]
-    lead: Floats  # (m,) [ticks] largest distance from servo to goal
+    lower: Floats  # (m,) [ticks] smallest goal
+    upper: Floats  # (m,) [ticks] largest goal
+    speed: Floats  # (m,) [ticks/s] largest velocity of the goal
+    lead: Floats  # (m,) [ticks] largest distance from the servo's position to the goal
 
     @cached_property
     def acceleration(self) -> Floats:
@@ -34,8 +34,8 @@ class GoalBounds:
 class GoalCourse:
     """Goal positions of all servos with their velocities."""
 
-    goals: Floats  # (m,) [ticks] with fractions
-    velocities: Floats  # (m,) [ticks/s]
+    goals: Floats  # (m,) [ticks] goal positions, not rounded
+    velocities: Floats  # (m,) [ticks/s] velocities of the goals
 
     @classmethod
     def still(cls, goals: Floats) -> "GoalCourse":

@@ -20,7 +20,7 @@ from kinesic.hardware.protocol.registers import TICK_ANGLE, VELOCITY_UNIT, Mode,
 from kinesic.hardware.protocol.servo_map import HingeServos, ServoMap
 from kinesic.hardware.protocol.ticks import Scale
 
-GOAL_MARGIN = 40  # [ticks] by which goals may exceed a hinge's range, because joints may hang slightly outside
+GOAL_MARGIN = 40  # [ticks] distance by which goals may exceed a hinge's range, as joints may hang slightly outside
 NO_ALIAS = 255  # SECONDARY_ID of a servo without a second id
 FACTORY_REGISTERS = (Register.MOVING_THRESHOLD, Register.PWM_SLOPE)  # Registers that keep their factory value
 REST_TOLERANCE = radians(5.0)  # [rad] largest distance from the rest posture at which torque may be switched off
@@ -45,7 +45,7 @@ class Member:
 
     @property
     def id(self) -> int:
-        """Id on its bus."""
+        """Id of the servo on its bus."""
         return self.servo.id
 
     @property
@@ -55,7 +55,7 @@ class Member:
 
     @property
     def span(self) -> tuple[int, int]:
-        """Range of its goals [ticks]: the hinge's range with a margin."""
+        """Range of the servo's goals [ticks]: the hinge's range plus a margin."""
         return goal_range(self.lower, self.upper)
 
     @property
@@ -99,10 +99,10 @@ class Manifest:
     robot: str
     bauds: Mapping[str, int]  # [bit/s] by bus
     members: tuple[Member, ...]
-    rest: Floats  # (n,) [rad] in joint order
-    lower: Floats  # (n,) [rad]
-    upper: Floats  # (n,) [rad]
-    chains: tuple[frozenset[int], ...]  # joints that all hold if one of them fails
+    rest: Floats  # (n,) [rad] rest posture in joint order
+    lower: Floats  # (n,) [rad] lower limit of each joint
+    upper: Floats  # (n,) [rad] upper limit of each joint
+    chains: tuple[frozenset[int], ...]  # indices of joints that all hold if a servo of one joint fails
 
     @classmethod
     def of(cls, robot: Robot) -> "Manifest":
@@ -221,7 +221,7 @@ def describe_raised_joints(manifest: Manifest, angles: Floats) -> tuple[str, ...
 
 
 def goal_range(lower: int, upper: int) -> TickRange:
-    """Return a hinge's range [ticks] with `GOAL_MARGIN`, within one turn."""
+    """Return a hinge's range [ticks] widened by `GOAL_MARGIN`, within one turn."""
     return max(0, lower - GOAL_MARGIN), min(TICKS_PER_TURN - 1, upper + GOAL_MARGIN)
 
 

@@ -17,7 +17,7 @@ from kinesic.hardware.supervisor.axes import Snapshot
 from kinesic.hardware.supervisor.manifest import REST_TOLERANCE, Manifest
 from kinesic.hardware.supervisor.preflight import RegisterTable
 
-STALL_LOAD = 1000.0  # [0.1 %] PRESENT_CURRENT at stall of a servo without current sensor
+STALL_LOAD = 1000.0  # [0.1 %] value of PRESENT_CURRENT at stall, if the servo has no current sensor
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class LoadTuning:
     stopping_margin: float = 3.0  # [C] margin to the temperature limit at which the performance stops
     stuck_error_ratio: float = 1.1  # position error of a stuck servo / position error at full power
     stuck_time: float = 0.3  # [s] time with such an error and without motion until a servo counts as stuck
-    min_moving_velocity: int = 3  # [counts of PRESENT_VELOCITY] lower ones count as standing still
+    min_moving_velocity: int = 3  # [counts of PRESENT_VELOCITY] a slower servo counts as standing still
     interval: float = 0.05  # [s] time between evaluations of currents and temperatures
     max_record_gap: float = 0.15  # [s] longest time between two records, after which stall times restart
 
@@ -66,7 +66,7 @@ class LoadState:
     """Recent load of each servo: mean square current and stall time."""
 
     work: Floats  # (m,) mean square current / squared current limit
-    stalled: Floats  # (m,) [s] far from the goal without motion
+    stalled: Floats  # (m,) [s] time without motion while far from the goal
     taken: Floats  # (m,) [s] of the last evaluated record
 
     @classmethod
@@ -209,7 +209,7 @@ class CommunicationMonitor:
 
     @property
     def holding_joints(self) -> frozenset[int]:
-        """Joints of all chains in which a servo failed with torque.
+        """Joints of all chains with a failed servo whose torque is on.
 
         They must not move, because such a servo is probably blocked. If a servo has lost its torque, the others of its
         chain may still bring the limb to rest.

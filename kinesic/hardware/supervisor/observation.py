@@ -12,7 +12,7 @@ class Observation:
     energised: bool = False  # a servo has torque
     answering: bool = True  # every servo has answered lately
     well: bool = True  # every servo has torque, answers, and may continue
-    limp: bool = False  # a sound servo has no torque
+    limp: bool = False  # a servo without errors has no torque
     begun: bool = False  # commands were received
     due: bool = False  # enough commands are buffered to continue
     ended: bool = False  # the planner has sent its last command, and all commands are performed or void
@@ -22,10 +22,10 @@ class Observation:
     raised: bool = False  # a servo with torque may be away from the rest posture
     confirmed: bool = False  # a person has confirmed to let raised limbs fall
     interrupted: bool = False  # a long interruption has just ended or still lasts
-    still: bool = True  # the time of the performance or move stands still
+    still: bool = True  # the rate of time of the performance or move is zero
     reached: bool = False  # the present move has ended
     idle: bool = False  # the hold has lasted long enough to fold
-    hopeless: bool = False  # a port is gone for too long to wait for it
+    hopeless: bool = False  # a port has been gone for longer than the supervisor waits
     policy: Policy = "hold"  # reaction to an emergency stop
 
     @property

@@ -26,7 +26,7 @@ Source = Literal["performance", "move"]
 class TimeScale:
     """Time [s] of a performance or move, with its rate."""
 
-    time: float = 0.0  # [s]
+    time: float = 0.0  # [s] from the start of the performance or move
     scale: float = 0.0  # rate relative to real time
 
     @property
@@ -64,9 +64,9 @@ class TimedMove:
     It begins and ends at rest (Flash and Hogan, 1985), and needs no planner.
     """
 
-    start: Floats  # (n,) [rad]
-    goal: Floats  # (n,) [rad]
-    duration: float  # [s]
+    start: Floats  # (n,) [rad] posture at the start
+    goal: Floats  # (n,) [rad] posture at the end
+    duration: float  # [s] from start to end of the move
 
     @classmethod
     def between(cls, start: Floats, goal: Floats, *, pace: float) -> "TimedMove":
@@ -149,7 +149,7 @@ class Player:
         return True
 
     def hold(self) -> None:
-        """Stop performance time and any move at the present setpoints."""
+        """Stop the performance and any move at the present setpoints."""
         self._source, self._move = None, None
         self.time_scale = TimeScale(self.time_scale.time, 0.0)
 

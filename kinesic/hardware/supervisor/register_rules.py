@@ -24,7 +24,7 @@ class RegisterRule:
 
     registers: tuple[Register, ...]
     treatment: Treatment
-    detail: str  # its new value, or the condition of refusal
+    detail: str  # new value of the registers, or the condition of refusal
     why: str
 
 

@@ -24,10 +24,10 @@ class SupervisorSettings:
     slow: float = 0.4  # normal time to stop or start performance time
     quick: float = 0.06  # time to stop if the planner is gone, or at an emergency stop
     wary: float = 0.2  # time to stop if the clearance gets too small
-    patience: float = 5.0  # time of holding without commands before the robot folds
+    patience: float = 5.0  # time of holding without commands until the robot moves to rest
     startle: float = 0.85  # longest interruption that needs no consent; detection and visible motion take 0.1 s more
-    consent: float = 60.0  # time of waiting for consent before a performance ends
-    hopeless: float = 20.0  # time without a port before the supervisor gives up
+    consent: float = 60.0  # longest wait for a person's consent, until the performance ends
+    hopeless: float = 20.0  # time without a port until the supervisor gives up
     pace: float = 0.7  # [rad/s] largest joint velocity of moves to rest or to the performance
     policy: Policy = "hold"  # reaction to an emergency stop
 
@@ -47,8 +47,8 @@ DEFAULT_SETTINGS = SupervisorSettings()  # Settings without changes by the user
 class SupervisorOrder(msgspec.Struct, forbid_unknown_fields=True):
     """Startup data of a supervisor process: robot, ports, memory, settings, log."""
 
-    robot: str  # path of the robot's file
-    ports: dict[str, str]  # bus -> path of the device
-    memory: int  # descriptor of the channel's memory
+    robot: str  # path of the robot file
+    ports: dict[str, str]  # bus name -> path of the serial port
+    memory: int  # file descriptor of the memory shared with the planner
     settings: SupervisorSettings
     log: str | None = None  # path of the event log

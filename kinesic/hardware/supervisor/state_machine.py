@@ -27,7 +27,7 @@ class Stage(Enum):
     ACTIVE = "active"  # performance time runs
     DEGRADED = "degraded"  # performance time decelerates to a stop
     FOLD = "fold"  # the robot moves to the rest posture
-    WAITING = "waiting"  # a raised limb cannot fold and is held until a person confirms, or it can fold again
+    WAITING = "waiting"  # a raised limb cannot move to rest and is held until a person confirms or it can move again
     RELEASE = "release"  # torque is switched off
     STOPPED = "stopped"  # emergency stop: the robot holds until a person resumes or ends the performance
     LOST = "lost"  # a port is gone; its servos stop by themselves
@@ -73,7 +73,7 @@ class SupervisorState:
     paused: bool = False  # after an emergency stop or long interruption, nothing continues without consent
     faulty: bool = False  # a servo has failed, and the performance has ended
     refused: bool = False  # torque did not come on, and is not tried again until a servo recovers
-    careful: bool = False  # hold for a while before folding, since a limb that could not fold may be free again
+    careful: bool = False  # hold for a while before the move to rest, since a blocked limb may be free again
     folded: bool = False  # at rest since the last performance
     slowed: Literal[Stage.APPROACH, Stage.ACTIVE] = Stage.ACTIVE  # stage before DEGRADED
 
@@ -204,7 +204,7 @@ def _may_arm(state: SupervisorState, observation: Observation) -> bool:
 
 
 def _end(state: SupervisorState, observation: Observation) -> Step:
-    """Fold and switch torque off, or await confirmation for a raised limb.
+    """Move to rest and switch torque off, or await confirmation (raised limb).
 
     A limb that stays raised waits for confirmation.
     """

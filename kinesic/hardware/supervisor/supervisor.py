@@ -58,7 +58,7 @@ class Supervisor:
     def __init__(
         self, manifest: Manifest, context: SupervisorContext, settings: SupervisorSettings, *, watchdog: float
     ) -> None:
-        """Create the supervisor, with a servo watchdog [s], without opening a port."""
+        """Create a supervisor with a watchdog time [s], without opening a port."""
         self.manifest, self.state = manifest, SupervisorState()
         self.late = 0  # number of cycles that began more than a period late, counted by the caller's loop
         self._context, self._channel, self._settings = context, context.channel, settings

@@ -39,10 +39,10 @@ class Travel:
     Arrays are in manifest order.
     """
 
-    zeros: Ticks  # (m,) [ticks] zero positions, in any turn
-    present: Ticks  # (m,) [ticks] present positions from zero
-    lowest: Ticks  # (m,) [ticks] lowest positions from zero
-    highest: Ticks  # (m,) [ticks] highest positions from zero
+    zeros: Ticks  # (m,) [ticks] positions in the zero posture, maybe turns away from 0
+    present: Ticks  # (m,) [ticks] present positions relative to `zeros`
+    lowest: Ticks  # (m,) [ticks] lowest positions relative to `zeros`
+    highest: Ticks  # (m,) [ticks] highest positions relative to `zeros`
     directions: Signs  # (m,) sign of the first rotation; 0: not rotated yet
 
     @classmethod
@@ -86,7 +86,7 @@ class HingeCalibration:
 
     @property
     def range(self) -> tuple[float, float] | None:
-        """Measured range [deg] narrower than the configured one, or None.
+        """Measured range [deg] if narrower than the configured one, or None.
 
         None if the full range was reached, or too little of it was seen.
         """

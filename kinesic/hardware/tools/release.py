@@ -23,9 +23,9 @@ TORQUE_OFF_PACKET = packet.write_packet(BROADCAST_ID, Register.TORQUE_ENABLE.fie
 
 
 def holding_angles(manifest: Manifest, wires: Mapping[str, Wire]) -> Floats:
-    """Read the joint angles (n,) [rad] that torque holds.
+    """Read joint angles (n,) [rad], the rest angle for joints without torque.
 
-    Joints without torque count as at rest; NaN if a servo is silent.
+    NaN if a servo is silent.
 
     Args:
         manifest: servos of the robot.

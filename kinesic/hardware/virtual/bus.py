@@ -165,8 +165,8 @@ class VirtualBus:
 class Burst(NamedTuple):
     """Bytes that the adapter delivers at once."""
 
-    arrival: float  # [s] at the host
-    ended: float  # [s] end of its last byte on the wire
+    arrival: float  # [s] time of arrival at the host
+    ended: float  # [s] time at which the last byte ends on the wire
     byte: float  # [s] transmission time of a byte
     data: bytes
 

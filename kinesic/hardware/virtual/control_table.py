@@ -47,7 +47,7 @@ class TableLayout:
     owned: frozenset[int]  # addresses of registers and cells
     shown: Mapping[int, int]  # indirect data address -> address of its pointer
     pointers: frozenset[int]  # addresses of the pointers
-    extent: int  # [bytes]
+    extent: int  # [bytes] size of the control table
 
 
 @lru_cache

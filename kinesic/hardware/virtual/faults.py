@@ -149,10 +149,10 @@ class FaultFile(msgspec.Struct, forbid_unknown_fields=True):
 
 @dataclass(frozen=True)
 class Transmission:
-    """Bytes of a transmission that arrive, with their delays."""
+    """Arriving bytes of a transmission, with their delays."""
 
     data: bytes
-    delay: float  # [s] of silence before it
+    delay: float  # [s] silence on the wire before the first byte
     late: float = 0.0  # [s] additional delay at the host
 
 

@@ -24,7 +24,7 @@ from kinesic.hardware.virtual.set_point import SetPoint
 BOOT_TIME = 0.13  # [s] time from a reboot until the servo receives instructions
 OVERLOAD_TIME = 1.0  # [s] duration of full duty without motion that causes an overload error
 STALL_DUTY = 0.99  # Duty from which a servo without motion counts as overloaded
-MIN_BOOT_TIME = 1e-6  # [s] lower bound of a given boot time
+MIN_BOOT_TIME = 1e-6  # [s] shortest boot time, in place of a requested shorter one
 NOMINAL_VOLTS = 12.0  # [V] supply voltage of most models
 ROOM_TEMPERATURE = 25.0  # [C] initial temperature of a virtual servo
 SMALL_MODEL_VOLTS = 5.0  # [V] supply voltage of models that do not withstand 12 V

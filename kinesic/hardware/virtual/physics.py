@@ -16,7 +16,7 @@ class Demand(NamedTuple):
     """Motor command of a servo's electronics until the next step."""
 
     kind: DemandKind
-    value: float = 0.0  # [rad], [rad/s], current / stall current -1..1, or duty -1..1
+    value: float = 0.0  # by kind: [rad], [rad/s], current / stall current -1..1, or duty -1..1
     cap: float = 1.0  # duty limit 0..1
 
 
@@ -52,7 +52,7 @@ class Motor:
     """
 
     no_load: float = 8.0  # [rad/s] no-load velocity
-    gain: float = 4.6  # [1/rad] duty per error
+    gain: float = 4.6  # [1/rad] duty per position error
 
     @classmethod
     def of(cls, model: ServoModel) -> "Motor":

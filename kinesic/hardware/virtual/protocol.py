@@ -22,7 +22,7 @@ class Sent:
 
     servo: int
     data: bytes
-    delay: float = 0.0  # [s] of silence before it
+    delay: float = 0.0  # [s] silence on the wire before the first byte
     chained: bool = False  # whether later servos wait for its bytes
 
 

@@ -15,7 +15,7 @@ Form = Literal["step", "rectangle", "triangle", "trapezoid"]
 MAX_HOMING_OFFSET = 1024  # [ticks] largest homing offset that position mode applies
 IN_POSITION_TOLERANCE = 10  # [ticks] threshold of the in-position bit; the manual gives no value
 FOLLOWING_ERROR_LIMIT = 100  # [ticks] threshold of the following-error bit; the manual gives no value
-STALL_LOAD = 1000  # [0.1 %] PRESENT_CURRENT at stall of a servo without current sensor
+STALL_LOAD = 1000  # [0.1 %] value of PRESENT_CURRENT at stall, if the servo has no current sensor
 
 POSITION_MODES = frozenset({Mode.POSITION.value, Mode.EXTENDED_POSITION.value, Mode.CURRENT_POSITION.value})
 _FORM_BITS = {"step": 0x00, "rectangle": 0x10, "triangle": 0x20, "trapezoid": 0x30}  # MOVING_STATUS bits by form
@@ -30,11 +30,11 @@ class Profile:
     Each phase has constant acceleration.
     """
 
-    start: float  # [rad]
-    goal: float  # [rad]
+    start: float  # [rad] set point at the start
+    goal: float  # [rad] set point at the end
     speed: float  # [rad/s] velocity at the start
     cruise: float  # [rad/s] signed velocity of the middle phase
-    spans: tuple[float, float, float]  # [s] of acceleration, cruise and deceleration
+    spans: tuple[float, float, float]  # [s] durations of acceleration, cruise and deceleration
     form: Form
 
     @cached_property
@@ -118,7 +118,7 @@ def time_profile(start: float, goal: float, *, duration: float, rise: float) -> 
 class Tuning(NamedTuple):
     """Settings of the set point that a servo reads from its EEPROM."""
 
-    mode: int  # value of OPERATING_MODE
+    mode: int  # value of the register OPERATING_MODE
     sign: int  # -1 with reversed rotation
     offset: int  # [ticks] effective homing offset
     pwm_limit: int  # [counts of PWM]

@@ -25,7 +25,7 @@ class ServoFitting:
     model: str = "xm430_w350"
     firmware: int = NEWEST_FIRMWARE
     ticks: int = MID_TICKS  # [ticks] position of its shaft
-    return_delay: int = 0  # [2 us], 250 in a new servo
+    return_delay: int = 0  # [counts of 2 us] delay of replies; 250 in a new servo
     latches_goal: bool = False  # see `VirtualServo`
     motor: Motor = DEFAULT_MOTOR
 
