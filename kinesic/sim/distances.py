@@ -22,7 +22,7 @@ from kinesic.sim.reaches import compute_capsule_reach, compute_pair_reaches, sus
 POSTURES_PER_BATCH = 512  # number of postures per call of the forward kinematics
 POSTURES_PER_WINDOW = 4096  # number of postures whose frames are in memory at the same time
 SAME_POSTURE_TOLERANCE = 1e-5  # [rad] grid to which angles are rounded to find equal postures
-FINGER_BALL_DISTANCE = 0.03  # [m] ball distance up to which fingers are measured even if another pair is nearer
+FINGER_BALL_DISTANCE = 0.03  # [m] distance to the fingers' bounding ball up to which single fingers are always measured
 MAX_EXACT_FINGER_GAP = 0.13  # [m] finger distance up to which `gaps` is exact; larger ones are lower bounds
 
 
@@ -296,7 +296,7 @@ def _compile_pairs(distances: CapsuleDistances) -> kernel.CapsulePairs:
 
 
 def _find_hands(robot: Robot) -> list[tuple[Side, str]]:
-    """Return the sides with fingers and their finger group names."""
+    """Return side and collision-group name of each hand with fingers."""
     return [(side, f"{side}_fingers") for side in SIDES if robot.fingers(side)]
 
 

@@ -16,7 +16,7 @@ from kinesic.files.late_pillow import explain_missing_pillow
 
 INSTALL_COMMAND = "apt-get install libegl1 libgl1-mesa-dri libopengl0"
 _OFF_VALUES = ("disable", "disabled", "off", "false", "0")  # values of MUJOCO_GL that disable drawing
-_SAFE_VALUES = (*_OFF_VALUES, "enable", "enabled", "on", "true", "1", "glfw", "glx")  # values that allow the import
+_SAFE_VALUES = (*_OFF_VALUES, "enable", "enabled", "on", "true", "1", "glfw", "glx")  # values that let MuJoCo load
 _DRAWING_TEST = """
 from kinesic.sim.filming.offscreen import Offscreen
 import mujoco

@@ -131,7 +131,7 @@ def describe(robot: Robot, *, play: float = 0.0) -> mujoco.MjSpec:
 
 
 def find_turn_indices(robot: Robot, model: mujoco.MjModel) -> Indices:
-    """Return `qpos` indices of hinges and couplings in a model for pictures.
+    """Return `qpos` indices of hinges and couplings in a drawing model.
 
     Hinges come first, then couplings; the shape is (n + c,).
     """

@@ -57,7 +57,7 @@ def compute_pair_reaches(turned: Floats, pairs: Sequence[tuple[int, int]]) -> Fl
 
 
 def suspects(angles: Floats, measured: Indices, lowest: Floats, reaches: Floats, *, limit: float) -> Indices:
-    """Find unmeasured postures whose distance may be below a limit.
+    """Find unmeasured postures whose segment distances may be below a limit.
 
     Args:
         angles: (s, n) [rad] of all postures.

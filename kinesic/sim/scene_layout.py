@@ -96,7 +96,7 @@ def rods(robot: Robot) -> tuple[Rod, ...]:
 
 
 def _connect_inside(shapes: Sequence[Capsule]) -> Iterator[tuple[Floats, Floats]]:
-    """Yield the rods that connect a segment's origin and shapes.
+    """Yield the rods that connect a segment's origin with its shapes.
 
     Each rod is a start and an end point. The nearest shape is connected first.
     """

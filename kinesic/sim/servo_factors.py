@@ -174,7 +174,7 @@ TWIN_FACTORS: Mapping[str, tuple[Factors, ...]] = {
 
 
 def read_twins(name: str) -> tuple[Factors, ...]:
-    """Return the factors of named twins or of a TOML file.
+    """Return the servo factors of built-in twins, or of one TOML file.
 
     The first twin decides the checks of a performance.
 

@@ -83,7 +83,7 @@ class Twin:
         self._log = StepLog(self._data.qpos, self._data.qvel, goals)
 
     def write(self, command: Command, /) -> None:
-        """Step to the command's time, then accept its setpoints.
+        """Advance the physics to the command's time, then accept the command's setpoints.
 
         Raises:
             ValueError: the time is before that of the previous command.

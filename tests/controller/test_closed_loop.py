@@ -64,7 +64,7 @@ def test_twin_advances_equally_after_the_compiled_and_the_python_loop(calm, in_p
         made.append(self)
 
     monkeypatch.setattr(Twin, "__init__", remember)
-    monkeypatch.setattr(simulation, "_find_unused_simulations", lambda *given, **options: [])  # each keeps its own
+    monkeypatch.setattr(simulation, "_find_simulation_pool", lambda *given, **options: [])  # each keeps its own
     for run in (dry_runs, in_python):
         run(calm.plan, (LATE_AND_LOOSE,), watch=False)
     still = np.zeros_like(calm.reference.angles[0])

@@ -126,7 +126,7 @@ def test_closest_approach_finds_all_near_postures_and_the_minimum(seed, near):
     assert (solution.distances <= every.distances[ends] + 1e-14).all()
 
 
-def test_closest_approach_measures_less_than_60_percent_of_slow_postures(monkeypatch):
+def test_closest_approach_search_measures_under_60_percent_of_the_postures_of_a_slow_motion(monkeypatch):
     slow, ends = make_smooth_motion(3001, 0), np.arange(0, 3001, 3)  # steps of ten seconds
     measured = []
     nearest = CapsuleDistances._find_nearest

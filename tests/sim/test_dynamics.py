@@ -90,7 +90,7 @@ def test_acceleration_limits_agree_with_the_documented_values():
     assert np.array_equal(limits, Limits.of(ROBOT, MujocoDynamics(ROBOT).load).acceleration)
 
 
-def test_holding_needs_at_most_two_fifths_of_stall_torque():
+def test_default_robot_holds_each_posture_with_at_most_40_percent_of_stall_torque():
     worst = DYNAMICS.worst_static
     assert worst.values == pytest.approx(DOCUMENTED_RATIOS, abs=0.005)
     assert worst.values.max() <= 0.40

@@ -178,7 +178,7 @@ def test_error_without_opengl_names_the_install_command(tmp_path, monkeypatch):
 
 
 @draws
-def test_import_of_mujoco_before_kinesic_sim_draws_or_is_named_in_the_error(tmp_path):
+def test_error_names_an_early_mujoco_import_if_it_prevents_drawing(tmp_path):
     program = (
         "import warnings; warnings.simplefilter('ignore')\n"
         "import mujoco\n"

@@ -53,7 +53,7 @@ def test_mujoco_joints_and_actuators_have_the_order_of_the_skeleton():
     assert (MODEL.nq, MODEL.nv, MODEL.nu, MODEL.na) == (22, 22, 22, 0)
 
 
-def test_joint_ranges_match_the_description_and_contain_the_required_minimum():
+def test_joint_ranges_match_the_robot_description_and_contain_the_required_ranges():
     for name, lower, upper in zip(ROBOT.skeleton.names, ROBOT.skeleton.lower, ROBOT.skeleton.upper, strict=True):
         compiled = MODEL.joint(name).range
         assert compiled == pytest.approx([lower, upper], abs=1e-12)
@@ -256,7 +256,7 @@ def test_simulated_pendulum_equals_independent_integration():
     assert np.degrees(np.abs(np.array(angles) - expected).max()) < 0.1
 
 
-def test_ball_and_segment_without_shapes_have_their_mass():
+def test_spherical_segment_and_segment_without_shapes_have_their_described_mass():
     ball = Capsule(sealed([0, 0, -0.2]), sealed([0, 0, -0.2]), LINK_RADIUS)
     for capsules in ((ball,), ()):
         model = build_model(pendulum(capsules))

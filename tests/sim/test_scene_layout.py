@@ -71,7 +71,7 @@ def ends(model: mujoco.MjModel, data: mujoco.MjData, k: int) -> Floats:
 
 
 @every_robot
-def test_robot_stands_on_the_floor_with_nothing_below(robot: Robot):
+def test_drawn_robot_touches_the_floor_and_its_hanging_hands_do_not(robot: Robot):
     model, data, round_ones = geoms(robot, robot.skeleton.rest)
     (plane,) = [k for k in range(model.ngeom) if model.geom_type[k] == PLANE_GEOM]
     floor = data.geom_xpos[plane, 2]

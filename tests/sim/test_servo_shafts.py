@@ -57,7 +57,7 @@ def test_torque_ratio_limits_the_shaft_torque(robot: Robot):
         assert np.abs(weak.loads).max() <= 0.3 + 1e-9
 
 
-def test_advancing_by_zero_duration_changes_no_shaft(robot: Robot):
+def test_advancing_servo_shafts_by_zero_duration_changes_no_angle(robot: Robot):
     shafts = Shafts(robot)
     before = shafts.angles
     shafts.advance(0.0, before + 1.0, np.ones(len(before)))

@@ -178,7 +178,7 @@ def test_hinge_with_backlash_lags_by_4_to_30_mrad_after_the_motor_reverses():
     assert 0.004 < strayed[100:130].max() < 0.03
 
 
-def test_recorded_setpoints_are_the_sent_ones_rounded_to_ticks():
+def test_setpoints_recorded_by_the_twin_are_the_sent_ones_rounded_to_ticks():
     seen = performed(COMMANDS)
     ticks = ROBOT.drives.tick
     assert seen.setpoints.shape == seen.angles.shape
@@ -186,7 +186,7 @@ def test_recorded_setpoints_are_the_sent_ones_rounded_to_ticks():
     assert seen.setpoints / ticks == pytest.approx(np.rint(seen.setpoints / ticks), abs=1e-6)
 
 
-def test_reported_positions_are_the_present_ones_rounded_to_ticks():
+def test_positions_reported_by_the_twin_are_the_current_angles_rounded_to_ticks():
     twin = Twin(ROBOT)
     ticks = ROBOT.drives.tick
     for command in COMMANDS[:100]:

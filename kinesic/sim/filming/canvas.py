@@ -20,7 +20,7 @@ DRAWING_ERROR_MESSAGE = "MuJoCo cannot draw ({}): `kinesic doctor` shows what is
 
 
 class CanvasError(RuntimeError):
-    """Error: OpenGL cannot draw in this process."""
+    """Error raised if OpenGL cannot draw in this process."""
 
 
 class Canvas:

@@ -45,14 +45,14 @@ MOUTH_SAG = 5.0  # [pixels] depth of a relaxed mouth's middle below its corners
 MOUTH_HALF_WIDTH = 46.0  # [pixels] distance of a relaxed mouth corner from the midline
 MOUTH_HALF_THICKNESS = 6.0  # [pixels] half the thickness of a closed mouth
 MOUTH_DROP = 46.0  # [pixels] height of the mouth opening at full jaw drop (AU 26)
-STRIP_POINTS = 25  # number of points in each row of a strip
+STRIP_POINTS = 25  # number of points of each edge, upper and lower, of a strip
 EYE_STRIPS = 6  # number of overlaid strips that draw one eye with its lids and brow
 SIDES: tuple[tuple[str, float], ...] = (("R", -1.0), ("L", 1.0))  # (side, sign of x); R is left in the picture
 
 
 @dataclass(frozen=True, eq=False)
 class FaceStrip:
-    """Shape of one colour between two rows of points."""
+    """Shape of one colour between an upper and a lower polyline."""
 
     colour: Colour
     rows: Floats  # (2, k, 2) [pixels] to the right and down, in a picture of DESIGN_SIZE
@@ -80,7 +80,7 @@ def shown_intensity(units: Mapping[str, float], number: int, side: str = "") -> 
 
 
 def read_controls(units: Mapping[str, float]) -> dict[str, float]:
-    """Convert action units to the controls of `build_strips`, in pixels."""
+    """Convert action units to face shape parameters [pixels], input of `build_strips`."""
     controls: dict[str, float] = {}
     for side, sign in SIDES:
         controls |= {f"{side} {name}": value for name, value in _read_eye(units, side, sign).items()}
@@ -209,7 +209,7 @@ def _build_mouth(controls: Mapping[str, float]) -> FaceStrip:
 
 
 def _round_ends(along: Floats) -> Floats:
-    """Return relative widths of a line with round ends, for positions -1..1."""
+    """Return relative widths of a round-ended line at positions -1..1."""
     return np.asarray(np.sqrt(1.0 - np.abs(along) ** 8))
 
 

@@ -166,7 +166,7 @@ def _add_side_walls(front: Sheet, deep: Floats, middle: Floats) -> Sheet:
 
 
 def _count_steps(places: Floats, shapes: tuple[Capsule, ...], step: Floats, clearance: float) -> int:
-    """Return the count of forward steps that move points off the head.
+    """Count the forward steps that move points clear of the head.
 
     0 if `MAX_FORWARD_STEPS` are not enough.
 

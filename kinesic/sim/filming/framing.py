@@ -11,7 +11,7 @@ from kinesic.sim.scene_layout import CAMERA_DIRECTION, VIEW_ANGLE, SceneView, fi
 
 FRAME_MARGIN = 1.2  # picture size / extent of hands and head: a margin of 10 % of that extent on each side
 SHADOW_MARGIN = 4.0  # [pixels] margin around the shadow's region, because shadows are drawn at low resolution
-FORWARD_HANDS = 0.35  # [arm lengths] distance of usual resting hands in front of hanging ones
+FORWARD_HANDS = 0.35  # [arm lengths] distance in front of hanging hands up to which every view shows the hands
 MIN_RISE = 1e-9  # [m] smallest height difference of a capsule's ends used as a divisor
 SHADOW_BLUR_REACH = 0.04  # [picture heights] extent of the blurred edge of a shadow
 
@@ -56,7 +56,7 @@ def find_motion_view(robot: Robot, postures: Floats, *, aspect: float) -> SceneV
 
 
 def _find_usual_balls(robot: Robot) -> tuple[Floats, Floats]:
-    """Return centres and radii of head, hanging hands and forward hands.
+    """Return balls around the head, hanging hands and hands held forward.
 
     A film shows these places even if the motion does not use them.
     """

@@ -22,7 +22,7 @@ _ReadPixels = CFUNCTYPE(None, c_int, c_int, c_int, c_int, c_uint, c_uint, c_void
 
 
 class OffscreenError(RuntimeError):
-    """Error: OpenGL cannot draw in this process."""
+    """Error raised if OpenGL cannot draw in this process."""
 
 
 class _Owner(Protocol):

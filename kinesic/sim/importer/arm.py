@@ -31,7 +31,7 @@ class Split:
 
     @property
     def elbow(self) -> int:
-        """Index of the elbow in the row of hinges."""
+        """Index of the elbow hinge in the arm's chain."""
         return self.girdle + self.shoulder
 
     @property

@@ -132,7 +132,7 @@ def _review(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], hands: Ha
 
 
 def _review_servos(sources: dict[str, str]) -> list[str]:
-    """Name how many servos have assumed values, if any."""
+    """Return a review note that counts servos with assumed values, if any."""
     count = sum("assumed" in source for source in sources.values())
     return [f"{count} of {len(sources)} servos have assumed values, named beside them"] if count else []
 

@@ -72,7 +72,7 @@ def find_elbow_sense(limb: HingeRow, split: Split, lower: float, upper: float) -
 
 
 def pose_arm(limb: HingeRow, split: Split, target: HangingPose, ranges: Ranges, first: list[Floats]) -> Posed:
-    """Find the angles that bring an arm closest to desired directions.
+    """Find the angles that bring an arm's bones closest to desired directions.
 
     Among equivalent solutions the one closest to the start pose is preferred.
 

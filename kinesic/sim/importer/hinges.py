@@ -159,7 +159,7 @@ def _map_hinge(figure: HumanoidGeometry, joint: int, name: str, segment: str, si
 
 
 def _find_default_range(name: str) -> tuple[float, float]:
-    """Return the default range [rad] of a hinge without given range."""
+    """Return a hinge's default range [rad], for files that give none."""
     lower_deg, upper_deg = next(
         ANATOMICAL_RANGES[key] for key in sorted(ANATOMICAL_RANGES, key=len, reverse=True) if key in name
     )

@@ -74,7 +74,7 @@ def _make_point(geom: mujoco.MjsGeom, name: str) -> None:
 
 
 def _keep_visuals(files: RobotFiles) -> ElementTree.Element:
-    """Return the robot's XML with visuals, which MuJoCo drops by default."""
+    """Return the robot's XML, extended so that MuJoCo keeps URDF visuals."""
     if not files.is_urdf:
         return files.root
     root = deepcopy(files.root)

@@ -24,7 +24,7 @@ MIN_RADIUS = 0.01  # [m] smallest radius of a generated capsule
 ROOT_SEGMENT = "humanoid_root"  # name of the root segment in robot files
 TRUNK_SEGMENT = "vl5"  # name of the trunk segment in robot files
 HEAD_SEGMENT = "skullbase"  # name of the head segment in robot files
-FIXED_HEAD = (0.15, 0.45, 0.14)  # [arm lengths] head without hinges: lower and upper end over the shoulders, radius
+FIXED_HEAD = (0.15, 0.45, 0.14)  # [arm lengths] head without hinges: lower and upper end above the shoulders, radius
 WAIST_DEPTH = 0.9  # [arm lengths] distance of the waist below the shoulders in a trunk without hinges
 COORDINATE_DIGITS = 6  # decimal digits of coordinates in robot files
 

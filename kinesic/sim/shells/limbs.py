@@ -22,7 +22,7 @@ from kinesic.sim.shells.part import (
     enclose_in_drum,
 )
 
-HUB_DISTANCE = 0.01  # [m] distance from the joint below which one of several servos gets a ball
+HUB_DISTANCE = 0.01  # [m] distance of one of several servos from the joint below which the servo gets a round housing
 END_MARGIN = 0.008  # [m] length of a sleeve beyond the servos inside, as its edges are round
 JOINT_OVERLAP = 0.010  # [m] length by which a sleeve begins before its joint
 SLEEVE_CUFF = 0.022  # [m] length of the dark cuff before the next joint
@@ -102,7 +102,7 @@ def _envelop(part: ShellPart, axes: Floats, servos: Sequence[ServoBox], length: 
 
 
 def _list_tapered_needs(low: float, high: float, radius: float) -> list[tuple[float, float, Floats]]:
-    """Return intervals and half widths along a bar, narrower towards its end."""
+    """Return intervals along a bar with half widths decreasing towards its end."""
     edges = np.linspace(low, high, TAPER_STEPS + 1)
     ratios = np.linspace(1.0, TIP_RATIO, TAPER_STEPS)
     return [

@@ -78,7 +78,7 @@ def is_stale(robot: Robot) -> bool:
 
 
 def fingerprint(robot: Robot) -> str:
-    """Return a hash of the description that determines the shell.
+    """Return a hash of the robot description's parts that determine the shell.
 
     It covers segments with their shapes, hinges, servos and eyes.
     """
@@ -95,7 +95,7 @@ def describe_segments(robot: Robot) -> Mapping[str, str]:
 
 
 def _describe(robot: Robot) -> Iterator[tuple[Collection[str], list[str]]]:
-    """Yield segment names with the words that determine their surfaces."""
+    """Yield segment names with the description text that determines their surfaces."""
     skeleton, eyes = robot.skeleton, robot.sites.get("eyes")
     for segment in skeleton.segments:
         words = [segment.name, str(segment.parent), _spell(segment.origin_in_parent)]

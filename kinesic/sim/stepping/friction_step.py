@@ -16,7 +16,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, Indices
 from kinesic.sim.stepping.addresses import function_address
 
-# Stages of `mj_step` in its order, without `mj_makeConstraint` and `mj_projectConstraint`.
+# Stages of `mj_step`, in its order, that a model with only friction needs before and after its constraints are built.
 STAGES_BEFORE_CONSTRAINTS = ("mj_checkPos", "mj_checkVel", "mj_kinematics", "mj_comPos", "mj_makeM", "mj_factorM")
 STAGES_AFTER_CONSTRAINTS = (
     "mj_transmission",

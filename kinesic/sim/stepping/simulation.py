@@ -65,12 +65,12 @@ def borrow_simulations(robot: Robot, twins: Sequence[Factors], *, touches: bool)
     simulations = [_reuse_or_build(robot, factors, touches=touches) for factors in twins]
     yield simulations
     for factors, simulation in zip(twins, simulations, strict=True):
-        _find_unused_simulations(robot, select_link_factors(factors), touches=touches).append(simulation)
+        _find_simulation_pool(robot, select_link_factors(factors), touches=touches).append(simulation)
 
 
 def _reuse_or_build(robot: Robot, factors: Factors, *, touches: bool) -> Simulation:
     try:
-        simulation = _find_unused_simulations(robot, select_link_factors(factors), touches=touches).pop()
+        simulation = _find_simulation_pool(robot, select_link_factors(factors), touches=touches).pop()
     except IndexError:
         return build_simulation(robot, factors, touches=touches)
     write_drives(simulation.model, robot, factors)
@@ -79,8 +79,8 @@ def _reuse_or_build(robot: Robot, factors: Factors, *, touches: bool) -> Simulat
 
 
 @lru_cache(maxsize=4)  # enough for two masses of two robots
-def _find_unused_simulations(robot: Robot, links: Factors, *, touches: bool) -> list[Simulation]:
-    """Return the list of unused simulations that differ only in their drives."""
+def _find_simulation_pool(robot: Robot, links: Factors, *, touches: bool) -> list[Simulation]:
+    """Return the pool of a robot's reusable simulations with given link factors."""
     return []
 
 

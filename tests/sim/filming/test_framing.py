@@ -63,7 +63,7 @@ def test_hands_and_head_fill_the_picture_up_to_the_margin(name: str, moved: tupl
 
 
 @pytest.mark.parametrize("name", ROBOTS)
-def test_camera_view_is_equal_for_motions_that_stay_within_it_and_grows_for_others(name: str):
+def test_camera_view_grows_only_for_motions_that_leave_the_usual_view(name: str):
     robot = ROBOTS[name]
     bent = [(f"{side}_elbow_flexion", 0.9) for side in SIDES]
     views = [find_motion_view(robot, make_motion(robot, *moved), aspect=16 / 9) for moved in ((), bent[:1], bent)]
@@ -86,7 +86,7 @@ def test_view_of_a_robot_does_not_depend_on_its_rest_posture():
     assert views[0].height == views[1].height
 
 
-def test_projection_enlarges_near_points_and_centres_the_middle():
+def test_camera_projection_enlarges_near_points_and_centres_the_middle_of_the_view():
     robot = ROBOTS["upper22"]
     view = find_motion_view(robot, make_motion(robot), aspect=16 / 9)
     x, y, scale = project_points(view, view.middle, size=PICTURE_SIZE)

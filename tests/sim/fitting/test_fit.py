@@ -157,7 +157,7 @@ def test_replayed_angles_are_continuous_in_the_latency():
     assert bends < 0.2 * np.abs(np.diff(path, axis=0)).max()
 
 
-def test_initial_angles_apply_before_the_first_setpoint():
+def test_replay_holds_the_initial_angles_before_the_first_setpoint_of_a_log():
     log = Log(sealed([0.0, 1.0, 3.0]), sealed([[1.0], [2.0], [4.0]]), sealed([[0.5], [0.0], [0.0]]))
     sums = _integrate_setpoints(log, np.array([-2.0, 0.0, 0.5, 1.0, 2.0, 3.0, 4.0]))[:, 0]
     assert np.diff(sums) == pytest.approx([1.0, 0.5, 0.5, 2.0, 2.0, 4.0])

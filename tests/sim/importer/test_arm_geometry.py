@@ -87,12 +87,12 @@ def test_joint_centres_leave_out_collar_bone_and_fingers():
     np.testing.assert_array_equal(at.axes, row.axes[1:4])
 
 
-def test_shoulder_centre_of_parallel_hinges_is_at_the_last_one():
+def test_shoulder_centre_of_parallel_hinges_is_at_the_last_shoulder_hinge():
     row = limb((SHOULDER + 0.2 * Y, Y), (SHOULDER + 0.1 * Y, Y), HINGE, *HAND)
     np.testing.assert_allclose(centres(row, Split(0, 2, 2)).shoulder, SHOULDER + 0.1 * Y)
 
 
-def test_wrist_centre_of_parallel_hinges_is_at_the_last_one():
+def test_wrist_centre_of_parallel_hinges_is_at_the_last_wrist_hinge():
     row = limb(*BALL, HINGE, (WRIST, Z), (WRIST - 0.1 * Z, Z), FINGER)
     np.testing.assert_allclose(centres(row, Split(0, 3, 2)).wrist, WRIST - 0.1 * Z)
 
@@ -180,7 +180,7 @@ def test_likeness_of_an_arm_with_a_bone_shorter_than_2_cm_is_minus_infinity(uppe
     assert likeness(stretched(max(upper, 0.021), max(fore, 0.021)), Split(0, 3, 2)) > 2.0
 
 
-def test_hinge_row_contains_hinge_axes_and_the_centre_of_mass_beyond_the_last():
+def test_hinge_row_contains_hinge_axes_and_the_centre_of_mass_of_parts_beyond_the_last_hinge():
     joints = [SimpleNamespace(anchor=k * X, axis=axis) for k, axis in enumerate((X, Y, Z))]
     tree = SimpleNamespace(
         joints=joints,
@@ -193,7 +193,7 @@ def test_hinge_row_contains_hinge_axes_and_the_centre_of_mass_beyond_the_last():
     assert row.centre.tolist() == [1, 5]
 
 
-def test_each_hinge_turns_all_lines_beyond_it():
+def test_rotation_of_a_hinge_moves_the_axes_of_all_later_hinges():
     row = HingeRow(np.array([X, 2 * X, 3 * X]), np.array([Z, X, Y]), np.array([4.0, 0.0, 0.0]))
     turned = row.turned(np.array([np.pi / 2, np.pi / 2, np.pi / 2]))
     np.testing.assert_allclose(turned.anchors, (X, X + Y, X + 2 * Y), atol=1e-12)

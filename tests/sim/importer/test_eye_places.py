@@ -41,13 +41,13 @@ def test_eyes_of_a_turning_head_are_on_its_last_part():
     assert site.at == pytest.approx((0.29, 0.0, 0.75))
 
 
-def test_eyes_of_a_shapeless_head_are_before_the_centre_of_the_neck():
+def test_eyes_of_a_head_without_shapes_are_in_front_of_the_neck_centre():
     site = place((4, 5), {(5, "end"): part(centre=9 * X), (4, "end"): part(centre=1.5 * Z + 0.02 * Y)})
     assert site.body == "skullbase"
     assert site.at == pytest.approx((0.34 - 0.01, 0.02, 0.5 + 0.2 * 0.34))
 
 
-def test_eyes_of_a_fixed_head_are_over_the_shoulders_of_the_trunk():
+def test_eyes_of_a_fixed_head_are_placed_above_the_shoulders_of_the_trunk():
     head, chest = column(0.3, 1.71, 2.01, 13), [(0.9, 0.0, 1.69), (0.9, 0.51, 1.86), (0.9, -0.51, 1.86)]
     points = part(*chest, *head, (0.4, 0.49, 1.86), (0.4, -0.49, 1.86))
     site = place((), {(7, 8): points}, {"vl5": (7, 8)}, ("humanoid_root", "vl5"))
@@ -56,7 +56,7 @@ def test_eyes_of_a_fixed_head_are_over_the_shoulders_of_the_trunk():
 
 
 @pytest.mark.parametrize("carried", [{}, {"humanoid_root": ()}, {"humanoid_root": (7,)}])
-def test_eyes_of_a_robot_without_a_head_are_before_and_over_the_shoulders(carried):
+def test_eyes_of_a_robot_without_a_head_are_in_front_of_and_above_the_shoulders(carried):
     site = place((), {(7,): part(*column(0.3, 0.1, 1.6, 40))}, carried)
     assert (site.body, site.facing) == ("humanoid_root", (1.0, 0.0, 0.0))
     assert site.at == pytest.approx((0.02 + 0.34 - 0.01, 0.0, 0.4 + 0.7))
@@ -78,7 +78,7 @@ def test_front_of_a_head_needs_twelve_surface_points():
     assert _find_front(np.array(column(0.3, 0.0, 0.3, 12)), 1.0) is not None
 
 
-def test_front_is_the_foremost_point_at_half_the_height_of_the_head():
+def test_front_of_a_head_is_its_foremost_point_at_half_its_height():
     points = np.array([*column(0.3, 1.0, 1.4, 13), (0.8, 0.1, 1.37), (0.5, 0.3, 1.05)])
     assert _find_front(points, 2.0) == pytest.approx((0.8, 0.0, 1.2))
     assert _find_front(points, 1.8) == pytest.approx((0.5, 0.0, 1.2))

@@ -84,7 +84,7 @@ def test_thumb_is_the_only_finger_with_that_name_or_else_the_most_separate_finge
     ("lower", "upper", "zero", "sign"),
     [(0, 1, 0, 1), (-1, 0, 0, -1), (-1, 1, 0, 0), (0, 1, 0.5, 0), (0, 1, 0.6, -1), (None, 1, 0, 0), (0, None, 0, 0)],
 )
-def test_sign_of_a_joint_range_is_that_of_its_clearly_larger_side(lower, upper, zero, sign):
+def test_sign_of_a_joint_range_is_that_of_the_larger_side_or_zero_if_both_sides_are_similar(lower, upper, zero, sign):
     assert _find_range_sign(joint(lower=lower, upper=upper, zero=zero)) == sign
 
 
@@ -153,7 +153,7 @@ def test_positive_angles_flex_towards_the_palm_and_abduct_from_the_middle_finger
         ("middle_pivot", (None, None), 1.0, (radians(-10), radians(15), True)),
     ],
 )
-def test_range_of_a_finger_hinge_is_that_of_the_file_or_assumed(name, limits, sign, expected):
+def test_range_of_a_finger_hinge_comes_from_the_file_or_a_default(name, limits, sign, expected):
     turn = _map_turn(joint(lower=limits[0], upper=limits[1], zero=0.1), 7, "l", "index2", name, sign)
     assert (turn.lower, turn.upper, turn.assumed) == pytest.approx(expected)
     assert (turn.name, turn.segment, turn.joint, turn.sign, turn.zero) == (f"l_{name}", "l_index2", 7, sign, 0.1)

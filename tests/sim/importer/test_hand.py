@@ -149,7 +149,7 @@ def test_spread_hand_shape_moves_fingertips_apart(robots):
     assert roots["spread"] > roots["flat"] + 0.015
 
 
-def test_review_lists_found_fingers_and_omitted_parts(robots, written, puppets, tee_mapped):
+def test_import_review_lists_found_fingers_and_omitted_parts(robots, written, puppets, tee_mapped):
     mapped, _ = robots["coupled"]
     review = " | ".join(mapped.file.robot.imported.review)
     assert "left: thumb, index, middle, ring, pinky" in review

@@ -104,7 +104,7 @@ def test_review_notes_name_each_doubt(figure, hinges, hands, notes):
 
 
 @pytest.mark.parametrize("doubt", [{"off": (radians(9.9), 0.0)}, {"asymmetry": 0.02}])
-def test_small_geometric_errors_of_imported_arms_are_not_noted(doubt):
+def test_small_geometric_errors_of_imported_arms_are_not_listed_for_review(doubt):
     assert _review(figure(**doubt), (), BOTH)[1:] == [LEGS]
 
 
@@ -149,7 +149,7 @@ def test_placeholder_servo_has_unit_torque_and_current_without_losses():
     assert (UNIT_SERVO.armature, UNIT_SERVO.frictionloss, UNIT_SERVO.damping) == (0.0, 0.0, 0.0)
 
 
-def test_mirrored_hinges_share_the_servo_of_the_first(monkeypatch):
+def test_mirrored_hinges_share_the_servo_chosen_for_the_first_hinge_of_the_pair(monkeypatch):
     load = SimpleNamespace(holding=np.array([1.0, 2.0, 3.0]), inertia=np.array([4.0, 5.0, 6.0]))
     robot = SimpleNamespace(skeleton=SimpleNamespace(joint=["l_a", "b", "r_a"].index))
     monkeypatch.setattr(convert, "robot_from_tables", lambda draft, path: (draft, path))

@@ -55,7 +55,7 @@ def test_limb_ends_where_the_rest_is_lighter_than_15_percent_of_its_link(mass, l
     assert _find_limb(tree, pairs, 0) == limb
 
 
-def test_limb_leaves_out_unpaired_and_driven_hinges():
+def test_limb_of_an_imported_robot_omits_unpaired_and_coupled_hinges():
     tree, pairs = limb_tree(("a", -1, 1, 1.0), ("mimic", 0, 1, 1.0), ("b", 0, 1, 1.0), ("c", 2, 1, 1.0))
     assert _find_limb(tree, pairs, 0) == (0, 2, 3)
     del pairs.pairs[3]
@@ -85,7 +85,7 @@ def test_arms_are_the_highest_limbs_with_three_hinges():
     assert branches(make_tree(*rows), make_sides(pairs=pairs)).left == (5, 6, 7)
 
 
-def test_robot_without_limbs_of_three_hinges_is_rejected_with_its_numbers():
+def test_error_for_a_robot_without_limbs_of_three_hinges_states_its_hinge_and_mirror_pair_counts():
     rows, pairs = limbs(hinges=2)
     short = {left: right for left, right in pairs.items() if left < 5}
     message = "robot r: no arms found: among 11 hinges there are 2 mirror pairs, but no pair of limbs with 3 hinges"
@@ -124,7 +124,7 @@ def test_neck_is_on_the_base_of_a_robot_without_a_trunk():
 @pytest.mark.parametrize(
     ("left", "right", "sign"), [(X, X, -1), (X, -X, 1), (Y, Y, 1), (Y, -Y, -1), (Z, Z, -1), (Z, -Z, 1), (X, Y, 1)]
 )
-def test_mirrored_hinges_of_an_imported_robot_turn_to_mirror_images(left, right, sign):
+def test_mirrored_arm_angle_has_the_sign_that_mirrors_the_rotation_for_each_axis_direction(left, right, sign):
     tree = SimpleNamespace(joints=[SimpleNamespace(axis=left), SimpleNamespace(axis=right)])
     assert mirror_angles(tree, (0,), (1,), np.array([0.5])).tolist() == [0.5 * sign]
 
@@ -163,7 +163,7 @@ def test_arms_hang_straight_down_with_elbows_that_bend_forward():
 
 
 @pytest.mark.parametrize("first", [None, np.array([0.1, 0.2, 0.3])])
-def test_arm_is_posed_within_its_ranges_from_the_given_angles(monkeypatch, first):
+def test_arm_pose_search_gets_the_given_start_angles_and_strict_ranges(monkeypatch, first):
     calls = []
     monkeypatch.setattr(zero_pose, "pose_arm", lambda *arguments: calls.append(arguments) or "posed")
     rows, _ = limbs()
@@ -178,7 +178,7 @@ def test_arm_is_posed_within_its_ranges_from_the_given_angles(monkeypatch, first
     ("in_file", "hanging", "tried", "best"),
     [((3.0, 2.3, 2.1), (1.0, 2.0, 3.0), [0, 1], 1), ((1.0, 3.0, 2.0), (9.0, 2.0, 3.0), [1], 1)],
 )
-def test_arm_division_is_the_most_human_like_when_hanging_among_the_best_in_the_file(
+def test_of_the_best_arm_divisions_in_the_file_pose_the_most_human_like_when_hanging_is_chosen(
     monkeypatch, in_file, hanging, tried, best
 ):
     divisions = (Split(0, 2, 1), Split(0, 3, 0), Split(1, 2, 0))

@@ -15,7 +15,7 @@ BODIES = """<worldbody><body><joint name="a"/><geom size="0.1"/>
   <body pos="0 0 1"><joint name="b"/><geom size="0.1"/></body></body></worldbody>"""
 
 
-def test_warnings_of_the_robot_file_reader_are_ignored():
+def test_mujoco_warning_about_a_robot_file_is_ignored():
     assert _ignore_warning("text") is None
 
 
@@ -29,7 +29,7 @@ def test_loaded_robot_is_named_after_its_file_and_notes_what_is_left_out(tmp_pat
     assert tree.left_out == ("the equality b is left out: only joint couplings are supported",)
 
 
-def test_missing_robot_file_is_named(tmp_path):
+def test_error_names_the_missing_robot_file_of_an_import(tmp_path):
     with pytest.raises(ConfigError, match=r"absent\.xml: no such file"):
         load.load_robot_tree(tmp_path / "absent.xml")
 
@@ -42,7 +42,7 @@ def test_mujoco_warning_handler_is_reset_after_an_error(tmp_path, monkeypatch):
     assert handlers[-1:] == [None]
 
 
-def test_model_that_mujoco_cannot_build_is_named(tmp_path, monkeypatch):
+def test_error_names_the_model_that_mujoco_cannot_build(tmp_path, monkeypatch):
     def fail(root, files):
         raise mujoco.FatalError("no\n  memory")
 

@@ -119,7 +119,7 @@ def test_dark_imported_meshes_stay_dark(folder: Path):
 @pytest.mark.parametrize(
     ("mesh", "why"), [("lost", "lost.stl: not in the folder robot"), ("out", "outside.stl: not in the folder")]
 )
-def test_missing_or_outside_mesh_is_omitted_with_a_note(folder: Path, mesh: str, why: str):
+def test_mesh_file_missing_or_outside_the_robot_folder_is_omitted_with_a_note(folder: Path, mesh: str, why: str):
     result, _, shell = imported(written(folder, mjcf(mesh)))
     assert shell is None
     (said,) = result.figure.tree.left_out

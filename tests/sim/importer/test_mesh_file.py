@@ -149,7 +149,7 @@ def test_mesh_files_up_to_20_megabytes_are_read(tmp_path: Path, monkeypatch: pyt
     assert sizes == [20_000_000]
 
 
-def test_obj_lines_of_other_kinds_and_more_numbers_are_ignored(tmp_path: Path):
+def test_unused_values_and_lines_of_an_obj_file_are_ignored_and_invalid_faces_rejected(tmp_path: Path):
     path = tmp_path / "a.obj"
     path.write_text("v 1 2 3 0.5 0.5 0.5\nvt 9 9\nv 4 5 6\nv 7 8 10\ns off\nf 1/1/1 2/2/2 3/3/3\nf -1 -2 -3\n")
     mesh = read_mesh(path, folder=tmp_path)

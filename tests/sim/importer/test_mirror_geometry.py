@@ -65,7 +65,7 @@ def test_offset_of_a_mirrored_hinge_weighs_distance_along_its_axis_by_a_tenth(an
     assert _measure_mirror_offset(joint, X, Z) == pytest.approx(offset)
 
 
-def test_mirror_planes_are_tried_across_y_and_x_at_three_offsets():
+def test_mirror_planes_across_y_and_x_are_tried_at_the_origin_the_base_and_the_median_hinge():
     rows = [("a", BASE_INDEX, (1.0, 2.0, 0.0), Z), ("b", 0, (3.0, 6.0, 0.0), Z), ("c", 1, (9.0, 7.0, 0.0), Z)]
     tree = make_tree(*rows, base=np.array([0.1, 0.2, 0.3]))
     assert _list_planes(tree) == [(1, 0.0), (1, 0.2), (1, 6.0), (0, 0.0), (0, 0.1), (0, 3.0)]
@@ -86,7 +86,7 @@ def test_hinges_are_paired_across_a_plane_off_the_origin():
     assert _pair_by_symmetry(make_tree(*across_x), 0, 0.5) == {0: 3, 1: 4, 2: 5}
 
 
-def test_hinges_on_the_midline_are_their_own_images_and_carry_pairs():
+def test_midline_hinges_are_unpaired_and_may_carry_mirror_pairs():
     waist = ("waist", BASE_INDEX, 0 * X, Z)
     moved = [(name, parent + 1, anchor, axis) for name, parent, anchor, axis in arms()]
     assert _pair_by_symmetry(make_tree(waist, *moved), 1, 0.0) == {1: 4, 2: 5, 3: 6}
@@ -123,7 +123,7 @@ def test_nearest_of_several_candidates_becomes_the_mirror_partner():
         ("right_arm", []),
     ],
 )
-def test_mirrored_names_exchange_words_or_single_letters(name, images):
+def test_mirror_image_of_a_joint_name_exchanges_side_words_or_side_letters(name, images):
     assert _list_images(name) == images
 
 

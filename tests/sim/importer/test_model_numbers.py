@@ -66,7 +66,7 @@ def test_velocity_and_coupling_of_urdf_joints_are_read():
     assert urdf_joints(ElementTree.fromstring('<mujoco><joint name="a"/></mujoco>')) == {}
 
 
-def test_couplings_are_linear_and_other_constraints_are_noted():
+def test_couplings_of_an_imported_robot_become_linear_and_other_constraints_are_listed_as_omitted():
     equalities = """<equality>
     <joint joint1="a" joint2="b" polycoef="0.1 2 0 0 0"/>
     <joint joint1="c" joint2="b" polycoef="0.2 3 0 0 -0.5"/>
@@ -84,7 +84,7 @@ def test_couplings_are_linear_and_other_constraints_are_noted():
 
 
 @pytest.mark.parametrize(("curve", "notes"), [("0.9e-9", 0), ("1.1e-9", 1), ("-1.1e-9", 1)])
-def test_tiny_curve_of_a_coupling_counts_as_linear(curve, notes):
+def test_coupling_with_a_negligible_nonlinear_coefficient_counts_as_linear(curve, notes):
     coupling = f'<equality><joint joint1="a" joint2="b" polycoef="0 1 {curve} 0 0"/></equality>'
     assert len(_read_equalities(spec_of(hinges("a", "b") + coupling)).left_out) == notes
 
@@ -226,7 +226,7 @@ def test_merged_bodies_have_their_total_mass_and_common_centre_of_mass():
 
 
 @pytest.mark.parametrize(("anchor", "centre"), [(None, 0 * X), (7 * X, 7 * X)])
-def test_part_without_mass_is_at_its_hinge(anchor, centre):
+def test_centre_of_mass_of_a_massless_part_is_at_its_hinge(anchor, centre):
     model, data = compiled('<worldbody><body pos="1 0 0"><geom size="0.1" mass="1"/></body></worldbody>')
     part = _part(model, data, [0], anchor)
     assert (part.mass, part.centre.tolist(), part.shapes) == (0.0, centre.tolist(), ())

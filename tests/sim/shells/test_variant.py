@@ -26,7 +26,7 @@ def write_robot(path: Path, text: str) -> Robot:
     return Robot.load(path)
 
 
-def test_robot_with_the_shape_of_its_base_robot_is_drawn_in_that_shell(tmp_path: Path):
+def test_robot_with_the_shape_of_its_base_robot_is_drawn_with_the_shell_of_the_base_robot(tmp_path: Path):
     robot = write_robot(tmp_path / "own.toml", HEADER + '[[hinge]]\nname = "l_elbow_flexion"\nrange_deg = [0, 90]\n')
     shell = find_shell(robot)
     assert shell is not None

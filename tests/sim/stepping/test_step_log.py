@@ -3,7 +3,7 @@ import numpy as np
 from kinesic.sim.stepping.step_log import StepLog
 
 
-def test_returned_step_arrays_stay_valid_after_restart_of_the_log():
+def test_step_arrays_returned_by_a_log_stay_valid_after_the_log_restarts():
     angles, speeds = np.zeros(2), np.zeros(2)
     log, held = StepLog(angles, speeds, np.zeros(2)), []
     for k in range(1, 4):

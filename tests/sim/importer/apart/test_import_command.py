@@ -71,7 +71,9 @@ def test_import_process_may_take_300_s_2_gb_and_120_cpu_seconds_by_default(fake_
     assert (begun["timeout"], begun["command"][-2:]) == (300.0, ["2000000000", "120"])
 
 
-def test_refusal_of_an_import_names_the_file_as_given(fake_process, tmp_path: Path, monkeypatch):
+def test_refusal_by_the_import_process_names_the_file_by_the_path_that_the_user_gave(
+    fake_process, tmp_path: Path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     fake_process(output=msgspec.msgpack.encode(Refusal(f"{tmp_path / 'robot.xml'}:3: is no robot")))
     assert refused(Path("robot.xml")) == "robot.xml:3: is no robot"

@@ -39,7 +39,9 @@ def large_mesh(puppets, tmp_path: Path) -> Path:
     return path
 
 
-def test_import_in_a_separate_process_gives_the_same_robot(hanging_path: Path, hanging_mapped: Mapped):
+def test_import_in_a_separate_process_gives_the_same_robot_as_in_this_process(
+    hanging_path: Path, hanging_mapped: Mapped
+):
     result, here = import_apart(hanging_path), hanging_mapped
     assert [row[0] for row in result.mapping] == [hinge.name for hinge in here.hinges]
     assert result.left_out == here.figure.tree.left_out
@@ -48,7 +50,7 @@ def test_import_in_a_separate_process_gives_the_same_robot(hanging_path: Path, h
 
 
 @pytest.mark.soak
-def test_import_refusal_names_the_file_as_given(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_import_refusal_names_the_file_by_the_path_that_the_user_gave(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.chdir(tmp_path)
     Path("broken.xml").write_text("<mujoco><worldbody>")
     assert refused(Path("broken.xml")).startswith("broken.xml: not a readable MJCF or URDF")
@@ -84,7 +86,7 @@ def test_import_beyond_the_duration_bound_is_stopped(hanging_path: Path):
         ("echo a", "unreadable"),
     ],
 )
-def test_error_of_a_failed_process_is_one_line(
+def test_failure_of_the_import_process_is_reported_with_its_cause(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, hanging_path: Path, does: str, says: str
 ):
     program = tmp_path / "python"

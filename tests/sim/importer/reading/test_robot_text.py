@@ -161,7 +161,7 @@ def test_includes_inside_removed_elements_are_not_read(read):
         ("mujoco", [], False),
     ],
 )
-def test_xml_element_is_unused_depending_on_its_parents(tag: str, around: list[str], unused: bool):
+def test_parents_of_an_xml_element_decide_whether_it_is_unused(tag: str, around: list[str], unused: bool):
     assert is_unused(tag, around) is unused
 
 
@@ -184,7 +184,7 @@ def test_number_of_actuator_states_of_a_robot_is_limited():
 
 
 @pytest.mark.parametrize(("count", "copies"), [("1", 1), ("0", 1), (" +7 ", 7), ("200", 200), ("9" * 18, 10**18 - 1)])
-def test_replicate_count_is_read_as_written(count: str, copies: int):
+def test_replicate_count_is_read_with_signs_and_spaces_and_is_at_least_one(count: str, copies: int):
     assert count_copies({"count": count}) == copies
 
 
@@ -258,7 +258,7 @@ def test_files_are_searched_in_robot_folder_then_in_referring_folder(read, refus
     assert "parts/one.xml:2: reads three.xml, which is not there" in refused(text)
 
 
-def test_include_must_name_a_file_be_empty_and_occur_once(refused):
+def test_include_element_must_name_a_file_and_be_empty_and_not_repeat_a_file(refused):
     assert "robot.xml:2: <include> names no file" in refused("<mujoco>\n<include/></mujoco>")
     part = "<mujoco/>"
     assert "<include> holds elements" in refused('<mujoco><include file="part.xml"><a/></include></mujoco>', part=part)

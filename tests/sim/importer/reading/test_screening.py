@@ -173,7 +173,7 @@ def test_huge_sizes_declared_in_a_robot_file_allocate_no_memory(robot: Path, ins
 
 
 @pytest.mark.usefixtures("small_memory")
-def test_many_user_values_of_one_body_allocate_little_memory_for_others(robot: Path):
+def test_long_user_attribute_of_one_body_allocates_little_memory_for_other_bodies(robot: Path):
     bodies = (
         f'<body user="{"1 " * 3000}"/>' + '<body user="1"><inertial mass="1" pos="0 0 0" diaginertia="1 1 1"/></body>'
     )
