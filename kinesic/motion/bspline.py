@@ -208,5 +208,5 @@ def stack_stencils(groups: Sequence[Floats], size: int) -> SparseMatrix:
 
 @lru_cache(maxsize=GRID_CACHE_SIZE)
 def grid(pieces: int, step: float) -> Grid:
-    """Return the cached spline grid for some knot intervals."""
+    """Return the cached spline grid for a number of knot intervals."""
     return Grid(pieces, step)

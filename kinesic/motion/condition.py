@@ -71,7 +71,7 @@ def condition(
     budget: Budget = UNLIMITED_BUDGET,
     memory: PlaneMemory | None = None,
 ) -> Conditioned:
-    """Shift key times minimally, then compute the nearest motion within limits.
+    """Shift key times minimally, then approximate the desired motion within limits.
 
     Args:
         postures: at least two, the first and the last keyed in all hinges.

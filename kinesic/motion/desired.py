@@ -153,7 +153,7 @@ def _ease(remaining: Floats, states: Floats, steps: Floats, keys: Keys) -> Float
 
 
 def _adapt_easing(easing: Easing, max_overshoot: float) -> tuple[Easing, float]:
-    """Limit an easing's relative overshoot, replacing OutBack if too small."""
+    """Limit an easing's relative overshoot, replacing OutBack if the limit is small."""
     if easing == "out_back" and max_overshoot < MIN_OVERSHOOT:
         return "out_quart", DEFAULT_OVERSHOOT
     return easing, OVERSHOOT_STEP * int(

@@ -103,7 +103,7 @@ def measure_time_deficit(
 
 
 def make_cutting_planes(segment: SplineSegment, deficit: Infeasibility, times: Floats) -> list[CuttingPlane]:
-    """Return cutting planes that exclude infeasible key times (m,) [s].
+    """Return cutting planes that exclude the current, infeasible key times (m,) [s].
 
     If the gradient is close to zero, each gap with a binding limit grows instead.
     """

@@ -106,7 +106,7 @@ def build_program(problem: KeyTimeProblem) -> KeyTimeProgram:
 
 
 def solve_key_times(problem: KeyTimeProblem) -> Floats:
-    """Minimise key-time shifts under gaps and cutting planes, with soft bonds.
+    """Minimise key-time shifts under minimum gaps, cutting planes and soft precedence constraints.
 
     With too many keys, they are delayed without optimisation.
 

@@ -14,7 +14,7 @@ from kinesic.motion.bspline import MIN_RANGE, grid
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory, spline_weights
 
 CHECK_RATE = 1000  # [Hz] sampling rate of the limit check
-INTERVALS_PER_CHUNK = 128  # knot intervals per block, so that arrays fit in the cache
+INTERVALS_PER_GROUP = 128  # knot intervals per group; of equally large peaks, one in the earliest group is reported
 SAMPLE_PARAMETERS = np.linspace(
     0.0, 1.0, round(CHECK_RATE * KNOT_INTERVAL) + 1
 )  # sample times within a knot interval, 0 to 1
@@ -73,9 +73,9 @@ def check_limits(trajectory: Trajectory, limits: Limits) -> Peaks:
     for name, ratios, pieces, samples in zip(
         CHECKED_QUANTITIES, *(row.reshape(-1, len(middle)) for row in rows), strict=True
     ):
-        worst = min(np.flatnonzero(ratios == ratios.max()), key=lambda hinge: pieces[hinge] // INTERVALS_PER_CHUNK)
+        worst = min(np.flatnonzero(ratios == ratios.max()), key=lambda hinge: pieces[hinge] // INTERVALS_PER_GROUP)
         begin, sample = (
-            INTERVALS_PER_CHUNK * (int(pieces[worst]) // INTERVALS_PER_CHUNK),
+            INTERVALS_PER_GROUP * (int(pieces[worst]) // INTERVALS_PER_GROUP),
             float(SAMPLE_PARAMETERS[int(samples[worst])]),
         )
         peaks[name] = Peak(

@@ -158,7 +158,7 @@ class _HingeMotion:
 
     @classmethod
     def of(cls, keys: Keys, hinge: int, motion: Conditioned, limits: Limits) -> "_HingeMotion":
-        """Divide each key gap into intervals by its duration."""
+        """Create a hinge's motion, with more intervals between keys farther apart."""
         rows = np.array(keys.exact_rows[hinge])
         counts = np.clip(np.ceil(np.diff(motion.planned[rows]) / TARGET_INTERVAL), MIN_INTERVALS, MAX_INTERVALS).astype(
             np.intp

@@ -18,7 +18,7 @@ from kinesic.motion.trajectory import KNOT_INTERVAL
 
 KEPT_RATIO = 1.0 + 1e-9  # largest limit ratio of a motion that keeps its limits
 FEASIBLE_RELAXATION = 1e-6  # largest relaxation of a feasible segment, the tolerance of PIQP
-EASY_RELAXATION = -0.2  # smallest relaxation searched for, so that easy programs end early
+EASY_RELAXATION = -0.2  # relaxation (< 0: tighter limits) at which the search ends, as a motion surely exists
 
 CLOSENESS_STENCILS = sealed(
     [np.array([1.0, 4.0, 1.0]) / 6, np.sqrt(ACCELERATION_WEIGHT) * np.array([1.0, -2.0, 1.0]) / KNOT_INTERVAL**2]

@@ -149,7 +149,7 @@ def test_duty_bound_at_the_knots_allows_for_the_parabola_between_them():
     assert np.max(duty - chord) == pytest.approx(0.7 - grid(9, KNOT_INTERVAL).duty(PAIR)[0])
 
 
-def test_jerk_and_acceleration_cost_the_same_at_twenty_radians_per_second():
+def test_smoothness_costs_of_jerk_and_acceleration_are_equal_for_a_wave_of_20_radians_per_second():
     long = grid(2000, 1e-3)
     wave = np.sin(20.0 * 1e-3 * np.arange(long.size))
     cost = wave @ form_of(long.calmness_bands) @ wave

@@ -154,7 +154,7 @@ def test_default_lead_in_is_600_ms():
     assert condition(keys, slow, lead_in=0.25).planned[0] == pytest.approx(-0.25, abs=1e-6)
 
 
-def test_start_key_moves_no_earlier_than_the_given_lead_in():
+def test_start_key_moves_earlier_by_at_most_the_given_lead_in():
     keys = (posture(0.0, (0, 0), "start"), posture(0.05, (1.9, 1.9), "stroke"), posture(3.0, (0, 0), "end"))
     assert condition(keys, LIMITS).planned[0] >= -LEAD_IN - 1e-9
     assert condition(keys, LIMITS, lead_in=0.0).planned[0] >= -1e-9

@@ -74,7 +74,7 @@ def test_hinge_does_not_move_during_a_hold():
     np.testing.assert_allclose(joined().sample(times)[0][:, 0], 0.9, atol=1e-12)
 
 
-def test_hinge_that_is_not_keyed_in_a_posture_ignores_its_angle_there():
+def test_hinge_without_a_key_in_a_posture_ignores_the_angle_given_there():
     keyed = ALL.copy()
     keyed[2, 1] = False
     motion = joined(keyed=keyed)
@@ -239,7 +239,7 @@ def test_curves_with_many_keys_are_not_cached(monkeypatch):
 
 @pytest.mark.parametrize("passed", [PLAIN_PASSAGE, KeyPassage(swing=0.5), KeyPassage(tension=-0.5)])
 @pytest.mark.parametrize("factor", [0.5, 3.0])
-def test_same_keys_in_another_time_give_the_same_path(passed, factor):
+def test_path_through_keys_is_unchanged_if_all_key_times_are_scaled(passed, factor):
     random = np.random.default_rng(5)
     angles = np.cumsum(random.uniform(0.02, 0.9, (9, 2)), axis=0) - 1.9
     times, keyed = np.cumsum(random.uniform(0.1, 0.9, 9)), np.ones_like(angles, dtype=bool)

@@ -193,7 +193,9 @@ def test_easing_of_one_hinge_changes_no_other_hinge_and_no_other_interval():
 
 
 @pytest.mark.parametrize(("easing", "tension", "is_rebound"), [("out_bounce", 0.0, True), ("out_back", 0.0, False)])
-def test_only_bounces_and_loose_overshoots_outrun_a_swing(easing, tension, is_rebound):
+def test_swing_enlarges_the_easing_offset_of_out_bounce_and_that_of_out_back_only_at_negative_tension(
+    easing, tension, is_rebound
+):
     angles, times = [[0.0], [0.6], [0.3]], (0.0, 0.5, 1.0)
     offsets = eased(easing, angles, times, swing=0.9, tension=tension, steepness=5.0)[0][:, 0]
     expected = (soften_easing(easing, 5.0) - soften_easing("minimum_jerk", 1.0))[0]

@@ -78,7 +78,7 @@ def test_spare_time_of_a_segment_is_computed_only_up_to_a_bound():
 
 
 @pytest.mark.parametrize("target", [-0.05, -0.0005, 0.05])
-def test_early_end_of_the_deficit_search_gives_the_same_feasibility(target):
+def test_early_end_of_the_deficit_search_does_not_change_the_feasibility_result(target):
     ended = 0
     for pieces in range(30, 90, 3):
         infeasibility = measure_time_deficit(way(pieces, pieces / 2), LIMITS)
@@ -136,7 +136,7 @@ def deficit_of(amount: float, slopes: list[float], binding=("speed", None)) -> I
 
 @pytest.mark.parametrize(("amount", "counted"), [(0.3, 0.3), (-0.2, 0.0)])
 @pytest.mark.parametrize("slopes", [[-2.0, 2.0, 0.0], [0.0, 0.0, 0.11], [-0.11, 0.0, 0.0]])
-def test_cutting_plane_excludes_present_key_times_by_the_deficit_and_a_margin(slopes, amount, counted):
+def test_cutting_plane_excludes_the_current_key_times_by_the_deficit_and_a_margin(slopes, amount, counted):
     (plane,) = make_cutting_planes(MARKED, deficit_of(amount, slopes), KEY_TIMES)
     np.testing.assert_allclose(plane.slopes, [slopes[0], slopes[1] / 2, slopes[1] / 2, slopes[2]])
     assert plane.slopes @ KEY_TIMES - plane.bound == pytest.approx(counted + DEFICIT_MARGIN)

@@ -108,7 +108,7 @@ def test_posture_of_all_hinges_has_an_exact_key_without_sync_points_for_each_hin
     assert posture.angles.tolist() == [0.1, 0.2, 0.3]
 
 
-def test_fixed_time_offsets_apply_only_between_two_existing_different_keys():
+def test_precedence_constraints_apply_only_between_two_existing_different_keys():
     bonds = (
         Bond(("b", "start"), ("b", "end"), 0.5),
         Bond(("b", "start"), ("b", "relax"), 0.6),

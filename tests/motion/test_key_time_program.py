@@ -33,7 +33,7 @@ KEYS = keys_of((3.0, "start"), (3.5, "ready"), (4.0, "stroke"), (6.0, "end"))
 PLANES = [CuttingPlane(sealed([0.0, 2.0, -2.0, 0.0]), -1.0), CuttingPlane(sealed([1.0, 0.0, 0.0, -3.0]), 5.0)]
 
 
-def test_rows_of_the_key_time_program_are_gaps_fixed_offsets_cutting_planes_and_shifts():
+def test_rows_of_the_key_time_program_are_gaps_precedence_constraints_cutting_planes_and_shifts():
     keys = replace(KEYS, bonds={(0, 2): 1.5, (3, 1): -2.0})
     program = build_program(KeyTimeProblem(keys, {(0, 1): 0.1, (1, 2): 0.2}, 0.6, PLANES))
     times, late, early, broken = np.eye(14)[:4], np.eye(14)[4:8], np.eye(14)[8:12], np.eye(14)[12:]
@@ -53,7 +53,7 @@ def test_rows_of_the_key_time_program_are_gaps_fixed_offsets_cutting_planes_and_
     np.testing.assert_allclose(program.costs, [0] * 4 + [0.15, 0.9, 15.0, 0.15] + [0.05, 0.3, 5.0, 0.05] + [50.0, 50.0])
 
 
-def test_key_time_program_without_fixed_offsets_and_cutting_planes_has_only_gaps_and_shifts():
+def test_key_time_program_without_precedence_constraints_and_cutting_planes_has_only_gaps_and_shifts():
     program = build_program(KeyTimeProblem(KEYS, {(0, 3): 0.1}, 0.0))
     assert program.matrix.shape == (5, 12)
     assert program.upper.tolist() == [-0.1, 3.0, 3.5, 4.0, 6.0]
@@ -120,7 +120,7 @@ def test_simplex_result_that_violates_a_constraint_beyond_rounding_is_rejected(m
         assert (key_time_lp._solve_small(problem) is not None) is is_used
 
 
-def test_deviation_from_a_fixed_offset_costs_50_per_second_and_is_allowed():
+def test_violation_of_a_precedence_constraint_costs_50_per_second_and_is_allowed():
     for bonds, expected in (({(1, 2): 0.8}, 3.2), ({(1, 2): -5.0}, 3.5)):
         keys = replace(KEYS, bonds=bonds)
         problem = KeyTimeProblem(keys, {(0, 1): 0.0, (2, 3): 1.0}, 0.0)
@@ -141,7 +141,7 @@ def test_key_time_shifts_below_100_ns_are_ignored(monkeypatch):
         assert np.array_equal(solve_key_times(problem), KEYS.requested_times) is is_kept
 
 
-def test_simplified_solution_delays_keys_in_order_until_gaps_and_fixed_offsets_hold(monkeypatch):
+def test_simplified_solution_delays_keys_in_order_until_gaps_and_precedence_constraints_hold(monkeypatch):
     monkeypatch.setattr(key_time_lp, "MAX_DELAYED_KEYS", 1.0)
     keys = replace(KEYS, bonds={(0, 2): 1.4, (2, 3): 2.0})
     delayed = solve_key_times(KeyTimeProblem(keys, {(0, 1): 0.7, (1, 2): 0.5, (2, 3): 0.1}, 0.6))
@@ -151,7 +151,7 @@ def test_simplified_solution_delays_keys_in_order_until_gaps_and_fixed_offsets_h
     np.testing.assert_array_equal(solve_key_times(planned), delayed)
 
 
-def test_simplified_solution_ends_after_eight_sweeps_if_fixed_offsets_contradict(monkeypatch):
+def test_simplified_solution_ends_after_eight_sweeps_if_precedence_constraints_contradict(monkeypatch):
     monkeypatch.setattr(key_time_lp, "MAX_DELAYED_KEYS", 1.0)
     keys = replace(KEYS, bonds={(1, 2): 1.0, (2, 1): 1.0})
     delayed = solve_key_times(KeyTimeProblem(keys, {(0, 1): 0.7}, 0.6))

@@ -3,7 +3,7 @@ import pytest
 
 from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
-from kinesic.motion.limit_check import INTERVALS_PER_CHUNK, check_limits, find_beyond
+from kinesic.motion.limit_check import INTERVALS_PER_GROUP, check_limits, find_beyond
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 
 from ..reference.motion import sampling
@@ -40,7 +40,7 @@ def sampled(trajectory):
     }
 
 
-@pytest.mark.parametrize("pieces", [1, 10, INTERVALS_PER_CHUNK, INTERVALS_PER_CHUNK + 1, 3 * INTERVALS_PER_CHUNK + 7])
+@pytest.mark.parametrize("pieces", [1, 10, INTERVALS_PER_GROUP, INTERVALS_PER_GROUP + 1, 3 * INTERVALS_PER_GROUP + 7])
 def test_limit_peaks_equal_those_of_samples_at_1_khz(pieces):
     motion = wandering(pieces)
     by_quantity = check_limits(motion, LIMITS).by_quantity
@@ -70,7 +70,7 @@ def test_limit_peak_at_the_end_of_the_motion_is_found():
     assert speed.time == pytest.approx(motion.duration)
 
 
-def test_only_new_limit_violations_are_flagged():
+def test_only_limit_violations_absent_from_the_earlier_motion_are_flagged():
     still, both = np.zeros((2, 40)), np.array([0, 1])
     leaping = still.copy()
     leaping[1, 20] = 0.002

@@ -240,7 +240,7 @@ def test_nonlinear_program_returns_the_constrained_minimum_or_none_if_infeasible
     assert program.solve(casadi.sumsqr(x)) is None
 
 
-def test_optimal_key_times_keep_minimum_gaps_and_feasible_fixed_offsets(planned):
+def test_optimal_key_times_keep_minimum_gaps_and_feasible_precedence_constraints(planned):
     keys = replace(KEYS, bonds={(0, 2): 2.5, (0, 3): -9.0})
     best = best_times(keys, planned, LIMITS, 0.1)
     assert best.times[0] >= -0.1 - 1e-6

@@ -120,7 +120,7 @@ def test_segment_lies_within_another_if_it_has_the_same_hinge_and_a_part_of_its_
     assert (outer.knots, outer.controls) == (slice(10, 31), slice(10, 33))
 
 
-def test_segment_is_still_only_without_a_path_moving_ends_and_angle_changes():
+def test_segment_with_a_path_or_moving_ends_or_changing_angles_is_not_still():
     still = segment(20, 0.3, 0.3, (5.0, 0.3 + 0.5e-9))
     assert still.is_still
     moves = (

@@ -110,7 +110,7 @@ def test_stop_search_finds_the_fewest_extra_knot_intervals(least):
     ("needed", "pieces", "taken"),
     [(3, 9, 3), (6, 9, 6), (10, 9, None), (10, 10, 10), (11, 10, None), (30, 10, None)],
 )
-def test_motion_too_short_for_a_stop_has_no_stopped_motion(monkeypatch, needed, pieces, taken):
+def test_motion_too_short_for_a_stop_is_returned_unchanged(monkeypatch, needed, pieces, taken):
     def solve(segment, desired, limits):
         return np.zeros(segment.grid.size) if segment.grid.pieces >= needed else None
 

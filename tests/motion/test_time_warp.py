@@ -87,7 +87,7 @@ def steps_of_search(deficits):
     return [float(np.abs(np.diff(times) / np.diff(KEYS.requested_times) - 1.0).max()) for times in tried[1:]]
 
 
-def test_failing_time_stretching_ends_after_ten_steps_and_shrinks_the_first_five():
+def test_failing_time_stretching_ends_after_ten_steps_of_which_the_first_five_shrink():
     lacks = measure(KEYS.requested_times)
     steps = steps_of_search(lambda times, number: lacks)
     assert len(steps) == 10

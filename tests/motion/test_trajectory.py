@@ -127,7 +127,7 @@ def test_spline_weights_beyond_the_ends_are_those_of_the_ends():
     assert spline_weights(np.array([30.0]), 30)[1][0] == pytest.approx([0.0, 1 / 6, 4 / 6, 1 / 6])
 
 
-def test_jerks_of_a_later_motion_reach_its_ends_and_no_further():
+def test_jerks_of_a_delayed_trajectory_are_zero_before_its_start_and_after_its_end():
     later = replace(MOTION, start=2.0)
     steps = np.diff(CONTROLS, 3, axis=0) / KNOT_INTERVAL**3
     inside = later.jerks(2.0 + KNOT_INTERVAL * np.array([0.0, 0.5, 29.5])), later.jerks(np.array([later.end]))
