@@ -139,7 +139,7 @@ def make_observer(setup: Setup, believed: Factors, delay: float, bodies: int) ->
 
 
 def _copy_observer(setup: Setup, believed: Factors, delay: float, bodies: int) -> Observer:
-    """Copy a cached observer, so that threads do not use common buffers.
+    """Copy a cached observer, so that threads do not share its buffers.
 
     Several threads may then perform at once.
     """

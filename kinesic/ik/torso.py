@@ -94,7 +94,7 @@ def _bisect(excess: Callable[[float], float], insufficient: float, sufficient: f
 
 
 def _compute_pull_moment(turn: _Turn, far: Sequence[_Arm]) -> float:
-    """Return the moment [m] about a hinge of unit shoulder-target forces."""
+    """Return the moment [m] of unit shoulder-to-target forces about a hinge."""
     moment = 0.0
     for arm in far:
         rest = [pivot.rest for pivot in arm.linkage.pivots]

@@ -57,7 +57,7 @@ def nodding(twin: Factors, *, swing: float = 0.3) -> Log:
     return make_log(body.measurements())
 
 
-def test_servo_factors_without_evidence_keep_the_earlier_estimate():
+def test_servo_factors_that_the_motion_does_not_determine_keep_the_earlier_estimate():
     neck, arm = "xc430_w240", "xm540_w270"
     before = Factors(stall=0.9, servos={arm: DriveFactors(gain=0.8)}, mass=1.1)
     wrong = Factors(stall=0.9, servos={arm: DriveFactors(gain=0.8), neck: DriveFactors(stall=0.9, gain=0.6)}, mass=1.1)

@@ -88,7 +88,7 @@ SINGLE += [tuple(2.0**power if k == which else 1.0 for k in range(3)) for which 
 
 @pytest.mark.parametrize("latency", [0.0, 0.008, 0.014, 0.02])
 @pytest.mark.parametrize("told", [True, False], ids=["told", "not told"])
-def test_observer_loop_is_stable_for_single_factor_two_errors_at_latencies_up_to_20_ms(latency, told):
+def test_observer_loop_is_stable_up_to_20_ms_latency_if_one_parameter_is_wrong_by_a_factor_of_two(latency, told):
     observer = Observer.of(ROBOT, DYNAMICS, period=COMMAND_PERIOD, delay=latency if told else 0.0)
     for factors in SINGLE:
         assert closed_loop(observer, factors, latency).max() < 1.0, factors

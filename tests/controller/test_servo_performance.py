@@ -91,7 +91,7 @@ def test_servo_run_without_tracking_errors_passes_all_checks(performance: DryRun
     assert results["measured.rmse"].value < 1e-6
 
 
-def test_pace_check_names_the_computer_only_if_it_slowed_time(performance: DryRun):
+def test_pace_check_gives_a_busy_computer_as_cause_only_if_it_slowed_the_performance(performance: DryRun):
     live = perform_live(performance, Actor())
     longer, slower = (
         Note(0.0, -1, "host", f"cycles begin up to {gap} ms apart: time runs at {rate} %")

@@ -47,7 +47,7 @@ def test_arm_keys_solved_in_one_kernel_call_equal_the_python_reference(chain: Ch
         assert getattr(one, name) == pytest.approx(getattr(two, name), abs=1e-9, nan_ok=True)
 
 
-def test_arm_keys_solved_in_parts_match_one_ik_call():
+def test_arm_keys_solved_one_by_one_match_those_solved_in_one_call():
     keys = _keys(LEFT, 7, seed=4)
     whole = pose_keys(LEFT, keys, LIMITS, start=LEFT.rest, path_start=None)
     start, path_start = LEFT.rest, None

@@ -24,8 +24,8 @@ RESERVE_FRACTION = 0.3  # fraction of the required clearance below which the rob
 CREEP_PACE = 0.02  # lowest time scale near a collision; slow enough for tracking errors to decay
 SETTLING_TIME = 0.3  # [s] creeping time after which servos no longer oscillate
 MAX_CREEP_TIME = 2.0  # [s] creeping time before the performance ends, longer than `ERROR_MEMORY`
-_LOOKAHEAD_LOOKS = round(LOOKAHEAD_TIME / LOOK_PERIOD)  # number of intervals `LOOK_PERIOD` in the lookahead time
-_MEMORY_LOOKS = round(ERROR_MEMORY / LOOK_PERIOD)  # number of earlier evaluations whose tracking errors are kept
+_LOOKAHEAD_LOOKS = round(LOOKAHEAD_TIME / LOOK_PERIOD)  # number of clearance check periods within the lookahead time
+_MEMORY_LOOKS = round(ERROR_MEMORY / LOOK_PERIOD)  # number of past clearance checks whose tracking errors are kept
 
 
 @dataclass(frozen=True)

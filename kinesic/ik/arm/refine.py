@@ -132,7 +132,7 @@ def _in_base(reach: Reach, frames: Frames, base: int) -> Reach:
 
 
 def _errors(arm: TrueArm, reach: Reach, elbow: Floats | None, size: float) -> ErrorFunction:
-    """Make the error function of hand position, directions and elbow."""
+    """Return the function that computes errors of hand position, directions and elbow."""
     given = [reach.pointing, reach.palm]
     rows_of = [k for k in range(2) if given[k] is not None]
     aims = np.array([direction for direction in given if direction is not None]).reshape(-1, 3)

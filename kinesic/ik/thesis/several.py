@@ -121,7 +121,7 @@ def _common_rotation(
 
 @dataclass(frozen=True, eq=False)
 class Reached:
-    """Postures and remaining distances of a tree of limbs."""
+    """Postures of a limb tree, with the remaining distances to the targets."""
 
     stances: Mapping[str, ChainPosture]  # of each limb, bones at their true lengths
     residuals: Mapping[str, float]  # [m] from each end that has a target to that target

@@ -20,7 +20,7 @@ def test_ik_start_postures_cover_the_joint_ranges() -> None:
         assert np.all(np.histogram(column, bins=4, range=(0, 1))[0] >= SEED_COUNT // 8)
 
 
-def test_start_postures_are_cached_and_sorted_by_distance() -> None:
+def test_ik_start_postures_are_cached_and_sorted_by_hand_distance_to_the_target() -> None:
     arm = linkage_of(CHAIN)
     assert seeds(arm) is seeds(arm)
     result = nearest_seeds(ARM, (0.2, 0.1, 0.0), 5)

@@ -86,7 +86,7 @@ def test_shoulder_position_and_target_of_a_posture_are_recovered() -> None:
     assert place.target == hand
 
 
-def test_shoulder_posture_is_unchanged_at_zero_effort():
+def test_passive_shoulder_keeps_the_rest_posture_at_zero_effort():
     assert carry_shoulder(CHAIN, HIGH, 0.0) is CHAIN.rest
 
 

@@ -35,7 +35,7 @@ def test_postures_of_the_swivel_search_are_in_range_and_report_their_errors():
     assert sum(cell.miss < 1e-9 for cell in seen) > SWIVEL_STEPS
 
 
-def test_collar_bone_stays_if_excluded_from_the_search():
+def test_collar_bone_stays_if_excluded_from_the_swivel_search():
     seen = list(cells(LINKAGE, TARGET, _still, near=POSTURE.tolist(), girdle=False))
     assert len(seen) == SWIVEL_STEPS
     assert {round(cell.angles[0], 9) for cell in seen} == {0.1}
