@@ -96,7 +96,7 @@ def parse_tables(text: str, path: Path) -> dict[str, object]:
 
 
 def describe_excess(text: str) -> str:
-    """Describe the first exceeded limit on nesting or key parts, or "".
+    """Describe the first exceeded limit on nesting or key parts, if any.
 
     The parser's time grows with the square of the number of parts of a dotted key, and it recurses for each nesting.
     """
@@ -236,7 +236,7 @@ def _suggest_key(message: str, schema: object) -> str:
 
 
 def _enter(schema: object, part: str) -> Iterator[object]:
-    """Yield the types that a schema allows at `.name` or `[...]`."""
+    """Yield the types that a schema allows for a field path step."""
     if isinstance(schema, type) and issubclass(schema, msgspec.Struct):
         yield from (field.type for field in msgspec.structs.fields(schema) if part == f".{field.encode_name}")
     elif get_origin(schema) in (Union, UnionType, Annotated):

@@ -27,7 +27,7 @@ class Mark:
 
 @dataclass(frozen=True)
 class Pause:
-    """Silence in a text, before the character at `position`."""
+    """Pause of the voice before the character at `position` of a text."""
 
     position: int
     duration: float  # [s]
@@ -36,7 +36,7 @@ class Pause:
 
 @dataclass(frozen=True)
 class Emphasis:
-    """Section of a text with its own SSML markup."""
+    """Section of a text inside one SSML element, such as `emphasis`."""
 
     begin: int  # first character
     end: int  # after the last character

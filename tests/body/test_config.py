@@ -86,7 +86,7 @@ def test_invalid_config_field_error_names_the_field_and_what_is_expected(file, t
         read_toml(file(text), Cart)
 
 
-def test_suggestion_names_the_nearest_or_all_valid_names():
+def test_suggestion_names_the_nearest_valid_name_or_else_all_of_them():
     assert suggestion("elbwo", ["elbow", "wrist"]) == "; did you mean elbow?"
     assert suggestion("knee", ["wrist", "elbow"]) == "; known: elbow, wrist"
     assert suggestion("knee", []) == ""

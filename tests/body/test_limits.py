@@ -64,14 +64,14 @@ def test_scaled_motion_limits_differ_only_in_acceleration_jerk_and_duty():
         np.testing.assert_allclose(getattr(result, name), getattr(limits, name) * ([0.5, 1.0] if scaled else 1.0))
 
 
-def test_motion_limits_can_be_reduced_to_selected_joints():
+def test_motion_limits_of_selected_joints_are_returned_in_the_selected_order():
     limits = Limits.box(**BOX_LIMITS)
     part = limits.part(np.array([1, 0]))
     for name in LIMIT_NAMES:
         np.testing.assert_array_equal(getattr(part, name), getattr(limits, name)[[1, 0]])
 
 
-def test_box_limits_have_a_duty_limit_far_above_their_duty():
+def test_box_limits_have_a_duty_limit_that_never_binds():
     limits = Limits.box(**BOX_LIMITS)
     for name, values in BOX_LIMITS.items():
         np.testing.assert_array_equal(getattr(limits, name), values)

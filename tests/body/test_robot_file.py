@@ -65,7 +65,7 @@ def test_invalid_robot_file_error_is_one_line_with_the_file_and_the_cause(change
     assert "\n" not in str(caught.value)
 
 
-def test_robot_file_without_mirror_needs_both_sides(changed):
+def test_robot_file_without_mirror_must_describe_both_sides(changed):
     with pytest.raises(ConfigError, match="no r_sternoclavicular"):
         changed('mirror = { from = "l_", to = "r_" }\n', "")
 
