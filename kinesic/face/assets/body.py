@@ -29,12 +29,12 @@ POSITION_STEP = 5e-5  # [m] resolution of positions in the file
 FIGURE_HAIR = replace(
     HAIR_STYLES["female"], roots=460, hairline_roots=30, steps=6, width=(0.20, 0.20)
 )  # fewer locks than a portrait
-SHOULDER_PASSES = 16  # number of passes that smooth the suit's weights around the shoulders
+SHOULDER_PASSES = 16  # number of smoothing iterations over the clothes' skinning weights around the shoulders
 SHOULDER_REACH = 0.15  # [m] distance from a shoulder within which weights are smoothed
 SHOULDER_RAMP = 0.08  # [m] width of the transition from smoothed to unsmoothed weights
-TUCK_DEPTH = 0.009  # [m] by which covered skin is moved inward
+TUCK_DEPTH = 0.009  # [m] distance by which skin under the clothes is moved inward
 TUCK_RAMP = 0.014  # [m] distance below the neckline over which `TUCK_DEPTH` is reached
-COLLAR_RAMP = 0.045  # [m] distance below the neckline within which the suit is drawn to the neck
+COLLAR_RAMP = 0.045  # [m] distance below the neckline within which the clothes are pulled to the neck
 COLLAR_GAP = 0.0015  # [m] distance of the suit from the neck at the neckline; the shirt lies outside the suit
 COLLAR_NEIGHBOURS = 4  # number of nearest skin points that are averaged for the neck's surface
 MAX_FRAMES_PER_VERTEX = 8  # largest number of skinning frames that move a vertex
@@ -118,7 +118,7 @@ def _assemble_figure(head: Mesh, data: Mapping[str, NDArray[Any]]) -> DressedPer
 
 
 def _cut_clothes(below: Mesh, suit: Indices, centres: Mapping[str, Floats], top: Mesh) -> Iterator[Mesh]:
-    """Yield the garments, each with all faces that touch its cloth."""
+    """Yield each garment's mesh, without faces wholly outside its border."""
     below = replace(below, positions=_fit_collar(below.positions, np.unique(suit), centres, top))
     normals = replace(below, faces=suit).normals(below.positions)
     for garment in cut_garments(below.positions, centres):
@@ -134,7 +134,7 @@ def _cut_clothes(below: Mesh, suit: Indices, centres: Mapping[str, Floats], top:
 
 
 def _smooth_shoulders(weights: Floats, suit: Indices, points: Floats, centres: Mapping[str, Floats]) -> Floats:
-    """Smooth the skinning weights around the suit's armpits and shoulders."""
+    """Smooth the skinning weights of the clothes around armpits and shoulders."""
     ends = np.concatenate([np.stack([suit[:, k], suit[:, (k + 1) % 4]], axis=1) for k in range(4)])
     both = np.concatenate([ends, ends[:, ::-1]])
     joined = scipy.sparse.csr_array((np.ones(len(both)), (both[:, 0], both[:, 1])), shape=(len(points), len(points)))
@@ -159,7 +159,7 @@ def _round_weights(weights: Floats) -> Floats:
 
 
 def _fit_collar(points: Floats, suit: Indices, centres: Mapping[str, Floats], top: Mesh) -> Floats:
-    """Return (v, 3) positions [m] with the suit's neckline at the neck."""
+    """Return (v, 3) positions [m] with the neckline pulled to the neck."""
     skin = top.vertices("skin")
     skin = skin[np.isin(skin, top.faces)]
     near = suit[measure_neckline_distance(points[suit], centres) > -COLLAR_RAMP]

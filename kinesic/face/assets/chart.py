@@ -37,10 +37,10 @@ HAIRLINE_POINTS = (  # angle from the front [deg], height in distances between t
     (180.0, -1.0),
 )
 MOUTH_REGION = (0.6, -1.45, -0.8)  # [eye distances] search region of the mouth: half width, lowest and highest point
-THROAT_DEPTH = -1.0  # [eye distances] rearmost forward position in the mouth; the neck lies behind it
+THROAT_DEPTH = -1.0  # [eye distances] rearmost forward position in the mouth; the neck lies farther back
 MOUTH_DEPTH_UNIT = 0.1  # unit of depth in the mouth, in distances between the eyes
-LIP_DEPTH = 0.35  # depth up to which the inside of the mouth counts as lip, in MOUTH_DEPTH_UNIT
-MAX_MOUTH_DEPTH = 6.0  # depth from which the mouth is equally dark, in MOUTH_DEPTH_UNIT
+LIP_DEPTH = 0.35  # [MOUTH_DEPTH_UNIT] depth behind the lips up to which the skin counts as lip
+MAX_MOUTH_DEPTH = 6.0  # [MOUTH_DEPTH_UNIT] depth behind the lips beyond which the mouth gets no darker
 CROWN_CENTRE = -1.15  # [eye distances] forward position of the vertical axis of the angles in HAIRLINE_POINTS
 
 
@@ -81,7 +81,7 @@ def compute_vertex_chart(mesh: Mesh) -> Floats:
 
 
 def unroll_mesh(place: Floats, triangles: Indices, skin: NDArray[np.bool_]) -> tuple[NDArray[np.intp], Floats, Indices]:
-    """Split the skin along the seam of surface coordinates behind the head.
+    """Split the skin mesh behind the head, where surface coordinates jump.
 
     Other parts stay whole: their chart attributes have other units, such as millimetres along a row of teeth.
 
@@ -105,7 +105,7 @@ def unroll_mesh(place: Floats, triangles: Indices, skin: NDArray[np.bool_]) -> t
 
 
 def measure_mouth_depth(mesh: Mesh, deepest: float = 1.0) -> Floats:
-    """Return the (v,) depth of skin vertices in the mouth.
+    """Return the (v,) depth of skin vertices behind the lips.
 
     It is in `MOUTH_DEPTH_UNIT`, at most `deepest`, and 0 outside.
     """

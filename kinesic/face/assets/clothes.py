@@ -1,4 +1,4 @@
-"""Shirt, trousers and shoes, cut pixel by pixel from one closed suit.
+"""Shirt, trousers and shoes: a body mesh moved outward, drawn within borders.
 
 A garment is the suit moved outward, with the distance of each vertex beyond the nearest hem, cuff or neckline: drawing
 interpolates this distance and omits pixels beyond the border, so borders are smooth for any face layout.
@@ -32,7 +32,7 @@ COVERED_DEPTH = 0.018  # [m] depth below the neckline from which the head's skin
 
 @dataclass(frozen=True, eq=False)
 class Garment:
-    """A garment's colour and gloss, with offset and border distance by vertex."""
+    """A garment's colour and gloss, with offset and border distance per vertex."""
 
     colour: Colour
     gloss: float
@@ -41,7 +41,7 @@ class Garment:
 
 
 def cut_garments(points: Floats, centres: Mapping[str, Floats]) -> tuple[Garment, ...]:
-    """Return shirt, trousers and shoes that are cut from a suit.
+    """Return shirt, trousers and shoes, made from a closed body suit.
 
     Args:
         points: (v, 3) [m] vertices of the suit.
@@ -65,7 +65,7 @@ def cut_garments(points: Floats, centres: Mapping[str, Floats]) -> tuple[Garment
 
 
 def _ramp_to_border(beyond: Floats) -> Floats:
-    """Return (v,) factors, 1 at a garment's border and 0 inside."""
+    """Return (v,) tightening factors: 1 at a garment's border, 0 inside."""
     return np.asarray(np.clip(1.0 + beyond / TIGHTENING_RANGE, 0.0, 1.0))
 
 

@@ -29,16 +29,16 @@ HAIR_SEED = 11  # seed of the random generator for hair
 PAINTED_HAIR_HEIGHT = 0.0035  # [m] distance of painted hair from the scalp, reached at the height SCALP_RAMP
 INSIDE_VISIBLE_HEIGHT = -0.4  # [eye distances] height below which the inside of hanging locks is visible
 INSIDE_STRIDE = 3  # every third hanging lock is also drawn from inside
-ROOT_WIDTH = 0.2  # width of a lock at the hairline, relative to its full width; avoids steps there
+ROOT_WIDTH = 0.2  # width of a lock at the hairline / its full width; small, so that the hairline looks smooth
 GROWTH_FRACTION = 0.3  # fraction of a lock within which it reaches its full width
 FULL_WIDTH_DISTANCE = 0.5  # [eye distances] height over hairline and sideburns from which locks start at full width
 TAPER_START = 0.6  # fraction of a lock from which it narrows
 LENGTH_VARIATION = (0.93, 1.07)  # range of the random factor on a lock's length
 LAYER_RANGE = (0.7, 1.0)  # range of the random factor on a lock's distance from the skull
 HANGING_RANGE = (-0.7, -0.1)  # [eye distances] heights between which hair changes from hanging to following the skull
-MIN_LOCK_STEPS = 0.9  # length in steps below which a lock is removed
+MIN_LOCK_STEPS = 0.9  # [steps along a lock] length below which a lock is removed
 CUT_VARIATION = (-0.06, 0.06)  # [eye distances] range of the random offset of the height at which hair is cut
-UPSTREAM_SHIFT = 0.2  # [eye distances] largest distance by which locks begin before their roots
+UPSTREAM_SHIFT = 0.2  # [eye distances] largest shift of a lock's start from its root, against the comb direction
 FACE_RANGE = (-1.3, -0.6)  # [eye distances] forward positions between which hair comes to lie on the cheek
 COMB_VARIATION = 0.15  # largest random component of the comb direction of a lock
 LOOSE_FRACTION = 0.12  # fraction of locks that leave the comb direction
@@ -47,7 +47,7 @@ LOOSE_LAYER = 1.1  # factor on the distance of loose locks from the skull
 THIN_FRACTION = 0.15  # fraction of locks that are single strands
 THIN_WIDTH = 0.3  # factor on the width of single strands
 RISING_HEIGHT = 0.35  # [eye distances] height scale over the hairline within which parted hair rises backwards
-COMB_WEIGHT = 0.55  # weight of the comb direction in each step along a lock
+COMB_WEIGHT = 0.55  # weight 0..1 of the comb direction in each step along a lock
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,7 @@ HEAD_CENTRE = np.array([-1.15, 0.0, 0.30])  # origin of directions to the skull,
 NEIGHBOUR_COUNT = 24  # number of skin vertices averaged for the skull radius in a direction
 SMOOTHING_ANGLE = 0.08  # [rad] standard deviation of the weights in the average of the skull radius
 MAX_EAR_SLOPE = 0.45  # slope at which hair rises over an ear and descends behind it
-FRONT_EAR_FACTOR = 3.0  # factor on that slope before an ear, so that the front edge of long hair touches the cheek
+FRONT_EAR_FACTOR = 3.0  # factor on MAX_EAR_SLOPE in front of an ear; the front edge of long hair then touches the cheek
 EAR_REGION = (
     -1.75,
     -0.95,
@@ -26,7 +26,7 @@ EAR_REGION = (
 SCALP_HEIGHT = 0.06  # [eye distances] smallest distance of locks from the scalp, reached at the height SCALP_RAMP
 SCALP_RAMP = 0.35  # [eye distances] height over the hairline at which hair reaches its distance from the scalp
 GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))  # [rad] turn between successive roots on the sphere
-SIDEBURN_HEIGHT = 0.5  # [eye distances] height below which hair before the ears is painted, without locks
+SIDEBURN_HEIGHT = 0.5  # [eye distances] height below which hair in front of the ears is only painted, without locks
 HAIRLINE_ARC = 65.0  # [deg] angle to either side up to which the hairline has additional locks
 HAIRLINE_ITERATIONS = 12  # steps of the search for points of the skull on the hairline
 # Forward position and height [eye distances] below which hair is painted, without locks: on the neck, behind and before
@@ -57,7 +57,7 @@ class Skull:
         return np.asarray((weight * self._away[which]).sum(axis=1) / weight.sum(axis=1))
 
     def cover(self, directions: Floats) -> Floats:
-        """Return smallest distances (n,) [eye distances] of hair from the centre."""
+        """Return the least distances (n,) [eye distances] of hair from `HEAD_CENTRE`."""
         radius = self.radius(directions)
         if self._ears is None:
             return radius

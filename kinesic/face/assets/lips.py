@@ -16,7 +16,7 @@ from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.mesh import Mesh
 
 JAW_SHAPE = "jawOpen"  # shape that moves the lower lip down
-CORNER_JAW_FRACTION = 0.4  # fraction of the jaw's motion at the mouth corners; the lower lip moves by a larger one
+CORNER_JAW_FRACTION = 0.4  # skin that follows more than this fraction of the jaw's motion is lower lip
 MOUTH_HALF_WIDTH = 0.40  # [eye distances] distance from the midline to the outermost lip column
 MIN_LIP_FORWARD = 0.28  # [eye distances] smallest forward position of lip skin; skin behind lies inside the mouth
 YIELDING_SKIN_RANGE = 0.42  # [eye distances] height above and below the mouth up to which the skin moves with the lips
@@ -24,7 +24,7 @@ EDGE_RANGE = 0.22  # [eye distances] height above and below the mouth within whi
 MIDDLE_RANGE = 0.2  # [eye distances] distance from the midline within which the lower lip defines the mouth's height
 COLUMN_COUNT = 25  # number of lip columns between the corners of the mouth
 ASIDE_SLOPE = 6.0  # [m/m] extra lip distance of a point per distance from a column
-LOWER_LIP_FRACTION = 0.75  # fraction of the correction that moves the lower lip
+LOWER_LIP_FRACTION = 0.75  # fraction of a contact correction made by the lower lip; the upper lip makes the rest
 CONTACT_OVERLAP = 0.0004  # [m] overlap of closed lips, so that no gap remains
 CORNER_CONTACT_OVERLAP = 0.002  # [m] overlap at the corners, where a column is wider than the gap
 STICKING_GAP = 0.001  # [m] gap scale over which lips stop sticking together

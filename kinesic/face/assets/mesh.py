@@ -1,4 +1,4 @@
-"""Meshes of two heads with common faces, parts and expression shapes.
+"""Meshes of a female and a male head with equal topology.
 
 `configs/faces/head.npz` holds them; `kinesic.face.assets.bake` wrote it. Both meshes are in kinesic's frame, x forward,
 y left, z up, with the origin between the centres of the eyes.
@@ -27,8 +27,8 @@ FACE_VARIANTS: tuple[Variant, ...] = ("female", "male")
 MESH_PARTS: tuple[MeshPart, ...] = ("skin", "eyes", "teeth", "tongue", "lashes", "cloth")
 HEAD_FILE = CONFIGS / "faces" / "head.npz"
 POSITION_STEP = 1e-5  # [m] resolution of rest positions in the file
-DELTA_STEP = 1e-4  # [m] resolution of shapes in the file
-INNER_BROW_SHAPE = "browInnerUp"  # shape of both sides, split because its action unit has sides
+DELTA_STEP = 1e-4  # [m] resolution of expression shape displacements in the file
+INNER_BROW_SHAPE = "browInnerUp"  # expression shape of both brows, split because its action unit moves one side alone
 NOSE_BRIDGE_WIDTH = 0.02  # [m] width over which the two halves of the inner brow blend
 
 

@@ -22,9 +22,9 @@ from kinesic.files.late_pillow import Image, ImageDraw
 Colour = tuple[float, ...]  # red, green, blue
 
 SKIN_RESOLUTION = 1024  # [pixels] side of the skin texture
-PORE_DARKNESS = 0.09  # darkening of the skin in the deepest pores and creases
+PORE_DARKNESS = 0.09  # fraction by which the skin is darkened in the deepest pores and creases
 PORE_DRYNESS = 0.25  # dryness that the deepest pores and creases add to the skin
-OIL_SHINE = 0.12  # dryness that oil takes from the skin
+OIL_SHINE = 0.12  # largest reduction of the skin's dryness by oil
 BROW_HAIR_COUNT = 1700  # number of hairs of both brows together
 BROW_HAIR_WIDTHS = (4, 2)  # [pixels of the oversampled picture] width of a brow hair at root and tip
 BROW_OVERSAMPLING = 4  # resolution in which brows are drawn / SKIN_RESOLUTION
@@ -85,7 +85,7 @@ UPPER_LIP = (
 )  # upper edge of the red lips as chart coordinates a and y
 # Lower edge of the red lips as chart coordinates a and y.
 LOWER_LIP = ((0.0, -1.30), (0.12, -1.295), (0.25, -1.235), (0.36, -1.15), (0.43, MOUTH_LINE))
-MOUTH_CORNER = (0.38, 0.025)  # chart coordinate a of a corner of the mouth, and its size
+MOUTH_CORNER = (0.38, 0.025)  # chart coordinate a of a mouth corner, and width of its shade
 CORNER_SHADE = 0.35  # factor on the lips' colour in the corners of the mouth
 # Upper and lower edge of a beard as chart coordinates a and y.
 BEARD_TOP = ((0.0, -0.82), (0.3, -0.86), (0.5, -1.12), (0.9, -1.22), (1.25, -0.95), (1.45, -0.55), (1.6, -0.3))
@@ -219,7 +219,7 @@ def _paint_brows(complexion: Complexion, random: np.random.Generator) -> Floats:
 
 
 def _measure_brow(complexion: Complexion) -> tuple[Floats, Floats, Floats]:
-    """Return points of a brow: position 0..1, chart a, chart y."""
+    """Return brow points: position 0..1 along the brow, chart a, chart y."""
     points = np.array(complexion.brow)
     lengths = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
     return lengths / lengths[-1], points[:, 0], points[:, 1]

@@ -18,7 +18,7 @@ from kinesic.face.assets.late_scipy import scipy
 from kinesic.face.assets.lips import CORNER_JAW_FRACTION as LOWER
 from kinesic.face.assets.mesh import MESH_PARTS, Mesh
 
-SHAPE_GAINS: Mapping[str, float] = MappingProxyType(  # factors for shapes that are too weak in the source
+SHAPE_GAINS: Mapping[str, float] = MappingProxyType(  # factors on expression shapes that are too weak in the source
     {
         "browInnerUp": 1.6,
         "browOuterUpLeft": 1.6,
@@ -110,11 +110,11 @@ LIP_ARCS: Mapping[str, tuple[LipArc, ...]] = MappingProxyType(
 MIDDLE_WIDTH = 0.2  # [eye distances] width over which corrections of a shape of one side fade in the middle
 LIP_LINE_HEIGHT = -1.09  # height at which the lips meet, in distances between the eyes
 LIP_RAMP = (0.12, 0.36)  # [eye distances] vertical distances from the lip line between which lip corrections fade
-TEETH_FORWARD = 0.25  # [eye distances] forward position of the teeth; only skin before it is corrected
+TEETH_FORWARD = 0.25  # [eye distances] forward position of the teeth; only skin in front of them is corrected
 CORNER_CENTRE = (0.40, -1.09)  # [eye distances] corner of the mouth, aside and up
 CORNER_RADIUS = 0.12  # [eye distances] radius of the smoothing at the corners of the mouth
-CORNER_PASSES = 6  # averaging passes at the corners of the mouth
-SMOOTHING_PASSES = 24  # averaging passes next to a smiling mouth
+CORNER_PASSES = 6  # number of averaging passes at the corners of the mouth
+SMOOTHING_PASSES = 24  # number of averaging passes next to a smiling mouth
 SIDE_SIGNS = {"Left": 1.0, "Right": -1.0}
 
 

@@ -118,7 +118,7 @@ class Skin:
         return rotations
 
     def _list_turns(self, frame: SkinningFrame) -> list[tuple[int, tuple[float, ...], float]]:
-        """List a skinning frame's hinges with axis and rotation fraction."""
+        """List a skinning frame's hinges, each with axis and applied rotation fraction."""
         return [
             (k, tuple(hinge.axis.tolist()), frame.twist if hinge.name.endswith(TWIST_SUFFIX) else 1.0)
             for k, hinge in enumerate(self._skeleton.hinges)

@@ -71,7 +71,7 @@ class GlContext:
 
     @property
     def error(self) -> int:
-        """Code of the first OpenGL error since the last access.
+        """Code of the first OpenGL error since this property was last read.
 
         It is 0 without an error.
         """
@@ -122,7 +122,7 @@ class GlContext:
             (self.functions.Enable if state in switches else self.functions.Disable)(state)
 
     def compare_depth(self, sign: str) -> None:
-        """Set the depth comparison by its sign, such as "<".
+        """Set the operator of the depth test, such as "<".
 
         `1` always passes.
         """
@@ -149,7 +149,7 @@ class GlContext:
         self.functions.BindFramebuffer(n.GL_FRAMEBUFFER, number)
 
     def use_screen(self, within: Rectangle) -> None:
-        """Draw into a part of the window from now on."""
+        """Direct all following drawing into a part of the window."""
         self.bind(0)
         self.confine(None)
         self.switch_on()

@@ -128,7 +128,7 @@ class Buffer:
         )
 
     def write(self, data: bytes) -> None:
-        """Replace the beginning of the graphics buffer."""
+        """Overwrite the buffer with data, from its first byte."""
         if len(data) > self.size:
             raise GraphicsError(f"{len(data)} bytes do not fit into a buffer of {self.size} bytes")
         self._bind()

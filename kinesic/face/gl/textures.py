@@ -190,7 +190,7 @@ class Framebuffer:
     def clear(
         self, red: float = 0.0, green: float = 0.0, blue: float = 0.0, alpha: float = 0.0, *, depth: float = 1.0
     ) -> None:
-        """Fill the textures with a colour, and the depth unless masked."""
+        """Fill the textures with a colour, and clear the depth if writable."""
         gl = self._context.functions
         with self._bind_temporarily():
             gl.DepthMask(self.depth_mask)
@@ -233,7 +233,7 @@ class Framebuffer:
 
 
 class _Bound:
-    """Context manager that binds another framebuffer temporarily."""
+    """Context manager that binds a framebuffer and then restores the previous one."""
 
     def __init__(self, context: "GlContext", number: int) -> None:
         self._context, self._number = context, number

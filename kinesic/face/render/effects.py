@@ -12,7 +12,7 @@ Spreading = Literal["none", "adaptive", "levels", "everywhere"]
 Shading = Literal["none", "plain", "coloured"]
 
 SCATTERING_LEVELS = 3  # number of levels of detail of subsurface scattering
-LEVEL_STEPS = 5  # smallest number of scattering samples on each side in the most detailed level
+LEVEL_STEPS = 5  # smallest number of scattering samples on each side of a pixel in the most detailed level
 FOCUS_REMEDY = "write eyes, a distance such as 0.8, or two such as 0.75:0.85"
 ValueType = TypeVar("ValueType")
 

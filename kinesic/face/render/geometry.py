@@ -30,7 +30,7 @@ EYESHADE_GLOSS = 0.5  # specular strength of the eyeshade
 HAIR_LAYERS: tuple[HeadLayer, ...] = ("hair", "hair inside")
 SKIN_ROW = 6  # [floats] moving attributes of a vertex: position and normal
 HAIR_ROW = 9  # [floats] moving attributes of a vertex of a lock: position, normal and direction of the strands
-DEFAULT_HAIR_COLOUR: Colour = (0.0, 0.0, 0.0)  # linear RGB
+DEFAULT_HAIR_COLOUR: Colour = (0.0, 0.0, 0.0)  # linear RGB colour of locks if the caller gives no colour
 PART_DEPTH_RANGE = 8.0  # [m] depth range per part of the mesh; equal to form.frag.glsl
 
 

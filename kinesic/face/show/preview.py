@@ -1,4 +1,4 @@
-"""Sink that shows the face in a separate process.
+"""Output of a performance that shows the face in a separate process.
 
 It opens a window if there is a display.
 """
@@ -25,7 +25,7 @@ UPRIGHT_TURN = (0.0, 0.0, 0.0)  # [rad] head rotation of an upright head
 
 
 class Preview:
-    """Sink that draws the face of the newest command.
+    """Output of a performance that draws the face of the newest command.
 
     It drops frames and never delays the performance. A closed window, or a process that ended, has no effect on the
     performance.

@@ -1,4 +1,4 @@
-"""Preview process that draws the newest command as often as possible."""
+"""Preview process that draws the newest command's face as often as possible."""
 
 import multiprocessing
 import time

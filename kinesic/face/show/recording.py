@@ -1,4 +1,4 @@
-"""Sink that records commands and draws a film of the face afterwards."""
+"""Output of a performance that films the face after its end."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
@@ -39,7 +39,7 @@ DEFAULT_SETTINGS = PortraitSettings()
 
 
 class FaceRecording:
-    """Sink that makes a face film of a performance.
+    """Output of a performance that makes a film of its face.
 
     Pictures are drawn when the recording is closed, so that drawing does not delay the performance.
     """

@@ -9,7 +9,7 @@ import numpy as np
 from kinesic.body.action_units import FACE_CHANNELS
 from kinesic.face.assets.action_units import read_intensities
 
-INTENSITIES_START = 5  # index of the first intensity in shared memory, after number, time and head turn
+INTENSITIES_START = 5  # index of the first intensity in shared memory, after command number, time and head rotation
 WRITE_TIMEOUT = 5.0  # [s] longest wait until the last command is written
 
 
