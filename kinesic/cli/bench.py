@@ -30,7 +30,7 @@ PROGRESS_RATE = 1.0  # [Hz] refresh rate of the progress bar, low so that it har
 
 
 def measure(part: str, stage: Stage = ignore_stage) -> list[Metric]:
-    """Run all benchmarks of one part, importing only its modules."""
+    """Run all benchmarks of one part, importing only that part's modules."""
     metrics: list[Metric] = []
     for module in BENCH_PARTS[part]:
         stage(f"measuring {module}")

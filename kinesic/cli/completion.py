@@ -28,7 +28,7 @@ class NameOrFile(click.ParamType[str]):
         self._list_names, self._has_files = list_names, has_files
 
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        """Return the names that begin with a text, and file completion."""
+        """Return completions: the names that begin with a text, and files."""
         return complete_names(self._list_names(), incomplete, has_files=self._has_files)
 
 
@@ -36,12 +36,12 @@ class DocumentPath(click.Path):
     """Path that may also be the name of a built-in document."""
 
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem]:
-        """Return the documents that begin with a text, and file completion."""
+        """Return completions: built-in documents that begin with a text, and files."""
         return complete_names(builtin_documents(), incomplete)
 
 
 def complete_names(names: Iterable[str], incomplete: str, *, has_files: bool = True) -> list[CompletionItem]:
-    """Return completion items: names that begin with a text, and files."""
+    """Convert the names that begin with a text to completions, plus files."""
     files = [CompletionItem(incomplete, type="file")] if has_files else []  # first: bash drops what precedes it
     return [*files, *(CompletionItem(name) for name in names if name.startswith(incomplete))]
 

@@ -13,7 +13,7 @@ from kinesic.session.options import INTERACTIVE_DEFAULTS
 
 DEMO_DOCUMENT = "welcome"  # name of the built-in document
 DEMO_FOLDER = Path("out/demo")  # default folder of the report
-DEMO_FILM = FilmSettings(size=(854, 480), rate=15.0)  # smaller than the default, to be drawn sooner
+DEMO_FILM = FilmSettings(size=(854, 480), rate=15.0)  # film smaller than by default, so that it is ready sooner
 
 
 def perform_demo(out: Path | None, robot: str, style: str, film: bool, force: bool, browser: bool) -> int:

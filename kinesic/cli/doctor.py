@@ -20,7 +20,7 @@ from kinesic.speech import espeak_pool, loudspeaker
 from kinesic.speech.hibari.engine import hibari_fault
 from kinesic.version import __version__
 
-COMPONENT_CHECKS: Mapping[str, Callable[[], str | None]] = {  # each returns the state to print; empty: it works
+COMPONENT_CHECKS: Mapping[str, Callable[[], str | None]] = {  # component -> check that returns its problem, if any
     "film (MuJoCo, OpenGL)": gl.opengl_fault,
     "film as mp4 (ffmpeg)": lambda: find_encoder() or explain_missing_encoder(),
     "face (EGL, OpenGL)": display.find_display_problem,

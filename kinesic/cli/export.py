@@ -21,8 +21,8 @@ from kinesic.report.export.recording import ExportedMotion
 from kinesic.report.export.rerun_file import save_rerun
 
 ExportKind = Literal["mcap", "rerun"]
-FILE_SUFFIXES: Mapping[ExportKind, str] = {"mcap": ".mcap", "rerun": ".rrd"}  # suffix of the files of each kind
-PACKAGE_NAMES: Mapping[ExportKind, str] = {"mcap": "foxglove", "rerun": "rerun"}  # import name of each kind's package
+FILE_SUFFIXES: Mapping[ExportKind, str] = {"mcap": ".mcap", "rerun": ".rrd"}  # kind -> file suffix
+PACKAGE_NAMES: Mapping[ExportKind, str] = {"mcap": "foxglove", "rerun": "rerun"}  # kind -> import name of its package
 MAX_NAME_LENGTH = 100  # [bytes] longest default file name without its suffix
 
 

@@ -182,7 +182,7 @@ def read_emotion(name: str | None, amount: float) -> dict[str, float]:
 
 
 def read_light(text: str, *, filmed: bool) -> tuple[float, float]:
-    """Parse the brightness of a picture, or of both film halves.
+    """Parse one brightness, or two for the halves of a film.
 
     Brightness is relative to the default lighting: `0.5`, or `0.05:1`.
 

@@ -14,18 +14,18 @@ VERBS_BY_TASK: Mapping[str, tuple[str, ...]] = {
 }
 OTHER_TASK = "Other"  # heading of verbs without a task
 SHARED_HEADING = "Options of planning, the same for all verbs"
-MAX_SUMMARY_LENGTH = 120  # characters; longer ones would be cut
+MAX_SUMMARY_LENGTH = 120  # [characters] longest summary of a verb that help prints in full
 
 
 class SharedOption(click.Option):
-    """Planning option common to many verbs, listed last in their help."""
+    """Planning option common to many verbs, listed last in each help page."""
 
 
 class VerbCommand(click.Command):
-    """Verb whose help lists its own options first."""
+    """Verb whose help lists verb-specific options before common planning options."""
 
     def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write the verb's own options, then the common planning options."""
+        """Write the verb-specific options, then the common planning options."""
         own_rows: list[tuple[str, str]] = []
         shared_rows: list[tuple[str, str]] = []
         for parameter in self.get_params(ctx):
@@ -39,13 +39,13 @@ class VerbCommand(click.Command):
 
 
 class VerbGroup(click.Group):
-    """Group of verbs, listed by task in the root group."""
+    """Group of verbs, sorted by task in the help of `kinesic` itself."""
 
     command_class = VerbCommand
     group_class = type
 
     def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """Write each verb with its whole summary, by task in the root group."""
+        """Write all verbs with untruncated summaries, sorted by task for `kinesic`."""
         listed = {name for names in VERBS_BY_TASK.values() for name in names}
         others = tuple(name for name in self.list_commands(ctx) if name not in listed)
         tasks = {**VERBS_BY_TASK, OTHER_TASK: others} if ctx.parent is None else {"Commands": self.list_commands(ctx)}

@@ -26,7 +26,7 @@ class MetricsOutput:
 
 @dataclass(frozen=True)
 class GesturePicture:
-    """Options of drawn gestures: turntable, line drawing, output file and overwriting."""
+    """Options for pictures of gestures: turntable, line drawing, output file and overwriting."""
 
     turntable: bool
     drawn: bool  # as lines

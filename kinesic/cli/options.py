@@ -71,12 +71,12 @@ def read_input(file: str) -> bytes:
 
 
 class SinkNames(click.ParamType[frozenset[str]]):
-    """Parameter type for comma-separated names of sinks."""
+    """Parameter type for comma-separated outputs, such as `servos,face`."""
 
     name = "sinks"
 
     def convert(self, value: object, param: click.Parameter | None, ctx: click.Context | None) -> frozenset[str]:
-        """Parse and check the names of sinks."""
+        """Parse and check the names of the outputs."""
         names = frozenset(str(value).split(","))
         if names - set(SINK_NAMES):
             self.fail(
@@ -106,7 +106,7 @@ class Planning:
 
 @dataclass(frozen=True)
 class Performers:
-    """Names of the performing sinks, and serial ports of the servos."""
+    """Outputs of a performance (twin, servos, face), and servo ports."""
 
     sinks: frozenset[str]
     ports: tuple[str, ...]

@@ -48,7 +48,7 @@ from kinesic.sim.log import make_log
 
 @dataclass(frozen=True)
 class PerformOptions:
-    """Options of one performance: planning, sinks, twin, output and film."""
+    """Options of one performance: planning, outputs, twin, report folder and film."""
 
     planning: Planning
     performers: Performers
@@ -66,7 +66,7 @@ class _Content:
     recording: SpokenRecording | None
 
     def plan(self, setup: Setup) -> Plan:
-        """Plan the recording or text, or otherwise the document in the file."""
+        """Plan the recording, the text or the file, in this priority."""
         if self.recording is not None:
             return plan_recording(self.text, self.recording, setup, source=self.file)
         if self.text is not None:
@@ -216,7 +216,7 @@ def _print_report(performances: tuple[DryRun, ...], servo_run: ServoRun | None, 
 
 
 def _identify_run(servo_run: ServoRun, memory: ServoMemory) -> Identification | None:
-    """Return servo parameters identified from a run, or None.
+    """Return servo parameters identified from a servo run, or None.
 
     None if learning is off, or if the run has fewer than two samples.
     """

@@ -143,7 +143,7 @@ def _call_all(*listeners: Callable[[Status], None]) -> Callable[[Status], None]:
 
 
 def report_waiting() -> Callable[[Status], None]:
-    """Make a callback that prints the action the servos wait for.
+    """Make a callback that prints the user action that the servos await.
 
     It prints only if a person can act, and only when this changes.
     """

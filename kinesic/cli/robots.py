@@ -115,7 +115,7 @@ def import_robot(file: Path, out: Path | None, force: bool) -> int:
 
 
 def _print_notes(kind: str, notes: tuple[str, ...]) -> None:
-    """Print the first notes of one kind, and the number of others."""
+    """Print the first notes of one kind, and count the unprinted notes."""
     for note in notes[:MAX_PRINTED_NOTES]:
         click.echo(f"{kind}: {quote_text(note)}")
     if (hidden_count := len(notes) - MAX_PRINTED_NOTES) > 0:

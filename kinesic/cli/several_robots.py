@@ -36,7 +36,7 @@ def perform_document(
     output: Output,
     film: FilmSettings | None,
 ) -> int:
-    """Perform a document with one robot, or several separated by commas."""
+    """Perform a document with one robot, or with several in turn."""
     perform = perform_with_several if "," in planning.robot else perform_file
     return perform(file, PerformOptions(planning, performers, twin_options, output, film))
 
@@ -136,7 +136,7 @@ def part_size(film_size: tuple[int, int], count: int) -> tuple[int, int]:
 
 
 def _crop(picture: Picture, width: int) -> Picture:
-    """Return the centre of a picture, at most `width` [pixels] wide."""
+    """Return the middle columns of a picture, at most `width` [pixels] wide."""
     width = min(width, picture.shape[1])
     left = (picture.shape[1] - width) // 2
     return picture[:, left : left + width]

@@ -73,7 +73,7 @@ def _to_json(fit: Fit) -> dict[str, object]:
 
 
 def _to_toml(fit: Fit, log: Path) -> str:
-    """Format factors with standard deviations, undetermined factors as comments."""
+    """Format factors as TOML with standard deviations, undetermined factors as comments."""
     lines = [f"# Fitted by `kinesic twin fit` from {log.name}. {_summarise(fit)}."]
     servos = list(dict.fromkeys(estimate.unknown.servo for estimate in fit.estimates))
     for servo in sorted(servos):  # The factors of the whole robot come first.

@@ -28,7 +28,7 @@ from kinesic.tasks.store import JOURNAL_FILE
 
 PROGRAM_SUFFIXES = (".py", ".toml", ".so", ".pyd")  # suffixes of program files that affect verdicts
 SUMMARY_FILE = "validate.json"  # file name of the summary in the output folder
-LISTED_STATUSES: dict[str, CheckStatus] = {"failed": "fail", "poor": "poor"}  # summary key -> status of its checks
+LISTED_STATUSES: dict[str, CheckStatus] = {"failed": "fail", "poor": "poor"}  # summary key -> status of listed checks
 
 
 def validate_paths(paths: tuple[Path, ...], planning: Planning, twin: str, workers: Workers, output: Output) -> int:

@@ -81,7 +81,7 @@ def set_up_like(planning: Planning, robot: str, server: Address) -> Setup:
 def show_page(
     page_address: Address, robot_address: Address, files: Mapping[str, WebFile], announce: Callable[[Address], None]
 ) -> int:
-    """Serve the page until the user ends it, without stopping the robot."""
+    """Serve the studio page until Ctrl-C, which does not stop the robot."""
     return asyncio.run(_serve_page(page_address, robot_address, files, announce))
 
 

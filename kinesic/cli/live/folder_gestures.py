@@ -1,4 +1,4 @@
-"""Read gesture files from a folder with write access for clients.
+"""Read gesture files from a folder into which clients may write.
 
 Invalid files are skipped, and the number and total size of files are limited.
 """

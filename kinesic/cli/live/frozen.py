@@ -19,7 +19,7 @@ from kinesic.session.setup import set_up
 
 @dataclass(frozen=True, eq=False)
 class FrozenPlanning:
-    """Planning options with their files loaded, independent of later changes.
+    """Planning options with all files loaded, unaffected by later file changes.
 
     Picklable for worker processes.
     """

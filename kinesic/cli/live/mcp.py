@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from kinesic.mcp.robot_line import RobotLine
     from kinesic.planning.setup import Setup
 
-SERVER_END_TIMEOUT = 15.0  # [s] time limit for a server started here to fold the arms and end
+SERVER_END_TIMEOUT = 15.0  # [s] time limit for the server that this command started to fold the arms and end
 SWITCH_INTERVAL = 0.0001  # [s] Python thread switch interval; short, so that an emergency stop is prompt
 LISTENING_PATTERN = re.compile(r"listening at (\S+):(\d+)")
 START_EXIT_CODE = 2  # exit code if the server of the robot does not start
@@ -102,7 +102,7 @@ def load_setup(planning: Planning, opened: "Future[RobotLine]") -> "Setup":
 
 
 def _report_invalid(setup: "Future[Setup]") -> None:
-    """Print the setup's configuration error, if any, which prevents all motion."""
+    """Print the configuration error of a setup that failed to load."""
     if isinstance(error := setup.exception(), ConfigError):
         click.echo(f"kinesic: {error}", err=True)
 
@@ -176,7 +176,7 @@ def _start_server(planning: Planning, performers: Performers, token: str | None)
 
 
 def _follow(server: "subprocess.Popen[str]", opened: "Future[RobotLine]", token: str | None) -> None:
-    """Connect once the server listens, and discard its further output."""
+    """Connect once the started server listens, and discard its later output."""
     assert server.stderr is not None  # It is a pipe.
     lines = []
     for line in server.stderr:
@@ -205,7 +205,7 @@ def _fail(opened: "Future[RobotLine]", why: str) -> None:
 
 
 def _list_arguments(planning: Planning, performers: Performers) -> list[str]:
-    """Convert planning and output options to arguments of a child process."""
+    """Convert planning options, outputs and ports to arguments of the server."""
     options = [f"--robot={planning.robot}", f"--style={planning.style}", f"--on={','.join(sorted(performers.sinks))}"]
     options += [f"--port={port}" for port in performers.ports]
     for name, option in list_cli_options().items():

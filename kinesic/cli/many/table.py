@@ -15,7 +15,7 @@ from kinesic.report.checks import SEVERITY_RANKS
 
 FAILURE_LABELS = {"fail": "failed", "poor": "poor"}  # check status -> word at the beginning of its line
 COLUMN_GAP = 2  # [characters] space between the columns of a table
-TEXT_COLUMNS = 3  # number of last columns with text in the table of checks: unit, place and file
+TEXT_COLUMNS = 3  # number of text columns at the end of the table of checks: unit, place and file
 MIN_TEXT_WIDTH = 8  # [characters] smallest width of the place column and of the file column
 MAX_FOLDER_ROWS = 16  # largest number of rows; more folders are grouped by their parents
 

@@ -11,8 +11,8 @@ from kinesic.cli.screen.text import Text, as_text
 
 Content: TypeAlias = str | Text | Table
 
-DEFAULT_WIDTH = 80  # [terminal columns] if the terminal does not report its width
-DEFAULT_HEIGHT = 24  # [lines] if the terminal does not report its height
+DEFAULT_WIDTH = 80  # [terminal columns] width if the terminal does not report its size
+DEFAULT_HEIGHT = 24  # [lines] height if the terminal does not report its size
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +43,7 @@ class Console:
         return cls(file, width or DEFAULT_WIDTH, lines or DEFAULT_HEIGHT, is_terminal=True)
 
     def print(self, *contents: Content) -> None:
-        """Print each content on separate lines, without breaking long text."""
+        """Print each table or text on new lines, without wrapping texts."""
         for content in contents or ("",):
             lines = content.lines(self.width) if isinstance(content, Table) else [as_text(content)]
             for line in lines:

@@ -92,7 +92,7 @@ class PrintedAbove(io.StringIO):
         self._rest = ""  # characters of an unfinished line
 
     def write(self, text: str, /) -> int:
-        """Print all complete lines, and keep the rest."""
+        """Print all complete lines, and keep an incomplete last line."""
         lines, end, self._rest = (self._rest + text).rpartition("\n")
         if end:
             self._print_above(lines + end)

@@ -53,7 +53,7 @@ class Text:
         return _join(tuple((text, own_style or style) for text, own_style in self.pieces))
 
     def wrapped(self, width: int) -> "list[Text]":
-        """Break the text into lines at spaces, and inside longer words."""
+        """Break the text into lines at spaces, and inside too long words."""
         return [self[start:stop] for start, stop in _wrap(self.plain, max(width, 1))]
 
     def shortened(self, width: int) -> "Text":

@@ -119,7 +119,7 @@ def read_zero_posture(axes: Axes, *, ask: bool) -> Travel:
 
 
 def watch_hands(axes: Axes, robot: Robot, travel: Travel, *, seconds: float, keys: Callable[[], str]) -> Travel:
-    """Record hinge motion until Enter, a time limit or full coverage."""
+    """Record manual hinge motion until Enter, a time limit or complete ranges."""
     manifest = axes.manifest
     output = console()
     if not output.is_terminal:
@@ -186,7 +186,7 @@ def _tabulate(hinges: tuple[HingeCalibration, ...], robot: Robot) -> Table:
 
 
 def _print_limits(measured: Calibration, hinges: tuple[HingeCalibration, ...]) -> None:
-    """Print the hinges that were not turned and the reduced ranges."""
+    """Print unturned hinges, and measured ranges narrower than the robot file's."""
     unturned = [mark.hinge for mark in hinges if mark.direction == 0]
     if unturned:
         click.echo(f"not turned, so their directions and limits are unchanged: {', '.join(unturned)}")

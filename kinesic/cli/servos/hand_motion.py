@@ -8,11 +8,11 @@ from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
 
 FIRST_ANSWER_TIMEOUT = 2.0  # [s] time limit for the first answer of every servo
-FIRST_ANSWER_PERIOD = 0.05  # [s] between two snapshots until every servo has answered
+FIRST_ANSWER_PERIOD = 0.05  # [s] time between two snapshots until every servo has answered
 
 
 def require_torque_off(axes: Axes) -> Snapshot:
-    """Read all servos until each has answered, refusing servos with torque.
+    """Wait until all servos have answered, and refuse servos with torque on.
 
     Raises:
         BusError: a servo has torque, or does not answer.

@@ -15,7 +15,7 @@ LEARNED_FACTORS_FILE = "learned.toml"  # default file of learned servo factors, 
 
 @dataclass(frozen=True, eq=False)
 class ServoMemory:
-    """Servo factors of twins and robot, with the file that stores them."""
+    """Servo factors of the twins and the robot, and the learned file."""
 
     twins: tuple[Factors, ...]
     estimate: Factors

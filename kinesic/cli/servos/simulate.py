@@ -28,7 +28,7 @@ from kinesic.hardware.virtual.pty import PtyPort, serve_wires
 from kinesic.hardware.virtual.wiring import Cable, build_bus, describe_cables, independent_motors
 from kinesic.sim.servo_factors import read_twins
 
-REAL_TIME_PRIORITY = 30  # real-time priority above that of supervisors, so that servos answer in time
+REAL_TIME_PRIORITY = 30  # Linux real-time priority, above that of supervisors, so that servos answer in time
 MAX_INPUT_BYTES = 256  # [bytes] largest standard input per read
 
 

@@ -10,14 +10,14 @@ from kinesic.hardware.supervisor.channel import Note
 
 
 def print_learned_factors(identification: Identification, path: Path | None, *, to_stderr: bool) -> None:
-    """Print learned servo factors and the option that loads them again."""
+    """Print learned servo factors and the option that reloads these factors."""
     click.echo(f"servos: {identification}", err=to_stderr)
     if path is not None:
         click.echo(f"to use it in the next performance: --learn {path}", err=to_stderr)
 
 
 def warn_of_lost_events(notes: Iterable[Note]) -> None:
-    """Print the reasons for unlogged servo events to standard error."""
+    """Print to standard error why servo events could not be logged."""
     for note in notes:
         if note.kind == "journal":
             click.echo(note.text, err=True)

@@ -7,7 +7,7 @@ from kinesic.studies.gesture_perception.analysis import Fraction
 
 
 def format_cells(fraction: Fraction) -> tuple[str, ...]:
-    """Return the cells of a table: answers, rate, interval and p."""
+    """Return table cells of a fraction: answers, rate, confidence interval, p value."""
     low, high = fraction.interval
     return f"{fraction.total}", f"{fraction.rate:.2f}", f"{low:.2f} to {high:.2f}", f"{fraction.p:.3f}"
 

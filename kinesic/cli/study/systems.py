@@ -1,4 +1,4 @@
-"""Results of systems in a study: matched speech and ratings."""
+"""Study results of compared motion systems: matched speech and ratings."""
 
 from math import isnan
 
@@ -22,7 +22,7 @@ def print_matches(result: MatchResult, screen: Console) -> None:
 
 
 def print_ratings(result: RatingResult, screen: Console) -> None:
-    """Print the Elo ratings of systems from pairwise choices."""
+    """Print Elo ratings of motion systems, estimated from participants' pairwise choices."""
     screen.print("rating of systems (Elo: a lead of 200 points is 76 %); interval: participants resampled")
     table = Table("system", "answers", "preferred", "rating", "interval")
     for system, rating in result.ratings.items():
@@ -49,7 +49,7 @@ def matches_to_json(result: MatchResult) -> dict[str, Json]:
 
 
 def ratings_to_json(result: RatingResult) -> dict[str, Json]:
-    """Convert ratings to JSON values."""
+    """Convert Elo ratings of motion systems to JSON values."""
     return {
         "systems": {
             system: {
