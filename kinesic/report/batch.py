@@ -28,7 +28,7 @@ from kinesic.tasks.store import JOURNAL_FILE
 DocumentOutcome = Literal["performed", "refused", "crashed"]
 
 DOCUMENT_SUFFIXES = (".xml", ".bml")  # file suffixes of documents
-SNIFFED_BYTES = 4096  # bytes read to recognise BML in files with other suffixes
+SNIFFED_BYTES = 4096  # [bytes] read from a file's start to recognise BML under other suffixes
 
 
 @dataclass(frozen=True)
@@ -44,7 +44,7 @@ class DocumentVerdict:
     report: str | None = None  # path of its report
 
     def count(self, outcome: str) -> int:
-        """Return the number of behaviours with the given outcome."""
+        """Return the number of behaviours with an outcome, such as `dropped`."""
         return sum(behaviour_outcome == outcome for _, behaviour_outcome in self.behaviours)
 
 

@@ -1,4 +1,4 @@
-"""Content-Security-Policy that lets pages run only their own script."""
+"""Content-Security-Policy that lets a page run only its embedded script."""
 
 import hashlib
 from base64 import b64encode

@@ -85,7 +85,7 @@ class FigureFilm:
 def frame_motion(
     robot: Robot, postures: Floats, camera: "Camera", *, aspect: float
 ) -> tuple[tuple[float, float, float], float]:
-    """Aim a front camera with limited view at hands and head.
+    """Aim a front camera of limited view angle at hands and head.
 
     The field of view stays below `MAX_FIELD_OF_VIEW`, so that the face is readable. If hands then do not fit, the
     camera shows the head and the body below it.

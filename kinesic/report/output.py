@@ -34,7 +34,7 @@ from kinesic.sim.log import write_log
 
 PAGE_FILE = "report.html"  # file name of the page
 NOT_REQUESTED = "not requested"  # reason in the report for a film that was not requested
-NOT_YET = "not drawn yet, or stopped; this page is updated when it is"  # reason for a film missing so far
+NOT_YET = "not drawn yet, or stopped; this page is updated when it is"  # reason for a film that is not drawn yet
 
 
 def default_folder(source: str) -> Path:

@@ -35,9 +35,9 @@ FILM_TYPES = {  # MIME types of films, by suffix
 }  # MIME types of films, by suffix
 SOUND_TYPES = {".wav": "audio/wav"}  # MIME types of sounds, by suffix
 HAND_NAMES = {"l_hand": "left hand", "r_hand": "right hand"}  # names of the hands in texts, by body part
-SHOWN_LOADS = 6  # joint loads listed before the table is expanded
-MIN_SHOWN_ANGLE = 0.5  # [deg] smaller body motion is not listed
-SHOWN_CHAPTERS = 6  # behaviours changed by limits that are listed before the list is expanded
+SHOWN_LOADS = 6  # number of joint loads visible before the reader expands the table
+MIN_SHOWN_ANGLE = 0.5  # [deg] body rotations smaller than this are not listed
+SHOWN_CHAPTERS = 6  # number of behaviours changed by limits that are visible before the reader expands the list
 OUTCOME_RANKS = {  # sort order of behaviour outcomes, the most severe first
     "dropped": 0,
     "substituted": 1,
@@ -55,7 +55,7 @@ GROUP_TITLES = {
     "measured": "On the robot",
     "servo": "Servos",
 }  # titles of check groups; other groups show their name
-SMALL_UNITS = {"s": ("ms", 1000.0), "m": ("mm", 1000.0)}  # smaller unit and factor for values below 1
+SMALL_UNITS = {"s": ("ms", 1000.0), "m": ("mm", 1000.0)}  # unit -> smaller unit and factor, for values below 1
 UNIT_SYMBOLS = {"deg": "\u00b0", "times": "\u00d7"}  # symbols shown for units
 UNSPACED_UNITS = {"\u00b0"}  # units written without a space after the number
 
@@ -72,7 +72,7 @@ class Recordings:
     voice: Path | None = None  # speech as .wav, with which the replay is synchronised
 
 
-NO_RECORDINGS = Recordings()  # page without films and sound
+NO_RECORDINGS = Recordings()  # default: no films and no sound
 
 
 def write_page(

@@ -17,7 +17,7 @@ from kinesic.report.scene import drawable, pack_rows, scene_data
 
 REPLAY_RATE = 50.0  # [Hz] frame rate of the page's player
 MAX_FRAMES = 6000  # largest number of frames; longer motions have a lower rate
-MAX_MARKS = 300  # largest number of marks on the time line; with more, only strokes
+MAX_MARKS = 300  # largest number of sync points marked on the time line; if there are more, only strokes are marked
 DUTY_STEP = 0.01  # duty cycle per count of a byte in the packed data
 
 
@@ -79,7 +79,7 @@ def _pack(plan: Plan, frame_times: Floats, motions: Mapping[str, Floats], duties
 
 
 def _face(plan: Plan, frame_times: Floats) -> dict[str, Json]:
-    """Pack the intensities of visible facial action units per frame."""
+    """Pack the intensities per frame of all facial action units that occur."""
     shown = compute_action_units(plan, frame_times)
     seen = {unit: np.broadcast_to(rows, len(frame_times)) for unit, rows in shown.items() if np.any(rows)}
     rows = np.stack([*seen.values()], axis=1) if seen else np.zeros((len(frame_times), 0))

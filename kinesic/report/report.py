@@ -31,7 +31,7 @@ Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
 SCHEMA_VERSION = 1  # version of the report.json format
 MIN_REPORTED_MISS = 0.02  # [m] smallest reported distance of a hand from its target
 HAND_NAMES = {"l": "left", "r": "right"}  # side -> name of a hand in report.json
-NO_LAGS: Mapping[SyncTime, float | None] = MappingProxyType(  # delays of sync points without measurements
+NO_LAGS: Mapping[SyncTime, float | None] = MappingProxyType(  # default: no measured delays, empty
     {}
 )  # sync point delays of a performance without measurements
 
@@ -233,7 +233,7 @@ def _limits(performance: DryRun) -> dict[str, Json]:
 
 
 def _conditioning(performance: DryRun) -> dict[str, Json]:
-    """Return changes made to keep motion limits, and deviations they cause."""
+    """Return changes made to keep motion limits, and each joint's deviation."""
     plan = performance.plan
     strays = zip(plan.setup.robot.skeleton.names, np.degrees(plan.motion.rms_distances), strict=True)
     return {

@@ -92,7 +92,7 @@ class Performance(DryRun, NotebookView):
 
     @cached_property
     def motion(self) -> MeasuredMotion:
-        """Measured motion of the servos, or of the twin without servos."""
+        """Measured motion: of the servos if they performed, otherwise the twin's."""
         live = self.servos
         if live is not None and len(live.times) > 1:
             return MeasuredMotion(

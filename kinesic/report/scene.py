@@ -161,13 +161,13 @@ def _rods(robot: Robot, seen: Iterable[Rod]) -> list[Json]:
 
 
 def _shell_step(shell: Shell | None) -> float:
-    """Return the length unit [m] of the coordinates in `_shells`."""
+    """Return the length [m] of one integer unit in `_shells`."""
     surfaces = () if shell is None else shell.segments.values()
     return max((float(np.abs(surface.vertices).max()) for surface in surfaces), default=1.0) / np.iinfo(np.int16).max
 
 
 def _shells(robot: Robot, shell: Shell) -> list[Json]:
-    """Pack each housing mesh in base64, light and dark parts apart."""
+    """Pack light and dark parts of each housing mesh in base64."""
     step, painted = _shell_step(shell), shell_parts(robot)
     return [
         {

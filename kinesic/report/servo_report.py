@@ -12,7 +12,7 @@ from kinesic.report.report import Json
 from kinesic.sim.log import Log
 
 HOST_KIND = "host"  # kind of events about late cycles of the computer
-FULL_RATE = "at 100 %"  # part of a message of this kind that leaves time at its normal rate
+FULL_RATE = "at 100 %"  # text in a message about late cycles that did not slow performance time
 RMSE_LIMIT = 1.0  # [deg] limit of the RMS tracking error on servos
 COMPLETE_FRACTION = 0.999  # performed fraction that counts as a complete plan
 MIN_FULL_PACE_FRACTION = 0.95  # required fraction of samples at full speed; late cycles slow time briefly
@@ -41,7 +41,7 @@ def live_checks(live: ServoRun) -> list[Check]:
 
 
 def _find_host_delay(notes: Sequence[Note]) -> str:
-    """Return the first message about time slowed by the computer, else nothing."""
+    """Return the first message about a busy computer that slowed time."""
     slowing = (note.text for note in notes if note.kind == HOST_KIND and FULL_RATE not in note.text)
     return next((f"the computer was busy: {text}" for text in slowing), "")
 

@@ -27,8 +27,8 @@ OWNER_COLOURS: Mapping[str, Colour] = {
 }
 
 _VIEW_ANGLE = radians(12)  # [rad] downward angle of the view
-_FAR_DEPTH = -0.15  # [m] depth of the palest parts of the drawing
-_NEAR_DEPTH = 0.40  # [m] depth from which drawn parts have their full colour
+_FAR_DEPTH = -0.15  # [m] coordinate towards the viewer of the palest parts of the drawing
+_NEAR_DEPTH = 0.40  # [m] coordinate towards the viewer from which parts have their full colour
 _MAX_WHITE = 0.50  # fraction of white mixed into the colour of the farthest parts
 _HALO_WIDTH = 0.008  # [m] largest width of the white halo around each part
 _HALO_FRACTION = 0.3  # halo width / width of the part
@@ -78,7 +78,7 @@ class OutlineWindow:
 
 
 def project(points: Floats) -> Floats:
-    """Project points (..., 3) to (..., 2) [m], slightly from above."""
+    """Project points (..., 3) [m] to the drawing plane, (..., 2) [m]."""
     return np.stack([points[..., 1], points[..., 2] * cos(_VIEW_ANGLE) - points[..., 0] * sin(_VIEW_ANGLE)], axis=-1)
 
 

@@ -11,7 +11,7 @@ from kinesic.planning.captions import Caption, make_captions
 from kinesic.planning.plan import Plan
 from kinesic.report.labels import label
 
-PEAK_SYNCS = (  # peak sync points, the preferred first
+PEAK_SYNCS = (  # sync points that count as a behaviour's peak, the preferred first
     "stroke",
     "strokeStart",
     "attackPeak",
@@ -74,7 +74,7 @@ def _pieces(plan: Plan) -> Iterator[TranscriptPiece]:
 
 
 def _words(caption: Caption) -> Iterator[TranscriptPiece]:
-    """Divide a caption into words, timed by their number of letters."""
+    """Divide a caption into words, timed in proportion to word lengths."""
     words = caption.text.split()
     letters = sum(len(word) + 1 for word in words)
     begin = caption.begin

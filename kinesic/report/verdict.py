@@ -59,7 +59,7 @@ def severity_rank(row: Mapping[str, Json]) -> int:
 
 
 def format_number(value: Json) -> str:
-    """Format a number with three significant digits, None as a dash."""
+    """Format a number with three digits, rounded to an integer from 100."""
     if value is None:
         return "\u2013"
     if isinstance(value, bool) or not isinstance(value, int | float):

@@ -6,7 +6,7 @@ from kinesic.metrics.dry_run import DryRun
 from kinesic.report.checks.check import Check
 from kinesic.report.labels import label_with_id
 
-MAX_PATH_LOSS = 0.05  # largest accepted shortening of a stroke's path / requested length
+MAX_PATH_LOSS = 0.05  # largest accepted shortening of a stroke's path / requested path length
 MIN_VISIBLE_LOSSES = {"m": 0.02, "deg": 3.0}  # smallest visible shortening of a stroke's path, by unit
 
 

@@ -110,7 +110,7 @@ def loads(performance: DryRun) -> tuple[DriveLoad, ...]:
 
 @dataclass(frozen=True)
 class SupplyDraw:
-    """Total current and energy of all servos, and their largest warming."""
+    """Total current and energy of all servos, and largest winding warming [K]."""
 
     mean: float  # [A]
     peak: float  # [A]
@@ -122,7 +122,7 @@ class SupplyDraw:
 
 
 def draw_load(performance: DryRun) -> SupplyDraw:
-    """Measure supply current, energy and warming during a performance in the twin."""
+    """Measure supply current, energy and winding warming during a twin performance."""
     measured, supply = performance.measured, performance.plan.setup.robot.supply
     power = measured.power
     warming = {name: float(rise.max()) for name, rise in power.warming.items()}

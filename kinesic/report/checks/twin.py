@@ -17,7 +17,7 @@ from kinesic.sim.servo_factors import NOMINAL_FACTORS
 MAX_STROKE_MEDIAN = 0.015  # [s] limit of the median timing error of strokes
 MAX_STROKE_P95 = 0.030  # [s] limit of the 95th percentile of stroke timing errors
 MAX_ARRIVAL_LAG = 0.020  # [s] limit of the twin's absolute arrival error at strokes, relative to the plan
-RMSE_LIMITS = {True: 0.2, False: 1.0}  # [deg] limits of the RMS tracking error for nominal servos (True) and others
+RMSE_LIMITS = {True: 0.2, False: 1.0}  # [deg] RMS tracking error limits: nominal servos (True), others (False)
 P95_LIMIT = 2.5  # [deg] limit of the 95th percentile of tracking errors
 PEAK_ERROR_LIMIT = 5.0  # [deg] limit of the largest tracking error
 MAX_LATENESS = 0.030  # [s] limit of a joint's tracking delay

@@ -19,7 +19,7 @@ FINGERED_ROBOT = "upper36"  # robot that shows gestures with hand shapes
 
 
 def match_html(match: Match) -> str:
-    """Return the HTML of a lexicon match, with its substitution."""
+    """Return the HTML of a found gesture, and of its substitution note."""
     return (line(match.substitute) if match.substitute else "") + gesture_html(match.form)
 
 

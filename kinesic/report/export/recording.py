@@ -81,7 +81,7 @@ class ExportedMotion:
 
     @property
     def shown(self) -> JointTrack:
-        """Joint states that move the segments, measured if available."""
+        """Joint states that define the segment poses, measured if available."""
         return self.measured or self.planned
 
     @property

@@ -75,7 +75,7 @@ def _bones(skin_of: Skin, skeleton: Skeleton) -> list[Json]:
 
 
 def _turns(frame: SkinningFrame, skeleton: Skeleton) -> list[Json]:
-    """List the hinges of a rig frame with fractional rotation."""
+    """List a rig frame's hinges, empty if the frame rotates fully."""
     if (frame.rotation_fraction, frame.twist) == (1, 1):
         return []
     return [

@@ -106,7 +106,7 @@ class _Materials:
 def _add_strips(
     materials: _Materials, surface: ScreenSurface, strips: Sequence[tuple[FaceStrip, ...]]
 ) -> list[dict[str, object]]:
-    """Build face parts with a morph target per moving control."""
+    """Build glTF primitives of face parts, with morph targets for moving controls."""
     shapes = zip(*strips, strict=True)
     return [
         _add_strip(materials, surface, shape, (k % EYE_STRIPS + 1) * LAYER_DISTANCE) for k, shape in enumerate(shapes)

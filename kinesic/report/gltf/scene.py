@@ -32,7 +32,7 @@ from kinesic.sim.shells.variant import find_shell
 from kinesic.version import __version__
 
 SCENE_SUFFIX = ".glb"  # file suffix of binary glTF scenes
-VOICE_SUFFIX = ".wav"  # file suffix of the voice beside a scene
+VOICE_SUFFIX = ".wav"  # file suffix of the speech sound next to a scene
 KEY_FRAME_RATE = 30.0  # [Hz] rate of the animation's key frames
 FRAME_QUATERNION = [-0.5, -0.5, -0.5, 0.5]  # rotation (x, y, z, w) from kinesic's axes x, y, z to glTF's z, x, y
 # Linear RGBA colours of light housings and dark parts.
@@ -104,7 +104,7 @@ def save_voice(plan: Plan, scene: Path, *, force: bool) -> Path | None:
 
 
 def _list_recordings(plan: Plan) -> set[Path]:
-    """Return the .wav paths that belong to a plan's speech recordings."""
+    """Return the paths of a plan's speech recordings, with suffix .wav."""
     scripts = (action.script for timed in plan.timeline.timed if isinstance(action := timed.behaviour.action, Speech))
     return {each.recording.path.with_suffix(VOICE_SUFFIX).resolve() for each in scripts if each.recording is not None}
 
@@ -143,7 +143,7 @@ def write_scene(robot: Robot, motion: SceneMotion, path: Path) -> None:
 
 
 def _add_skeleton(file: GltfFile, robot: Robot) -> list[int]:
-    """Add a glTF node per segment and return them in skeleton order."""
+    """Add a glTF node per segment and return the nodes in order."""
     nodes: list[int] = []
     children: dict[int, list[int]] = {}
     world = file.add("nodes", name=robot.name, rotation=FRAME_QUATERNION)

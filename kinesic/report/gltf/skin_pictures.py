@@ -12,11 +12,11 @@ from kinesic.files.late_pillow import Image
 
 HEM_HALF_WIDTH = 0.04  # [m] width of the clothes' texture on each side of a border
 PAINTING_SIZE = 512  # [pixels] width and height of the skin texture
-LOCK_SHADES = (0.6, 1.25)  # brightness of a lock of hair: root, and beyond a third of its length
+LOCK_SHADES = (0.6, 1.25)  # brightness factors of a lock: at its root, and beyond a third of its length
 
 
 def shade_locks(locks: Locks) -> Floats:
-    """Return linear RGB colours (n, 3) of hair, darker at the roots."""
+    """Return linear RGB colours (n, 3) of lock vertices, darker at roots."""
     along, bright = locks.places[:, 1], locks.places[:, 3]
     shade = LOCK_SHADES[0] + (LOCK_SHADES[1] - LOCK_SHADES[0]) * np.clip(3.0 * along, 0.0, 1.0)
     return np.asarray((shade * bright)[:, None] * np.asarray(COMPLEXIONS["female"].hair))

@@ -160,7 +160,7 @@ class PlotAxes:
         self._drawn.append(("under", draw))
 
     def band(self, low: float, high: float, colour: ThemeColour) -> None:
-        """Fill the area between two y values."""
+        """Fill the area between two y values over the whole width."""
         self.bars([self._x], low, high, colour)
 
     def level(

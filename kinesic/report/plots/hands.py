@@ -83,7 +83,7 @@ def _path(axes: PlotAxes, view: HandView, planned: Floats, performed: Floats, ke
 
 
 def _keys(performance: DryRun, side: Side) -> Floats:
-    """Return the planned hand positions at the arm's keys, (k, 3) [m]."""
+    """Return the hand positions at the arm's key frames, (k, 3) [m]."""
     plan = performance.plan
     arm = plan.setup.robot.arm(side).joints
     keyed = [posture.angles for posture in plan.postures.postures if any(posture.keyed[joint] for joint in arm)]

@@ -27,7 +27,7 @@ TOP_MARGIN = 0.46  # [in] margin above the panels
 PANEL_HEIGHT = 0.95  # [in] height of a joint's panel with its heading
 HEADING_HEIGHT = 0.2  # [in] height of the joint's name above a panel
 BOTTOM_MARGIN = 0.3  # [in] margin below the panels
-MAX_SYNC_LINES = 100  # sync points drawn in a panel; with more, only strokes
+MAX_SYNC_LINES = 100  # largest number of sync points drawn in a panel; if there are more, only strokes are drawn
 LABEL_WIDTH = 0.62  # [in] width reserved for the behaviour's name at a stroke
 
 
@@ -48,7 +48,7 @@ class HingeCurves:
 
 
 def joints(performance: DryRun, seen: HingeCurves) -> Iterator[Markup]:
-    """Yield a figure each for torso and neck, arms, and other joints.
+    """Yield plots of torso and neck, of both arms, of other joints.
 
     Joints that hardly move are left out, and figures without others, too.
     """

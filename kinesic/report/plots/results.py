@@ -22,10 +22,10 @@ MIN_PANEL_HEIGHT = 4.2  # [in] height of the smallest panel
 ROW_HEIGHT = 0.2  # [in] height of a row of bars
 PICTURE_DPI = 110  # [dots/in] resolution of the PNG
 
-MAX_RATIO = 100.0  # largest drawn ratio of limit to value; larger ones are clipped
+MAX_RATIO = 100.0  # largest drawn limit / value of a minimum; larger ratios are clipped
 # Names of the checks whose limit is a minimum, as an SQL list.
 MINIMUM_CHECKS = ", ".join(f"'{name}'" for name, limit in CHECK_LIMITS.items() if limit.at_least)
-# The ratio exceeds 1 where a value is beyond its limit: of a minimum, it is that of the limit to the value.
+# The ratio is value / limit, or limit / value if the limit is a minimum: above 1, the limit is violated.
 RATIO_LABEL = "value / {0}, or {0} / value of a minimum; right of 1: beyond the {0}"  # axis label; {0}: limit or goal
 # Quantiles of value / limit of each check, and whether a document failed it.
 CHECKS_QUERY = f"""

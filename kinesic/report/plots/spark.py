@@ -6,7 +6,7 @@ from markupsafe import Markup
 from kinesic.report.checks.servos import FULL_DUTY, DriveLoad
 
 TIME_BINS = 150  # number of time bins in the servo duty plot
-MAX_SHOWN_DUTY = 1.25  # duty at the top of the plot
+MAX_SHOWN_DUTY = 1.25  # duty (fraction of full PWM) at the top of the plot
 CELL_HEIGHT = 24  # [SVG units] height of the servo duty plot
 
 
