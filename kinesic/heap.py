@@ -23,7 +23,7 @@ TRIM_PERIOD = 10.0  # [s] time between two returns of free pages within the heap
 
 
 def freeze_heap() -> None:
-    """Exclude all present objects from garbage collections.
+    """Exclude all existing objects from later garbage collections.
 
     A collection holds the interpreter's lock, and would take a third of a second for the modules and data of a server:
     control ticks and emergency stops would wait for it.

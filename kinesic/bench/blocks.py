@@ -85,7 +85,7 @@ def write_crammed_block(seed: int, lexemes: Sequence[str], count: int) -> str:
 
 
 def write_rapid_head_block(seed: int) -> str:
-    """Return a BML block of one head gesture with too many strokes.
+    """Return a block of one head gesture too short for its strokes.
 
     The three to six strokes do not fit into its time.
 

@@ -20,7 +20,7 @@ KEPT_STRETCH = 1.001  # largest certified / original duration of an unstretched 
 SMALL_STRETCH = 1.3  # certified / original duration that most motions should not exceed
 MIN_CORRELATION = 0.95  # goal of the 5th percentile of the clips' wrist-path correlations
 MEDIAN_CORRELATION = 0.98  # goal of the median correlation of wrist paths
-MAX_ELBOW_ANGLE = 15.0  # [deg] goal of the 95th percentile of upper-arm direction errors
+MAX_UPPER_ARM_ERROR = 15.0  # [deg] goal: largest 95th percentile of upper-arm direction errors
 
 
 def bench() -> list[Metric]:
@@ -68,7 +68,7 @@ def robot_metrics(robot: str, paths: Sequence[Path]) -> list[Metric]:
         Metric(f"{prefix}.not_certified", float(len(failed)), "clips", 0.0, "lower", "; ".join(failed[:3])),
         Metric(f"{prefix}.correlation_p50", float(np.median(correlations)), "", MEDIAN_CORRELATION, "higher"),
         Metric(f"{prefix}.correlation_p5", float(np.percentile(correlations, 5.0)), "", MIN_CORRELATION, "higher"),
-        Metric(f"{prefix}.elbow_p95", float(np.percentile(elbows, 95.0)), "deg", MAX_ELBOW_ANGLE, "lower"),
+        Metric(f"{prefix}.elbow_p95", float(np.percentile(elbows, 95.0)), "deg", MAX_UPPER_ARM_ERROR, "lower"),
         Metric(f"{prefix}.wrist_p50", _median_distance(results), "arm lengths", None, "lower"),
         Metric(f"{prefix}.unstretched", float(np.mean(stretches <= KEPT_STRETCH)), "fraction", 0.8, "higher"),
         Metric(f"{prefix}.small_stretch", float(np.mean(stretches <= SMALL_STRETCH)), "fraction", 0.95, "higher"),

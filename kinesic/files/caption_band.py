@@ -66,7 +66,7 @@ def _render_band(text: str, size: tuple[int, int]) -> tuple[PixelBox, NDArray[np
 
 
 def _break_lines(text: str, font: "ImageFont.FreeTypeFont | ImageFont.ImageFont", most: float) -> list[str]:
-    """Break caption words into lines of at most `most` [pixels].
+    """Break a caption into lines at most `most` [pixels] wide.
 
     A wider word has its own line. Words beyond the last line are replaced by an ellipsis.
     """

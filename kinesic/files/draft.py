@@ -22,7 +22,7 @@ DRAFT_TEXT = b"kinesic writes this folder, or was killed as it did; then the nex
 DRAFT_NAME = re.compile(r"\..*-[0-9a-f]{12}(\..*)?", re.DOTALL)  # pattern of the hidden names made by `name_beside`
 PRIVATE_MODE = 0o700  # Permissions of drafts of files
 PUBLIC_MODE = 0o777  # Permissions of drafts of folders, before the umask
-LOCK_FLAGS = os.O_RDWR | NO_LINK_FLAG | NO_WAIT_FLAG  # Flags that open the draft file for locking
+LOCK_FLAGS = os.O_RDWR | NO_LINK_FLAG | NO_WAIT_FLAG  # Flags that open a draft's marker file for locking
 
 _swept_folders: set[tuple[int, int]] = set()  # (device, inode) of folders already cleared of abandoned drafts
 
@@ -109,7 +109,7 @@ def is_same(name: str, held: HeldFolder, *, parent: HeldFolder) -> bool:
 
 
 def _lock(lock: int, folder: HeldFolder) -> None:
-    """Lock the draft file, or delete it if locks are unsupported."""
+    """Lock a draft folder's marker file, or remove the marker on failure."""
     try:
         _lock_file(lock)
     except OSError:

@@ -229,7 +229,7 @@ class Mp4Film:
 
 
 def picture_durations(count: int, rate: float) -> list[int]:
-    """Compute `count` whole picture durations [ms] for a picture rate [Hz]."""
+    """Compute `count` integer picture durations [ms] for a picture rate [Hz]."""
     return [int(value) for value in np.diff(np.round(1000 / rate * np.arange(count + 1)))]
 
 

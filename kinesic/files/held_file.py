@@ -9,7 +9,7 @@ import stat
 from kinesic.files.held_folder import HeldFolder, name_beside
 from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG
 
-READ_FLAGS = os.O_RDONLY | NO_LINK_FLAG | NO_WAIT_FLAG  # for reading, without following links or waiting
+READ_FLAGS = os.O_RDONLY | NO_LINK_FLAG | NO_WAIT_FLAG  # flags for reading, without following links or waiting
 CREATE_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | NO_LINK_FLAG  # flags that create a file unless the name exists
 
 

@@ -37,7 +37,7 @@ class HeldFolder:
         return name if self.descriptor is not None else str(self.path / name)
 
     def renamed(self, name: str) -> "HeldFolder":
-        """Return a handle of this folder with a new name, renaming nothing."""
+        """Return this folder under a new name, without renaming it on disk."""
         return HeldFolder(self.path.with_name(name), self.descriptor)
 
     def names(self) -> list[str]:

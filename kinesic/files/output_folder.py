@@ -104,7 +104,7 @@ def _rename_in_errors(folder: Path, fresh: Path) -> Iterator[None]:
 
 
 def _put_aside(name: str, held: HeldFolder, folder: Path, *, parent: HeldFolder) -> str:
-    """Rename an open folder to a new hidden name and return that.
+    """Rename an open folder to a new hidden name and return the name.
 
     Raises:
         ConfigError: another folder has its name by now, and is left as it is.
@@ -118,7 +118,7 @@ def _put_aside(name: str, held: HeldFolder, folder: Path, *, parent: HeldFolder)
 
 
 def _put_back(aside: str, name: str, folder: Path, *, parent: HeldFolder) -> None:
-    """Restore the name of a folder or file, unless it is taken."""
+    """Restore a folder's or file's earlier name, unless the name is taken."""
     try:
         if stat.S_ISDIR(parent.entry_status(aside).st_mode):
             parent.rename_entry(aside, name)

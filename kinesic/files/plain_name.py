@@ -1,4 +1,4 @@
-"""Safe file names for all operating systems, made from foreign text."""
+"""Safe file names for all operating systems, made from untrusted text."""
 
 import re
 

@@ -41,7 +41,7 @@ class SyncShift:
 
     @property
     def milliseconds(self) -> int:
-        """Difference between planned and requested time [ms]."""
+        """Planned minus requested time [ms]."""
         return round(1000 * (self.planned - self.asked))
 
 
@@ -60,7 +60,7 @@ class StrokeLoss:
 
     @property
     def fraction(self) -> float:
-        """Lost fraction of the requested value, negative if it grew."""
+        """Lost fraction of the requested value, negative if the plan exceeds it."""
         return 1.0 - self.planned / self.asked if self.asked else 0.0
 
 

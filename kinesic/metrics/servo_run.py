@@ -101,7 +101,7 @@ class ServoRun:
 
     @cached_property
     def full_speed_fraction(self) -> float:
-        """Fraction of usable statuses in which time was not slowed.
+        """Fraction of usable statuses in which performance time ran at full speed.
 
         The first and last `RAMP_TIME` are excluded, unless the run is too short to have statuses between them.
         """

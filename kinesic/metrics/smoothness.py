@@ -15,7 +15,7 @@ MIN_SPECTRUM_SAMPLES = 3  # minimum number of speed samples for a spectrum
 
 @dataclass(frozen=True)
 class HandSmoothness:
-    """Smoothness of a hand's path: planned jerk, planned and performed arc length."""
+    """Smoothness of a hand's path by jerk and spectral arc length."""
 
     planned_jerk: float | None  # dimensionless; None without motion
     planned_arc_length: float | None  # SPARC; None without motion

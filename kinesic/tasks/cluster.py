@@ -132,7 +132,7 @@ class _GroupResult(Generic[Result]):
 
 
 def _group_size(done: int, spent: float) -> int:
-    """Compute the group size that takes `GROUP_TIME`, 1 to `MAX_GROUP_SIZE`.
+    """Compute the number of tasks that take `GROUP_TIME`, at most `MAX_GROUP_SIZE`.
 
     Args:
         done: finished tasks.

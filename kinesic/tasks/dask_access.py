@@ -1,4 +1,4 @@
-"""Connection to a dask scheduler that accepts only its own user.
+"""Connection to a dask scheduler that refuses all other users.
 
 A port of dask without TLS lets anyone who reaches it run code as the owner of that process, loopback included. Workers
 of this machine get certificates that exist for one run, in memory. A remote scheduler must present a certificate.

@@ -46,7 +46,7 @@ def play_suite(suite: str, folder: Path, expected: ScenarioSuite, setup: Setup) 
 
 
 def place_targets(texts: list[bytes], setup: Setup) -> Mapping[str, Floats]:
-    """Assign world positions (3,) [m] to targets that the robot lacks.
+    """Return generated world positions (3,) [m] of targets unknown to the robot.
 
     The targets named in the texts lie in a row. They are read from a generated targets file.
     """

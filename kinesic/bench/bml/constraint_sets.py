@@ -14,7 +14,7 @@ from kinesic.bml.block import Block, Precedence
 from kinesic.bml.timing.constraints import Equality, Point, find_equalities, get_point
 from kinesic.bml.timing.network import Potentials
 
-TimeClass = Mapping[Point, float]  # time(point) + offset is the same for all points of a class
+TimeClass = Mapping[Point, float]  # sync point -> offset [s]; time(point) + offset is equal for all points
 
 
 @dataclass(frozen=True)
@@ -51,7 +51,7 @@ class Constraints:
         return any(self._start in self.classes[index] for index in self._classes_of.get(behaviour, ()))
 
     def directly_after_grounded(self, behaviour: str) -> bool:
-        """Return whether the behaviour must come after a given block time."""
+        """Return whether a constraint keeps the behaviour after a fixed block time."""
         targets = (target for after in self.afters if after.point == self._start for target, _ in after.targets)
         return any((target.block, target.behaviour) == (self.block, behaviour) for target in targets)
 

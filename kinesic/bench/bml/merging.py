@@ -36,7 +36,7 @@ LARGE_BLOCKS = (
 
 @dataclass(frozen=True)
 class MergeCut:
-    """Limits, clearance and delay after one replacement of a running motion."""
+    """Limit ratio, clearance and delay after one replacement of a running motion."""
 
     time: float  # [s] performance time
     ratio: float  # largest value / limit at 1 kHz after the cut

@@ -183,7 +183,7 @@ def _sort_classes(groups: Iterable[TimeClass]) -> list[list[tuple[str, float]]]:
     )
 
 
-Orders = dict[str, list[tuple[str, float]]]  # point -> points not before it, with offsets [s]
+Orders = dict[str, list[tuple[str, float]]]  # sync point -> sync points that must not precede it, with offsets [s]
 
 
 def _afters(actual: Iterable[OrderConstraint]) -> Orders:

@@ -34,7 +34,7 @@ SMALL_BEHAVIOURS = (
     '<speech id="s"><text>Yes, <sync id="m"/>indeed.</text></speech><head id="h" lexeme="NOD" stroke="s:m"/>',
 )
 BLOCK_INTERVAL = 1.0  # [s] between blocks of the latency measurement
-END_TIMEOUT = 5.0  # [s] time limit for further ended blocks, or the status, after the endurance run
+END_TIMEOUT = 5.0  # [s] after the endurance run: longest wait for more block ends, and for the status reply
 POLL_INTERVAL = 0.05  # [s] between checks whether the server is listening
 ENDURANCE_RATE = 10  # [1/s] block rate of the endurance run
 SETTLED_FRACTION = 0.25  # fraction of the endurance run after which the initial memory is measured

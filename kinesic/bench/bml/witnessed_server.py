@@ -21,7 +21,7 @@ from kinesic.session.setup import set_up
 
 
 class GoalRecorder:
-    """Sink that writes timestamped servo goals to a file.
+    """Command output that writes timestamped servo goals to a file.
 
     A row holds the machine's monotonic time [s] and the goals [rad].
     """

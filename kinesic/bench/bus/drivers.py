@@ -19,7 +19,7 @@ from kinesic.hardware.protocol.sdk import WirePort
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
 
-NEVER_READ = -inf  # [s] time of a servo that has not answered yet
+NEVER_READ = -inf  # [s] reading time of a servo that has not answered yet
 LEROBOT_MODULE = "lerobot.motors"
 LEROBOT_BUS_MODULE = "lerobot.motors.dynamixel"
 

@@ -41,7 +41,7 @@ DRIVER_FACTORIES: Mapping[str, DriverFactory] = {
 MISSING_REASONS: Mapping[str, Callable[[], str]] = {
     name: why_lerobot_is_missing for name in DRIVER_FACTORIES if LerobotDriver.name in name
 }
-MAX_CELL_WIDTH = 12  # [characters] rows with a fourth cell of this width are ignored in column widths
+MAX_CELL_WIDTH = 12  # [characters] a row whose fourth cell is this wide widens only the first three columns
 TABLE_COLUMNS = (
     "fault",
     "servos",

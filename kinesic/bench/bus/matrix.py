@@ -253,7 +253,7 @@ class _TrialObserver:
 def run_matrix(
     make_driver: DriverFactory, *, sizes: Sequence[int], bauds: Sequence[int], seeds: Sequence[int]
 ) -> Iterator[TrialResult]:
-    """Yield the result of every fault case, size, baud rate and seed."""
+    """Yield the result per fault case, servo count, baud rate and seed."""
     for case in list_cases():
         for servos in sizes:
             for baud in bauds:

@@ -1,4 +1,4 @@
-"""Benchmark of expressivity: parameters, distinct gestures and fingers."""
+"""Benchmark of expressivity: effects of parameters, gesture errors and finger clearance."""
 
 from pathlib import Path
 

@@ -69,7 +69,7 @@ def judge_fingers(form: GestureForm, setup: Setup) -> FingerResult:
 
 
 def _measure_shape_errors(form: GestureForm, planned: Plan) -> tuple[float, ...]:
-    """Return each shaped hand's largest finger angle error [rad] at strokeStart."""
+    """Return each hand's largest deviation [rad] from its finger shape at strokeStart."""
     starts = [sync.planned for sync in planned.syncs if sync.sync == "strokeStart"]
     if not starts or not form.keys:
         return ()

@@ -37,7 +37,7 @@ GestureTask = tuple[str, str]  # gesture id and style name
 
 @dataclass(frozen=True)
 class GestureResult:
-    """Stroke error, clearance and violations of one gesture in one style."""
+    """Stroke error, clearance and exceeded limits of one gesture in one style."""
 
     gesture: str
     style: str

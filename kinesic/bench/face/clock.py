@@ -11,7 +11,7 @@ from kinesic.face.gl.programs import VertexColumn
 SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "swrast")
 BUSY_TIME = 0.015  # [s] filler work of the graphics card while the measured commands are queued
 BUSY_SIZE = 512  # [pixels] side of the picture drawn as filler work
-MAX_BUSY_STEPS = 1e7  # largest filler iterations per pixel
+MAX_BUSY_STEPS = 1e7  # largest number of filler iterations per pixel
 
 # Shader of the filler work that draws one triangle over the whole picture.
 VERTEX_SHADER = """#version 330 core
@@ -36,7 +36,7 @@ class DrawingClock:
     """
 
     def __init__(self, context: GlContext, *, of_card: bool | None = None) -> None:
-        """Choose GPU or CPU clock, and calibrate a busy load for GPUs.
+        """Choose GPU or CPU clock, and calibrate filler work for a GPU.
 
         Args:
             context: OpenGL context that draws.

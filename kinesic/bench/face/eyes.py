@@ -1,6 +1,6 @@
-"""Benchmark of the eyes.
+"""Benchmark of the eyelids.
 
-It measures even closing of the lids and eyeballs visible outside them.
+It measures how evenly the lids close, and eyeball pixels outside the lids.
 """
 
 import numpy as np
@@ -18,7 +18,7 @@ from kinesic.face.render.presets import DRAFT_PRESET
 PICTURE_SIDE = 512  # [pixels] width and height of the eye pictures
 CLOSE_CAMERA = Camera(field_deg=12.0)  # camera with the eyes in full view
 CLOSING_STEPS = 10  # number of intensity steps from open to closed lids
-LID_LINE_WIDTH = 1.5  # [pixels] tolerance around the lids' outline for visible eye pixels
+LID_LINE_WIDTH = 1.5  # [pixels] eye pixels this close to the lids' outline count as inside
 ACTIVE_UNITS = 5  # mean number of active action units in a random expression
 EXPRESSION_SEED = 23  # seed of the random expressions
 

@@ -17,7 +17,7 @@ SLOW_PRESET_FRAMES = 6  # number of timed frames of all other presets, per size
 
 
 def measure_frame_rates(sizes: Sequence[Size]) -> dict[str, float]:
-    """Measure frame rates [Hz], CPU times [ms] and the covered picture fraction.
+    """Measure frame rates [Hz], CPU times [ms] and the head's picture fraction.
 
     The rates and times are by preset and picture size; the fraction [%] is the smallest one.
     """

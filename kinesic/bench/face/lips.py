@@ -1,4 +1,4 @@
-"""Benchmark of speaking lips.
+"""Benchmark of lip motion in speech.
 
 It measures closing and opening compared with the sound, and speed.
 

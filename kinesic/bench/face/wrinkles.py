@@ -17,7 +17,7 @@ PICTURE_SIZE = (512, 512)  # [pixels] width and height of the compared pictures
 BACK_YAWS_DEG = (140.0, 180.0, -140.0)  # camera angles that show the back of the head
 BACK_LIMIT = -0.65  # [eye distances] forward coordinate below which a point is at the back of the head
 LINEAR_RANGE = (0.05, 1.5)  # tangents of normal tilt for which half the intensity must give half the tangent
-SUPPORT_MARGIN = 8  # [pixels] margin around a wrinkle map's support for interpolation and differences
+SUPPORT_MARGIN = 8  # [pixels] of a wrinkle map, around its non-zero part, for interpolation and differences
 
 
 class _Head:
@@ -50,7 +50,7 @@ class _Head:
         return int(changed[is_head & (forward < BACK_LIMIT)].sum())
 
     def support(self, numbers: tuple[int, ...]) -> Flags:
-        """Return the mask (height, width) of pixels near the numbered wrinkle maps."""
+        """Return the mask (height, width) of pixels that wrinkle maps may change."""
         with self._pipeline.geometry.context:
             positions = self._pipeline.geometry.draw({}, FRONT_CAMERA).read(1)
         drawn = binary_dilation(np.any(draw_wrinkle_maps()[list(numbers)] != 0.0, axis=0), iterations=SUPPORT_MARGIN)

@@ -37,7 +37,7 @@ def make_robots() -> Iterator[Robot]:
 
 
 def _without(file: RobotFile, body: str, chain: str) -> RobotFile:
-    """Remove one body's joints and a named chain from a robot file."""
+    """Return a robot file without one chain and one body's joints."""
     chains = {name: [part for part in bodies if part != body] for name, bodies in file.chains.items() if name != chain}
     reduced = _without_joints(file, {hinge.name for hinge in file.hinge if hinge.body == body})
     return msgspec.structs.replace(reduced, chains=chains)

@@ -49,7 +49,7 @@ class ChainSolution:
 
 @dataclass(frozen=True, eq=False)
 class ChainRuns:
-    """Results of many solves of one chain, each from rest."""
+    """Results of many solves of one chain, each from its rest posture."""
 
     iterations: Floats  # (m,)
     residuals: Floats  # (m,) distances of the tip from the clamped target / chain length

@@ -1,4 +1,4 @@
-"""Other IK libraries for hand positions, used as documented.
+"""Other IK libraries that solve hand positions, called as their documentation says.
 
 They read the arm as a URDF of the joints that carry the hand, start at rest and may stop 0.5 mm from the target.
 Differential libraries (mink, pink, placo) are iterated to convergence here. None was tuned for this arm. Their modules
@@ -34,7 +34,7 @@ QP_DAMPING = 1e-6  # damping of the peers' quadratic programs
 
 @dataclass(frozen=True, eq=False)
 class WristHinge:
-    """A wrist-moving joint and its offset from the previous joint."""
+    """Joint that moves the wrist, with the offset from the previous joint."""
 
     hinge: Hinge
     offset: Floats  # (3,) [m] from the previous joint, in that joint's segment
@@ -54,10 +54,7 @@ def list_carriers(chain: Chain) -> tuple[WristHinge, ...]:
 
 
 def forearm_offset(chain: Chain) -> Floats:
-    """Return the hand's offset (3,) [m] from the last moving joint.
-
-    This joint is the last one of `list_carriers`.
-    """
+    """Return the hand's offset (3,) [m] from the last joint of `list_carriers`."""
     return chain.joints[-2].bone
 
 

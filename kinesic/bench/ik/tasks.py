@@ -110,7 +110,7 @@ def _poses_of_random_arms() -> Metric:
 
 
 def _compute_hand_state(chain: Chain, angles: Floats) -> Reach:
-    """Return a posture's hand position and directions in the chain's base."""
+    """Return hand position, pointing and palm directions in the chain's base frame."""
     rotations, centres = chain.frames(angles)
     along = centres[-1] - centres[-2]
     return Reach(np.array(centres[-2]), along / np.linalg.norm(along), rotations[-1] @ chain.palm)

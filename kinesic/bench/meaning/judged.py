@@ -1,4 +1,4 @@
-"""Benchmark of chosen gestures against utterances with judged gestures."""
+"""Benchmark of gesture choice on utterances with gestures labelled by judges."""
 
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
@@ -100,7 +100,7 @@ def judge_chosen_behaviours(
 def read_shown(
     passage: Passage, utterance: JudgedUtterance, behaviours: Iterable[ChosenBehaviour]
 ) -> tuple[list[ShownGesture], set[str], set[str]]:
-    """Return the shown gestures, the emotions and the kinds of head movement.
+    """Return gestures, facial emotions and head movements shown for an utterance.
 
     Each gesture has the index of its word.
     """
@@ -135,7 +135,7 @@ def _align(passage: Passage, tokens: Sequence[str]) -> list[int]:
 
 
 def summarise_verdicts(results: Sequence[tuple[JudgedUtterance, Judgement]]) -> dict[str, float]:
-    """Return the metrics of one run, merit included, in percent."""
+    """Return the percentage of each verdict and the mean merit [points]."""
     plain = [result for utterance, result in results if "plain" in utterance.tags]
     trap = [result for utterance, result in results if "trap" in utterance.tags]
     calls = [result for utterance, result in results if utterance.needs_picture]

@@ -31,7 +31,7 @@ MAX_HUMAN_RATE = 34.0  # [1/min] 95th percentile of the gesture rate of people w
 MAX_STROKE_DELAY = 0.1  # [s] deviation from the requested time above which a stroke counts as late
 RETURN_RATIO = 0.3  # distance from rest / distance at the strokes, below which a hand has returned
 SAMPLE_PERIOD = 0.02  # [s] between samples of the hands' paths
-MAX_LOSSES = 2.0  # goals for the number of dropped gestures and for that of late strokes, in three stories
+MAX_LOSSES = 2.0  # goal of dropped gestures and, separately, of late strokes: at most this many in three stories
 MAX_SILENCE = 14.0  # [s] goal for the longest time without strokes
 
 
@@ -61,7 +61,7 @@ class StoryRhythm:
 
     @property
     def beats(self) -> float:
-        """Fraction of beats among the gestures."""
+        """Fraction of beat gestures among all gestures."""
         return sum(is_beat(stroke.lexeme) for stroke in self.strokes) / max(len(self.strokes), 1)
 
     @property

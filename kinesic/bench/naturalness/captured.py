@@ -100,9 +100,9 @@ def measure_clip(skeleton: Sequence[CapturedJoint], path: Path) -> GestureMeasur
 
 
 def smooth_path(path: Floats) -> Floats:
-    """Smooth the frames (m, 3) of a path with a moving average.
+    """Smooth the positions (m, 3) of a path with a moving average.
 
-    The ends are extended by constant frames.
+    The ends are extended by constant positions.
     """
     margin = len(SMOOTHING_WEIGHTS) // 2
     padded = np.pad(path, ((margin, margin), (0, 0)), mode="edge")

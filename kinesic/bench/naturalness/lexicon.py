@@ -138,7 +138,7 @@ def _measure_plan(planned: Plan) -> GestureMeasures:
 
 
 def _measure_stroke(planned: Plan) -> Floats:
-    """Return the visible body points (m, p, 3) [m] during the stroke."""
+    """Return the compared body points (m, p, 3) [m] during the stroke."""
     syncs = _find_sync_times(planned)
     times = np.linspace(syncs["strokeStart"], syncs["strokeEnd"], STROKE_SAMPLES)
     return measure_appearance(planned.setup.robot, planned.trajectory.sample(times)[0])

@@ -28,10 +28,10 @@ class Pair:
 
 
 def measure_appearance(robot: Robot, angles: Floats) -> Floats:
-    """Return visible points (m, p, 3) [m] of hands, elbows and head.
+    """Return hand, elbow and head points (m, p, 3) for gesture comparison.
 
     Each arm gives its elbow, wrist, finger tips and a point in front of the palm; the head gives the eyes and a point
-    above them. Depths are multiplied by `DEPTH_WEIGHT`.
+    above them. All are in metres; depths are multiplied by `DEPTH_WEIGHT`.
 
     Args:
         robot: robot that performs the motion.
@@ -61,7 +61,7 @@ def nearest_pairs(seen: Mapping[str, Floats], max_distance: float) -> list[Pair]
     The distance of two gestures is that of their most different point, as an RMS over the stroke.
 
     Args:
-        seen: visible points (m, p, 3) [m] by gesture, all with the same number of samples.
+        seen: compared points (m, p, 3) [m] by gesture, all with the same number of samples.
         max_distance: largest distance of a listed pair [m].
     """
     names, pairs = list(seen), []

@@ -31,7 +31,7 @@ MAX_P95_ERROR = 60.0  # [ms] goal for the 95th percentile of stroke errors
 
 @dataclass(frozen=True, eq=False)
 class StrokeErrors:
-    """Stroke errors, losses and shifts of one style on one body."""
+    """Stroke errors, lost strokes and largest shift of one style and body."""
 
     errors: Floats  # (s,) [s] deviation of each stroke's arrival from its requested time
     lost: int  # strokes that never arrived
@@ -64,7 +64,7 @@ def style_error_metrics(part: str, strokes: StrokeErrors) -> Iterator[Metric]:
 
 
 def measure_style(setup: Setup, documents: int = DOCUMENT_COUNT) -> StrokeErrors:
-    """Measure stroke errors of the first benchmark texts with a setup.
+    """Measure stroke errors of some benchmark texts, planned with a setup.
 
     Args:
         setup: with the style to measure.

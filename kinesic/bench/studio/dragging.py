@@ -8,8 +8,8 @@ from time import monotonic, sleep
 
 from kinesic.bench.studio.browser import Browser, Page
 
-WINDOW_SIZE = (1280, 887)  # [pixels] browser window, 87 of them for the browser's own bars
-POINTER_RATE = 59  # [1/s] mouse moves, just below 60 frames per second to reach every frame phase
+WINDOW_SIZE = (1280, 887)  # [pixels] width and height of the browser window, 87 of the height for its bars
+POINTER_RATE = 59  # [1/s] mouse moves; not 60, so that they fall on all times within a drawn frame
 DRAG_AMPLITUDE = 40.0  # [CSS pixels] amplitude of the dragged pointer
 SETTLING_TIME = 1.0  # [s] wait for the page to finish its first drawing
 STATE_SCRIPT = "kinesicStudio.state()"

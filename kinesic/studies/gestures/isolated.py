@@ -107,7 +107,7 @@ def _make_arm_postures(form: GestureForm, planned: Plan) -> list[KeyPosture]:
 
 
 def _without_blink(units: Mapping[str, float]) -> dict[str, float]:
-    """Return a face without the blink, which occurs at random times."""
+    """Return action units without the blink, which occurs at random times."""
     return {unit: value for unit, value in units.items() if unit.lstrip("LR") != BLINK_UNIT}
 
 

@@ -33,11 +33,11 @@ if TYPE_CHECKING:
 
 MAX_POSTURES = 6  # largest number of key postures in the strip of one gesture
 
-_FIGURE_HEIGHT = 0.97  # [paper units of `scale` inches] height of a figure, for robots of all heights
-_LABEL_HEIGHT = 0.08  # [paper units of `scale` inches] height of the name below a figure
+_FIGURE_HEIGHT = 0.97  # [paper units of `scale` inches] height of each drawn robot, tall or small
+_LABEL_HEIGHT = 0.08  # [paper units of `scale` inches] height of the name below a drawn robot
 _HEADING_HEIGHT = 0.16  # [paper units of `scale` inches] height of a category's heading
 _FOOTER_HEIGHT = 0.20  # [paper units of `scale` inches] height of the footer of a strip
-_SHEET_COLUMNS = 16  # number of figures in a row of a contact sheet
+_SHEET_COLUMNS = 16  # number of drawn robots in a row of a contact sheet
 _TITLE_COLOUR = "#222222"  # colour of titles
 _NOTE_COLOUR = "#777777"  # colour of the texts below the drawn postures
 _PATH_WIDTH = 0.007  # [m] line width of a palm path; in shaded pictures [paper units]
@@ -46,7 +46,7 @@ _ARROW_LENGTH = 0.035  # [m] length of an arrow head; in shaded pictures [paper 
 _POINTS_PER_INCH = 72  # typographic points per inch
 _LINE_TONES = 96  # number of colours of a line drawing
 _SHADED_TONES = 256  # number of colours of a shaded picture
-PORTRAIT_ASPECT = 0.87  # width / height of a shaded figure
+PORTRAIT_ASPECT = 0.87  # width / height of a shaded picture of one posture
 
 
 def draw_strip(show: Show, robot: Robot, path: Path, *, says: str = "", scale: float = 3.0, dots: int = 110) -> Path:
@@ -213,7 +213,7 @@ def _make_paper(wide: float, tall: float, scale: float) -> tuple["Figure", "Axes
 
 
 def _draw(axes: "Axes", lines: Sequence[PenStroke], window: OutlineWindow, at: Floats, scale: float) -> None:
-    """Draw a figure's lines, scaled and moved to a paper position."""
+    """Draw a robot's lines, scaled and moved to a paper position."""
     times = _FIGURE_HEIGHT / window.tall
     corner = np.array([-window.wide / 2, window.low])
     moved = [replace(line, points=times * (line.points - corner) + at, width=times * line.width) for line in lines]

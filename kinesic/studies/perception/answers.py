@@ -190,7 +190,7 @@ Points = Mapping[str, Sequence[int]]  # participant -> points of the answers
 def _collect_points(
     answers: Sequence[FaceRating], condition: str, side: str, measure: Callable[[FaceRating], int]
 ) -> dict[str, list[int]]:
-    """Return the points under one side of a condition, by participant."""
+    """Return the rating points of answers with one condition value, by participant."""
     points: dict[str, list[int]] = defaultdict(list)
     for answer in answers:
         if answer.conditions[condition] == side:
@@ -218,7 +218,7 @@ def _average(differences: Sequence[Mapping[str, float]]) -> dict[str, float]:
 
 
 def _correct(p_values: Mapping[Cell, float]) -> dict[Cell, float]:
-    """Holm-correct p-values, single actions apart from all actions together."""
+    """Holm-correct p-values, separately for single actions and for all actions together."""
     single = {cell: p for cell, p in p_values.items() if cell[0] != ALL_ACTIONS}
     return adjust_holm(single) | adjust_holm({cell: p for cell, p in p_values.items() if cell[0] == ALL_ACTIONS})
 

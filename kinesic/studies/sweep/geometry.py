@@ -5,7 +5,7 @@ from scipy.spatial import ConvexHull, QhullError
 
 from kinesic.body.arrays import Floats
 
-MIN_THICKNESS = 1e-3  # [m] ten times the RMS thickness below which a path counts as flat
+MIN_THICKNESS = 1e-4  # [m] RMS thickness below which a path counts as flat
 CURVATURE_OFFSET_COUNT = 16  # start offsets of the resampled path over which its curvature is averaged
 JERK_CUTOFF = 10.0  # [Hz] cutoff frequency: intended motion is slower, servo steps are faster
 
@@ -31,7 +31,7 @@ def hull_volume(path: Floats) -> float:
     if len(path) < 4:
         return 0.0
     thickness = np.linalg.svd(path - path.mean(axis=0), compute_uv=False)[-1] / np.sqrt(len(path))
-    if thickness < MIN_THICKNESS / 10:
+    if thickness < MIN_THICKNESS:
         return 0.0
     try:
         return float(ConvexHull(path).volume)

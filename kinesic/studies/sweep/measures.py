@@ -15,7 +15,7 @@ from kinesic.sim.kinematics import compute_motion_frames
 from kinesic.studies.sweep.geometry import count_visits, hull_volume, length, mean_curvature, peak_speed, rms_jerk
 
 MAX_HAND_DISTANCE = 0.8  # shoulder-hand distance / arm length up to which the elbow's offset is measured
-BEND_LENGTH = 0.03  # step of a hand path over which its curvature is measured / arm length
+BEND_LENGTH = 0.03  # step along a hand path in the measurement of curvature / arm length
 MIN_STROKE_SIZE = 0.02  # [m] smaller hand motion during the stroke is body sway, not a stroke
 NEAR_RATIO = 0.25  # distance from the stroke position / stroke size below which the hand has arrived
 FAR_RATIO = 0.5  # distance from the stroke position / stroke size above which the hand has left
@@ -200,7 +200,7 @@ def sum_turns(steps: Floats) -> Floats:
 
 
 def _measure_overshoot(performance: DryRun) -> float:
-    """Return the largest excess [rad] of a joint over its keys' range."""
+    """Return the largest excess [rad] of a joint beyond its key angles."""
     postures = performance.plan.postures.postures
     keys = np.stack([posture.angles for posture in postures])
     keyed = np.array([posture.keyed for posture in postures])
@@ -233,7 +233,7 @@ def _measure_elbow_offset(window: _Window, sides: list[Side]) -> float | None:
 
 
 def _count_strokes(window: _Window, hand: Floats) -> int:
-    """Count a hand's arrivals at its position at the stroke.
+    """Count a hand's arrivals at the place of the sync point `stroke`.
 
     A hand that hardly moves counts 0.
     """

@@ -22,7 +22,7 @@ from kinesic.planning.arm_directions import ARM_FEATURES
 from kinesic.planning.stance import BODY_FEATURES, STANCE_FEATURES, ArmPoseTable, mirror_features
 
 ArmPlace = Literal["hanging", "before"]
-# Right arm and left arm of each pose, which counts with its mirror image.
+# Positions of right and left arm in each pose; a mirror image counts as the same pose.
 POSE_PLACES: Mapping[str, tuple[ArmPlace, ArmPlace]] = {
     "one_hand_before": ("before", "hanging"),
     "both_hands_before": ("before", "before"),
@@ -34,11 +34,11 @@ BEFORE_BODY = {
     "forearm_forward": (45.0, 100.0),
     "forearm_outward": (-35.0, 35.0),
 }
-MAX_COMPONENTS = 6  # principal components of each posture
-MIN_ANGLE = 0.5  # [deg] smaller angles are left out
+MAX_COMPONENTS = 6  # largest number of principal components of each pose
+MIN_ANGLE = 0.5  # [deg] smaller angles of a pose are left out
 # Weights of features in the choice of principal components: viewers see a turned head sooner than a bent wrist.
-BODY_WEIGHT = 2.0  # of trunk and head features
-HAND_WEIGHT = 0.3
+BODY_WEIGHT = 2.0  # weight of trunk and head features
+HAND_WEIGHT = 0.3  # weight of hand features
 
 
 def group_poses(clips: Iterable[BodyMotion]) -> Mapping[str, StanceGroups]:

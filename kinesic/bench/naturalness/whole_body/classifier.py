@@ -9,7 +9,7 @@ from scipy.special import expit
 
 from kinesic.body.arrays import Flags, Floats, Indices
 
-RIDGE_WEIGHT = 1.0  # penalty on squared logistic weights, relative to the mean loss per clip
+RIDGE_WEIGHT = 1.0  # squared weights x this / (2 x training clips) is added to the class-balanced mean loss
 NEIGHBOUR_COUNT = 9  # number of nearest clips of each class whose mean distance is compared
 MAX_ITERATIONS = 200  # largest number of optimizer steps of the logistic regression
 MAX_FOLDS = 5  # largest number of folds of the cross-validation

@@ -1,4 +1,4 @@
-"""Standing posture in one frame, in arm lengths and degrees."""
+"""Standing posture at one time, in arm lengths and degrees."""
 
 from dataclasses import astuple, dataclass, fields
 
@@ -47,7 +47,7 @@ def starts_at_rest(motion: BodyMotion) -> bool:
 
 
 def measure_posture(motion: BodyMotion, frame: int = 0) -> StandingPosture:
-    """Measure the posture of arms and head in one frame.
+    """Measure the posture of arms and head in one frame of a motion.
 
     The axes are vertical, along the shoulders, and ahead.
     """

@@ -28,7 +28,7 @@ SCATTER_STEPS = 60  # fixed-point iterations of the scatter matrix, which conver
 
 
 def measure_stance(motion: BodyMotion, frame: int = 0) -> Floats:
-    """Measure the `STANCE_FEATURES` (s,) [deg] in one frame."""
+    """Measure the `STANCE_FEATURES` (s,) [deg] in one frame of a motion."""
     axes = posture_axes(motion, frame)
     up = axes @ motion.chest_rotations[frame, :, 2]
     head = axes @ motion.head_rotations[frame]
@@ -59,7 +59,7 @@ def group_hanging(clips: Iterable[BodyMotion]) -> StanceGroups:
 
 
 def group_changed(clips: Iterable[BodyMotion], is_counted: Callable[[Floats], bool]) -> StanceGroups:
-    """Return selected stances (k, s) [deg] of resting frames by clip group.
+    """Return resting stances (k, s) [deg] unlike the first, by clip group.
 
     `is_counted` selects the stances. Frames in the pose of the first frame are left out. A group has the clips of one
     set whose names agree between `@` and the first `_`. Groups with stances from fewer than `MIN_CLIP_COUNT` clips are
