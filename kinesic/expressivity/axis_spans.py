@@ -12,7 +12,7 @@ NO_SPANS: Spans = ((), (), ())  # time spans without rotation about any axis
 
 
 def axes_used(layers: Iterable[Layer]) -> Spans:
-    """Return the time spans [s] in which layers leave upright, by axis.
+    """Return, for each axis, the time spans [s] with a rotation from upright.
 
     A layer that stays away from upright does not use its axis after the last key.
     """
@@ -26,12 +26,12 @@ def axes_used(layers: Iterable[Layer]) -> Spans:
 
 
 def unused_axes(turn: Turn, used_axes: Spans, span: Span) -> Turn:
-    """Remove a rotation's angles about the axes used within a time span."""
+    """Set a rotation's angles to zero about axes used during a time span."""
     return Turn(
         *(0.0 if overlap(spans, span) else angle for angle, spans in zip(turn_angles(turn), used_axes, strict=True))
     )
 
 
 def overlap(spans: Sequence[Span], span: Span) -> bool:
-    """Return whether any of several time spans overlaps the given one."""
+    """Return whether a time span overlaps any of several other spans."""
     return any(start < span[1] and span[0] < end for start, end in spans)

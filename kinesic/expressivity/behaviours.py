@@ -227,7 +227,7 @@ def hanging_arms(sides: Sequence[Side]) -> Poses:
 
 
 def without_upright(layer: Layer) -> tuple[Layer, ...]:
-    """Return a rotation layer as a 1-tuple, or () without rotation."""
+    """Return a tuple of the layer, empty if the layer stays upright."""
     return (layer,) if any(key.turn != UPRIGHT_TURN for key in layer) else ()
 
 

@@ -40,7 +40,7 @@ class Context:
 
     style: Style  # documents override it, and its settings override documents
     lexicon: Lexicon
-    pace: Pace  # of the robot
+    pace: Pace  # minimum and natural movement durations of the robot
     targets: Mapping[str, Floats] = field(
         default_factory=dict
     )  # named points (3,) [m], in addition to those of the robot
@@ -99,7 +99,7 @@ class BlockContext:
 
     @cached_property
     def _placed(self) -> frozenset[str]:
-        """Ids of gestures whose hand positions random variation must not change."""
+        """Ids of gestures with hand positions that random variation must keep."""
         gestures = {
             behaviour.id: behaviour.action
             for behaviour in self.block.behaviours

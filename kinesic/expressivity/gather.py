@@ -51,7 +51,7 @@ class FrameMoment:
     syncs: tuple[tuple[str, str], ...]
 
     def among(self, times: Sequence[float]) -> float | None:
-        """Return the given time [s] in this span nearest to the frame.
+        """Return the time [s] in this span nearest to the frame.
 
         Args:
             times: sorted [s].
@@ -100,7 +100,7 @@ def _near_anchor(anchors: Sequence[float], time: float) -> float | None:
 
 
 def _nearest(times: Sequence[float], time: float) -> float:
-    """Return the time [s] closest to a given one, earlier if tied."""
+    """Return the listed time [s] nearest to another time, earlier if tied."""
     return min(times, key=lambda other: abs(other - time))
 
 

@@ -33,7 +33,7 @@ AUDIENCE_TARGET = "audience"  # substitute for an unknown gaze target
 EYE_RANGE = (Turn(-MAX_EYE_YAW, -MAX_EYE_ELEVATION), Turn(MAX_EYE_YAW, MAX_EYE_DEPRESSION))  # [rad] range of the eyes
 TRUNK_DELAY = 0.12  # [s] longest delay of the trunk after the head in a gaze shift
 MAX_HEAD_TORSION = radians(45)  # [rad] head torsion above which the trunk performs the rest
-OFFSET_UNIT = 50.0  # [deg] angle of an offset of 1 in Greta's documents
+OFFSET_UNIT = 50.0  # [deg] gaze angle that an offset of 1 stands for in Greta's documents
 UNIT_DIALECTS = ("draft", "none", "fml-apml")  # dialects that write offsets as fractions of `OFFSET_UNIT`
 
 _MIN_GAZE_TIME = 0.2  # [s] shortest duration of a gaze shift
@@ -53,12 +53,12 @@ GAZE_PARTS: tuple[Part, Part] = ("head", "torso")
 class Aim:
     """Rotations of head, torso and eyes that look at a target."""
 
-    head: Turn  # rotation from upright, that of the torso included
+    head: Turn  # rotation from upright, including the rotation of the torso
     torso: Turn = UPRIGHT_TURN
-    eyes: Turn = UPRIGHT_TURN  # rotation in the head, once it has arrived
+    eyes: Turn = UPRIGHT_TURN  # rotation relative to the head at the end of the head's rotation
     substitute: str = ""  # reason for a difference from the request
-    missing: str = ""  # problem of the target
-    clipped: str = ""  # rotation lost to range limits
+    missing: str = ""  # message about an unknown target; empty: known
+    clipped: str = ""  # message about the rotation cut off by joint limits; empty: none
 
 
 STRAIGHT_AIM = Aim(UPRIGHT_TURN)

@@ -48,7 +48,7 @@ class BodyMove:
     shoulders: float = 0.0  # [rad] elevation on the sides of the hands that take part
     eyes: Turn | None = None  # gaze direction in the world; None: unchanged
     face: tuple[tuple[str, float], ...] = ()  # (lexeme of an expression, amount)
-    gave_way: tuple[str, ...] = ()  # parts that other behaviours of the document need
+    gave_way: tuple[str, ...] = ()  # parts that yield to other behaviours of the document
 
     @property
     def still(self) -> bool:
@@ -77,7 +77,7 @@ class HeldTurns:
     """Head and torso rotations that remain after a behaviour ends."""
 
     kind: Literal["look", "posture"]  # a later behaviour replaces an earlier one of the same kind
-    head: Turn = Turn()  # that of the torso included
+    head: Turn = Turn()  # rotation from upright, including the rotation of the torso
     torso: Turn = Turn()
 
 
@@ -114,7 +114,7 @@ class KeyFrame:
     hands: Mapping[Side, Hand]
     given: frozenset[PartName]  # parts with a key of a behaviour
     syncs: tuple[tuple[str, str], ...] = ()  # (behaviour id, sync point) at this key
-    passages: Mapping[PartName, KeyPassage] = field(default_factory=dict)  # of given parts; default for the others
+    passages: Mapping[PartName, KeyPassage] = field(default_factory=dict)  # spline parameters of the parts in `given`
     filled: frozenset[PartName] = frozenset()  # parts interpolated between their own keys
 
     @property
@@ -137,7 +137,7 @@ class KeyFrames:
     frames: tuple[KeyFrame, ...]
     outcomes: Mapping[str, Outcome]  # by behaviour id, dropped ones included
     uses: Mapping[str, frozenset[PartName]] = field(default_factory=dict)  # behaviour id -> moved parts
-    notices: tuple[Notice, ...] = ()  # those of the timeline included
+    notices: tuple[Notice, ...] = ()  # including the notices of the timeline
     bodies: Mapping[str, BodyMove] = field(default_factory=dict)  # gesture id -> accompanying body motion
     fingers: Mapping[Side, tuple[FingerKey, ...]] = field(default_factory=dict)  # of hands with moving fingers
     shapes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # behaviour id -> requested hand shapes

@@ -45,7 +45,7 @@ _WHOLE_BODY = "WHOLEBODY"  # pose part of trunk and arms
 _GESTURE_POSES = {"open": "welcome"}  # word of an arm pose -> gesture whose final pose shows it
 _HANGING_WORDS = frozenset({"neutral", "idle", "stand", "rest", "hang", "side"})  # words for arms that hang
 
-Arms = GestureForm | HandMode  # a rest form, or the mode of arms that hang
+Arms = GestureForm | HandMode  # form of a rest gesture, or which arms hang
 _MODE_SIDES: Mapping[str, tuple[Side, ...]] = {"both": ("l", "r"), "left": ("l",), "right": ("r",)}
 
 
@@ -57,7 +57,7 @@ class Pose:
     arms: tuple[Arms, ...] = ()
     head: Turn = UPRIGHT_TURN
     left_out: str = ""  # parts that the robot cannot perform
-    names_trunk: bool = False  # whether it sets the trunk, possibly to upright
+    names_trunk: bool = False  # whether the pose sets the trunk, possibly to upright
 
 
 @dataclass(frozen=True, eq=False)
@@ -174,7 +174,7 @@ def _pose_part(name: str, lexeme: str, lexicon: Lexicon) -> _PosePart | None:
 
 
 def _find_arm_pose(lexeme: str, mode: HandMode, lexicon: Lexicon) -> Arms | None:
-    """Find an arm pose: a gesture form, or the hands that hang.
+    """Return a pose's gesture form, or which arms hang, or None.
 
     Returns:
         None when the lexicon has no such pose.
@@ -193,7 +193,7 @@ def _find_arm_pose(lexeme: str, mode: HandMode, lexicon: Lexicon) -> Arms | None
 
 
 def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> Mapping[str, Move]:
-    """Convert postures to layers and arm strokes.
+    """Convert <posture> behaviours to trunk and head layers and arm poses.
 
     Later postures override earlier ones.
     """
@@ -242,7 +242,7 @@ def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> 
 
 
 def _from_standing(posture_pose: Pose, robot: Robot) -> Turn:
-    """Return the trunk rotation, relative to standing if the pose sets it."""
+    """Return a pose's trunk rotation, less the standing rotation if the pose sets it."""
     turn = posture_pose.lean.turn
     return add_turns(turn, scale_turn(rest_turn(robot, "torso"), -1.0)) if posture_pose.names_trunk else turn
 
@@ -261,5 +261,5 @@ def _arm_strokes(timed: TimedBehaviour, arms: Arms, context: BlockContext) -> tu
 
 
 def _instant_syncs(start: float, arrive: float) -> dict[str, float]:
-    """Return an arm motion's sync times [s], all but `start` at arrival."""
+    """Return sync times [s] of an arm motion: `start`, and all others at arrival."""
     return {"start": start} | dict.fromkeys(("ready", "strokeStart", "stroke", "strokeEnd", "relax", "end"), arrive)

@@ -44,7 +44,7 @@ class Accent:
     """Motion of head and brows on an accented syllable."""
 
     time: float  # [s] from the start of the utterance
-    nod: float = 0.0  # size relative to a usual nod; 0: none
+    nod: float = 0.0  # amplitude / amplitude of a usual nod; 0: none
     brow: float = 0.0  # intensity of the raised brows, 0..1; 0: none
 
 

@@ -58,7 +58,7 @@ from kinesic.expressivity.trunk import turn_trunk_along
 from kinesic.expressivity.turns import add_turns
 from kinesic.expressivity.whole_body import AccompaniedGesture, BodyDemands, WholeBody, accompany_gestures
 
-NONE_DROPPED: Mapping[str, str] = MappingProxyType({})  # no dropped behaviours; otherwise id -> reason
+NONE_DROPPED: Mapping[str, str] = MappingProxyType({})  # default: no dropped behaviours (id -> reason), empty
 
 
 def make_keyframes(
@@ -252,7 +252,7 @@ def _apply_hands(id: str, move: Move, hands: HandArrangement) -> Move:
     if outcome.kind == "dropped":
         return drop_behaviour(outcome.why, NoticeType.IMPOSSIBLE_TO_SCHEDULE)
     why = "; ".join(filter(None, [move.outcome.why, outcome.why]))
-    warning = BehaviourWarning(NoticeType.CANNOT_CREATE_BEHAVIOR, outcome.why)  # performed in time, in another form
+    warning = BehaviourWarning(NoticeType.CANNOT_CREATE_BEHAVIOR, outcome.why)  # in time, but in another form
     return replace(move, outcome=Outcome("substituted", why), warnings=(*move.warnings, warning))
 
 

@@ -39,8 +39,8 @@ class Hold:
     start: float  # [s] departure from the current rotation
     arrive: float  # [s] arrival at the held rotation
     turn: Turn
-    leave: float | None = None  # [s] begin of the return; None: it stays
-    back: float | None = None  # [s] end of the return; None: it stays
+    leave: float | None = None  # [s] begin of the return; None: the rotation stays
+    back: float | None = None  # [s] end of the return; None: the rotation stays
 
 
 def hold_turn(turn: Turn, times: Mapping[str, float], *, natural: float, stays: bool) -> Hold:

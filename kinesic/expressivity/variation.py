@@ -46,7 +46,7 @@ class Variation:
     seed: int = 0  # the same seed gives the same performance
 
 
-NO_VARIATION = Variation()  # setting without variation: equal gestures are performed identically
+NO_VARIATION = Variation()  # no variation: equal gestures are performed identically
 NO_SHIFT = sealed(np.zeros(3))  # [arm lengths] position shift of zero
 
 

@@ -40,7 +40,7 @@ from kinesic.expressivity.turns import (
 
 MAX_TIME_FRACTION = 0.5  # largest fraction of a key interval that a head or trunk rotation may need
 DEPARTURE_TIME = 0.5  # [s] time to move to the stroke, where the document leaves none
-RETURN_TIME = 0.8  # [s] minimum time after the hold for the movement back to upright
+RETURN_TIME = 0.8  # [s] shortest duration of the movement back to upright after the hold
 LONG_PAUSE = 0.8  # [s] gap between gestures above which the head turns back to the listener
 WAITING_FRACTION = 0.3  # fraction of its rotation that the head keeps in a pause between gestures
 POINTED_DISTANCE = 1.0  # [m] assumed distance from hand to pointed place, without a target

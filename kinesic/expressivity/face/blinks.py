@@ -25,7 +25,7 @@ MAX_BLINK_INTERVAL = 6.0  # [s] longest time between two random blinks
 RANDOM_BLINK_DISTANCE = 2.2  # [s] shortest time between a random blink and one caused by gaze or speech
 BLINK_WINDOW = 9.0  # [s] time that contains at most `MAX_WINDOW_BLINKS`
 MAX_WINDOW_BLINKS = 3  # largest number of blinks in `BLINK_WINDOW`, 20 in a minute
-BLINK_ANGLE = radians(20)  # [rad] gaze angle from straight ahead above which its shifts cause blinks
+BLINK_ANGLE = radians(20)  # [rad] gazes farther than this from straight ahead begin and end with a blink
 
 
 def blink_times(

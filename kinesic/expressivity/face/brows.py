@@ -12,7 +12,7 @@ from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY, Expressivity
 
 RISE_TIME = 0.16  # [s] time in which the brows rise to an accent
 HOLD_TIME = 0.10  # [s] time for which the brows stay raised
-FALL_TIME = 0.35  # [s] time in which the brows sink
+FALL_TIME = 0.35  # [s] time in which the brows return from the accent to rest
 BROW_UNITS = {1: 0.9, 2: 1.0}  # action unit -> intensity relative to that of the accent
 
 

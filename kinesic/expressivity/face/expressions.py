@@ -42,7 +42,7 @@ class ExpressionEntry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     words: list[str]
     says: str
     units: dict[str, float]  # action unit -> intensity at full amount; above 1 it saturates earlier
-    flutter: float = 0.0  # [s] period of its modulation; 0: constant
+    flutter: float = 0.0  # [s] period of the intensity modulation; 0: constant intensity
 
 
 class _File(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -54,9 +54,9 @@ class Expression:
     """Facial expression: action units at its peak."""
 
     units: Mapping[str, float]  # key of Command.face -> 0..1
-    flutter: float = 0.0  # [s] period of its modulation; 0: constant
-    unknown: tuple[str, ...] = ()  # lexemes without an expression
-    left_out: tuple[str, ...] = ()  # unknown words of the other lexemes
+    flutter: float = 0.0  # [s] period of the intensity modulation; 0: constant intensity
+    unknown: tuple[str, ...] = ()  # requested lexemes that match no expression
+    left_out: tuple[str, ...] = ()  # words without effect in lexemes that match an expression
 
 
 def find_expression(face: Face, *, path: Path = EXPRESSION_FILE) -> Expression:

@@ -12,10 +12,11 @@ LIP_OPENINGS: Mapping[str, float] = {
     "22": 0.0108,
     "19": 0.008,
 }  # [m] distance between the lips by action unit, at full intensity
-BITE_OPENINGS: Mapping[str, float] = {"32": 0.0035}  # [m] height of the upper lip over the teeth, at full intensity
+# [m] distance from the teeth to the upper lip by action unit (32: lip bite), at full intensity.
+BITE_OPENINGS: Mapping[str, float] = {"32": 0.0035}
 MAX_LIP_VELOCITY = 0.2  # [m/s] largest velocity of one lip relative to the other
 ACCELERATION_TIME = 0.04  # [s] time in which lips accelerate from rest to their largest velocity
-CONSTRAINT_WINDOW = 0.2  # [s] time before and after a narrow mouth shape during which it limits the opening
+CONSTRAINT_WINDOW = 0.2  # [s] time before and after a narrow mouth shape during which the lip opening is limited
 SMOOTHING_WINDOW = 0.02  # [s] half width of the moving average of the lip opening
 
 
@@ -55,7 +56,7 @@ def limit_lip_opening(
 
 
 def _reachable(largest: Floats, step: float) -> Floats:
-    """Limit a lip opening over time (n,) [m] to `MAX_LIP_VELOCITY`."""
+    """Reduce a lip opening over time (n,) [m] to what `MAX_LIP_VELOCITY` allows."""
     reachable = largest.copy()
     for k in range(1, round(CONSTRAINT_WINDOW / step) + 1):
         interval = k * step

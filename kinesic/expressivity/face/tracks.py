@@ -35,13 +35,13 @@ from kinesic.expressivity.style.style import Expressivity, Style
 
 MIN_INTENSITY = 1e-3  # intensity below which action units are omitted
 
-SPEAKING_INTENSITY = 0.3  # intensity of speech units at which expressions no longer close the mouth
+SPEAKING_INTENSITY = 0.3  # intensity of speech action units from which expressions no longer close the mouth
 CLOSING_UNITS = (SEAL_UNIT, "23", "28")  # action units that close the mouth
 BLINK_LEAD_TIME = 0.15  # [s] from the start of a blink to the start of a speech
 FROWN_UNITS = ("L4", "R4")  # action units that lower the brows; raised brows yield to them
 STILL_EYES = Eyes()  # eyes that look straight ahead, without spontaneous motion
-NO_AFFECT: Mapping[str, float] = MappingProxyType({})  # no permanent facial expression from the style
-NO_BODY_MOVES: Mapping[str, BodyMove] = MappingProxyType({})  # gestures without accompanying body motion
+NO_AFFECT: Mapping[str, float] = MappingProxyType({})  # default: no permanent facial expression, empty
+NO_BODY_MOVES: Mapping[str, BodyMove] = MappingProxyType({})  # default: no gesture moves the body, empty
 
 Channels = Mapping[str, Floats]  # key of Command.face -> (m,) 0..1
 
@@ -195,7 +195,11 @@ def _affect(affect: Mapping[str, float], timeline: Timeline, times: Floats, styl
 def _undirected(
     timeline: Timeline, times: Floats, styles: Mapping[str, Style], bodies: Mapping[str, BodyMove]
 ) -> Floats:
-    """Return factors (m,): 1 without expressions, 0 at their full intensity."""
+    """Return the fraction (m,) of undirected face motion left by expressions.
+
+    Expressions of the document or of gestures suppress raised brows and a style's permanent expression: 1 without any
+    expression, 0 at full intensity.
+    """
     free = np.ones(len(times))
     own = (showing for shift in (False, True) for showing in _showings(timeline, styles, shift=shift))
     for showing in (*own, *_gesture_expressions(timeline, styles, bodies)):

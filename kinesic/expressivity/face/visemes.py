@@ -34,10 +34,10 @@ ATTACK_FRACTION = 0.3  # fraction of a sound's duration after which its mouth sh
 SHAPE_LAG_TIME = 0.06  # [s] from the end of a sound to the end of its mouth shape
 VISEME_FILE = CONFIGS / "faces" / "visemes.toml"
 SEAL_UNIT = "24"  # action unit that presses the lips together
-INNER_UNITS = ("19", "32")  # action units that are invisible behind closed lips
+INNER_UNITS = ("19", "32")  # action units that closed lips hide
 VISEME_WINDOW = 0.4  # [s] time before the first and after the last sound that the mouth track covers
 UNSTRESSED_OPENING = 0.55  # relative lip opening of an unstressed vowel
-_LEAD_TIMES = {"18": ROUND_LEAD_TIME, "22": ROUND_LEAD_TIME}  # [s] advance before the sound, by action unit
+_LEAD_TIMES = {"18": ROUND_LEAD_TIME, "22": ROUND_LEAD_TIME}  # [s] from mouth shape start to sound, by action unit
 NEUTRAL_VOWEL = "\N{LATIN SMALL LETTER SCHWA}"  # vowel whose mouth shape replaces unknown ones
 
 

@@ -54,7 +54,7 @@ def interpolate_hands(a: Hand, b: Hand, fraction: float, rest: Reach) -> Hand:
 def _interpolate_direction(
     a: Floats | None, b: Floats | None, fraction: float, nearest: Floats | None
 ) -> Floats | None:
-    """Interpolate two unit directions (3,) on the great circle.
+    """Interpolate between two unit directions (3,) on their great circle.
 
     `nearest` is returned if one is missing (None), or if they are equal or opposite.
     """

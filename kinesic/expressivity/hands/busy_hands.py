@@ -11,7 +11,7 @@ class Clash:
     """Delay of a hand between two strokes too close in time."""
 
     delay: float  # [s] delay of the hand after moving from one to the other
-    brief: bool = False  # whether both were reduced to one key already, and cannot be shortened further
+    brief: bool = False  # whether both strokes are single keys already, and cannot be shortened further
 
 
 Clashes = Mapping[frozenset[str], Clash]  # by the ids of two behaviours
@@ -24,7 +24,7 @@ class BusyHand:
     side: Side
     begin: float  # [s] block time at which the hand must be in place
     end: float  # [s] block time at which the hand is free again
-    by: str  # behaviour that needs it, as messages name it
+    by: str  # behaviour that needs the hand, by its name in messages
 
     def meets(self, times: Mapping[str, float], travel_time: float) -> bool:
         """Return whether a gesture needs this hand while it is busy.

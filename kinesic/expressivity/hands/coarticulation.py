@@ -26,7 +26,7 @@ from kinesic.expressivity.hands.strokes import HandStroke, Stroke, is_brief, ove
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.style.pace import Pace
 
-NO_CLASHES: Clashes = MappingProxyType({})  # no pair of strokes is too close for one hand
+NO_CLASHES: Clashes = MappingProxyType({})  # default: no pair of strokes is too close in time, empty
 
 
 @dataclass(frozen=True, eq=False)
@@ -134,7 +134,7 @@ class _Hands:
         return tuple(option.only(side) for option in both for side in sorted(option.hands, reverse=True))
 
     def _take(self, stroke: Stroke, option: Poses) -> None:
-        """Assign a stroke to hands, and make time after their preceding strokes."""
+        """Assign a stroke to hands, and shorten their preceding strokes to fit."""
         for side in sorted(option.hands):
             before = max(self.works[side], key=lambda work: work.at("strokeEnd"), default=None)
             if before and stroke.rest:

@@ -75,7 +75,7 @@ def one_hand_outcome(side: Side, why: str) -> Outcome:
 
 
 def needed_elsewhere(side: Side, stroke: Stroke) -> str:
-    """Return a message that the hand performs another stroke."""
+    """Return a message that a hand performs another stroke."""
     return f"the {SIDE_NAMES[side]} hand does {stroke.id} from {stroke.times['strokeStart']:.2f} s on"
 
 

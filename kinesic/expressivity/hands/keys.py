@@ -147,9 +147,9 @@ def _turn_hand(hand: Hand, turning: RotationSpline | None, time: float) -> Hand:
 class PathVelocity:
     """Velocity profile of a hand along a curved path."""
 
-    power: float  # of the gesture
-    has_late_peak: bool = False  # whether the peak is at the end of the path, as a word sounds there
-    start: float = 0.0  # of a hand that arrives along the path, relative to the constant velocity
+    power: float  # power parameter of the gesture, -1 weak .. 1 forceful
+    has_late_peak: bool = False  # whether the peak velocity is at the path's end, where a word sounds
+    start: float = 0.0  # initial velocity / constant velocity, for a hand already in motion
 
 
 def path_keys_between(

@@ -26,7 +26,7 @@ ARM_PARTS: frozenset[Touch] = frozenset(("hand", "forearm", "upper_arm"))  # tou
 LOWERING_FRACTION = 0.5  # fraction of the distance to rest by which a waiting hand is lowered
 WAITING_OPENNESS = 0.2  # elbow openness (0 hanging .. 1 far out) of a waiting hand
 MAX_WAITING_TIME = 2.5  # [s] longest wait of a hand for a joint retraction with the other one
-ALL_FIXED: FixedSyncs = MappingProxyType({})  # no entries, so that all sync points of every behaviour are fixed
+ALL_FIXED: FixedSyncs = MappingProxyType({})  # default, empty: a behaviour without an entry has only fixed sync points
 
 
 @dataclass(frozen=True, eq=False)

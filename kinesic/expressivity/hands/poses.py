@@ -38,9 +38,9 @@ _FORM_OPENNESS = 0.4  # largest openness that a form sets; expressivity adds the
 class Poses:
     """World poses of the participating hands at the keys of a stroke."""
 
-    hands: Mapping[Side, tuple[Hand, ...]]  # as many keys for each side
+    hands: Mapping[Side, tuple[Hand, ...]]  # poses by side, at the same keys for both hands
     stroke: int  # index of the key at the sync point `stroke`
-    paths: Mapping[Side, tuple[HandPath | None, ...]] = field(default_factory=dict)  # to each key [m], in the world
+    paths: Mapping[Side, tuple[HandPath | None, ...]] = field(default_factory=dict)  # [m] path to each key, world axes
     again: tuple[int, ...] = ()  # indices of the keys at `stroke:2`, `stroke:3` and so on
     traits: GestureTraits = PLAIN_TRAITS  # of the gesture
     body: BodyForm = NO_BODY  # accompanying body motion
@@ -61,7 +61,7 @@ class Poses:
         return self.paths[side][key] if side in self.paths else None
 
     def with_effort(self, weight: float) -> "Poses":
-        """Return the poses with another effort weight, 0 to 1."""
+        """Return the poses with another weight of the effort profile, 0 to 1."""
         return replace(self, traits=replace(self.traits, weight=weight))
 
     def only(self, side: Side) -> "Poses":
@@ -140,9 +140,9 @@ class _InWorld:
 
     hands: Mapping[Side, tuple[Hand, ...]]
     paths: Mapping[Side, tuple[HandPath | None, ...]]
-    count: int  # keys of the stroke, at least two
-    stroke_count: int  # strokes in the form
-    back: int  # 1 if it ends at its start position, otherwise 0
+    count: int  # number of keys of the stroke, at least two
+    stroke_count: int  # number of strokes in the gesture form
+    back: int  # 1 if the stroke ends at its start position, otherwise 0
     travels: bool  # whether a hand moves farther than `_DYNAMIC_DISTANCE`
 
 

@@ -23,7 +23,7 @@ PATH_LENGTH_FACTOR = 1.5  # factor on the length of half a path period in its mi
 PATH_TIME_FACTOR = 1.4  # minimum time of half a path period / that of a straight movement
 
 _TIME_TOLERANCE = 1e-9  # [s] times that differ by less count as equal
-_MIN_PERIODS: Mapping[PathKind, float] = {"wave": 0.5, "arc": 0.5}  # fewest periods by path kind, otherwise 1
+_MIN_PERIODS: Mapping[PathKind, float] = {"wave": 0.5, "arc": 0.5}  # fewest periods by path kind; other kinds: 1
 
 
 @dataclass(frozen=True)
@@ -46,7 +46,7 @@ class Stroke:
     id: str
     times: Mapping[str, float]  # [s] sync points, with `stroke:2` and so on for repetitions
     options: tuple[Poses, ...]  # alternatives; the first with free hands is performed
-    rest: bool = False  # whether it is held and becomes the rest pose
+    rest: bool = False  # whether its last pose is held and becomes the rest pose
     manner: Expressivity = NEUTRAL_EXPRESSIVITY
     may_split: bool = False  # whether one hand may perform it alone if another block needs the other
     importance: int = 1  # 0 a beat, 1 any other, 2 required; less important strokes are dropped first

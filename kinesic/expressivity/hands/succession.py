@@ -19,7 +19,7 @@ from kinesic.expressivity.keyframes import NO_SUCCESSION, Hand, Succession
 from kinesic.expressivity.style.style import Expressivity
 from kinesic.expressivity.variation import Deviation
 
-NEAR_DISTANCE = 0.3  # [arm lengths] wrist distance below which both hands move at the same time
+NEAR_DISTANCE = 0.3  # [arm lengths] distance between the wrists below which both hands move at the same time
 FLUIDITY_GAIN = 0.6  # relative increase of the joint delays at a fluidity of 1, decrease at -1
 FIRMNESS_GAIN = 0.7  # relative reduction of all delays at full power or tension
 

@@ -8,7 +8,8 @@ from typing import Literal
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.turns import UPRIGHT_TURN, scale_turn, turn_angles
 
-LookAt = Literal["ahead", "hands", "place", "away"]  # listener, own hands, pointed place, twice the head's rotation
+# Gaze target: the listener, the robot's hands, the pointed place, or away by twice the rotation of the head.
+LookAt = Literal["ahead", "hands", "place", "away"]
 
 
 @dataclass(frozen=True)

@@ -21,7 +21,7 @@ _WORD_PAIRS = (("out", "in"), ("up", "down"), ("forward", "back"))  # positive a
 
 
 def read_direction(words: str) -> Floats:
-    """Return the mean of direction words, (3,) forward, outward, up, normalised.
+    """Convert direction words to their mean unit vector: forward, outward, up.
 
     Raises:
         ValueError: a word is no direction, or the words cancel out.

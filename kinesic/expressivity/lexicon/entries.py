@@ -44,7 +44,7 @@ class ParsedEntry:
 
 @dataclass(frozen=True, eq=False)
 class TomlEntry:
-    """Gesture of kinesic as TOML text, parsed at its first use."""
+    """Built-in gesture as TOML text that is parsed at its first use."""
 
     id: str
     category: str

@@ -13,7 +13,7 @@ from kinesic.expressivity.lexicon.hand_shapes import FingerMotion, Surface
 from kinesic.expressivity.lexicon.paths import HandPath
 from kinesic.expressivity.style.effort import Tempo
 
-MatchKind = Literal["exact", "synonym", "class"]  # own name of the gesture; synonym; representative of its class
+MatchKind = Literal["exact", "synonym", "class"]  # gesture name; synonym; name of a class that it represents
 
 SINGLE_MOVE_KEYS = 2  # key count of a gesture that moves once between two positions
 

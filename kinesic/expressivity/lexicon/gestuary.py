@@ -300,7 +300,7 @@ def _forearm(position: Floats, side: Side) -> Floats:
     shoulder, wrist = (_to_greta_axes(point, side) for point in (_SHOULDER_POSITION, position))
     distance = float(np.linalg.norm(wrist - shoulder))
     along = (wrist - shoulder) / distance if distance > 1e-6 else np.array([0.0, 0.0, 1.0])
-    hanging = _unit(np.array([0.0, -1.0, -1e-6]) + along[1] * along)  # downward, at right angles to the reach
+    hanging = _unit(np.array([0.0, -1.0, -1e-6]) + along[1] * along)  # downward, at right angles to shoulder-wrist
     half = min(distance / 2, 0.999 * _BONE_LENGTH)
     lift = np.sqrt(_BONE_LENGTH**2 - half**2) * hanging
     upper, y = -half * along - lift, _unit(lift - half * along)

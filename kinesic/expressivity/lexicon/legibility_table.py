@@ -34,9 +34,9 @@ BodyPlace = Literal[
 class PlaceTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of a body part near which a hand must be."""
 
-    part: Literal["palm", "tips"]  # of the hand
+    part: Literal["palm", "tips"]  # part of the hand: palm or fingertips
     at: BodyPlace
-    within: float  # [m]
+    within: float  # [m] largest distance of this part from `at`
     when: Literal["strokeStart", "stroke"] = "stroke"
 
 
@@ -51,7 +51,7 @@ class LegibilityTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of requirements on hand positions and distinct gestures."""
 
     places: Mapping[str, PlaceTable]  # by gesture
-    shoulders: Mapping[str, float]  # [deg] smallest elevation, by gesture
+    shoulders: Mapping[str, float]  # [deg] smallest elevation of the shoulder, by gesture
     alike: tuple[AlikeTable, ...]
 
     def may_be_alike(self, a: str, b: str) -> bool:

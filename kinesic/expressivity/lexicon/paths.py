@@ -21,7 +21,7 @@ SizeTrend = Literal["none", "grows", "shrinks"]
 MAX_PERIODS = 12.0  # largest number of periods of one path
 
 _SAMPLES_PER_PERIOD = 4  # samples per period of the fastest axis: its zero crossings and extrema
-_MAX_BISECTIONS = 6  # largest depth of bisection of one path interval
+_MAX_BISECTIONS = 6  # largest number of successive bisections of a path interval
 _ARC_LENGTH_STEPS = 400  # number of samples along a path of via points, for a constant hand velocity
 _ZERO_LENGTH = 1e-9  # [arm lengths] length below which an amplitude or step counts as zero
 _AMPLITUDE_TRENDS: Mapping[SizeTrend, Callable[[Floats], Floats]] = {
@@ -29,8 +29,8 @@ _AMPLITUDE_TRENDS: Mapping[SizeTrend, Callable[[Floats], Floats]] = {
     "grows": lambda t: t,
     "shrinks": lambda t: 1.0 - t,
 }
-# Phase over path parameter by frequency variation. Greta's 1 - sqrt(1 - t) and sqrt(t) have infinite velocity at one
-# end; the slopes of these functions are at most 2.
+# Phase 0..1 over path parameter, by frequency variation. Greta's 1 - sqrt(1 - t) and sqrt(t) have infinite velocity at
+# one end; the slopes of these functions are at most 2.
 _PHASE_TRENDS: Mapping[SizeTrend, Callable[[Floats], Floats]] = {
     "none": lambda t: t,
     "grows": lambda t: t**2,

@@ -126,7 +126,7 @@ class _Index:
     """Inverted index of a lexicon: the gestures of each word."""
 
     entries: tuple[LexiconEntry, ...]
-    weights: Mapping[str, Mapping[int, float]]  # weight, 0 to 1, by word and number of the gesture
+    weights: Mapping[str, Mapping[int, float]]  # weight, 0 to 1, by word and index of the gesture
     stems: Mapping[str, tuple[str, ...]]  # words by stem
     vocabulary: tuple[str, ...]  # all words, sorted
 

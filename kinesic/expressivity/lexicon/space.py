@@ -37,7 +37,8 @@ MAX_COORDINATE = 5.0  # [arm lengths] largest accepted coordinate, beyond the re
 HAND_GAP = 0.24  # [arm lengths] smallest distance between wrists or fingertips; hands are about 0.12 thick
 
 _HAND_LENGTH = 0.2  # [arm lengths] distance from wrist to fingertips
-_HANGING_ELBOW = sealed([0.02, 0.42, 0.0])  # [arm lengths] position of a hanging elbow: forward, outward, up
+# [arm lengths] position of a hanging elbow in gesture space: forward, outward from the midline, up from YLowerC.
+_HANGING_ELBOW = sealed([0.02, 0.42, 0.0])
 _SECTORS_BY_NAME = {
     axis: {name.lower(): value for name, value in sectors.items()} for axis, sectors in SECTOR_CENTRES.items()
 }

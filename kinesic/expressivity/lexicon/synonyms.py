@@ -68,7 +68,7 @@ class NamedGesture:
 
     gesture: str  # id
     kind: MatchKind
-    name: GestureName  # matched part of the name, with the hand and the words not shown
+    name: GestureName  # matched words, with the hand and the words that the gesture does not show
     of: str = ""  # name of the class that the gesture represents
 
 

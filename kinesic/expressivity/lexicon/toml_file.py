@@ -25,7 +25,7 @@ from kinesic.expressivity.style.effort import Tempo
 
 AxisName = Literal["outward", "up", "forward"]
 
-NO_BODIES: Bodies = MappingProxyType({})  # no default body motion for any gesture category
+NO_BODIES: Bodies = MappingProxyType({})  # default: no body motion by category, empty
 _AXIS_NAMES: tuple[AxisName, ...] = ("forward", "outward", "up")
 
 
@@ -45,7 +45,7 @@ class PathTable(StrictTable):
     shift: float | tuple[float, float, float] | None = None  # phase in periods
     amplitude_variation: SizeTrend | None = None  # change of the amplitude along the path
     frequency_variation: SizeTrend = "none"  # change of the frequency along the path
-    points: list[tuple[str | float, str | float, str | float]] = []  # each as in `at`; for `points` only
+    points: list[tuple[str | float, str | float, str | float]] = []  # via points of the kind `points`, each as in `at`
 
 
 class HandTable(StrictTable):
@@ -58,7 +58,7 @@ class HandTable(StrictTable):
     openness: float = 0.0  # 0..1: elbow away from the body
     fixed: list[AxisName] = []  # axes that spatial extent does not scale
     touch: Touch | None = None  # touched body part
-    tip: Surface | None = None  # palm, or finger whose tip touches it
+    tip: Surface | None = None  # touching part: palm, or finger whose tip touches
     path: PathTable | None = None  # overrides the path of the key
 
 

@@ -243,7 +243,7 @@ class Effort:
 
     @property
     def _pose_flow(self) -> float:
-        """Fraction of a pose key's negative continuity that looseness removes.
+        """Fraction of a pose key's negative spline continuity that low tension removes.
 
         At 1 the hand runs through the key where its pose begins.
         """

@@ -40,8 +40,8 @@ class StandingTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     mirrored: bool = False  # whether the rest gesture is mirrored to the other hand
     pauses: dict[str, float] = {}  # weights of rest gestures (and "hanging") that the hands take in long pauses
     face: dict[str, float] = {}  # lexeme of an expression -> amount, shown all the time
-    gaze_down: float = 0.0  # [deg] of an averted gaze
-    gaze_aside: float = 0.0  # [deg] of an averted gaze, to alternating sides
+    gaze_down: float = 0.0  # [deg] angle of an averted gaze below straight ahead
+    gaze_aside: float = 0.0  # [deg] angle of an averted gaze to the side, alternately left and right
     averted: float = 0.0  # fraction of the time in which the gaze is averted, 0 .. 1
 
 
@@ -49,8 +49,8 @@ class StandingTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class GazeHabit:
     """Direction and time fraction of averted gazes outside gaze behaviours."""
 
-    down: float = 0.0  # [rad] of an averted gaze
-    aside: float = 0.0  # [rad] of an averted gaze
+    down: float = 0.0  # [rad] angle of an averted gaze below straight ahead
+    aside: float = 0.0  # [rad] angle of an averted gaze to the side
     averted: float = 0.0  # fraction of the time in which the gaze is averted
 
 

@@ -69,7 +69,7 @@ class Setting:
 
     parameter: str
     value: float
-    modality: Modality | None = None  # None: all
+    modality: Modality | None = None  # None: all modalities
 
     def __str__(self) -> str:
         return (
