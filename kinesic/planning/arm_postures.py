@@ -54,7 +54,7 @@ class ArmKey:
     """Inverse kinematics target of an arm at a key posture."""
 
     key: Key
-    reach: Reach | None = None  # of the hand in the world; None: rest, or unchanged
+    reach: Reach | None = None  # hand target in the world; None: at rest, or unchanged
 
     @classmethod
     def of(cls, robot: Robot, side: Side, hand: Hand, reach: Reach | None, frames: Frames) -> "ArmKey":
@@ -145,9 +145,9 @@ class ArmsTask:
     """Targets of both hands at one key."""
 
     hands: Mapping[Side, Hand]  # hands with a key
-    keys: Mapping[Side, ArmKey]  # of these hands
+    keys: Mapping[Side, ArmKey]  # inverse kinematics targets of the arms of these hands
     targets: Mapping[Side, Reach | None]  # targets of these hands in the world
-    keyed: Sequence[bool]  # hinges with a key
+    keyed: Sequence[bool]  # whether each hinge has a key
 
     @property
     def aiming(self) -> bool:
@@ -257,9 +257,9 @@ def _solved(
 
 
 def _cleared(tasks: Sequence[ArmsTask], rows: Floats, robot: Robot, distances: Distances) -> int | None:
-    """Correct the first posture with wrong hand clearance, in place.
+    """Correct the first posture with too little or too much hand clearance.
 
-    Hands keep the hover distance from the body, or approach the part that they touch.
+    Hands keep the hover distance from the body, or approach the part that they touch. The posture changes in place.
 
     Returns:
         Index of that key; None if no posture changed.
@@ -283,7 +283,7 @@ def _carry(
     path_starts: dict[Side, Floats],
     robot: Robot,
 ) -> None:
-    """Update the stored arm posture at the start of its hand path.
+    """Store the arm posture at the start of the current hand path.
 
     Off a path, it is the latest posture of the arm.
     """

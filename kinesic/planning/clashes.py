@@ -37,7 +37,7 @@ class Neighbours:
     """Two successive gestures of one hand, possibly too close in time."""
 
     behaviours: tuple[str, str]
-    strokes: Pair  # key rows of their strokes
+    strokes: Pair  # indices of the key postures of their strokes
     hinges: tuple[int, ...]  # hinges of the arms that perform both gestures
     brief: bool = False  # whether each stroke is a single key
 

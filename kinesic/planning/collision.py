@@ -33,9 +33,9 @@ MAX_TOUCH_DISTANCE = 0.12  # [m] a hand farther from the touched part does not a
 class Spacing:
     """Required and desired distances between pairs of body segments."""
 
-    min_distance: float  # [m] required for every counted pair that is not in contact
+    min_distance: float  # [m] required distance of every counted pair that is not in contact
     desired_distance: float | None = None  # [m] target of pairs below `min_distance`; pairs within it come no nearer
-    contact: float = HOVER_DISTANCE  # [m] required for pairs in contact, which approach to it
+    contact: float = HOVER_DISTANCE  # [m] required distance of pairs in contact, which approach to this distance
     contacting: tuple[int, ...] = ()  # counted pairs that are in contact
     touching: tuple[int, ...] = ()  # counted pairs that approach to `contact`
     surfaces: tuple[SurfaceTouch, ...] = ()  # surfaces of hands that approach to `contact`

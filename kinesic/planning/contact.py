@@ -11,7 +11,7 @@ from kinesic.body.robot import OTHER_SIDE, FingerTip, Robot, Side
 from kinesic.body.skeleton import Frames
 from kinesic.expressivity.keyframes import Hand, Touch
 
-PALM_FRACTIONS = (0.75, 1.25)  # positions of heel and finger roots along the hand / wrist-to-palm distance
+PALM_FRACTIONS = (0.75, 1.25)  # distances of heel and finger roots from the wrist / distance of the palm's centre
 PALM_EXCESS = 0.006  # [m] accepted gap between two palms beyond the contact distance
 HEEL_EXCESS_RATIO = 1.5  # extra accepted gap between the heels of two palms / contact distance, as wrists are thick
 MAX_HAND_DEPTH = 0.06  # [m] largest searched distance from the middle plane of the hand to the palm's surface

@@ -17,10 +17,10 @@ DETOUR_INTERVAL = 10.0  # [s] additional motion time that allows `MIN_DETOURS` f
 SCAN_BUDGET = 2600.0  # [s] motion time scanned for all detours: 64 detours in a 40 s motion, 17 in 150 s
 DETOUR_MARGIN = 0.008  # [m] clearance of a detour beyond the required one
 WITHDRAWAL_FRACTIONS = (0.0, 0.2, 0.35, 0.7)  # fractions of the path to rest at which a key is tried
-WITHDRAWAL_PENALTY = 0.1  # additional gain required of each later candidate / gain of the best one so far
+WITHDRAWAL_PENALTY = 0.1  # fraction of the best gain so far by which a later candidate must exceed it
 KEY_OFFSETS = (0.004, 0.016)  # [m] extra clearances tried when an existing key is moved
 SWING_RATIO = 0.5  # fraction of the overshoot that is kept if removing more hardly adds clearance
-CALM_TOLERANCE = 0.1  # clearance loss accepted for keeping `SWING_RATIO` of the overshoot / gain without overshoot
+CALM_TOLERANCE = 0.1  # fraction of the clearance gain without overshoot, given up to keep `SWING_RATIO` of it
 ACCEPT_RATIO = 0.98  # largest remaining fraction of the missing clearance with which a detour is accepted
 
 
@@ -42,7 +42,7 @@ class ClearPostures:
         self._cache: dict[tuple[bytes, ArmHinges, Spacing], Floats | None] = {}
 
     def near(self, angles: Floats, joints: ArmHinges, spacing: Spacing) -> Floats | None:
-        """Return the nearest collision-free posture by turning given joints, or None.
+        """Return the nearest collision-free posture that some joints reach, or None.
 
         Args:
             angles: (n,) [rad].
@@ -134,7 +134,7 @@ class _Scan:
         return _Scan(angles, deficits)
 
     def same(self, samples: set[int], before: "_Scan") -> set[int]:
-        """Return the given samples whose missing clearance is unchanged.
+        """Return those samples whose missing clearance another scan did not change.
 
         A detour elsewhere has not helped there.
         """

@@ -15,7 +15,7 @@ from kinesic.expressivity.face.tracks import Channels, face_at_ticks, face_track
 from kinesic.expressivity.style.standing import FRONTAL_GAZE
 from kinesic.planning.plan import Plan
 
-Shift = Mapping[tuple[str, str], float]  # behaviour and sync point -> [s] later than requested
+Shift = Mapping[tuple[str, str], float]  # (behaviour, sync point) -> delay [s] after the requested time
 
 
 def commands_with_face(plan: Plan, times: Floats) -> Iterator[Command]:

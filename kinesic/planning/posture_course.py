@@ -60,16 +60,16 @@ class PostureCourse:
         return replace(self, stray=sealed(performed - self.motion.angles(times)))
 
     def near(self, arm: ArmHinges, time: float) -> int | None:
-        """Return the index of an arm's key nearest to a block time.
+        """Return the index of an arm's key near a block time, or None.
 
-        None if it is `MIN_KEY_INTERVAL` or more away.
+        It is the nearest key, if less than `MIN_KEY_INTERVAL` away.
         """
         keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
         nearest = min(keys, key=lambda k: abs(self.planned[k] - time))
         return nearest if abs(self.planned[nearest] - time) < MIN_KEY_INTERVAL else None
 
     def detours(self, time: float, arms: list[ArmHinges]) -> set[int]:
-        """Return indices of arms' detour keys next to a block time [s]."""
+        """Return indices of arms' detour keys directly before and after a block time."""
         matches = set[int]()
         for arm in arms:
             keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]

@@ -54,7 +54,7 @@ def solve_postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> 
 
 
 def _bodies(keyframes: KeyFrames, leans: Sequence[Floats], robot: Robot) -> Floats:
-    """Return the postures (m, n) [rad] with resting arms.
+    """Return the postures (m, n) [rad] of all key frames, with resting arms.
 
     Fingers, torso and head are in place.
     """
@@ -67,7 +67,7 @@ def _bodies(keyframes: KeyFrames, leans: Sequence[Floats], robot: Robot) -> Floa
 
 def _tasks(keyframes: KeyFrames, leans: Sequence[Floats], bodies: Floats, robot: Robot) -> Iterator[ArmsTask]:
     """Yield the hand targets and keyed hinges of each key frame."""
-    held: dict[Side, tuple[Hand, Floats]] = {}  # last target of each hand, and the torso angles [rad] then
+    held: dict[Side, tuple[Hand, Floats]] = {}  # last target of each hand, and torso angles [rad] at that time
     leaning = np.any(leans, axis=1).tolist() if leans else []
     frames, torsos = robot.body_frames(bodies), bodies[:, list(robot.joints("torso"))]
     for k, frame in enumerate(keyframes.frames):

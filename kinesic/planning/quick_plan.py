@@ -113,8 +113,8 @@ class _Hinge:
     """Limits of one hinge as plain floats, which are faster than arrays."""
 
     speed: float  # [rad/s] velocity limit
-    acceleration: float  # [rad/s^2] limit
-    jerk: float  # [rad/s^3] limit
+    acceleration: float  # [rad/s^2] acceleration limit
+    jerk: float  # [rad/s^3] jerk limit
     inertial: float  # [s^2/rad] duty per acceleration / duty limit
     viscous: float  # [s/rad] duty per velocity / duty limit
 

@@ -50,7 +50,7 @@ class Setup:
     prosody: float = 0.0  # amount of brows, nods, blinks and lip opening by prosody
     variation: Variation = NO_VARIATION  # variation between gestures
     pause: float = 0.0  # [s] default of the longest pause before a word that waits for the body
-    character: str | None = None  # character of the robot in a document for several; None: that of the block
+    character: str | None = None  # character of the robot in documents for several robots; None: the block's character
     language: str = "en"  # language of plain text
     grammar: GrammarName = "rules"  # parser of phrases and clauses of plain text
     intentions: IntentionFiles = IntentionFiles()  # behaviours of intentions

@@ -48,7 +48,7 @@ def synthesise_block(block: Block, setup: Setup, waiting: tuple[SpeechPause, ...
     """
     rate, pitch = choose_rate_and_pitch(setup.style)
     result: dict[str, Utterance] = {}
-    audible_duration = 0.0  # [s] of all speech before
+    audible_duration = 0.0  # [s] summed duration of all preceding speeches with sound
     for behaviour in block.behaviours:
         if isinstance(behaviour.action, Speech):
             pauses = tuple(pause for pause in waiting if pause.speech == behaviour.id)

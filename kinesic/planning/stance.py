@@ -28,15 +28,15 @@ class StanceComponents(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of a multivariate t distribution by its principal components [deg]."""
 
     degrees_of_freedom: float  # the smaller, the more draws lie far from the mean
-    symmetric: Sequence[Mapping[str, float]]  # equal for both arms
-    asymmetric: Sequence[Mapping[str, float]]  # added to the left arm and subtracted from the right
+    symmetric: Sequence[Mapping[str, float]]  # principal components that are equal for both arms
+    asymmetric: Sequence[Mapping[str, float]]  # components added to the left arm and subtracted from the right
 
 
 class StanceTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of a distribution of standing postures [deg]."""
 
     weight: float  # relative probability of hanging arms
-    mean: Mapping[str, float]  # by feature; arms by features of one arm
+    mean: Mapping[str, float]  # mean angle by feature; both arms have the features of one arm
     handedness: Mapping[str, float]  # mean asymmetry, added to the left arm and subtracted from the right
     persons: StanceComponents  # deviations of persons from the mean
     rests: StanceComponents  # deviations of rests from the mean of their person

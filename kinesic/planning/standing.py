@@ -66,7 +66,7 @@ def standing_robot(robot: Robot, style: Style, lexicon: Lexicon, distances: Dist
 
 
 def take_rest(name: str, setup: Setup, chance: np.random.Generator) -> Floats | None:
-    """Return a setup's posture with hands in another rest gesture, or None.
+    """Return the rest posture with hands in a named rest gesture, or None.
 
     Args:
         name: rest gesture, or empty for arms that hang.
@@ -174,7 +174,7 @@ def _take_largest_stance(robot: Robot, standing: Standing, stance: Stance, dista
 
 
 def _take_clear_stance(robot: Robot, standing: Standing, stance: Stance, distances: Distances) -> Floats | None:
-    """Take a stance (n,) [rad] with clear arms, or return None.
+    """Return a stance's posture (n,) [rad] with collision-free arms, or None.
 
     An arm too close to the body is moved outward, as the deviation of trunk and head should remain.
     """

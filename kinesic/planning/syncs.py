@@ -18,7 +18,7 @@ from kinesic.motion.infeasibility import Bottleneck
 from kinesic.motion.keys import Bond, KeyPosture
 
 SHIFT_TO_WARN = 0.010  # [s] larger shifts of a sync point are reported
-MIN_REPORTED_SHORTENING = 0.1  # smallest reported shortening of a hand path / its length
+MIN_REPORTED_SHORTENING = 0.1  # smallest reported shortening of a hand path / path length
 
 
 @dataclass(frozen=True)

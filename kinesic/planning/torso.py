@@ -82,8 +82,8 @@ class _Hinges:
 
     joints: list[int]  # in joint order
     axes: list[int]  # indices in `TURN_AXES`
-    lower: Floats  # (k,) [rad] joint limit
-    upper: Floats  # (k,) [rad] joint limit
+    lower: Floats  # (k,) [rad] lower joint limit
+    upper: Floats  # (k,) [rad] upper joint limit
     below: Floats  # (k,) [rad] range below zero
     above: Floats  # (k,) [rad] range above zero
     all_below: Floats  # (k,) [rad] range below zero of all hinges of the axis
@@ -106,7 +106,7 @@ class GestureVolume:
     """Gesture space of a rotated torso, relative to the upright one."""
 
     pivot: Floats  # (3,) [m] first joint of the torso in the world
-    rotation: Floats  # (3, 3)
+    rotation: Floats  # (3, 3) rotation of the torso from upright
     scale: float  # torso length relative to upright
 
     def placed(self, reach: Reach) -> Reach:

@@ -88,7 +88,7 @@ class BapFrames:
 
     times: Floats  # (m,) [s] from the start of the file
     angles: Floats  # (m, n) [rad] in joint order, with the signs of the robot; not clipped to its ranges
-    given: tuple[str, ...]  # hinges with a parameter in the file; the others rest
+    given: tuple[str, ...]  # hinges with a parameter in the file; other hinges stay at rest
     strangers: tuple[int, ...]  # numbers of parameters without a hinge of the robot
 
 

@@ -14,7 +14,7 @@ from kinesic.planning.torso import set_turn
 MIN_TURN_ANGLE = radians(6.0)  # [rad] smallest head turn that gets a dip and a lean
 MIN_TURN_TIME = 0.2  # [s] shortest head turn that gets a dip and a lean
 DIP_FRACTIONS = (0.06, 0.16)  # range of the head's dip angle / turn angle
-LEAN_FRACTIONS = (-0.04, 0.14)  # range of the head's lean angle / turn angle
+LEAN_FRACTIONS = (-0.04, 0.14)  # range of the head's lean angle / turn angle, positive towards the side of the turn
 MAX_ARC_ANGLE = radians(4.0)  # [rad] largest dip or lean of the head
 PEAK_FRACTIONS = (0.35, 0.6)  # range of the time of the largest dip, as a fraction of the turn's duration
 MIN_TURN_VELOCITY = radians(2.0)  # [rad/s] velocity above which the head counts as turning

@@ -16,7 +16,7 @@ from kinesic.planning.secondary.offset_bumps import CONTROL_LEAD
 from kinesic.planning.syncs import list_keyed_syncs
 
 MIN_REST_TIME = 0.03  # [s] shorter standstills of an arm do not count as rests
-STILL_THRESHOLD = 5e-5  # [rad] change per knot below which an arm stands still
+STILL_THRESHOLD = 5e-5  # [rad] angle change per knot interval below which an arm stands still
 
 
 @dataclass(frozen=True)

@@ -28,10 +28,10 @@ def reduce_amounts(amounts: Floats, reduced: Flags) -> Floats:
 class _Cells:
     """Contributions of the offsets to single control points, sorted by offset."""
 
-    change: Indices  # (p,) index of the change
+    change: Indices  # (p,) index of the offset
     hinge: Indices  # (p,) index of the hinge
     row: Indices  # (p,) index of the control point
-    added: Floats  # (p,) [rad] offset
+    added: Floats  # (p,) [rad] contribution to the control point
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +39,7 @@ class Changes:
     """Offsets of secondary motion, computed once and scaled by adjustable amounts."""
 
     motion: Trajectory  # at rest before its start and after its end
-    offsets: Sequence[MotionChange]  # none starts before the motion
+    offsets: Sequence[MotionChange]  # offsets that start no earlier than the motion
 
     @cached_property
     def moved(self) -> Flags:

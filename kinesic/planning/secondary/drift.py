@@ -16,12 +16,12 @@ from kinesic.planning.secondary.offset_bumps import OffsetBump
 MIN_HOLD_TIME = 0.3  # [s] shorter standstills of an arm do not count as holds
 DRIFT_PERIOD = 1.0  # [s] duration of one drift movement in a long hold
 FULL_DRIFT_TIME = 0.9  # [s] duration of a full drift movement; shorter ones are proportionally smaller
-MAX_DRIFT = radians(5.0)  # [rad] largest drift of a hinge of a free hand, about 30 mm at the hand
-MAX_TOUCH_DRIFT = radians(0.9)  # [rad] largest drift of a hinge of a touching or pointing hand, about 5 mm
-STILL_THRESHOLD = 2e-4  # [rad] change per knot below which an arm holds, even if the trunk turns
+MAX_DRIFT = radians(5.0)  # [rad] largest drift of an arm hinge if the hand is free, about 30 mm at the hand
+MAX_TOUCH_DRIFT = radians(0.9)  # [rad] largest drift of an arm hinge if the hand touches or points, about 5 mm
+STILL_THRESHOLD = 2e-4  # [rad] angle change per knot interval below which an arm holds, even if the trunk turns
 TOUCH_MARGIN = 0.3  # [s] time between a hold and a touch up to which the hand counts as touching
 RANGE_MARGIN = 1e-3  # [rad] smallest distance of a drifting arm from the joint limits
-NO_TOUCHES: Mapping[Side, Sequence[float]] = MappingProxyType({})  # touch times [s] of hands that touch nothing
+NO_TOUCHES: Mapping[Side, Sequence[float]] = MappingProxyType({})  # default: no touch times [s], empty
 MIN_REST_DISTANCE = 0.05  # [rad] smallest distance from the rest pose at which a held arm drifts
 
 

@@ -18,7 +18,7 @@ from kinesic.planning.secondary.offset_bumps import OffsetBump
 MAX_SWING = (radians(3.0), radians(4.0), radians(5.0))  # [rad] largest offsets of shoulder, elbow and wrist
 MIN_SWING_TIME = 0.6  # [s] duration of a gesture's hand motion below which the other arm stays still
 FULL_SWING_TIME = 1.2  # [s] duration of a gesture's hand motion from which the other arm has its full offset
-NO_TIMES: Mapping[Side, Sequence[float]] = MappingProxyType({})  # touch times [s] of hands that touch no arm
+NO_TIMES: Mapping[Side, Sequence[float]] = MappingProxyType({})  # default: no touch times [s], empty
 
 
 def swing_free_arms(

@@ -46,7 +46,7 @@ class OffsetBump:
     begin: float
     peak: float
     end: float
-    away: Floats  # (n,) [rad] offset of each hinge at the peak
+    away: Floats  # (n,) [rad] offset of all hinges of the robot at the peak
     stays: float = 0.0  # [s] duration of the peak
 
     def later(self, seconds: float) -> "OffsetBump":

@@ -18,7 +18,7 @@ from kinesic.planning.standing import draw_rest, take_rest
 MIN_REST_SPAN = 6.0  # [s] shorter rests of both arms keep their posture
 REST_DURATION = 15.0  # [s] usual duration of one rest posture; people change it every 10 to 20 s
 CHANGE_DURATIONS = 1.2, 1.9  # [s] shortest and longest transition between two rest postures
-OTHER_REST_PROBABILITY = 0.5  # probability that a change puts the hands into another rest of the style
+OTHER_REST_PROBABILITY = 0.5  # probability that a change moves the hands to another rest gesture of the style
 HELD_SHIFT_FRACTION = 0.4  # factor on the weight shift if the hands move to another rest gesture
 REST_MARGIN = 0.4  # [s] time at rest before the first and after the last transition
 REST_TOLERANCE = 0.02  # [rad] largest distance of a resting arm from the rest posture

@@ -31,7 +31,7 @@ NOT_A_KNOT = sealed([2.5, 0.5])  # weights of the first two steps in the sum of 
 
 NO_DELAY = (0.0, 1.0, 0.0, 0.0)  # [s] start, any duration, delay and change of delay of an interval without delay
 
-Lateness = Sequence[tuple[float, float]]  # times [s] and delays [s], smoothly interpolated
+Lateness = Sequence[tuple[float, float]]  # (time [s], delay [s]) pairs, smoothly interpolated
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class Delay:
     begin: float
     end: float
     hinges: tuple[int, ...]
-    away: Floats  # (r, h) [rad] offset at each knot from the first on
+    away: Floats  # (r, h) [rad] offset of each hinge at successive knots
 
     def added(self, times: Floats) -> Floats:
         """Return the angle offsets (m, h) [rad] at successive knots."""
