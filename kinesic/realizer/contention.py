@@ -21,7 +21,7 @@ def interrupted_by(action: Interrupt, running: RunningBlock) -> frozenset[str]:
 
 
 def planned_interruptions(scene: Scene, coming: TimedBlock) -> Interruptions:
-    """Return the first interruption time [s] of each (block, behaviour) pair.
+    """Return the earliest interruption time [s] of each (block, behaviour) pair.
 
     Running blocks and the new block may interrupt.
     """

@@ -50,7 +50,7 @@ def end_idle(scene: Scene, now: float) -> Scene:
     earliest, after = scene.first_change(now), replace(scene, idle=None)
     if scene.motion.end <= earliest:
         return after
-    layer = scene.idle.merged.layer  # it starts and ends at zero, so that moved hinges vary in it
+    layer = scene.idle.merged.layer  # the layer is zero at both ends, so a moved hinge varies
     moved = np.ptp(layer.controls, axis=0) > 0.0
     motion = release_motion(scene.motion, earliest, moved, scene.setup, layer=layer, others=scene.lasting)
     return replace(after, motion=motion)

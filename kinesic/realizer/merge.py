@@ -36,8 +36,8 @@ class MergedMotion:
     trajectory: Trajectory  # starts with the running motion, equal to it before the cut
     zero: float  # [s] block time 0, on the clock of the motion
     layer: Trajectory  # offsets that the block adds to the running motion
-    occupancy: tuple[Occupancy, ...]  # of its moving behaviours
-    syncs: tuple[SyncTime, ...]  # as performed, in block time, without dropped behaviours
+    occupancy: tuple[Occupancy, ...]  # occupancies of the block's moving behaviours
+    syncs: tuple[SyncTime, ...]  # sync points as performed, in block time, without dropped behaviours
     dropped: tuple[str, ...]  # names of dropped behaviours
     notices: tuple[Notice, ...]
 

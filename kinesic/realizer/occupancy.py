@@ -37,12 +37,12 @@ class Occupancy:
 
     behaviour: str
     roles: frozenset[Role]
-    hinges: Flags  # (n,) hinges that it moves
+    hinges: Flags  # (n,) hinges that the behaviour moves
     begin: float  # [s] start of the preparation
     ready: float  # [s] required posture reached
     relax: float  # [s] end of exclusive use
     end: float  # [s] end of the retraction, or of the change to a held posture
-    offset: Floats | None = None  # (n,) [rad] held offset from rest; None if it returns
+    offset: Floats | None = None  # (n,) [rad] held offset from rest; None: the behaviour returns to rest
 
     @property
     def is_held(self) -> bool:
@@ -242,7 +242,7 @@ class Overlay:
     cut: int  # first knot that may change
     holding: Sequence[Occupancy]  # occupancies of the running motion after the cut
     performed: Sequence[Occupancy]  # behaviours of the block
-    finishing: Sequence[Occupancy] = ()  # behaviours of the block that its hands finish in the running motion
+    finishing: Sequence[Occupancy] = ()  # behaviours of the block that hands finish in the running motion
 
     def trunk_failure(self, why: str) -> MergeFailure:
         """Return a failure of the last behaviour with trunk motion, if any."""

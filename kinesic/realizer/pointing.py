@@ -77,8 +77,8 @@ class PointingStroke:
     """Stroke of a pointing hand in a motion, with its time."""
 
     pointer: PointingHand
-    time: float  # [s]
-    occupancy: Occupancy  # of its behaviour
+    time: float  # [s] time of the stroke in the motion
+    occupancy: Occupancy  # occupancy of the pointing behaviour
 
     def miss(self, motion: Trajectory, robot: Robot) -> float:
         """Return the pointing error [rad] at the stroke time of a motion."""

@@ -43,8 +43,8 @@ __all__ = [
 
 MAX_BLOCKS = 256  # largest number of active blocks in a scene
 CERTIFY_WITHOUT_LEAD_IN = partial(certify, lead_in=0.0)  # certification of blocks that start at once
-MAX_WELL_PLANNED_BEHAVIOURS = 4  # moving behaviours up to which full planning is as fast as quick planning
-MAX_WELL_PLANNED_DURATION = 20.0  # [s] longest motion whose full planning is as fast as quick planning
+MAX_WELL_PLANNED_BEHAVIOURS = 4  # largest number of moving behaviours of a block that needs no quick plan first
+MAX_WELL_PLANNED_DURATION = 20.0  # [s] longest motion of a block that needs no quick plan first
 
 
 def prepare_block(request: TimedRequest, setup: Setup, *, is_scheduled: bool = False) -> PreparedBlock:

@@ -141,8 +141,8 @@ class TimedRequest:
     utterances: Mapping[str, Utterance]  # by speech id
     timeline: Timeline
     zero: float = 0.0  # [s] expected global time of block time 0
-    is_anchored: bool = False  # whether it refers to other blocks, so that `zero` is fixed
-    is_decided: bool = False  # whether its speech has started and must not change
+    is_anchored: bool = False  # whether the block refers to other blocks, so that `zero` is fixed
+    is_decided: bool = False  # whether the block's speech has started and must not change
     busy_hands: tuple[BusyHand, ...] = ()  # hands used by other blocks
 
     @property

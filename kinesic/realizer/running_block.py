@@ -26,7 +26,7 @@ class PreparedBlock:
 
     request: TimedRequest
     plan: Plan
-    is_provisional: bool = False  # whether it was planned quickly and is to be refined
+    is_provisional: bool = False  # whether the plan is a quick one that a refined plan will replace
 
     @property
     def replan_request(self) -> TimedRequest:
@@ -61,9 +61,9 @@ class RunningBlock:
     prepared: PreparedBlock
     state: BlockState
     zero: float  # [s] global time of block time 0; an estimate while it waits
-    times: Times  # of its sync points as performed, without dropped behaviours
+    times: Times  # times of sync points as performed, without dropped behaviours
     waits: dict[str, Until] = field(default_factory=dict)  # dependencies: other blocks and the point to wait for
-    merged: MergedMotion | None = None  # its motion, merged into that of the scene
+    merged: MergedMotion | None = None  # motion of the block, merged into the scene's motion
     predicted: tuple[float, Times] | None = None  # zero and times of the last predictionFeedback
     run: int = 0  # number, unique for all blocks of a server
 

@@ -18,8 +18,8 @@ from kinesic.realizer.running_block import EndedBlock, PlayingSpeech, RunningBlo
 
 KEPT_PAST_DURATION = 0.5  # [s] duration of past motion that is kept
 MAX_PAST_DURATION = 2.0  # [s] duration of past motion above which it is truncated
-MERGE_LEAD_TIME = 0.05  # [s] time before its start at which a waiting block is merged
-MAX_ENDED_BLOCKS = 32  # number of ended blocks to which others may still refer
+MERGE_LEAD_TIME = 0.05  # [s] time before the start of a waiting block at which the block is merged
+MAX_ENDED_BLOCKS = 32  # number of ended blocks to which later blocks may still refer
 
 
 @dataclass(frozen=True, eq=False)
@@ -36,8 +36,8 @@ class Scene:
     outgoing_feedback: tuple[ScheduledFeedback, ...] = ()  # feedback to send now; cleared by the next `advance`
     ended: tuple[EndedBlock, ...] = ()  # most recently ended blocks
     replans: tuple[TimedRequest, ...] = ()  # blocks to be replanned; each plan goes to `improve_block`
-    ahead: float = 0.0  # [s] by which motion is sent in advance; changes begin no earlier
-    lasting: tuple[Occupancy, ...] = ()  # postures held by ended blocks, the last one of each role
+    ahead: float = 0.0  # [s] by which motion is sent in advance; no change begins before the sent motion ends
+    lasting: tuple[Occupancy, ...] = ()  # last posture of each role that an ended block still holds
     idle: RunningBlock | None = None  # idle motion since the last block ended
     runs: int = 0  # number of the block added last; blocks are numbered from 1
 
