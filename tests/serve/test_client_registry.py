@@ -111,7 +111,7 @@ def test_client_without_a_client_slot_may_stop_the_robot_and_authenticate():
     assert third.open
 
 
-def test_document_is_passed_on_with_sender_and_non_file_source():
+def test_session_gets_a_document_with_client_number_and_client_address_as_source():
     registry = Registry()
     client = registry.join("127.0.0.1:5")
     registry.say(client, DOCUMENT)
@@ -214,7 +214,9 @@ def test_message_burst_limit_recovers_with_the_rate_limit(time: Callable):
 
 
 @pytest.mark.parametrize("message", [{"do": "reach", "target": [0, 0, 1]}, {"do": "words", "text": "a"}])
-def test_streamed_words_and_reach_queries_have_four_times_the_message_burst(time: Callable, message: dict):
+def test_burst_limit_of_streamed_words_and_reach_queries_is_four_times_that_of_other_messages(
+    time: Callable, message: dict
+):
     registry = Registry()
     client = registry.join("a")
     refused = [bool(registry.say(client, message)) for _ in range(4 * TEST_QUOTAS.burst + 1)]

@@ -37,7 +37,7 @@ def test_emergency_stop_needs_the_token(guarded):
     assert not guarded.open.clients.session.loop.is_stopped
 
 
-def test_blocks_are_performed_with_the_token(guarded):
+def test_client_with_the_token_may_send_blocks_and_pings(guarded):
     with Client(port=guarded.port, token="open sesame") as client:
         assert re.search(r'id="welcome:end"', list(client.perform(BLOCK.format("welcome", NOD)))[-1])
     with connect(f"ws://127.0.0.1:{guarded.port}", additional_headers={"Authorization": "Bearer open sesame"}) as web:
@@ -89,7 +89,7 @@ def test_incomplete_message_is_refused(guarded, ends):
     assert "1008" in stream
 
 
-def test_messages_beyond_the_rate_are_refused_individually(guarded):
+def test_messages_beyond_the_rate_limit_are_refused_one_by_one(guarded):
     with Client(port=guarded.port, token="open sesame") as client:
         for _ in range(40):
             client.do("ping")

@@ -104,7 +104,7 @@ def test_listener_pauses_at_the_limit_of_open_files(door, loop):
     listener.close()
 
 
-def test_at_least_the_given_number_of_oldest_pending_connections_is_dropped(door):
+def test_at_least_the_requested_number_of_oldest_pending_connections_is_dropped(door):
     listener = PlayedListener(6, BlockingIOError())
     door._max_pending = 4
     door._accept(listener)
@@ -180,7 +180,7 @@ def test_connections_keep_alive_and_send_small_messages_at_once() -> None:
 
 
 @pytest.mark.parametrize(("placed", "admitted"), [(False, False), (False, True), (True, False), (True, True)])
-def test_read_limits_are_lifted_for_admitted_clients_and_those_with_a_slot(door, placed, admitted):
+def test_admitted_client_has_no_read_limit_and_client_with_a_slot_has_a_larger_read_burst(door, placed, admitted):
     calls: list[object] = []
     line = SimpleNamespace(admit=lambda: calls.append("admit"))
     reads = SimpleNamespace(widen=calls.append)

@@ -44,7 +44,7 @@ def test_first_bytes_are_read_until_the_protocol_is_known(chunks, first):
     assert set(line.hurries) == {True}
 
 
-def test_client_without_the_token_is_read_to_eight_kibibytes() -> None:
+def test_at_most_eight_kibibytes_are_read_from_a_client_without_the_token() -> None:
     async def run() -> int:
         here, client = socket.socketpair()
         here.setblocking(False)
@@ -114,7 +114,7 @@ def test_websocket_parses_two_kibibytes_before_other_tasks_run(monkeypatch) -> N
     assert (parsed, pauses) == ([2048, 2048, 1], [0, 0])
 
 
-def test_unfinished_blocks_of_a_client_are_checked_twenty_times_a_second(monkeypatch) -> None:
+def test_client_that_stopped_sending_is_checked_for_unfinished_blocks_twenty_times_a_second(monkeypatch) -> None:
     pauses = []
 
     async def note(seconds: float) -> None:
@@ -163,7 +163,7 @@ def test_stop_connections_have_a_burst_of_twenty_reads_and_no_read_limit(monkeyp
     assert lines._open == 64
 
 
-def test_sixty_fourth_stop_connection_is_served() -> None:
+def test_stop_connection_is_served_while_63_others_are_open() -> None:
     lines = StopLines(lambda: None, Quotas())
     lines._open = 63
     sent = []

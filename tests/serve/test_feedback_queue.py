@@ -57,7 +57,7 @@ def test_proposal_may_withdraw_a_feedback_text_that_was_sent(queue: FeedbackQueu
     assert queue.propose(block()[:2], block()[2:])
 
 
-def test_pending_blocks_have_a_start_and_end_time_and_begun_ones_start_at_minus_infinity(queue: FeedbackQueue) -> None:
+def test_pending_block_has_its_start_and_end_time_or_minus_infinity_as_start_once_begun(queue: FeedbackQueue) -> None:
     assert queue.pending_blocks() == [PendingBlock("b", 10.0, 12.0)]
     send(queue, 10.5)
     assert queue.pending_blocks() == [PendingBlock("b", -inf, 12.0)]
@@ -78,7 +78,7 @@ def test_emergency_stop_ends_blocks_that_have_begun(queue: FeedbackQueue) -> Non
     assert not queue.messages
 
 
-def test_emergency_stop_sends_an_irrevocable_block_start_and_its_end_at_once(queue: FeedbackQueue) -> None:
+def test_emergency_stop_sends_an_irrevocable_block_start_and_the_end_of_the_block_at_once(queue: FeedbackQueue) -> None:
     assert queue.propose((*block()[:2], block()[-1].interrupted_at(10.4)), ())
     queue.halt(9.0)
     assert send(queue, 9.0) == [":start", ":end"]
@@ -120,7 +120,7 @@ def test_irrevocable_messages_proposed_twice_are_queued_once(queue: FeedbackQueu
     assert queue.messages == sorted(block(), key=lambda message: message.time)
 
 
-def test_sent_text_is_sent_again_only_after_it_was_withdrawn() -> None:
+def test_feedback_message_is_sent_again_only_after_it_was_withdrawn() -> None:
     queue, doubt = FeedbackQueue(), ScheduledFeedback(1.0, "<doubt/>", unless_improved="b")
     assert queue.propose((), (doubt,))
     assert send(queue, 1.0) == ["<doubt/>"]
@@ -147,7 +147,9 @@ def test_proposal_that_adds_a_sync_point_before_the_sent_time_is_refused(queue: 
     assert not queue.propose((), (*block(), *other, *ahead))
 
 
-def test_emergency_stop_keeps_texts_and_due_messages(queue: FeedbackQueue) -> None:
+def test_emergency_stop_keeps_feedback_without_sync_points_and_feedback_that_is_already_due(
+    queue: FeedbackQueue,
+) -> None:
     before, after = ScheduledFeedback(10.1, "<before/>"), ScheduledFeedback(12.5, "<after/>")
     assert queue.propose((), (*block(), before, after))
     send(queue, 10.0)

@@ -44,7 +44,7 @@ def test_idle_motion_does_not_begin_at_the_end_of_its_allowed_time(scene):
     assert scheduler.next_time(scene) == inf
 
 
-def test_rejected_idle_motion_is_postponed_by_its_twelve_seconds(scene):
+def test_rejected_idle_motion_is_postponed_by_its_duration_of_twelve_seconds(scene):
     scheduler = allowed()
     scheduler.postpone(48.0)
     assert scheduler.next_time(scene) == 60.0

@@ -195,7 +195,7 @@ def test_withdrawn_feedback_is_not_sent(simulation: Simulation):
     assert sent(simulation) == ["<new/>"]
 
 
-def test_client_with_pending_feedback_is_unfinished(simulation: Simulation):
+def test_client_counts_as_unfinished_until_its_pending_feedback_is_sent(simulation: Simulation):
     loop = simulation.make()
     planner = simulation.link()
     owed = []

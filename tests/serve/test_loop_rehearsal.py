@@ -13,7 +13,7 @@ from kinesic.serve import loop as loop_module
 from .simulated import Simulation
 
 
-def test_new_control_loop_solves_a_trial_stop_without_being_stopped(
+def test_new_control_loop_computes_a_trial_stop_and_is_not_stopped(
     simulation: Simulation, monkeypatch: pytest.MonkeyPatch
 ):
     solved = []

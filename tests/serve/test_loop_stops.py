@@ -198,7 +198,7 @@ def test_plan_sent_just_before_an_emergency_stop_is_discarded(simulation: Simula
     assert np.ptp(loop.motion.controls, axis=0).max() < REST_TOLERANCE
 
 
-def test_motion_planned_after_an_emergency_stop_ends_the_stop(simulation: Simulation):
+def test_accepted_motion_planned_after_an_emergency_stop_ends_the_stopped_state(simulation: Simulation):
     recorder = Recorder()
     loop = simulation.make([RealTimeSink(recorder)])
     planner = simulation.link()

@@ -178,7 +178,7 @@ def test_unexpected_exception_in_the_loop_counts_as_failure(simulation: Simulati
     assert recorder.closed == 1
 
 
-def test_loop_needs_resume_until_its_held_sink_is_resumed(simulation: Simulation):
+def test_control_loop_needs_a_resume_request_while_one_of_its_outputs_is_held(simulation: Simulation):
     held, free = Held(), Recorder()
     loop = simulation.make([RealTimeSink(free), RealTimeSink(held)])
     assert loop.needs_resume()

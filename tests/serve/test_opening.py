@@ -220,7 +220,7 @@ def test_shutdown_ends_the_server_and_cancels_reading_standard_input(monkeypatch
     asyncio.run(run())
 
 
-def test_failed_loop_ends_the_server(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_failed_control_loop_ends_the_server(monkeypatch: pytest.MonkeyPatch) -> None:
     async def run() -> None:
         served = Served(monkeypatch, address=ADDRESS)
         task = await served.lasts(asyncio.Event(), console=False)

@@ -37,7 +37,7 @@ def restyled(state, monkeypatch):
     return apply
 
 
-def test_style_and_changes_apply_to_all_blocks(state, restyled):
+def test_style_request_without_a_block_applies_style_and_parameter_changes_to_all_blocks(state, restyled):
     ((options),) = restyled("calm", ("power=-0.5",), 0.5, None, 3)
     assert options["style"] == style_preset("calm").changed(("power=-0.5",))
     assert (options["amount"], options["block"]) == (0.5, None)
@@ -52,7 +52,7 @@ def test_style_change_of_one_block_passes_on_the_block_id(state, restyled):
     assert (options["style"], options["block"], options["amount"]) == ("calm", "b", None)
 
 
-def test_refusal_of_a_style_is_sent_to_its_sender(state, restyled, monkeypatch):
+def test_refusal_of_a_style_is_sent_to_the_client_that_requested_the_style(state, restyled, monkeypatch):
     assert restyled("gloomy", (), None, None, 3) == []
     ((message, sender),) = state._shared.told
     assert sender == 3

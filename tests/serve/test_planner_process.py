@@ -92,7 +92,7 @@ def test_dead_spare_planner_is_restarted(known):
     assert asyncio.run(plan_until(set_up, known, done)).is_warm
 
 
-def test_request_postpones_the_spare_planner_start_up_to_its_deadline(known):
+def test_request_postpones_the_start_of_the_spare_planner_at_most_until_its_deadline(known):
     starts = []
 
     def done(planner: Planner, news: News) -> bool:

@@ -132,7 +132,7 @@ def test_blocks_end_at_the_first_of_two_emergency_stops_reported_late(planning: 
     assert [each.time for each in messages if 'id="b:end"' in each.xml] == [pytest.approx(first)]
 
 
-def test_interrupted_block_leaves_the_other_running(planning: Planning):
+def test_interruption_of_one_block_leaves_another_block_running(planning: Planning):
     planning.document("a", LONG_GESTURE_BML, sender=1)
     planning.document("b", NOD_BML.replace('start="0"', 'start="3"'), sender=2)
     planning.said()

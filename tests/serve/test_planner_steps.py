@@ -207,7 +207,7 @@ def test_rejected_plan_is_reported_with_its_reason(state, monkeypatch, verdict, 
     assert sender == 7
 
 
-def test_document_from_before_a_stop_is_not_proposed(state, monkeypatch):
+def test_document_sent_before_an_emergency_stop_is_refused_and_its_motion_not_proposed(state, monkeypatch):
     state._shared.stops = 3
     planned(state, monkeypatch)
     assert state._shared.proposals == []

@@ -198,7 +198,9 @@ def test_one_spare_planner_starts_after_a_time_without_requests(in_office) -> No
     in_office(act, spare_delay=0.01)
 
 
-def test_requests_delay_the_spare_planner_up_to_its_deadline(in_office, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_repeated_requests_postpone_the_spare_planner_at_most_until_its_deadline(
+    in_office, monkeypatch: pytest.MonkeyPatch
+) -> None:
     async def act(office: Office) -> None:
         clock = SimpleNamespace(now=100.0)
         handles: list[SimpleNamespace] = []

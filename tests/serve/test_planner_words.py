@@ -92,7 +92,9 @@ def test_words_are_spoken_by_phrase_and_the_end_is_reported(planning: Planning):
     assert result[1]["block"] == result[0]["block"] == "said7-2"
 
 
-def test_phrase_replaces_behaviours_of_the_block_before_it(planning: Planning, monkeypatch: pytest.MonkeyPatch):
+def test_streamed_phrase_removes_behaviours_that_it_replaces_in_the_preceding_block(
+    planning: Planning, monkeypatch: pytest.MonkeyPatch
+):
     planning.document("a", '<head id="n" lexeme="NOD" start="4"/>')
     phrases = iter([Phrase(7, "b", BLOCK_BML.format("b", NOD_BML), "Yes.", frozenset({"n"}), before="a"), None])
     monkeypatch.setattr(planning.state._talks, "next_phrase", lambda scene, now: next(phrases))

@@ -44,7 +44,7 @@ def test_missing_privilege_for_priority_is_ignored(monkeypatch):
     assert worked
 
 
-def test_changed_niceness_is_not_overridden(monkeypatch):
+def test_thread_priority_is_not_raised_if_the_niceness_of_the_process_was_changed(monkeypatch):
     asked = []
     monkeypatch.setattr(priority.os, "getpriority", lambda *_: 5)
     monkeypatch.setattr(priority.os, "setpriority", lambda *given: asked.append(given))

@@ -133,7 +133,7 @@ def test_output_queue_respects_its_memory_limit():
 
 
 @pytest.mark.parametrize(("spare", "count"), [(0, 2), (-1, 1)])
-def test_output_queue_keeps_the_messages_that_just_fit(spare, count):
+def test_output_queue_keeps_messages_that_exactly_fill_its_memory_limit(spare, count):
     size = getsizeof("message")
     queue = OutputQueue(5, 2 * size + spare, UnreadMemory(1000))
     for _ in range(3):

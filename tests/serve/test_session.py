@@ -32,7 +32,7 @@ def test_planner_and_query_service_get_the_text_tables_of_the_voice(on_stage: Ca
     on_stage(act)
 
 
-def test_idle_planner_gets_a_document_with_the_number_of_stops(on_stage: Callable):
+def test_document_is_sent_to_an_idle_planner_with_the_count_of_emergency_stops(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.planner.is_warm = True
         stage.loop.stop_count = 3
@@ -64,7 +64,7 @@ def test_queued_client_requests_are_planned_before_documents(on_stage: Callable)
     on_stage(act)
 
 
-def test_documents_beyond_the_client_limit_are_refused(on_stage: Callable):
+def test_block_of_a_client_with_too_many_waiting_blocks_is_refused(on_stage: Callable):
     async def act(stage: Stage) -> None:
         for _ in range(2):
             assert stage.session.perform(stage.document("a")) is None
@@ -268,7 +268,9 @@ def test_folding_the_arms_does_not_wait_for_an_ended_loop(on_stage: Callable):
 
 
 @pytest.mark.parametrize("alive", [True, False])
-def test_closing_the_session_ends_loop_planner_queries_and_arming(on_stage: Callable, alive: bool):
+def test_closing_the_session_ends_the_control_loop_and_planner_and_client_queries_and_arming(
+    on_stage: Callable, alive: bool
+):
     async def act(stage: Stage) -> None:
         stage.loop.alive = alive
         renewing = asyncio.create_task(stage.saved())

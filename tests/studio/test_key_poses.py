@@ -33,7 +33,7 @@ def keys(studio: Studio) -> list[dict[str, object]]:
     return tomllib.loads(studio.state("text"))["gesture"][0]["keys"]
 
 
-def test_pose_dragged_past_another_one_on_the_timeline_changes_the_order(edited: Studio):
+def test_key_pose_dragged_past_another_key_pose_on_the_timeline_changes_their_order(edited: Studio):
     before = keys(edited)
     assert edited.page.value("document.querySelectorAll('.pose').length") == len(before)
     place = f"(r => [r.x + r.width / 2, r.y + r.height / 2])({POSE}.getBoundingClientRect())"
@@ -58,7 +58,7 @@ def test_clicked_pose_is_shown_at_its_time(edited: Studio):
     assert edited.page.value(pressed) == f"Pose {last + 1}"
 
 
-def test_motion_of_the_robot_by_hand_becomes_a_gesture(studio: Studio):
+def test_robot_motion_guided_by_hand_is_recorded_as_a_gesture(studio: Studio):
     skeleton = Robot.load().skeleton
     rest, raised = skeleton.rest.tolist(), skeleton.rest.tolist()
     raised[skeleton.joint("r_elbow_flexion")] += 1.2

@@ -83,7 +83,7 @@ def test_dragging_a_stroke_onto_a_word_synchronises_it_and_can_be_undone(studio:
     assert studio.state("text") == marked
 
 
-def test_speech_waveform_is_shown_and_its_clock_drives_playback(studio: Studio):
+def test_speech_waveform_is_shown_and_playback_follows_the_clock_of_the_speech(studio: Studio):
     studio.write(WORDS)
     if not studio.page.value("document.querySelector('.sound svg') !== null"):
         pytest.skip("no voice is heard here: espeak is not installed")

@@ -144,7 +144,7 @@ def test_playhead_follows_the_performance_of_the_robot(studio: Studio):
     assert share == pytest.approx(studio.state("time") / draft["duration"], abs=0.02)
 
 
-def test_block_dragged_in_time_moves_and_snaps_to_the_stroke_of_another(studio: Studio):
+def test_behaviour_dragged_in_time_moves_and_snaps_to_the_stroke_of_another_behaviour(studio: Studio):
     show(studio, THREE)
     begin, end = onto(studio, "[data-block=two]", 0.5)
     studio.page.drag(begin, ((begin[0] + end[0]) / 2, end[1]), end)

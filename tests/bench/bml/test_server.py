@@ -48,7 +48,7 @@ def test_failed_server_start_raises_an_error_with_its_reason():
 
 
 @pytest.mark.soak
-def test_memory_growth_is_measured_after_the_initial_rise():
+def test_memory_growth_of_the_server_excludes_the_initial_rise():
     memory = [(float(k), 100 if k < 5 else 200 if k < 15 else 210) for k in range(20)]
     assert _compute_memory_growth(memory, 20.0) == pytest.approx(5.0)
     assert _compute_memory_growth([], 20.0) is None

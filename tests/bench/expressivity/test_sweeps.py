@@ -38,7 +38,7 @@ def test_each_expressivity_parameter_has_monotonicity_and_stroke_metrics(short_s
 
 
 @pytest.mark.soak
-def test_power_ratio_counts_only_gestures_with_sufficient_velocity_limits(short_sweep):
+def test_effect_of_power_counts_only_gestures_whose_velocity_limits_allow_faster_strokes(short_sweep):
     power = next(series for series in sweeps.sweep_all() if series.parameter == "power")
     tight = _with(power, allowed_speed=0.1)
     metric = sweeps.effect_metrics("power", [tight])[0]

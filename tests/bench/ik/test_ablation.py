@@ -62,7 +62,7 @@ def test_same_ik_targets_give_the_same_ablation_metrics(metrics: list[Metric], m
     assert repeated == {metric.name: metric.value for metric in metrics if metric.unit != "us"}
 
 
-def test_mass_model_keeps_bone_lengths_and_puts_the_hand_on_the_target(arm: AblationArm) -> None:
+def test_mass_spring_model_keeps_bone_lengths_and_puts_the_hand_on_the_target(arm: AblationArm) -> None:
     target = (0.2, 0.15, 0.05)
     ends = settle_bone_ends(arm, target)
     assert distance(ends[-1], target) < 1e-12
@@ -70,7 +70,7 @@ def test_mass_model_keeps_bone_lengths_and_puts_the_hand_on_the_target(arm: Abla
     assert distance(ends[-2], ends[-3]) == pytest.approx(arm.linkage.links[-3].length, abs=1e-5)
 
 
-def test_greedy_ik_guess_stays_in_range_and_never_beats_backtracking(arm: AblationArm) -> None:
+def test_greedy_ik_guess_stays_in_range_and_is_never_more_accurate_than_backtracking(arm: AblationArm) -> None:
     rng, chain = np.random.default_rng(2), arm.chain
     wrong = 0
     for _ in range(60):
@@ -83,7 +83,7 @@ def test_greedy_ik_guess_stays_in_range_and_never_beats_backtracking(arm: Ablati
     assert wrong > 0
 
 
-def test_plotted_target_is_missed_by_the_mass_model_and_reached_by_the_elbow_circle(arm: AblationArm) -> None:
+def test_plotted_ik_target_is_missed_by_the_mass_spring_model_and_reached_by_the_elbow_circle(arm: AblationArm) -> None:
     limited = extract(arm.linkage, settle_bone_ends(arm, ablation.DRAWN_TARGET), arm.rest)
     assert limited.miss > 0.01
     assert (

@@ -54,7 +54,7 @@ def test_ik_kernel_and_python_have_the_same_method_names() -> None:
 
 
 @with_every_method
-def test_ik_method_solves_its_recorded_fraction_of_targets(method: Method) -> None:
+def test_ik_method_solves_at_least_its_recorded_fraction_of_targets(method: Method) -> None:
     for bones in (6, 10, 20, 32):
         rest = make_curved_chain(bones, bend=min(np.pi / 18.0, np.pi / (2 * bones)))
         runs = run_chain(method, rest, draw_targets(200, 0.1, 0.97, 71))
@@ -65,7 +65,7 @@ def test_ik_method_solves_its_recorded_fraction_of_targets(method: Method) -> No
 
 
 @with_every_method
-def test_ik_rotations_rebuild_the_points_and_keep_bone_lengths(method: Method) -> None:
+def test_ik_rotations_reproduce_the_joint_positions_and_keep_bone_lengths(method: Method) -> None:
     rest = make_curved_chain(10) * 0.7 + np.array([0.1, -0.2, 1.0])
     lengths = np.linalg.norm(np.diff(rest, axis=0), axis=1)
     for target in rest[0] + 0.7 * draw_targets(20, 0.0, 1.6, 5):
@@ -80,7 +80,7 @@ def test_ik_rotations_rebuild_the_points_and_keep_bone_lengths(method: Method) -
 
 
 @with_every_method
-def test_repeated_ik_solve_gives_the_same_bytes(method: Method) -> None:
+def test_repeated_ik_solve_gives_bitwise_equal_results(method: Method) -> None:
     goals = draw_targets(10, 0.1, 1.5, 9)
     once, again = (run_chain(method, make_curved_chain(6), goals) for _ in range(2))
     assert once.residuals.tobytes() == again.residuals.tobytes()

@@ -33,7 +33,7 @@ def test_every_ik_method_has_all_table_7_1_metrics_and_a_plot(tmp_path) -> None:
     assert 0.02 < (shades < 200).mean() < 0.5
 
 
-def test_thesis_time_ratios_are_relative_to_the_pinned_verlet_method_or_none() -> None:
+def test_thesis_time_ratio_is_relative_to_pinned_verlet_and_missing_without_a_thesis_value() -> None:
     assert thesis_value("pinv_svd", 6, "ratio") == pytest.approx(1.095 / 0.132)
     assert thesis_value("fabrik", 6, "ratio") is None
     assert thesis_value("ccd", 6, "us") is None

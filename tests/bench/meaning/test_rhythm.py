@@ -27,7 +27,9 @@ def test_rhythm_metrics_of_a_story_are_computed_from_its_strokes() -> None:
 
 
 @pytest.mark.parametrize(("gap", "returned"), [(1.5, [False]), (5.0, [])])
-def test_return_to_rest_is_measured_only_between_close_strokes(known: Setup, gap: float, returned: list[bool]) -> None:
+def test_return_of_a_hand_to_rest_is_measured_only_between_strokes_that_are_close_in_time(
+    known: Setup, gap: float, returned: list[bool]
+) -> None:
     times = {"beat": 2.0, "beat_lift": 2.0 + gap}
     beats = "".join(f'<gesture id="{name}" lexeme="{name}" stroke="{time}"/>' for name, time in times.items())
     measured = measure_rhythm(plan(f'<bml id="b">{beats}</bml>', known))

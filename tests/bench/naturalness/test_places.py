@@ -121,7 +121,7 @@ def test_required_hand_positions_follow_their_body_part():
     assert distance_change("other shoulder", "r_elbow_flexion") == pytest.approx(0.0, abs=1e-9)
 
 
-def test_head_and_hip_positions_are_on_the_side_of_the_hand():
+def test_required_ear_eye_and_hip_positions_are_mirrored_for_the_other_hand():
     for place in ("ear", "eye", "hip"):
         requirement = PlaceTable("palm", place, 0.1)
         left, right = (measure_place_distance(ROBOT, ROBOT.skeleton.rest, side, requirement) for side in "lr")

@@ -45,7 +45,7 @@ def test_dry_run_speed_is_over_a_fifth_of_bare_physics_speed(metrics):
 
 
 @pytest.mark.soak
-def test_time_per_further_servo_variant_is_within_ten_times_bare_physics(metrics):
+def test_time_per_further_servo_variant_is_within_a_factor_of_ten_of_bare_physics(metrics):
     bare = 1000 * 5.3 / metrics["speed.bare"].value  # [ms]
     assert 0.1 * bare < metrics["speed.variant"].value < 10 * bare
     assert metrics["speed.variant"].goal == 20.0
@@ -56,7 +56,7 @@ def test_planning_memory_stays_below_its_goal(starts):
     assert starts["speed.ready_memory"].value < starts["speed.planner_memory"].value
 
 
-def test_program_start_and_first_beat_gesture_have_positive_times(starts):
+def test_program_start_and_first_planned_gesture_take_a_positive_time(starts):
     # no more is asserted: each time is measured in a process of its own, and the difference is below the noise
     assert starts["speed.ready"].value > 0
     assert starts["speed.beat"].value > 0

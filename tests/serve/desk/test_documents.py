@@ -122,7 +122,7 @@ def test_replaced_document_becomes_a_version(tmp_path):
     assert folder.list_versions("a.toml") == ()
 
 
-def test_document_is_replaced_only_if_its_revision_is_the_given_one(tmp_path):
+def test_existing_document_is_replaced_only_by_a_request_with_its_current_revision(tmp_path):
     folder = DocumentFolder(tmp_path)
     revision = folder.save("a.bml", "one", "")
     assert folder.read("a.bml").revision == revision

@@ -10,7 +10,7 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.serve.desk.gesture import _checks, draft_gesture, gesture_text, plan_alone, read_gesture_file
 
 
-def test_exported_gesture_file_contains_only_the_named_gesture(upper22_setup):
+def test_exported_gesture_file_contains_only_the_requested_gesture(upper22_setup):
     lexicon = upper22_setup.lexicon
     for form in lexicon.forms[::9]:
         text = gesture_text(form.id, lexicon)
@@ -46,7 +46,9 @@ def test_gesture_preview_contains_key_times_and_results_of_gesture_checks(upper2
 
 
 @pytest.mark.parametrize(("excess", "is_clear"), [(-1e-6, True), (0.0, True), (1e-6, False)])
-def test_gesture_clearance_check_passes_down_to_exactly_the_required_clearance(upper22_setup, excess, is_clear):
+def test_gesture_passes_the_clearance_check_only_if_its_clearance_is_at_least_the_required_minimum(
+    upper22_setup, excess, is_clear
+):
     (form, *_), lexicon = read_gesture_file(gesture_text("conduit", upper22_setup.lexicon), upper22_setup)
     plan = plan_alone(form, replace(upper22_setup, lexicon=lexicon))
     required = float(plan.clearance.distances.min()) + excess
@@ -76,7 +78,7 @@ GESTUARY = """<gestuary><gesture category="{}" id="mine"><phase><hand side="LEFT
 <handShape value="FORM_OPEN"/></hand></phase></gesture></gestuary>"""
 
 
-def test_category_of_a_foreign_gestuary_is_not_used_as_path(tmp_path):
+def test_gesture_category_from_a_foreign_gestuary_file_is_not_used_as_a_file_path(tmp_path):
     (tmp_path / "secret.toml").write_text('[[gesture]]\nid = "mine"\nsecret = 7\n')
     file = tmp_path / "gestuary.xml"
     for category in (f"{tmp_path}/secret", "../robots/upper22", "x" * 300):

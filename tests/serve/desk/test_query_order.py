@@ -126,7 +126,9 @@ def test_newer_query_of_the_same_client_and_kind_replaces_a_waiting_one(workshop
     workshop.run(work)
 
 
-def test_renewal_reloads_the_lexicon_once_before_the_next_answer(workshop: Workshop) -> None:
+def test_query_helper_reloads_the_lexicon_once_before_its_next_answer_after_a_reload_request(
+    workshop: Workshop,
+) -> None:
     async def work() -> None:
         workshop.ask(1, "a")
         await workshop.until_told(1)
@@ -140,7 +142,7 @@ def test_renewal_reloads_the_lexicon_once_before_the_next_answer(workshop: Works
     workshop.run(work)
 
 
-def test_warm_up_starts_one_process_without_a_query(workshop: Workshop) -> None:
+def test_warm_up_of_the_query_helper_starts_one_process_before_any_query(workshop: Workshop) -> None:
     async def work() -> None:
         workshop.helper.warm_up()
         workshop.helper.warm_up()

@@ -7,7 +7,7 @@ from kinesic.serve.desk.reach import at_limit, reach_posture
 
 
 @pytest.mark.parametrize("side", ["l", "r"])
-def test_posture_of_a_dragged_hand_reaches_the_target_or_names_the_obstacle(upper22_setup, side):
+def test_dragged_hand_keeps_joint_limits_and_clearance_and_reports_its_distance_from_the_target(upper22_setup, side):
     setup, robot, rng = upper22_setup, upper22_setup.robot, np.random.default_rng(7)
     posture, stopped = robot.skeleton.rest, set()
     for _ in range(60):
@@ -29,7 +29,7 @@ def test_posture_of_a_dragged_hand_reaches_the_target_or_names_the_obstacle(uppe
     assert stopped >= {"contact", "limits"}
 
 
-def test_only_hinges_of_the_given_arm_that_are_at_a_limit_are_named(upper22_setup):
+def test_hinges_at_a_limit_are_named_only_for_the_dragged_arm(upper22_setup):
     robot = upper22_setup.robot
     skeleton, joints = robot.skeleton, robot.arm("r").joints
     posture = (skeleton.lower + skeleton.upper) / 2

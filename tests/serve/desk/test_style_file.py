@@ -59,7 +59,7 @@ def test_gesture_files_do_not_overwrite_styles(upper22_setup: Setup):
         (STYLE + "#" * MAX_STYLE_SIZE, f"at most {MAX_STYLE_SIZE} are allowed"),
     ],
 )
-def test_invalid_styles_are_refused_with_their_fault(text: str, fault: str):
+def test_invalid_style_file_is_refused_with_the_reason(text: str, fault: str):
     assert is_style(text)
     assert fault in find_style_fault(text, None)
 

@@ -156,7 +156,7 @@ def test_unauthenticated_clients_and_foreign_pages_cannot_arm(armable: Running, 
     assert not limp.armed
 
 
-def test_documents_without_torque_and_arming_of_a_stopped_robot_are_refused(guest: Guest, limp: Limp):
+def test_documents_are_refused_without_torque_and_arming_is_refused_until_a_stop_is_resumed(guest: Guest, limp: Limp):
     guest.socket.send(NOD.format("limp"))
     assert "arm them first" in guest.socket.recv(10)
     assert guest.ask(do="stop")["told"] == "stopped"
@@ -174,7 +174,7 @@ def test_documents_without_torque_and_arming_of_a_stopped_robot_are_refused(gues
     guest.ask(do="disarm")
 
 
-def test_servos_are_reopened_after_their_supervisor_ended_and_failures_reported(guest: Guest, limp: Limp):
+def test_arming_reopens_servos_of_an_ended_supervisor_and_a_disarming_failure_is_reported(guest: Guest, limp: Limp):
     limp.state, before = "ended", limp.revived
     assert guest.confirm()["told"] == "armed"
     assert limp.revived == before + 1

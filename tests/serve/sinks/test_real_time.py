@@ -46,7 +46,7 @@ def test_rounding_of_command_times_skips_no_command(known: Setup):
     assert followed(RealTimeSink(Recorder()), known, 0.0, 0.1 + 0.2 - 0.2 - 1e-12)[-1][-1] == 0.1
 
 
-def test_sink_with_a_lead_receives_commands_by_this_time_in_advance(known: Setup):
+def test_sink_that_needs_commands_ahead_gets_each_command_50_ms_before_its_time(known: Setup):
     first, then = followed(RealTimeSink(Recorder(), ahead=0.05), known, 0.0, 0.01)
     assert first == [0.0, 0.01, 0.02, 0.03, 0.04, 0.05]
     assert then == [0.06]

@@ -43,7 +43,7 @@ def test_ranking_starts_with_designs_better_than_the_base():
     assert rank([SLOW, BASE, HEAVY, CHEAP], BASE) == [CHEAP, HEAVY, BASE, SLOW]
 
 
-def test_unknown_price_of_a_design_counts_as_the_highest():
+def test_design_of_unknown_price_is_dominated_by_an_equal_design_with_a_price():
     assert beaten_by([replace(BASE, body=replace(BODY, price=None)), BASE]) == [[1], []]
 
 

@@ -35,7 +35,7 @@ def test_designs_are_all_combinations_if_few_and_a_distinct_seeded_sample_if_man
     assert drawn == draw_designs(large, 40, seed=1) != draw_designs(large, 40, seed=2)
 
 
-def test_longer_segment_moves_its_children_on_both_sides():
+def test_lengthened_upper_arm_is_heavier_and_longer_on_both_sides():
     was, robot = Robot.load(PATH, calibrated=False), build(FILE, LONGER, PATH)
     assert robot.arm_length == pytest.approx(was.arm_length + 0.11)
     for side in "lr":

@@ -27,7 +27,7 @@ def meant(*words: str) -> Meaning:
     return Meaning("_".join(words), Sense(words, "emblem"))
 
 
-def test_seed_determines_drawn_gestures_with_a_meaning(lexicon: Lexicon):
+def test_random_seed_determines_the_gestures_drawn_for_a_study(lexicon: Lexicon):
     drawn = draw_meanings(lexicon, 48, 3)
     assert len({item.gesture for item in drawn}) == 48
     assert {item.sense.category for item in drawn} <= set(MEANING_CATEGORIES)
@@ -35,7 +35,7 @@ def test_seed_determines_drawn_gestures_with_a_meaning(lexicon: Lexicon):
     assert drawn != draw_meanings(lexicon, 48, 4)
 
 
-def test_named_gestures_are_all_selected_for_a_study(lexicon: Lexicon):
+def test_study_of_listed_gestures_contains_exactly_these_gestures(lexicon: Lexicon):
     assert {meaning.gesture for meaning in draw_meanings(lexicon, 6, 0, ("beat", "stop"))} == {"beat", "stop"}
 
 

@@ -61,7 +61,7 @@ def test_speech_study_plans_every_text_with_every_compared_system(known):
         ),
     ],
 )
-def test_single_or_speechless_texts_and_names_with_a_separator_are_refused(known, texts, why: str):
+def test_speech_study_refuses_a_single_text_and_texts_without_speech_and_names_with_a_separator(known, texts, why: str):
     with pytest.raises(ConfigError, match=why.replace("|", r"\|")):
         plan_spoken_motions(texts, known, [])
 

@@ -67,7 +67,7 @@ def test_pictures_of_a_gesture_skip_keys_that_move_only_fingers():
 
 
 @pytest.mark.parametrize("most", [2, 3, 6])
-def test_reduced_key_postures_include_the_stroke(known, most):
+def test_gesture_pictures_with_few_postures_include_the_stroke(known, most):
     form = known.lexicon.find("spiral_stairs").form
     planned = plan_gesture(form, known)
     shown = key_postures(form, planned, most)
@@ -78,7 +78,7 @@ def test_reduced_key_postures_include_the_stroke(known, most):
     np.testing.assert_allclose(drawn, stroke.angles, atol=0.01)
 
 
-def test_nearer_lines_of_a_robot_drawing_are_later_and_darker(known):
+def test_nearer_lines_of_a_robot_drawing_are_drawn_later_and_darker(known):
     lines = silhouette(known.robot, known.robot.skeleton.rest, {})
     depths = [line.depth for line in lines if line.owner]
     assert depths == sorted(depths)

@@ -27,7 +27,7 @@ def test_kinetic_energy_equals_mujoco():
     np.testing.assert_allclose(kinetic_energy(MujocoDynamics(ROBOT), angles, speeds), wanted, rtol=1e-9)
 
 
-def test_reversing_joint_starts_a_new_rotation_sum():
+def test_rotation_sum_of_a_joint_starts_again_at_each_reversal():
     steps = np.array([[0.2, 0.1], [0.3, -0.4], [-0.1, -0.2], [-0.1, 0.3]])
     np.testing.assert_allclose(sum_turns(steps), [[0.5, 0.1], [0.2, 0.6], [0.0, 0.3], [0.0, 0.0]])
 
@@ -60,7 +60,7 @@ def test_mirrored_gesture_has_equal_motion_measures(right, left):
             assert getattr(left, name) == pytest.approx(getattr(right, name), rel=0.02, abs=1e-3), name
 
 
-def test_gesture_measures_are_plausible_for_a_small_arm(right):
+def test_gesture_measures_of_a_small_arm_lie_in_plausible_ranges(right):
     assert 0.2 < right.stroke_speed <= right.peak_speed < 3.0
     assert right.path_length > 2 * 0.2  # forward and back
     assert 0.0 < right.swept_volume < 0.03

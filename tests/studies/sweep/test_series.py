@@ -79,7 +79,7 @@ def test_parameter_series_reports_its_worst_stroke_error():
     assert not never.in_time
 
 
-def test_larger_spatial_extent_gives_the_hands_path_more_volume(known):
+def test_hands_sweep_more_volume_at_larger_spatial_extent(known):
     result = sweep_parameter("flat_surface", "spatial", known, values=[0.8, -0.8])
     assert [one.value for one in result.played] == [-0.8, 0.8]
     assert result.monotone
