@@ -55,11 +55,11 @@ class ConnectedClient:
     excess: TokenBucket  # rate limit of refused messages
     output: OutputQueue
     movable: bool  # whether the connection can become a stop line; False for standard input
-    placed: bool = False  # whether the client counts towards `Quotas.clients`; without a place it may only stop
-    stops_only: bool = False  # whether the connection becomes a stop line
-    code: int = CLOSE_NORMAL  # WebSocket close code
+    placed: bool = False  # whether the client has one of `Quotas.clients` slots; without it, it may only stop the robot
+    stops_only: bool = False  # whether the connection becomes an emergency-stop line
+    code: int = CLOSE_NORMAL  # WebSocket close code of the connection's end
     why: str = ""
-    count: int = 0  # documents received
+    count: int = 0  # number of documents received from the client
 
     @property
     def open(self) -> bool:
@@ -187,7 +187,7 @@ class ClientRegistry:
         client.send(quota_feedback("message", str(error), type_=NoticeType.PARSING_FAILURE))
 
     def tell(self, message: str, sender: int) -> None:
-        """Send a message to a client if it is still connected."""
+        """Send a message to a client if the client is still connected."""
         client = self._clients.get(sender)
         if client is not None:
             client.send(message)
@@ -201,7 +201,7 @@ class ClientRegistry:
         return client.open and client.number in self._clients
 
     def _free(self, client: ConnectedClient) -> None:
-        """Mark a connection as an emergency-stop line, or refuse standard input."""
+        """Turn a connection into an emergency-stop line, unless it is standard input."""
         client.stops_only = client.movable
         if not client.movable:
             self._refuse(client, json_answer("refused", why="standard input cannot become a stop line; send stop here"))

@@ -77,8 +77,8 @@ class ServoHealth:
     """Telemetry of all servos at one time."""
 
     angles: Floats  # (n,) [rad] measured, with torque on or off; NaN for a servo that does not answer
-    hottest: float  # [C] maximum of all servos
-    volts: float  # [V] minimum of all servos
+    hottest: float  # [C] highest temperature of all servos
+    volts: float  # [V] lowest supply voltage of all servos
     faulty: bool  # whether a servo reports an error
     servos: ServoReport
 
@@ -88,9 +88,9 @@ class BodyReport(Struct, frozen=True):
 
     time: float  # [s] of the clock
     angles: tuple[float, ...]  # [rad] measured, or planned without a measurement
-    planned: tuple[float, ...]  # [rad] of the running motion
-    hottest: float | None = None  # [C] maximum of all servos
-    volts: float | None = None  # [V] minimum of all servos
+    planned: tuple[float, ...]  # [rad] angles of the running motion
+    hottest: float | None = None  # [C] highest temperature of all servos
+    volts: float | None = None  # [V] lowest supply voltage of all servos
     faulty: bool = False  # whether a servo reports an error
     servos: ServoReport | None = None  # None without servos
 
@@ -130,7 +130,7 @@ class Words(Message):
 
     ends: bool = False  # whether the text is complete
     instead: bool = False  # whether this text replaces all unspoken text
-    style: str = ""  # name of the style of this text; empty: that of the server
+    style: str = ""  # name of the style of this text; empty: the server's style
 
 
 @dataclass(frozen=True)

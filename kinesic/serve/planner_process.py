@@ -132,7 +132,7 @@ class Planner:
             self._spare = self._begin()
 
     def _schedule_spare(self) -> None:
-        """Start a spare planner after a quiet time, or at its deadline."""
+        """Schedule a spare planner after a time without requests, before a deadline."""
         if self._spare_start is not None:
             self._spare_start.cancel()
         clock = get_running_loop()
@@ -162,7 +162,7 @@ class Planner:
         _send(working.requests, request)
 
     def receive(self, news: PlannerReady | RequestDone | None) -> None:
-        """Handle a planner message, or the planner's death if it is None."""
+        """Handle a planner message, or the planner's death (message None)."""
         if self._watch is not None:
             self._watch.cancel()
         request, self._current_request = self._current_request, None

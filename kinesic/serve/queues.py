@@ -38,7 +38,7 @@ def _text(message: Message) -> str:
 
 
 class FairQueue:
-    """Queue of documents: clients take turns, each in first-in, first-out order."""
+    """Document queue in which clients take turns, each first-in, first-out."""
 
     def __init__(self, max_count: int) -> None:
         """Create an empty queue with a maximum number of documents per client."""
@@ -179,7 +179,7 @@ class OutputQueue:
         return message
 
     async def take(self) -> str | None:
-        """Wait for the next message, or return None at the end.
+        """Wait for the next message, or return None after the queue's end.
 
         After a loss, the first message reports the number of dropped messages.
         """

@@ -213,9 +213,9 @@ class Reception:
             self._stop_lines.take(socket.socket(fileno=pending.socket.detach()), wire)
 
     def _notice(self, pending: PendingConnection, line: Transport, reads: TokenBucket, client: ConnectedClient) -> None:
-        """Lift the initial limits of an authenticated or placed client.
+        """Lift the initial limits of a client with token or slot.
 
-        An admitted client may send more data. The connection of a client with a place is no longer pending, so that new
+        An admitted client may send more data. The connection of a client with a slot is no longer pending, so that new
         ones do not replace it.
         """
         if client.admitted:

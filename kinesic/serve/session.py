@@ -149,7 +149,7 @@ class Session:
             self._request(Resumption(self.loop.stop_count))
 
     def interrupt(self, block: str | None) -> None:
-        """End one block, or all for None, with a smooth return motion."""
+        """End one block, or all blocks if None, with a smooth return."""
         if block is None:
             for document in self._documents.clear():
                 self._refuse(document, "interrupted", "everything was interrupted before this was planned")

@@ -16,9 +16,9 @@ class StreamedText:
     talk: Talk
     heard: float  # [s] clock time of the last received text
     block: str = ""  # id of the last spoken block
-    style: str = ""  # name of its style; empty: that of the server
-    _pieces: deque[tuple[str, bool]] = field(default_factory=deque)  # text, and whether a text ends with it
-    _unread: int = 0  # [characters] in the pieces
+    style: str = ""  # name of the text's style; empty: the server's style
+    _pieces: deque[tuple[str, bool]] = field(default_factory=deque)  # received piece, and whether it ends the text
+    _unread: int = 0  # [characters] total length of `_pieces`
 
     @property
     def waiting(self) -> int:
@@ -62,5 +62,5 @@ class StreamedText:
             self.talk = add_words(self.talk, piece, ends=ends and not rest)
 
     def quiet(self, now: float) -> float:
-        """Return the time [s] since text arrived, 0 while some is unparsed."""
+        """Return the time [s] since text arrived, 0 while text is unparsed."""
         return now - self.heard if self.is_read else 0.0

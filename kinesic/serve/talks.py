@@ -33,7 +33,7 @@ class Phrase:
     block: str
     bml: str
     text: str
-    replaced: frozenset[str] = frozenset()  # behaviours of the previous block to be removed
+    replaced: frozenset[str] = frozenset()  # ids of behaviours of the previous block to be removed
     before: str = ""  # id of the previous block
     warnings: tuple[str, ...] = ()  # parts of the text that are neither spoken nor performed
     waiting: int = 0  # [characters] received from this client and still kept
@@ -134,7 +134,7 @@ class Talks:
         return None
 
     def finished(self, setup: Setup) -> Iterator[tuple[int, str]]:
-        """Remove completely planned ended texts, and yield client and last block id."""
+        """Remove texts that are complete and planned, yielding client and last block."""
         for sender, speech in list(self._texts.items()):
             if speech.is_read and is_all_said(speech.talk, load_language(setup.language)):
                 del self._texts[sender]

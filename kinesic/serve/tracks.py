@@ -19,11 +19,11 @@ from kinesic.speech.speaker import Speaker
 class SoundAndFace:
     """Availability of outputs for speech sound and face."""
 
-    face: bool = False  # whether a sink shows the face
+    face: bool = False  # whether an output (sink) shows the face
     sound: bool = False  # whether speech is audible
 
 
-NO_ACCOMPANIMENT = SoundAndFace()  # settings without outputs for face and sound
+NO_ACCOMPANIMENT = SoundAndFace()  # default: neither a face nor sound is output
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,7 +100,7 @@ class TrackEffects:
         self.accompaniment = SoundAndFace(face, speaker is not None)
 
     def take(self, changes: Mapping[str, Track | None]) -> None:
-        """Replace or remove (None) tracks by block id.
+        """Replace the tracks of the given blocks, removing tracks given as None.
 
         A loudspeaker that fails is not used again.
         """

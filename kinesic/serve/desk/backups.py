@@ -93,7 +93,7 @@ class BackupFolder:
 
 
 def _choose_file(headers: dict[str, Header], key: str) -> str:
-    """Return the key's backup file, an unused one or the oldest."""
+    """Return the file for a key's backup: present, unused or oldest file."""
     for file, header in headers.items():
         if header.key == key:
             return file

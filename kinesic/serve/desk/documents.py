@@ -33,7 +33,7 @@ def is_document_name(name: str) -> bool:
 
 
 class RevisionError(ConfigError):
-    """Refusal to overwrite a file of another revision than the client expects."""
+    """Refusal to overwrite a file whose revision is not the expected one."""
 
 
 @dataclass(frozen=True)
@@ -109,7 +109,7 @@ class DocumentFolder:
         return raw.decode("utf-8", "replace")
 
     def check_revision(self, name: str, revision: str | None) -> None:
-        """Refuse to replace a file with another revision than the given one.
+        """Raise an error if a file's revision is not the expected one.
 
         Raises:
             RevisionError: such a file exists.

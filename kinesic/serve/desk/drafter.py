@@ -28,7 +28,7 @@ from kinesic.serve.wire.questions import (
 from kinesic.serve.wire.quotas import Quotas
 
 MAX_HITS = 50  # largest number of gestures in the answer to a search
-NO_FAULT = ""  # answer to a `FileQuestion` about a gesture file that may be saved
+NO_FAULT = ""  # answer to a `FileQuestion` about a gesture or style file that may be saved
 
 
 @dataclass(frozen=True)

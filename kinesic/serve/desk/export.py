@@ -18,7 +18,7 @@ FILE_STEM = "performance"  # stem of all temporary files, so that no client text
 
 PlanWriter = Callable[[Plan, Path], None]
 Writers = Mapping[Format, PlanWriter]
-NO_WRITERS: Writers = {}  # no additional export formats; a plain dict, because it is pickled
+NO_WRITERS: Writers = {}  # default: no additional export formats, empty; a plain dict, because it is pickled
 
 
 def export_name(plan: Plan, format_: Format) -> str:

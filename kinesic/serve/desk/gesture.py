@@ -157,7 +157,7 @@ def _check_distinct(setup: Setup, form: GestureForm) -> Mapping[str, Json]:
 
 @lru_cache(maxsize=1)
 def _stroke_appearances(pace: Pace) -> Mapping[str, StrokeAppearance]:
-    """Return the stroke appearance of each built-in gesture, by id.
+    """Return the sampled hand motion of each built-in gesture's stroke, by id.
 
     The first call takes a second.
     """

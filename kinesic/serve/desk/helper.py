@@ -128,7 +128,7 @@ class Helper(Generic[Q]):
             reply(Unanswered.FAILED if answer is None else answer)
 
     async def _try(self, action: Callable[[], Coroutine[None, None, R]]) -> R | None:
-        """Return the result of a process exchange, or None on failure.
+        """Return the result of an exchange with the process, None on failure.
 
         After a failure or timeout, the process is killed.
 

@@ -1,1 +1,1 @@
-"""Real-time sinks of the server, and arming (enabling of torque) of servos."""
+"""Real-time outputs (sinks) of the server, and enabling of servo torque (arming)."""

@@ -1,4 +1,4 @@
-"""Feed-forward of one sink, whose servo model may be updated.
+"""Feed-forward for one output (sink), with a servo model that may change.
 
 The feed-forward starts with the estimated servo model. After an update, it blends to the new model within one second.
 """

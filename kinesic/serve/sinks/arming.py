@@ -43,7 +43,7 @@ class MotionControl(Protocol):
         """Reason that prevents arming the servos, empty if none."""
 
     def interrupt(self, block: str | None) -> None:
-        """End one block, or all for None, with a smooth return motion."""
+        """End one block, or all blocks if None, with a smooth return."""
 
 
 @dataclass(frozen=True)

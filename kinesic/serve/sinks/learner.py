@@ -1,4 +1,4 @@
-"""Identification of servo parameters from the first motion of a sink.
+"""Identification of servo parameters from the first motion that an output performs.
 
 It runs in a separate process while the performance continues.
 """
@@ -32,7 +32,7 @@ CYCLE_RATE = 100  # [Hz] approximate rate of servo cycles
 
 
 class ServoLearner:
-    """Collector of servo cycles that identifies the servo parameters once."""
+    """Collector of servo control cycles that identifies the servo parameters once."""
 
     def __init__(self, robot: Robot, estimate: Factors) -> None:
         """Create a learner without data.
@@ -66,7 +66,7 @@ class ServoLearner:
                 self._result = self._thread.submit(self._identify, tuple(self._cycles))
 
     def lesson(self) -> Identification | None:
-        """Return a new servo identification once, otherwise None."""
+        """Return the result of a finished servo identification once, otherwise None."""
         if self._result is None or not self._result.done():
             return None
         lesson, self._result = self._result.result(), None

@@ -1,4 +1,4 @@
-"""Real-time sinks: commands are sent at their time or ahead of it."""
+"""Real-time outputs (sinks), which receive commands at or ahead of their time."""
 
 from collections import deque
 from collections.abc import Callable, Iterable, Mapping
@@ -27,15 +27,15 @@ MAX_POSITION_STEP = 1e-6  # [rad] position step below which two motions join smo
 MAX_VELOCITY_STEP = 1e-4  # [rad/s] velocity step below which two motions join smoothly
 MAX_ACCELERATION_STEP = 1e-1  # [rad/s^2] acceleration step below which two motions join smoothly
 TICK_TOLERANCE = 1e-6  # [ticks] rounding tolerance of command times
-SERVO_LOOKAHEAD = 0.7  # [s] time by which commands are sent ahead; the supervisor waits for 0.5 s of commands
+SERVO_LOOKAHEAD = 0.7  # [s] time by which commands are sent ahead; the supervisor starts once it has 0.5 s of commands
 Face = Callable[[float], Mapping[str, float]]  # action units at a clock time [s]
 
-LOG_CAPACITY = 1000  # number of kept cycles, and of commands after which the twin drops its record
+LOG_CAPACITY = 1000  # largest number of stored control cycles; a twin clears its record after as many commands
 
 
 @runtime_checkable
 class TimedSink(Protocol):
-    """Sink that provides the performance time."""
+    """Output (sink) that provides the performance time."""
 
     def time(self, clock: float, /) -> float | None:
         """Return the performance time at a monotonic clock time [s], or None.
@@ -46,7 +46,7 @@ class TimedSink(Protocol):
 
 @runtime_checkable
 class MeasuringSink(Protocol):
-    """Sink that measures joint angles."""
+    """Output (sink) that measures joint angles."""
 
     def measurement(self) -> tuple[float, Floats] | None:
         """Return clock time [s] and angles (n,) [rad] of the last measurement.
@@ -57,7 +57,7 @@ class MeasuringSink(Protocol):
 
 @runtime_checkable
 class ResumableSink(Protocol):
-    """Sink that may hold until a client resumes it."""
+    """Output (sink) that may hold still until a client resumes the motion."""
 
     def needs_resume(self) -> bool:
         """Return whether the robot holds still until `resume`."""
@@ -68,7 +68,7 @@ class ResumableSink(Protocol):
 
 @runtime_checkable
 class TelemetrySink(Protocol):
-    """Sink that records servo cycles."""
+    """Output (sink) that records the servo status of each control cycle."""
 
     def take_cycles(self) -> Iterable[Status]:
         """Return the servo status of every cycle since the last call."""
@@ -76,7 +76,7 @@ class TelemetrySink(Protocol):
 
 @runtime_checkable
 class ServoSink(Protocol):
-    """Sink of servos whose torque can be enabled and disabled."""
+    """Output (sink) to servos whose torque can be enabled and disabled."""
 
     @property
     def armed(self) -> bool:
@@ -145,7 +145,7 @@ class RealTwin:
 
 
 class RealTimeSink:
-    """Sender of commands to one sink at the required times."""
+    """Sender of commands to one output (sink) at the required times."""
 
     def __init__(
         self,

@@ -1,4 +1,4 @@
-"""Sink for real servos, whose torque clients may enable and disable."""
+"""Output (sink) to real servos, whose torque clients may enable and disable."""
 
 from collections import deque
 from collections.abc import Callable

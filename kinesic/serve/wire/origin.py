@@ -25,8 +25,8 @@ DEFAULT_HTTP_PORT = 80  # port that browsers omit in the Host header
 class Access:
     """Access rules for clients, and whether plain text is accepted."""
 
-    token: str | None = None  # required from clients; None: no token
-    origins: frozenset[str] = frozenset()  # of pages that may connect, in addition to pages of this server
+    token: str | None = None  # token that clients must send; None: no token is required
+    origins: frozenset[str] = frozenset()  # origins of pages that may connect, in addition to pages of this server
     texts: bool = False  # whether a message that is neither XML nor JSON is spoken
 
 

@@ -8,7 +8,7 @@ from asyncio import sleep
 
 from kinesic.serve.wire.quotas import TokenBucket
 
-TURN_PERIOD = 0.005  # [s] delay of a read per waiting connection; bounds all reads to 200 per second
+TURN_PERIOD = 0.005  # [s] delay of a read for each waiting connection; limits the sum of all reads to 200 per second
 
 
 class ReadPace:

@@ -32,7 +32,7 @@ class WebFile:
     body: bytes
 
 
-NO_FILES: Mapping[str, WebFile] = MappingProxyType({})  # files of a server without a page, by path
+NO_FILES: Mapping[str, WebFile] = MappingProxyType({})  # default: no files for browsers, empty
 
 
 def asks_for_file(request: Request) -> bool:

@@ -82,7 +82,7 @@ class Restyle(Struct, tag="style", tag_field="do", forbid_unknown_fields=True):
 
     style: str | None = None  # name of a style
     set: tuple[str, ...] = ()  # NAME=VALUE, as in the option --set
-    amount: float | None = None  # amount of movement, 0..1
+    amount: float | None = None  # 0..1 amount of movement; None: unchanged
     block: str | None = None  # id of the only block to change
 
 
@@ -91,8 +91,8 @@ class SpokenWords(Struct, tag="words", tag_field="do", forbid_unknown_fields=Tru
 
     text: str = ""  # next piece of the text, with its spaces
     ends: bool = False  # whether the text is complete
-    instead: bool = False  # whether it replaces all unspoken words
-    style: str = ""  # name of the style of its phrases; empty: that of the server
+    instead: bool = False  # whether this text replaces all unspoken words
+    style: str = ""  # name of the style of this text; empty: the server's style
 
 
 class Arm(Struct, tag="arm", tag_field="do", forbid_unknown_fields=True):

@@ -63,7 +63,7 @@ class AuthorQuestion(Struct, tag="author", tag_field="do", forbid_unknown_fields
     """Request for a document that speaks a text with fitting gestures."""
 
     text: str  # text to be spoken, as in `kinesic say`
-    style: str = ""  # name of a built-in style; empty: that of the server
+    style: str = ""  # name of a built-in style; empty: the server's style
     id: int = 0  # repeated in the answer; 0: no id
 
 
@@ -72,14 +72,14 @@ class AlternativesQuestion(Struct, tag="alternatives", tag_field="do", forbid_un
 
     text: str  # spoken text
     at: Annotated[int, Meta(ge=0, le=99_999)]  # position [characters] of the word in the text
-    intent: Annotated[str, Meta(max_length=100)] = ""  # intent of the present gesture; empty: unknown
+    intent: Annotated[str, Meta(max_length=100)] = ""  # intent of the gesture that the word has now; empty: unknown
     id: int = 0  # repeated in the answer; 0: no id
 
 
 class WatchRequest(Struct, tag="watch", tag_field="do", forbid_unknown_fields=True):
     """Request for periodic reports of the robot state."""
 
-    rate: float = 20.0  # [Hz]; 0 ends the subscription
+    rate: float = 20.0  # [Hz] rate of reports; 0 ends the subscription
 
 
 class ServosQuestion(Struct, tag="servos", tag_field="do", forbid_unknown_fields=True):
@@ -93,7 +93,7 @@ class SaveRequest(Struct, tag="save", tag_field="do", forbid_unknown_fields=True
 
     name: str  # file name without a folder
     text: str  # content of the file
-    revision: Revision | None = None  # of the file that may be replaced; empty: no file, None: any
+    revision: Revision | None = None  # revision of the file that may be replaced; empty: no file, None: any file
     id: int = 0  # repeated in the answer; 0: no id
 
 
@@ -118,14 +118,14 @@ class BackupRequest(Struct, tag="backup", tag_field="do", forbid_unknown_fields=
     key: BackupKey  # key of the edited document, chosen by the client
     name: BackupName = ""  # name of the document
     text: str | None = None  # text of the document; None discards the backup
-    revision: Revision = ""  # of the saved file that the document came from; empty without one
+    revision: Revision = ""  # revision of the saved file that was edited; empty without a saved file
     id: int = 0  # repeated in the answer; 0: no id
 
 
 class BackupsRequest(Struct, tag="backups", tag_field="do", forbid_unknown_fields=True):
     """Request for one backup or for the list of backups."""
 
-    key: BackupKey | None = None  # without it the answer lists all backups
+    key: BackupKey | None = None  # key of one backup; without it the answer lists all backups
     id: int = 0  # repeated in the answer; 0: no id
 
 

@@ -19,17 +19,17 @@ class Quotas:
     All values are positive.
     """
 
-    message: int = 1_000_000  # [bytes] of one message
+    message: int = 1_000_000  # [bytes] size of one message
     depth: int = DEFAULT_BOUNDS.depth  # nesting depth of elements
-    duration: float = 300.0  # [s] of one block; planning a longer one delays others
+    duration: float = 300.0  # [s] duration of one block; planning a longer block delays other clients
     rate: float = 50.0  # [1/s] long-term message rate of one client
     burst: int = 100  # messages of one client in a burst
     waiting: int = 256  # blocks of one client waiting to be planned
     clients: int = 256  # connected clients that may do more than stop the robot
     fragments: int = 1000  # WebSocket frames of one client in a burst; half as many per second in the long term
     unread: int = 512  # unread messages of one client
-    unread_bytes: int = 8_000_000  # [bytes] of unread messages of one client
-    unread_bytes_of_all: int = 64_000_000  # [bytes] of unread messages of all clients
+    unread_bytes: int = 8_000_000  # [bytes] total size of unread messages of one client
+    unread_bytes_of_all: int = 64_000_000  # [bytes] total size of unread messages of all clients
     patience: float = 10.0  # [s] timeout for the token, for the rest of a message, and for a client that does not read
     planning: float = 10.0  # [s] planning time of one block
 
