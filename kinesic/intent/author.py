@@ -27,7 +27,7 @@ from kinesic.intent.recorded import RecordedAudio
 from kinesic.intent.writing import write_block
 
 EARLY_STROKE_TIME = 1.6  # [s] time after the first word; gestures with earlier strokes start before the speech
-GESTURE_LEAD_TIME = 0.4  # [s] from the start of an early gesture to the first word; more delays the speech
+GESTURE_LEAD_TIME = 0.4  # [s] from the start of an early gesture to the first word; a longer time delays the speech
 MIN_STROKE_DELAY = 0.55  # [s] shortest time from the first word to a reachable stroke
 REACH_TOLERANCE = 0.15  # [s] delays up to this are omitted to keep strokes on words
 MIN_WAVE_DELAY = 1.4  # [s] shortest time from the first word to the stroke of a wave
@@ -42,7 +42,7 @@ class AuthoredText:
     bml: str
     warnings: tuple[str, ...]  # one for each part of the text that is neither spoken nor performed
     memory: ChoiceMemory  # gestures to remember for the next text
-    words: int = 0  # number of spoken words
+    words: int = 0  # number of spoken words of the text
 
 
 def author(
@@ -167,7 +167,7 @@ def plan_behaviours(
 
 
 def add_accents(intents: Sequence[Intent], passage: Passage) -> tuple[Intent, ...]:
-    """Move beats to recorded accents and add missing ones, sorted by stroke."""
+    """Move beats to recorded accents, and add beats on remaining accented words."""
     intents = follow_accents(intents, passage, BEAT_INTENTS)
     taken = frozenset(intent.word for intent in intents if intent.name in BEAT_INTENTS)
     ordered = sorted([*intents, *find_accents(passage, taken)], key=lambda intent: intent.stroke.seconds)

@@ -40,7 +40,7 @@ class Choice:
 
     lexeme: str  # of BML; `none`: the signal is not shown
     probability: float  # 0..1; the probabilities of all choices of a signal add up to 1
-    amount: float | None = None  # 0..1 as in BML; None: default
+    amount: float | None = None  # 0..1 amount of the movement, as in BML; None: default amount
     repetition: int | None = None
 
 
@@ -64,7 +64,7 @@ class Signal:
     id: str
     channel: Channel
     choices: tuple[Choice, ...]
-    spell: Spell | None = None  # of a signal in a sequence
+    spell: Spell | None = None  # duration and probability of a signal in a sequence; None: not in a sequence
 
 
 @dataclass(frozen=True)
@@ -94,7 +94,7 @@ class BehaviourSets:
     """
 
     sets: Mapping[str, BehaviourSet]
-    fallback: "BehaviourSets | None" = None  # fallback for missing sets
+    fallback: "BehaviourSets | None" = None  # sets used for intents that are missing here
 
     def find(self, name: str) -> BehaviourSet | None:
         """Find the behaviour set of an intent, ignoring case.

@@ -44,11 +44,11 @@ class Omission:
 
 @dataclass(frozen=True)
 class Selection:
-    """Chosen behaviours in the order of their strokes, and omitted ones."""
+    """Chosen behaviours in the order of their strokes, and omissions with reasons."""
 
     behaviours: tuple[ChosenBehaviour, ...]
     omissions: tuple[Omission, ...]
-    replaced: tuple[ChosenBehaviour, ...] = ()  # earlier behaviours replaced by these
+    replaced: tuple[ChosenBehaviour, ...] = ()  # earlier behaviours that the chosen behaviours replace
     warnings: tuple[str, ...] = ()  # parts of the text that are neither spoken nor performed
 
 
@@ -56,11 +56,11 @@ class Selection:
 class Earlier:
     """Behaviours, gesture counts and duration of the preceding words."""
 
-    fixed: tuple[ChosenBehaviour, ...] = ()  # finished or begun
-    free: tuple[ChosenBehaviour, ...] = ()  # may still be replaced
-    strokes: int = 0  # gestures before the first word
-    pictures: int = 0  # those that are not beats
-    seconds: float = 0.0  # [s] of speech before the first word
+    fixed: tuple[ChosenBehaviour, ...] = ()  # behaviours that have begun or ended
+    free: tuple[ChosenBehaviour, ...] = ()  # behaviours that have not begun and may be replaced
+    strokes: int = 0  # number of gestures before the first word
+    pictures: int = 0  # number of these gestures that are not beats
+    seconds: float = 0.0  # [s] duration of speech before the first word
 
 
 NO_EARLIER_BEHAVIOURS = Earlier()  # state at the beginning of a text

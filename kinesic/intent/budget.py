@@ -28,11 +28,11 @@ class MovementBudget:
     gestures: int
     gaps: Mapping[Channel, float]  # [s] smallest spacing of strokes
     least_certainty: Mapping[Channel, float]
-    tempo: Tempo | None = None  # of beats on accents; None: beats compete with other gestures
+    tempo: Tempo | None = None  # rate and spacing of beats on accents; None: beats compete with other gestures
     pictures: int = 0  # largest number of gestures other than beats, if there is a tempo
     beat_manner: Mapping[str, float] = field(default_factory=dict)  # expressivity of beats, -1..1
     preferences: Mapping[str, float] = field(default_factory=dict)  # gesture -> factor on its probability
-    repeat_window: float = 0.0  # [s] within which gestures differ; 0: the last two gestures count
+    repeat_window: float = 0.0  # [s] time without repeated gestures; 0: three successive gestures differ
     slowness: float = 1.0  # factor on the duration of long strokes
 
 

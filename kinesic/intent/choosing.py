@@ -164,7 +164,7 @@ def _beat_forms(sets: BehaviourSets) -> Sequence[Choice]:
 def _recall(
     memory: ChoiceMemory, fixed: Sequence[ChosenBehaviour], budget: MovementBudget, since: float
 ) -> GestureUses:
-    """Collect stroke times of gestures shown in earlier texts and this one."""
+    """Collect stroke times of gestures shown in earlier texts and this text."""
     uses = GestureUses(budget.repeat_window)
     for past in memory.gestures:
         uses.add(past)
@@ -175,7 +175,7 @@ def _recall(
 
 
 def _make_candidate(behaviour: ChosenBehaviour) -> Candidate:
-    """Convert an earlier behaviour to a candidate preferred over equally certain ones."""
+    """Convert an earlier behaviour to a candidate preferred over equally certain candidates."""
     choices = (Choice(behaviour.lexeme, 1.0),)
     signal = Signal(behaviour.channel, behaviour.channel, choices)
     return Candidate(behaviour.intent, signal, behaviour.intent.certainty + CORE_BONUS, choices, behaviour)

@@ -24,7 +24,7 @@ DIRECTION_INTENT = "direction"  # name of the intents of stage directions
 
 @dataclass(frozen=True, eq=False)
 class Directed:
-    """Behaviours of a text's stage directions, with warnings about unperformed ones."""
+    """Behaviours of a text's stage directions, with warnings about unperformed directions."""
 
     behaviours: tuple[ChosenBehaviour, ...]
     warnings: tuple[str, ...]

@@ -22,20 +22,20 @@ class Moment:
 class Intent:
     """Meaning to show by behaviours: discourse function, emotion, place or phrase rhythm."""
 
-    name: str  # of its behaviour set: `negation`, `deictic-you`, `emotion-joy`
+    name: str  # name of the behaviour set: `negation`, `deictic-you`, `emotion-joy`
     start: Moment
-    stroke: Moment  # peak: the stressed syllable of its word
+    stroke: Moment  # peak: the stressed syllable of the stroke's word
     end: Moment
     certainty: float  # 0..1; the least certain intents are dropped first
     reason: str  # description for people: the words and their meaning
-    lexemes: tuple[str, ...] = ()  # gestures that show it better than its set
-    word: int = -1  # index of the word of its stroke; -1: no words
-    phrase: int = -1  # index of the phrase of this word, or -1
-    style: str = ""  # requested style of its sentence; empty: none
+    lexemes: tuple[str, ...] = ()  # gestures that show the intent better than those of its behaviour set; empty: none
+    word: int = -1  # index of the word on which the stroke falls; -1: no words
+    phrase: int = -1  # index of that word's phrase; -1: no words
+    style: str = ""  # style that the intent requests for the word's sentence; empty: none
     target: str = ""  # target to point at; empty: none
-    hand: ChosenHand = ""  # hand of a gesture that may use either one
-    strength: float = 1.0  # 0..1 factor on the amounts of face and head
-    muted: frozenset[str] = frozenset()  # channels that do not show it
+    hand: ChosenHand = ""  # hand of a gesture that may use either hand; empty: not chosen yet
+    strength: float = 1.0  # 0..1 factor on the amounts of facial expressions and head movements
+    muted: frozenset[str] = frozenset()  # channels that do not show the intent
 
 
 def shift_reference(moment: Moment, seconds: float) -> str:

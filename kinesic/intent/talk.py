@@ -46,14 +46,14 @@ _DIRECTION_PATTERN = re.compile(r"<kinesic:act[^<>]*>")
 class Talk:
     """State of a streamed text: received, spoken and shown parts."""
 
-    text: str = ""  # received text from the sentence of the next word on, as the reader of manuscripts writes it
-    said: int = 0  # spoken words of `text`
+    text: str = ""  # received text from the sentence of the next word on, with markup as XML tags
+    said: int = 0  # number of spoken words of `text`
     progress: Progress = NO_PROGRESS  # spoken words and shown gestures in total
-    parts: int = 0  # spoken parts
+    parts: int = 0  # number of spoken parts
     shown: tuple[tuple[str, ChosenBehaviour], ...] = ()  # (id, behaviour) of the last part, with times in `text`
     is_over: bool = False  # whether the text is complete
-    manuscript: Manuscript = field(default_factory=Manuscript)  # state of its reader, with undecided text
-    warnings: tuple[str, ...] = ()  # parts that are neither spoken nor performed, since the last part
+    manuscript: Manuscript = field(default_factory=Manuscript)  # state of the reader, with incomplete text
+    warnings: tuple[str, ...] = ()  # what is neither spoken nor performed of the text since the last part
     memory: ChoiceMemory = NO_MEMORY  # gestures of earlier texts and parts
 
     @property
@@ -68,10 +68,10 @@ class Part:
 
     talk: Talk  # state after this part
     passage: Passage
-    words: range  # of the passage
+    words: range  # indices of the spoken words in the passage
     behaviours: tuple[ChosenBehaviour, ...]
     replaced: frozenset[str]  # ids of replaced behaviours of the preceding part
-    gap: float  # [s] silence before it
+    gap: float  # [s] silence before this part
     warnings: tuple[str, ...] = ()  # parts of the text that are neither spoken nor performed
 
     @property

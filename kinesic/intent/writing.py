@@ -153,7 +153,7 @@ def _numbers(behaviour: ChosenBehaviour) -> dict[str, str]:
 
 
 def _write_span(behaviour: ChosenBehaviour, least: float) -> dict[str, str]:
-    """Return start and end attributes of a behaviour, of minimum duration."""
+    """Return start and end attributes at least `least` seconds apart."""
     start, end = behaviour.intent.start, behaviour.intent.end
     seconds = max(end.seconds - start.seconds, least)
     if seconds == end.seconds - start.seconds:

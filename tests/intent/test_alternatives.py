@@ -25,7 +25,7 @@ def test_best_candidate_of_a_word_comes_first_with_its_reason_and_score():
     assert first.says == LEXICON.sense(LEXICON.find("count_three").form).says
 
 
-def test_other_gestures_of_the_present_intent_follow_the_candidates():
+def test_other_gestures_of_the_intent_in_the_query_follow_the_best_candidate():
     alternatives = ranked("No", intent="negation")
     assert alternatives[0].id == "no_low"
     same = [each.id for each in alternatives if each.why == "shows the same intent: negation"]
@@ -34,7 +34,7 @@ def test_other_gestures_of_the_present_intent_follow_the_candidates():
     assert not [each for each in ranked("No") if "same intent" in each.why]
 
 
-def test_words_without_candidates_have_the_results_of_the_ranked_search():
+def test_word_without_candidates_is_offered_the_gestures_that_the_ranked_search_finds():
     hits = [hit.id for hit in find_gestures(LEXICON, "boxes", count=3)]
     assert [each.id for each in ranked("boxes") if each.why == "found for 'boxes'"][:3] == hits
 

@@ -33,7 +33,7 @@ def test_behaviour_set_is_found_by_name_or_category(name: str, found: str | None
     assert (None if behaviour_set is None else behaviour_set.name) == found
 
 
-def test_longest_category_of_a_name_is_found_first() -> None:
+def test_behaviour_set_of_the_longest_matching_category_is_found() -> None:
     found = sets_of("emotion-*", "emotion-joy-mild-*").find("emotion-joy-mild-late")
     assert found is not None
     assert found.name == "emotion-joy-mild-*"

@@ -120,7 +120,7 @@ def test_streamed_text_keeps_gesture_budget_and_variety():
     assert not [names[k] for k in pictures if names[k] in names[max(0, k - 2) : k]]
 
 
-def test_certain_gesture_replaces_an_uncertain_one_not_yet_begun_in_streamed_text():
+def test_certain_gesture_in_streamed_text_replaces_an_uncertain_gesture_that_has_not_begun():
     first = next_part(
         add_words(Talk(), "I think that we met the captain, "),
         BUILTIN_LEXICON,
@@ -224,7 +224,7 @@ def test_subtitles_streamed_by_letters_and_with_silences_are_spoken_without_time
     assert words_of(silent) == ["Hello", "there", "Come", "in"]
 
 
-def test_words_after_a_silence_within_brackets_are_separate():
+def test_silence_inside_an_open_bracket_leaves_the_following_words_as_single_words():
     assert words_of(parts_of(["We saw (the", " red boats) there."], quiet=MAX_SILENCE)[0])[-3:] == [
         "red",
         "boats",
@@ -232,7 +232,7 @@ def test_words_after_a_silence_within_brackets_are_separate():
     ]
 
 
-def test_number_at_the_end_of_a_text_is_spoken_after_a_silence():
+def test_number_at_the_end_of_streamed_text_is_spoken_once_no_text_follows():
     talk = add_words(Talk(), "Forty-two is\n42")
     part = next_part(talk, BUILTIN_LEXICON, NEUTRAL_STYLE, ENGLISH_RULES, builtin_sets(), quiet=MAX_SILENCE)
     assert part is not None

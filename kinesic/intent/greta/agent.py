@@ -43,7 +43,7 @@ class Operand:
     """Number, or reference to a parameter of Greta's baseline."""
 
     value: float = 0.0
-    modality: str = ""  # empty: the operand is `value`
+    modality: str = ""  # modality of the parameter; empty: the operand is `value`
     parameter: str = ""
 
     def read(self, values: Values) -> float:

@@ -23,7 +23,7 @@ class _Table(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 @dataclass(frozen=True, eq=False)
 class Acts:
-    """Known stage directions, and word classes that distinguish directions from text."""
+    """Stage directions with their behaviours, and word classes that identify directions."""
 
     behaviours: Mapping[str, str]  # direction or emoji -> channel and lexeme; empty: no behaviour shows it
     classes: Mapping[str, frozenset[str]]  # words and tags that distinguish directions from text
@@ -103,7 +103,7 @@ def base_forms(verb: str) -> Iterator[str]:
 
 @lru_cache(maxsize=1)
 def load_acts() -> Acts:
-    """Read the known stage directions.
+    """Read the table of stage directions and their behaviours.
 
     Raises:
         ConfigError: the file is invalid.

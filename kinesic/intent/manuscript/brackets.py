@@ -9,7 +9,7 @@ from kinesic.intent.manuscript.pieces import Manuscript, Step, pause
 
 MAX_BRACKET_LENGTH = 120  # [characters] longest text in brackets or asterisks that may be a stage direction
 MAX_LINK_LENGTH = 2000  # [characters] longest web address of a link
-CLOSING_BRACKETS = {"(": ")", "[": "]", "{": "}"}  # opening bracket -> closing one
+CLOSING_BRACKETS = {"(": ")", "[": "]", "{": "}"}  # opening bracket -> closing bracket
 _TIMESTAMP = re.compile(r"\d{1,2}:\d{2}(?::\d{2})?(?:[.,]\d{1,3})?")  # time stamp of a transcript line
 # Request in square brackets, such as `[emotion: happy]`.
 _REQUEST_PATTERN = re.compile(

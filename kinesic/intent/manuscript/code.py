@@ -43,6 +43,6 @@ def read_code(state: Manuscript, *, ends: bool) -> Step | None:
 
 
 def _skip(code: str, length: int) -> Step:
-    """Leave out code, except for plain words."""
+    """Skip a code span, unless it consists only of plain words."""
     is_word = re.fullmatch(r"[\w' .,-]+", code) and "_" not in code
     return Step(length, code if is_word else " ", "" if is_word else f"code is not spoken: {code.strip()}")

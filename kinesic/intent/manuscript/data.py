@@ -5,7 +5,7 @@ import re
 
 from kinesic.intent.manuscript.pieces import Step
 
-MAX_DATA_LENGTH = 4000  # [characters] longest JSON value that is left out
+MAX_DATA_LENGTH = 4000  # [characters] longest JSON value that is recognised
 MAX_COMMAND_LENGTH = 200  # [characters] longest incomplete LaTeX command that waits for its end
 _JSON_START = re.compile(r"\{\s*\"[^\"\n]{0,60}\"\s*:|\[\s*\{\s*\"")
 _OPEN_JSON = re.compile(r"\{\s*(?:\"[^\"\n]{0,60}\"?\s*)?|\[\s*(?:\{\s*)?")
@@ -34,7 +34,7 @@ _UNSPOKEN_BLOCK = re.compile(
 
 
 def read_json(rest: str, *, ends: bool) -> Step | None:
-    """Leave out a JSON value, except for its text.
+    """Skip a JSON value, except for the spoken message in it.
 
     Returns:
         Length 0 without a JSON value, None if it may be incomplete.

@@ -3,7 +3,7 @@
 import codecs
 
 NUL_FRACTION = 0.2  # fraction of zero bytes above which a text without byte order mark is UTF-16
-_BYTE_ORDER_MARKS = (  # byte order marks; UTF-32 before UTF-16, whose mark begins it
+_BYTE_ORDER_MARKS = (  # byte order marks; UTF-32 first, because its mark begins with that of UTF-16
     (codecs.BOM_UTF8, "utf-8-sig"),
     (codecs.BOM_UTF32_LE, "utf-32"),
     (codecs.BOM_UTF32_BE, "utf-32"),

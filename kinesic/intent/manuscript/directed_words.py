@@ -1,4 +1,4 @@
-"""Words between signs that may be a stage direction: their place in a sentence."""
+"""Sentence position of marked words that may be a stage direction."""
 
 import re
 
@@ -34,7 +34,7 @@ def ends_sentence(after: str) -> bool:
 
 
 def direct_words(words: str, length: int) -> Step:
-    """Return the step of a stage direction: a pause, or words to perform."""
+    """Convert a stage direction to a pause, or to words to perform."""
     if load_acts().is_pause(words):
         return Step(length, pause(DIRECTED_PAUSE))
     return Step(length, direct(words))

@@ -7,7 +7,7 @@ from kinesic.intent.manuscript.acts import load_acts
 from kinesic.intent.manuscript.emoji import perform_emoji
 from kinesic.intent.manuscript.pieces import Manuscript, Step
 
-_FACE_LETTERS = "\u03c9\u0414\u0ca0\u1d25\u1d17\u76ca\u76bf\u0ca5"  # letters that are eyes or a mouth
+_FACE_LETTERS = "\u03c9\u0414\u0ca0\u1d25\u1d17\u76ca\u76bf\u0ca5"  # letters that stand for eyes or a mouth in kaomoji
 # Signs that distinguish a face from punctuation.
 _FACE_SIGNS = rf"\^\xb0\u2022\u25d5\u203f\u25e1\u25bd\u2267\u2266\u2565\u25d4\u2299{_FACE_LETTERS}"
 _FACE_PART = rf"(?:[^\w\n()<>\"'\uff08\uff09]|[_{_FACE_LETTERS}])"  # pattern of one character of a face

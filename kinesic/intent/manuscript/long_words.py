@@ -7,7 +7,8 @@ from kinesic.intent.manuscript.pieces import Manuscript, Step
 MAX_WORD_LENGTH = 80  # [characters] longest spoken beginning of a word such as a key or encoded data
 _LONG_WORD = re.compile(r"[A-Za-z0-9+/=-]+")
 _WORD_BEGINNING = re.compile(r"[A-Za-z0-9][A-Za-z0-9+/=-]*\Z")  # beginning of a word that may continue
-_CUT_WORD = re.compile(rf"[A-Za-z0-9][A-Za-z0-9+/=-]{{{MAX_WORD_LENGTH - 1}}}\u2026\Z")  # word that was cut before
+# Word at the end of the text that has already been cut off, with an ellipsis.
+_CUT_WORD = re.compile(rf"[A-Za-z0-9][A-Za-z0-9+/=-]{{{MAX_WORD_LENGTH - 1}}}\u2026\Z")
 
 
 def cut_long_word(state: Manuscript) -> Step | None:

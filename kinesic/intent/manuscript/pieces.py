@@ -1,4 +1,4 @@
-"""State of the text reader, and results of its single steps."""
+"""State of the text reader, and the result of each reading step."""
 
 from dataclasses import dataclass, field
 from typing import Literal
@@ -21,12 +21,12 @@ class SubtitleState:
     place: Place = "text"
     is_start: bool = True  # whether nothing but empty lines was received
     is_line_start: bool = True
-    is_block_start: bool = True  # whether the line before is empty
+    is_block_start: bool = True  # whether the preceding line is empty
     is_webvtt: bool = False  # whether the header of WebVTT was received
-    has_words: bool = False  # whether the present cue has spoken words
+    has_words: bool = False  # whether the current cue has spoken words
     is_line_open: bool = False  # whether spoken words of a cue have no line end yet
-    pause: float = 0.0  # [s] silence before the words of the present cue
-    end: float | None = None  # [s] end of the present cue
+    pause: float = 0.0  # [s] silence before the words of the current cue
+    end: float | None = None  # [s] end of the current cue
     last_end: float | None = None  # [s] end of the last spoken cue
 
 
@@ -38,14 +38,14 @@ class Manuscript:
     mode: Mode = "text"
     closing: str = ""  # text that ends the mode
     is_line_start: bool = True
-    line_length: int = 0  # [characters] of the line up to here
-    is_block: bool = False  # whether the line is a heading, an item or a row, which ends a sentence
-    stress: str = ""  # signs of the emphasis that is open
+    line_length: int = 0  # [characters] length of the line read so far
+    is_block: bool = False  # whether the line is a heading, list item or table row, which ends a sentence
+    stress: str = ""  # signs that opened the current emphasis; empty: no emphasis
     spoken: str = ""  # last characters of the spoken text
     speakers: frozenset[str] = frozenset()  # names of a dialogue, in capitals
-    character: str = ""  # name whose lines are spoken, in capitals; empty: those of all
+    character: str = ""  # speaker whose lines are spoken, in capitals; empty: all speakers
     others: frozenset[str] = frozenset()  # speakers whose lines were left out, in capitals
-    subtitles: SubtitleState = field(default_factory=SubtitleState)  # state of the reader of subtitles before it
+    subtitles: SubtitleState = field(default_factory=SubtitleState)  # state of the preceding subtitle reader
 
     @property
     def waiting(self) -> str:
@@ -64,11 +64,11 @@ class Step:
     length: int  # [characters] of the received text
     text: str = ""  # spoken text, with tags for directions and pauses
     warning: str = ""
-    stress: str | None = None  # signs of the emphasis that is open after it; None: as before
-    mode: Mode = "text"  # kind of element that encloses the text after it
+    stress: str | None = None  # signs that opened the emphasis after this step; empty: no emphasis, None: unchanged
+    mode: Mode = "text"  # kind of element that encloses the following text
     closing: str = ""  # text that ends this mode
-    other: str = ""  # speaker whose lines are left out from here on, in capitals
-    is_block: bool = False  # whether it makes its line a heading, an item or a row
+    other: str = ""  # speaker in capitals whose following lines are left out
+    is_block: bool = False  # whether this step makes the line a heading, list item or table row
 
 
 def direct(words: str) -> str:

@@ -10,7 +10,7 @@ from dataclasses import replace
 from kinesic.intent.manuscript.pieces import SubtitleState, pause
 
 MIN_CUE_PAUSE = 0.3  # [s] shortest silence between subtitle cues that is kept
-MAX_CUE_PAUSE = 10.0  # [s] longest silence between subtitle cues; longer ones are shortened
+MAX_CUE_PAUSE = 10.0  # [s] longest silence between subtitle cues; longer silences are shortened to this
 MAX_CUE_LINE = 1000  # [characters] longest line of a cue; longer lines are plain text
 HEADER_SIGN = "WEBVTT"  # first word of a WebVTT file
 SILENT_BLOCKS = ("NOTE", "STYLE", "REGION")  # first words of the blocks of WebVTT that are not spoken

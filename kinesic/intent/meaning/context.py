@@ -160,7 +160,7 @@ class Context:
         return self.passage.words[j].is_content and not self.language.has("own_body", self.plain[j])
 
     def is_others(self, k: int) -> bool:
-        """Return whether the nearest person before a word is a third person."""
+        """Return whether the last person before a word is a third person."""
         clause = self.clause_words(k)
         for j in reversed(range(clause.start, k)):
             if self.language.has("listener", self.plain[j]):

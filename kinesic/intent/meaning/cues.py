@@ -57,12 +57,12 @@ class Cue:
     intent: str  # behaviour set of face and head; `picture`: none
     where: CueContext
     after: frozenset[str] = frozenset()  # words or @classes, one of which must precede; empty: any
-    before: frozenset[str] = frozenset()  # likewise, must follow
+    before: frozenset[str] = frozenset()  # words or @classes, one of which must follow; empty: any
     not_after: frozenset[str] = frozenset()
     not_before: frozenset[str] = frozenset()
     near: frozenset[str] = frozenset()  # stems of words, one of which must stand in the same sentence; empty: any
     not_near: frozenset[str] = frozenset()  # stems of words that must not stand in the same sentence
-    hand: ChosenHand = ""  # hand that shows it, for pairs such as `on the one hand, on the other hand`
+    hand: ChosenHand = ""  # hand that shows the cue, for pairs such as `on the one hand, on the other hand`
 
 
 @dataclass(frozen=True, eq=False)

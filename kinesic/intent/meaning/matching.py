@@ -112,7 +112,7 @@ def _holds_near(context: Context, cue: Cue, span: Span) -> bool:
 
 
 def _has_class(context: Context, k: int, near: int, names: frozenset[str], border: str) -> bool:
-    """Return whether a neighbouring word belongs to given words or word classes."""
+    """Return whether a neighbouring word is listed, directly or by word class."""
     is_outside = not 0 <= k < len(context.plain) or context.clauses[k] != context.clauses[near]
     if is_outside:
         return border in names

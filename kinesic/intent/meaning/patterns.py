@@ -39,7 +39,7 @@ class Slot:
     """Position in a pattern, with the words that it accepts."""
 
     words: frozenset[str]
-    stems: frozenset[str] = frozenset()  # of words in any inflection
+    stems: frozenset[str] = frozenset()  # stems of words that match in any inflection
     is_optional: bool = False
     is_stroke: bool = False
     is_any: bool = False

@@ -58,7 +58,7 @@ SENSITIVE_CATEGORIES = frozenset({"emblem", "emotion"})  # gesture categories pe
 REPORT_CATEGORIES = frozenset(
     {"deictic", "metaphoric", "iconic", "adaptor"}
 )  # gesture categories that plain reports rarely need
-GRAVE_CLASSES = ("sad", "stern")  # word classes of sentences without praise or joy
+GRAVE_CLASSES = ("sad", "stern")  # classes of words whose presence in a sentence makes praise or joy unlikely
 SENSITIVE_INTENTS = ("emotion", "performative")  # prefixes of intents penalised in reports and questions
 # Prefixes of intents of praise, agreement, joy and pride.
 GLAD_INTENTS = ("performative-praise", "performative-agree", "emotion-joy", "emotion-pride")

@@ -10,8 +10,8 @@ from kinesic.intent.behaviour_sets import Choice
 class BeatSpan:
     """Smallest intervals between a beat and the strokes around it."""
 
-    before: float = 0.0  # [s] since the last stroke
-    after: float = 0.0  # [s] until the next stroke
+    before: float = 0.0  # [s] smallest interval since the last stroke
+    after: float = 0.0  # [s] smallest interval until the next stroke
 
 
 # Beats that roll before their stroke, or go on after it. Other beats fit between all strokes.
@@ -23,7 +23,7 @@ BEAT_SPANS: Mapping[str, BeatSpan] = {
     "beat_purse": BeatSpan(after=1.5),
     "beat_roll": BeatSpan(before=1.8),
 }
-PLAIN_SPAN = BeatSpan()  # span of gestures not in `BEAT_SPANS`
+PLAIN_SPAN = BeatSpan()  # intervals to neighbouring strokes that other gestures need: none
 
 
 def select_fitting(choices: Sequence[Choice], before: float, after: float) -> Sequence[Choice]:

@@ -15,4 +15,4 @@ class Candidate:
     signal: Signal
     weight: float  # certainty times preference, with a bonus for core signals
     choices: tuple[Choice, ...]
-    earlier: ChosenBehaviour | None = None  # if it is an earlier behaviour
+    earlier: ChosenBehaviour | None = None  # earlier behaviour that the candidate repeats; None: a new behaviour

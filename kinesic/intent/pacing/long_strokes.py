@@ -51,7 +51,7 @@ LONG_STROKES: Mapping[str, float] = {
 
 
 def slowness_of(style: Style) -> float:
-    """Return the duration of drawings in a style, relative to neutral, at least 1."""
+    """Return duration / neutral duration of air-drawing strokes, at least 1."""
     return float(max(1.0, SLOWNESS_BASE**-style.gesture.temporal))
 
 

@@ -26,8 +26,8 @@ class ChoiceMemory:
     """
 
     gestures: tuple[PastGesture, ...] = ()
-    seconds: float = 0.0  # [s] of speech so far
-    parts: int = 0  # texts and parts of streamed texts so far
+    seconds: float = 0.0  # [s] duration of speech so far
+    parts: int = 0  # number of texts and parts of streamed texts so far
 
     @property
     def times(self) -> tuple[float, ...]:

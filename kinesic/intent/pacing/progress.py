@@ -16,7 +16,7 @@ class Progress:
     words: int = 0
     seconds: float = 0.0  # [s] estimated duration of these words and their pauses
     gestures: int = 0
-    pictures: int = 0  # gestures other than beats
+    pictures: int = 0  # number of gestures other than beats
 
     def budget(self, duration: float, style: Style, free: Iterable[ChosenBehaviour]) -> MovementBudget:
         """Return the remaining gesture budget for the next part of a text.
@@ -36,7 +36,7 @@ class Progress:
     def extend(
         self, words: int, duration: float, shown: Iterable[ChosenBehaviour], replaced: Sequence[ChosenBehaviour]
     ) -> "Progress":
-        """Return the progress after a part of a text.
+        """Return the progress after one more part of the text.
 
         Args:
             words: of the part.

@@ -20,7 +20,7 @@ NO_REPEAT_WINDOW = 3  # [gestures] successive gestures that must differ if no ti
 BEAT_REASON = "{}; a beat, as its gesture was shown a moment ago"  # reason of a beat that replaces a repeated gesture
 # Intents whose words recur in any text.
 FUNCTION_INTENTS = frozenset({"negation", "negative", "question", "rhetorical"})
-EMPHATIC_CERTAINTY = 0.8  # smallest certainty of an intent whose beat has the style's expressivity
+EMPHATIC_CERTAINTY = 0.8  # smallest certainty of an intent whose beat is as expressive as the style's other gestures
 MIN_REPEAT_INTERVAL = 8.0  # [s] smallest time between equal gestures, if all alternatives are used up
 
 
@@ -182,7 +182,7 @@ class LexemeSampler:
             yield ChosenBehaviour(self.channel, choice.lexeme, intent, choice.amount, choice.repetition, manner)
 
     def _manner(self, intent: Intent, lexeme: str) -> Mapping[str, float]:
-        """Return the expressivity of a lexeme, where it differs from the style.
+        """Return the expressivity parameters of a lexeme that differ from the style.
 
         Illustrating gestures are not repeated, as a second stroke would accompany other words.
         """

@@ -90,10 +90,10 @@ class Language:
     tag: str
     classes: Mapping[str, frozenset[str]]  # closed classes: function, conjunction, determiner, auxiliary, ...
     emoticons: Mapping[str, str] = field(default_factory=dict)  # emoticon -> intent
-    rules: Mapping[tuple[str, ...], tuple[Rule, ...]] = field(default_factory=dict)  # words -> meanings
-    voice: str = ""  # tag of its voice, with the region: `en-GB`; empty: its own tag
+    rules: Mapping[tuple[str, ...], tuple[Rule, ...]] = field(default_factory=dict)  # words -> rules that match them
+    voice: str = ""  # language tag of the voice, with the region: `en-GB`; empty: tag of the language
     question_mark: str = ""  # sign that is a question mark in this language only
-    fractions: Fractions | None = None  # names of fractions; None: fractions stay as written
+    fractions: Fractions | None = None  # names of fractions in this language; None: fractions stay as written
     units: Mapping[str, str] = field(default_factory=dict)  # unit with a slash -> its spoken words
     warning: str = ""  # message about what is missing in a language without rules; empty with rules
 

@@ -30,11 +30,11 @@ class Word:
     before: str  # punctuation and space since the preceding word
     sentence: int  # index of its sentence
     phrase: int  # index of its phrase in the whole text
-    is_content: bool  # whether it is a content word: no article, pronoun, preposition or auxiliary
-    emphatic: bool = False  # whether it is emphasised: CAPITALS, *asterisks*, SSML
-    pause: float = 0.0  # [s] requested before it, in addition to punctuation
-    end: int = 0  # position after it in the source text
-    language: str = "en"  # without region
+    is_content: bool  # whether this is a content word: no article, pronoun, preposition or auxiliary
+    emphatic: bool = False  # whether the word is emphasised: CAPITALS, *asterisks*, SSML
+    pause: float = 0.0  # [s] pause requested before the word, in addition to punctuation
+    end: int = 0  # position after the word in the source text
+    language: str = "en"  # language tag without region
     prosody: Layers = NO_LAYERS  # requested rate, pitch and volume of the voice
 
 
@@ -43,16 +43,16 @@ class Passage:
     """Text divided into words, phrases and sentences."""
 
     words: tuple[Word, ...]
-    kinds: tuple[SentenceKind, ...]  # of its sentences
+    kinds: tuple[SentenceKind, ...]  # kind of each sentence
     tail: str = ""  # text after the last word
-    tail_pause: float = 0.0  # [s] requested after the last word
+    tail_pause: float = 0.0  # [s] pause requested after the last word
     feelings: tuple[tuple[int, str], ...] = ()  # (sentence index, emotion) of each emoticon
-    language: str = "en"  # whose rules it is read by, without region
-    is_over: bool = True  # whether its last phrase has ended, or it is empty
-    directions: tuple[tuple[int, str], ...] = ()  # (index of the next word, words) of each direction
-    voice: str = ""  # language of its voice, such as `en-GB`; empty: the language
-    times: tuple[float, ...] = ()  # [s] heard start of each word, and end of the text; empty: estimated
-    accents: frozenset[int] | None = None  # indices of words with a heard accent; None: the text decides
+    language: str = "en"  # tag without region of the language whose rules apply
+    is_over: bool = True  # whether the last phrase has ended, or there is no word
+    directions: tuple[tuple[int, str], ...] = ()  # (index of the next word, stage direction)
+    voice: str = ""  # language tag of the voice, such as `en-GB`; empty: `language`
+    times: tuple[float, ...] = ()  # [s] start of each word and end of the text in a recording; empty: estimated
+    accents: frozenset[int] | None = None  # indices of words accented in a recording; None: estimated from the text
 
     @cached_property
     def sentences(self) -> tuple[Sequence[int], ...]:

@@ -8,7 +8,7 @@ from kinesic.intent.markup import quote
 PROSODY_TAG = "kinesic:prosody"  # name of the tag around words with a requested prosody
 VOICE_TAG = "kinesic:voice"  # name of the tag that sets the voice until the next such tag
 PROSODY_ATTRIBUTES = ("rate", "pitch", "range", "volume")  # attributes that the voice follows
-MAX_OPEN_ELEMENTS = 16  # largest depth of nested prosody elements; deeper ones are ignored
+MAX_OPEN_ELEMENTS = 16  # largest depth of nested prosody elements; deeper elements are ignored
 _ATTRIBUTE_PATTERN = re.compile(r'(\w+)="([^"<>]*)"')
 _VALUE_PATTERN = re.compile(r"[+-]?\d{1,4}(?:\.\d{1,3})?\s?(?:%|st|Hz|dB)?|[a-z]{3,7}|x-[a-z]{3,6}", re.IGNORECASE)
 
@@ -19,7 +19,7 @@ NO_LAYERS: Layers = ((),)  # prosody of text without prosody elements
 
 
 def write_tag(tag: str, attributes: Mapping[str, str], *, is_alone: bool = False) -> str:
-    """Return a tag with its valid prosody attributes, empty without any.
+    """Return a tag with its valid prosody attributes, empty text without attributes.
 
     A tag that stands alone is also written without attributes.
     """

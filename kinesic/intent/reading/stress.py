@@ -13,7 +13,7 @@ _DIGIT_PATTERN = re.compile(r"\d+")
 _KANA_PATTERN = re.compile("[\u3041-\u30ff]")
 _WEAK_KANA = re.compile(
     "[\u3041\u3043\u3045\u3047\u3049\u3083\u3085\u3087\u30a1\u30a3\u30a5\u30a7\u30a9\u30e3\u30e5\u30e7]"
-)  # small kana, pronounced with the preceding one
+)  # small kana, pronounced with the preceding kana
 _KANJI_PATTERN = re.compile("[\u3400-\u9fff\u3005]")
 _STRESS_BEFORE_ENDING = re.compile(  # endings with the stress on the syllable before them
     r"(tion|sion|cian|cious|tious|cial|tial|ics?|ical(ly)?|ity|ify|ian|ions?|ious(ly)?|eous|iar|ient|ience)$"

@@ -29,7 +29,7 @@ GERMANIC_ENDINGS = {  # endings with the stress on their first syllable
 }
 
 _LATIN_VOWELS = "aeiouy\u00e6\u0153\u00f8\u0131\u0259\u025b\u0254"
-_OTHER_VOWELS = (  # Greek, Georgian, Armenian
+_OTHER_VOWELS = (  # vowel letters of Greek, Georgian and Armenian
     "\u03b1\u03b5\u03b7\u03b9\u03bf\u03c5\u03c9\u10d0\u10d4\u10d8\u10dd\u10e3\u0561\u0565\u0567\u0568\u056b\u0585"
 )
 _VOWEL_PATTERN = re.compile(f"[{_LATIN_VOWELS}{_OTHER_VOWELS}]+")
@@ -38,8 +38,8 @@ _NASAL_DIPHTHONG = re.compile("ã[oe]|õe")
 _CYRILLIC_VOWELS = re.compile(
     "[\u0430\u0435\u0451\u0438\u043e\u0443\u044b\u044d\u044e\u044f\u0456\u0457\u0454\u045e\u04e9\u04af\u04b1\u04d9]"
 )
-_STRESS_MARKS = "\u0301\u0300\u0302"  # acute, grave, circumflex
-_TILDE_MARK = "\u0303"  # stressed in Portuguese unless another accent is written
+_STRESS_MARKS = "\u0301\u0300\u0302"  # combining accents that mark the stress: acute, grave, circumflex
+_TILDE_MARK = "\u0303"  # combining tilde; marks the stress in Portuguese unless the word has another accent
 _HAN_PATTERN = re.compile(f"[{HAN_LETTERS}\uac00-\ud7a3\u1200-\u137f]")  # Chinese, Korean, Ethiopic: one syllable each
 _INDIC_PATTERN = re.compile("[\u0900-\u0dff]")
 _VIRAMA_PATTERN = re.compile("[\u094d\u09cd\u0a4d\u0acd\u0b4d\u0bcd\u0c4d\u0ccd\u0d4d\u0dca]")

@@ -21,14 +21,14 @@ from kinesic.intent.reading.prosody import NO_LAYERS, PROSODY_TAG, VOICE_TAG, La
 from kinesic.intent.reading.segmenting import segment
 
 MIN_CAPITALS = 2  # smallest number of letters of an emphasised word in capitals
-MAX_CAPITAL_FRACTION = 0.7  # fraction of capital letters in a text above which they mark no emphasis
+MAX_CAPITAL_FRACTION = 0.7  # fraction of capital letters in a text above which capitals mark no emphasis
 MIN_PHRASE_LENGTH = 4  # smallest number of words before a conjunction that begins a new phrase
 LONGEST_BREAK = 10.0  # [s] longest pause that a break tag can request
 DASH_PAUSE = 0.15  # [s] silence at a dash, in addition to that of the voice
 FOLLOWING_LENGTH = 20  # [letters] text after a token that helps to recognise acronyms and abbreviations
 DIRECTION_TAG = "kinesic:act"  # tag of a stage direction in the text
 QUOTATION_SIGNS = (
-    "()[]\u201c\u201d\u201e\u00ab\u00bb\u300c\u300d\u300e\u300f\uff08\uff09\u300a\u300b"  # signs that end phrases
+    "()[]\u201c\u201d\u201e\u00ab\u00bb\u300c\u300d\u300e\u300f\uff08\uff09\u300a\u300b"  # quotes and brackets
 )
 ELLIPSIS_PAUSE = 0.4  # [s] silence at an ellipsis, in addition to that of the voice
 
@@ -93,8 +93,8 @@ class _Reading:
     is_shouted: bool
     words: list[Word] = field(default_factory=list)
     kinds: list[SentenceKind] = field(default_factory=list)
-    between: list[str] = field(default_factory=list)  # text since the last word
-    silence: float = 0.0  # [s] pauses since the last word
+    between: list[str] = field(default_factory=list)  # pieces of text since the last word
+    silence: float = 0.0  # [s] sum of pauses since the last word
     is_phrase_over: bool = False
     is_stressed: bool = False
     feelings: list[tuple[int, str]] = field(default_factory=list)

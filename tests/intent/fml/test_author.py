@@ -64,7 +64,7 @@ def test_fml_emotion_starts_at_its_mark_and_is_limited_by_its_intensity():
     assert float(face.get("amount")) <= 0.5  # Limited by the intensity of the intent
 
 
-def test_fml_intention_with_a_target_gives_a_pointing_behaviour_to_it(greeting):
+def test_fml_intention_with_a_target_gives_a_pointing_behaviour_to_that_target(greeting):
     pointing = of_intention(greeting, "deictic-any")
     assert [(item.type, item.action.target) for item in pointing if item.type == "pointing"] == [("pointing", "door")]
 

@@ -54,7 +54,7 @@ def shown(sets, seed):
     return {item.channel: item for item in chosen}
 
 
-def test_core_signals_have_a_higher_weight_than_others(sets):
+def test_core_signals_of_a_greta_behaviour_set_have_a_higher_weight_than_its_other_signals(sets):
     behaviour_set = sets.find("emotion-odd")
     candidates = list(choosing._list_candidates(intent("emotion-odd"), behaviour_set, Agent(), random.Random(1)))
     bonus = {candidate.signal.id: candidate.weight - 1.0 for candidate in candidates}
@@ -135,7 +135,7 @@ def test_greta_signal_without_lexeme_gives_no_behaviour(sets):
     assert choose_behaviours([intent("emotion-still")], sets, MovementBudget(10, STROKE_SPACINGS, {})).behaviours == ()
 
 
-def test_missing_greta_sets_fall_back_to_builtin_ones(sets):
+def test_behaviour_sets_missing_in_a_greta_lexicon_are_taken_from_the_built_in_sets(sets):
     assert sets.find("performative-greet") is builtin_sets().find("performative-greet")
     assert sets.find("EMOTION-odd") is sets.sets["emotion-Odd"]
 

@@ -16,7 +16,7 @@ def lexicon() -> Lexicon:
     return Lexicon.load()
 
 
-def test_each_known_stage_direction_has_an_existing_behaviour(lexicon: Lexicon):
+def test_each_listed_stage_direction_names_a_behaviour_that_exists(lexicon: Lexicon):
     for direction, behaviour in load_acts().behaviours.items():
         channel, _, lexeme = behaviour.partition(" ")
         exists = {
@@ -46,5 +46,7 @@ def test_each_known_stage_direction_has_an_existing_behaviour(lexicon: Lexicon):
         ("juggles plates", None),
     ],
 )
-def test_stage_direction_is_assigned_its_behaviour(lexicon: Lexicon, direction: str, act: tuple[str, str] | None):
+def test_stage_direction_gives_the_behaviour_that_it_describes_or_none_if_unknown(
+    lexicon: Lexicon, direction: str, act: tuple[str, str] | None
+):
     assert find_act(direction, lexicon) == act

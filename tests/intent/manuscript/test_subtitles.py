@@ -79,7 +79,7 @@ def test_code_fence_ends_a_subtitle():
     assert read_subtitles("```\n1\n00:00:01,000 --> 00:00:02,000\nHi.\n```\nBye.") == "```\nHi.\n```\nBye."
 
 
-def test_subtitles_streamed_in_random_chunks_are_read_like_whole_ones():
+def test_subtitles_streamed_in_random_chunks_are_read_like_whole_subtitles():
     for seed in CUT_SEEDS:
         generator = random.Random(seed)
         text = "".join(generator.choices(FRAGMENTS, k=generator.randrange(2, 30)))
@@ -88,7 +88,7 @@ def test_subtitles_streamed_in_random_chunks_are_read_like_whole_ones():
 
 
 @pytest.mark.parametrize("text", [SUBRIP, WEBVTT, f"Read this:\n\n{SUBRIP}\nThank you."])
-def test_subtitles_streamed_word_by_word_give_the_same_speech_text_as_whole_ones(text: str):
+def test_subtitles_streamed_word_by_word_give_the_same_speech_text_as_whole_subtitles(text: str):
     state, spoken = Manuscript(), ""
     for word in text.split(" "):
         state, words, _ = read_more(state, f"{word} ")

@@ -80,7 +80,7 @@ def test_crying_for_joy_does_not_show_sadness():
     assert "sadness" not in shown("I'm so happy for you, I could cry.")
 
 
-def test_only_ignorance_of_the_speaker_gets_a_shrug():
+def test_only_words_about_the_ignorance_of_the_speaker_get_a_shrug():
     assert shown("I have no idea what it is.") & {"doubt_shrug", "shrug_small"}
     assert is_beat(shown("He has no idea what it is."))
 
@@ -90,7 +90,7 @@ def test_retracted_denial_gets_no_head_shake():
     assert "SHAKE" not in shown("The second step never works without the first.", "head")
 
 
-def test_accents_get_nods_only_in_long_texts_that_report_no_speech():
+def test_accented_words_get_nods_only_in_long_texts_without_reported_speech():
     long = "We walked along the river to the old mill and had lunch in the garden behind the house."
     assert "NOD" not in shown("He put the cup on the table.", "head")
     assert "NOD" in shown(long, "head")
@@ -152,7 +152,7 @@ def test_exaggerations_do_not_show_sadness(text: str):
         'He whispered: "I hate you."',
     ],
 )
-def test_feelings_in_quotations_of_others_are_not_shown(text: str):
+def test_feelings_in_quotations_of_other_people_are_not_shown(text: str):
     assert "anger" not in shown(text) | shown(text, "face")
 
 

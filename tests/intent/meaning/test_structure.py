@@ -26,7 +26,7 @@ def test_successive_bare_numbers_are_counted_on_the_fingers() -> None:
     assert "count_one" not in shown("One is cheap, two are dear.")
 
 
-def test_part_that_a_sentence_corrects_at_its_end_is_denied() -> None:
+def test_short_final_clause_with_not_gets_a_denying_gesture() -> None:
     assert shown("You lift it with the knees, not with the back.")["no_low"] == 6
     assert "no_low" not in shown("They came for the view, not only for the food.")
     assert "no_low" not in shown("You lift it with the knees, not with the back, as I said before.")
@@ -45,11 +45,11 @@ def test_commas_around_a_reported_speaker_make_no_list(quote: str) -> None:
     assert any("of a list" in each.intent.reason for each in gestures_of("Get milk, flour, and butter."))
 
 
-def test_word_repeated_after_by_is_set_down_again_and_again() -> None:
+def test_word_repeated_after_by_gets_a_gesture_of_repeated_placing() -> None:
     assert shown("Brick by brick, they built a tower.")["one_after_another"] == 2
     assert "one_after_another" not in shown("They built a tower by hand, by day.")
 
 
-def test_lone_opening_word_gets_no_beat() -> None:
+def test_opening_word_such_as_well_gets_no_beat_unless_it_is_emphasised() -> None:
     assert all(each.intent.word > 0 for each in gestures_of("Well, the old captain described the whole story."))
     assert any(each.intent.word == 0 for each in gestures_of("*Well*, the old captain described the whole story."))

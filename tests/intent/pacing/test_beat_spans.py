@@ -29,7 +29,7 @@ def test_long_beats_are_selected_only_with_enough_time_before_and_after():
     assert select_fitting(forms, 5.0, 1.4) == choices("beat", "beat_roll")
 
 
-def test_only_possible_beat_is_kept_despite_too_little_time():
+def test_beat_without_an_alternative_is_kept_although_it_lacks_time_before_its_stroke():
     assert select_fitting(choices("beat_roll"), 0.5, 5.0) == choices("beat_roll")
 
 

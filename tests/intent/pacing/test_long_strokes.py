@@ -21,7 +21,7 @@ MIN_LONG_STROKE = 1.15  # [s] of a gesture that must be in the table
 MIN_LISTED_STROKE = 1.05  # [s] of a gesture that may be in the table
 
 
-def test_table_of_long_strokes_lists_all_slow_drawing_gestures_and_no_fast_ones():
+def test_table_of_long_strokes_lists_all_gestures_with_a_slow_drawing_stroke_and_no_fast_strokes():
     setup = set_up(robot="human")
     natural = {}
     for form in setup.lexicon.forms:
@@ -57,20 +57,20 @@ def test_long_stroke_of_a_slow_style_is_delayed_further_so_that_it_begins_at_the
     assert strokes["sad"]["wind"] > strokes["neutral"]["wind"]
 
 
-def test_beat_in_place_of_a_long_stroke_of_a_slow_style_falls_on_its_word() -> None:
+def test_beat_that_replaces_a_long_stroke_of_a_slow_style_falls_on_its_word() -> None:
     text = "We sat in the kitchen and the rain came. We sat in the garden, and again the rain came."
     _, selection = plan_behaviours(text, set_up().lexicon, Style.load("sad"))
     beats = [each for each in selection.behaviours if "shown a moment ago" in each.intent.reason]
     assert [each.intent.stroke.reference for each in beats] == ["s:w18+0.07"]
 
 
-def test_delay_of_a_gesture_choice_is_half_the_mean_stroke_up_to_a_maximum():
+def test_stroke_delay_of_alternative_gestures_is_the_mean_of_their_delays_up_to_a_maximum():
     assert stroke_delay(()) == stroke_delay(("large",)) == 0.0
     assert stroke_delay(("river",)) == MAX_STROKE_DELAY
     assert stroke_delay(("path_along", "large")) == pytest.approx(stroke_delay(("path_along",)) / 2)
 
 
-def test_no_gesture_is_chosen_during_the_long_stroke_of_another():
+def test_no_gesture_is_chosen_during_the_long_stroke_of_another_gesture():
     strokes = [("large", 3.0), ("fire", 9.0)]
     assert [at for at in (2.5, 6.0, 6.8, 8.9, 9.1) if is_in_long_stroke(at, strokes)] == [6.8, 8.9]
     setup = set_up()
@@ -82,7 +82,7 @@ def test_no_gesture_is_chosen_during_the_long_stroke_of_another():
         assert not [name for name, at in times.items() if 0.0 < times["fire"] - at < LONG_STROKES["fire"]]
 
 
-def test_beat_in_place_of_a_repeated_long_stroke_falls_on_its_word():
+def test_beat_that_replaces_a_repeated_long_stroke_falls_on_its_word():
     text = "We sat in the kitchen and the rain came. We sat in the garden, and again the rain came."
     _, selection = plan_behaviours(text, set_up().lexicon, Style.load("neutral"))
     beats = [each for each in selection.behaviours if "shown a moment ago" in each.intent.reason]

@@ -63,7 +63,7 @@ def test_clause_ends_at_punctuation_or_the_next_clause(text, last):
     assert passage.words[clause_ends(passage, load_language())[1]].plain == last
 
 
-def test_stroke_of_weak_word_moves_to_the_next_content_word():
+def test_stroke_of_a_function_word_moves_to_the_next_content_word():
     passage = read_text("The river takes you to my garden.", load_language())
     words = [word.plain for word in passage.words]
     assert stressed_near(passage, words.index("you")) == words.index("garden")
@@ -71,14 +71,14 @@ def test_stroke_of_weak_word_moves_to_the_next_content_word():
 
 
 @pytest.mark.parametrize(("weak", "stressed"), [("you", "river"), ("from", "garden"), ("it", "garden")])
-def test_stroke_of_distant_weak_word_moves_to_the_nearest_content_word(weak, stressed):
+def test_stroke_of_a_function_word_moves_to_the_nearest_content_word_if_the_next_is_far(weak, stressed):
     passage = read_text("The river to you of me from it to the garden", load_language())
     words = [word.plain for word in passage.words]
     assert len(passage.phrases) == 1
     assert words[stressed_near(passage, words.index(weak))] == stressed
 
 
-def test_noun_phrases_are_less_certain_than_accents_and_emphasised_words():
+def test_intents_of_noun_phrases_are_less_certain_than_those_of_accents_and_emphasised_words():
     """Otherwise a gesture for a noun would displace the beat of its phrase."""
     language = load_language()
     passage = read_text("The dog saw a *big* cat.", language)

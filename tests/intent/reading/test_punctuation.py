@@ -111,7 +111,7 @@ def test_ellipsis_after_the_last_word_gives_a_trailing_pause() -> None:
         ("<emphasis>we</emphasis> do", ["we"]),
     ],
 )
-def test_emphasis_is_written_by_stars_capitals_or_tags(text: str, emphatic: list[str]) -> None:
+def test_emphasis_is_written_by_asterisks_capitals_or_tags(text: str, emphatic: list[str]) -> None:
     assert [word.plain for word in read(text).words if word.emphatic] == emphatic
 
 

@@ -77,7 +77,9 @@ def test_language_rule_can_be_excluded_by_the_preceding_word(text: str, matches:
         ("alone", {"so": True, "so, it is": True, "so it is": False, "it is, so, yes": True}),
     ],
 )
-def test_rule_can_be_limited_to_a_position_or_sentence_type(where: str, texts: dict[str, bool]) -> None:
+def test_language_rule_can_be_limited_to_a_position_in_the_sentence_or_to_a_sentence_type(
+    where: str, texts: dict[str, bool]
+) -> None:
     assert {text: bool(found(text, so=rule(where=where))) for text in texts} == texts
 
 

@@ -33,5 +33,5 @@ def test_english_word_stress_follows_endings_before_prefixes(word: str, syllable
 
 
 @pytest.mark.parametrize("word", ["tion", "ity", "ics", "self", "ee", "sion", "ions", "ious"])
-def test_word_equal_to_a_stress_ending_has_a_stressed_syllable(word: str) -> None:
+def test_word_that_equals_an_ending_of_the_stress_rules_still_has_a_stressed_syllable(word: str) -> None:
     assert 0 <= stressed_english_syllable(word) < count_syllables(word)
