@@ -37,7 +37,7 @@ _PAUSE_DURATIONS = {"sentence": SENTENCE_PAUSE, "phrase": PHRASE_PAUSE}  # [s] s
 class DurationModel:
     """Silent voice with deterministic timing of 150 to 180 words per minute."""
 
-    remark: str = ""  # added to every utterance: the reason why this voice is used
+    remark: str = ""  # remark added to every utterance: the reason for using this voice
 
     def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
         """Estimate the speech timing of a script.

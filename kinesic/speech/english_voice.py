@@ -13,7 +13,7 @@ class EnglishVoice:
 
     english: Voice
     other: Voice
-    is_requested: bool = False  # whether it also speaks other accents, and each other language gives a remark
+    is_requested: bool = False  # whether the user chose `english`, which then also speaks other accents of English
 
     def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
         """Speak a script with the voice of its language."""

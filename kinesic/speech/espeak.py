@@ -32,7 +32,7 @@ MAX_PITCH = 99  # largest pitch on espeak-ng's scale
 CACHED_UTTERANCES = 64  # number of cached utterances
 MAX_LISTED_LETTERS = 40  # largest number of unreadable letters listed in a remark
 MAX_CHARACTERS = 25_000  # [characters] longest script, about half an hour: longer than a block may last
-ENGLISH_TAG = "en-us"  # espeak-ng's language for texts in a language that it does not speak
+ENGLISH_TAG = "en-us"  # language in which espeak-ng reads texts of unsupported languages
 LANGUAGE_ALIASES: Mapping[str, str] = {  # BCP 47 tag -> tag in espeak-ng's files
     "en": ENGLISH_TAG,
     "en-gb": "en",

@@ -56,7 +56,7 @@ class PortAudio:
     """The default sound output of the machine."""
 
     def __init__(self, clock: Clock) -> None:
-        """Store the clock for all playback times [s]."""
+        """Create a closed sound output whose playback times [s] follow a clock."""
         self._clock = clock
         self.latency = BUFFER_DURATION  # [s] as last measured
 

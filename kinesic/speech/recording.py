@@ -13,8 +13,8 @@ from kinesic.body.utterance import Samples, Sound
 from kinesic.files.input_file import open_regular
 
 MAX_DURATION = 1300  # [s] longest accepted recording
-MIN_RATE = 1_000  # [Hz] lowest accepted sample rate; no word can be heard below
-MAX_RATE = 384_000  # [Hz] highest accepted sample rate; no device records above
+MIN_RATE = 1_000  # [Hz] lowest accepted sample rate; speech is unintelligible at lower rates
+MAX_RATE = 384_000  # [Hz] highest accepted sample rate, above the rates of all recording devices
 MAX_CHANNELS = 32  # largest accepted number of channels of a recording
 MAX_SAMPLES = MAX_DURATION * 48_000  # largest number of samples per channel of a recording; a quarter of a gigabyte
 MAX_SAMPLE_WIDTH = 4  # [bytes] largest sample size of one channel

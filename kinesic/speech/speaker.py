@@ -8,7 +8,7 @@ from kinesic.body.utterance import Samples, Sound
 from kinesic.speech.loudspeaker import Clock, Device, PortAudio
 
 SAMPLE_RATE = 44100  # [Hz] sample rate of the loudspeaker
-MAX_TIME_JITTER = 0.01  # [s] smaller jumps of the device's reported time are ignored
+MAX_TIME_JITTER = 0.01  # [s] jumps of the device's reported time up to this size are ignored
 
 
 class Speaker:

@@ -20,8 +20,8 @@ _FULL_STOP = re.compile(r"\.\s*$")
 _STOP_PATTERN = re.compile(r"[.!?\u2026]+(?![\w.!?\u2026])")  # stops that end a sentence
 # Stop between two words without a space.
 _UNSPACED_STOP = re.compile(r"(?<=[^\W\d_])[!?:;]+(?=[^\W\d_]{2})|(?<=[a-z]{2})\.(?=[A-Z][a-z])")
-_INNER_SIGNS = str.maketrans("", "", "'\u2019-")  # signs of ordinary words
-_WORD_CATEGORIES = frozenset(("Lu", "Ll", "Lt", "Lm", "Lo", "Mn", "Mc", "Nd"))  # of letters, their marks and digits
+_INNER_SIGNS = str.maketrans("", "", "'\u2019-")  # signs that may occur within a word
+_WORD_CATEGORIES = frozenset(("Lu", "Ll", "Lt", "Lm", "Lo", "Mn", "Mc", "Nd"))  # letters, combining marks, digits
 
 
 def write_ssml(script: Script) -> str:
@@ -66,7 +66,7 @@ def write_ssml(script: Script) -> str:
 
 
 def _separate_stops(text: str, boundaries: Collection[int]) -> list[str]:
-    """Return a text's characters, with line breaks after isolated sentence stops.
+    """Return characters, with line breaks after stops separated from their words.
 
     espeak-ng 1.52 reads a stop aloud ("dot") that an element, a quote, a bracket or a sign separates from its word,
     and the last one after a word with a sign (`and/or.`), unless a line ends after it. It also names a stop between

@@ -69,7 +69,7 @@ def test_speech_mark_falls_at_the_start_of_the_next_word():
     assert utterance.marks["after"] == utterance.duration
 
 
-def test_first_of_two_speech_marks_with_the_same_name_sets_its_time():
+def test_first_of_two_speech_marks_with_the_same_name_sets_the_time_of_that_name():
     utterance = SILENT_VOICE.say(Script("one two", (Mark("m", 0), Mark("m", 7))))
     assert utterance.marks == {"m": 0.0}
 

@@ -98,7 +98,9 @@ def test_surplus_waiting_engine_process_is_stopped(started: list[subprocess.Pope
 @pytest.mark.parametrize(
     ("text", "why"), [("fail", "^the reason$"), ("fail silently", "^espeak-ng ended with code 3$")]
 )
-def test_engine_failure_is_reported_with_its_last_line(started: list[subprocess.Popen], text: str, why: str) -> None:
+def test_failure_of_the_speech_engine_is_reported_with_its_error_message_or_exit_code(
+    started: list[subprocess.Popen], text: str, why: str
+) -> None:
     with pytest.raises(SpeechError, match=why):
         synthesise(text, ENGINE_PATHS, **VOICE_SETTINGS)
 

@@ -97,7 +97,7 @@ def test_voice_can_be_pickled(name: VoiceName):
     assert synthesise_block(block, other_setup)["s"].marks == synthesise_block(block, setup)["s"].marks
 
 
-def test_neutral_style_keeps_speech_rate_and_pitch():
+def test_neutral_style_keeps_the_speech_rate_and_pitch_of_the_voice():
     assert choose_rate_and_pitch(Style()) == (1.0, 1.0)
 
 

@@ -13,7 +13,7 @@ _CLOSING_PATTERN = re.compile(rf"[\s\"'\u2019\u201d\u00bb)\]]*[{SENTENCE_STOPS}{
 
 
 def place_marks(script: Script, words: Sequence[SpokenWord], duration: float) -> Mapping[str, float]:
-    """Return the time [s] of each mark, the first of each name.
+    """Return the time [s] of the first mark of each name.
 
     A mark falls at the start of the next word. Before a pause or closing punctuation it stays at the end of the word
     before. A mark inside a word belongs to the next one.

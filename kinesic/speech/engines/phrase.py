@@ -40,7 +40,7 @@ class Phrase:
     language: str = "en"  # BCP 47 tag
     rate: float = 1.0  # 1 is the engine's normal rate, 2 is twice as fast
     pitch: float = 1.0  # factor on the pitch of the voice
-    sections: tuple[ProsodySection, ...] = ()  # outer before inner; their factors are multiplied
+    sections: tuple[ProsodySection, ...] = ()  # outer sections before inner sections, whose factors are multiplied
 
 
 @dataclass(frozen=True)
@@ -61,8 +61,8 @@ class SpokenPhrase:
     """
 
     sound: Sound
-    words: tuple[SpokenWord, ...] = ()  # in order; empty: the engine does not report words
-    phonemes: tuple[Phoneme, ...] = ()  # in order, in the phonetic alphabet; empty: they are estimated
+    words: tuple[SpokenWord, ...] = ()  # words in order; empty: the engine does not report words
+    phonemes: tuple[Phoneme, ...] = ()  # phonemes (IPA) in order; empty: phonemes are estimated
     accents: tuple[float, ...] = ()  # [s] pitch peaks of accented syllables; empty: unknown
     remarks: tuple[str, ...] = ()  # parts of the phrase that the engine cannot say
 

@@ -27,7 +27,7 @@ from kinesic.speech.recording import RecordingError, read_wav
 
 ANSWER_TIMEOUT = 60.0  # [s] time limit for a phrase, including the start of the program
 MAX_HEADER = 1_000_000  # [bytes] longest line of an answer
-MAX_SOUND = 100_000_000  # [bytes] longest sound of a phrase
+MAX_SOUND = 100_000_000  # [bytes] largest accepted sound of a phrase
 MIN_SAMPLE_RATE = 1000  # [Hz] lowest accepted sample rate of a program's sound
 MAX_SAMPLE_RATE = 384_000  # [Hz] highest accepted sample rate of a program's sound
 MAX_NAME = 60  # [characters] longest engine name in reports
@@ -51,22 +51,22 @@ class _Phoneme(msgspec.Struct, frozen=True):
     symbol: str
     start: float
     end: float
-    onset: float | None = None  # time of the mouth shape, if it differs
+    onset: float | None = None  # [s] start of the mouth shape, if it differs from `start`
     release: float | None = None
 
 
 class _Answer(msgspec.Struct, frozen=True):
     """First line of a program's answer, in JSON."""
 
-    bytes: int = 0  # length of the sound that follows
+    bytes: int = 0  # number of sound bytes that follow the answer
     format: Literal["s16le", "wav"] = "s16le"
-    rate: int = 0  # [Hz] of s16le
+    rate: int = 0  # [Hz] sample rate of sound in the format s16le
     words: tuple[_Word, ...] = ()
     phonemes: tuple[_Phoneme, ...] = ()
     accents: tuple[float, ...] = ()
     remarks: tuple[str, ...] = ()
     error: str = ""  # reason why the phrase cannot be spoken
-    unreadable: bool = False  # whether the phrase has no word for the engine, and is left out
+    unreadable: bool = False  # whether the engine can read no word of the phrase, which is then left out
 
 
 @dataclass(frozen=True)

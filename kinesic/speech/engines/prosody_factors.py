@@ -7,7 +7,7 @@ from kinesic.body.utterance import Emphasis
 from kinesic.speech.engines.phrase import ProsodySection
 from kinesic.speech.prosody_rate import read_rate
 
-PITCH_WORDS: Mapping[str, float] = {"x-low": 0.75, "low": 0.87, "high": 1.15, "x-high": 1.33}  # pitch factors
+PITCH_WORDS: Mapping[str, float] = {"x-low": 0.75, "low": 0.87, "high": 1.15, "x-high": 1.33}  # pitch factor by word
 VOLUME_WORDS: Mapping[str, float] = {  # amplitude factors; 6 dB from step to step
     "silent": 0.0, "x-soft": 0.25, "soft": 0.5, "loud": 2.0, "x-loud": 4.0,
 }  # fmt: skip

@@ -9,8 +9,8 @@ from kinesic.body.utterance import STRESS_MARKS, VOWEL_LETTERS, Phoneme
 from kinesic.speech.hibari.model import FRAME_DURATION, Floats32
 
 MIN_VOICED_PITCH = 60.0  # [Hz] lower values are unvoiced
-MIN_PROMINENCE = 1.5  # [semitones] height of a peak above the higher of the valleys beside it
-PEAK_MARGIN = (0.06, 0.10)  # [s] before and after a vowel in which its peak may lie
+MIN_PROMINENCE = 1.5  # [semitones] smallest height of a pitch peak above the higher of its neighbouring valleys
+PEAK_MARGIN = (0.06, 0.10)  # [s] before and after a vowel in which the vowel's pitch peak may lie
 
 
 def find_pitch_accents(pitch: Floats32, phonemes: Sequence[Phoneme]) -> tuple[float, ...]:

@@ -36,14 +36,14 @@ FLOAT_ELEMENT = 1  # ONNX code of the element type float32
 
 @dataclass(frozen=True)
 class EditedGraph:
-    """ONNX model with duration output, rate input and pitch input."""
+    """ONNX model with pitch input, rates per symbol and duration output."""
 
     model: bytes
     duration_output: str  # output with the duration of each phoneme, in units of two frames; shape (phonemes,)
 
 
 def edit_graph(model: bytes) -> EditedGraph:
-    """Add duration output and pitch input, and make the rate variable.
+    """Add pitch input and duration output, and accept a rate per symbol.
 
     Raises:
         ProtobufError: the bytes are no ONNX model of this kind.
@@ -62,7 +62,7 @@ def edit_graph(model: bytes) -> EditedGraph:
 
 
 def _edit_graph(fields: list[WireField]) -> tuple[bytes, str]:
-    """Add pitch and rate inputs and a duration output to the graph."""
+    """Add pitch input and duration output, and set the rate per symbol."""
     durations = _find_durations(field.value for field in fields if field.number == GRAPH_NODE)
     parts: list[bytes | memoryview] = []
     edited: list[str] = []
@@ -116,7 +116,7 @@ def _scale_pitch() -> bytes:
 
 
 def _float_tensor(name: str, dimensions: Iterable[bytes]) -> bytes:
-    """Return the description of a float tensor."""
+    """Return the encoded ONNX declaration of a float tensor."""
     shape = b"".join(encode_bytes(SHAPE_DIMENSION, dimension) for dimension in dimensions)
     tensor = encode_integer(TENSOR_ELEMENT, FLOAT_ELEMENT) + encode_bytes(TENSOR_SHAPE, shape)
     return encode_bytes(VALUE_NAME, name.encode()) + encode_bytes(VALUE_TYPE, encode_bytes(TYPE_TENSOR, tensor))

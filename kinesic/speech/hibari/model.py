@@ -24,15 +24,15 @@ from kinesic.speech.hibari.protobuf import ProtobufError
 PACKAGE_NAME = "hibari"
 RUNTIME_NAME = "onnxruntime"
 ASSET_NAMES = ("hibari.onnx", "vocab.json")  # files of the model: the graph, and the ids of its letters
-SAMPLE_RATE = 24_000  # [Hz]
+SAMPLE_RATE = 24_000  # [Hz] sample rate of the voice
 FRAME_SAMPLES = 300  # samples per frame (12.5 ms)
-FRAMES_PER_UNIT = 2  # frames per unit of duration
-FRAME_DURATION = FRAME_SAMPLES / SAMPLE_RATE  # [s]
-UNIT_DURATION = FRAMES_PER_UNIT * FRAME_DURATION  # [s] resolution of durations
+FRAMES_PER_UNIT = 2  # frames per unit in which the model predicts durations
+FRAME_DURATION = FRAME_SAMPLES / SAMPLE_RATE  # [s] duration of a frame
+UNIT_DURATION = FRAMES_PER_UNIT * FRAME_DURATION  # [s] unit in which the model predicts durations
 MIN_SPEED = 0.5  # smallest factor on the speech rate that the model supports
 MAX_SPEED = 2.0  # largest factor on the speech rate that the model supports
 NOISE_SEED = 0  # seed of the noise in fricatives, the same for every phrase
-PAD_ID = 0  # id at both ends of a phrase
+PAD_ID = 0  # letter id that the model expects at both ends of a phrase
 SPECTRAL_OUTPUTS = ("lh", "theta", "ln", "lr", "phi")  # outputs of the spectrum, in the order of the synthesis
 
 Floats32 = NDArray[np.float32]

@@ -62,7 +62,7 @@ class _Unit:
 
     @property
     def start(self) -> float:
-        """Time [s] of its burst, or of its onset without a burst."""
+        """Time [s] of the sound's burst, without a burst of the onset."""
         shifts = BURST_SHIFTS.get(self.letter)
         return self.onset if shifts is None else self.begin + shifts[0 if self.is_initial else 1]
 

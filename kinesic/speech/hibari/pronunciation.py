@@ -15,7 +15,7 @@ from kinesic.body.pictographs import blank_pictographs
 from kinesic.speech.engines.phrase import EngineError
 from kinesic.speech.hibari.model import PACKAGE_NAME
 
-SIGN_LETTERS = frozenset(' ;:,.!?\u2014\u2026"()\u201c\u201d')  # letters of the alphabet without a sound
+SIGN_LETTERS = frozenset(' ;:,.!?\u2014\u2026"()\u201c\u201d')  # letters of hibari for punctuation and spaces
 FINAL_STOP = "."  # added to a phrase without a stop, so that its last sound is not cut
 CUSTOM_READING = "]("  # start of a custom pronunciation in hibari's own markup, which is not used
 

@@ -25,7 +25,7 @@ class FollowedSpeech:
 
     phonemes: tuple[Phoneme, ...]  # at their times in the recording
     place: Callable[[float], float]  # time in the rendition -> time in the recording [s]
-    is_followed: bool = True  # False: spread over the recording without comparison
+    is_followed: bool = True  # whether words are located by comparing sounds; False: spread over the recording
     words: tuple[tuple[float, float], ...] = ()  # start and end of each word [s]
     accents: tuple[bool, ...] = ()  # whether each word carries an accent
 

@@ -1,4 +1,4 @@
-"""Assignment of given word times to the words of a text."""
+"""Assignment of word times from a file to a text's words."""
 
 import unicodedata
 from collections.abc import Iterator, Sequence
@@ -10,14 +10,14 @@ from kinesic.speech.timings.timed_words import TimedSpan
 
 @dataclass(frozen=True)
 class GivenTime:
-    """Given start and end of a word in a recording."""
+    """Start and end of a recorded word, as stated in a file."""
 
     start: float | None = None  # [s]; None: inside a phrase
     end: float | None = None  # [s]; None: inside a phrase
 
 
 def match_words(words: Sequence[str], spans: Sequence[TimedSpan]) -> list[GivenTime]:
-    """Return the given times of each word of a text.
+    """Return the times from a file for each word of a text.
 
     Case and punctuation are ignored. A phrase gives its start to its first word, and its end to its last.
 

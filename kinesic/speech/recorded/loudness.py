@@ -11,7 +11,7 @@ PITCH_WINDOW = 0.04  # [s] length of sound in one pitch estimate
 LOWEST_PITCH = 60.0  # [Hz] lowest pitch of a voice
 HIGHEST_PITCH = 450.0  # [Hz] highest pitch of a voice
 MIN_PERIODICITY = 0.5  # normalised autocorrelation above which a frame is voiced
-OCTAVE_COST = 0.01  # periodicity by which a period twice as long must be better
+OCTAVE_COST = 0.01  # normalised autocorrelation by which a period twice as long must be better, to avoid octave errors
 BLOCK_FRAMES = 4096  # frames whose pitch is estimated at once
 MIN_ENERGY = 1e-9  # energy added to avoid division by zero
 

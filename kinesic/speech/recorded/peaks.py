@@ -6,7 +6,7 @@ from kinesic.body.arrays import Floats, Indices
 
 
 def average_frames(values: Floats, count: int) -> Floats:
-    """Return the mean of an odd count of frames around each one.
+    """Return moving means over an odd count of frames.
 
     Sequences are mirrored at their ends.
 
@@ -50,7 +50,7 @@ def _find_maxima(levels: Floats) -> Indices:
 
 
 def _measure_prominence(levels: Floats, peak: int) -> float:
-    """Return a peak's height above the higher of its two valleys."""
+    """Return a peak's height above the higher of its neighbouring valleys."""
     higher = np.flatnonzero(levels > levels[peak])
     place = int(np.searchsorted(higher, peak))
     begin = int(higher[place - 1]) if place else 0

@@ -18,8 +18,8 @@ from kinesic.speech.recorded.spectrum import FRAME_PERIOD, compute_band_powers, 
 from kinesic.speech.recorded.warping import FrameSequence, warp
 
 RENDITION_BRIDGE = 5  # [frames] longest silence inside speech of a synthesised rendition
-EDGE_OFFSET = 1e-6  # [s] gap between the end of a word and the next in a rendition
-PATH_STEP = 3  # [frames] between points of the path inside a word
+EDGE_OFFSET = 1e-6  # [s] gap between the end of a word and the start of the next word in a rendition
+PATH_STEP = 3  # [frames] between kept points of the alignment path inside a word
 LONG_SILENCE = 0.3  # [s] shortest silence in which the lips return to rest
 SPEECH_MARGIN = 0.08  # [s] time before and after audible speech in which a quiet sound may lie
 QUIET_END = 0.15  # [s] time after audible speech for the lips of a final p, b or m

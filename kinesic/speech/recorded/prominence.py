@@ -13,8 +13,8 @@ CONTEXT_TIME = 2.0  # [s] time before and after a word to which it is compared
 LEVEL_UNIT = 4.0  # [dB] rise of the level that adds 0.5 to the prominence
 PITCH_UNIT = 2.5  # [semitones] rise of the pitch that adds 0.5 to the prominence
 LENGTH_UNIT = 0.35  # log duration ratio that adds 0.5 to the prominence
-MIN_PROMINENCE = 0.7  # prominence from which a stressed word carries an accent; others need twice
-PHRASE_GAP = 0.25  # [s] a silence of this length begins a phrase
+MIN_PROMINENCE = 0.7  # prominence from which a stressed word carries an accent; unstressed words need twice as much
+PHRASE_GAP = 0.25  # [s] silence after which a new phrase begins
 PEAK_PERCENTILE = 80  # percentile of the frames of a word that counts as its level and pitch
 MIN_RISE = 0.15  # smallest prominence above the phrase mean of the only accent of a phrase
 
@@ -99,7 +99,7 @@ def _peaks(levels: Floats, semitones: Floats, word: tuple[float, float]) -> tupl
 
 
 def _mean(measures: Floats) -> Floats:
-    """Return the mean of each column's numbers, 0 for NaN alone."""
+    """Return the mean of each column without NaN, 0 without numbers."""
     is_number = ~np.isnan(measures)
     counts = np.maximum(is_number.sum(axis=0), 1)
     mean: Floats = np.where(is_number, measures, 0.0).sum(axis=0) / counts

@@ -12,23 +12,23 @@ from kinesic.speech.recorded.loudness import compute_openings, estimate_pitch
 from kinesic.speech.recorded.peaks import average_frames, find_peaks
 from kinesic.speech.recorded.spectrum import FRAME_PERIOD, compute_band_powers, compute_levels
 
-SMOOTHING_FRAMES = 5  # [frames] over which spectra are averaged, against flickering lips
+SMOOTHING_FRAMES = 5  # [frames] length of the moving mean of spectra, so that lips do not flicker
 # Upper edges of the low, middle and high bands: about 430 Hz, 1300 Hz and 3300 Hz.
 LOW_BANDS = slice(0, 5)  # indices of the lowest frequency bands
 MIDDLE_BANDS = slice(5, 12)  # indices of the bands above LOW_BANDS
 HIGH_BANDS = slice(12, 19)  # indices of the bands between MIDDLE_BANDS and HISS_BANDS
-HISS_BANDS = slice(19, 26)  # bands of hissing sounds, above about 3300 Hz
+HISS_BANDS = slice(19, 26)  # indices of the bands of hissing sounds, above about 3300 Hz
 HISS_FRACTION = 0.5  # fraction of the power in HISS_BANDS above which a sound hisses
 OPEN_RATIO = 1.8  # power of the middle / low bands above which the mouth is open
 FRONT_RATIO = 0.6  # power of the high / low bands above which the lips are spread
 ROUND_RATIO = 0.6  # power of the middle / low bands below which unspread lips are rounded
 CLOSURE_DEPTH = 9.0  # [dB] depth of a dip below both neighbouring peaks at which the lips close
 MIN_SOUND_FRAMES = 4  # [frames] shortest sound; a shorter one is lengthened
-PEAK_DEPTH = 3.0  # [dB] prominence of a syllable's peak
+PEAK_DEPTH = 3.0  # [dB] smallest prominence of a syllable's peak of loudness
 SYLLABLE_FRAMES = 12  # [frames] smallest distance of two syllables' peaks
-CONTEXT_FRAMES = 200  # [frames] before and after a syllable to which it is compared
-LEVEL_UNIT = 4.0  # [dB] rise that counts as one unit of prominence
-PITCH_UNIT = 2.5  # [semitones] rise that counts as one unit of prominence
+CONTEXT_FRAMES = 200  # [frames] context before and after a syllable to which the syllable is compared
+LEVEL_UNIT = 4.0  # [dB] rise of the level that counts as one unit of prominence
+PITCH_UNIT = 2.5  # [semitones] rise of the pitch that counts as one unit of prominence
 MIN_PROMINENCE = 0.8  # prominence from which a syllable has an accent
 ACCENT_FRAMES = 40  # [frames] smallest distance of two accents
 

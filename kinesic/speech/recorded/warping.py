@@ -13,7 +13,7 @@ from kinesic.body.arrays import Flags, Floats, Indices, find_runs
 COARSE_FRAMES = 4  # number of frames averaged into one frame of the coarse alignment
 COARSE_RADIUS = 600  # [coarse frames] largest distance of the coarse path from a path of constant rate
 FINE_RADIUS = 100  # [frames] largest distance of the fine path from the coarse path
-SILENCE_FRAMES = 4  # [frames] by which a silence of any length is represented
+SILENCE_FRAMES = 4  # [frames] length to which each silence is set before the alignment
 GAP_COST = 7.5  # cost of speech in a gap between words; two unrelated frames cost about 6
 SILENCE_COST = 10.0  # cost of silence that falls into a word
 RATE_COST = 1.7  # cost of a frame at which the recording is not as fast as the rendition

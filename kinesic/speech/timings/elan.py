@@ -35,7 +35,7 @@ class _Annotation:
 class _Reader:
     """Reader that collects time slots and tiers of annotations."""
 
-    slots: dict[str, float | None] = field(default_factory=dict)  # id -> [ms]; None: not aligned to the recording
+    slots: dict[str, float | None] = field(default_factory=dict)  # slot id -> time [ms]; None: slot without a time
     tiers: dict[str, list[_Annotation]] = field(default_factory=dict)
     tier: str = ""
     count: int = 0

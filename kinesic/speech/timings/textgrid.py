@@ -55,7 +55,7 @@ class _Tokens:
         return float(token)
 
     def count(self, what: str, most: int) -> int:
-        """Return the next token, a count up to a limit."""
+        """Return the next token, an integer count up to a limit."""
         value = self.number(what)
         if not (0 <= value <= most and value == int(value)):
             raise self._error(what, f"a whole number from 0 to {most}")

@@ -43,12 +43,12 @@ class TimedWords:
 
 @dataclass(frozen=True)
 class RawSpan:
-    """Unchecked span as a file states it."""
+    """Word, phrase or phoneme of a file, with unchecked times."""
 
     place: str  # in the file, such as `segments[0].words[3]`
     text: str
     start: float  # in the unit of the file
-    end: float | None = None  # in the unit of the file; None: the start of the next span
+    end: float | None = None  # end time in the unit of the file; None: the start of the next span
 
 
 def check_spans(rows: Iterable[RawSpan], *, per_second: float = 1.0) -> tuple[TimedSpan, ...]:

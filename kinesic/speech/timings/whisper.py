@@ -11,7 +11,7 @@ from kinesic.speech.timings.timed_words import RawSpan, TimedWords, check_spans
 
 
 class _Word(msgspec.Struct):
-    start: float | None = None  # [s]; WhisperX omits the time of numbers
+    start: float | None = None  # [s] start of the word; WhisperX omits the start of numbers
     end: float | None = None  # [s]
     word: str = ""
     text: str = ""

@@ -18,7 +18,7 @@ def test_marks_at_the_same_position_are_separated_by_the_pauses_between_them():
     assert (times["a"], times["b"], times["c"]) == (0.4, 0.4 + 0.3, 1.0)
 
 
-def test_first_of_two_marks_with_the_same_name_sets_its_time():
+def test_first_of_two_marks_with_the_same_name_sets_the_time_of_that_name():
     assert place_marks(Script(TEXT, (Mark("m", 0), Mark("m", 9))), WORDS, 1.7) == {"m": 0.1}
 
 

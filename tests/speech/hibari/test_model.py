@@ -37,7 +37,7 @@ def test_requested_voice_is_created_without_loading_its_model():
 
 
 @pytest.mark.usefixtures("unchecked")
-def test_missing_voice_package_raises_an_error_that_names_its_extra(monkeypatch: pytest.MonkeyPatch):
+def test_missing_voice_package_raises_an_error_that_names_the_extra_that_installs_it(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(model, "find_package", lambda: None)
     with pytest.raises(ConfigError, match=r"hibari-tts is not installed: .*voice"):
         voice("hibari")

@@ -9,14 +9,14 @@ from kinesic.speech.hibari import pronunciation, read_ahead
 from kinesic.speech.voice import HIBARI_TABLES_MODULE
 
 
-def test_import_of_the_table_module_loads_the_pronunciation_lexicon(monkeypatch: pytest.MonkeyPatch):
+def test_import_of_read_ahead_loads_the_pronunciation_lexicon(monkeypatch: pytest.MonkeyPatch):
     reads = []
     monkeypatch.setattr(pronunciation, "load_reader", lambda: reads.append(True))
     assert reload(read_ahead).__name__ == HIBARI_TABLES_MODULE
     assert reads == [True]
 
 
-def test_import_without_the_voice_package_succeeds_after_one_attempt(monkeypatch: pytest.MonkeyPatch):
+def test_import_of_read_ahead_without_the_voice_package_succeeds_after_one_attempt(monkeypatch: pytest.MonkeyPatch):
     attempts = []
 
     def fail() -> None:

@@ -9,7 +9,7 @@ def levels(*parts: tuple[int, float]) -> np.ndarray:
 
 
 @pytest.mark.parametrize("noise", [-90.0, -40.0, -20.0])
-def test_speech_is_found_above_three_noise_levels(noise: float):
+def test_speech_is_found_in_noise_of_three_different_levels(noise: float):
     is_speech = find_speech(levels((50, noise), (100, 0.0), (60, noise), (100, -5.0), (50, noise)))
     assert find_runs(is_speech) == [(50, 150), (210, 310)]
 

@@ -29,7 +29,7 @@ def test_word_starts_are_located_by_sound_despite_pauses_and_noise(
     assert np.percentile(errors, 95) <= 0.12
 
 
-def test_given_word_times_are_kept_and_the_others_lie_between(espeak: Espeak):
+def test_word_times_from_a_file_are_kept_and_other_words_lie_between_them(espeak: Espeak):
     spoken = speak(espeak, pauses=PAUSES)
     given = {k: GivenTime(float(spoken.starts[k]) + 0.007) for k in (1, 4, 9)}
     starts = np.array([start for start, _ in follow(espeak, spoken, given).words])

@@ -2,7 +2,7 @@ from kinesic.speech.recorded.given_times import GivenTime, match_words
 from kinesic.speech.timings.timed_words import TimedSpan
 
 
-def test_words_match_without_case_punctuation_and_accents():
+def test_words_match_regardless_of_case_punctuation_and_written_accents():
     spans = [TimedSpan("HELLO,", 0.1, 0.5), TimedSpan("caf\u00e9!", 0.6, 1.0)]
     assert match_words(["Hello", "cafe"], spans) == [GivenTime(0.1, 0.5), GivenTime(0.6, 1.0)]
 

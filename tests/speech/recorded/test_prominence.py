@@ -22,7 +22,7 @@ def measure(levels: dict[int, float], pitch: dict[int, float], natural: list[flo
     ("levels", "pitch", "natural"),
     [({2: -10.0}, {}, NATURAL), ({}, {2: 170.0}, NATURAL), ({}, {}, [0.28, 0.28, 0.12, 0.28, 0.28, 0.28])],
 )
-def test_louder_higher_or_longer_word_is_prominent(
+def test_word_that_is_louder_or_higher_in_pitch_or_longer_is_prominent(
     levels: dict[int, float], pitch: dict[int, float], natural: list[float]
 ):
     prominences = measure(levels, pitch, natural)

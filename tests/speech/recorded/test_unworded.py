@@ -40,7 +40,7 @@ def test_high_first_formant_opens_the_mouth_and_a_low_one_rounds_the_lips():
     assert letters(voice_like([(0.5, 0.5, 250.0)])) == ["u"]
 
 
-def test_high_frequency_noise_is_classified_as_s():
+def test_high_frequency_noise_is_classified_as_the_sound_s():
     noise = np.diff(np.random.default_rng(1).normal(0.0, 0.2, RATE // 2), n=3)
     sound = Sound.of(RATE, np.concatenate([np.zeros(RATE // 2), 0.2 * noise, np.zeros(RATE // 2)]))
     assert set(letters(sound)) == {"s"}
@@ -168,7 +168,7 @@ def test_syllable_has_an_accent_if_it_is_louder_than_those_within_two_seconds():
     assert accents(syllables({100: 10.0, 300: 18.0}), silent=slice(300, 301)) == []
 
 
-def test_higher_syllable_has_an_accent_unless_it_is_voiceless():
+def test_syllable_of_higher_pitch_has_an_accent_unless_it_is_voiceless():
     even = syllables({100: 10.0, 200: 10.0, 300: 10.0})
     assert accents(even, {100: 100.0, 200: 100.0, 300: 100.0 * 2 ** (3.1 / 12)}) == [300]
     assert accents(even, {100: 100.0, 200: 100.0, 300: 100.0 * 2 ** (2.9 / 12)}) == []

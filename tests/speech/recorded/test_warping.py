@@ -38,7 +38,7 @@ def stretch(rendition: FrameSequence, frames: np.ndarray, pauses: dict[int, int]
 
 @pytest.mark.parametrize("factor", [0.7, 1.0, 1.6])
 @pytest.mark.parametrize("pauses", [{}, {0: 50, 2: 200}])
-def test_time_warping_finds_word_starts_at_other_rates_and_after_pauses(factor: float, pauses: dict[int, int]):
+def test_time_warping_finds_word_starts_at_other_speech_rates_and_after_pauses(factor: float, pauses: dict[int, int]):
     rendition = make_rendition()
     frames = np.minimum((np.arange(round(COUNT * factor)) / factor).astype(int), COUNT - 1)
     recording, starts = stretch(rendition, frames, pauses)
@@ -66,7 +66,7 @@ def test_silent_recording_or_rendition_gives_no_warping():
 
 
 @pytest.mark.parametrize(("last_costs", "column"), [((4.0, 3.0), 2), ((3.0, 3.0), 2), ((3.0, 4.0), 1)])
-def test_warping_path_ends_at_the_cheaper_of_the_last_two_columns(last_costs: tuple[float, float], column: int):
+def test_time_warping_path_ends_at_the_cheaper_of_the_last_two_columns(last_costs: tuple[float, float], column: int):
     total = np.array([np.inf, np.inf, 5.0, *last_costs])
     steps = [np.zeros(3, dtype=np.int8), np.array([0, 1, 2], dtype=np.int8)]
     assert _trace(steps, np.array([0, 0]), total).tolist() == [0, column]

@@ -29,7 +29,7 @@ def test_word_without_times_is_joined_to_the_word_before_it():
     assert timed.words == (TimedSpan("in 1999", 0.2, 0.4),)
 
 
-def test_spaces_and_sound_events_of_a_transcript_are_left_out():
+def test_spaces_and_names_of_sound_events_in_a_transcript_are_left_out():
     words = [
         {"text": "(laughs)", "start": 0.0, "end": 0.5, "type": "audio_event"},
         {"text": "Hi", "start": 0.6, "end": 0.8, "type": "word"},
