@@ -16,7 +16,7 @@ class Gesture:
     lexeme: str
     mode: HandMode = "unspecified"
     target: str | None = None
-    shape: str = ""  # hand shape that replaces those of the gesture
+    shape: str = ""  # hand shape that replaces the shapes of the gesture; empty: shapes of the gesture
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ class Gaze:
 
     target: str | None = None
     influence: str | None = None
-    offset_angle: float = 0.0  # [deg]; up to 1 in drafts: fraction of 50 deg
+    offset_angle: float = 0.0  # [deg] offset; in BML drafts, values up to 1 are fractions of 50 deg
     offset_direction: str | None = None
     shift: bool = False  # whether the gaze persists (gazeShift)
 
@@ -71,7 +71,7 @@ class Posture:
     """Body posture given by a stance and poses of body parts."""
 
     stance: str | None = None
-    poses: tuple[tuple[str, str], ...] = ()  # (part, lexeme)
+    poses: tuple[tuple[str, str], ...] = ()  # (body part, lexeme) of each pose
     shift: bool = False  # whether the posture persists (postureShift)
 
 
@@ -99,7 +99,7 @@ class Speech:
     """
 
     script: Script
-    pause: float | None = None  # [s] maximum pause before a word that waits for the body; None: that of the block
+    pause: float | None = None  # [s] maximum pause before a word that waits for the body; None: maximum of the block
 
 
 @dataclass(frozen=True)
@@ -114,8 +114,8 @@ class Interrupt:
     """Command to stop another block or some of its behaviours."""
 
     target: str  # id of the block
-    include: tuple[str, ...] = ()  # behaviours to stop; empty: all
-    exclude: tuple[str, ...] = ()  # behaviours that continue
+    include: tuple[str, ...] = ()  # ids of behaviours to stop; empty: all behaviours
+    exclude: tuple[str, ...] = ()  # ids of behaviours that continue
 
 
 @dataclass(frozen=True)

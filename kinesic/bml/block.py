@@ -125,8 +125,8 @@ def document_error(source: str, place: Place, problem: str, remedy: str) -> BmlE
 class DocumentBounds:
     """Maximum size of a document."""
 
-    size: int = 4_000_000  # [bytes]
-    depth: int = 64  # nested elements
+    size: int = 4_000_000  # [bytes] size of the text
+    depth: int = 64  # largest depth of nested elements
     elements: int = 20_000
     behaviours: int = 1000
 
@@ -147,13 +147,13 @@ class Composition(Enum):
 class BlockOrder:
     """Ids of blocks that a block follows, precedes, stops or starts."""
 
-    after: tuple[str, ...] = ()  # blocks that must end before this one starts
-    chunk_after: tuple[str, ...] = ()  # blocks that must retract (subside) before this one starts
-    before: tuple[str, ...] = ()  # blocks that start after this one has ended
-    chunk_before: tuple[str, ...] = ()  # blocks that start once this one retracts
+    after: tuple[str, ...] = ()  # ids of blocks that must end before this block starts
+    chunk_after: tuple[str, ...] = ()  # ids of blocks that must retract (subside) before this block starts
+    before: tuple[str, ...] = ()  # ids of blocks that start after this block has ended
+    chunk_before: tuple[str, ...] = ()  # ids of blocks that start once this block retracts
     preplanned: bool = False  # whether the block waits for its activation
-    interrupts: tuple[str, ...] = ()  # blocks to stop at the start
-    activates: tuple[str, ...] = ()  # preplanned blocks to start at the same time
+    interrupts: tuple[str, ...] = ()  # ids of blocks to stop when this block starts
+    activates: tuple[str, ...] = ()  # ids of preplanned blocks to start together with this block
 
 
 class NoticeType(Enum):
@@ -205,9 +205,9 @@ class Manner:
     repetition: float | None = None
     openness: float | None = None
     tension: float | None = None
-    intensity: float | None = None  # 0..1, of Greta's signals
+    intensity: float | None = None  # 0..1 intensity of Greta's signals
     activation: float | None = None
-    style: str | None = None  # preset to which the numbers apply
+    style: str | None = None  # name of a style, which the other parameters modify
 
 
 @dataclass(frozen=True)
@@ -221,7 +221,7 @@ class Behaviour:
     syncs: Mapping[str, SyncRef] = field(default_factory=dict)  # sync point -> point that must coincide with it
     manner: Manner = Manner()
     required: bool = False
-    agent: str | None = None  # other agent that performs it; None: this robot
+    agent: str | None = None  # other agent that performs the behaviour; None: this robot
     reason: str = ""  # reason for human readers; empty if the document gives none
 
 

@@ -102,7 +102,7 @@ def test_interrupt_command_is_scheduled_and_can_be_referenced() -> None:
     assert timed.timed[1].times["start"] == pytest.approx(3.0)
 
 
-def test_command_without_target_is_rejected() -> None:
+def test_block_command_without_a_target_is_rejected() -> None:
     with pytest.raises(BmlError, match=r"1:\d+.*no target.*target='bml1'"):
         parse_block(content='<bmla:interrupt id="i"/>')
 

@@ -76,7 +76,7 @@ def test_early_stroke_shortens_its_preparation_by_at_most_half(timed: Timing) ->
     assert at(stroke_end, "g:ready") - at(stroke_end, "g:start") == pytest.approx(preparation)
 
 
-def test_preparation_is_kept_if_others_refer_to_its_start(timed: Timing) -> None:
+def test_preparation_keeps_its_duration_if_other_behaviours_refer_to_its_start(timed: Timing) -> None:
     natural = timed(gesture("g", 'stroke="5"'))
     preparation = at(natural, "g:ready") - at(natural, "g:start")
     early = gesture("g", f'stroke="{5.0 - at(natural, "g:start") - 0.25 * preparation}"')

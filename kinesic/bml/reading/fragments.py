@@ -22,7 +22,7 @@ _JOINT_INFLUENCES = {
     "CHEST": "SHOULDER",
     "NECK": "NECK",
     "EYES": "EYES",
-}  # joint of a gaze -> influence, widest first
+}  # joint named in a SmartBody gaze -> lowest turning body part in BML, lowest first
 _GESTURE_CATEGORIES = frozenset({"BEAT", "DEICTIC", "METAPHORIC", "ICONIC", "EMBLEM", "ADAPTOR"})
 
 _POSTURE_SUFFIX_PATTERN = re.compile(r"_(Motex|Idle\d*)$", re.IGNORECASE)  # suffix of posture animations

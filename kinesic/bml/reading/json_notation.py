@@ -23,7 +23,7 @@ _NAME_PATTERN = re.compile(r"[A-Za-z_][\w.-]*(?::[A-Za-z_][\w.-]*)?")
 _INVALID_CHARACTER_PATTERN = re.compile(
     r"[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 )  # characters invalid in XML
-_EMPTY_SCOPE: Mapping[str, str] = MappingProxyType({"": ""})  # XML namespaces of JSON documents
+_EMPTY_SCOPE: Mapping[str, str] = MappingProxyType({"": ""})  # prefix -> namespace: none in JSON documents
 _VALUES_PER_ELEMENT = 10  # maximum number of JSON values per allowed element
 _CONSTRAINT_TYPES = ("synchronize", "before", "after")
 _BEHAVIOUR_KEYS = ("behaviours", "behaviors", "data")

@@ -17,7 +17,7 @@ FRONT_TARGET = "audience"  # name of the target in front of the robot
 _GAZE_DIRECTIONS = frozenset({"UP", "DOWN", "LEFT", "RIGHT", "UPRIGHT", "UPLEFT", "DOWNRIGHT", "DOWNLEFT", "FRONT"})
 _HAND_NAMES = {"DOMINANT": "RIGHT", "NON_DOMINANT": "LEFT"}
 _TRUE_VALUES = ("true", "1")  # texts that mean true
-_MAX_COUNT_DIGITS = 4  # most digits of a converted `repetition`; longer ones pass unchanged
+_MAX_COUNT_DIGITS = 4  # largest number of digits of a converted `repetition`; longer numbers pass unchanged
 
 
 def rewrite_json_behaviour(element: Element) -> Element:

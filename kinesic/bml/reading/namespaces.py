@@ -11,13 +11,13 @@ DRAFT_NAMESPACES = ("http://www.mindmakers.org/projects/BML", "org.mindmakers.bm
 GRETA_NAMESPACES = frozenset({"vibnamespace", "gretanamespace"})  # Greta's namespaces, case-insensitive
 KINESIC_NAMESPACE = "urn:kinesic"  # namespace of kinesic's attributes, such as kinesic:power
 ASAP_NAMESPACE = "http://www.asap-project.org/bmla"
-ELCKERLYC_NAMESPACE = "http://hmi.ewi.utwente.nl/bmlt"  # predecessor of ASAP
+ELCKERLYC_NAMESPACE = "http://hmi.ewi.utwente.nl/bmlt"  # namespace of Elckerlyc, the predecessor of ASAP
 
 CORE_NAMESPACES = frozenset({"", BML_1_0, CORE_EXTENSIONS, *DRAFT_NAMESPACES})
 CORE_PREFIXES = frozenset({"bml", "ext", "greta"})  # prefixes of supported elements, accepted without a declaration
 KINESIC_PREFIX = "kinesic"  # prefix of kinesic's attributes, accepted without a declaration
-COMPOSITION_NAMESPACES = frozenset({ASAP_NAMESPACE, ELCKERLYC_NAMESPACE})  # of block commands and attributes
-COMPOSITION_PREFIXES = frozenset({"bmla", "bmlt"})  # of block commands and attributes, accepted undeclared
+COMPOSITION_NAMESPACES = frozenset({ASAP_NAMESPACE, ELCKERLYC_NAMESPACE})  # namespaces of block composition
+COMPOSITION_PREFIXES = frozenset({"bmla", "bmlt"})  # prefixes of block composition, accepted without a declaration
 COMPOSITION_ATTRIBUTES = frozenset(  # attributes for block composition, in lower case
     {"appendafter", "chunkafter", "prependbefore", "chunkbefore", "preplan", "interrupt", "onstart"}
     | {"allowexternalrefs"}  # has no effect: external references are always allowed
@@ -55,7 +55,7 @@ def select_core_attributes(element: Element, *, home: str | None) -> dict[str, s
 
 
 def select_kinesic_attributes(element: Element) -> dict[str, str]:
-    """Return the attributes of the kinesic namespace by prefixed name."""
+    """Return the attributes of the kinesic namespace, by name with prefix."""
     attributes = {}
     for name, value in element.attributes.items():
         prefix = name.rpartition(":")[0]

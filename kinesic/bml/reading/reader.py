@@ -13,7 +13,7 @@ MAX_NUMBER = 1e4  # largest absolute value of a number, except in sync reference
 
 @dataclass(frozen=True)
 class DocumentReading:
-    """Document that is being read, with the notices collected until now."""
+    """Document that is being read, with the notices collected so far."""
 
     source: str
     block: str
@@ -40,7 +40,7 @@ class BehaviourElement:
     attributes: Mapping[str, str]
 
     def attribute(self, *names: str, default: str = "") -> str:
-        """Return the stripped value of the first present attribute, or the default."""
+        """Return the stripped value of the first attribute found, or the default."""
         values = (self.attributes[name].strip() for name in names if name in self.attributes)
         return next(values, default)
 

@@ -35,7 +35,7 @@ _BARE_NUMBER_PATTERN = re.compile(rf"[+-]?{_NUMBER_PATTERN}")
 _SIGN_PATTERN = re.compile(r"[+-]")
 _OFFSET_PATTERN = re.compile(rf"([+-])\s*({_NUMBER_PATTERN})")
 _RELATION_PATTERN = re.compile(r"(after|before)\s*\((.*)\)", re.DOTALL)
-_ARRIVAL_SYNCS = ("ready", "attackPeak")  # mean `end` if a behaviour lacks them, such as a shift
+_ARRIVAL_SYNCS = ("ready", "attackPeak")  # sync points that mean `end` in behaviours without them, such as shifts
 
 
 @dataclass(frozen=True)

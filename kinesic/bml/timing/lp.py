@@ -28,16 +28,16 @@ class _CostWeights:
     They were chosen so that holds change first and strokes last.
     """
 
-    stroke_lengthening: float = 40.0  # [1/s] of a stroke that is longer than natural
-    hold_shortening: float = 2.0  # [1/s] of a hold that is shorter than natural
-    repetition_shortening: float = 2.5  # [1/s] of a repeated stroke that is shorter than natural
-    phase_shortening: float = 3.0  # [1/s] of any other phase but a stroke
-    stroke_shortening: float = 20.0  # [1/s] of a stroke that is shorter than natural
+    stroke_lengthening: float = 40.0  # [1/s] cost of a stroke that is longer than natural
+    hold_shortening: float = 2.0  # [1/s] cost of a hold that is shorter than natural
+    repetition_shortening: float = 2.5  # [1/s] cost of a repeated stroke that is shorter than natural
+    phase_shortening: float = 3.0  # [1/s] cost of any other shortened phase that is no stroke
+    stroke_shortening: float = 20.0  # [1/s] cost of an unrepeated stroke that is shorter than natural
     behaviour_scaling: float = 10.0  # [1/s] per natural second; spreads shortening evenly over one behaviour
     overall_scaling: float = 5.0  # [1/s] per natural second; spreads shortening evenly over all behaviours
-    block_end: float = 0.3  # [1/s] of a later block end, or one before 0
-    late_start: float = 1e-4  # [1/s] of a later behaviour start; prefers early starts
-    negative_start: float = 0.6  # [1/s] of a start before 0 while the end of the block is free
+    block_end: float = 0.3  # [1/s] cost of a later block end, or of a block end before 0
+    late_start: float = 1e-4  # [1/s] cost of a later behaviour start, so that early starts are preferred
+    negative_start: float = 0.6  # [1/s] cost of a start before 0 while the end of the block is free
 
 
 _COST_WEIGHTS = _CostWeights()  # cost weights of every linear program

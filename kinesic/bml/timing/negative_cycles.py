@@ -18,7 +18,7 @@ class Edge:
     tail: Point
     head: Point
     gap: float  # [s]
-    owner: str | None = None  # behaviour that requests it; None: a constraint
+    owner: str | None = None  # id of the behaviour that requests the edge; None: a constraint of the block
 
 
 def find_contradictions(edges: Sequence[Edge]) -> list[list[Edge]]:

@@ -149,7 +149,7 @@ class Unresolved:
     culprit: str | Synchronize | Precedence  # id of the behaviour, or the constraint
     kind: NoticeType
     reason: str
-    sync: str = ""  # sync attribute with the reference
+    sync: str = ""  # name of the sync attribute with the reference; empty: no attribute
 
 
 class ReferenceResolver:

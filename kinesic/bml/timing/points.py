@@ -31,7 +31,7 @@ _DRAFT_FACE_SYNCS = (
     GESTURE_SYNCS[0],
     "attackPeak",
     *GESTURE_SYNCS[1:],
-)  # face sync points of the BML draft, with attackPeak of BML 1.0
+)  # sync points of faces in the BML draft, with attackPeak from BML 1.0
 _NATURAL_DURATIONS: Mapping[type, Mapping[str, float]] = {  # [s] of each phase, by the sync point at its end
     Gaze: {"ready": 0.4, "relax": 1.0, "end": 0.4},
     Face: {"attackPeak": 0.3, "relax": 0.8, "end": 0.4},

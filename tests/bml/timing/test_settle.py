@@ -49,7 +49,7 @@ def test_zero_duration_gives_all_sync_points_the_same_time() -> None:
     assert fit_behaviour(GAZE_SYNCS, {}, {"start": 0.0, "end": 2.0}) == [0.0, 0.0, 2.0, 2.0]
 
 
-def test_too_short_duration_shortens_repeated_strokes_before_the_first_stroke() -> None:
+def test_too_short_duration_shortens_the_first_stroke_only_after_all_repetitions() -> None:
     names = ("start", "stroke", "stroke:2", "stroke:3", "strokeEnd", "relax", "end")
     spans = {"stroke": 0.4, "stroke:2": 0.5, "stroke:3": 0.5, "strokeEnd": 0.2, "relax": 0.3, "end": 0.4}
 
