@@ -11,7 +11,7 @@ from kinesic.body.robot import SIDES, Side
 from kinesic.capture.reading.text import CaptureError
 from kinesic.capture.skeleton_motion import CapturedJoint
 
-MIN_BONE_LENGTH = 1e-3  # bone length / longest bone up to which a bone counts as zero
+MIN_BONE_LENGTH = 1e-3  # bone length / longest bone length, up to which a bone counts as having no length
 MAX_SIDE_DIFFERENCE = 0.03  # largest relative difference of left and right bone lengths
 BONE_RATIOS = (0.7, 1.4)  # accepted range of upper-arm length / forearm length
 ARM_JOINTS = 3  # number of joints of an arm: shoulder, elbow and wrist
@@ -28,7 +28,7 @@ class BodyJoints:
     neck: str  # upper end of the spine
     head: str
     arms: Mapping[Side, tuple[str, str, str]]  # shoulder, elbow and wrist
-    guess: str = ""  # sentence about joints recognised by geometry
+    guess: str = ""  # sentence about joints recognised by bone lengths; empty: all recognised by name
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ from kinesic.planning.setup import Setup
 MAX_DETOURS = 3  # largest number of self-collision avoidance rounds for one cost, with increasing clearance
 HINGE_COSTS = (0.1, 10.0)  # [arm lengths/rad] costs of hinge rotation, tried in turn: 0.1 keeps the wrist's path
 DETOUR_MARGIN = 0.002  # [m] added to the required clearance of the next round, besides the missing one
-MIN_PATH = 0.1  # [arm lengths] wrist path extent up to which a hand counts as still
+MIN_PATH = 0.1  # [arm lengths] extent of the wrist's path up to which a hand counts as still
 
 
 @dataclass(frozen=True)

@@ -25,7 +25,7 @@ class BodyClip:
     times: Floats  # (m,) [s] from 0
     arms: Mapping[Side, ArmPath]
     head: Floats  # (m, 3) [rad] rotation vector of the head in the chest frame, zero when upright
-    syncs: Mapping[str, float] = field(default_factory=dict)  # [s] BML sync points in the file
+    syncs: Mapping[str, float] = field(default_factory=dict)  # BML sync point in the file -> time [s]
     guesses: tuple[str, ...] = ()  # properties that the file does not state, as sentences
 
 

@@ -28,8 +28,8 @@ RATIO_WINDOW = 0.2  # [s] window of the maximum filter on required time ratios
 RATIO_SMOOTHING = 0.05  # [s] standard deviation of the Gaussian filter on the stretch
 STRETCH_AMOUNTS = (0.5, 1.0, 2.0, 4.0)  # amounts of stretch tried, as multiples of the missing time
 BISECTION_STEPS = 3  # number of bisection steps that reduce the stretch amount
-MAX_FIRST_RATIO = 0.95  # wrist distance with / without the smallest stretch above which none is applied
-MAX_LAST_RATIO = 0.7  # wrist distance with / without the largest stretch above which none is applied
+MAX_FIRST_RATIO = 0.95  # wrist distance with / without the smallest stretch, above which time is not stretched
+MAX_LAST_RATIO = 0.7  # wrist distance with / without the largest stretch, above which time is not stretched
 REST_TOLERANCE = 2e-3  # [rad] largest hinge deviation from rest at which a clip begins or ends at rest
 
 
@@ -166,7 +166,7 @@ class _Request:
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """Nearest motion at one time stretch, within all limits but the torques of its own loads."""
+    """Nearest motion at one time stretch, within the setup's limits."""
 
     request: _Request
     nearest: NearestMotion

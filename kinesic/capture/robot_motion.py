@@ -22,7 +22,7 @@ class RobotMotion:
     angles: Floats  # (m, n) [rad] within the joint ranges
     arms: Mapping[Side, ArmPath]  # elbow and wrist paths of the source, at the same times
     syncs: Mapping[str, float]  # [s] BML sync points
-    notes: tuple[str, ...] = ()  # guesses about the source, bridged leaps and unknown joints
+    notes: tuple[str, ...] = ()  # sentences about guesses on the source, bridged leaps and unknown joints
 
     @property
     def duration(self) -> float:

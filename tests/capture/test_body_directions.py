@@ -65,7 +65,7 @@ def test_joints_with_unknown_names_are_identified_by_bone_lengths():
         assert clip.arms[side].wrist == pytest.approx(expected.arms[side].wrist, abs=1e-6)
 
 
-def test_arms_without_sides_in_their_names_are_rejected():
+def test_arms_whose_joint_names_state_no_side_are_rejected():
     names = {"Left": "first", "Right": "second", "Arm": "X"}
 
     def rename(name):
@@ -77,7 +77,7 @@ def test_arms_without_sides_in_their_names_are_rejected():
         read(bvh(rename=rename))
 
 
-def test_body_with_side_names_on_the_left_only_is_rejected():
+def test_body_whose_joint_names_state_only_the_left_side_is_rejected():
     data = bvh(rename=lambda name: OTHER_NAMES.get(name, name.replace("Arm", "X").replace("Right", "Q")))
     with pytest.raises(CaptureError, match="left from right"):
         read(data)

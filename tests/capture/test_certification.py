@@ -67,7 +67,7 @@ def test_captured_reach_is_certified_from_rest_to_rest(known):
     assert result.distance.correlation > 0.99
 
 
-def test_clip_with_equal_ends_keeps_over_80_percent_of_its_motion_range(known):
+def test_clip_that_begins_and_ends_in_one_posture_keeps_over_80_percent_of_its_motion_range(known):
     result = certify_clip(clip_of(reach(60)), known, "a.bvh")
     extent = np.ptp(result.nearest.angles, axis=0).max()
     assert extent > 0.8 * np.ptp(result.desired.angles, axis=0).max()
@@ -149,7 +149,7 @@ def test_motion_that_overloads_a_drive_by_coupled_loads_is_slowed(known):
     assert peak < np.abs(light.trajectory.sample(np.arange(0, 3, 0.01))[2]).max()
 
 
-def test_approach_and_return_are_added_unless_the_clip_is_at_rest(known):
+def test_approach_is_added_unless_the_clip_begins_at_rest_and_a_return_unless_it_ends_at_rest(known):
     rest = known.robot.skeleton.rest
     angles = np.tile(rest, (50, 1))
     assert (Course.of(angles, known).first, Course.of(angles, known).last) == (0, 49)

@@ -78,7 +78,7 @@ def test_jump_of_a_joint_angle_is_replaced_by_a_continuous_transition():
     assert bridge_leaps(bridged)[1] == 0
 
 
-def test_joint_columns_are_matched_by_name_and_unknown_ones_are_noted(robot, known):
+def test_joint_columns_are_matched_by_name_and_unknown_columns_are_noted(robot, known):
     name = robot.skeleton.names[3]
     wave = 0.1 * np.sin(2 * TIMES)
     clip = JointClip(sealed(TIMES), (name, "tail"), sealed(np.stack([wave, wave], axis=1)))
@@ -90,7 +90,7 @@ def test_joint_columns_are_matched_by_name_and_unknown_ones_are_noted(robot, kno
         retarget(JointClip(sealed(TIMES), ("tail",), sealed(wave[:, None])), known, "a.csv")
 
 
-def test_angles_beyond_the_range_are_kept_as_requested_and_clipped_as_desired(robot, known):
+def test_requested_angles_may_exceed_the_joint_range_but_desired_angles_are_clipped_to_it(robot, known):
     upper = robot.skeleton.upper[0]
     clip = JointClip(sealed(TIMES), robot.skeleton.names[:1], sealed(np.full((len(TIMES), 1), upper + 0.5)))
     motion = retarget(clip, known, "a.csv")

@@ -18,22 +18,22 @@ from kinesic.capture.reading.text import (
 )
 from kinesic.capture.skeleton_motion import ROTATION_CHANNEL, CapturedJoint, CapturedMotion
 
-FRAME_RATE = 120.0  # [Hz] assumed, as .amc files do not state it
+FRAME_RATE = 120.0  # [Hz] assumed frame rate, as .amc files do not state one
 ROOT = "root"  # name of the first joint in both files
 NO_TURN = sealed(np.zeros(3))  # (3,) [rad] rotation of a joint in the zero pose, or zero offset
 ROTATION_AXES: Mapping[str, str] = {"rx": "x", "ry": "y", "rz": "z"}  # rotation axis by degree of freedom
 TRANSLATIONS: Mapping[str, str] = {"tx": "XPos", "ty": "YPos", "tz": "ZPos"}  # channel by degree of freedom
 LENGTH_FREEDOM = "l"  # degree of freedom that stretches a bone; ignored
-BONE_NUMBERS: Mapping[str, int] = {"direction": 3, "length": 1, "axis": 3}  # numbers by keyword of a bone
+BONE_NUMBERS: Mapping[str, int] = {"direction": 3, "length": 1, "axis": 3}  # count of numbers after a bone's keyword
 
 
 @dataclass
 class _Bone:
-    """One bone of a skeleton: its axes, its far end and its degrees of freedom."""
+    """Bone of a skeleton: axes, far end and degrees of freedom."""
 
     direction: Floats = field(default_factory=lambda: NO_TURN)
     length: float = 0.0
-    axes: Floats = field(default_factory=lambda: NO_TURN)  # (3,) angles of the bone's axes about x, y and z
+    axes: Floats = field(default_factory=lambda: NO_TURN)  # (3,) rotation angles of the bone's axes about x, y and z
     order: str = "xyz"  # order of the axes' rotations, the first applied first
     freedoms: tuple[str, ...] = ()
 
@@ -46,7 +46,7 @@ class _Bone:
 
 @dataclass(frozen=True, eq=False)
 class AcclaimSkeleton:
-    """Joints of an Acclaim skeleton, with the axes and freedoms of their bones."""
+    """Acclaim skeleton: joints, with axes and degrees of freedom of the bones."""
 
     joints: tuple[CapturedJoint, ...]
     axes: Mapping[str, Rotation]  # from the bone's axes to those of the skeleton
@@ -116,7 +116,7 @@ def _set_root(root: _Bone, words: Sequence[str], place: str) -> None:
 
 
 def _set_bone(bone: _Bone, words: Sequence[str], place: str) -> None:
-    """Set a bone's property from a line; limits, masses and ids are ignored."""
+    """Set a bone's property from a line, ignoring limits, masses and ids."""
     match words[0].lower():
         case "direction":
             bone.direction = _parse(words[1:], 3, place)

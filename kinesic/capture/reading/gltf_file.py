@@ -17,9 +17,10 @@ HEADER_SIZE = 12  # [bytes] length of the header of a .glb file
 JSON_CHUNK = 0x4E4F534A  # type of the chunk with the JSON text
 BINARY_CHUNK = 0x004E4942  # type of the chunk with the first buffer
 DATA_SCHEME = "data:"  # beginning of an embedded buffer
-COMPONENT_TYPES: Mapping[int, str] = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5126: "<f4"}  # NumPy type
+# NumPy type by glTF component type.
+COMPONENT_TYPES: Mapping[int, str] = {5120: "i1", 5121: "u1", 5122: "<i2", 5123: "<u2", 5126: "<f4"}
 FLOAT_COMPONENT = 5126  # component type of floats; others are normalised integers
-COMPONENT_COUNTS: Mapping[str, int] = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}  # numbers of an element
+COMPONENT_COUNTS: Mapping[str, int] = {"SCALAR": 1, "VEC3": 3, "VEC4": 4}  # type -> numbers in an array element
 MAX_BUFFERS = 4  # largest number of buffers of a file
 MAX_ELEMENTS = 3 * MAX_FRAMES  # largest number of elements of an array: a cubic spline has three of each key
 
@@ -62,7 +63,7 @@ class Node(msgspec.Struct):
     translation: tuple[float, float, float] = (0.0, 0.0, 0.0)
     rotation: tuple[float, float, float, float] = (0.0, 0.0, 0.0, 1.0)
     scale: tuple[float, float, float] = (1.0, 1.0, 1.0)
-    matrix: list[float] | None = None  # (16,) by columns
+    matrix: list[float] | None = None  # (16,) transformation matrix, column by column
 
 
 class _Sampler(msgspec.Struct):

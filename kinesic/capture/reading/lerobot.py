@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 DESCRIPTION = ("meta", "info.json")  # folder and name of a dataset's description, below the dataset
 FOLDERS_BELOW = 3  # number of levels from the dataset down to its data files
 POSITION_FEATURES = ("action", "observation.state")  # columns with joint positions, the preferred first
-POSITION_SUFFIX = ".pos"  # end of the names of joint positions
+POSITION_SUFFIX = ".pos"  # suffix of the names of joint positions
 MAX_VALUES = 2_000_000  # largest number of frames x joints
 MEMORY_LIMIT = "400MB"  # largest memory of a query
 MAX_RADIANS = 2.0 * np.pi  # [rad] any larger value makes all positions count as degrees
@@ -38,7 +38,7 @@ class _Feature(msgspec.Struct):
 
 
 class _Dataset(msgspec.Struct):
-    """Description of a dataset."""
+    """Content of a dataset's description file."""
 
     features: dict[str, _Feature]
 

@@ -16,7 +16,7 @@ UP_AXIS = sealed([0.0, 0.0, 1.0])  # axis of the body's yaw
 class _Target(msgspec.Struct):
     """One setpoint of a recorded move."""
 
-    head: list[list[float] | float] | None = None  # 4 x 4 pose in the world, or its 16 numbers [m]
+    head: list[list[float] | float] | None = None  # 4 x 4 pose matrix in the world frame [m], or its 16 numbers by rows
     body_yaw: float | None = None  # [rad]
 
 

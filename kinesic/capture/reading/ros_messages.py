@@ -22,7 +22,7 @@ from kinesic.capture.reading.text import (
 JOINT_STATE = "sensor_msgs/msg/JointState"  # message type with the positions at one time
 JOINT_TRAJECTORY = "trajectory_msgs/msg/JointTrajectory"  # message type with the positions at many times
 CDR_HEADERS = {b"\x00\x00": ">", b"\x00\x01": "<"}  # byte order by the first bytes of a message
-CDR_BODY = 4  # [bytes] position from which alignment counts
+CDR_BODY = 4  # [bytes] offset of the first field, from which alignment is counted
 DOUBLE_SIZE = 8  # [bytes] size of a number, and its alignment
 
 

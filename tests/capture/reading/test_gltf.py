@@ -97,7 +97,7 @@ def test_gltf_rotations_in_normalised_integers_are_read():
     assert left_wrists(moving_person(reach(10), dtype="<i2")) == pytest.approx(expected, abs=2e-4)
 
 
-def test_gltf_buffer_in_the_folder_of_its_file_is_read_and_one_outside_is_refused(tmp_path):
+def test_gltf_buffer_in_the_folder_of_its_file_is_read_and_a_buffer_outside_is_refused(tmp_path):
     file, folder = moving_person(reach(5)), tmp_path / "inside"
     folder.mkdir()
     (folder / "the data.bin").write_bytes(file.data)

@@ -51,7 +51,7 @@ def test_lerobot_dataset_without_description_or_joints_is_refused(tmp_path):
         read_clip(path)
 
 
-def test_damaged_or_missing_parquet_is_refused_by_name(tmp_path):
+def test_damaged_or_missing_parquet_file_is_refused_with_its_name(tmp_path):
     path = write_dataset(tmp_path)
     path.write_bytes(b"PAR1" + path.read_bytes()[9:])
     with pytest.raises(CaptureError, match=r"file-000.parquet: "):
@@ -80,7 +80,7 @@ def test_lerobot_rows_without_positions_are_refused(tmp_path, query, message):
         read_clip(path)
 
 
-def test_missing_duckdb_is_reported_with_its_extra(tmp_path, monkeypatch):
+def test_missing_duckdb_is_reported_with_the_extra_that_installs_it(tmp_path, monkeypatch):
     path = write_dataset(tmp_path)
     monkeypatch.setitem(sys.modules, "duckdb", None)
     with pytest.raises(CaptureError, match=r"\.parquet needs DuckDB: .*kinesic\[store\]"):

@@ -130,7 +130,7 @@ def test_mcap_chunk_that_unpacks_to_another_size_is_refused(compression):
 @pytest.mark.parametrize(
     ("compression", "package"), [(CompressionType.LZ4, "lz4"), (CompressionType.ZSTD, "zstandard")]
 )
-def test_missing_decompressor_is_reported_with_its_extra(monkeypatch, compression, package):
+def test_missing_decompressor_is_reported_with_the_extra_that_installs_it(monkeypatch, compression, package):
     monkeypatch.setitem(sys.modules, package, None)
     monkeypatch.setitem(sys.modules, f"{package}.frame", None)
     with pytest.raises(CaptureError, match=rf"chunks need {package}: .*kinesic\[bags\]"):
