@@ -69,7 +69,7 @@ def test_missing_opengl_libraries_are_named_in_the_error(monkeypatch: pytest.Mon
     assert reason.endswith(INSTALL_DRIVER)
 
 
-def test_next_graphics_device_is_tried_if_one_fails(monkeypatch: pytest.MonkeyPatch):
+def test_second_graphics_device_draws_if_the_first_one_fails(monkeypatch: pytest.MonkeyPatch):
     """A machine may have an inaccessible graphics card before an accessible one."""
     draws()
     real = egl._QueryDevices
@@ -112,6 +112,6 @@ def test_face_rendering_imports_no_compiled_packages_except_the_core_dependencie
 
 
 @pytest.mark.parametrize(("module", "name"), [("scipy", "scipy"), ("PIL", "Pillow")])
-def test_missing_package_is_a_display_problem(module, name, monkeypatch):
+def test_missing_package_is_the_reported_reason_why_no_face_can_be_drawn(module, name, monkeypatch):
     monkeypatch.setitem(sys.modules, module, None)
     assert find_display_problem() == f"{name} is not installed: {install_extra('face')}"

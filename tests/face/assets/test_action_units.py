@@ -9,7 +9,7 @@ from kinesic.face.assets.lips import find_lips
 from kinesic.face.assets.mesh import FACE_VARIANTS, MESH_PARTS, Mesh, load_head
 from kinesic.face.display import DisplayError
 
-MOUTH_WINDOW = (-0.03, 0.03, -0.115, -0.045)  # [m] right, left, low, high
+MOUTH_WINDOW = (-0.03, 0.03, -0.115, -0.045)  # [m] right, left, lower and upper border of the region around the mouth
 EYE_WINDOW = (-0.05, 0.05, -0.012, 0.012)
 
 
@@ -60,7 +60,7 @@ def test_face_without_action_units_differs_from_the_mesh_only_at_the_lips(mesh: 
     assert np.abs(rest - mesh.positions).max() < 0.0005
 
 
-def test_each_action_unit_leaves_the_back_of_the_head_still_and_moves_mainly_its_own_side(mesh: Mesh):
+def test_each_action_unit_keeps_the_back_of_the_head_still_and_moves_mainly_one_side(mesh: Mesh):
     back = mesh.positions[:, 0] < -0.08
     for channel in FACE_CHANNELS:
         change = np.linalg.norm(deform(mesh, {channel: 1.0}) - mesh.positions, axis=1)

@@ -8,14 +8,19 @@ import pytest
 from kinesic.face.assets import bake
 from kinesic.face.assets.mesh import FACE_VARIANTS, load_head
 
-SQUARE_CORNERS = ((-0.1, -0.1), (0.1, -0.1), (0.1, 0.1), (-0.1, 0.1))  # [dm] across and up
+SQUARE_CORNERS = (
+    (-0.1, -0.1),
+    (0.1, -0.1),
+    (0.1, 0.1),
+    (-0.1, 0.1),
+)  # [dm] across and up, per corner
 TONGUE_SHIFT = np.array(bake.GROUP_SHIFTS["helper-tongue"]) * 0.1
 MALE_HEIGHT = 0.5  # [dm] extra height of the male figure
 
 
 @pytest.fixture
 def wheel(tmp_path: Path) -> Path:
-    """Wheel with a figure of one square per part.
+    """Python wheel whose figure has one square mesh face per part.
 
     Each eye is a cube.
     """

@@ -56,7 +56,7 @@ def test_teeth_are_not_split_at_the_chart_seam():
     assert np.all(mesh.parts[sources[len(mesh.positions) :]] == MESH_PARTS.index("skin"))
 
 
-def test_painted_faces_do_not_cross_the_chart_seam():
+def test_mesh_faces_with_painted_skin_do_not_cross_the_seam_of_the_texture_chart():
     mesh = load_head()
     place = compute_vertex_chart(mesh)
     corners = place[mesh.faces]
@@ -70,7 +70,7 @@ def test_texture_chart_of_eye_vertices_contains_unit_directions():
     np.testing.assert_allclose(np.linalg.norm(eyes[:, :3], axis=1), 1.0)
 
 
-def test_chart_window_maps_to_the_unit_square():
+def test_painted_range_of_the_texture_chart_maps_to_the_unit_square():
     scale_a, scale_y, offset_a, offset_y = compute_chart_window()
     np.testing.assert_allclose(np.array(WINDOW_LEFT_RIGHT) * scale_a + offset_a, (0, 1), atol=1e-12)
     np.testing.assert_allclose(np.array(WINDOW_LOW_HIGH) * scale_y + offset_y, (0, 1), atol=1e-12)

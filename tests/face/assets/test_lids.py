@@ -43,7 +43,9 @@ def test_eyelid_edges_run_from_corner_to_corner_of_the_eye(mesh: Mesh, eyes: lis
 
 
 @pytest.mark.parametrize("also", [{}, {"5": 1.0}, {"7": 0.8, "6": 1.0}, {"64": 1.0}, {"63": 1.0, "1": 1.0}])
-def test_closed_lids_meet_with_other_lid_brow_and_gaze_units(mesh: Mesh, eyes: list[Lids], also: dict[str, float]):
+def test_closed_lids_meet_also_while_other_lid_or_brow_or_gaze_units_are_active(
+    mesh: Mesh, eyes: list[Lids], also: dict[str, float]
+):
     for eye in eyes:
         assert np.degrees(np.abs(gap(eye, deform(mesh, {"43": 1.0, **also})))).max() < 1.5
 

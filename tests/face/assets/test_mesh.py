@@ -53,7 +53,7 @@ def test_left_half_of_the_head_mesh_mirrors_the_right_half(mesh: Mesh):
     assert nearest.max() < 1e-3
 
 
-def test_faces_are_consistently_oriented_with_outward_normals(mesh: Mesh):
+def test_mesh_faces_are_consistently_oriented_with_outward_normals(mesh: Mesh):
     edges = np.stack([mesh.faces, np.roll(mesh.faces, -1, axis=1)], axis=2).reshape(-1, 2)
     assert len(np.unique(edges, axis=0)) == len(edges)
     normals = mesh.normals(mesh.positions)
@@ -63,7 +63,7 @@ def test_faces_are_consistently_oriented_with_outward_normals(mesh: Mesh):
     assert np.all((normals[eyes] * spokes).sum(axis=1) > 0.0)
 
 
-def test_head_mesh_parts_have_no_common_faces_and_only_lashes_have_nonzero_tip_values(mesh: Mesh):
+def test_each_face_of_the_head_mesh_belongs_to_one_part_and_only_lashes_have_tip_values(mesh: Mesh):
     assert np.all(mesh.parts[mesh.faces] == mesh.parts[mesh.faces[:, :1]])
     lashes = mesh.parts == MESH_PARTS.index("lashes")
     assert np.all(mesh.tips[~lashes] == 0.0)

@@ -120,7 +120,7 @@ def test_smiling_lips_curve_towards_the_corners(variant: Variant):
     assert halfway - middle < 0.35 * (corner - middle)
 
 
-def test_forehead_furrows_of_both_brow_units_join_without_waves():
+def test_forehead_furrows_of_the_inner_and_outer_brow_raiser_join_at_equal_height():
     """Rows at different heights looked moulded."""
     inner, outer = (next(item for item in load_wrinkles() if item.unit == unit).curves for unit in (1, 2))
     for one, other in zip(inner, outer, strict=False):

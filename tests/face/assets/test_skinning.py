@@ -46,7 +46,7 @@ WIDE_POSTURE = posture(
 
 
 @pytest.mark.parametrize("skin", [LINEAR_SKIN, DUAL_SKIN], ids=["linear", "dual"])
-def test_stiff_skin_vertices_in_the_bind_pose_equal_the_mesh_up_to_a_shift(skin: Skin):
+def test_skin_vertices_that_move_with_one_segment_have_their_mesh_shape_in_the_bind_pose(skin: Skin):
     moved = (skin.move_skin(BIND_POSITIONS, BIND_ANGLES) - BIND_POSITIONS)[STIFF_VERTICES]
     np.testing.assert_allclose(moved, np.broadcast_to(moved[0], moved.shape), atol=0.001)
 
@@ -60,7 +60,7 @@ def test_vertices_of_one_skinning_frame_move_equally_with_both_skinning_methods(
 
 
 @pytest.mark.parametrize("skin", [LINEAR_SKIN, DUAL_SKIN], ids=["linear", "dual"])
-def test_skinned_hand_moves_rigidly_with_the_wrist_segment(skin: Skin):
+def test_skin_of_the_hand_moves_rigidly_with_the_wrist_segment(skin: Skin):
     hand = np.flatnonzero(DRESSED_FIGURE.weights[:, [FRAME_INDICES["l_wrist"]]].toarray().ravel() == 1.0)
     frames, wrist = HUMAN_SKELETON.frames(WIDE_POSTURE), HUMAN_SKELETON.segment("l_wrist")
     there = (skin.move_skin(BIND_POSITIONS, WIDE_POSTURE)[hand] - frames.origins[wrist]) @ frames.rotations[wrist]
@@ -79,7 +79,7 @@ def test_halfway_skinning_frames_rotate_by_half_the_angle_without_twist():
     np.testing.assert_allclose(turns[half] @ bent[half].T, without[none] @ bent[none].T, atol=1e-9)
 
 
-def test_half_way_skinning_frame_does_not_flip_above_the_head():
+def test_skinning_frame_of_the_shoulder_does_not_flip_while_the_arm_is_raised_above_the_head():
     raised = [posture(l_shoulder_flexion=flexion, l_shoulder_abduct=-40) for flexion in (160, 165, 170)]
     halves = [LINEAR_SKIN.compute_frame_motions(angles)[0][FRAME_INDICES["l_shoulder_half"]] for angles in raised]
     for one, other in pairwise(halves):

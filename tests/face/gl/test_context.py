@@ -19,7 +19,7 @@ void main() { seen = share; gl_Position = vec4(turn * corner, 0.5, 1.0); }"""
 FRAGMENT_SHADER = """#version 330 core
 uniform vec3 tints[2]; uniform sampler2D picture; in float seen; out vec4 found;
 void main() { found = vec4(tints[1] * seen, texelFetch(picture, ivec2(0), 0).g); }"""
-FULL_TRIANGLE = np.array([[-1, -1, 0.5], [3, -1, 0.5], [-1, 3, 0.5]])  # over the whole frame
+FULL_TRIANGLE = np.array([[-1, -1, 0.5], [3, -1, 0.5], [-1, 3, 0.5]])  # corners; covers the whole frame
 
 
 @pytest.fixture(scope="module")

@@ -13,7 +13,7 @@ from kinesic.face.render.camera import Camera
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import DRAFT_PRESET, NORMAL_PRESET
 
-SIDE = 300  # [pixels]
+SIDE = 300  # [pixels] side of the pictures
 LEFT_EYE = Camera(field_deg=3.0, pivot=(0.0, 0.03, 0.0))
 LEFT_CHEEK = Camera(field_deg=3.0, pivot=(0.0, 0.03, -0.03))
 MOUTH = Camera(field_deg=4.0, pivot=(0.012, 0.0, -0.07))

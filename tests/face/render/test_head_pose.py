@@ -26,7 +26,7 @@ def test_drawn_head_is_upright_at_rest(robot: Robot):
     np.testing.assert_allclose(compute_head_turns(robot, robot.skeleton.rest), 0.0, atol=1e-9)
 
 
-def test_head_yaw_is_drawn_like_the_opposite_camera_yaw():
+def test_head_turned_to_one_side_is_drawn_like_a_camera_turned_to_the_other_side():
     np.testing.assert_allclose(Camera(turn=(0.4, 0.0, 0.0)).view(), Camera(yaw_deg=-np.degrees(0.4)).view(), atol=1e-12)
 
 

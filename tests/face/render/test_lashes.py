@@ -5,7 +5,7 @@ import numpy as np
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.presets import DRAFT_PRESET
 
-EYE_WINDOW = (slice(0.36, 0.46), slice(0.2, 0.45))  # of the picture
+EYE_WINDOW = (slice(0.36, 0.46), slice(0.2, 0.45))  # rows and columns around an eye, as fractions of the picture
 CLOSE_VIEW = Camera(field_deg=15.0)
 
 
@@ -15,7 +15,7 @@ def cut(pixels: np.ndarray, shares: tuple[slice, slice] = EYE_WINDOW) -> np.ndar
     return pixels[rows, columns].astype(float)
 
 
-def test_lash_darkness_is_independent_of_picture_size(gallery):
+def test_drawn_lashes_are_equally_dark_at_all_picture_sizes(gallery):
     actual = []
     for side in (100, 200, 400):
         with gallery(DRAFT_PRESET, (side, side)) as portrait:

@@ -26,7 +26,7 @@ from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import TILE_SIZES, Axes, Estimator, Falloff, Occlusion, Pattern
 
 PICTURE_SIDE = 128
-PIXEL_SCALE = 2000.0  # [pixels/m] of the scenes
+PIXEL_SCALE = 2000.0  # [pixels/m] scale of the pictures of the scenes
 FINE_OCCLUSION = Occlusion(size=21)
 
 
@@ -97,7 +97,7 @@ def test_occlusion_of_a_plane_is_zero_and_of_a_step_foot_large(drawable: None, e
     assert foot[:, PICTURE_SIDE // 2 :].min() > 0.999  # the front part has no self shadow
 
 
-def test_plain_depth_test_darkens_slopes_that_the_tangent_plane_keeps_bright(drawable: None):
+def test_occlusion_by_depth_alone_darkens_slopes_that_the_tangent_plane_keeps_bright(drawable: None):
     """Half of a slope is nearer to the camera than its middle (3.3.1)."""
     position, _ = plane()
     position[..., 2] += position[..., 0]
@@ -133,7 +133,7 @@ def test_separable_ambient_occlusion_approximates_exact_occlusion_in_deep_scenes
 
 
 @pytest.mark.parametrize("pattern", get_args(Pattern))
-def test_every_sample_pattern_approximates_exact_ambient_occlusion(drawable: None, pattern: Pattern):
+def test_ambient_occlusion_is_close_to_the_exact_one_with_every_sample_pattern(drawable: None, pattern: Pattern):
     with open_offscreen_context() as context:
         exact, separable = (
             opened(context, heap(), replace(FINE_OCCLUSION, pattern=pattern, exact=kind)) for kind in (True, False)
@@ -141,7 +141,7 @@ def test_every_sample_pattern_approximates_exact_ambient_occlusion(drawable: Non
     assert np.sqrt(np.mean((separable - exact) ** 2)) < 0.05
 
 
-def test_rotated_occlusion_directions_are_more_accurate_than_fixed_ones(
+def test_ambient_occlusion_with_rotated_sample_directions_is_more_accurate_than_with_fixed_ones(
     drawable: None, monkeypatch: pytest.MonkeyPatch
 ):
     """The scene is a corner that only a diagonal direction reaches."""

@@ -63,7 +63,7 @@ def test_portrait_drawing_is_deterministic(portrait: Portrait):
     ("unit", "rows"),
     [("1", (0.1, 0.5)), ("4", (0.05, 0.55)), ("12", (0.4, 0.9)), ("26", (0.5, 1.0)), ("43", (0.3, 0.5))],
 )
-def test_action_units_change_mainly_their_face_region_in_the_picture(
+def test_each_action_unit_changes_the_picture_mainly_in_its_region_of_the_face(
     portrait: Portrait, unit: str, rows: tuple[float, float]
 ):
     moved = np.nonzero(changed(portrait.draw({unit: 1.0}), portrait.draw({})))[0] / PICTURE_SIDE
@@ -171,7 +171,7 @@ def test_rendering_presets_are_ordered_by_quality():
     ("units", "gain", "says"),
     [({"99": 1.0}, 1.0, "no action unit 99"), ({"1": 1.5}, 1.0, "1 is 1.5"), ({}, -1.0, "wrinkles -1 times")],
 )
-def test_invalid_portrait_argument_is_named_in_the_error(
+def test_error_of_a_portrait_names_the_invalid_argument(
     portrait: Portrait, units: dict[str, float], gain: float, says: str
 ):
     with pytest.raises(DisplayError, match=says):
@@ -203,7 +203,7 @@ def test_default_portrait_camera_looks_at_the_head():
     assert left_side[2] > -Camera().distance + 0.07  # nearer than the middle
 
 
-def test_byte_textures_use_nearest_filtering_in_normal_and_full_presets(
+def test_textures_of_bytes_are_not_interpolated_in_the_presets_normal_and_full(
     drawable: None, monkeypatch: pytest.MonkeyPatch
 ):
     """Drivers round interpolated bytes differently, so edges and shadows would depend on the processor."""

@@ -80,7 +80,7 @@ def test_focus_range_around_the_head_keeps_it_sharp(drawn):
     assert np.abs(remaining - plain)[60:160, 95:160].max() <= 1
 
 
-def test_edge_smoothing_changes_mainly_steep_edges(drawn):
+def test_anti_aliasing_changes_mainly_high_contrast_edges(drawn):
     plain, smoothed = drawn(DRAFT_PRESET), drawn(replace(DRAFT_PRESET, smooth=True))
     changed = np.abs(smoothed - plain).max(axis=2) > 0
     steep = np.maximum(np.abs(np.diff(plain, axis=0, prepend=0)), np.abs(np.diff(plain, axis=1, prepend=0))).max(axis=2)
@@ -157,7 +157,7 @@ def test_more_occluded_pixels_have_a_higher_scattering_level(gallery: Gallery):
     assert means[0] > means[1] + 0.05
 
 
-def test_scattering_weight_is_the_cosine_between_normals(drawable: None):
+def test_skin_scattering_weights_a_neighbour_by_the_cosine_between_both_normals(drawable: None):
     """The normal term of the trilateral filter is linear (5.1.5)."""
     bent, diffuse = np.zeros((2, 1, 6, 4))
     turned = np.arange(6) >= 3

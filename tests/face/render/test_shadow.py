@@ -58,7 +58,7 @@ def test_shadow_projection_of_a_lamp_is_centred_on_the_head():
 
 @pytest.mark.parametrize("coarse", [1, 2])
 @pytest.mark.parametrize("yaw", [0.0, 60.0, 180.0])
-def test_shadow_only_darkens_and_falls_on_the_neck(drawn, yaw: float, coarse: int):
+def test_shadow_darkens_the_picture_mainly_on_the_neck_and_brightens_no_pixel(drawn, yaw: float, coarse: int):
     camera = Camera(yaw_deg=yaw)
     one, other = drawn(DRAFT_PRESET, camera), drawn(replace(SHADOW_PRESET, coarse=coarse), camera)
     assert (other - one).max() <= 1

@@ -25,10 +25,10 @@ from kinesic.face.render.wrinkles import (
 
 from ..conftest import Gallery
 
-TABLE_41 = {1: (0,), 2: (1, 2), 4: (3,), 6: (4, 5), 10: (6, 7), 12: (8, 9), 20: (10, 11)}  # of the thesis
-ADDED_UNITS = {9: (12,), 15: (13,), 17: (14,), 14: (15,)}  # units missing in the table
+TABLE_41 = {1: (0,), 2: (1, 2), 4: (3,), 6: (4, 5), 10: (6, 7), 12: (8, 9), 20: (10, 11)}  # unit -> maps
+ADDED_UNITS = {9: (12,), 15: (13,), 17: (14,), 14: (15,)}  # action unit -> wrinkle maps, for units missing in the table
 WRINKLED_UNITS = sorted(TABLE_41 | ADDED_UNITS)
-PICTURE_SIDE = 160  # [pixels] of its pictures
+PICTURE_SIDE = 160  # [pixels] side of the pictures
 CAMERA_YAWS = (0.0, 30.0, 90.0, -90.0, 140.0, 180.0)
 BACK_POSITION = -0.6  # [distances between the eyes] the wrinkles end in front of this
 
@@ -95,7 +95,7 @@ def test_wrinkle_maps_of_action_units_match_the_published_table():
     assert np.all(np.abs(draw_wrinkle_maps()).max(axis=(1, 2)) > 0.2)
 
 
-def test_furrows_around_the_mouth_have_half_widths_above_0_027_chart_units():
+def test_furrows_around_the_mouth_are_wider_than_0_027_chart_units_to_either_side():
     """Narrow ones would be pencil lines in small pictures."""
     assert min(curve.width for item in load_wrinkles() if item.unit in (15, 17, 20) for curve in item.curves) > 0.027
 

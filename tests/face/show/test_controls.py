@@ -32,7 +32,7 @@ def test_face_window_shows_the_larger_of_manual_and_performed_intensity():
     assert given_values.merge_units({"L12": 0.2, "R12": 0.9, "26": 0.4}) == {"L12": 0.5, "R12": 0.9, "26": 0.4}
 
 
-def test_face_window_keys_change_wrinkles_variant_and_camera_or_close():
+def test_keys_of_the_face_window_change_wrinkles_and_variant_and_camera_or_close_the_window():
     assert after("w").gain == 0.0
     assert after("w", "w") == after()
     assert after("v").variant == "male"

@@ -43,7 +43,7 @@ def test_invalid_film_path_is_named_in_the_error(tmp_path: Path, name: str):
         save_film([BLACK_PICTURE], tmp_path / name, rate=24.0)
 
 
-def test_film_frame_times_do_not_drift(tmp_path: Path):
+def test_frame_times_of_a_film_do_not_accumulate_rounding_errors(tmp_path: Path):
     """Periods that are not whole milliseconds do not accumulate rounding errors."""
     frames = [np.full((8, 8, 3), 3 * k, dtype=np.uint8) for k in range(60)]
     save_film(frames, tmp_path / "x.webp", rate=24.0)
@@ -56,7 +56,7 @@ def test_film_frame_times_do_not_drift(tmp_path: Path):
     assert total == 2500
 
 
-def test_picture_strip_arranges_pictures_in_rows():
+def test_film_saved_as_a_picture_strip_shows_its_frames_in_rows():
     frames = [np.full((700, 700, 3), 10 * k, dtype=np.uint8) for k in range(3)]
     pixels = join_frames(frames)
     assert pixels.shape == (1400, 1400, 3)
@@ -79,7 +79,9 @@ def test_mp4_film_contains_h264_video_and_aac_sound(tmp_path: Path):
     assert b"mp4a" in data
 
 
-def test_missing_encoder_error_names_packages(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_error_for_a_missing_film_encoder_names_the_packages_to_install(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setitem(sys.modules, "imageio_ffmpeg", None)
     monkeypatch.setattr(film_file.shutil, "which", lambda name: None)
     with pytest.raises(DisplayError, match=r"pip install .*imageio-ffmpeg") as caught:
@@ -113,7 +115,9 @@ def test_png_film_has_all_frames_in_one_picture(tmp_path: Path):
 
 
 @pytest.mark.parametrize(("once", "loops"), [({}, 0), ({"once": True}, 1)])
-def test_film_repeats_unless_it_is_shown_once(tmp_path: Path, once: dict[str, bool], loops: int):
+def test_saved_webp_film_loops_unless_the_caller_asks_for_one_showing(
+    tmp_path: Path, once: dict[str, bool], loops: int
+):
     save_film([BLACK_PICTURE, BLACK_PICTURE + 255], tmp_path / "x.webp", rate=10.0, **once)
     with Image.open(tmp_path / "x.webp") as film:
         assert film.info["loop"] == loops

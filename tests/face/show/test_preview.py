@@ -1,4 +1,4 @@
-"""Tests of the preview sink, which draws in a separate process."""
+"""Tests of the face preview, which draws in a separate process."""
 
 import multiprocessing
 import os

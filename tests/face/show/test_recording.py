@@ -46,7 +46,7 @@ def test_filmed_head_turns_with_the_robot(drawable: None, tmp_path: Path):
     assert np.abs(faces[0] - faces[1]).mean() > 2.0
 
 
-def test_long_performance_is_filmed_with_fewer_pictures(
+def test_face_film_of_a_long_performance_has_a_lower_frame_rate(
     drawable: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ):
     monkeypatch.setattr(recording, "MAX_PICTURES", 10)
@@ -183,7 +183,7 @@ def test_face_film_omits_pictures_only_above_the_maximum_number(drawn, tmp_path:
     assert len(drawn) == count
 
 
-def test_pupil_model_advances_by_zero_time_at_the_first_picture(drawn, tmp_path: Path, monkeypatch):
+def test_pupils_adapt_by_the_time_between_pictures_and_not_at_the_first_picture(drawn, tmp_path: Path, monkeypatch):
     elapsed: list[float] = []
     monkeypatch.setattr(recording.Pupils, "follow", lambda self, light, passed: elapsed.append(passed) or 0.003)
     play(still([5.0, 5.1, 5.3]), FaceRecording(tmp_path / "x.webp", rate=10.0))
