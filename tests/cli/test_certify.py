@@ -29,7 +29,7 @@ def certify(*arguments: str) -> int:
     return command(["certify", *arguments], standalone_mode=False)
 
 
-def test_feasible_motion_passes_option_check(capsys):
+def test_certify_with_option_check_accepts_a_feasible_motion(capsys):
     assert certify("calm.bvh", "--check") == 0
     out = capsys.readouterr().out
     assert "calm.bvh on upper22: 7.96 s" in out
@@ -37,7 +37,7 @@ def test_feasible_motion_passes_option_check(capsys):
     assert "nearest" not in out
 
 
-def test_too_fast_motion_fails_option_check_with_its_joint_and_limit(capsys):
+def test_certify_with_option_check_names_joint_and_limit_of_a_too_fast_motion(capsys):
     assert certify("fast.bvh", "--check") == 1
     out = capsys.readouterr().out
     assert "r_shoulder" in out
@@ -54,7 +54,7 @@ def test_nearest_feasible_motion_is_written_and_passes_option_check(capsys):
         certify("fast.bvh", "--out", "near.npz")
 
 
-def test_certify_json_has_limit_violations_and_the_correlation_with_the_clip(capsys):
+def test_certify_json_lists_limit_violations_and_the_correlation_of_motion_and_clip(capsys):
     assert certify("fast.bvh", "--robot", "upper36", "--json") == 0
     record = json.loads(capsys.readouterr().out)
     assert record["robot"] == "upper36"
@@ -64,7 +64,7 @@ def test_certify_json_has_limit_violations_and_the_correlation_with_the_clip(cap
     assert record["correlation"] > 0.9
 
 
-def test_option_check_with_an_output_file_is_refused():
+def test_certify_refuses_option_check_together_with_an_output_file():
     with pytest.raises(UsageError, match="--check"):
         certify("calm.bvh", "--check", "--out", "a.npz")
 

@@ -35,7 +35,7 @@ def test_demo_writes_a_report_opens_it_and_replaces_an_earlier_one(kinesic, tmp_
     assert f"page: {Path('out/demo/report.html')}\nthe page is open in the browser\n" in ended.out
 
 
-def test_demo_with_no_open_skips_the_browser_and_keeps_user_folders(kinesic, tmp_path, opened, short):
+def test_demo_with_no_open_opens_no_browser_and_never_replaces_user_folders(kinesic, tmp_path, opened, short):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter.txt").write_text("dear")
     options = ("demo", "--no-film", "--robot", "upper22", "--no-open", "--out")

@@ -67,7 +67,7 @@ def test_missing_required_package_is_reported_with_its_traceback(tmp_path):
 
 
 @pytest.mark.parametrize("package", EXTRA_OF_PACKAGE)
-def test_extra_suggested_for_a_missing_package_contains_this_package(package):
+def test_install_command_for_a_missing_package_names_an_extra_that_contains_the_package(package):
     line = explain_missing(ModuleNotFoundError(f"No module named '{package}.part'", name=f"{package}.part"))
     extra = EXTRA_OF_PACKAGE[package]
     name, distribution = ("Pillow", "pillow") if package == "PIL" else (package, package)

@@ -45,7 +45,7 @@ def test_gesture_list_is_filtered_by_category_and_unknown_ones_reported(kinesic)
     assert unknown.err.startswith("kinesic: no category emotions; did you mean emotion?")
 
 
-def test_gestures_show_prints_description_hand_shape_and_path(kinesic, tmp_path):
+def test_gestures_show_prints_description_and_synonyms_and_hand_shape_and_path_of_a_gesture(kinesic, tmp_path):
     (tmp_path / "own.toml").write_text(OWN_LEXICON)
     shown = kinesic("gestures", "show", "swirl", "--lexicon", "own.toml")
     assert shown.code == 0

@@ -33,7 +33,7 @@ def test_command_printed_by_new_draws_the_new_gesture(kinesic, tmp_path: Path):
     assert (tmp_path / "my_offer.png").exists()
 
 
-def test_new_style_file_is_loaded_with_separate_head_expressivity(kinesic, tmp_path: Path):
+def test_new_style_file_has_a_smaller_spatial_extent_for_the_head_than_for_gestures(kinesic, tmp_path: Path):
     assert kinesic("new", "style", "open_minded").code == 0
     style = Style.load(tmp_path / "open_minded.toml")
     assert style.name == "open_minded"

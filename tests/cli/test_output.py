@@ -94,7 +94,7 @@ def test_benchmark_plots_are_replaced_only_with_force(kinesic, tmp_path: Path, m
     assert (tmp_path / "docs" / "ik-solver.png").read_text() == "new"
 
 
-def test_simulated_port_does_not_replace_a_file(kinesic, tmp_path: Path):
+def test_simulated_servo_port_with_the_name_of_an_existing_file_is_refused(kinesic, tmp_path: Path):
     (tmp_path / "body").write_text("dear")
     ended = kinesic("servos", "simulate", "--folder", ".")
     assert ended.code == 2

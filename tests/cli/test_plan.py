@@ -32,7 +32,7 @@ def test_plan_without_out_prints_a_timeline_and_writes_no_file(kinesic, tmp_path
     assert list(tmp_path.iterdir()) == []
 
 
-def test_plan_prints_the_duration_of_the_performance_and_not_of_the_motion_alone(kinesic):
+def test_plan_prints_the_duration_of_the_whole_performance_even_if_the_motion_is_shorter(kinesic):
     smile = BLOCK.format('<head id="h" lexeme="NOD"/><faceLexeme id="f" lexeme="smile" start="0" end="6"/>')
     planned = Performer("upper22").plan(smile)
     assert planned.trajectory.duration < planned.duration == 6.0
@@ -75,7 +75,7 @@ def test_timeline_of_a_bap_motion_has_no_behaviours(kinesic, tmp_path: Path):
     assert "behaviour" not in ended.out
 
 
-def test_timeline_shows_peak_hand_speed_times_of_strokes_on_words(kinesic):
+def test_timeline_shows_when_the_hand_is_fastest_for_a_stroke_bound_to_a_word(kinesic):
     tied = TALK.replace(b'start="0" stroke="0.25" end="0.6"', b'stroke="s:m + 1"')
     words = " ".join(kinesic("plan", "-", stdin=tied).out.split())
     stroke, fastest = map(float, re.search(r"stroke ([\d.]+) \(hand fastest at ([\d.]+)\)", words).groups())
@@ -128,7 +128,7 @@ def test_optimal_plan_is_written_to_a_file(kinesic, tmp_path: Path):
     assert (tmp_path / "nods.npz").exists()
 
 
-def test_option_optimal_is_refused_for_a_motion_file(kinesic):
+def test_plan_refuses_option_optimal_for_a_motion_file(kinesic):
     ended = kinesic("plan", "nod.bap", "--optimal")
     assert ended.code == 2
     assert "nod.bap: --optimal moves the key times of a document" in ended.err

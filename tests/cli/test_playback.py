@@ -54,7 +54,7 @@ def test_speech_starts_with_the_performance_and_the_speaker_is_closed(monkeypatc
     assert fake.calls == ["stop", "close"]
 
 
-def test_each_user_action_that_the_servos_await_is_printed_once(capsys):
+def test_each_user_action_for_which_the_servos_wait_is_printed_once(capsys):
     report = playback.report_waiting()
     for waits in ("nothing", "consent", "consent", "nothing", "confirmation"):
         report(Status(Stage.HOLD, waits=waits))
@@ -131,7 +131,7 @@ def test_face_window_shows_the_film_of_the_body_and_closes_at_the_end(monkeypatc
 
 
 @pytest.mark.parametrize(("requested", "note"), [(False, ""), (True, "face: no display for a window")])
-def test_no_face_window_opens_unrequested_or_without_a_display(monkeypatch, capsys, requested, note):
+def test_face_window_opens_only_if_it_is_requested_and_a_display_exists(monkeypatch, capsys, requested, note):
     monkeypatch.setattr(playback, "has_display", lambda: not requested)
     monkeypatch.setattr(playback, "Preview", lambda *_, **__: pytest.fail("opened"))
     with playback.preview_window("robot", requested=requested) as preview:
@@ -227,7 +227,9 @@ def test_servo_performance_writes_an_event_log_and_passes_statuses_to_the_listen
         ("", True, "end", True),
     ],
 )
-def test_stop_key_overrides_enter_and_enter_overrides_an_interrupt(monkeypatch, keys, interrupted, request_, detached):
+def test_stop_key_has_priority_over_enter_and_enter_over_an_interrupt(
+    monkeypatch, keys, interrupted, request_, detached
+):
     detachments: list[bool] = []
     monkeypatch.setattr(playback, "detach_closed_terminal", lambda: detachments.append(True))
     assert playback._make_request_reader(lambda: keys, lambda: interrupted)() == request_

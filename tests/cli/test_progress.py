@@ -42,7 +42,7 @@ def test_terminal_shows_each_stage_with_its_progress(monkeypatch: pytest.MonkeyP
     os.close(ours)
 
 
-def test_progress_line_shows_count_elapsed_time_and_note_behind_the_bar():
+def test_progress_line_shows_the_count_then_the_elapsed_time_then_the_note_after_the_bar():
     progress = Progress("faces", fraction=0.25, count="3/12", note="1 failed", start=100.0)
     assert progress.line(3825.9) == f"faces [{'#' * 8}{'.' * 22}] 3/12 1:02:05 1 failed"
 

@@ -28,7 +28,7 @@ def lines(screen: Console) -> list[str]:
     return [line.rstrip() for line in screen.file.getvalue().splitlines()]
 
 
-def test_failed_checks_are_printed_first_and_passing_checks_counted(screen: Console):
+def test_summary_prints_failed_checks_first_and_only_counts_passing_ones(screen: Console):
     print_checks((PASSED_CHECK, WARNING_CHECK, PASSED_CHECK, FAILED_CHECK, PASSED_CHECK), screen)
     heading, first, second, last = lines(screen)
     assert heading.split()[:2] == ["check", "status"]
@@ -38,7 +38,7 @@ def test_failed_checks_are_printed_first_and_passing_checks_counted(screen: Cons
     assert last == "3 of 5 checks pass"
 
 
-def test_only_a_count_is_printed_if_all_checks_pass(screen: Console):
+def test_summary_prints_only_the_number_of_checks_if_all_pass(screen: Console):
     print_checks((PASSED_CHECK, PASSED_CHECK), screen)
     assert lines(screen) == ["all 2 checks pass"]
 

@@ -31,7 +31,7 @@ def await_keys(keys: Callable[[], str]) -> str:
     return ""
 
 
-def test_keys_are_read_without_enter_and_terminal_settings_restored(terminal: int):
+def test_keys_are_read_without_enter_and_terminal_settings_are_restored(terminal: int):
     before = termios.tcgetattr(sys.stdin.fileno())
     with pressed_keys() as keys:
         assert keys() == ""

@@ -45,7 +45,7 @@ def test_mcp_server_answers_with_the_start_error_of_the_robot_server_and_exits_w
     assert lines[0].removeprefix("kinesic: ") in stopped["content"][0]["text"]
 
 
-def test_loaded_setup_is_excluded_from_garbage_collection():
+def test_setup_loaded_by_the_mcp_server_is_excluded_from_garbage_collection():
     opened: Future[object] = Future()
     opened.set_result(None)
     before = gc.get_freeze_count()

@@ -164,7 +164,7 @@ def test_robot_connection_that_opens_after_its_cancellation_is_closed(monkeypatc
     assert [line.is_open for line in lines] == [False]
 
 
-def test_options_of_the_mcp_command_become_arguments_of_the_started_server() -> None:
+def test_options_of_kinesic_mcp_are_passed_as_arguments_to_the_server_that_it_starts() -> None:
     options = {"settings": ("head.power=1", "overall.speed=2"), "lexicon": Path("mine.toml"), "seed": 0, "engine": None}
     assert verb._list_arguments(Planning("mine.toml", "calm", options), SERVOS) == [
         "--robot=mine.toml",
@@ -179,7 +179,7 @@ def test_options_of_the_mcp_command_become_arguments_of_the_started_server() -> 
     ]
 
 
-def test_only_configuration_errors_of_the_setup_are_printed(capsys) -> None:
+def test_mcp_server_prints_configuration_errors_of_the_setup_and_no_other_errors(capsys) -> None:
     for error in (ConfigError("no style"), ValueError("bug"), None):
         setup: Future[object] = Future()
         setup.set_exception(error) if error else setup.set_result("setup")

@@ -14,7 +14,7 @@ def test_say_prints_standard_input_as_bml():
     assert "<gesture" in done.stdout
 
 
-def test_option_out_is_refused_for_streamed_speech():
+def test_say_from_standard_input_refuses_option_out():
     done = CliRunner().invoke(kinesic, ["say", "-", "--out", "there"], input="")
     assert done.exit_code != 0
     assert "has no report" in str(done.exception)

@@ -62,7 +62,7 @@ def test_invalid_server_rules_are_refused(text, why):
         read_rules((text,))
 
 
-def test_server_address_round_trips_through_text():
+def test_server_address_that_is_read_and_printed_gives_the_same_text():
     for text in ("127.0.0.1:5", "[::1]:5"):
         assert str(read_listen_address(text, None)) == text
 

@@ -150,7 +150,7 @@ def test_search_json_lists_changes_and_metrics_of_each_design():
     assert "mass" not in third
 
 
-def test_folder_of_an_interrupted_search_is_reused_and_of_a_finished_one_needs_force(tmp_path):
+def test_search_reuses_the_folder_of_an_interrupted_search_but_needs_force_for_a_finished_one(tmp_path):
     folder = tmp_path / "found"
     assert _prepare_folder(Output(None, False, False)) is None
     assert _prepare_folder(Output(folder, False, False)) == folder

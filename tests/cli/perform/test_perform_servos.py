@@ -123,7 +123,9 @@ def test_two_samples_suffice_to_learn_servo_parameters(kinesic, drive: Drive):
     assert json.loads(kinesic(*ON_SERVOS, "--json").out)["learned"]
 
 
-def test_learning_servo_parameters_from_the_twin_needs_a_named_file(kinesic, drive: Drive, runs: tuple[DryRun, ...]):
+def test_servo_parameters_are_learned_from_the_twin_only_if_option_learn_names_a_file(
+    kinesic, drive: Drive, runs: tuple[DryRun, ...]
+):
     twin_only = ("perform", "nod.bml", "--no-film", "--force", "--out", "out")
     assert kinesic(*twin_only).code == 0
     assert drive.learned_from == []
@@ -133,7 +135,7 @@ def test_learning_servo_parameters_from_the_twin_needs_a_named_file(kinesic, dri
     assert drive.driven == []
 
 
-def test_servo_parameters_are_learned_from_servos_instead_of_the_twin(kinesic, drive: Drive):
+def test_performance_on_servos_learns_parameters_from_the_servo_log_alone(kinesic, drive: Drive):
     assert kinesic(*ON_SERVOS, "--learn", "learned.toml").code == 0
     assert drive.learned_from == [("log of the servos", drive)]
 

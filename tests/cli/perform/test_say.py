@@ -19,7 +19,7 @@ def test_say_prints_bml_of_standard_input(kinesic):
     assert (piped.code, piped.out) == (typed.code, typed.out) == (0, typed.out)
 
 
-def test_plain_text_file_is_performed_with_a_reason_for_each_behaviour(kinesic, tmp_path):
+def test_report_of_a_plain_text_file_states_why_each_behaviour_was_chosen(kinesic, tmp_path):
     (tmp_path / "story.txt").write_text(TEXT)
     ended = kinesic("perform", tmp_path / "story.txt", "--no-film", "--json", "--voice", "durations")
     rows = json.loads(ended.out)["behaviours"]
@@ -27,7 +27,7 @@ def test_plain_text_file_is_performed_with_a_reason_for_each_behaviour(kinesic, 
     assert "dropped" not in {row["outcome"] for row in rows}
 
 
-def test_report_of_say_names_its_input_said_instead_of_a_file(kinesic, tmp_path):
+def test_report_of_a_spoken_text_names_said_as_its_input_because_there_is_no_file(kinesic, tmp_path):
     ended = kinesic("say", TEXT, "--no-film", "--voice", "durations", "--out", tmp_path / "out")
     assert ended.code == 0, ended.err
     assert json.loads((tmp_path / "out" / "report.json").read_text())["input"] == "said"
@@ -51,7 +51,7 @@ def test_bml_of_a_recording_refers_to_the_audio_file_and_its_word_times(kinesic,
     assert f'<audio ref="{audio}" kinesic:words="{tmp_path / "talk.srt"}"/>' in ended.out
 
 
-def test_say_reports_that_a_recording_has_no_text(kinesic, tmp_path):
+def test_say_warns_that_speech_from_a_recording_has_no_text(kinesic, tmp_path):
     ended = kinesic("say", "--audio", write_noise(tmp_path / "talk.wav"), "--to", "bml")
     assert ended.code == 0
     assert "there is no text" in ended.err

@@ -48,7 +48,7 @@ def test_options_unsupported_by_several_robots_are_refused(kinesic_in, folder, a
     assert message in ended.err
 
 
-def test_options_for_a_single_robot_are_accepted_with_one_robot(kinesic_in, folder):
+def test_option_json_is_accepted_if_perform_names_only_one_robot(kinesic_in, folder):
     ended = kinesic_in(folder, "perform", "missing.bml", "--robot", "upper22", "--json")
     assert ended.code == 2
     assert "missing.bml" in ended.err

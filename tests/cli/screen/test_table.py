@@ -27,7 +27,7 @@ def test_widest_columns_are_wrapped_until_the_table_fits():
     ]
 
 
-def test_column_without_wrapping_is_shortened_after_all_others_are_wrapped():
+def test_column_that_must_not_wrap_is_shortened_only_after_all_other_columns_are_wrapped():
     table = Table("effect")
     table.add_column("time", no_wrap=True)
     table.add_row("wide", "12.00 s")
@@ -47,7 +47,7 @@ def test_one_line_heading_is_aligned_with_the_last_line_of_a_two_line_heading():
     assert drawn(table, 80) == ["         mass", " design    kg", " light    1.5", " arm"]
 
 
-def test_compact_table_has_single_spaces_and_no_margin():
+def test_compact_table_has_one_space_between_columns_and_no_left_margin():
     table = Table("a", "b", is_compact=True)
     table.add_row("one", "two")
     assert drawn(table, 80) == ["a   b", "one two"]

@@ -188,7 +188,9 @@ def test_calibrate_with_yes_does_not_ask_for_the_zero_posture(kinesic, table, mi
 
 
 @pytest.mark.parametrize("option", [("--yes",), ("--seconds", "1")])
-def test_calibrate_without_a_terminal_needs_both_yes_and_seconds(kinesic, table, mine, option: tuple[str, ...]):
+def test_calibrate_without_a_terminal_is_refused_if_option_yes_or_seconds_is_missing(
+    kinesic, table, mine, option: tuple[str, ...]
+):
     ended = kinesic("servos", "calibrate", "--robot", mine, "--port", table.port, *option)
     assert ended.code == 2
     assert ended.err == "kinesic: standard input is no terminal; give --yes and --seconds N\n"

@@ -38,7 +38,7 @@ def test_default_servo_factors_are_those_of_the_data_sheets() -> None:
     assert list_values(NO_SERVO_MEMORY) == ((NOMINAL_FACTORS,), NOMINAL_FACTORS, None, True)
 
 
-def test_factors_of_a_named_twin_do_not_change_the_estimated_servo_factors() -> None:
+def test_built_in_twins_leave_the_estimated_servo_factors_at_the_data_sheet_values() -> None:
     assert list_values(ServoMemory.of(ServoOptions("both", None))) == (
         (NOMINAL_FACTORS, PESSIMISTIC_FACTORS),
         NOMINAL_FACTORS,
@@ -57,7 +57,9 @@ def test_learning_of_servo_factors_can_be_switched_off(twin_name: str | None) ->
     assert list_values(ServoMemory.of(ServoOptions(twin_name, "none"))) == (expected, NOMINAL_FACTORS, None, False)
 
 
-def test_learned_servo_factors_are_the_estimate_and_the_default_twin(learned: Path, twin: Path) -> None:
+def test_learned_servo_factors_are_the_robot_estimate_and_the_factors_of_the_default_twin(
+    learned: Path, twin: Path
+) -> None:
     assert list_values(ServoMemory.of(ServoOptions(None, str(learned)))) == (
         (WEAK_FACTORS,),
         WEAK_FACTORS,
@@ -78,7 +80,7 @@ def test_learned_servo_factors_are_the_estimate_and_the_default_twin(learned: Pa
     )
 
 
-def test_file_of_option_learn_may_be_missing_but_must_be_writable(tmp_path: Path) -> None:
+def test_option_learn_accepts_a_missing_file_but_refuses_a_folder_or_an_invalid_file(tmp_path: Path) -> None:
     path = tmp_path / "new.toml"
     assert list_values(ServoMemory.of(ServoOptions(None, str(path)))) == (
         (NOMINAL_FACTORS,),
@@ -131,6 +133,6 @@ def test_several_robots_may_store_learned_factors_in_report_folders(learn: str |
     check_single_robot(ServoOptions(None, learn))
 
 
-def test_one_learned_file_for_several_robots_is_refused() -> None:
+def test_file_of_learned_servo_factors_is_refused_for_several_robots() -> None:
     with pytest.raises(ConfigError, match=r"--learn a\.toml: .*one robot"):
         check_single_robot(ServoOptions(None, "a.toml"))

@@ -71,7 +71,7 @@ def refused(kinesic: Callable, nod: Path, table: Table) -> str:
         for case in FAULTS
     ],
 )
-def test_faulty_servos_are_refused_with_one_line(
+def test_perform_refuses_faulty_servos_with_one_line_that_names_the_fault(
     kinesic: Callable, nod: Path, tmp_path: Path, fault: PlannedFault, message: str
 ):
     with serving(Table(FaultPlan((fault,))), tmp_path / "port") as table:

@@ -20,7 +20,7 @@ from kinesic.hardware.virtual.physics import FirstOrder
 from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 
 REST = Manifest.of(Robot.load()).rest
-CYCLE = 0.01  # [s] of the supervisor
+CYCLE = 0.01  # [s] cycle period of the supervisor
 
 
 class Supervisor:
@@ -100,7 +100,7 @@ def test_release_keeps_torque_on_if_the_user_declines(kinesic, table):
     assert table.energised == 23
 
 
-def test_release_warns_of_no_falling_joint_in_the_rest_posture(kinesic, table):
+def test_release_in_the_rest_posture_prints_that_no_joint_will_fall(kinesic, table):
     ended = kinesic("servos", "release", "--port", table.port, stdin=b"y\n")
     assert ended.code == 0
     assert "no joint with torque is more than 5 deg from rest\n" in ended.err

@@ -34,7 +34,7 @@ def tried(monkeypatch):
     return calls
 
 
-def test_scan_lists_servos_with_joint_and_note(tried, capsys):
+def test_scan_lists_each_servo_with_its_joint_or_a_note_about_a_duplicate_id(tried, capsys):
     assert scan.scan_ports("upper22", ("body=/dev/mine",), (4_000_000, 1_000_000, 57_600), False, False) == 0
     printed = capsys.readouterr()
     lines = [line.split() for line in printed.out.splitlines()]
@@ -92,7 +92,7 @@ def test_scan_opens_each_port_at_each_baud_rate(monkeypatch, capsys):
     assert capsys.readouterr().out.splitlines()[-1] == "0 servos"
 
 
-def test_json_of_a_scan_has_no_other_output(tried, capsys):
+def test_scan_with_option_json_prints_only_json(tried, capsys):
     scan.scan_ports("upper22", ("/dev/mine",), (1_000_000,), False, True)
     printed = capsys.readouterr()
     assert printed.out.startswith('[\n {\n  "port": ')

@@ -12,8 +12,8 @@ from kinesic.cli.servos import stop
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 
-CYCLE = 0.01  # [s] of a supervisor
-RATE = 0.5  # [rad/s] of a setpoint that still moves
+CYCLE = 0.01  # [s] cycle period of a supervisor
+RATE = 0.5  # [rad/s] velocity of a setpoint that is not constant yet
 
 
 class Clock:
@@ -79,7 +79,7 @@ def test_all_supervisors_are_stopped_and_awaited(run, clock: Clock):
 
 
 @pytest.mark.parametrize("stage", sorted(stop.STATIONARY_STAGES - {Stage.CLOSED}, key=str))
-def test_stop_counts_supervisors_in_stationary_stages_as_stopped(run, clock: Clock, stage: Stage):
+def test_stop_does_not_wait_for_a_supervisor_whose_stage_keeps_the_robot_still(run, clock: Clock, stage: Stage):
     assert run(Supervisor(clock, 0.2, stage=stage)).code == 0
     assert clock.now - 50.0 < 0.4
 

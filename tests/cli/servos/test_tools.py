@@ -30,7 +30,7 @@ def test_scan_prints_servos_as_json(kinesic, table):
     }
 
 
-def test_show_prints_servo_states_and_registers_that_differ_from_defaults(kinesic, table):
+def test_show_prints_servo_states_and_registers_that_differ_from_the_required_values(kinesic, table):
     table.set(15, Register.RETURN_DELAY_TIME, 250)
     ended = kinesic("servos", "show", "--port", table.port)
     assert ended.code == 0
@@ -87,7 +87,7 @@ def test_busy_port_is_reported_by_release(kinesic, served):
     assert "another program uses this port" in ended.err
 
 
-def test_calibrate_without_a_terminal_requires_yes_and_seconds(kinesic):
+def test_calibrate_without_a_terminal_is_refused_if_option_seconds_is_missing(kinesic):
     ended = kinesic("servos", "calibrate", "--port", "/dev/nothing", "--yes")
     assert ended.code == 2
     assert "standard input is no terminal; give --yes and --seconds N" in ended.err

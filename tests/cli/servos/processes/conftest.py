@@ -27,8 +27,8 @@ SERVER_PROGRAM = Path(__file__).parents[3] / "hardware" / "supervisor" / "proces
 WAIT_TIMEOUT = 60.0  # [s] sufficient on a loaded machine
 POLL_PERIOD = 0.1  # [s] between two checks of a condition
 RECORD_PERIOD = 0.05  # [s] between two lines of the record
-REST_TOLERANCE = 10  # [ticks] from rest, less than 1 deg
-RAISED_DISTANCE = 250  # [ticks] from rest, more than 20 deg
+REST_TOLERANCE = 10  # [ticks] largest distance from rest that counts as rest, less than 1 deg
+RAISED_DISTANCE = 250  # [ticks] smallest distance from rest that counts as raised, more than 20 deg
 RAISE_BML = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><gesture id="g" lexeme="offer" mode="RIGHT_HAND" '
     'start="0" stroke="1" strokeEnd="{0}" relax="{0}" end="{1}"/></bml>'

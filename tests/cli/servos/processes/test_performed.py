@@ -48,7 +48,7 @@ def test_perform_on_servos_passes_checks_and_returns_the_arms_to_rest(kinesic, a
     assert "On the robot" in (out / "report.html").read_text(encoding="utf-8")
 
 
-def test_performer_run_contains_twin_and_servo_results(arms: Arms, tmp_path: Path):
+def test_performance_on_servos_from_python_contains_the_results_of_twin_and_servos(arms: Arms, tmp_path: Path):
     performer = Performer()
     run = performer.perform(NOD, on="servos", ports={"body": arms.port})
     assert arms.is_home

@@ -17,7 +17,7 @@ from .conftest import RAISE_BML
 
 pytestmark = pytest.mark.realtime
 
-RAISED_DURATION = 8.0  # [s] with the hand raised
+RAISED_DURATION = 8.0  # [s] duration for which the hand is raised
 LONG_INTERRUPTION = 1.2  # [s] suspension after which a person must confirm
 
 
