@@ -72,7 +72,9 @@ def test_documents_in_a_folder_are_recognised_by_content(tmp_path):
 
 
 @pytest.mark.parametrize(("size", "is_document"), [(4095, True), (4096, True), (4097, False), (9000, False)])
-def test_first_element_of_a_document_must_end_within_four_kilobytes(tmp_path, size: int, is_document: bool):
+def test_file_is_recognised_as_bml_only_if_its_first_tag_ends_within_four_kilobytes(
+    tmp_path, size: int, is_document: bool
+):
     (tmp_path / "story.txt").write_text("<bml>".rjust(size) + "</bml>", encoding="ascii")
     assert documents((tmp_path,)) == [tmp_path / "story.txt"] * is_document
 

@@ -14,6 +14,6 @@ def test_content_policy_allows_only_the_script_with_the_given_hash():
     )
 
 
-def test_content_security_policy_allows_named_sources():
+def test_content_security_policy_allows_the_picture_and_media_sources_of_its_arguments():
     policy = content_policy("", img_src="data:", media_src="blob:")
     assert policy.endswith("; form-action 'none'; img-src data:; media-src blob:")

@@ -35,7 +35,7 @@ def test_motion_data_frame_has_a_row_per_command_and_a_column_per_hinge(run: Per
     )
 
 
-def test_sync_data_frame_has_requested_planned_and_performed_times(run: Performance):
+def test_data_frame_of_sync_points_has_requested_and_planned_and_performed_times(run: Performance):
     frame = run.to_dataframe("syncs").set_index(["behaviour", "sync"])
     nod = run.syncs["nod:stroke"]
     assert frame.loc[("nod", "stroke"), "planned"] == nod.planned
@@ -68,7 +68,7 @@ def test_data_frame_of_servos_needs_a_performance_on_servos(run: Performance):
         run.to_dataframe("servos")
 
 
-def test_missing_pandas_is_named_with_its_extra(run: Performance, monkeypatch):
+def test_error_for_missing_pandas_names_the_extra_that_installs_it(run: Performance, monkeypatch):
     monkeypatch.setitem(sys.modules, "pandas", None)
     with pytest.raises(ConfigError, match=r'pandas: .*pip install .*"kinesic\[notebook\]"'):
         run.to_dataframe()

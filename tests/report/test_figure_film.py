@@ -59,7 +59,7 @@ def test_figure_film_is_drawn_picture_by_picture(film: FigureFilm, tmp_path: Pat
 
 
 @pytest.mark.soak
-def test_camera_frames_bent_forearms_with_a_margin():
+def test_film_camera_shows_bent_forearms_with_a_margin():
     robot = Robot.load("human")
     asking = robot.skeleton.rest.copy()
     for side in "lr":
@@ -98,7 +98,7 @@ def seen_extent(robot, postures, middle, field, aspect) -> tuple[float, float, f
     return float((x / w).min()), float((x / w).max()), float((y / w).min()), float((y / w).max())
 
 
-def test_undrawable_figure_film_gives_a_reason(film: FigureFilm, tmp_path: Path):
+def test_film_of_a_human_figure_that_cannot_be_drawn_gives_a_reason(film: FigureFilm, tmp_path: Path):
     assert "use 1 to 4096 per side" in replace(film, size=(9000, 10)).draw(tmp_path / "x.webp", lambda share: None)
     assert Robot.load("human").skin == "female"
     assert Robot.load().skin is None

@@ -94,7 +94,7 @@ def test_robot_and_face_films_are_drawn_and_progress_grows_to_one(drawn: dict[st
     assert len(shares) > 6
 
 
-def test_undrawable_film_gives_a_reason_and_does_not_affect_others(drawn: dict[str, Drawn]):
+def test_film_that_cannot_be_drawn_gives_a_reason_while_other_films_are_drawn(drawn: dict[str, Drawn]):
     film, portrait, whys, _ = drawn["without"]
     assert whys[film] == ""
     assert "99" in whys[portrait]
@@ -119,13 +119,13 @@ def test_interruption_ends_the_film_processes(tmp_path: Path, processes: FilmPro
     assert all(process.wait(10.0) for process in processes.values())
 
 
-def test_idle_film_processes_end_with_their_context():
+def test_idle_film_processes_end_when_their_context_manager_exits():
     with film_processes() as begun:
         assert all(process.poll() is None for process in begun.values())
     assert all(process.poll() for process in begun.values())
 
 
-def test_missing_rendered_face_is_replaced_by_a_painted_one(drawn: dict[str, Drawn]):
+def test_robot_film_shows_a_painted_face_where_the_rendered_face_film_is_missing(drawn: dict[str, Drawn]):
     """The films differ around the head alone."""
     heads = {}
     for name, film in drawn.items():
@@ -165,7 +165,7 @@ def test_incomplete_face_film_is_ignored(tmp_path: Path) -> None:
     assert shades == [0, 1, 2], "each picture has the face of its own time"
 
 
-def test_preparation_of_a_twin_film_imports_the_drawing_in_advance() -> None:
+def test_preparation_of_a_twin_film_imports_the_film_module_in_advance() -> None:
     code = (
         "import sys; from kinesic.report.films import TwinFilm; before = 'kinesic.sim.film' in sys.modules;"
         "TwinFilm.prepare(); print(before, 'kinesic.sim.film' in sys.modules)"
@@ -174,7 +174,7 @@ def test_preparation_of_a_twin_film_imports_the_drawing_in_advance() -> None:
     assert done.stdout.split() == ["False", "True"]
 
 
-def test_face_film_copies_commands_whose_face_changes_later() -> None:
+def test_face_film_keeps_the_face_of_a_command_that_is_changed_later() -> None:
     units = {"12": 0.5}
     film = FaceFilm.of(None, [Command(0.0, REST, NONE, NONE, REST, units)], 12.0)
     units["12"] = 0.9

@@ -52,7 +52,7 @@ def test_error_for_an_unknown_joint_suggests_a_similar_name(run: Performance):
         run.plot(["r_elbow_flex"])
 
 
-def test_missing_matplotlib_is_named_with_its_extra(run: Performance, monkeypatch):
+def test_error_for_missing_matplotlib_names_the_extra_that_installs_it(run: Performance, monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(ConfigError, match=r'pip install .*"kinesic\[notebook\]"'):
         run.plot()

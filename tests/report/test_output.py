@@ -142,7 +142,7 @@ def test_films_are_added_to_the_report_and_its_page(smiling, drawing, tmp_path: 
     assert whole.face_on_head
 
 
-def test_head_has_a_painted_face_and_the_face_film_is_separate_by_default(smiling, drawing, tmp_path: Path):
+def test_robot_film_does_not_wait_for_the_separate_face_film_by_default(smiling, drawing, tmp_path: Path):
     said = report(smiling, source="smile.bml")
     whole = add_films(write_report(smiling, said, tmp_path / "smile"), smiling, said, object())
     assert whole.face == tmp_path / "smile" / "face.webp"
@@ -151,7 +151,7 @@ def test_head_has_a_painted_face_and_the_face_film_is_separate_by_default(smilin
     assert 'class="filmed"' in page(tmp_path / "smile")
 
 
-def test_undrawable_films_are_missing_with_a_reason(smiling, drawing, tmp_path: Path):
+def test_report_states_why_a_film_could_not_be_drawn(smiling, drawing, tmp_path: Path):
     drawing.why = "no OpenGL here"
     said = report(smiling, source="smile.bml")
     written = write_report(smiling, said, tmp_path / "smile")
@@ -162,7 +162,7 @@ def test_undrawable_films_are_missing_with_a_reason(smiling, drawing, tmp_path: 
     assert "no OpenGL here" in page(tmp_path / "smile")
 
 
-def test_face_without_a_screen_is_filmed_only_if_the_plan_needs_it(
+def test_face_of_a_robot_without_a_screen_is_filmed_only_if_the_plan_moves_the_face(
     calm, smiling, data, drawing, tmp_path: Path, monkeypatch
 ):
     assert face_film(calm.plan).robot is None  # its face is on a screen, and so always filmed

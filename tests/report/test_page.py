@@ -209,7 +209,7 @@ def test_voice_and_face_are_embedded_in_the_page(
         write_page(hurried, data, Recordings(voice=media / "speech.mp3"), path=media / "y.html")
 
 
-def test_page_states_the_voice_and_the_reason_for_a_missing_face(text: str, data: dict[str, Json]) -> None:
+def test_page_names_the_voice_and_the_reason_for_a_missing_face_film(text: str, data: dict[str, Json]) -> None:
     (spoken,) = data["speech"]
     assert spoken["voice"]
     assert spoken["phonemes"]

@@ -20,7 +20,7 @@ def row(name: str, status: str, value: float, limit: float, unit: str = "ratio")
     }
 
 
-def test_check_group_has_one_tile_with_its_most_severe_check() -> None:
+def test_each_group_of_checks_has_one_tile_that_shows_its_most_severe_check() -> None:
     result = tiles(
         [
             row("limits.speed", "pass", 0.5, 1.0),
@@ -48,7 +48,7 @@ def test_value_just_over_its_limit_is_printed_with_enough_digits() -> None:
     assert (tile.value, tile.limit) == ("1.00123", "at most 1.00")
 
 
-def test_unknown_check_group_with_a_zero_limit_has_a_tile() -> None:
+def test_unknown_group_of_checks_has_a_tile_even_if_a_limit_is_zero() -> None:
     result = tiles([row("weather.rain", "pass", 0.0, 0.0, "strokes"), row("weather.wind", "pass", 3.0, 5.0, "deg")])
     assert [(tile.title, tile.name, tile.limit) for tile in result] == [("Weather", "wind", "at most 5\u00b0")]
 

@@ -17,10 +17,10 @@ from kinesic.sim.filming.drawn_face import paint_face
 
 from ..chromium import Page, binary, opened
 
-RATE = 20.0  # [Hz] of the film
+RATE = 20.0  # [Hz] frame rate of the film
 FRAMES = 40
-SECONDS = 1.0  # of sound
-SMALL = (480, 400)  # [pixels] of the window: what is drawn in software takes its time
+SECONDS = 1.0  # [s] duration of the sound
+SMALL = (480, 400)  # [pixels] size of the window, small because drawing in software is slow
 
 pytestmark = [
     pytest.mark.realtime,
@@ -157,14 +157,14 @@ def test_page_without_recordings_has_no_face_and_no_voice(plain: Page):
 
 
 def picture(page: Page, ghost: str, time: float) -> object:
-    """Return the picture at a time with a choice of ghosts."""
+    """Return the picture at a time with the chosen overlays."""
     choice = f"document.querySelector('[data-part=ghost]').value = '{ghost}'"
     slider = f"const s = document.querySelector('[data-part=time]'); s.value = {time}"
     drawn = "requestAnimationFrame(() => done(document.querySelector('#stage canvas').toDataURL()))"
     return page.value(f"new Promise(done => {{ {choice}; {slider}; s.dispatchEvent(new Event('input')); {drawn} }})")
 
 
-def test_plan_overlay_appears_if_the_twin_deviates_by_3_but_not_by_0_8_degrees(plain: Page):
+def test_plan_overlay_for_deviations_appears_only_after_the_twin_leaves_the_plan_by_3_degrees(plain: Page):
     for time, seen in ((0.3, False), (0.7, True)):
         without = picture(plain, "", time)
         assert (picture(plain, "plan over astray", time) != without) == seen

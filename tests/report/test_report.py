@@ -1,4 +1,4 @@
-"""Style, manners and feedback in a report: predictions first, then a warning for each shift."""
+"""Style, expressivity parameters and feedback in a report: predictions come before warnings."""
 
 import xml.etree.ElementTree as ElementTree
 from collections import Counter
@@ -99,7 +99,7 @@ def test_prediction_feedback_is_first_and_warnings_precede_motion(plans, name):
 
 
 @pytest.mark.parametrize("name", BLOCKS)
-def test_only_sync_point_shifts_above_10_ms_cause_a_warning(plans, name):
+def test_feedback_warns_of_exactly_those_sync_points_that_shift_by_more_than_10_ms(plans, name):
     planned = plans[name]
     moved = Counter(
         (f"b:{sync.behaviour}", sync.sync)
@@ -109,7 +109,7 @@ def test_only_sync_point_shifts_above_10_ms_cause_a_warning(plans, name):
     assert shifts_told(messages_of(planned)) == moved
 
 
-def test_only_example_blocks_with_shifted_sync_points_report_shifts(plans):
+def test_feedback_warns_of_shifts_only_for_example_blocks_whose_sync_points_shift(plans):
     for name in MOVED:
         assert shifts_told(messages_of(plans[name])), name
     for name in KEPT:
@@ -210,7 +210,9 @@ def test_report_has_requested_planned_and_measured_sync_times(hurried, hurried_d
     assert any(lag for lag in hurried.lags.values()), "a delay of 0 tells nothing"
 
 
-def test_report_has_tracking_limit_and_power_figures_of_the_twin(hurried, hurried_data: dict[str, Json]) -> None:
+def test_report_lists_tracking_errors_and_limit_peaks_and_supply_power_of_the_twin(
+    hurried, hurried_data: dict[str, Json]
+) -> None:
     names, power = hurried.plan.setup.robot.skeleton.names, hurried.measured.power
     squares = np.degrees(np.nan_to_num(hurried.errors)) ** 2
     moving = np.maximum(hurried.reference.moving.sum(axis=0), 1)
@@ -243,7 +245,9 @@ def test_report_has_tracking_limit_and_power_figures_of_the_twin(hurried, hurrie
     assert len(hurried_data["conditioning"]["gave"]) == len(hurried.reference.changes)
 
 
-def test_report_has_the_nearest_pair_of_plan_and_twin(hurried, hurried_data: dict[str, Json]) -> None:
+def test_report_names_the_two_segments_that_come_nearest_in_plan_or_twin(
+    hurried, hurried_data: dict[str, Json]
+) -> None:
     plan_, measured = hurried.plan, hurried.measured
     spans = [(plan_.clearance, plan_.clearance_times), (measured.clearance, measured.times)]
     clearance, times = min(spans, key=lambda span: span[0].distances.min())
@@ -263,7 +267,7 @@ def test_report_has_the_nearest_pair_of_plan_and_twin(hurried, hurried_data: dic
         }
 
 
-def test_report_has_durations_in_milliseconds(hurried, hurried_data: dict[str, Json]) -> None:
+def test_report_states_parsing_and_planning_times_in_milliseconds(hurried, hurried_data: dict[str, Json]) -> None:
     timing, planned = hurried_data["timing"], hurried.plan
     assert timing["parse_ms"] == pytest.approx(1000 * planned.parse_seconds)
     assert timing["plan_ms"] == pytest.approx(1000 * planned.seconds)
@@ -281,7 +285,7 @@ def test_feedback_of_a_performance_has_measured_times(hurried) -> None:
             assert times == [pytest.approx(sync.planned + lag, abs=1e-3)]
 
 
-def test_report_of_body_motion_has_the_largest_turns_in_degrees() -> None:
+def test_report_lists_the_largest_head_and_trunk_and_shoulder_rotation_in_degrees() -> None:
     head = Turn(torsion=np.radians(4.0), tilt=np.radians(3.0), roll=np.radians(-2.0))
     trunk = Turn(torsion=np.radians(-6.0), tilt=np.radians(1.0), roll=0.0)
     move = BodyMove(head=head, trunk=trunk, shoulders=np.radians(9.0), nod=np.radians(5.0), shake=np.radians(-2.0))

@@ -16,7 +16,7 @@ def page(performance: DryRun, folder: Path) -> str:
     return path.read_text(encoding="utf-8")
 
 
-def test_report_contains_the_lag_between_a_word_and_the_fastest_hand_motion(
+def test_report_states_the_time_between_a_word_and_the_fastest_hand_motion(
     known: Setup, calm: DryRun, tmp_path: Path
 ) -> None:
     tied = (

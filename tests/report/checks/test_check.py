@@ -89,7 +89,7 @@ def test_holding_torque_above_80_percent_of_stall_torque_fails():
     assert (result.status, result.limit, result.where) == ("fail", 0.8, "l_elbow")
 
 
-def test_most_severe_check_grades_a_performance():
+def test_grade_of_a_performance_follows_its_most_severe_check_status():
     def graded(*names: str) -> str:
         return grade(Check("x", name, 0.0, 0.0, "m") for name in names)
 
@@ -103,7 +103,7 @@ def test_most_severe_check_grades_a_performance():
     )
 
 
-def test_each_check_status_has_a_severity_of_its_own():
+def test_no_two_check_statuses_have_the_same_severity():
     assert list(SEVERITY_RANKS.values()) == [0, 1, 2, 3]
 
 

@@ -177,7 +177,7 @@ def test_passed_tracking_checks_have_the_limits_of_the_reference_page(done):
     assert [check.limit for check in verdicts] == [0.2, 2.5, 5.0, 0.030]
 
 
-def test_strokes_without_hand_motion_are_counted_and_named(done):
+def test_stroke_that_the_hand_never_reaches_is_counted_and_named_as_poor(done):
     still = {side: np.repeat(path[:1], len(path), axis=0) for side, path in done.measured.hands.items()}
     check = found(with_measured(done, hands=still))["timing.arrival"]
     assert (check.status, check.value, check.where) == ("poor", 1.0, "stroke of offer (g)")
@@ -216,7 +216,7 @@ def test_current_is_checked_only_if_the_robot_has_a_supply(done):
 
 
 @pytest.mark.parametrize(("reach", "status"), [(0.002, "warn"), (0.01, "poor")])
-def test_trembling_hands_of_the_twin_are_graded_warn_or_poor(done, reach, status):
+def test_hands_of_the_twin_that_tremble_at_5_hz_get_the_status_warn_or_poor(done, reach, status):
     times = done.measured.times
     tremble = reach * np.sin(2 * np.pi * 5 * times)
     hands = {side: path + tremble[:, None] for side, path in done.measured.hands.items()}
@@ -271,7 +271,7 @@ def test_most_severe_check_is_the_grade_of_the_report():
 
 
 @pytest.mark.parametrize(("share", "status"), [(1.0, "pass"), (0.95, "warn"), (0.9, "warn"), (0.8, "poor")])
-def test_performed_fraction_below_one_warns_and_a_low_one_is_poor(share, status):
+def test_fraction_of_performed_behaviours_below_one_warns_and_a_small_fraction_is_poor(share, status):
     assert Check.of("meaning.performed", share, 1.0).status == status
 
 

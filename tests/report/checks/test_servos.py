@@ -13,7 +13,7 @@ from kinesic.report.plots.spark import TIME_BINS, spark
 from tests.performances import bearing
 
 
-def test_most_loaded_drive_is_listed_first(hurried: DryRun) -> None:
+def test_joint_with_the_highest_servo_load_is_listed_first(hurried: DryRun) -> None:
     data = loads(hurried)
     assert sorted(load.hinge for load in data) == sorted(hurried.plan.setup.robot.skeleton.names)
     assert [load.strain for load in data] == sorted((load.strain for load in data), reverse=True)
@@ -36,7 +36,7 @@ def test_duty_metrics_of_a_joint_equal_those_of_its_samples(hurried: DryRun) -> 
 
 
 @pytest.mark.parametrize(("duty", "seconds"), [(1.0, 0.0), (-1.0, 0.0), (1.001, 0.05), (-1.001, 0.05)])
-def test_drive_is_saturated_while_its_demanded_duty_exceeds_full_duty(
+def test_servo_counts_as_saturated_while_the_demanded_duty_exceeds_full_duty(
     hurried: DryRun, duty: float, seconds: float
 ) -> None:
     measured = hurried.measured
@@ -54,7 +54,7 @@ def test_supply_draw_has_the_peak_and_energy_of_the_measured_power(hurried: DryR
     assert load.energy == power.energy
 
 
-def test_duty_sparkline_shows_a_peak_of_one_sample(hurried: DryRun) -> None:
+def test_small_servo_duty_plot_shows_a_peak_that_lasts_one_sample(hurried: DryRun) -> None:
     load = replace(loads(hurried)[0], duties=np.r_[np.zeros(5000), 1.25, np.zeros(5000)])
     drawn = spark(load)
     assert drawn.count("L") == TIME_BINS
@@ -62,7 +62,7 @@ def test_duty_sparkline_shows_a_peak_of_one_sample(hurried: DryRun) -> None:
     assert "<svg" in spark(replace(load, duties=np.zeros(1)))
 
 
-def test_load_of_a_joint_names_its_servo_and_the_number_of_servos(hurried: DryRun) -> None:
+def test_load_of_a_joint_names_its_servo_model_and_the_number_of_its_servos(hurried: DryRun) -> None:
     robot = hurried.plan.setup.robot
     names = {load.hinge: load.servo for load in loads(hurried)}
     for hinge, drive in zip(robot.skeleton.names, robot.drives, strict=True):

@@ -25,7 +25,7 @@ def with_clearances(performance: DryRun, clearances) -> DryRun:
     ("room", "status"),
     [(SLOWING_FRACTION + 0.01, "pass"), (SLOWING_FRACTION - 0.01, "warn"), (0.01, "warn"), (-0.01, "poor")],
 )
-def test_low_predicted_clearance_warns_and_a_negative_one_is_poor(calm, room, status):
+def test_small_predicted_clearance_gets_the_status_warn_and_a_negative_one_poor(calm, room, status):
     clearances = np.full_like(calm.clearance_forecast, 1.0)
     clearances[7] = room * calm.plan.setup.robot.min_clearance
     check = found(with_clearances(calm, clearances))["collision.foreseen"]
@@ -50,7 +50,7 @@ def test_performance_stopped_before_contact_fails_the_collision_check(calm):
     assert found(calm)["collision.performed"].status == "pass"
 
 
-def test_tracking_error_reduces_the_checked_clearance(calm):
+def test_tracking_error_towards_the_body_makes_the_predicted_clearance_negative(calm):
     """The same plan has less clearance if the right arm deviates towards the body."""
     hinge = calm.plan.setup.robot.skeleton.joint("r_shoulder_abduct")
     angles = np.array(calm.measured.angles)

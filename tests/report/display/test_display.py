@@ -24,8 +24,8 @@ from kinesic.session.plan import plan
 
 from .frames import angles_of, replay_of, the_frame
 
-MAX_REPR_LENGTH = 250  # [characters]
-ANGLE_TOLERANCE = 1e-4  # [rad] of 16-bit integers
+MAX_REPR_LENGTH = 250  # [characters] longest text representation of an object
+ANGLE_TOLERANCE = 1e-4  # [rad] tolerance of angles stored as 16-bit integers
 
 
 @pytest.fixture(scope="module")
@@ -145,7 +145,7 @@ def test_notebook_display_of_an_unsupported_type_raises_an_error():
         make_html(1)
 
 
-def test_reprs_of_public_objects_are_short(run: Performance, known: Setup):
+def test_text_representations_of_public_objects_are_short(run: Performance, known: Setup):
     match = known.lexicon.find("greet_wave")
     assert match is not None
     shown = (known.robot, known.style, known.lexicon, known, match, match.form, run, run.plan, run.measured)

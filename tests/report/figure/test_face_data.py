@@ -26,7 +26,7 @@ from kinesic.report.scene import read_scripts
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
-MOST = 1.5e6  # [bytes] that a page grows by
+MOST = 1.5e6  # [bytes] largest growth of a page by skin and face
 HUMAN, FIGURE = Robot.load("human"), load_figure()
 UNITS = ({}, {"12": 1.0, "26": 0.6, "L1": 0.5}, {"61": 0.8, "63": 0.4}, {"45": 1.0, "64": 0.7, "66": 0.3})
 SCRIPT = """
@@ -46,7 +46,7 @@ def unpacked(data: dict) -> dict:
     return {"shapes": data["shapes"], "weights": weights.tolist(), "gaze": gaze.tolist()}
 
 
-def test_unused_blend_shapes_are_omitted():
+def test_page_data_contain_only_blend_shapes_that_the_face_uses():
     assert face_data(UNITS[:1])["shapes"] == []
     assert 0 < len(face_data(UNITS)["shapes"]) < len(FIGURE.mesh.shapes) / 2
     every = [{channel: 1.0} for channel in FACE_CHANNELS]

@@ -21,8 +21,8 @@ from ...chromium import binary, opened
 
 HUMAN = Robot.load("human")
 FIGURE = load_figure()
-MOST = 1.5e6  # [bytes] that a page grows by
-SIDE = 300  # [pixels]
+MOST = 1.5e6  # [bytes] largest growth of a page by skin and scripts
+SIDE = 300  # [pixels] side of the page's picture
 BONES = """
 const { skin, placed, angles } = JSON.parse(require("fs").readFileSync(0));
 process.stdout.write(JSON.stringify(angles.map((row, k) => Array.from(bonesOf(skin, placed[k], row)))));
@@ -69,7 +69,7 @@ def test_skin_vertices_packed_for_the_page_equal_those_of_the_human_figure():
     assert np.array_equal(triangles, np.concatenate([FIGURE.mesh.triangles, len(packed) + FIGURE.locks.triangles]))
 
 
-def test_page_contains_skin_data_only_for_a_robot_with_skin_and_below_a_size_limit():
+def test_page_data_contain_a_small_skin_for_the_human_and_none_for_a_robot_without_skin():
     assert len(json.dumps(skin_data(HUMAN))) + len(read_scripts(("skin.js",))) < MOST
     assert "skin" not in scene_data(Robot.load("upper36"))
     assert "skin" in scene_data(HUMAN)

@@ -25,8 +25,8 @@ from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
 HAIRLINE = (-0.06, 0.12)  # heights in the chart between which skin becomes hair
-HEM = 0.04  # [m] on each side of a border that the texture of clothes spans
-PAINTED = 512  # [pixels] along a side of the painted skin
+HEM = 0.04  # [m] width of the clothes' texture on each side of a border
+PAINTED = 512  # [pixels] width and height of the skin texture
 FIGURE = load_figure()
 MESH = FIGURE.mesh
 LOOK = {"61": 0.5, "63": 0.4}  # action units: eyes to the left and up

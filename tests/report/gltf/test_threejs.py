@@ -22,12 +22,12 @@ from ...chromium import binary, opened
 
 THREE = Path(studio_page.__file__).parent / "client" / "node_modules" / "three"
 EXAMPLE = Path(__file__).parents[3] / "examples" / "threejs"
-DURATION = 1.0  # [s]
-RATE = 44100  # [Hz]
+DURATION = 1.0  # [s] duration of the sound and the motion
+RATE = 44100  # [Hz] sample rate of the sound
 TONE_FREQUENCY = 2100.0  # [Hz] ten periods in the 210 samples of a measurement
 AMPLITUDES = (0.1, 0.9)  # loudness of the tone at the beginning and end, which tells the time
-MEDIAN_DRIFT = 0.02  # [s] between the sound and the lips
-MAX_DRIFT = 0.05  # [s] of nine frames in ten
+MEDIAN_DRIFT = 0.02  # [s] largest median time between sound and lips
+MAX_DRIFT = 0.05  # [s] largest time between sound and lips in nine of ten frames
 # Time by the tone's loudness, as it passes through the audio graph, and time by the jaw, at each drawn frame.
 RECORD_SCRIPT = """(async () => {
   const { shown } = await import("./player.js");

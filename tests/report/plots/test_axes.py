@@ -50,7 +50,7 @@ def test_plot_data_are_drawn_at_their_coordinates(drawn: tuple[Figure, PlotAxes]
     assert inner.attrib["overflow"] == "hidden", "what is beyond the limits is cut"
 
 
-def test_plot_axes_may_be_inverted(drawn: tuple[Figure, PlotAxes]):
+def test_plot_axis_runs_backwards_if_its_first_limit_is_the_larger_one(drawn: tuple[Figure, PlotAxes]):
     figure, axes = drawn
     axes.limit_x(10.0, 0.0)
     axes.limit_y(4.0, 0.0)
@@ -85,7 +85,7 @@ def test_tick_labels_are_drawn_only_if_enabled(drawn: tuple[Figure, PlotAxes]):
     assert elements(figure, "text") == []
 
 
-def test_playhead_spans_the_width_of_the_time_axes():
+def test_plot_states_the_left_and_right_end_of_its_time_axis_for_the_playhead():
     figure = Figure(1.0)
     figure.axes(1.1, 0.3, 4.4, 0.5, timed=True)
     assert 'data-from="0.10000" data-to="0.50000"' in figure.svg()

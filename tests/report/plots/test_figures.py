@@ -55,7 +55,7 @@ def test_plots_over_time_have_playheads_at_their_axes(hurried: DryRun, moves: li
     assert "playhead" not in ways
 
 
-def test_narrow_timeline_plot_has_the_same_labels_above_its_bars(hurried: DryRun, acts: str) -> None:
+def test_narrow_timeline_plot_has_the_labels_of_the_wide_one_above_the_bars(hurried: DryRun, acts: str) -> None:
     narrow = draw_timeline(hurried.plan, float(hurried.measured.times[-1]), NARROW_LAYOUT) or ""
     assert {"offer", "NOD"} <= words_of(narrow) & words_of(acts)
     (head,) = re.findall(r'class="playhead" data-from="([\d.]+)" data-to="([\d.]+)"', narrow)
@@ -82,7 +82,7 @@ def test_plot_labels_are_shortened_to_the_available_width() -> None:
     assert spaced_indices([0.0, 0.1, 1.0, 1.4, 2.1], 1.0) == [0, 2, 4]
 
 
-def test_desired_motion_is_sampled_once_for_plots_and_once_for_the_player(
+def test_report_page_interpolates_the_desired_motion_once_for_all_plots_and_once_for_the_player(
     hurried: DryRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     drawn, draw, data = [], join_keys, report(hurried, source="hurried.bml")
