@@ -27,7 +27,7 @@ def test_expressivity_parameters_of_a_document_override_the_style(context):
     assert here.manner(here.block.behaviours[0]) == Expressivity(power=0.7, spatial=0.4)
 
 
-def test_style_of_a_block_sets_its_standing_posture_unless_the_posture_setting_was_changed(context):
+def test_style_of_a_block_sets_the_standing_posture_unless_the_posture_setting_was_changed(context):
     joyful = block(Gesture("beat"), manners={"gesture": Manner(style="joyful")})
     assert context(joyful, TEST_STYLE).bearing == style_preset("joyful")
     assert context(block(Gesture("beat")), TEST_STYLE).bearing is TEST_STYLE

@@ -54,7 +54,7 @@ def test_neck_range_is_relative_to_the_torso(robot):
     assert gather_frames(Sequences(head=aside), [], robot)[1].head.torsion == pytest.approx(radians(75))
 
 
-def test_head_key_close_to_a_hand_stroke_merges_into_its_key_frame(robot):
+def test_head_key_close_to_a_hand_stroke_merges_into_the_key_frame_of_the_stroke(robot):
     nod = ((TurnKey(0.995, Turn()), TurnKey(1.4, Turn(tilt=0.2)), TurnKey(3.0, Turn())),)
     syncs = [SyncPoint(1.0, "g", "stroke"), SyncPoint(0.995, "h", "start"), SyncPoint(1.0, "g", "strokeEnd")]
     frames = gather_frames(Sequences(head=nod, hands=HAND_KEYS), syncs, robot)

@@ -235,7 +235,7 @@ def test_gaze_shift_of_a_fast_neck_has_human_velocity(robot, pace):
     assert 1.875 * 30 / look_time(slow, eager) == pytest.approx(4 / 3 * 30 + 30.0)
 
 
-def test_trunk_departure_is_delayed_only_by_spare_time(robot, pace, look_at):
+def test_trunk_starts_a_gaze_later_than_the_head_only_by_time_that_it_can_spare(robot, pace, look_at):
     look = look_at(Gaze(place_in(robot, 0.5, 0.0), influence="WAIST"))
     needed = pace.turn_time("torso", look.torso)
     for spare, late in ((1.0, 0.12), (0.05, 0.05), (-0.1, 0.0)):

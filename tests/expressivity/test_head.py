@@ -245,7 +245,7 @@ def test_head_waits_upright_before_and_after_its_swings(robot, pace, phases):
     ]
 
 
-def test_nods_without_or_too_close_to_given_times_are_spread_between_the_others(robot, pace, nod_times):
+def test_nods_with_no_time_or_a_time_too_close_to_another_nod_are_spread_over_the_free_time(robot, pace, nod_times):
     form = head_form(Head("NOD", repetition=4), robot, Expressivity())
     times = {**nod_times, "stroke": 1.0, "stroke:2": 1.001, "stroke:3": 3.0, "strokeEnd": 6.0, "relax": 6.0, "end": 6.0}
     peaks = [key.time for key in head_layer(form, times, pace, Expressivity()) if key.turn == form.peak]

@@ -56,7 +56,7 @@ def test_each_key_of_a_held_rotation_has_the_spline_parameters_of_its_phase(hold
     assert [(key.time, key.turn) for key in keys] == [(key.time, key.turn) for key in layer]
 
 
-def test_empty_rotation_layer_stays_empty():
+def test_setting_spline_parameters_of_an_empty_rotation_layer_leaves_it_empty():
     assert set_passages((), FORCEFUL_EXPRESSIVITY) == ()
 
 

@@ -25,7 +25,7 @@ from kinesic.planning.setup import Setup
 
 Law = Callable[[Floats, Floats, Floats], Floats]  # (m, n) angles, speeds, accelerations -> (m, n) torques
 MOVING_HINGE = 6  # index of the moving hinge
-LOADED_HINGE = 10  # index of the still hinge that the motion loads
+LOADED_HINGE = 10  # index of the hinge that stands still and is loaded by the motion
 
 
 @dataclass
@@ -34,7 +34,7 @@ class Pulls:
 
     load: Load
     law: Law
-    asked: list[Floats] = field(default_factory=list)  # the angles of each question
+    asked: list[Floats] = field(default_factory=list)  # angles of each evaluation
 
     def torques(self, angles: Floats, speeds: Floats, accelerations: Floats) -> Floats:
         self.asked.append(angles)
@@ -244,7 +244,7 @@ def test_time_between_two_low_duties_is_evaluated_only_if_they_are_over_two_knot
     at_rest = Trajectory(sealed(np.zeros_like(motion.controls)), 0.0)
 
     def found(*knots: int) -> tuple[list[int], int]:
-        """Return the overloaded knots, and the number of states evaluated of the changed motion."""
+        """Return the overloaded knots and the number of evaluated states of the changed motion."""
         setup.dynamics.asked.clear()
         times = KNOT_INTERVAL * np.array(knots)
         overloaded = np.rint(find_overloaded_times(at_rest, motion, times, setup) / KNOT_INTERVAL)

@@ -76,7 +76,7 @@ def test_small_delays_are_a_timing_conflict_only_if_their_sum_is_visible(row):
     assert look(row({"ab": 0.9 * NEGLIGIBLE_CLASH, "bc": VISIBLE_CLASH - NEGLIGIBLE_CLASH / 2})) == ""
 
 
-def test_too_many_timing_conflict_candidates_spend_the_search_budget(row):
+def test_too_many_candidate_pairs_of_timing_conflicts_end_the_exact_searches(row):
     few = {chr(k) + chr(k + 1): 0.3 for k in range(200, 200 + MAX_EXACT_PAIRS)}
     finder = row(few)
     look(finder)

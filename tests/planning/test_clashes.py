@@ -233,7 +233,7 @@ def test_timing_conflict_search_skips_the_linear_program_for_small_delays(known,
     assert {outcome.kind for outcome in quick_plan.keyframes.outcomes.values()} == {"realised"}
 
 
-def test_timing_conflict_search_beyond_its_budget_keeps_the_estimate(planned, monkeypatch):
+def test_timing_conflict_search_that_exceeds_its_budget_keeps_the_estimated_delay(planned, monkeypatch):
     def search(pair, postures, setup, budget, memory):
         budget.spend(10 * clashes.SEARCH_BUDGET)
         return 99.0

@@ -86,7 +86,7 @@ def test_block_of_many_overlapping_gestures_is_planned_within_budget(planned, mo
     assert count_violations(made) == 0
 
 
-def test_unlimited_planning_budget_does_not_change_a_small_plan(planned, monkeypatch):
+def test_plan_of_three_gestures_is_equal_with_an_unlimited_planning_budget(planned, monkeypatch):
     row = "".join(f'<gesture id="g{k}" lexeme="large" stroke="{1 + 0.5 * k:.2f}"/>' for k in range(3))
     usual = planned(row)
     monkeypatch.setattr(plan_module, "WORK_BUDGET", np.inf)

@@ -14,7 +14,7 @@ from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import find_bonds
 
-HURRIED_SEED = 1  # of nods with too little time, whose optimum IPOPT finds within two seconds
+HURRIED_SEED = 1  # random seed of nods with too little time; IPOPT finds their optimum within two seconds
 MAX_LIMIT_RATIO = 1.001
 
 

@@ -143,7 +143,7 @@ def test_torso_leans_only_at_the_key_with_a_far_hand_target():
     assert [posture.keyed[torso[0]] for posture in postures] == [True, False, True, True, True, False, True]
 
 
-def test_torso_has_keys_around_a_lean_about_one_axis():
+def test_torso_has_keys_at_a_lean_about_one_axis_and_at_the_frames_before_and_after_it():
     frames = frames_of_left_hand(None, *[(0.3, 0.2, 0.8)] * 5, None)
     leans = [np.array([0.0, 0.1 if k == 3 else 0.0, 0.0]) for k in range(7)]
     tasks = _tasks(frames, leans, np.tile(ROBOT.skeleton.rest, (7, 1)), ROBOT)

@@ -85,7 +85,7 @@ def test_quick_plan_reaches_its_keys_at_the_planned_times(slow):
         np.testing.assert_allclose(reached[row, keyed], posture.angles[keyed], atol=1.1e-3)
 
 
-def test_quick_plan_solves_all_hinges_in_at_most_three_calls(known, monkeypatch):
+def test_quick_plan_solves_all_hinges_in_at_most_three_solver_calls(known, monkeypatch):
     solved = []
 
     def find(*given):

@@ -34,7 +34,7 @@ HURRIED = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesi
 MARKS = {"g1": "a", "g2": "b", "g3": "c"}
 
 
-ONE_VOICE = pytest.mark.parametrize("known", ["durations"], indirect=True)  # whatever says it
+ONE_VOICE = pytest.mark.parametrize("known", ["durations"], indirect=True)  # the voice does not matter
 
 
 @cache
@@ -141,7 +141,7 @@ def test_planning_keeps_utterances_given_by_the_caller(known: Setup, waiting: Pl
 
 
 @ONE_VOICE
-def test_given_schedule_is_used_until_pauses_or_busy_hands_change_it(known: Setup):
+def test_schedule_of_the_caller_is_used_unless_pauses_or_busy_hands_change_it(known: Setup):
     plain, paused = (parse(HURRIED.format(block="", speech=speech)) for speech in ("", 'kinesic:pause="true"'))
     without_pause = plan_block(paused, known, utterances=speech.synthesise_block(paused, known)).timeline
     first = plan_block(plain, known)

@@ -17,10 +17,10 @@ from kinesic.studies.gestures.isolated import BEHAVIOUR_ID, plan_gesture
 
 PALM_COSINE = 0.5  # smallest cosine between the palm's facing and the normal of a triangle of the palm
 PALM_START = 0.4  # distance from the wrist / distance of the palm's centre, from which triangles belong to the palm
-MAX_PENETRATION = 0.003  # [m] depth of skin in skin
-SAMPLE_DENSITY = 2.5e5  # [1/m^2] sampled points of a surface
+MAX_PENETRATION = 0.003  # [m] largest depth of one hand inside the other
+SAMPLE_DENSITY = 2.5e5  # [1/m^2] sampled points per surface area
 SKIN_GAPS = (0.0, 0.006)  # [m] smallest and largest distance of palms that touch
-SHELL_GAPS = (0.004, 0.020)  # [m] the same of palms that hover
+SHELL_GAPS = (0.004, 0.020)  # [m] smallest and largest distance of palms that hover
 MAX_CONTACT_DISTANCE = 0.03  # [m] distance above which points are not inside the other hand
 
 

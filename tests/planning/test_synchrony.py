@@ -25,7 +25,7 @@ def down_strokes(plan):
     times = np.arange(0.0, plan.trajectory.duration, 0.005)
     robot = plan.setup.robot
     head = robot.skeleton.segment(robot.chains["neck"][-1])
-    depth = -robot.skeleton.frames(plan.trajectory.sample(times)[0]).rotations[:, head, 2, 0]  # of the line of sight
+    depth = -robot.skeleton.frames(plan.trajectory.sample(times)[0]).rotations[:, head, 2, 0]  # sine of the pitch
     lowest = np.flatnonzero((depth[1:-1] > depth[:-2]) & (depth[1:-1] >= depth[2:]) & (depth[1:-1] > 0.1)) + 1
     return times[lowest] - plan.trajectory.zero
 

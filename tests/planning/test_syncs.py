@@ -184,7 +184,7 @@ def test_time_span_of_a_behaviour_covers_first_to_last_sync_point():
     assert find_planned_spans([]) == {}
 
 
-def test_path_keys_include_both_ends_of_stroke(known):
+def test_keys_of_a_hand_path_include_both_ends_of_the_stroke(known):
     rest, arm = known.robot.skeleton.rest, known.robot.arm("r").joints[0]
     keyed = tuple(hinge == arm for hinge in range(len(rest)))
 

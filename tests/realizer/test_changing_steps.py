@@ -201,7 +201,7 @@ def test_sender_of_an_invalid_parameter_change_is_warned(scene, running):
     assert warning.time == 0.2
 
 
-def test_amount_change_that_cannot_be_timed_is_dropped_with_a_warning(scene, monkeypatch):
+def test_movement_amount_change_of_a_block_that_cannot_be_scheduled_is_dropped_with_a_warning(scene, monkeypatch):
     def refuse(*_):
         raise module.BmlError("no time")
 

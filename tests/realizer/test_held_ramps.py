@@ -191,7 +191,7 @@ def test_nods_and_posture_shifts_keep_the_held_gaze_angle(steps, need):
     assert steps([running], [need(0.1, role="trunk")], ends=0.3) == [(0.0, 1.0, 2.0)]
 
 
-def test_held_angle_reduced_by_limits_is_removed_once(steps, need):
+def test_held_angle_reduced_by_limits_is_removed_by_only_one_later_behaviour(steps, need):
     running = need(0.3, begin=-3.0, ready=-2.0, end=-2.0)
     assert steps([running], [need(-0.2)], ends=0.25) == [(-0.25, 1.0, 2.0)]
     both = [need(-0.2), need(0.1, role="trunk")]

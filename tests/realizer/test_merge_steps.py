@@ -163,7 +163,7 @@ def test_conflict_names_the_common_hands_and_the_remaining_time():
     assert _conflicts([both, free], others) == {"g": "l_hand and r_hand busy with o for 0.50 s more"}
 
 
-def test_block_start_is_relative_to_the_knot_at_which_its_motion_begins(nod):
+def test_time_zero_of_a_block_counts_from_the_knot_at_which_its_motion_begins(nod):
     attempt = _Attempt(nod, 30, nod.trajectory.controls, nod.trajectory.controls, (), {})
     assert attempt.zero == pytest.approx(0.3 + nod.trajectory.zero)
 

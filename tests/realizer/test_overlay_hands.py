@@ -17,9 +17,9 @@ from kinesic.realizer.overlay import (
 
 ROW_COUNT = 100  # control points of the test motions
 HINGE = 2
-CUT = 10  # knot
+CUT = 10  # first knot that may change
 NO_HINGES = np.zeros(4, dtype=np.bool_)
-LIMITS = object()  # only passed on
+LIMITS = object()  # placeholder; only passed on to a replaced function
 HALF_TOLERANCE = 0.5 * KNOT_TOLERANCE * KNOT_INTERVAL  # [s]
 
 

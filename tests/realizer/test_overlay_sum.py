@@ -14,7 +14,7 @@ from kinesic.realizer.overlay import add_motions, overlay_motions
 HINGE_COUNT = 22
 ROW_COUNT = 40  # control points of the test motions
 NECK = 3  # a hinge whose rest angle is 0
-TORSO = 0  # likewise
+TORSO = 0  # a torso hinge whose rest angle is 0
 NO_HINGES = np.zeros(HINGE_COUNT, dtype=np.bool_)
 ALL_HINGES = ~NO_HINGES
 

@@ -9,7 +9,7 @@ from kinesic.realizer.merge import MergedMotion
 from kinesic.realizer.occupancy import MergeFailure, Occupancy
 from kinesic.realizer.replan import _join, _PlanSwitch, _split, replan
 
-LIMITS = object()  # only passed on
+LIMITS = object()  # placeholder; only passed on to a replaced function
 NO_HINGES = np.zeros(4, dtype=np.bool_)
 
 

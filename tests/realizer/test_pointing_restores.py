@@ -154,7 +154,7 @@ def test_remaining_pointing_error_is_reported(restored, changes, motion, error):
         (False, True, True, "plan"),
     ],
 )
-def test_reference_pointing_error_is_that_of_the_previous_motion_or_else_of_the_plan(
+def test_pointing_error_is_compared_with_that_of_the_previous_motion_or_else_of_the_plan(
     is_there, is_merged, is_same_plan, expected
 ):
     plan = SimpleNamespace(

@@ -166,7 +166,7 @@ def test_block_beyond_256_others_is_refused(scene, steps, count, is_refused):
     assert any("256 blocks play and wait already" in text for text in found) is is_refused
 
 
-def test_new_block_delays_a_waiting_block_that_it_names_except_in_a_cycle(scene, steps):
+def test_new_block_delays_a_waiting_block_that_it_names_unless_both_would_wait_for_each_other(scene, steps):
     first = small_block("a", TIMES, state=BlockState.PENDING)
     busy = scene.with_block(first)
     after = begin(busy, small_block("b", TIMES, attributes='bmla:chunkBefore="a"').prepared, 10.0)

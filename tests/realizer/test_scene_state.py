@@ -123,7 +123,7 @@ def test_block_that_waits_for_a_waiting_block_may_not_start(scene):
     assert scene.may_start(waiting, 0.0)
 
 
-def test_next_time_is_that_of_the_first_message_or_the_next_start(scene):
+def test_next_event_of_a_scene_is_its_first_scheduled_message_or_block_start(scene):
     assert scene.next_time == inf
     message = ScheduledFeedback(7.0, "text")
     told = replace(scene, agenda=(message, ScheduledFeedback(8.0, "later")))

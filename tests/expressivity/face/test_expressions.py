@@ -100,7 +100,7 @@ def test_amount_scales_facial_intensity_up_to_one():
     assert shown("RAISE_BROWS", -1.0)["L1"] == 0.0
 
 
-def test_numbered_action_unit_of_a_face_behaviour_acts_on_its_side_or_both():
+def test_action_unit_number_of_a_face_behaviour_acts_on_the_given_side_or_else_on_both():
     assert find_expression(Face(action_unit=12, side="left", amount=0.4)).units == {"L12": 0.4}
     assert find_expression(Face(action_unit=12, amount=0.4)).units == {"L12": 0.4, "R12": 0.4}
     assert find_expression(Face(action_unit=26, side="left", amount=0.4)).units == {"26": 0.4}

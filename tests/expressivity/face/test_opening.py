@@ -4,7 +4,7 @@ import pytest
 from kinesic.expressivity.face.opening import LIP_OPENINGS, MAX_LIP_VELOCITY, limit_lip_opening, lip_opening
 
 TIME_STEP = 0.005
-SAMPLE_TIMES = TIME_STEP * np.arange(200)  # One second
+SAMPLE_TIMES = TIME_STEP * np.arange(200)  # [s] one second of samples
 
 
 def test_lip_opening_is_the_weighted_sum_of_lip_opening_action_units():

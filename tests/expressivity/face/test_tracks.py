@@ -58,7 +58,7 @@ def test_stronger_of_two_overlapping_facial_expressions_is_shown():
     assert at(result["L1"], 4.5) == pytest.approx(0.3)
 
 
-def test_permanent_expression_is_replaced_by_the_next():
+def test_permanent_expression_is_replaced_by_the_next_permanent_expression():
     result = show(
         *scheduled(
             '<faceShift id="f" lexeme="joy" amount="1" start="0" end="1"/>'
@@ -171,7 +171,7 @@ def test_eyes_counter_rotate_to_look_ahead_while_the_head_nods():
     np.testing.assert_allclose(result["63"] * MAX_EYE_ELEVATION, -nod[:, 1], atol=1e-12)
 
 
-def test_face_of_a_servo_command_has_the_action_units_at_its_time():
+def test_face_of_a_command_has_the_action_units_of_the_command_time():
     timeline, said = scheduled('<faceLexeme id="f" lexeme="smile" start="1" attackPeak="1.5" relax="3" end="4"/>')
     result = show(timeline, said, SAMPLE_TIMES)
     rows = list(face_at_ticks(result, len(SAMPLE_TIMES)))
@@ -226,7 +226,7 @@ def test_gesture_expression_peaks_at_stroke_and_decays_with_retraction():
         assert 0.0 < at(values, 1.6) < values.max()
 
 
-def test_face_with_a_known_and_an_unknown_lexeme_is_substituted_and_names_the_unknown():
+def test_face_with_a_known_and_an_unknown_lexeme_is_reported_as_substituted_with_the_unknown_one():
     outcome = face_outcome(Face(("smile", "xyzzy")))
     assert (outcome.kind, "xyzzy" in outcome.why) == ("substituted", True)
 

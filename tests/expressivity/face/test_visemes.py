@@ -133,7 +133,7 @@ def test_mouth_action_units_stay_between_0_and_1_and_change_by_less_than_0_8_in_
         assert channel in FACE_CHANNELS
 
 
-def test_stress_length_and_diphthong_symbols_are_parsed():
+def test_phonetic_symbols_of_stress_length_and_diphthongs_are_parsed():
     plain = visemes([Phoneme("o", 1.0, 0.1), Phoneme("u", 1.1, 0.1)], SAMPLE_TIMES)
     stressed = visemes([Phoneme("\u02c8oʊ", 1.0, 0.2)], SAMPLE_TIMES)
     for channel in plain:

@@ -144,7 +144,7 @@ def test_moved_stroke_times_are_restored_after_the_conflicting_stroke_is_dropped
     assert [key.time for key in arrangement.hands["r"]] == [key.time for key in alone.hands["r"]]
 
 
-def test_dropped_stroke_message_gives_a_feasible_time(pace, crossing):
+def test_message_about_a_dropped_stroke_suggests_a_feasible_time(pace, crossing):
     first, second = crossing
     for clashes, apart in (({}, 0.0), ({frozenset(("g1", "g2")): Clash(0.5)}, 1.0)):
         late = replace(second, times={sync: time + apart for sync, time in second.times.items()})

@@ -66,7 +66,7 @@ def test_counting_strokes_0_24_s_apart_are_shortened_instead_of_dropped(realise)
     assert strokes == pytest.approx([2 + 0.24 * k for k in range(len(NUMBER_WORDS))])
 
 
-def test_counting_stroke_with_a_fixed_end_is_dropped_instead_of_shortening_the_one_before(realise):
+def test_counting_stroke_with_a_fixed_end_is_dropped_instead_of_shortening_the_stroke_before(realise):
     held = count(0.24).replace('lexeme="two"', 'lexeme="two" strokeEnd="2.66"')
     outcomes = realise(held).outcomes
     assert outcomes["g2"].kind == "dropped"

@@ -134,7 +134,7 @@ def test_gestures_of_different_hands_overlap_freely(pace, phases):
     assert arrangement.sides == {"g1": {"r"}, "g2": {"l"}}
 
 
-def test_gesture_reduced_to_one_hand_names_the_conflicting_stroke(pace, phases):
+def test_reason_for_a_gesture_reduced_to_one_hand_names_the_conflicting_stroke(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.4, 1.5, 2.2), (right(A, B, C),))
     second = Stroke("g2", phases(0.4, 1.0, 1.0, 1.2, 1.2, 1.4, 2.0), (both(),))
     assert "busy with the stroke of g1 until 1.40 s" in arrange_hands([first, second], pace).outcomes["g2"].why

@@ -118,7 +118,7 @@ def test_hand_path_with_a_late_accent_is_fastest_in_its_last_turn(turns):
     assert fastest[1] > fastest[0]
 
 
-def test_faster_arrival_at_a_path_gives_a_faster_first_segment():
+def test_hand_that_arrives_faster_at_a_path_starts_the_path_faster():
     ends = [HandKey(time, Hand(Reach(np.array([0.3, -0.2, 1.0 + time / 10])))) for time in (0.0, 2.0)]
     path = shape_path("circle", amplitude=(0.1, 0.0, 0.1))
     lengths = []
@@ -163,7 +163,7 @@ def test_hand_keys_on_a_path_rotate_on_the_spline_of_neighbouring_keys(k):
         assert key.hand.passing
 
 
-def test_hand_path_to_an_unoriented_key_keeps_the_direction_of_the_first_key_or_has_none():
+def test_hand_path_to_a_key_without_orientation_keeps_the_direction_of_the_first_key_or_has_none():
     keys = [facing(0.0, 0.0, 0.0), HandKey(1.0, Hand(Reach(np.array([0.1, -0.2, 0.9])))), facing(2.0, 0.2, 1.0)]
     for key in path_keys_between(
         keys, 1, shape_path("circle", amplitude=(0.05, 0.0, 0.05)), unit=0.42, velocity=PathVelocity(0.0)

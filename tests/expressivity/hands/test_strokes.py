@@ -193,7 +193,7 @@ def test_stroke_repetitions_that_do_not_fit_are_dropped(done, end, times):
     assert all("its stroke is done once, not 3" in remark for remark in work.remarks)
 
 
-def test_time_named_for_all_repetitions_suffices_and_a_little_less_does_not(done):
+def test_remark_about_dropped_repetitions_names_the_shortest_time_that_suffices_for_all(done):
     manner = Expressivity(repetition=1.0)
     work, _ = done(TWO_KEY_FORM, 0.6, 1.0, 1.0, manner=manner)
     needed = float(re.search(r"of (\d+\.\d\d) s for all", work.remarks[0])[1])

@@ -8,7 +8,7 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.space import position
 
 
-def test_position_components_in_file_order_are_those_given():
+def test_position_in_the_axis_order_of_files_has_its_components_as_written():
     assert position(0.1, 0.2, 0.3)[list(FILE_ORDER)].tolist() == [0.1, 0.2, 0.3]
 
 

@@ -1,10 +1,10 @@
-"""Search with everyday words, which were written before anybody looked at the lexicon."""
+"""Search with everyday words that were written without a look at the lexicon."""
 
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.search import find_gestures
 
 FIRST_HITS = 5  # number of hits among which a wanted gesture must be
-MIN_FOUND_FRACTION = 0.9  # of the queries
+MIN_FOUND_FRACTION = 0.9  # fraction of queries with a wanted gesture among the first hits
 WANTED_GESTURES = {
     "hello": {"greet_wave", "wave_low"},
     "goodbye": {"wave_far", "wave_small", "greet_wave"},

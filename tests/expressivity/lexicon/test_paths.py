@@ -98,7 +98,7 @@ def test_varying_wave_frequency_of_a_hand_path_is_at_most_doubled(variation):
     assert np.abs(np.gradient(out, times)).max() <= 0.12 * 2 * np.pi * 2 * 4.0
 
 
-def test_points_path_passes_its_points_at_constant_speed():
+def test_path_of_via_points_passes_all_of_them_at_constant_speed():
     free = path("points")
     curve = free.at(START_POSITION, END_POSITION, np.linspace(0, 1, 1001))
     for point in VIA_POINTS:
@@ -113,7 +113,7 @@ def test_zigzag_path_of_six_points_has_5_to_7_swings():
 
 
 @pytest.mark.parametrize("kind", get_args(PathKind))
-def test_samples_of_a_hand_path_keep_the_chord_tolerance(kind):
+def test_hand_path_deviates_from_chords_between_its_samples_by_at_most_the_tolerance(kind):
     made = path(kind)
     coarse, fine = (made.samples(START_POSITION, END_POSITION, tolerance) for tolerance in (0.02, 0.001))
     assert len(fine) >= len(coarse)
@@ -126,7 +126,7 @@ def test_samples_of_a_hand_path_keep_the_chord_tolerance(kind):
     assert np.linalg.norm(made.at(START_POSITION, END_POSITION, shares) - chords, axis=1).max() < 0.0015
 
 
-def test_extrema_of_hand_path_waves_below_the_tolerance_are_sampled():
+def test_extrema_of_a_wave_path_are_sampled_even_if_its_amplitude_is_below_the_tolerance():
     small = path("wave", amplitude=0.01, frequency=5.0)
     shares = small.samples(START_POSITION, START_POSITION, 0.5)
     assert len(shares) == 4 * 5 - 1

@@ -14,7 +14,7 @@ def test_related_words_are_found_for_inflected_forms():
     assert related_words("violin") == ()
 
 
-def test_plural_of_a_word_in_er_has_the_stem_of_the_word():
+def test_inflected_forms_such_as_finger_and_fingers_have_the_same_search_stem():
     assert search_stem("fingers") == search_stem("finger")
     assert search_stem("waving") == search_stem("waves")
 

@@ -74,7 +74,7 @@ def test_function_words_of_a_query_do_not_change_its_hits(lexicon):
     assert ids(lexicon, "you")[0] == "you"
 
 
-def test_gesture_of_a_lexeme_lookup_that_ignores_query_words_is_not_in_the_first_3_hits(lexicon):
+def test_gesture_that_a_lexeme_lookup_finds_by_ignoring_words_is_not_among_the_first_3_hits(lexicon):
     assert lexicon.find("point at my nose").form.id == "me"
     assert "me" not in ids(lexicon, "point at my nose", 3)
 
@@ -84,7 +84,7 @@ def test_gesture_search_does_not_match_inside_a_word(lexicon):
     assert "watching_you" in ids(lexicon, "eyes")
 
 
-def test_gestures_that_match_only_some_words_are_near_hits(lexicon):
+def test_gestures_that_match_only_some_query_words_are_marked_as_near_hits(lexicon):
     hits = find_gestures(lexicon, "run away")
     assert "go_away" in [hit.id for hit in hits[:3]]
     assert {hit.kind for hit in hits if hit.score < NEAR_SCORE} == {"near"}

@@ -89,7 +89,7 @@ def test_single_frame_of_an_imported_motion_is_reached_as_a_posture(known):
     np.testing.assert_allclose(planned.trajectory.at(planned.trajectory.zero).angles, posture, atol=2e-3)
 
 
-def test_parameters_without_hinge_are_reported_and_refused_if_there_are_no_others(known, offer):
+def test_bap_parameters_without_a_hinge_are_reported_and_refused_if_no_parameter_has_one(known, offer):
     legs = BapFrames(offer.times, offer.angles, offer.given, (4, 5))
     (notice,) = plan_imported(legs, known, source="legs.bap").notices
     assert notice == Notice(

@@ -92,7 +92,7 @@ def test_secondary_motion_keeps_the_clearance_of_touching_hands(known):
     assert alive.clearance.distances.min() >= least - 1e-6
 
 
-def test_no_secondary_motion_while_pointing(known):
+def test_body_has_no_secondary_motion_while_pointing(known):
     aimed = ROOT.format(
         '<pointing id="p" target="left" start="4" ready="5" relax="7" end="8"/><wait id="w" duration="14"/>'
     )

@@ -55,7 +55,7 @@ def rest_changes(motion: Trajectory, chance: np.random.Generator) -> list[Offset
 
 
 @pytest.mark.parametrize("make", [breaths, drifts, arcs, rest_changes])
-def test_offsets_of_a_later_motion_are_the_same_but_later(make: Maker):
+def test_secondary_motion_is_equal_but_later_if_the_underlying_motion_starts_later(make: Maker):
     first, later = (make(held(begin), np.random.default_rng(2)) for begin in (0.0, 50.0))
     assert len(first) == len(later) >= 2
     for bump, other in zip(first, later, strict=True):
@@ -78,7 +78,7 @@ def test_breaths_vary_around_their_period_and_inhale_for_a_fixed_fraction(begin:
 
 
 @pytest.mark.parametrize("begin", [0.0, 50.0])
-def test_drifts_of_a_hold_join_and_last_about_one_period(begin: float):
+def test_successive_drifts_of_a_held_arm_have_no_gaps_and_last_about_one_period_each(begin: float):
     bumps = drifts(held(begin), np.random.default_rng(1))
     assert all(one.end == other.begin for one, other in pairwise(bumps))
     assert all(0.7 * DRIFT_PERIOD < bump.end - bump.begin < 1.4 * DRIFT_PERIOD for bump in bumps)

@@ -106,7 +106,7 @@ def test_block_without_speech_has_no_speech_motion(known):
 
 @pytest.mark.parametrize("begin", [0.0, 100.0])
 @pytest.mark.parametrize("duration", [MIN_DRIFT_TIME, 1.9, DRIFT_PERIODS[0], 7.3, 60.0])
-def test_sways_fill_a_pause_and_short_ones_are_smaller(known, begin, duration):
+def test_sways_of_head_and_trunk_fill_a_time_span_and_are_smaller_if_short(known, begin, duration):
     sways = [[*_straying((begin, begin + duration), 1.0, known.robot, np.random.default_rng(k))] for k in range(40)]
     largest = max(*MAX_HEAD_DRIFT, *MAX_TRUNK_DRIFT)
     for result in sways:
