@@ -32,7 +32,7 @@ class Log:
 
 
 def make_log(measured: Measurements) -> Log:
-    """Return the log of a sink's measurements."""
+    """Return the log of a performance from its measurements."""
     return Log(measured.times, measured.setpoints, measured.angles)
 
 

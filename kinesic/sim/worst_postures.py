@@ -15,7 +15,7 @@ ANGLES_PER_HINGE = 5  # number of angles of one hinge that the coordinate ascent
 
 @dataclass(frozen=True, eq=False)
 class Extremes:
-    """Largest value of a measure for each hinge, with its posture."""
+    """Largest value of a quantity for each hinge, with its posture."""
 
     values: Floats  # (n,) largest values
     postures: Floats  # (n, n) [rad] row j: the posture with the largest value of hinge j
@@ -46,7 +46,7 @@ def random_postures(skeleton: Skeleton, count: int, *, seed: int = 0) -> Floats:
 
 
 def extremes(skeleton: Skeleton, measure: Callable[[Floats], Floats]) -> Extremes:
-    """Search for the posture with the largest measure of each hinge.
+    """Search for the posture that maximises a quantity of each hinge.
 
     Args:
         skeleton: Skeleton with joint ranges.

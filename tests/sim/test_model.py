@@ -63,7 +63,7 @@ def test_joint_ranges_match_the_robot_description_and_contain_the_required_range
         assert MODEL.joint(name).limited
 
 
-def test_no_joint_is_added_without_backlash():
+def test_model_without_backlash_has_no_backlash_joints():
     assert len(find_play_indices(ROBOT, MODEL)) == 0
     values = np.arange(22.0)
     np.testing.assert_array_equal(

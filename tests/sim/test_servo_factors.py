@@ -155,7 +155,7 @@ def test_nominal_factors_return_the_robot_itself_and_equal_factors_the_same_obje
 
 
 @pytest.mark.parametrize("factors", [PESSIMISTIC_FACTORS, Factors(gain=0.9, servos={"a": DriveFactors(stall=0.5)})])
-def test_neutral_factors_change_nothing_on_either_side_of_a_join(factors):
+def test_joining_neutral_servo_factors_before_or_after_others_changes_nothing(factors):
     assert join_factors(factors, NOMINAL_FACTORS) == join_factors(NOMINAL_FACTORS, factors) == factors
 
 

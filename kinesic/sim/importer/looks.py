@@ -28,7 +28,7 @@ POINT_RADIUS = 1e-3  # [m] radius of the ball that marks the position of a mesh
 
 @dataclass(frozen=True, eq=False)
 class Looks:
-    """Visible surfaces of an imported robot's bodies, with omitted meshes."""
+    """Visible surfaces of an imported robot's bodies, with notes on omitted meshes."""
 
     surfaces: Mapping[int, tuple[Surface, ...]] = field(default_factory=dict)
     left_out: tuple[str, ...] = ()

@@ -149,7 +149,7 @@ def analyse_geometry(tree: Tree) -> HumanoidGeometry:
 def hang_arm(
     tree: Tree, row: tuple[int, ...], split: Split, target: HangingPose, *, strict: bool, first: Floats | None = None
 ) -> Posed:
-    """Find the hinge angles of an arm nearest to a pose."""
+    """Find the hinge angles that bring an arm nearest to a pose."""
     return pose_arm(
         HingeRow.of(tree, row), split, target, _find_ranges(tree, row, strict), [] if first is None else [first]
     )

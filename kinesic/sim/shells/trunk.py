@@ -42,11 +42,11 @@ TRUNK_CLEARANCE = 0.0045  # [m] distance of a trunk from servo corners; allows f
 HEAD_HALF_SIZE = sealed([1.10, 1.20, 1.16])  # half depth, width and height of the head's shell / those of its capsule
 HEAD_ROUNDING = 1.02  # [head radii] radius of the head's edges
 CHIN_DROP = 0.008  # [m] lowering of the head's shell below the centre of the head's capsule, so that it hides the neck
-EAR_SIZE = (0.36, 1.27)  # [head radii] radius of the ears, and distance of their faces from the midline
+EAR_SIZE = (0.36, 1.27)  # [head radii] radius of the ears, and distance of the ears' flat ends from the midline
 EAR_CENTRE = (-0.15, 0.0)  # [head radii] position of the ears ahead of and above the head's centre
 COLLAR_LEVELS = sealed(
     [[0.55, 0.62], [1.0, 0.22], [1.45, 0.0]]
-)  # rows: height above the axis of the shoulder girdle's capsule / its radius, and width / its width
+)  # rows: height above the axis of the shoulder girdle's capsule / capsule radius, collar width / capsule width
 COLLAR_RADII = sealed([0.92, 0.86, 0.78])  # depth of the collar at `COLLAR_LEVELS` / depth of the girdle
 COLLAR_TOP = 1.88  # height of the collar's rim above the axis of the shoulder girdle / its radius
 PEDESTAL_LEVELS = (0.0, 0.010, 0.030, 0.060, 0.110, 0.190)  # [m] heights of the pedestal's cross-sections

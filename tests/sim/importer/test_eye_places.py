@@ -73,7 +73,7 @@ def test_surface_points_of_a_part_come_from_its_meshes_or_else_its_shapes():
     assert _list_points(part()).shape == (0, 3)
 
 
-def test_front_of_a_head_needs_twelve_surface_points():
+def test_front_of_a_head_is_found_only_from_at_least_twelve_surface_points():
     assert _find_front(np.array(column(0.3, 0.0, 0.3, 11)), 1.0) is None
     assert _find_front(np.array(column(0.3, 0.0, 0.3, 12)), 1.0) is not None
 

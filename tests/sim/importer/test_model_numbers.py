@@ -183,7 +183,7 @@ def test_zero_and_negative_values_of_a_model_count_as_missing():
     assert (_positive(0.0), _positive(-1.0), _positive(0.5)) == (None, None, 0.5)
 
 
-def test_hinge_has_the_axis_range_and_losses_of_its_joint():
+def test_imported_hinge_has_the_axis_and_range_and_losses_of_its_joint():
     text = """<worldbody><body><freejoint/><geom size="0.1"/><body pos="1 0 0" euler="0 0 1.5707963267948966">
     <joint name="a" ref="0.5" range="-1 2" pos="0 0 3" axis="1 0 0" armature="0.1" frictionloss="0.2" damping="0.3"/>
     <joint name="b" axis="0 1 0"/><geom size="0.1"/></body></body></worldbody>

@@ -8,7 +8,7 @@ def index(tree, name):
     return [joint.name for joint in tree.joints].index(name)
 
 
-def test_tree_lists_paths_descendants_and_children(tee):
+def test_tree_of_robot_hinges_lists_paths_descendants_and_children(tee):
     hand = index(tee, "l_wag")
     assert [tee.joints[k].name for k in tee.path_from_base(hand)][:3] == ["waist", "bow", "l_pitch"]
     assert {tee.joints[k].name for k in tee.below(hand)} == {"l_wag", "l_thumb", "l_finger"}
@@ -33,7 +33,7 @@ def test_hinge_rotation_moves_only_its_descendants(tee):
     assert turned.joints[other].anchor == pytest.approx(tee.joints[other].anchor)
 
 
-def test_rigid_motion_of_the_tree_keeps_distances(tee):
+def test_rigid_motion_of_a_hinge_tree_keeps_distances(tee):
     moved = tee.moved(np.array([[0.0, 1, 0], [-1, 0, 0], [0, 0, 1]]), np.array([1.0, 2, 3]))
     before, after = (np.array([joint.anchor for joint in tree.joints]) for tree in (tee, moved))
     assert np.linalg.norm(np.diff(after, axis=0), axis=1) == pytest.approx(

@@ -31,7 +31,7 @@ def hinge(name="h", lower=-1.0, upper=1.0, *, joint=0, sign=1.0, zero=0.0):
     return SimpleNamespace(name=name, lower=lower, upper=upper, joint=joint, sign=sign, zero=zero)
 
 
-def test_hinge_whose_range_excludes_zero_is_at_its_nearest_limit():
+def test_hinge_whose_range_excludes_zero_rests_at_its_limit_nearest_to_zero():
     hinges = (
         hinge("above", 0.1, 1.0),
         hinge("below", -1.0, -0.2),
@@ -46,7 +46,7 @@ def test_hinge_whose_range_excludes_zero_is_at_its_nearest_limit():
 @pytest.mark.parametrize(
     ("angle", "degrees"), [(0.5, 28.65), (0.12345, 7.07), (1.0, 57.296), (2.0, 57.296), (-2.0, -57.296), (-0.5, -28.65)]
 )
-def test_angle_is_rounded_within_the_rounded_range(angle, degrees):
+def test_rest_angle_is_rounded_without_leaving_the_rounded_joint_range(angle, degrees):
     assert _round_into_range(hinge(), angle) == degrees
 
 
@@ -106,7 +106,9 @@ def test_arms_are_posed_left_first_and_the_right_starts_from_its_mirror_image(mo
         ([0.01] * 6, 35.0),
     ],
 )
-def test_arms_are_tilted_until_their_gap_is_2_5_cm_or_the_tilt_is_35_degrees(monkeypatch, gaps, tilt):
+def test_resting_arms_are_tilted_until_their_gap_to_the_body_is_2_5_cm_or_the_tilt_is_35_degrees(
+    monkeypatch, gaps, tilt
+):
     left = iter(gaps)
     monkeypatch.setattr(resting, "robot_from_tables", lambda file, path: (file.rest, path))
     monkeypatch.setattr(resting, "Robot", SimpleNamespace(of=lambda tables: tables))
@@ -142,7 +144,7 @@ def test_arm_gap_is_the_smallest_distance_of_forearms_and_hands(monkeypatch, gap
     assert asked[0].tolist() == [[1.0, 2.0]]
 
 
-def test_pairs_close_at_rest_or_overlapping_in_most_postures_are_excluded(monkeypatch):
+def test_segment_pairs_close_at_rest_or_overlapping_in_most_postures_are_not_checked_for_collision(monkeypatch):
     postures, asked = [], []
     gaps = np.full((100, 5), 0.1)
     gaps[0, :2] = 0.0179, 0.0181

@@ -35,7 +35,7 @@ def test_checked_segment_pairs_of_an_imported_robot_have_clearance_at_rest(tee_m
     assert rest.distances[0] >= robot.min_clearance
 
 
-def test_overlapping_pairs_at_rest_are_excluded_with_a_reason(tee_mapped, tee_path):
+def test_segment_pairs_that_overlap_at_rest_are_excluded_from_collision_checks_with_a_reason(tee_mapped, tee_path):
     fat = [
         msgspec.structs.replace(body, capsules=[msgspec.structs.replace(body.capsules[0], radius=0.3)])
         if body.name == "skullbase"

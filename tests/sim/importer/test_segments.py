@@ -32,7 +32,7 @@ def test_imported_upper_body_segments_keep_their_masses(tee_mapped):
     assert arm == pytest.approx([0.0, 1.2, 0.8, 0.3], abs=0.02)
 
 
-def test_shapes_of_the_file_are_used_and_missing_ones_generated(tee_mapped, hanging_mapped):
+def test_shapes_of_an_imported_file_are_used_and_missing_ones_are_generated(tee_mapped, hanging_mapped):
     own, made = ({body.name: body.capsules for body in item.file.body} for item in (tee_mapped, hanging_mapped))
     assert own["l_shoulder"][0].radius == 0.035
     assert made["l_shoulder"][0].radius == pytest.approx(0.15 * 0.28, rel=0.01)

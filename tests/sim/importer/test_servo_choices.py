@@ -62,7 +62,7 @@ def test_no_load_velocity_comes_from_damping_or_limit_within_plausible_bounds(ga
 @pytest.mark.parametrize(
     ("gain", "kept"), [(None, False), (19.9, False), (20.0, True), (100.0, True), (300.0, True), (301.0, False)]
 )
-def test_gain_of_the_file_is_kept_if_it_saturates_at_a_plausible_angle(gain, kept):
+def test_gain_of_an_imported_file_is_kept_if_full_duty_is_reached_at_a_plausible_angle(gain, kept):
     # The register of 128 is a gain of 1 PWM unit per tick: 885 units are the stall torque, 4096 ticks a turn.
     register = 128.0 * (gain / 10.0) * 885.0 * 2 * pi / 4096 if kept else 800.0
     why = "gain: the file's" if kept else "gain assumed"

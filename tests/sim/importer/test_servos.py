@@ -45,7 +45,7 @@ def test_velocity_limit_of_an_imported_joint_is_80_percent_of_its_no_load_veloci
     assert 0.8 * drive(table).no_load == pytest.approx(3.2, rel=1e-3)
 
 
-def test_damping_of_a_position_actuator_is_back_emf():
+def test_damping_of_a_position_actuator_counts_as_back_emf():
     table, why = servo(replace(UNKNOWN_JOINT, effort=5.0, gain=21.1, damping=1.084), gravity=1.0, inertia=0.01)
     assert table.no_load_rpm * 2 * pi / 60 == pytest.approx(5 / 1.084, rel=1e-3)
     assert "back-EMF" in why

@@ -36,7 +36,7 @@ TREE = Tree(
 )
 
 
-def test_tree_lists_children_paths_and_descendants():
+def test_tree_of_hinges_lists_children_paths_from_the_base_and_descendants():
     assert TREE.children == {BASE_INDEX: (0, 3), 0: (1,), 1: (2,), 2: (), 3: ()}
     assert [TREE.path_from_base(k) for k in (BASE_INDEX, 0, 2, 3)] == [(), (0,), (0, 1, 2), (3,)]
     assert [TREE.below(k) for k in (0, 2, 3)] == [(0, 1, 2), (2,), (3,)]

@@ -63,16 +63,16 @@ def test_importing_a_named_pipe_is_rejected_without_waiting(tmp_path: Path):
 
 
 @LINUX_ONLY
-def test_import_beyond_the_memory_bound_is_rejected(large_mesh: Path):
+def test_import_that_needs_more_memory_than_its_limit_is_rejected(large_mesh: Path):
     assert "memory" in refused(large_mesh, Bounds(memory=250_000_000))
 
 
 @LINUX_ONLY
-def test_import_beyond_the_cpu_time_bound_is_rejected(large_mesh: Path):
+def test_import_that_needs_more_processor_time_than_its_limit_is_rejected(large_mesh: Path):
     assert "processor time" in refused(large_mesh, Bounds(cpu_time=1))
 
 
-def test_import_beyond_the_duration_bound_is_stopped(hanging_path: Path):
+def test_import_that_takes_longer_than_its_time_limit_is_stopped(hanging_path: Path):
     began = time.monotonic()
     assert "takes longer than 0.05 s" in refused(hanging_path, Bounds(duration=0.05))
     assert time.monotonic() - began < 30.0
