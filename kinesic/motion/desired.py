@@ -34,9 +34,9 @@ Hinges = tuple[int, ...]  # hinge indices in joint order
 _EasingRows = tuple[tuple[Easing, float, float], ...]  # easing, overshoot and steepness of each hinge
 
 MAX_SWING = 0.05  # [rad] largest overshoot beyond a key without `swing`, within the joint range
-OVERSHOOT_VELOCITY = 5.0  # [overshoot / interval duration] key velocity at which a quintic has that overshoot
-OVERSHOOT_ACCELERATION = 58.0  # [overshoot / interval duration^2] key acceleration that causes this overshoot
-HULL_VELOCITY = 2.5  # [overshoot / interval duration] key velocity whose control points overshoot that far
+OVERSHOOT_VELOCITY = 5.0  # [overshoot / interval duration] key velocity of a quintic per overshoot beyond the key
+OVERSHOOT_ACCELERATION = 58.0  # [overshoot / interval duration^2] key acceleration of a quintic per overshoot
+HULL_VELOCITY = 2.5  # [overshoot / interval duration] key velocity per overshoot of a quintic's control points
 MONOTONE_VELOCITY = 2.0  # largest key velocity without overshoot / mean velocity of the slower interval
 TURNING_ACCELERATION = 6.0  # [rotation / interval duration^2] largest key acceleration without overshoot
 STEEPNESS_STEP = 0.25  # reduction of an easing curve's steepness per step until limits hold

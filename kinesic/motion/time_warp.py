@@ -106,7 +106,7 @@ def stretch_times(
 
 @dataclass(frozen=True, eq=False)
 class _WarpConstraints:
-    """Common values of the segments of a time-warp program."""
+    """Values that all segments of a time-warp program have in common."""
 
     times: Floats  # (m,) [s] given key times
     limits: Limits

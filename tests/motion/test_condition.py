@@ -77,7 +77,7 @@ def on_the_curve(*times: float) -> tuple[KeyPosture, ...]:
     return tuple(posture(time, tuple(Curve(time).angles(np.zeros(1))[0]), "stroke") for time in times)
 
 
-def test_reported_deviation_is_the_rms_distance_at_the_knots():
+def test_reported_deviation_is_the_rms_distance_from_the_desired_motion_at_the_knots():
     """Keys at the ends alone, and with one more away from the desired motion."""
     ends = on_the_curve(1.0, 3.0)
     aside = posture(2.0, tuple(Curve(2.0).angles(np.zeros(1))[0] + [0.3, 0.0]), "stroke")

@@ -48,7 +48,7 @@ def test_key_intervals_with_a_binding_limit_limit_the_time_of_a_segment():
     assert [*find_limiting_intervals(MARKED, deficit_of(0.1, None, None, None))] == every
 
 
-def test_segment_interval_that_ends_at_its_own_key_is_no_bottleneck():
+def test_interval_of_a_segment_that_begins_and_ends_at_the_same_key_is_no_bottleneck():
     late = replace(MARKED, marks=((0,), (1, 2), (3,), (3,)))
     deficit = deficit_of(0.1, "speed", None, "jerk")
     assert [*find_limiting_intervals(late, deficit)] == [(0, (0, 1))]

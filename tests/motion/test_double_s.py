@@ -102,7 +102,7 @@ def test_rest_to_rest_durations_accept_arrays_with_leading_dimensions(limits):
     np.testing.assert_allclose(durations[2, 1], least_rest_times(turns[2, 1], limits))
 
 
-def test_minimum_times_of_single_hinge_rotations_equal_those_of_whole_rows(robot_limits):
+def test_minimum_times_of_single_hinge_rotations_equal_those_computed_for_all_hinges_together(robot_limits):
     chance, limits = np.random.default_rng(4), robot_limits
     hinges = chance.integers(0, len(limits.lower), 200)
     turns = chance.uniform(-2.0, 2.0, len(hinges))

@@ -16,7 +16,7 @@ def keys_of(*rows: tuple[float, float, str]) -> tuple[KeyPosture, ...]:
     return tuple(KeyPosture(time, sealed([angle]), (True,), (("b", sync),)) for time, angle, sync in rows)
 
 
-def test_too_short_gaps_move_the_cheapest_key():
+def test_too_short_gap_between_keys_shifts_the_key_that_is_cheapest_to_shift():
     keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
     times = solve_key_times(KeyTimeProblem(keys, keys.gaps | {(1, 2): 0.5}, 0.6))
     assert times == pytest.approx([0.0, 0.7, 1.2, 2.0])
