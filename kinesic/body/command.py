@@ -1,4 +1,4 @@
-"""Commands to a robot, sinks that execute them, and measurements."""
+"""Commands to a robot, receivers (sinks) that execute commands, and measurements."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

@@ -14,6 +14,6 @@ HAN_LETTERS = "\u3005\u3007\u3400-\u4dbf\u4e00-\u9fff"  # Chinese characters
 
 _FIRST_MARK, _LAST_MARK = 0x0300, 0x1800  # range of characters with combining marks of modern scripts
 _OTHER_MARKS = "\u055a-\u055c\u055e\u055f\u05f3\u05f4\u200c\u200d"  # Armenian and Hebrew signs in words, joiners
-COMBINING_MARKS = _OTHER_MARKS + "".join(  # signs within words that are no letters: accents, vowels, joiners
+COMBINING_MARKS = _OTHER_MARKS + "".join(  # signs within words other than letters: accents, vowel signs, joiners
     sign for sign in map(chr, range(_FIRST_MARK, _LAST_MARK)) if unicodedata.category(sign) in ("Mn", "Mc")
 )

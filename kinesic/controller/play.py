@@ -1,4 +1,4 @@
-"""Stream commands to sinks at the ticks of a clock."""
+"""Stream commands to their receivers (sinks) at the ticks of a clock."""
 
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import ExitStack
@@ -50,7 +50,7 @@ def pace_commands(stream: Iterable[Command], *, clock: Callable[[], float] = mon
 
 
 def play(stream: Iterable[Command], sink: Sink) -> None:
-    """Write every command to the sink, then close it.
+    """Write every command to a receiver (sink), then close the receiver.
 
     The sink is closed even after an error.
     """
@@ -58,7 +58,7 @@ def play(stream: Iterable[Command], sink: Sink) -> None:
 
 
 def play_together(stream: Iterable[Sequence[Command]], sinks: Sequence[Sink]) -> None:
-    """Write each tick's commands to their sinks, then close the sinks.
+    """Write each tick's commands to their receivers, then close the receivers.
 
     The sinks are closed even after an error.
     """

@@ -47,7 +47,7 @@ def test_belt_reduction_trades_velocity_for_torque(xm540: Drive):
     assert 1 / (belt.gain * belt.no_load) == pytest.approx(1 / (xm540.gain * xm540.no_load))
 
 
-def test_tick_is_a_4096th_of_a_turn(xm540: Drive):
+def test_position_tick_of_a_servo_is_a_4096th_of_a_turn(xm540: Drive):
     assert xm540.tick * 4096 == pytest.approx(2 * pi)
 
 

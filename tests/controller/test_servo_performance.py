@@ -195,7 +195,7 @@ def test_servo_run_is_slowed_and_stopped_if_measured_hands_collide(performance: 
     assert "too little clearance" in live.why
 
 
-def test_accurate_servos_are_not_slowed(performance: DryRun):
+def test_servos_that_follow_the_plan_accurately_are_not_slowed(performance: DryRun):
     actor = Straying(performance.plan.trajectory.at(0.0).angles)
     live = perform_live(performance, actor)
     assert set(actor.paces) == {1.0}

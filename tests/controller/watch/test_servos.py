@@ -58,7 +58,7 @@ def cycles(seconds, angle, *, begin=0.0, **changes):
     return [status(begin + k * COMMAND_PERIOD, angle, **changes) for k in range(round(seconds / COMMAND_PERIOD))]
 
 
-def test_accurate_servos_keep_full_speed():
+def test_servos_that_follow_the_plan_accurately_keep_full_speed():
     seen = watch()
     assert seen.ingest(cycles(0.5, 0.02))
     assert (seen.pace, seen.over) == (1.0, False)
@@ -88,7 +88,7 @@ def test_servo_watch_requests_a_stop_after_the_maximum_time_at_minimum_speed():
     assert seen.over
 
 
-def test_position_reading_is_compared_with_the_plan_at_its_time():
+def test_position_reading_is_compared_with_the_plan_at_the_time_of_the_reading():
     """The reading arrives two cycles late; compared with the present plan it would be 2 mm off."""
     seen = watch(nearing)
     for k in range(50):

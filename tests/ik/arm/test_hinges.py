@@ -53,7 +53,7 @@ def test_angles_of_98_percent_of_postures_of_several_arm_layouts_are_recovered(
     assert _round_trips(_arm(shoulder, elbow, two_sided), 60) >= 0.98
 
 
-def test_undetermined_twist_of_a_straight_elbow_keeps_its_present_angle() -> None:
+def test_undetermined_twist_of_a_straight_elbow_keeps_its_current_angle() -> None:
     chain = Robot.load().arms["l"]
     linkage = linkage_of(chain)
     near = [0.0, 0.4, 0.3, 0.7, 0.0, 0.0, 0.0, 0.0]
@@ -61,7 +61,7 @@ def test_undetermined_twist_of_a_straight_elbow_keeps_its_present_angle() -> Non
     assert extract(linkage, points[1:], near).angles == pytest.approx(near[:5], abs=1e-9)
 
 
-def test_angle_solution_nearest_to_the_present_angles_is_chosen() -> None:
+def test_angle_solution_nearest_to_the_current_joint_angles_is_chosen() -> None:
     chain = _arm("yxz", "x", two_sided=True)
     linkage = linkage_of(chain)
     for elbow in (-1.0, 1.0):

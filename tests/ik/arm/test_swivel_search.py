@@ -19,7 +19,7 @@ def _still(frame: Rotation) -> tuple[tuple[float, ...], float]:
     return (0.2, 0.1, -0.1), 0.0
 
 
-def test_swivel_search_starts_with_the_present_arm_posture():
+def test_swivel_search_starts_with_the_current_arm_posture():
     first = next(cells(LINKAGE, TARGET, _still, near=POSTURE.tolist()))
     assert first.angles == pytest.approx(POSTURE.tolist(), abs=1e-9)
     assert first.cost < 1e-9

@@ -37,7 +37,7 @@ def test_aiming_a_bone_does_not_twist_it():
     assert twists == pytest.approx(np.zeros(4), abs=1e-12)
 
 
-def test_chain_aimed_at_its_present_joint_positions_keeps_its_rotations():
+def test_chain_aimed_at_its_current_joint_positions_keeps_its_rotations():
     rotations = _turns(5)
     stance = aim_bones(CHAIN, rotations, stance_of(CHAIN, rotations, GROUND).points, GROUND)
     assert stance.rotations == pytest.approx(rotations, abs=1e-12)
