@@ -33,7 +33,7 @@ def label(behaviour: Behaviour) -> str:
 
 
 def label_with_id(id: str, block: Block) -> str:
-    """Return a behaviour's name with its id if different: `offer (g9)`."""
+    """Return a behaviour's name, followed by a differing id: `offer (g9)`."""
     name = next((label(behaviour) for behaviour in block.behaviours if behaviour.id == id), id)
     return name if name.lower() == id.lower() else f"{name} ({id})"
 

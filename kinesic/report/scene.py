@@ -152,7 +152,7 @@ def _eyes(robot: Robot) -> list[Json]:
 
 
 def _rods(robot: Robot, seen: Iterable[Rod]) -> list[Json]:
-    """Return the connecting rods as coloured capsules."""
+    """Return the bars drawn on segments as coloured capsules."""
     painted = parts(robot)
     return [
         {"segment": robot.skeleton.segment(rod.segment), "capsule": _capsule(rod.shape), "colour": painted[rod.segment]}

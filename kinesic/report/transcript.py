@@ -34,7 +34,7 @@ class PeakingBehaviour:
 
 @dataclass(frozen=True)
 class TranscriptPiece:
-    """A word or silence, with the behaviours that peak during it."""
+    """A word or silence, with the behaviours that peak in that time."""
 
     word: str  # empty: a time without words
     begin: float  # [s] performance time; -inf before the first word
@@ -43,7 +43,7 @@ class TranscriptPiece:
 
 
 def transcribe(plan: Plan) -> tuple[TranscriptPiece, ...]:
-    """Return the spoken words with the behaviours that peak during each.
+    """Return the spoken words with the behaviours that peak during each word.
 
     Silences are included only if a behaviour peaks in them. Words between two marks divide the time in proportion to
     their letters.

@@ -19,7 +19,7 @@ from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.tools.release import holding_angles, release_servos
 
 FAULT_EXIT_CODE = 3  # exit code if a servo may still have torque
-FOLD_TIMEOUT = 60.0  # [s] time limit for a supervisor to fold the robot and switch torque off
+FOLD_TIMEOUT = 60.0  # [s] time limit for a supervisor to fold the arms and switch torque off
 POLL_PERIOD = 0.05  # [s] between two checks of the supervisor
 
 
@@ -78,7 +78,7 @@ def _confirm_release(manifest: Manifest, angles: Floats, *, yes: bool) -> None:
 
 
 def _end_supervisor(supervisor: Channel) -> None:
-    """Make a supervisor fold the robot, switch torque off and end.
+    """Make a supervisor fold the arms, switch torque off and exit.
 
     Returns when the supervisor has ended.
 

@@ -28,9 +28,9 @@ SCALP_RAMP = 0.35  # [eye distances] height over the hairline at which hair reac
 GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))  # [rad] turn between successive roots on the sphere
 SIDEBURN_HEIGHT = 0.5  # [eye distances] height below which hair in front of the ears is only painted, without locks
 HAIRLINE_ARC = 65.0  # [deg] angle to either side up to which the hairline has additional locks
-HAIRLINE_ITERATIONS = 12  # steps of the search for points of the skull on the hairline
-# Forward position and height [eye distances] below which hair is painted, without locks: on the neck, behind and before
-# an ear.
+HAIRLINE_ITERATIONS = 12  # number of search steps for skull points on the hairline
+# Forward position and height [eye distances] below which hair is only painted, without locks: on the neck, behind and
+# in front of an ear.
 LOWEST_ROOTS = ((-2.15, -0.55), (-1.95, 0.12), (EAR_REGION[0] - 0.01, 0.12), (EAR_REGION[0], SIDEBURN_HEIGHT))
 
 

@@ -19,7 +19,7 @@ from kinesic.face.assets.paint import IRIS_RADIUS
 LID_REGION_RADIUS = 1.8  # radius of the skin around an eye, in radii of the eyeball
 SKIN_CLEARANCE = 0.0004  # [m] minimum distance of skin from the eyeball, unless it is smaller at rest
 BURIED_DEPTH = 0.001  # [m] depth in the eyeball at rest from which skin is never visible
-LID_OVERLAP = 0.02  # fraction of its travel by which a closed upper lid overlaps the lower one
+LID_OVERLAP = 0.02  # overlap of closed lids / travel of the upper lid
 PROTRUSION_WEIGHT = 20.0  # [rad/m] weight of protrusion relative to height in the search for the lid edge
 LID_STEPS = 40  # number of steps between sampled lid positions from open to closed
 MIN_BLINK = 5e-4  # [m] lower bound of the lid edge's displacement in a blink, used as a divisor
@@ -180,7 +180,7 @@ def _interpolate_edge(points: Floats, aside: Floats) -> Floats:
 
 
 def _compute_elevations(points: Floats) -> Floats:
-    """Return the (n,) elevation angles of points over the forward direction [rad]."""
+    """Return the (n,) elevation angles [rad] of points above the forward direction."""
     return np.asarray(np.arctan2(points[:, 2], points[:, 0]))
 
 

@@ -41,7 +41,7 @@ class Bulge:
     upward: float  # [m]
 
 
-SHAPE_BULGES: Mapping[str, tuple[Bulge, ...]] = MappingProxyType(  # bulges of the left side; the right side is mirrored
+SHAPE_BULGES: Mapping[str, tuple[Bulge, ...]] = MappingProxyType(  # shape -> left bulges; right bulges are mirrored
     {
         "mouthSmile": (Bulge(0.60, -0.58, 0.36, 0.0042, 0.0025),),
         "cheekSquint": (Bulge(0.58, -0.39, 0.37, 0.0065, 0.0020),),
@@ -52,8 +52,8 @@ EVENED_CENTRE = (0.68, -1.0)  # [eye distances] centre of the smoothing, aside a
 EVENED_RADIUS = 0.5  # [eye distances] radius of the smoothing, which fades from half of it
 EVENED_START = (0.42, 0.56)  # [eye distances] lateral positions between which smoothing rises from 0 to 1
 MIN_SMOOTHED_FORWARD = -0.3  # [eye distances] forward position from which skin is smoothed
-# Displacement by the shape of one side: forward and up at the middle of the mouth [m], and the distance to either side
-# at which the displacement becomes zero [eye distances].
+# Correction of each one-sided shape: forward and up at the middle of the mouth [m], and the distance to either side
+# at which the correction becomes zero [eye distances].
 LIP_SHIFTS: Mapping[str, tuple[float, float, float]] = MappingProxyType(
     {
         "mouthSmile": (-0.0018, 0.0, 0.38),
@@ -72,7 +72,7 @@ class LipArc:
     shifts: tuple[float, ...]  # [mm] displacement at these distances
 
 
-# In the source, smiling lips form a V, and rounded lips a cone with a fold in the middle; arcs replace both.
+# Lip corrections of each shape: in the source, smiling lips form a V, and rounded lips a cone with a fold.
 LIP_ARCS: Mapping[str, tuple[LipArc, ...]] = MappingProxyType(
     {
         "mouthSmile": (LipArc("both", "up", (0.0, 0.1, 0.2, 0.3, 0.38), (0.0, -0.5, -1.2, -1.0, 0.0)),),

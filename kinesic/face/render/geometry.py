@@ -127,7 +127,7 @@ class Geometry:
         return self.context.vertices(shader, read, indices)
 
     def draw(self, units: Mapping[str, float], camera: Camera) -> Target:
-        """Draw the G-buffer for given action units and a camera.
+        """Draw the G-buffer of a mesh moved by action units.
 
         The first texture holds normal, depth and part, the second the chart position or the colour.
         """

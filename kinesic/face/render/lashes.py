@@ -10,7 +10,7 @@ from kinesic.face.render.camera import Camera
 from kinesic.face.render.geometry import Geometry
 from kinesic.face.render.passes import Target, compile_program, set_uniforms
 
-# source and target factors of colour, then of brightness
+# OpenGL blend factors of source and target: for the colour components, then for the fourth component, brightness.
 ALPHA_BLENDING = (gl.GL_SRC_ALPHA, gl.GL_ONE_MINUS_SRC_ALPHA), (gl.GL_ZERO, gl.GL_ONE_MINUS_SRC_ALPHA)
 
 

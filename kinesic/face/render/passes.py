@@ -19,7 +19,7 @@ SHADER_FOLDER = Path(__file__).parent / "shaders"
 VERSION_LINE = "#version 330 core\n"  # first line of every shader
 
 PassRegion = Literal["head", "marked", "marking", "everywhere"]
-# By region: OpenGL comparison of the drawn depth (far plane, 1.0) with the depth buffer; "1" always passes.
+# Region -> OpenGL comparison of the drawn depth (far plane, 1.0) with the depth buffer; "1" always passes.
 DEPTH_TESTS: Mapping[PassRegion, str] = MappingProxyType(
     {"head": ">", "marked": "==", "marking": "1", "everywhere": "1"}
 )

@@ -106,7 +106,7 @@ class Pipeline:
         self.geometry.pupil = 0.5 * diameter / self._eyeball
 
     def draw(self, units: Mapping[str, float], camera: Camera, gain: float) -> Picture:
-        """Draw the face picture and read it back from the card."""
+        """Draw the face picture and read the pixels from the graphics card."""
         return self.draw_target(units, camera, gain).pixels()
 
     def draw_target(self, units: Mapping[str, float], camera: Camera, gain: float) -> Target:
@@ -160,7 +160,7 @@ class Pipeline:
         return self.occlusion.draw(compute_pixel_scale(camera, self._drawn[1]) / self._preset.coarse).textures[0]
 
     def draw_received_light(self, camera: Camera, around: Texture) -> Texture:
-        """Draw the received fractions of key light, per colour, and ambient light.
+        """Draw the received fractions of key light (per colour) and ambient light.
 
         All values are in 0..1.
         """

@@ -48,7 +48,7 @@ class ShadowPass:
             )
 
     def draw(self, towards: Floats, camera: Camera, around: Texture) -> Target:
-        """Draw received key light per colour, and unoccluded ambient fraction, 0..1.
+        """Draw received fractions 0..1 of key light (per colour) and ambient light.
 
         Args:
             towards: (3,) unit vector to the lamp in the camera's frame.

@@ -26,7 +26,7 @@ class MovingMesh(Protocol):
         """Return (v, 6) mesh positions [m] and normals for action units."""
 
     def head_motion(self) -> tuple[Floats, Floats] | None:
-        """Return the head's rotation and translation, or None if it is fixed."""
+        """Return the head's rotation and translation [m], None without rigid motion."""
 
 
 class HeadShape:
@@ -42,7 +42,7 @@ class HeadShape:
         return _add_normals(self.mesh, positions, self.mesh.eyes, self._hair)
 
     def head_motion(self) -> tuple[Floats, Floats] | None:
-        """Return None, as the camera turns around the head."""
+        """Return None, since the camera turns instead of the head."""
         return None
 
 

@@ -165,14 +165,14 @@ def interpolate_line(points: Floats) -> Floats:
 
 
 def _find_window(points: Floats, reach: float, a: Floats, y: Floats) -> tuple[slice, slice]:
-    """Return the rows and columns of the map grid near given points."""
+    """Return slices of the map rows and columns around points."""
     ends = np.stack([points.min(axis=0) - reach, points.max(axis=0) + reach])
     rows, columns = (slice(*np.searchsorted(grid, ends[:, k])) for grid, k in ((y, 1), (a, 0)))
     return rows, columns
 
 
 def _find_nearest(line: Floats, reach: float, a: Floats, y: Floats) -> tuple[Floats, Floats]:
-    """Return grid points' distances from a line and positions along it.
+    """Return grid points' distances from a line and positions along the line.
 
     Both have shape (rows, columns). Distances are at most `reach`.
     """

@@ -178,7 +178,7 @@ class PlotAxes:
     def verticals(
         self, at: Iterable[float], colour: ThemeColour, *, width: float = 1.0, span: tuple[float, float] | None = None
     ) -> None:
-        """Draw vertical lines across the axes or part of them."""
+        """Draw vertical lines over the whole y range or part of it."""
         places = np.array([*at], dtype=np.float64)
 
         def draw() -> str:

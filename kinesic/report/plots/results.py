@@ -27,7 +27,7 @@ MAX_RATIO = 100.0  # largest drawn limit / value of a minimum; larger ratios are
 MINIMUM_CHECKS = ", ".join(f"'{name}'" for name, limit in CHECK_LIMITS.items() if limit.at_least)
 # The ratio is value / limit, or limit / value if the limit is a minimum: above 1, the limit is violated.
 RATIO_LABEL = "value / {0}, or {0} / value of a minimum; right of 1: beyond the {0}"  # axis label; {0}: limit or goal
-# Quantiles of value / limit of each check, and whether a document failed it.
+# Quantiles of value / limit of each check, and whether any document failed the check.
 CHECKS_QUERY = f"""
 SELECT name, quantile_cont(ratio, 0.05), quantile_cont(ratio, 0.5), quantile_cont(ratio, 0.95), max(ratio),
     bool_or(status = 'fail') FROM (SELECT name, status, CASE WHEN name IN ({MINIMUM_CHECKS})
@@ -36,7 +36,7 @@ SELECT name, quantile_cont(ratio, 0.05), quantile_cont(ratio, 0.5), quantile_con
 GROUP BY name ORDER BY max(ratio)
 """
 SWEEP_QUERY = "SELECT DISTINCT parameter, measure FROM sweep ORDER BY parameter"
-# Value / goal of each metric, inverted if higher is better, and whether it meets its goal.
+# Value / goal of each metric (goal / value if higher is better), and whether the metric meets the goal.
 METRICS_QUERY = """
 SELECT name, CASE WHEN better = 'higher' THEN goal / value ELSE value / goal END AS ratio, ok
 FROM figures WHERE value > 0 AND goal > 0 ORDER BY ratio
