@@ -17,7 +17,7 @@ from kinesic.bench.studio.browser import find_binary as binary
 
 __all__ = ["binary", "browser", "opened"]
 
-MAX_WAIT = 60.0  # [s] on a machine that is shared with other work
+MAX_WAIT = 60.0  # [s] longest wait, on a machine that is shared with other work
 FOREIGN_HOST = "evil.example"  # host name that the browser resolves to this machine, as after DNS rebinding
 NO_TRIANGLES_SCRIPT = "window.drawElements ??= WebGL2RenderingContext.prototype.drawElements,"
 NO_TRIANGLES_SCRIPT += "WebGL2RenderingContext.prototype.drawElements = () => undefined, 0"
@@ -66,7 +66,7 @@ class Page:
             sleep(0.02)
 
     def drag(self, begin: tuple[float, float], *steps: tuple[float, float]) -> None:
-        """Press the mouse at a point, move it to others, and release it at the last."""
+        """Drag the mouse from the first of some points to the last."""
         for kind, (x, y) in (("mouseMoved", begin), ("mousePressed", begin), *(("mouseMoved", at) for at in steps)):
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1)
         x, y = steps[-1]

@@ -12,7 +12,7 @@ class TimedReport(Protocol):
     """Report of one test."""
 
     nodeid: str
-    duration: float  # [s]
+    duration: float  # [s] duration of the reported phase of the test
 
 
 def list_slowest_files(reports: Iterable[TimedReport]) -> list[str]:

@@ -14,16 +14,22 @@ import pytest
 WAKES, NAP = 12, 0.001  # [s] sleeps of one check
 LOOP_COUNT = 40_000  # Python loop iterations, a few milliseconds
 MAX_WAKE_DELAY = 0.020  # [s] acceptable delay of a wake-up
-MIN_CORE_FRACTION = 0.3  # of a core during a check
-MAX_LOOP_TIME = 0.040  # [s] of processor time for the loops
-CHECK_VALIDITY = 1.0  # [s] for which a successful check is valid
+MIN_CORE_FRACTION = 0.3  # smallest fraction of a core that this process gets during a check
+MAX_LOOP_TIME = 0.040  # [s] largest processor time of `LOOP_COUNT` loop iterations
+CHECK_VALIDITY = 1.0  # [s] time for which a successful check is valid
 PATIENCE, AGAIN = 6.0, 0.1  # [s] before the machine counts as too slow, normally and after a slow check
-LONG_CHECK_FACTOR = 20  # loop count after a failure, longer than a scheduler time slice
-FAIR_CORE_FRACTION = 0.5  # of a core, below which a failure is inconclusive
-MAX_EXCUSED_FAILURES = 3  # inconclusive failures before the machine counts as too slow
+LONG_CHECK_FACTOR = 20  # factor of the loop count after a failure, so that a check exceeds a scheduler time slice
+FAIR_CORE_FRACTION = 0.5  # fraction of a core below which a failed test is inconclusive
+MAX_EXCUSED_FAILURES = 3  # number of inconclusive failures after which the machine counts as too slow
 
-MISTAKES = (AttributeError, FileNotFoundError, ImportError, NameError, TypeError)  # errors on a fast machine, too
-WRONG_WORDS = "Regex pattern did not match"  # of pytest, where an error has another message
+MISTAKES = (
+    AttributeError,
+    FileNotFoundError,
+    ImportError,
+    NameError,
+    TypeError,
+)  # errors that also occur on a fast machine
+WRONG_WORDS = "Regex pattern did not match"  # pytest's text for an error with an unexpected message
 
 
 @dataclass(frozen=True)

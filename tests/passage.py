@@ -9,7 +9,7 @@ PASSAGE_BML = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="pass
   <gaze id="z1" target="left" start="{8:.3f}" end="{9:.3f}"/>
 </bml>
 """
-STROKE_TIMES = (0.2, 1.0, 2.2, 2.7, 3.9, 5.0, 0.4, 2.0, 3.4, 4.7)  # [s]
+STROKE_TIMES = (0.2, 1.0, 2.2, 2.7, 3.9, 5.0, 0.4, 2.0, 3.4, 4.7)  # [s] times of the strokes
 
 
 def passage_text(repetition: int) -> str:

@@ -24,12 +24,16 @@ from xdist.workermanage import WorkerController
 Kind = Literal["page", "clock", "calculation"]
 
 CLOCK_WORKERS = ("gw0", "gw1")
-FILE_ORDER: dict[str, tuple[Kind, ...]] = {  # kinds of files that a process prefers, the first most
+FILE_ORDER: dict[str, tuple[Kind, ...]] = {  # kinds of files that a test process takes, the preferred kind first
     "gw0": ("page", "clock", "calculation"),
     "gw1": ("clock", "calculation", "page"),
 }
-OTHER_ORDER: tuple[Kind, ...] = ("calculation", "clock", "page")  # of all other processes
-STUDIO_FOLDER = "tests/studio/"  # folder whose tests show pages by a fixture
+OTHER_ORDER: tuple[Kind, ...] = (
+    "calculation",
+    "clock",
+    "page",
+)  # kinds of files that all other test processes take, the preferred kind first
+STUDIO_FOLDER = "tests/studio/"  # folder whose tests open browser pages in a fixture
 CALCULATION_NICENESS = 5  # niceness of calculating processes
 MAX_BUSY_PROCESSES = 3  # runnable processes per processor above which no process lowers its priority
 

@@ -30,7 +30,7 @@ pytestmark = pytest.mark.realtime
 EXAMPLES = Path(__file__).parent.parent / "examples"
 BML = "http://www.bml-initiative.org/bml/bml-1.0"
 NOD = '<head id="h" lexeme="NOD" start="0"/>'
-MAX_WAIT = 30.0  # [s]
+MAX_WAIT = 30.0  # [s] longest wait for a message or program
 
 
 @pytest.fixture(scope="module")

@@ -16,7 +16,10 @@ from kinesic.cli import kinesic as command
 from kinesic.report.run import Performance
 
 ROOT = Path(__file__).resolve().parent.parent
-GENERATED = {"command-line.md", "examples.md"}  # shows usages and whole programs
+GENERATED = {
+    "command-line.md",
+    "examples.md",
+}  # generated pages, with usage lines and whole programs instead of examples
 SKILLS = sorted((ROOT / "skills").glob("*/SKILL.md"))
 PAGES = [
     ROOT / "README.md",
@@ -26,7 +29,12 @@ PAGES = [
 ]
 SHELL_LINE = re.compile(r"^(?:\$ )?(?:\w+=\S* )*(?:\.venv/bin/)?kinesic (?P<words>.*)$", re.MULTILINE)
 PLACEHOLDER = re.compile(r"^(\.\.\.|[A-Z]+|\W+)$")
-CHEAP_SKILLS = {"write-a-sink", "read-a-report", "stream-bml", "export-gltf"}  # others perform several times
+CHEAP_SKILLS = {
+    "write-a-sink",
+    "read-a-report",
+    "stream-bml",
+    "export-gltf",
+}  # skills whose examples run in the test; the others would perform several times
 RUN_PAGES = [
     *(page for page in SKILLS if page.parent.name in CHEAP_SKILLS),
     ROOT / "README.md",
@@ -63,7 +71,7 @@ def find_verb(words: list[str]) -> tuple[click.Command, list[str]]:
     return verb, words
 
 
-def test_commands_in_the_documentation_parse():
+def test_commands_in_the_documentation_are_valid():
     failures = []
     for page, text in (lines := list(shell_lines())):
         words = shlex.split(text, comments=True)

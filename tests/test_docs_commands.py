@@ -16,20 +16,20 @@ from kinesic.cli.verbs import kinesic
 from .naming import about
 
 ROOT = Path(__file__).resolve().parent.parent
-USAGE_LINES = ROOT / "docs" / "reference" / "command-line.md"  # written from the code, with placeholders
+USAGE_LINES = ROOT / "docs" / "reference" / "command-line.md"  # generated page of usage lines with placeholders
 PAGES = [
     ROOT / "README.md",
     *(page for page in sorted((ROOT / "docs").rglob("*.md")) if page != USAGE_LINES),
     *sorted((ROOT / "skills").glob("*/SKILL.md")),
 ]
-SHELL_ENDS = ("|", "&", "&&", ";", ">", "<", "2>")  # words at which a command ends
+SHELL_ENDS = ("|", "&", "&&", ";", ">", "<", "2>")  # shell words at which a command ends
 PROGRAM_PAGES = (
     "how-to/use-from-python.md",
     "how-to/export-a-motion.md",
     "explanation/virtual-human.md",
     "explanation/inverse-kinematics.md",
 )
-OUTPUT_TOLERANCE = 0.02  # [s] by which a shown time may differ
+OUTPUT_TOLERANCE = 0.02  # [s] largest difference of a time shown on a page
 
 
 def list_commands(page: Path) -> Iterator[list[str]]:

@@ -8,7 +8,7 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 KERNELS = sorted((ROOT / "kinesic" / "_kernel").glob("*.so"))
 DYNAMIC_SEGMENT, STACK_SEGMENT, RELRO_SEGMENT = 2, 0x6474E551, 0x6474E552
-EXECUTABLE = 1  # flag of a segment
+EXECUTABLE = 1  # flag of an executable segment
 FLAGS_1_ENTRY, NOW = 0x6FFFFFFB, 1  # entry of the dynamic segment and its flag: all addresses are bound at load time
 
 

@@ -31,8 +31,8 @@ blocks.clear()
 sleep(1.0)
 print((resident() - before) // 1_000_000)
 """
-MAX_RETAINED = 10  # [MB] of 100 MB freed
-MIN_FROZEN_OBJECTS = 10_000  # the imports of this test alone
+MAX_RETAINED = 10  # [MB] memory that may stay allocated after 100 MB were freed
+MIN_FROZEN_OBJECTS = 10_000  # smallest number of frozen objects; the imports of this test alone have more
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only glibc is configured")

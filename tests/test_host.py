@@ -17,7 +17,7 @@ from kinesic.cli import kinesic
 from kinesic.host import HostFeature
 
 WINDOWS_HOST = Path(__file__).parent / "windows_host"
-ROOT = Path(host.__file__).parents[1]  # folder of the package
+ROOT = Path(host.__file__).parents[1]  # folder that contains the package
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
 LIVE_VERBS = [("serve",), ("studio",), ("mcp",), ("say", "-")]
 SERVO_VERBS = [

@@ -11,7 +11,7 @@ from .naming import about
 
 ROOT = Path(__file__).resolve().parent.parent
 EXTRAS = ("speech", "face", "voice", "dev")
-TOOLS = ("docs", "release", "compiler")  # lists without the core
+TOOLS = ("docs", "release", "compiler")  # lock files without the packages of the core
 LISTS = {name: ROOT / f"requirements-{name}.lock" for name in (*EXTRAS, *TOOLS)} | {"": ROOT / "requirements.lock"}
 MODULE_NAMES = {"hibari-tts": "hibari", "pillow": "PIL"}  # names of modules that differ from those of their packages
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))

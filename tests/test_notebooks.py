@@ -8,12 +8,12 @@ import pytest
 from kinesic.report.display.frame import MAX_DISPLAY_SIZE
 
 NOTEBOOKS = sorted((Path(__file__).parent.parent / "examples" / "notebooks").glob("*.ipynb"))
-DISPLAYED = {  # types that show themselves in each notebook, by the beginning of their text
+DISPLAYED = {  # beginnings of the objects that a notebook must display, by name of the notebook
     "compare_styles": ("<style", "<plan", "<performance"),
     "text_to_gestures": ("<plan", "<synonym match", "<plan"),
     "virtual_servos": ("<robot", "<performance"),
 }
-MAX_SECONDS = 300.0  # [s] of one cell on a machine that is shared with other work
+MAX_SECONDS = 300.0  # [s] longest run of one cell, on a machine that is shared with other work
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)

@@ -10,7 +10,12 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 SETUPTOOLS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["tool"]["setuptools"]
 PATTERNS = SETUPTOOLS["package-data"]["kinesic"]
-SOURCES = ("*.py", "*.cpp", "*.h", "studio/client/*")  # modules, and what is compiled or bundled
+SOURCES = (
+    "*.py",
+    "*.cpp",
+    "*.h",
+    "studio/client/*",
+)  # patterns of Python modules and of sources that are compiled or bundled
 
 
 @pytest.fixture(scope="module")

@@ -227,7 +227,7 @@ def test_servos_perform_once_after_a_successful_twin_run(performer, plan, servo_
     assert servo_runs == []
 
 
-def test_feedforward_uses_given_factors_of_the_twin_but_nominal_ones_for_a_named_twin(performer, plan):
+def test_feedforward_uses_the_factors_of_a_given_twin_but_data_sheet_factors_for_a_built_in_twin(performer, plan):
     late = Factors(latency=0.05)
     own, usual = performer.perform(plan, twin=late), performer.perform(plan, twin=late, believed=NOMINAL_FACTORS)
     assert not np.array_equal(own.measured.angles, usual.measured.angles)

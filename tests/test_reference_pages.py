@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parent.parent
 GENERATOR = ROOT / "docs" / "make" / "reference"
 READ_SCHEMA = re.compile(r"(?:read_toml|fit_schema)\([^()\n]*(?:\([^()]*\)[^()\n]*)*, (_?[A-Z][a-z]\w+)[,)]")
 PAGES = ["command-line.md", "python.md", "toml-files.md", "messages.md", "mcp-tools.md", "examples.md"]
-INTERNAL_SCHEMAS = {  # of files that only kinesic itself has
+INTERNAL_SCHEMAS = {  # schemas of files that only kinesic itself contains
     "_File": "expressions and visemes of the face",
     "_HandsFile": "hand shapes",
     "LegibilityTable": "requirements of tests",

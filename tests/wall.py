@@ -4,7 +4,7 @@ from kinesic.body.dynamics import Clearance
 
 
 class Wall:
-    """One metre per radian from a wall at 0."""
+    """Wall at angle 0, with one metre of distance per radian."""
 
     def clearance(self, angles):
         return Clearance(angles[:, 0], [("arm", "wall")] * len(angles))

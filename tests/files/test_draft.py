@@ -25,7 +25,7 @@ from kinesic.files.draft import (
 from kinesic.files.held_folder import hold_folder
 from kinesic.files.output_folder import MARKER_FILE, MARKER_TEXT
 
-NOBODY_UID = 65_534  # another user
+NOBODY_UID = 65_534  # user id of another user
 WRITER_PROGRAM = """
 import sys, time
 from pathlib import Path

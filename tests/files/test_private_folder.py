@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.files.private_folder import hold_private_folder
 
-NOBODY_UID = 65_534  # another user
+NOBODY_UID = 65_534  # user id of another user
 
 
 def hold(path: Path, *, make: bool = True) -> None:

@@ -138,7 +138,7 @@ def test_block_ids_with_colons_and_escapes_are_matched(name: str):
 
 
 @pytest.mark.parametrize("name", ["b", "message", "commented"])
-def test_refusal_is_matched_by_the_block_id_its_alternative_or_the_id_message(name: str):
+def test_refusal_is_matched_by_the_planned_or_the_written_block_id_or_the_general_id_message(name: str):
     def answer(_document: str, say: Say) -> None:
         say(WARNING.format("other", "rule depth: another block"))
         say("no XML")

@@ -24,9 +24,11 @@ NEXT = {"block": "b", "starts_in": 2.345, "ends_in": 4.0}
 class PlayedRobot:
     """Stub robot whose blocks and outcomes follow a script."""
 
-    blocks: list[list[Mapping[str, object]]]  # answer of each status request; the last one repeats
-    outcomes: dict[str, list[str]] = field(default_factory=dict)  # answers about own blocks; the last one repeats
-    expected: int = 0  # status requests until an own block is planned
+    blocks: list[list[Mapping[str, object]]]  # blocks in the answer to each status request; the last answer repeats
+    outcomes: dict[str, list[str]] = field(
+        default_factory=dict
+    )  # outcomes by id of this connection's blocks; the last outcome repeats
+    expected: int = 0  # number of status requests until a block of this connection is planned
     status_count: int = 0
 
     @property
@@ -135,6 +137,6 @@ def test_wait_tool_returns_the_status_after_its_time_limit():
 @pytest.mark.parametrize(
     ("blocks", "told"), [([PLAYING, NEXT], "; a, b play or wait"), ([], "; nothing plays")], ids=["playing", "resting"]
 )
-def test_refusal_of_an_unknown_block_names_the_known_blocks(blocks: list[Mapping[str, object]], told: str):
+def test_refusal_of_an_unknown_block_states_which_blocks_play_or_wait(blocks: list[Mapping[str, object]], told: str):
     with pytest.raises(RefusedError, match=f"^no block 'c' was performed here{told}$"):
         wait(PlayedRobot([blocks]), "c")

@@ -27,7 +27,7 @@ HELLO = {
     "method": "initialize",
     "params": {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": {"name": "test", "version": "1"}},
 }
-FEW_SESSIONS = 20  # more than `MAX_SESSIONS`
+FEW_SESSIONS = 20  # number of sessions, more than `MAX_SESSIONS`
 HEADERS = {"Content-Type": "application/json", "Accept": "application/json, text/event-stream"}
 
 

@@ -15,21 +15,21 @@ from time import monotonic, sleep
 from kinesic.serve.priority import raise_priority
 
 COMMAND = (sys.executable, "-m", "kinesic", "mcp", "--voice", "durations")
-PENDING_CALLS = 50  # calls that at least are pending at each stop
-SENT_CALLS = 60  # a few of them are answered before the stop
+PENDING_CALLS = 50  # smallest number of pending calls at each stop
+SENT_CALLS = 60  # number of calls sent before each stop; a few of these calls are answered before the stop
 LONG_TEXT = "It was a large and heavy thing, and nobody knew what to do about it. " * 25
-MAX_START_TIME = 120.0  # [s]
-MAX_STOP_LATENCY = 0.1  # [s]
-MAX_END_DELAY = 12.0  # [s] shorter than the time before a server is killed
+MAX_START_TIME = 120.0  # [s] longest start of a server
+MAX_STOP_LATENCY = 0.1  # [s] longest time from the stop call to its answer
+MAX_END_DELAY = 12.0  # [s] longest time until a server ends; it would be killed later
 
 
 @dataclass(frozen=True)
 class StopTiming:
     """Timing of a stop during pending calls."""
 
-    latency: float  # [s] from the call to its answer
+    latency: float  # [s] time from the stop call to its answer
     pending: int  # calls without an answer when the stop was sent
-    refusals: tuple[str, ...]  # answers of these calls
+    refusals: tuple[str, ...]  # answers to the pending calls
 
 
 def text_of(result) -> str:
@@ -94,7 +94,7 @@ async def many_clients(url: str, count: int) -> AsyncIterator[list]:
 
 
 async def time_stops(stopper, callers, *, count: int) -> list[StopTiming]:
-    """Measure successive stops after an uncounted first one."""
+    """Measure the timing of successive stops, without the first stop."""
     with raise_priority():  # same priority as the server, so that other processes do not distort the timing
         timings = [await _time_stop(stopper, callers, round_number=k) for k in range(count + 1)]
     return timings[1:]

@@ -14,7 +14,9 @@ from kinesic.metrics.reference import MOVING_FRACTION
 from ..reference.metrics import paths
 
 TIMES = np.arange(0.0, 2.0, 0.01)
-STRAIGHT_PATH = np.stack([np.clip(TIMES, 0.0, 1.0), 0 * TIMES, 0 * TIMES], axis=1)  # 1 m/s, arriving at 1 s
+STRAIGHT_PATH = np.stack(
+    [np.clip(TIMES, 0.0, 1.0), 0 * TIMES, 0 * TIMES], axis=1
+)  # [m] straight path at 1 m/s that arrives at 1 s
 
 
 def test_arrival_time_is_when_the_path_enters_the_target_ball():
@@ -41,7 +43,7 @@ def test_threshold_of_moving_hinges_is_5_percent_of_their_velocity_limit():
     assert MOVING_FRACTION == 0.05
 
 
-def test_behaviours_after_a_stop_have_no_arrival(calm):
+def test_behaviours_after_a_stop_have_no_arrival_time(calm):
     plan, times = calm.plan, calm.reference.times
     stopped = times[:5]
     paths = {part: path[: len(stopped)] for part, path in calm.reference.paths.items()}

@@ -1,4 +1,4 @@
-"""Changes of behaviours by conditioning."""
+"""Report of behaviours changed to keep the motion within limits."""
 
 from dataclasses import replace
 

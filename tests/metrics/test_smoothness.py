@@ -46,7 +46,7 @@ def test_minimum_jerk_reach_has_the_analytic_dimensionless_jerk():
 
 
 @pytest.mark.parametrize("figure", [dimensionless_jerk, measure_arc_length])
-def test_path_scaling_changes_no_smoothness_metric_and_time_scaling_no_dimensionless_jerk(figure):
+def test_scaled_path_has_the_same_smoothness_and_scaled_time_the_same_dimensionless_jerk(figure):
     path = reach()
     assert figure(10 * path, period=PERIOD) == pytest.approx(figure(path, period=PERIOD))
     assert dimensionless_jerk(path, period=2 * PERIOD) == pytest.approx(dimensionless_jerk(path, period=PERIOD))

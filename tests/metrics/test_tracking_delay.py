@@ -7,7 +7,7 @@ TIMES = np.arange(0.0, 4.0, 0.01)
 
 
 def pulse(times, late):
-    """Return the velocity of two strokes, there and back."""
+    """Return the velocity of a motion forth and back."""
     moved = times - late
     return np.exp(-((moved - 1.2) ** 2) / 0.02) - 0.7 * np.exp(-((moved - 2.6) ** 2) / 0.05)
 

@@ -19,7 +19,7 @@ from trial import Outcome, Sandbox
 
 HERE = Path(__file__).parent
 TREE = HERE.parent.parent
-GOAL = 0.8  # share to be killed of those that are not equivalent, in each part
+MIN_KILLED_FRACTION = 0.8  # smallest fraction of killed mutants in each part, without equivalent mutants
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class Mutant:
 
     part: str
     module: str
-    source: bytes  # of the module as it is
+    source: bytes  # source of the unchanged module
     edit: Edit
     tests: tuple[str, ...]
 
@@ -62,7 +62,7 @@ def _choose_in(part: str, modules: dict[str, list[str]], count: int, seed: int) 
 
 
 def try_all(mutants: list[Mutant], jobs: int, folder: Path) -> list[Outcome]:
-    """Run mutants in some processes, print the survivors, and return the outcomes in order."""
+    """Run mutants in parallel, print survivors, and return the outcomes in order."""
     free: SimpleQueue[Sandbox] = SimpleQueue()
     for job in range(jobs):
         free.put(Sandbox.make(TREE, folder / str(job)))
@@ -94,7 +94,7 @@ def try_all(mutants: list[Mutant], jobs: int, folder: Path) -> list[Outcome]:
 
 
 def report(mutants: list[Mutant], outcomes: list[Outcome], same: list[Mutant]) -> bool:
-    """Print the killed share of each part, and return whether each meets the goal."""
+    """Print each part's fraction of killed mutants, and return whether all suffice."""
     counts = Counter((mutant.part, outcome) for mutant, outcome in zip(mutants, outcomes, strict=True))
     parts = list(dict.fromkeys(mutant.part for mutant in (*mutants, *same)))
     shares = []
@@ -107,7 +107,7 @@ def report(mutants: list[Mutant], outcomes: list[Outcome], same: list[Mutant]) -
         tried = killed + endless + survived
         shares.append((killed + endless) / tried if tried else 1.0)
         print(f"{name:12} {killed:6} {endless:7} {survived:8} {equivalent:10} {100 * shares[-1]:3.0f} %")
-    return min(shares) >= GOAL
+    return min(shares) >= MIN_KILLED_FRACTION
 
 
 def main() -> int:

@@ -39,7 +39,12 @@ SWAPS: dict[type[ast.AST], tuple[str, tuple[str, ...]]] = {
 COUNTERPARTS = {"min": "max", "any": "all", "minimum": "maximum", "floor": "ceil", "argmin": "argmax"}
 COUNTERPARTS |= {other: name for name, other in COUNTERPARTS.items()}
 ORDERLESS = frozenset({"hypot", "isclose", "allclose", "array_equal", "isinstance", "issubclass", "cast"})
-DEFAULTED = {"get": 2, "pop": 2, "next": 2, "getattr": 3}  # calls whose last argument of so many is a default
+DEFAULTED = {
+    "get": 2,
+    "pop": 2,
+    "next": 2,
+    "getattr": 3,
+}  # argument counts of calls whose last argument is a default value
 RESULTS = {"bool": ("True", "False"), "int": ("0", "1"), "float": ("0.0", "1.0"), "str": ('""',), "bytes": ('b""',)}
 RESULTS |= {"list": ("[]",), "tuple": ("()",), "dict": ("{}",), "set": ("set()",), "frozenset": ("frozenset()",)}
 LEFT_ALONE = (ast.Import, ast.ImportFrom, ast.Assert, ast.JoinedStr)
@@ -75,7 +80,7 @@ Function = ast.FunctionDef | ast.AsyncFunctionDef
 
 
 def find_sites(source: bytes) -> list[Site]:
-    """Find all sites of a source, in its order."""
+    """Find all places of a source that mutations change, in source order."""
     tree = ast.parse(source)
     starts = [0]
     for line in source.splitlines(keepends=True):

@@ -8,7 +8,7 @@ from .mutations import find_sites
 
 HERE = Path(__file__).parent
 TREE = HERE.parent.parent
-PARSED_SITES = 4  # sites of a module whose mutants are parsed
+PARSED_SITES = 4  # number of sites per module whose mutants are parsed
 MODULES = {module: tests for part in read_targets().values() for module, tests in part.items()}
 
 

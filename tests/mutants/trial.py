@@ -17,12 +17,12 @@ from typing import Literal
 
 import pytest
 
-MEMORY = 8 << 30  # [bytes] of address space that a mutant may take
-PATIENCE = (20.0, 8.0)  # [s] that tests of a mutant may take, and how many times as long as without it
+MEMORY = 8 << 30  # [bytes] largest address space of a mutant
+PATIENCE = (20.0, 8.0)  # time limit of a mutant's tests: [s] plus this multiple of their usual time
 # Runs on the servos of `manual_servo`, which are ids of parametrised tests, would take twice as long.
 SELECTION = ("-m", "not soak and not realtime", "-k", "not ([manual or -manual or manual-)")
 
-FORKS = multiprocessing.get_context("forkserver")  # each trial begins with the heavy libraries loaded
+FORKS = multiprocessing.get_context("forkserver")  # context in which each trial begins with the heavy libraries loaded
 # Without MuJoCo, whose way of drawing kinesic chooses before the import.
 FORKS.set_forkserver_preload(["trial", "numpy", "scipy.optimize", "scipy.sparse", "casadi", "msgspec"])
 os.environ |= {"PYTHONHASHSEED": "0", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # of the trials

@@ -10,9 +10,9 @@ from time import monotonic, sleep
 
 from kinesic.tasks.dask_access import Certificates
 
-QUICK = ("--preload-nanny", "kinesic.tasks.quick_start")  # as the guide says
-READY = "Registered to"  # what a worker writes when it is
-PATIENCE = 120.0  # [s] until a program is there
+QUICK = ("--preload-nanny", "kinesic.tasks.quick_start")  # worker options that the guide gives for a quick start
+READY = "Registered to"  # text that a worker prints once it is ready
+PATIENCE = 120.0  # [s] longest start of a program
 
 
 def _tls(certificates: Certificates | None) -> tuple[str | Path, ...]:
@@ -37,7 +37,7 @@ def dask_scheduler(folder: Path, certificates: Certificates | None = None) -> It
 def dask_workers(
     address: str, folder: Path, pythons: Sequence[str] = (sys.executable,), *, certificates: Certificates | None = None
 ) -> Iterator[None]:
-    """Start a worker for each interpreter, which may be of different environments.
+    """Start a worker for each Python interpreter, even of different environments.
 
     A nanny of dask begins a worker anew that dies.
     """

@@ -10,7 +10,7 @@ from kinesic.hardware.bus.query import ServoReplies
 from kinesic.hardware.protocol.models import SERVO_MODELS
 
 ALL = slice(None)
-PERIOD = 0.01  # [s]
+PERIOD = 0.01  # [s] period of the bus cycle
 
 
 def make_filter(model: str = "xm430_w350") -> PlausibilityFilter:

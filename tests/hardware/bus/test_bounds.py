@@ -66,7 +66,7 @@ def test_servo_record_values_at_their_bounds_are_accepted(model: str, name: str,
 
 
 @pytest.mark.parametrize(("torque", "ends"), [(1, (1000 - 512, 2000 + 512)), (0, (-8 * 4096, 8 * 4096))])
-def test_position_bounds_are_the_range_plus_a_margin_with_torque_and_eight_turns_without(
+def test_position_bounds_are_the_range_plus_a_margin_with_torque_and_eight_turns_without_torque(
     torque: int, ends: tuple[int, int]
 ):
     bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"]] * 2, [SPAN, (1000, 2000)])

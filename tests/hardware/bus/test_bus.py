@@ -15,7 +15,7 @@ OTHERS = (
     "duplicate",
     "noise",
 )  # damage that costs a busy wire no more than what is tried in every run
-DAMAGES = {  # servos and their number in every run; make soak has all
+DAMAGES = {  # implementation and number of servos tested in every run; `make soak` tests all
     "corrupt": {("kinesic", 7)},
     "drop": {("kinesic", 7)},
     "truncate": {("manual", 7)},
@@ -158,7 +158,7 @@ def test_many_bus_faults_raise_no_error_and_give_no_false_servo_record(rig: Make
 
 
 @on_kinesic_servos
-def test_silent_servo_does_not_delay_others(rig: Make):
+def test_silent_servo_does_not_delay_records_of_other_servos(rig: Make):
     made = rig(14)
     made.run(3)
     made.plant.servos[4].mute = True
@@ -273,7 +273,7 @@ def test_reply_timeout_adapts_to_a_slow_adapter(rig: Make):
     assert not cycles[-1].silent.any()
 
 
-def test_adapter_slower_than_the_period_delays_records_but_reports_no_silence(rig: Make):
+def test_adapter_slower_than_the_bus_period_delays_records_but_no_servo_counts_as_silent(rig: Make):
     made = rig(7, latency=0.016)
     cycles = made.run(100, np.full(7, MID))
     assert not any(event.kind == "silent" for cycle in cycles for event in cycle.events)
@@ -285,7 +285,7 @@ def test_adapter_slower_than_the_period_delays_records_but_reports_no_silence(ri
     ["truncate", *(pytest.param(kind, marks=pytest.mark.soak) for kind in OTHERS)],
 )
 @on_kinesic_servos
-def test_repeated_queries_recover_faults_on_a_bus_that_is_four_fifths_busy(rig: Make, kind: str):
+def test_repeated_queries_recover_damaged_records_on_a_bus_that_is_four_fifths_busy(rig: Make, kind: str):
     made = rig(26, period=0.0108, faults=plan(kind, rate=0.01, start=0.2))
     made.energise()
     cycles = made.run(120, np.full(26, MID))
@@ -294,7 +294,7 @@ def test_repeated_queries_recover_faults_on_a_bus_that_is_four_fifths_busy(rig: 
 
 
 @on_kinesic_servos
-def test_newly_silent_servo_affects_records_of_others_in_at_most_two_cycles(rig: Make):
+def test_newly_silent_servo_affects_records_of_other_servos_in_at_most_two_cycles(rig: Make):
     made = rig(26, period=0.0108)
     made.run(5)
     made.plant.servos[2].mute = True

@@ -20,7 +20,7 @@ from ..conftest import Rig, rig_of
 from .test_bus import on_kinesic_servos
 
 Make = Callable[..., Rig]
-BYTE = 1e-5  # [s] at 1 Mbit/s
+BYTE = 1e-5  # [s] transmission time of a byte at 1 Mbit/s
 
 
 def overhear(made: Rig) -> list[bytes]:

@@ -51,7 +51,7 @@ def test_usb_latency_timer_is_read_through_the_stable_port_name(tmp_path: Path):
     assert "udev" in latency.remedy
 
 
-def test_latency_timer_of_one_millisecond_is_good(tmp_path: Path):
+def test_latency_timer_of_one_millisecond_is_short_enough(tmp_path: Path):
     timer(tmp_path, "1\n")
     latency = read_latency(tmp_path / "ttyUSB0", system=tmp_path)
     assert latency is not None

@@ -21,7 +21,7 @@ from ..conftest import Rig
 Make = Callable[..., Rig]
 MID = 2048
 ALL, PERIOD, MODEL = slice(None), 0.01, SERVO_MODELS["xm430_w350"]
-LEEWAY = CLOCK_TOLERANCE + (8 + 3 * 22) * 1e-5  # [s] and the time of a whole answer on the wire
+LEEWAY = CLOCK_TOLERANCE + (8 + 3 * 22) * 1e-5  # [s] clock tolerance plus transmission time of a complete reply
 
 
 class Waiting:
@@ -48,7 +48,7 @@ class Waiting:
         return raw
 
     def miss(self, time: float) -> float:
-        """Return until when [s] a missing reply to a query at a time [s] is awaited."""
+        """Return the time [s] until which a query's missing reply is awaited."""
         self.listener.sent_at = time
         self.late.note_missed(self.question)
         return time + (8 + 3 * 22) * 1e-5 + 0.05
@@ -58,7 +58,7 @@ class Waiting:
         return self.late.admit_earlier(self.question, ALL, answer)
 
     def cycle_of_the_past(self) -> None:
-        """Filter a cycle whose records all seem to be older than accepted ones."""
+        """Filter a cycle whose records all seem older than the accepted records."""
         self.believed.begin()
         assert self.admit_earlier(whole(1.001, 1.001, 1.001), self.miss(1.04) - 0.04)
         self.late.note(fresh=False)
@@ -151,7 +151,7 @@ def test_two_successive_stale_bus_cycles_trigger_a_cycle_without_query(waiting: 
     assert waiting.late.needs_trial
 
 
-def test_bus_cycle_with_fresh_servo_records_or_without_any_is_not_stale(waiting: Waiting):
+def test_bus_cycle_with_fresh_servo_records_or_without_any_record_is_not_stale(waiting: Waiting):
     waiting.cycle_of_the_past()
     waiting.late.note(fresh=False)
     assert not waiting.late.needs_trial, "nothing was set aside"

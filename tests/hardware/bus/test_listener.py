@@ -100,7 +100,7 @@ def listener(*arrivals: tuple[float, bytes]) -> Listener:
     return made
 
 
-READY = 28e-5 + QUESTION.length * 1e-5  # [s] when the last byte is out
+READY = 28e-5 + QUESTION.length * 1e-5  # [s] time at which the last byte of the reply has been transmitted
 
 
 def test_reply_in_time_is_returned_on_arrival():
@@ -181,7 +181,7 @@ def test_listener_that_waits_for_the_whole_cycle_accepts_a_reply_shortly_before_
     assert answer.whole
 
 
-def test_two_replies_at_once_are_parsed_in_order():
+def test_two_replies_received_at_once_are_parsed_in_order():
     made = listener((0.002, joint(1)[:200]), (READY + 0.001, joint(1)[200:] + joint(0)))
     first = made.receive(QUESTION, end=END)
     second = made.receive(QUESTION, end=END, again=True)

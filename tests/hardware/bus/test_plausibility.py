@@ -150,7 +150,7 @@ def test_large_position_change_is_accepted_after_half_a_second_of_silence(gate: 
     assert told(gate, blocks(1500, position=3500), 1.5) == [True, True]
 
 
-def test_temperature_may_rise_during_long_silence(gate: PlausibilityFilter):
+def test_temperature_of_a_servo_may_rise_during_long_silence(gate: PlausibilityFilter):
     assert told(gate, blocks(1200, temperature=40 + TEMPERATURE_TOLERANCE + 10), 1.2) == [True, True]
     assert told(gate, blocks(1210, temperature=40 + TEMPERATURE_TOLERANCE + 10 + TEMPERATURE_TOLERANCE + 2), 1.21) == [
         True,
@@ -238,7 +238,7 @@ def test_position_change_per_cycle_is_plausible_up_to_two_cycles_at_the_velocity
 
 
 def alone(made: PlausibilityFilter, block: Records, time: float) -> bool:
-    """Return whether the second servo's record is accepted in a query of its own."""
+    """Return whether the second servo's record is accepted if queried alone."""
     made.begin()
     made.admit(np.array([1]), answer(block[1:]), time)
     return bool(made.fresh[1])

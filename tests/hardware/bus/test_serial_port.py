@@ -1,4 +1,4 @@
-"""Serial port on a pseudo-terminal whose select, clock and errors are played."""
+"""Serial port on a pseudo-terminal with simulated `select`, clock and errors."""
 
 import errno
 import os

@@ -23,7 +23,7 @@ from ...manual_servo.line import Line, World
 from ...manual_servo.physics import MIDDLE, TICKS, Shaft
 from ...manual_servo.table import MODELS
 
-HEARD = 0.25  # [s] without power at most: what a servo needs to start
+REBOOT_TIME = 0.25  # [s] default time from a reboot until a servo receives instructions
 
 
 class Registers:
@@ -93,7 +93,7 @@ class Servo:
     def write(self, address: int, data: bytes) -> None:
         self.device.write(address, data)
 
-    def reboot(self, *, seconds: float = HEARD) -> None:
+    def reboot(self, *, seconds: float = REBOOT_TIME) -> None:
         self.device.boot(self.device.firmware.time)
         self.device.wakes = self.device.firmware.time + seconds
 

@@ -9,7 +9,7 @@ from ...manual_servo.device import Device
 from ...manual_servo.line import Line, World
 from ...manual_servo.packet import Decoder, Packet
 
-WAIT = 0.02  # [s] for answers
+WAIT = 0.02  # [s] time during which the host waits for replies
 
 
 class Bench:

@@ -21,7 +21,7 @@ def test_ping_but_not_read_is_answered_at_status_return_level_zero(bench: Make):
     assert made.raw(p.instruct(1, p.READ, words(132, 4))) == b""
 
 
-def test_broadcast_ping_is_answered_by_all_in_order(bench: Make):
+def test_broadcast_ping_is_answered_by_all_servos_in_order_of_id(bench: Make):
     assert [said.servo for said in bench(7, 2, 5).ask(p.BROADCAST, p.PING)] == [2, 5, 7]
 
 
@@ -254,7 +254,7 @@ def test_realtime_tick_counts_milliseconds(bench: Make):
     assert made.read("tick")[1] - before == pytest.approx(500, abs=2)
 
 
-def test_torque_holds_the_arm_of_a_reference_servo_and_it_falls_without(bench: Make):
+def test_arm_of_a_reference_servo_is_held_with_torque_and_falls_without_torque(bench: Make):
     made = bench(1, 2)
     shoulder, elbow = (device.shaft for device in made.devices)
     made.line.world.arms = (Arm((Link(shoulder, 0.0, 1.0, 0.6), Link(elbow, 0.0, 1.0, 0.2))),)

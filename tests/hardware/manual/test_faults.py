@@ -59,7 +59,7 @@ class Case:
     seen: Callable[[Bench], bool]
 
 
-WHOLE = 2 * 15  # bytes of both answers
+WHOLE = 2 * 15  # [bytes] size of the replies of both servos
 CASES = {
     "garble": Case(faults.Garble, lambda made: len(record(made)) == WHOLE and answers(made) != [1, 2]),
     "truncate": Case(faults.Truncate, lambda made: len(record(made)) < WHOLE),
@@ -159,7 +159,7 @@ def test_simulated_temperature_ramp_and_voltage_sag_reach_the_registers(bench: M
     assert made.read("error", 2) == (p.ALERT, VOLTAGE)
 
 
-def test_replay_fault_returns_one_reply_of_three_exchanges_before(bench: Make):
+def test_replay_fault_repeats_once_the_reply_sent_three_exchanges_earlier(bench: Make):
     made = bench(1, 2)
     made.line.expose(faults.Replay(age=3, servos=(1,)))
     made.device.firmware.tampers.append(lambda memory: memory.__setitem__("present_position", memory["tick"]))

@@ -10,7 +10,7 @@ import pytest
 from dynamixel_sdk import COMM_SUCCESS, PacketHandler, PortHandler
 
 ROOT = Path(__file__).parents[2]
-PATIENCE = 10.0  # [s]
+PATIENCE = 10.0  # [s] longest wait for the other process
 
 
 @pytest.fixture

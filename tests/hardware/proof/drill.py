@@ -26,7 +26,7 @@ from .observer import Observer, SpyWire
 RAISED = np.radians([10.0, 70.0, 80.0, 20.0, 70.0, 80.0, -20.0])
 SWAY, SWAYING, RAISING = np.radians(8.0), 2.0, 1.3  # [rad]; [s] of a period; [s] until the arms are up
 LONG, AFTER = 22.0, 6.0  # [s] of the performance, [s] of looking after a fault has passed
-WEIGHTS = {"flexion": 0.6, "bend": 0.35}  # [Nm] of each part of an arm where it is level
+WEIGHTS = {"flexion": 0.6, "bend": 0.35}  # [Nm] gravity torque on each hinge of a level arm part
 SETTINGS = SupervisorSettings(pace=2.0, patience=1.2, hopeless=12.0)
 BITS = (1, 4, 8, 16, 32)
 KIN_OF_WIRE = ("corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late")
@@ -40,7 +40,7 @@ class Strike:
     bus: str
     seconds: float
     begin: Callable[[Desk], None]
-    wire: bool = False  # whether no servo has anything, so that none may be called stuck
+    wire: bool = False  # whether only the wire is faulty, so that no servo may be reported as stuck
 
 
 class TrueShafts:

@@ -24,13 +24,15 @@ from ...manual_servo.packet import Decoder, Packet
 
 TORQUE, PWM, GOAL = 64, 100, 116
 RESTING = radians(5)
-RECENT = 20  # moments that a belief is compared with
-STANDING = 1.0  # [s] after which motion needs consent
-AWAY = radians(3)  # that a goal may move away from rest without
-STILL = radians(0.2)  # that goals may move while the robot stands
-LANDING = radians(1)  # between goal and place when torque comes
-HASTE, ROUNDING = 1.6, 2  # times the speed of a servo without load; [ticks]
-BELIEF, BLUR = radians(3), 0.03  # that a belief may be wrong; [s] that its time may be
+RECENT_STATES = 20  # number of recent actual states that a reported angle is compared with
+STANDSTILL_LIMIT = 1.0  # [s] duration of a standstill after which motion needs a person's consent
+MAX_DEPARTURE = radians(3)  # [rad] largest motion away from rest without consent after a standstill
+STANDSTILL_TOLERANCE = radians(0.2)  # [rad] largest motion of goals during a standstill
+GOAL_TOLERANCE = radians(1)  # [rad] largest distance between goal and servo when torque is switched on
+MAX_VELOCITY_RATIO = 1.6  # largest goal velocity / no-load velocity of the servo
+ROUNDING = 2  # [ticks] rounding tolerance of goal changes
+ANGLE_TOLERANCE = radians(3)  # [rad] largest error of a reported angle
+TIME_TOLERANCE = 0.03  # [s] largest error of the time of a reported angle
 
 
 class TrueServos(Protocol):
@@ -75,7 +77,7 @@ class Moment:
 
 @dataclass
 class Observer:
-    """Collector of broken rules."""
+    """Collector of the safety rules that servos break."""
 
     manifest: Manifest
     true: TrueServos
@@ -83,8 +85,8 @@ class Observer:
 
     def __post_init__(self) -> None:
         count = len(self.manifest.members)
-        self.watching = False  # whether what stands for long was interrupted
-        self._moments: deque[Moment] = deque(maxlen=RECENT)
+        self.watching = False  # whether a long standstill counts as an interruption
+        self._moments: deque[Moment] = deque(maxlen=RECENT_STATES)
         self._goals, self._sent, self._powers = np.full(count, np.nan), np.full(count, np.nan), np.full(count, np.nan)
         self._energised: Flags = np.zeros(count, dtype=np.bool_)
         self._held, self._stood = self._goals.copy(), 0.0
@@ -132,8 +134,8 @@ class Observer:
 
     def _goal(self, place: int, goal: float, time: float) -> None:
         before, passed = self._goals[place], time - self._sent[place]
-        most = HASTE * self.manifest.velocities[place] * max(passed, 0.0) + ROUNDING
-        moves = self._off(place, goal) > LANDING
+        most = MAX_VELOCITY_RATIO * self.manifest.velocities[place] * max(passed, 0.0) + ROUNDING
+        moves = self._off(place, goal) > GOAL_TOLERANCE
         if not moves and self._nearest is not None and abs(goal - before) > most:
             self._nearest[place] = np.inf  # it did not hear the goals before, and stands where it was
         elif moves and self._energised[place] and abs(goal - before) > most:
@@ -148,12 +150,12 @@ class Observer:
     # every cycle
 
     def look(self, time: float, believed: Floats, taken: Floats) -> None:
-        """Check servos against believed angles (n,) [rad] and times (n,) [s], NaN if unknown."""
+        """Compare servos with reported angles [rad] and times [s], NaN if unknown."""
         torque, ticks = self.true.torque(), self.true.ticks()
         angles = self.angles(ticks)
         for place in np.flatnonzero(torque & ~self._energised):
             off = self._off(int(place), self._goals[place])
-            if off > LANDING:
+            if off > GOAL_TOLERANCE:
                 self._note(time, int(place), f"torque comes {np.degrees(off):.1f} degrees from its goal")
         self._energised = torque
         self._moments.append(Moment(time, torque, angles))
@@ -161,25 +163,25 @@ class Observer:
         self._judge_beliefs(believed, taken)
 
     def _judge_standing(self, time: float) -> None:
-        """Check that long-standing goals move only towards rest."""
+        """Check that goals move only towards rest after a long standstill."""
         goals = self.angles(self._goals)
         away = np.abs(goals - self.rest)
-        if np.isnan(self._held).any() or not self.watching or np.abs(goals - self._held).max() > STILL:
+        if np.isnan(self._held).any() or not self.watching or np.abs(goals - self._held).max() > STANDSTILL_TOLERANCE:
             self._held, self._stood = goals, time
-        elif time - self._stood > STANDING and self._nearest is None:
+        elif time - self._stood > STANDSTILL_LIMIT and self._nearest is None:
             self._nearest = away
         if self._nearest is None:
             return
         self._nearest = np.minimum(self._nearest, away)
-        for place in np.flatnonzero((away > self._nearest + AWAY) & self._energised):
+        for place in np.flatnonzero((away > self._nearest + MAX_DEPARTURE) & self._energised):
             self._note(time, int(place), "moves away from rest again, and nobody has agreed")
 
     def _judge_beliefs(self, believed: Floats, taken: Floats) -> None:
         for place, joint in enumerate(self.manifest.joints.tolist()):
             if np.isnan(believed[joint] + taken[joint]):
                 continue
-            near = [m.angles[place] for m in self._moments if abs(m.time - taken[joint]) <= BLUR]
-            if near and min(abs(angle - believed[joint]) for angle in near) > BELIEF:
+            near = [m.angles[place] for m in self._moments if abs(m.time - taken[joint]) <= TIME_TOLERANCE]
+            if near and min(abs(angle - believed[joint]) for angle in near) > ANGLE_TOLERANCE:
                 self._note(float(taken[joint]), place, f"is believed at {np.degrees(believed[joint]):.0f} degrees")
 
     def _note(self, time: float, place: int, text: str) -> None:

@@ -76,7 +76,7 @@ def test_observer_reports_unconfirmed_motion_after_a_long_standstill(raised: Dri
     assert any("nobody has agreed" in line for line in observer.broken)
 
 
-def test_observer_reports_torque_loss_zero_power_goal_jumps_and_reboots(raised: Drill):
+def test_observer_reports_torque_loss_and_zero_power_and_goal_jumps_and_reboots(raised: Drill):
     say(raised, Register.TORQUE_ENABLE, 0)
     say(raised, Register.GOAL_PWM, 0, servo=ELBOW)
     say(raised, Register.GOAL_POSITION, 2048, bus="right")

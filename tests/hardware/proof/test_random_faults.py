@@ -6,8 +6,8 @@ import pytest
 
 from .drill import drill, random_strike
 
-FOLDED = 3.5  # [s] until what holds after a fault has lost its patience, and folded
-SEEDS = {"kinesic": 11, "manual": 13}  # a fault of a servo and one of a wire
+FOLD_TIME = 3.5  # [s] from the end of a fault until a robot that holds has moved to rest
+SEEDS = {"kinesic": 11, "manual": 13}  # random seeds that draw a servo fault and a wire fault
 
 
 @pytest.mark.parametrize(
@@ -22,7 +22,7 @@ SEEDS = {"kinesic": 11, "manual": 13}  # a fault of a servo and one of a wire
 def test_random_faults_break_no_safety_rule(servos: str, tmp_path: Path, seed: int):
     strike, made = random_strike(servos, seed), drill(servos, tmp_path)
     made.raise_arms()
-    made.suffer(strike, after=FOLDED)
+    made.suffer(strike, after=FOLD_TIME)
     made.end()
     assert made.observer.broken == [], strike.name
     assert not (strike.wire and made.called_stuck), made.kinds()

@@ -63,7 +63,7 @@ MANUAL = {  # examples of the public manual (Protocol 2.0)
 }
 
 
-NUMBERS = {  # of the manual
+NUMBERS = {  # instruction and fault codes of the manual
     Instruction: (0x01, 0x02, 0x03, 0x04, 0x05, 0x06, 0x08, 0x10, 0x20, 0x55, 0x82, 0x83, 0x8A, 0x92, 0x93, 0x9A),
     Fault: (0, 1, 2, 3, 4, 5, 6, 7),
 }
@@ -90,7 +90,7 @@ def test_fault_codes_and_alert_bit_equal_those_of_the_manufacturer_sdk():
     assert sdk_packets.ERRBIT_ALERT == ALERT_BIT == 0x80
 
 
-def test_packet_without_parameters_has_the_length_of_the_overhead():
+def test_packet_without_parameters_is_as_long_as_the_packet_overhead():
     assert len(packet.ping(1)) == PACKET_OVERHEAD
     assert len(packet.status(1, 0)) == STATUS_OVERHEAD
 
@@ -162,7 +162,7 @@ def test_truncated_packet_does_not_delay_the_next():
     assert list(reader.feed(cut + packet.ping(2))) == [Packet(2, 1, b"")]
 
 
-def test_fast_reply_is_not_unstuffed():
+def test_bytes_of_a_fast_reply_are_not_taken_as_byte_stuffing():
     """Bytes that look like a header inside a joint reply are data, in partial replies too."""
     body = bytes((Instruction.STATUS, 0, 1)) + PACKET_HEADER + b"\xff\xff\xfd\xfd"
     joint, reader = sealed_packet(BROADCAST_ID, body), Reader()

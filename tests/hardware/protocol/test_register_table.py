@@ -9,7 +9,12 @@ from ...manual_servo.table import MODELS, items
 from ...naming import about
 
 BY_ADDRESS = {register.field.address: register for register in Register}
-UNSPECIFIED_INITIALS = {"firmware", "volts", "celsius", "shutdown"}  # present values, and 53 or 52 by the edition
+UNSPECIFIED_INITIALS = {
+    "firmware",
+    "volts",
+    "celsius",
+    "shutdown",
+}  # measured values; shutdown is 53 or 52, by edition of the manual
 UNSPECIFIED_RANGES = {"drive_mode", "secondary_id"}  # the editions of the manual differ
 MODEL_INITIALS = {  # factory values of the velocity controller that the independent table leaves out
     ("xl430_w250", "velocity_i"): 1000,
@@ -47,7 +52,7 @@ def test_model_has_exactly_the_registers_of_the_independent_table(name: str):
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_modes_cells_and_current_unit_agree_with_the_independent_table(name: str):
+def test_operating_modes_indirect_cells_and_current_unit_agree_with_the_independent_table(name: str):
     model, expected = SERVO_MODELS[name], MODELS[name]
     assert {mode.value for mode in model.modes} == set(expected.modes)
     assert model.amperes == (None if expected.amperes is None else pytest.approx(expected.amperes))

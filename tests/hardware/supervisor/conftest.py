@@ -58,7 +58,7 @@ class Desk:
         *,
         settings: SupervisorSettings = BRISK,
         servos: str = "kinesic",
-        assemble: Callable | None = None,  # of kinesic's own servos, with a body of their own
+        assemble: Callable | None = None,  # builds kinesic's virtual servos with other physics
     ) -> None:
         self.manifest, self.settings, self.log, self.alive = manifest, settings, log, True
         self.servos, (build, self.wire) = servos, BUILDERS[servos]

@@ -23,7 +23,7 @@ from kinesic.host import account_home
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="needs /proc, as kinesic says")
 JOINTS, NOW = 3, 1000.0
-NOBODY = 65_534  # an owner who is not us
+NOBODY = 65_534  # user id of another user
 
 
 @dataclass

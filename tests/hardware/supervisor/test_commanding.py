@@ -21,7 +21,7 @@ from kinesic.hardware.supervisor.state_machine import Stage
 from .played_supervisor import JOINTS, PORTS, PlayedSupervisor, Rig
 
 SETTINGS = SupervisorSettings(pace=0.5)
-RAISED = np.array([0.0, 1.0, 0.0, 0.0])  # [rad]
+RAISED = np.array([0.0, 1.0, 0.0, 0.0])  # [rad] joint angles with one raised limb
 
 
 @pytest.fixture
@@ -33,7 +33,7 @@ def played(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> Iterator[Rig]:
         supervisor.reader.close()
 
 
-def test_supervisor_gets_its_order_over_a_pipe_that_stays_open(played: Rig, tmp_path: Path) -> None:
+def test_supervisor_process_gets_its_startup_order_over_a_pipe_that_stays_open(played: Rig, tmp_path: Path) -> None:
     servos, supervisor = played.open(settings=SETTINGS, log=tmp_path / "x" / ".." / "log")
     assert supervisor.arguments[1:] == ["-m", "kinesic.hardware.supervisor"]
     assert supervisor.session is True
@@ -49,7 +49,7 @@ def test_supervisor_gets_its_order_over_a_pipe_that_stays_open(played: Rig, tmp_
     assert not servos.running
 
 
-def test_supervisor_order_of_servos_without_an_event_log_names_no_log(played: Rig) -> None:
+def test_startup_order_of_a_supervisor_without_an_event_log_names_no_log_file(played: Rig) -> None:
     _, supervisor = played.open()
     assert msgspec.json.decode(supervisor.reader.readline(), type=SupervisorOrder).log is None
 

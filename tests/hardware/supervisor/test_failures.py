@@ -9,7 +9,7 @@ from kinesic.hardware.supervisor.state_machine import Stage
 
 from .judged import Room
 
-STARTLE = 0.5  # [s]
+STARTLE = 0.5  # [s] longest interruption that needs no consent
 
 
 class Watched:

@@ -12,7 +12,7 @@ from kinesic.hardware.supervisor.settings import DEFAULT_SETTINGS
 from kinesic.hardware.virtual.set_point import velocity_profile
 
 PERIOD = DEFAULT_SETTINGS.period
-STARTING = 3  # cycles
+STARTING = 3  # number of cycles in which the motion starts
 
 
 @pytest.fixture

@@ -19,7 +19,7 @@ from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 
 PERIOD, AWAY = 0.01, 0.2  # [s]
 WATCHDOG = 5
-LEFT = (0, 1, 2, 3)  # places of the servos behind the first port
+LEFT = (0, 1, 2, 3)  # indices of the servos behind the first port
 
 
 @dataclass

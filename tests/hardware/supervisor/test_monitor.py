@@ -164,7 +164,7 @@ def test_servo_after_shutdown_is_reported_as_failed_and_not_as_torque_off(room):
     assert monitor.holding_joints == frozenset()  # the others of its chain may bring it to rest
 
 
-def test_other_servos_of_a_chain_hold_when_one_fails_with_torque(room):
+def test_chain_holds_when_one_of_its_servos_fails_with_torque_still_on(room):
     room.records["hardware_error"][3] = HardwareError.ENCODER.value | HardwareError.VOLTAGE.value
     monitor = room.look()
     assert monitor.failed.tolist() == [False, False, False, True, False]

@@ -24,7 +24,7 @@ class PlayedSupervisor:
     """Supervisor that ends after some cycles and counts its delays."""
 
     cycles = 3
-    delays: tuple[float, ...] = ()  # [s] of the first cycles
+    delays: tuple[float, ...] = ()  # [s] delays of the first cycles
 
     def __init__(self, manifest, context, settings, *, watchdog: float) -> None:
         self.manifest, self.context, self.settings, self.watchdog = manifest, context, settings, watchdog
@@ -164,7 +164,9 @@ def test_published_addresses_are_removed_at_the_end(host: Host) -> None:
     assert not host.files[1].exists()
 
 
-def test_event_log_named_in_the_order_is_opened_and_closed_at_the_end(host: Host, tmp_path: Path) -> None:
+def test_supervisor_opens_the_event_log_of_its_startup_order_and_closes_it_at_the_end(
+    host: Host, tmp_path: Path
+) -> None:
     log = tmp_path / "events"
     _, supervisor = host.supervise(log=str(log))
     assert log.exists()
@@ -251,7 +253,7 @@ def started(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[bytes], tuple
         os.close(file)
 
 
-def test_process_reads_its_order_and_leaves_later_bytes_in_the_pipe(started, host: Host) -> None:
+def test_supervisor_process_reads_its_startup_order_and_leaves_later_bytes_in_the_pipe(started, host: Host) -> None:
     code, ((order, rest, ended),), handlers = started(msgspec.json.encode(host.order()) + b"\nrest")
     assert code == 5
     assert msgspec.to_builtins(order) == msgspec.to_builtins(host.order())
@@ -261,7 +263,7 @@ def test_process_reads_its_order_and_leaves_later_bytes_in_the_pipe(started, hos
 
 
 @pytest.mark.parametrize("line", [b"", b"nonsense\n", b'{"robot": 1}\n'])
-def test_unreadable_order_is_refused_on_standard_error(started, line: bytes, capsys) -> None:
+def test_unreadable_startup_order_of_a_supervisor_is_refused_on_standard_error(started, line: bytes, capsys) -> None:
     code, calls, _ = started(line)
     assert (code, calls) == (2, [])
     assert capsys.readouterr().err.startswith("kinesic.hardware.supervisor: ")

@@ -71,7 +71,7 @@ REFUSED = {
     (Register.VELOCITY_LIMIT, 10): "velocity limit",
     (Register.HARDWARE_ERROR_STATUS, 32): "has shut down (overload)",
 }
-MOVED = {  # of the wrong registers above: performed with torque, in every run
+MOVED = {  # wrong registers whose motion with torque is tested in every run; `make soak` tests all
     (Register.DRIVE_MODE, 13),
     (Register.OPERATING_MODE, 4),
     (Register.HOMING_OFFSET, 1000),

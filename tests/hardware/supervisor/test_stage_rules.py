@@ -16,7 +16,7 @@ def at(stage: Stage, **changes: object) -> SupervisorState:
 
 GOING = {"due": True}
 FOLDED, FAULTY, PAUSED = {"folded": True}, {"faulty": True}, {"paused": True}
-RULES = [  # stage, what it remembers, event, what is known; the next stage, what is begun, what is remembered then
+RULES = [  # stage, flags, event, observation; then next stage, actions, next flags
     (Stage.CLOSED, {}, "tick", {}, Stage.CLOSED, (), {}),
     (Stage.PROBE, {}, "tick", {}, Stage.PROBE, (), {}),
     (Stage.CONFIGURE, {}, "tick", {}, Stage.CONFIGURE, (), {}),

@@ -100,7 +100,7 @@ def test_torque_is_switched_on_only_after_every_servo_has_stored_its_goal(bench:
     assert bench.seen[first][Register.GOAL_POSITION] == here
 
 
-def test_torque_is_enabled_only_on_chosen_servos(bench: Bench):
+def test_torque_is_enabled_only_on_the_requested_servos(bench: Bench):
     bench.energised(0, 2)
     assert bench.true(Register.TORQUE_ENABLE) == [1, 0, 1, 0]
     assert bench.true(Register.BUS_WATCHDOG) == [WATCHDOG, 0, WATCHDOG, 0]

@@ -51,7 +51,7 @@ def test_calibration_takes_a_hinge_direction_from_the_first_large_rotation():
     assert travel.directions[0] == 0
 
 
-def test_mechanical_stop_far_before_the_range_end_narrows_the_range():
+def test_mechanical_stop_far_inside_the_configured_range_narrows_the_range():
     travel = watched(at(l_elbow_flexion=100), at(l_elbow_flexion=-1), at(r_elbow_flexion=133.5), at(r_elbow_flexion=2))
     assert found(travel).range_deg == {"l_elbow_flexion": (0.0, 100.0)}
     elbow = measure_hinges(travel, MANIFEST, ROBOT)[ROBOT.skeleton.joint("r_elbow_flexion")]

@@ -55,7 +55,7 @@ def test_bus_cycle_takes_transmission_time_plus_latency(count: int, baud: int):
     assert line.wire.now() == pytest.approx(total * 10 / baud + waits + TURNAROUND_TIME, abs=1e-9)
 
 
-def test_plain_sync_read_takes_one_turnaround_time_per_servo():
+def test_plain_sync_read_takes_its_transmission_time_and_one_turnaround_time_per_servo():
     line = troubled(count=7, latency=0.0)
     asked = packet.sync_read(list(range(1, 8)), 126, 10, fast=False)
     line.wire.write(asked)

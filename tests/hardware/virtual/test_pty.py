@@ -18,7 +18,7 @@ from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 pytestmark = pytest.mark.realtime
 
-PATIENCE = 5.0  # [s] that a loaded machine may take
+PATIENCE = 5.0  # [s] longest wait for a reply on a loaded machine
 
 Opens = Callable[[Cable], Path]
 

@@ -170,7 +170,7 @@ def profiled(line: Lines, *, mode: int, acceleration: int, velocity: int, goal: 
     return one
 
 
-def test_velocity_based_profile_keeps_velocity_and_acceleration(line: Lines):
+def test_velocity_based_profile_has_the_configured_velocity_and_acceleration(line: Lines):
     """100 counts are 22.9 rpm (a quarter turn in 0.66 s); 10 counts are 2145.77 rev/min^2."""
     one = profiled(line, mode=0, acceleration=10, velocity=100, goal=3072)
     places, speeds = watched(one, 1.5)

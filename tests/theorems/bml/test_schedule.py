@@ -27,7 +27,7 @@ CORPUS_FILES = sorted(
     if path.name not in REFUSED_FILES
 )
 SECONDS_PER_LETTER = 0.1
-TIME_TOLERANCE = 1e-9  # [s]
+TIME_TOLERANCE = 1e-9  # [s] largest difference of equal times
 SYNC_POINTS = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
 
 

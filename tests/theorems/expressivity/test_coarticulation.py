@@ -27,7 +27,7 @@ POSE_OPTIONS = {
 LEAST_TIME = HAND_PACE.least_hand_time(
     pose_distance(REST_HAND, POSE_OPTIONS["r"].hands["r"][0], resting_hands(ROBOT)["r"])
 )  # [s]
-LATE_SHIFT = 100.0  # Shift beyond all gestures [s]
+LATE_SHIFT = 100.0  # [s] delay that puts busy hands after all gestures
 
 usual = st.sampled_from(SIDES)
 gaps = st.lists(st.floats(0.0, 1.0), min_size=6, max_size=6)

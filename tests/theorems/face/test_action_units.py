@@ -12,9 +12,9 @@ from ...examples import examples
 
 HEAD_MESHES = [load_head(variant) for variant in FACE_VARIANTS]
 FEMALE_MESH = load_head("female")
-MAX_DISPLACEMENT = 0.1  # Largest vertex displacement [m] per action unit: lip pressing closes an open mouth
-STEP_SIZES = (0.01, 0.001)  # Small steps reveal small discontinuities
-NARROWING_UNITS = ("18", "23", "L30", "R30")  # Action units with lateral motion of the lip corners
+MAX_DISPLACEMENT = 0.1  # [m] largest vertex displacement per action unit; lip pressing closes an open mouth
+STEP_SIZES = (0.01, 0.001)  # steps of an action unit's intensity; small steps reveal small discontinuities
+NARROWING_UNITS = ("18", "23", "L30", "R30")  # action units that move the lip corners sideways
 units = st.dictionaries(st.sampled_from(FACE_CHANNELS), st.floats(0.0, 1.0), max_size=8)
 pressed = st.builds(lambda told, seal: {**told, seal: 1.0}, units, st.sampled_from(LIP_SEALING_UNITS))
 

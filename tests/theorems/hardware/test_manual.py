@@ -21,9 +21,9 @@ from ...manual_servo import packet as p
 from ...manual_servo.table import MODELS, items
 
 SERVO_IDS = (1, 2)
-MAX_START_TIME = 0.4  # Longest start of a servo [s]
+MAX_START_TIME = 0.4  # [s] longest start of a servo
 RESTART_INSTRUCTIONS = (p.REBOOT, p.FACTORY_RESET, p.BACKUP)
-SENSED_ADDRESSES = range(120, 148)  # Addresses of measured values
+SENSED_ADDRESSES = range(120, 148)  # register addresses of measured values
 FAST_READS = (p.FAST_SYNC_READ, p.FAST_BULK_READ)
 TESTED_MODELS = ("xm430_w210", "xm540_w150", "xc430_w240", "xc330_t288")
 WRITTEN_REGISTERS = {

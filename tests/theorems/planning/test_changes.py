@@ -19,7 +19,7 @@ BOX_LIMITS = ([-0.26, -0.87, 0.0], [0.61, 2.97, 2.36], [1.26, 4.44, 6.45], [17.5
 DUTY_LIMITS = ([0.0323, 0.0103, 0.0081], [0.637, 0.18, 0.124], [0.615, 0.654, 0.703])
 JOINT_LIMITS = Limits(*(sealed(values) for values in (*BOX_LIMITS, [437.0, 1472.0, 2016.0], *DUTY_LIMITS)))
 MIDDLE_ANGLES = (JOINT_LIMITS.lower + JOINT_LIMITS.upper) / 2
-MOTION_DURATION = 2.0  # [s] longer than all reaches
+MOTION_DURATION = 2.0  # [s] duration of a motion, longer than every reach in it
 ROUNDING_RATIO = 1e-8  # rounding error relative to a limit
 reaches = st.lists(
     st.tuples(st.integers(1, 9), st.integers(1, 4), st.sampled_from([-1.0, 1.0])), min_size=2, max_size=8

@@ -25,15 +25,20 @@ from kinesic.session.setup import set_up
 REPOSITORY_ROOT = Path(__file__).resolve().parents[3]
 WELCOME_FILE = REPOSITORY_ROOT / "kinesic" / "configs" / "bml" / "welcome.bml"
 CORPUS_FOLDER = Path(os.environ.get("KINESIC_CORPUS", REPOSITORY_ROOT.parent / "shared" / "corpus"))
-SAMPLE_COUNTS = {"greta/bml": 2, "openbmlparser": 7, "realizertester": 9, "asap": 2}  # the first take longest
-MAX_FILE_SIZE = 5000  # [bytes] of a planned document
-ANGLE_TOLERANCE = 1e-9  # [rad] difference between two plans
-SAMPLE_RATE = 100.0  # [Hz] of compared angles
+SAMPLE_COUNTS = {
+    "greta/bml": 2,
+    "openbmlparser": 7,
+    "realizertester": 9,
+    "asap": 2,
+}  # number of tested documents per folder; the first two folders take longest
+MAX_FILE_SIZE = 5000  # [bytes] largest document that is planned
+ANGLE_TOLERANCE = 1e-9  # [rad] largest difference between two plans
+SAMPLE_RATE = 100.0  # [Hz] sample rate of the compared angles
 OLDEST_KERNELS = {
     "x86_64": ("Prescott", "Nehalem"),
     "aarch64": ("ARMV8", "NEOVERSEN1"),
 }  # the first, unless it is in use
-KERNEL_ALIASES = {"katmai": "Prescott"}  # names of one kernel in OpenBLAS
+KERNEL_ALIASES = {"katmai": "Prescott"}  # OpenBLAS's two names of the same kernel
 NO_FUSED_INSTRUCTIONS = "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX2_Usable,-FMA_Usable"
 
 

@@ -8,7 +8,7 @@ from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
 STORY_BML, NIGHT_BML = ((CONFIGS / "bml" / f"{name}.bml").read_text(encoding="utf-8") for name in ("story", "night"))
-MAX_STROKE_SHIFTS = {"joyful": 0.4}  # [s] largest distance of a stroke from its word by style, otherwise 0.2
+MAX_STROKE_SHIFTS = {"joyful": 0.4}  # [s] largest distance of a stroke from its word by style; 0.2 in other styles
 
 SOAK_STYLES = [pytest.param(style, marks=pytest.mark.soak) for style in ("calm", "angry", "proud")]
 

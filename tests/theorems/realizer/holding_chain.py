@@ -65,8 +65,8 @@ PASSING_BLOCKS = (
     '<posture id="t" start="0" end="3"><pose part="WHOLEBODY" lexeme="LEANING_FORWARD"/></posture>',
 )
 STYLE_NAMES = ("joyful", "sad", "neutral")
-CLOCK_STEP = 0.05  # Clock step [s]
-_HELD_ALONE: dict[str, Floats] = {}  # Cache of held_alone by action
+CLOCK_STEP = 0.05  # [s] step of the virtual clock
+_HELD_ALONE: dict[str, Floats] = {}  # [rad] results of `held_alone`, by action
 END_WARNING = "where it would end alone"  # Part of the warning about an unreachable end
 
 

@@ -31,7 +31,7 @@ BEHAVIOURS = {
     "point": '<pointing id="point" target="left" mode="LEFT_HAND" stroke="6.5"/>',
 }
 BLOCKS = st.lists(st.sampled_from(sorted(BEHAVIOURS)), min_size=2, max_size=5, unique=True)
-ANGLE_TOLERANCE = 1e-6  # [rad]
+ANGLE_TOLERANCE = 1e-6  # [rad] largest difference of equal angles
 
 
 @lru_cache(maxsize=1)

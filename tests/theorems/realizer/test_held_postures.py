@@ -11,7 +11,7 @@ from kinesic.body.arrays import Floats
 
 from .holding_chain import GAZE_BLOCKS, HOLDING_BLOCKS, PASSING_BLOCKS, STANCE_BLOCKS, Chain, held_alone
 
-WAITING_BLOCK = HOLDING_BLOCKS[-1]  # waits 6 s before its gaze
+WAITING_BLOCK = HOLDING_BLOCKS[-1]  # block that waits 6 s before its gaze
 ANGLE_TOLERANCE = np.radians(1.0)
 MAX_LIMIT_RATIO = 1.0015
 PAUSE_TIMES = st.one_of(st.floats(0.0, 0.6), st.floats(0.0, 4.0))

@@ -30,9 +30,9 @@ BLOCK_CONTENTS = (
     '<bmla:interrupt id="i" target="b0" start="0.2"/>',
     '<bmla:interrupt id="i" target="b1" include="h" start="0.1"/>',
 )
-TIME_RESOLUTION = 1e-6  # Resolution of written times [s]
+TIME_RESOLUTION = 1e-6  # [s] resolution of the times in messages
 CLIENT_COUNT = 3
-MAX_DURATION = 90.0  # Longest duration of a test [s]
+MAX_DURATION = 90.0  # [s] longest duration of a test
 PROGRESS_PATTERN = re.compile(r'<(?:block|syncPoint)Progress\b[^>]*? id="([^":]+):([^"]+)"[^>]*? globalTime="([^"]+)"')
 
 delays = st.sampled_from((0.0, 0.001, 0.004, 0.009, 0.014, 0.019, 0.024, 0.04, 0.3))

@@ -21,7 +21,7 @@ SYMMETRIC_FORMS = [
     if len(form.sides) == 2 and all(key.hands.get("l") is key.hands.get("r") for key in form.keys)
 ]
 MIRROR_HINGES = [HINGE_NAMES.index({"l_": "r_", "r_": "l_"}.get(name[:2], name[:2]) + name[2:]) for name in HINGE_NAMES]
-MIRROR_TOLERANCE = 5e-4  # [rad] contact of a hand is searched iteratively, so that last bits grow to 1e-4
+MIRROR_TOLERANCE = 5e-4  # [rad] rounding errors reach 1e-4, as the contact of a hand is searched iteratively
 MIRROR_SIGNS = np.array(
     [-1.0 if name[:2] not in ("l_", "r_") and not name.endswith("tilt") else 1.0 for name in HINGE_NAMES]
 )

@@ -28,21 +28,21 @@ from .opening import BUSES, open_servos
 
 HERE = Path(__file__).parent
 ROOT = Path(__file__).parents[4]
-PATIENCE = 60.0  # [s] that a loaded machine may take for anything
+PATIENCE = 60.0  # [s] longest wait for any event on a loaded machine
 WATCHDOG = 0.2
 SETTINGS = SupervisorSettings(watchdog=WATCHDOG, patient_watchdog=WATCHDOG, pace=3.0)
 SERVOS, JOINTS = 5, 4
-NEAR, FAR = 10, 60  # [ticks] of rest: less than a degree; more than five
-ON_THE_WAY = 0.05  # [s] until servos have what was written to them
+NEAR, FAR = 10, 60  # [ticks] distances from rest: less than a degree, more than five degrees
+TRANSFER_TIME = 0.05  # [s] until written bytes have reached the servos
 
 
 @dataclass
 class Record:
     """Recorded motion of the servos with times."""
 
-    times: np.ndarray  # (m,) [s]
-    plugged: np.ndarray  # (m, 2)
-    torque: np.ndarray  # (m, 5)
+    times: np.ndarray  # (m,) [s] time of each record
+    plugged: np.ndarray  # (m, 2) whether each of the two ports is plugged in
+    torque: np.ndarray  # (m, 5) whether each of the five servos has torque
     goals: np.ndarray
     watchdogs: np.ndarray
     places: np.ndarray
@@ -53,7 +53,7 @@ class Record:
         return bool((self.watchdogs[-1] == -1).all())
 
     def stall(self, start: float, end: float) -> float:
-        """Return the longest pause [s] of the servos' own process."""
+        """Return the longest pause [s] of the process that simulates the servos."""
         return longest_gap(self.times, start, end)
 
 
@@ -187,7 +187,7 @@ class Rig:
             self.moving(servos)
             frozen = time.monotonic()
             os.kill(servos.pid, signal.SIGSTOP)
-            time.sleep(ON_THE_WAY)
+            time.sleep(TRANSFER_TIME)
             if self.record().watchdogs[-1].all() and servos.state().stage is Stage.ACTIVE:
                 return frozen
             os.kill(servos.pid, signal.SIGCONT)

@@ -9,7 +9,12 @@ from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 
 BUSES = ("left", "right")
-LATE = ("no answer at", "no servo of ids", "no status packet", "answers too rarely")  # what servos are said to be then
+LATE_ERRORS = (  # parts of error messages that a slow machine can cause
+    "no answer at",
+    "no servo of ids",
+    "no status packet",
+    "answers too rarely",
+)
 TRIES = 4
 
 
@@ -24,7 +29,7 @@ def open_servos(robot: Robot, folder: Path, *, settings: SupervisorSettings, log
         try:
             return Servos(robot, ports, settings=settings, log=log)
         except BusError as error:
-            if tries == TRIES or not any(text in str(error) for text in LATE):
+            if tries == TRIES or not any(text in str(error) for text in LATE_ERRORS):
                 raise
             os.truncate(log, st_size)
     raise AssertionError

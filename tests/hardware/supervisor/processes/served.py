@@ -21,7 +21,7 @@ from kinesic.hardware.virtual.pty import PtyPort, serve_wires
 from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 
 SHOWN = (Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG)
-EVERY = 0.002  # [s] between lines, unless told otherwise
+RECORD_INTERVAL = 0.002  # [s] default time between two recorded lines
 
 
 def fault(kind: str, *figures: float) -> PlannedFault:
@@ -64,4 +64,4 @@ def main(robot: str, folder: Path, every: float) -> None:
 
 
 if __name__ == "__main__":
-    main(sys.argv[1], Path(sys.argv[2]), float(sys.argv[3]) if sys.argv[3:] else EVERY)
+    main(sys.argv[1], Path(sys.argv[2]), float(sys.argv[3]) if sys.argv[3:] else RECORD_INTERVAL)

@@ -17,9 +17,9 @@ pytestmark = pytest.mark.realtime
 
 HERE = Path(__file__).parent
 HOUR, SECONDS = 3600, 1.8
-EARLY = 0.1  # [s] that cycles may be off before the supervisor slows time
-SPEED = 0.6  # [rad/s] of the planner's motion at most
-AWAY = 0.3  # [rad] of its amplitude
+MAX_DELAY = 0.1  # [s] largest delay of cycles at which the supervisor does not slow the performance
+MAX_VELOCITY = 0.6  # [rad/s] largest joint velocity of the planner's motion
+MOTION_AMPLITUDE = 0.3  # [rad] amplitude of the planner's motion
 
 
 @pytest.fixture(scope="module")
@@ -47,7 +47,7 @@ def test_wall_clock_jump_changes_no_goal_and_no_end_time(rig, robot: Robot, jump
     assert np.ptp(ahead) > HOUR - 60.0, "the clock has not jumped"
     assert (np.diff([line["time"] for line in lines]) >= 0.0).all()
     begun, ended = rig.entered(Stage.ACTIVE), rig.entered(Stage.FOLD)
-    assert ended - begun > SECONDS - EARLY
+    assert ended - begun > SECONDS - MAX_DELAY
     assert rig.entered(Stage.CLOSED) is not None
     if not any(line["kind"] in ("host", "paused") for line in lines):  # else the machine stood still, and time with it
         assert ended - begun < SECONDS + 1.0
@@ -57,7 +57,7 @@ def test_wall_clock_jump_changes_no_goal_and_no_end_time(rig, robot: Robot, jump
 def follows_the_plan(rig, robot: Robot, begun: float) -> None:
     """Compare the servos' goals with the planner's setpoints over time."""
     record, manifest = rig.record(), Manifest.of(robot)
-    rows = (record.times > begun + EARLY) & (record.times < begun + SECONDS - EARLY)
+    rows = (record.times > begun + MAX_DELAY) & (record.times < begun + SECONDS - MAX_DELAY)
     sent = manifest.scale.angles(record.goals[rows]) - manifest.rest[manifest.joints]
-    planned = AWAY * (1 - np.cos(2 * (record.times[rows] - begun)))
-    assert np.abs(sent - planned[:, None]).max() < SPEED * EARLY
+    planned = MOTION_AMPLITUDE * (1 - np.cos(2 * (record.times[rows] - begun)))
+    assert np.abs(sent - planned[:, None]).max() < MAX_VELOCITY * MAX_DELAY

@@ -15,7 +15,7 @@ from .conftest import lateness
 
 pytestmark = pytest.mark.realtime
 
-PATIENCE = 60.0  # [s] that a loaded machine may take for anything
+PATIENCE = 60.0  # [s] longest wait for any event on a loaded machine
 WATCHDOG, COUNT = 0.2, 0.02  # [s] of the watchdogs where this machine is punctual; of one of their counts
 
 

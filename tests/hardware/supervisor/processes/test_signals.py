@@ -17,9 +17,9 @@ from .conftest import PATIENCE, SETTINGS, WATCHDOG
 
 pytestmark = pytest.mark.realtime
 
-TOO_LONG = 1.2  # [s] out of hand, after which somebody has to consent
-WATCHED = 0.5  # [s] in which it would begin to move again
-LAG = 20  # [ticks] that a servo in motion is behind its goal, to which it goes when its watchdog lets it
+LONG_INTERRUPTION = 1.2  # [s] interruption after which a person must consent to motion
+WATCH_DURATION = 0.5  # [s] time in which the robot would move again without a stop
+MAX_LAG = 20  # [ticks] largest distance of a moving servo behind the goal, which it covers after a resume
 LONGEST_WATCHDOG = WATCHDOG_FACTORS[-1] * WATCHDOG
 
 
@@ -79,7 +79,7 @@ def test_robot_with_a_suspended_planner_holds_until_a_resume_request(rig):
     supervisor, resumed = rig.supervisor(), time.monotonic()
     planner.send_signal(signal.SIGCONT)
     rig.wait(lambda: supervisor.status().waits == "consent")
-    time.sleep(WATCHED)
+    time.sleep(WATCH_DURATION)
     record = rig.record()
     assert record.torque[record.times >= stopped].all()
     assert np.ptp(record.places[record.times >= resumed], axis=0).max() <= 2, "it moves again, and nobody has consented"
@@ -94,7 +94,7 @@ def test_servos_of_a_suspended_supervisor_hold_with_torque_until_a_resume_reques
     rig.write(servos, 20.0)
     stopped = rig.freeze(servos)
     rig.wait(lambda: rig.record().stopped)
-    time.sleep(TOO_LONG)
+    time.sleep(LONG_INTERRUPTION)
     asleep = rig.record()
     tripped = asleep.times[(asleep.watchdogs == -1).all(axis=1) & (asleep.times > stopped)][0]
     assert tripped - stopped < LONGEST_WATCHDOG + 0.1 + 2 * asleep.stall(stopped, tripped)
@@ -102,10 +102,10 @@ def test_servos_of_a_suspended_supervisor_hold_with_torque_until_a_resume_reques
     os.kill(servos.pid, signal.SIGCONT)
     resumed = time.monotonic()
     rig.wait(lambda: rig.entered(Stage.HOLD, after=resumed))
-    time.sleep(WATCHED)
+    time.sleep(WATCH_DURATION)
     record = rig.record()
     assert record.torque[record.times >= resumed].all()
-    assert np.ptp(record.places[record.times >= resumed], axis=0).max() <= LAG
+    assert np.ptp(record.places[record.times >= resumed], axis=0).max() <= MAX_LAG
     assert servos.state().waits == "consent"
     servos.release()
     servos.close()

@@ -16,7 +16,7 @@ from kinesic.hardware.supervisor.state_machine import Stage
 
 pytestmark = pytest.mark.realtime
 
-STILL = 0.3  # [s] that goals are watched
+WATCH_DURATION = 0.3  # [s] time during which the goals must not move
 JOINTS = 4
 
 
@@ -38,7 +38,7 @@ def moving(rig, monkeypatch: pytest.MonkeyPatch) -> Servos:
 def test_stop_by_another_program_holds_the_robot_until_a_resume_request(rig, moving: Servos):
     assert stop.stop_robots() == 0
     stopped = time.monotonic()
-    time.sleep(STILL)
+    time.sleep(WATCH_DURATION)
     record = rig.record()
     after = record.times > stopped
     assert after.any()
@@ -55,7 +55,7 @@ def test_stop_by_another_program_holds_the_robot_until_a_resume_request(rig, mov
 
 
 def test_error_reports_a_supervisor_that_does_not_stop_in_time(rig, moving: Servos, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(stop, "STANDSTILL_TIMEOUT", STILL)
+    monkeypatch.setattr(stop, "STANDSTILL_TIMEOUT", WATCH_DURATION)
     rig.freeze(moving)
     with pytest.raises(BusError, match=r"1 of 1 robots have not stopped in 0.3 s \(active\); switch the power off"):
         stop.stop_robots()

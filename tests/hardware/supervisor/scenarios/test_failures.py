@@ -218,7 +218,7 @@ def test_supervisor_that_is_killed_leaves_servos_stopped_and_the_next_adopts_the
     assert not made.true(TORQUE).any()
 
 
-def test_servos_with_torque_are_adopted_and_those_without_are_armed(desk: Make):
+def test_servos_with_torque_are_adopted_and_servos_without_torque_are_armed(desk: Make):
     made = desk().active(4.0)
     made.pass_time(0.2)
     made.plant.servos[1].write(TORQUE.field.address, b"\0")

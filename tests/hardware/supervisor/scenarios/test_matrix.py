@@ -15,8 +15,8 @@ from kinesic.hardware.virtual.faults import BUILD_KINDS, FaultPlan, PlannedFault
 
 Make = Callable  # of a desk, see conftest
 REFUSED = {"duplicate id", "wrong model"}
-HELD = {"alert encoder"}  # who does not know where he is, and has torque: nobody moves him
-SIMILAR = {  # to other faults that strike in every run
+HELD = {"alert encoder"}  # faults after which the servo is not moved, as its position is unknown
+SIMILAR = {  # faults similar to others that are tested in every run, tested only by `make soak`
     "calm",
     "truncate 5%",
     "duplicate 5%",
@@ -25,7 +25,7 @@ SIMILAR = {  # to other faults that strike in every run
     "alert overheating",
     "alert electrical_shock",
 }
-FEW = 3  # servos where every fault strikes once; two beside the one that it meets
+FEW = 3  # number of servos in tests of one fault: the faulty servo and two others
 SIZES, BAUDS, SEEDS = (7, 14, 26), (57_600, 1_000_000, 4_000_000), (1, 2, 3)
 
 

@@ -18,9 +18,9 @@ from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 from ....reduced_robots import write_robot
 from ..conftest import PERIOD, Desk
 
-RAISED = {"shoulder_flexion": 70.0, "elbow_flexion": 60.0}  # [deg]
-UP = 1.2  # [s] until they are
-FELL = 8.0  # [deg] behind its goal that a held limb never is
+RAISED = {"shoulder_flexion": 70.0, "elbow_flexion": 60.0}  # [deg] hinge angles of raised arms
+RAISE_DURATION = 1.2  # [s] duration of the motion that raises the arms
+MAX_DROOP = 8.0  # [deg] largest distance of a held limb from its goal
 BRIEF = SupervisorSettings(patience=1.0, pace=1.5)
 OVERLOAD, ENCODER, VOLTAGE = (
     error.value for error in (HardwareError.OVERLOAD, HardwareError.ENCODER, HardwareError.VOLTAGE)
@@ -47,10 +47,10 @@ def raised(robot: Robot, log: Path) -> Desk:
     desk = Desk(Manifest.of(robot), describe_cables(robot), log, settings=BRIEF, assemble=assemble)
     desk.open()
     for k in range(1800):
-        share = min(1.0, k * PERIOD / UP)
+        share = min(1.0, k * PERIOD / RAISE_DURATION)
         assert desk.channel.write(k * PERIOD, rest + share**3 * (10 - 15 * share + 6 * share**2) * (there - rest))
     desk.until(Stage.ACTIVE)
-    desk.run(UP + 0.3)
+    desk.run(RAISE_DURATION + 0.3)
     return desk
 
 
@@ -76,7 +76,7 @@ def follow(desk: Desk, *stages: Stage, within: float = 30.0) -> None:
     began = desk.plant.time
     while desk.stage not in stages and not desk.supervisor.done:
         desk.cycle()
-        assert behind(desk) < FELL
+        assert behind(desk) < MAX_DROOP
         assert desk.plant.time - began < within, desk.kinds()[-12:]
 
 
@@ -111,7 +111,7 @@ FOLDED = {
     "both elbows overloaded": alert(OVERLOAD, "l_elbow_flexion", "r_elbow_flexion"),
     "a low supply": alert(VOLTAGE),
 }
-ORDINARY = 1  # of them in every run
+ORDINARY = 1  # number of faults tested in every run; `make soak` tests all
 
 
 @pytest.mark.parametrize(
@@ -138,7 +138,7 @@ def test_immovable_raised_arm_is_held_until_a_person_confirms(arms: Desk):
     assert hinges_up(arms) == {"l_shoulder_flexion", "l_elbow_flexion"}
     arms.run(1.5)
     assert arms.stage is Stage.WAITING
-    assert behind(arms) < FELL
+    assert behind(arms) < MAX_DROOP
     arms.channel.set("confirm", 1)
     follow(arms, Stage.CLOSED)
     assert not arms.true(Register.TORQUE_ENABLE).any()
@@ -162,7 +162,7 @@ def test_raised_arms_continue_without_a_resume_request_only_after_a_short_outage
     arms.expose(PlannedFault(kind, seconds=seconds))
     for _ in range(round((seconds + 4.0) / PERIOD)):
         arms.cycle()
-        assert behind(arms) < FELL
+        assert behind(arms) < MAX_DROOP
     assert not arms.status.faulty
     assert (arms.status.waits == "consent") == (seconds > 1.0)
     assert arms.stage.runs == (seconds < 1.0)
