@@ -37,7 +37,7 @@ class Progress:
     start: float = field(default_factory=monotonic)  # [s] monotonic clock
 
     def line(self, now: float) -> str:
-        """Return the line at a time of the monotonic clock."""
+        """Return the progress line at a time of the monotonic clock."""
         elapsed = now - self.start
         seconds = int(elapsed)
         time = f"{seconds // 3600}:{seconds // 60 % 60:02}:{seconds % 60:02}"

@@ -155,7 +155,7 @@ def face_film(plan: Plan, rate: float = FACE_RATE) -> FaceFilm | None:
 
 
 def rewrite(written: WrittenPaths, performance: DryRun, data: dict[str, Json]) -> None:
-    """Write report.json and the page, replacing existing ones."""
+    """Replace report.json and the page by new versions."""
     write_text(written.report, json.dumps(data, indent=1), force=True)
     _write_page(written, performance, data)
 

@@ -168,7 +168,7 @@ def fade_lines(lines: list[PenStroke]) -> list[PenStroke]:
 
 
 def outline_lines(lines: list[PenStroke]) -> list[PenStroke]:
-    """Return pen strokes, each preceded by a wider white one."""
+    """Return pen strokes, each preceded by a wider white stroke."""
     return [
         part
         for line in lines

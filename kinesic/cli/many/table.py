@@ -69,7 +69,7 @@ def _tabulate_folders(verdicts: list[DocumentVerdict]) -> Table:
 
 
 def _group_folders(folders: list[Path]) -> list[str]:
-    """Return a short group name per folder, truncated to get few groups.
+    """Return a group name per folder, a parent folder if there are many.
 
     Names are relative to the common parent folder.
     """

@@ -57,7 +57,7 @@ def release_robot(robot: str, ports: tuple[str, ...], yes: bool) -> int:
 
 
 def _find_supervisor(manifest: Manifest, paths: Iterable[Path]) -> Channel | None:
-    """Return the channel of the supervisor that holds the robot, or None."""
+    """Return the channel of the supervisor that drives the robot, or None."""
     channels = (find_supervisor(path, len(manifest.rest)) for path in paths)
     return next((channel for channel in channels if channel is not None), None)
 
@@ -67,7 +67,7 @@ def _group_ids(manifest: Manifest, wires: Mapping[str, Wire]) -> dict[str, list[
 
 
 def _confirm_release(manifest: Manifest, angles: Floats, *, yes: bool) -> None:
-    """Print the joints that will fall, and ask for confirmation."""
+    """Print the joints that will fall, and ask for confirmation unless `yes`."""
     falling = describe_raised_joints(manifest, angles)
     for line in falling:
         click.echo(f"will fall: {line}", err=True)

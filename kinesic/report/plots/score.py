@@ -48,7 +48,7 @@ def scores(plan: Plan, end: float) -> list[Markup]:
 
 
 def draw_timeline(plan: Plan, end: float, layout: Layout = BROAD_LAYOUT) -> Markup | None:
-    """Draw the timeline of all performed behaviours, or return None without any.
+    """Draw the timeline of performed behaviours, or return None without behaviours.
 
     Args:
         plan: plan of the behaviours.
