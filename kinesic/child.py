@@ -95,7 +95,7 @@ class Child:
         return self._process.is_alive()
 
     def wait(self, seconds: float | None = None) -> int | None:
-        """Wait until the process ends, at most a time [s].
+        """Wait until the process ends, at most for a timeout [s].
 
         Returns:
             The exit code, negative for a signal; None while the process runs.

@@ -25,7 +25,18 @@ PASSAGE_BML = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="pass
   <gaze id="z1" target="left" start="{8:.3f}" end="{9:.3f}"/>
 </bml>
 """
-PASSAGE_TIMES = (0.2, 1.0, 2.2, 2.7, 3.9, 5.0, 0.4, 2.0, 3.4, 4.7)  # [s] times of PASSAGE_BML before any shift
+PASSAGE_TIMES = (
+    0.2,
+    1.0,
+    2.2,
+    2.7,
+    3.9,
+    5.0,
+    0.4,
+    2.0,
+    3.4,
+    4.7,
+)  # [s] times of the behaviours in PASSAGE_BML, without delay
 CROWD_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="crowd">{}</bml>'
 HAND_MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
 CORPUS_SEED = 50  # seed of the random order of corpus documents

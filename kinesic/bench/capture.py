@@ -16,8 +16,8 @@ from kinesic.session.setup import set_up
 CAPTURE_FOLDER = "capture"  # corpus folder of captured motion
 CLIP_SUFFIXES = (".skm", ".bvh")  # suffixes of clips in the corpus
 COMPARED_ROBOTS = ("upper22", "upper36", "human")  # robots for which clips are certified
-KEPT_STRETCH = 1.001  # largest certified / original duration of an unstretched motion
-SMALL_STRETCH = 1.3  # certified / original duration that most motions should not exceed
+KEPT_STRETCH = 1.001  # certified / original duration up to which a motion counts as unstretched
+SMALL_STRETCH = 1.3  # certified / original duration up to which the stretch of a motion counts as small
 MIN_CORRELATION = 0.95  # goal of the 5th percentile of the clips' wrist-path correlations
 MEDIAN_CORRELATION = 0.98  # goal of the median correlation of wrist paths
 MAX_UPPER_ARM_ERROR = 15.0  # [deg] goal: largest 95th percentile of upper-arm direction errors
@@ -77,5 +77,5 @@ def robot_metrics(robot: str, paths: Sequence[Path]) -> list[Metric]:
 
 
 def _median_distance(results: Sequence[Certification]) -> float:
-    """Return the median of the clips' largest wrist distance [arm lengths]."""
+    """Return the median over clips of the largest wrist deviation [arm lengths]."""
     return float(np.median([result.distance.wrist_max for result in results]))

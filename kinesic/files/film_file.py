@@ -25,7 +25,7 @@ PixelBox = tuple[int, int, int, int]  # left, top, right, bottom [pixels]; left 
 
 WEBP_SUFFIX = ".webp"
 MP4_SUFFIX = ".mp4"
-H264_OPTIONS = (  # ffmpeg options that all players support; they need even sides
+H264_OPTIONS = (  # ffmpeg options that all players support; width and height must be even
     *("-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p"),
     *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv"),
     *("-colorspace", "bt709", "-color_primaries", "bt709", "-color_trc", "bt709", "-color_range", "tv"),

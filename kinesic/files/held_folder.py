@@ -125,7 +125,7 @@ def check_above(place: Path, path: Path) -> None:
 
 
 def name_beside(name: str) -> str:
-    """Make a unique hidden name with the suffix of a given name."""
+    """Make a unique hidden name with the suffix of a file name."""
     stem, ending = os.path.splitext(name)
     return f".{cut_name(stem, limit=100)}-{secrets.token_hex(6)}{cut_name(ending, limit=100)}"
 

@@ -104,7 +104,7 @@ def _rename_in_errors(folder: Path, fresh: Path) -> Iterator[None]:
 
 
 def _put_aside(name: str, held: HeldFolder, folder: Path, *, parent: HeldFolder) -> str:
-    """Rename an open folder to a new hidden name and return the name.
+    """Rename an open folder to a hidden name, and return the name.
 
     Raises:
         ConfigError: another folder has its name by now, and is left as it is.

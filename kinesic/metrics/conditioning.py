@@ -88,7 +88,7 @@ class ChangedBehaviour:
 
 
 def find_changes(plan: Plan, times: Floats, paths: Mapping[PartName, Floats]) -> tuple[ChangedBehaviour, ...]:
-    """Find behaviours with a moved sync point or a weaker stroke.
+    """Find behaviours with a shifted sync point or a weaker stroke.
 
     A stroke is weaker if it lost more than 5 % of its speed or path. The largest shift comes first.
 

@@ -24,7 +24,7 @@ ENTRY_TYPE = (
 )
 JOURNAL_COLUMNS = f"{{'key': 'VARCHAR', 'entry': '{ENTRY_TYPE}'}}"
 READ_JOURNAL = f"read_json(?, format='newline_delimited', columns={JOURNAL_COLUMNS}, ignore_errors=true)"
-VALID_LINES = f"(SELECT * FROM {READ_JOURNAL} WHERE entry.file IS NOT NULL)"  # incomplete lines are rows of NULL
+VALID_LINES = f"(SELECT * FROM {READ_JOURNAL} WHERE entry.file IS NOT NULL)"  # broken lines are read as NULL
 READ_JSON = "read_json(?, maximum_object_size=1000000000)"
 TABLE_QUERIES: Mapping[str, Mapping[str, str]] = {
     JOURNAL_FILE: {

@@ -43,7 +43,7 @@ def test_document_sent_as_first_message_has_the_client_address_as_source() -> No
 
 
 @pytest.mark.parametrize("first", [b"POST / HTTP/1.1\r\n", b"hello\0", b"\0\0\0\0", bytes(UNADMITTED_READ_LIMIT)])
-def test_unknown_protocols_are_closed_without_an_answer(first: bytes) -> None:
+def test_connections_of_unknown_protocols_are_closed_without_an_answer(first: bytes) -> None:
     async def run() -> None:
         async with opened() as door:
             reader, writer = await door.connect(first)

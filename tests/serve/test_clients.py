@@ -178,7 +178,7 @@ def test_client_that_never_reads_is_disconnected(guarded, becomes):
         assert message.startswith("x") or "messages were dropped" in message
 
 
-def test_status_reports_playing_blocks_with_the_seconds_left(server):
+def test_status_reports_playing_blocks_with_their_remaining_seconds(server):
     with server.client() as client:
         client.send(BLOCK.format("seen", NOD))
         while "blockProgress" not in client.receive(20):

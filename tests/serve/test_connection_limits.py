@@ -160,7 +160,7 @@ def test_unusable_address_is_reported_with_its_reason_and_a_remedy(door, monkeyp
         door.listen("robot", 80)
 
 
-def test_connections_keep_alive_and_send_small_messages_at_once() -> None:
+def test_connections_use_tcp_keep_alive_and_send_small_messages_without_delay() -> None:
     async def run() -> list[int]:
         async with opened() as door:
             await door.connect(b'{"do": "stop_line"}\0')

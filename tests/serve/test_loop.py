@@ -129,7 +129,7 @@ def passed(messages, point):
     return next((float(match[1]) for match in results if match), None)
 
 
-def test_gesture_uses_the_hand_left_free_by_another_block(server, becomes):
+def test_gesture_uses_the_hand_that_another_block_leaves_free(server, becomes):
     assert becomes(server.open.clients.session.loop.is_settled)
     with server.client() as working, server.client() as other:
         working.send(BLOCK.format("holds", '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" start="0" relax="4"/>'))

@@ -230,7 +230,7 @@ def stroke_sent(simulation: Simulation, body: Recorder, **changes: object) -> tu
 
 
 @pytest.mark.parametrize("late", [0.03, 0.06])
-def test_progress_contains_the_measured_arrival_time(simulation: Simulation, late: float):
+def test_progress_feedback_contains_the_measured_arrival_time(simulation: Simulation, late: float):
     when, message = stroke_sent(simulation, Body(late))
     (measured,) = re.findall('measuredGlobalTime="([^"]*)"', message)
     assert float(measured) == pytest.approx(1.0 + late, abs=TICK_PERIOD)

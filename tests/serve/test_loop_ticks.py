@@ -260,7 +260,7 @@ def test_planner_messages_reach_client_or_server(simulation: Simulation):
     assert time == pytest.approx(0.1, abs=2 * TICK_PERIOD), "at once"
 
 
-def test_loop_continues_without_a_planner(simulation: Simulation):
+def test_control_loop_continues_without_a_planner(simulation: Simulation):
     recorder = Recorder()
     simulation.make([RealTimeSink(recorder)])
     planner = simulation.link()

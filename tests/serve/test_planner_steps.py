@@ -101,7 +101,7 @@ def test_renewal_reloads_the_setup(state):
 
 
 @pytest.mark.parametrize(("stops", "count"), [(1, 0), (2, 1), (3, 0)])
-def test_resumption_of_the_last_stop_returns_to_rest(state, stops, count):
+def test_robot_returns_to_rest_when_the_last_stop_is_resumed(state, stops, count):
     rest = state._shared.scene.motion.controls[-1]
     bent = state._shared.scene.setup.robot.skeleton.clamp(rest + 0.2)
     state._shared.scene = replace(state._shared.scene, motion=stay(bent), lasting=("held",))

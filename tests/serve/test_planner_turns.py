@@ -166,7 +166,7 @@ def test_planner_that_dies_too_often_before_it_is_ready_is_not_replaced(in_offic
     in_office(act)
 
 
-def test_spare_planner_starts_at_once_without_a_delay_and_takes_over(in_office) -> None:
+def test_spare_planner_starts_at_once_if_its_delay_is_zero_and_replaces_a_dead_planner(in_office) -> None:
     async def act(office: Office) -> None:
         planner = office.planner
         planner.start()

@@ -141,14 +141,14 @@ def test_output_queue_keeps_messages_that_exactly_fill_its_memory_limit(spare, c
     assert len(queue) == count
 
 
-def test_single_oversized_message_is_kept():
+def test_output_queue_keeps_a_single_message_above_its_memory_limit():
     queue = OutputQueue(5, 1000, UnreadMemory(1000))
     queue.put("small")
     queue.put("x" * 2000)
     assert drained(queue)[1:] == ["x" * 2000]
 
 
-def test_waiting_reader_gets_the_next_message():
+def test_waiting_reader_of_an_output_queue_gets_the_next_message():
     async def both():
         queue = OutputQueue(2, 100_000, UnreadMemory(100_000))
         waiting = asyncio.create_task(queue.take())
@@ -159,7 +159,7 @@ def test_waiting_reader_gets_the_next_message():
     assert asyncio.run(both()) == "late"
 
 
-def test_ended_queue_accepts_no_messages():
+def test_ended_output_queue_accepts_no_messages():
     queue = OutputQueue(2, 100_000, UnreadMemory(100_000))
     queue.end()
     queue.put("a")
@@ -182,7 +182,7 @@ def test_total_memory_limit_drops_messages_of_the_largest_queue():
     assert sum(map(len, others)) >= 19
 
 
-def test_leaving_client_releases_its_memory():
+def test_unread_memory_of_a_leaving_client_is_released():
     memory = UnreadMemory(100_000)
     gone, here = OutputQueue(512, 100_000, memory), OutputQueue(512, 100_000, memory)
     gone.put("x" * 90_000)

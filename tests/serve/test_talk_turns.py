@@ -42,7 +42,7 @@ def test_length_of_streamed_text_that_waits_is_limited():
     assert refused.senders == frozenset()
 
 
-def test_streamed_text_has_the_style_of_its_words(scene: Scene):
+def test_streamed_text_is_written_in_the_style_requested_with_its_words(scene: Scene):
     talks = Talks()
     assert talks.take(Words("Look at me. ", 1, ends=True, style="joyful"), 0.0) == ""
     assert "no style loud" in talks.take(Words("Look at me. ", 2, style="loud"), 0.0)

@@ -145,6 +145,6 @@ def test_only_changed_face_tracks_are_computed_and_ended_ones_removed(monkeypatc
     assert changed_tracks(scene, versions, SoundAndFace(face=True))[0] == versions
 
 
-def test_server_outputs_face_and_sound_only_if_given():
+def test_server_computes_face_and_sound_only_if_it_has_outputs_for_them():
     assert TrackEffects().accompaniment == SoundAndFace(face=False, sound=False)
     assert TrackEffects(Recorder(), face=True).accompaniment == SoundAndFace(face=True, sound=True)

@@ -195,7 +195,7 @@ def test_page_benchmark_measures_drag_latency_and_first_paint(studio: Studio):
     assert robot > paint > 1.0
 
 
-def test_lost_server_is_shown_during_a_drag_until_it_returns(studio: Studio):
+def test_lost_server_connection_is_shown_during_a_drag_until_it_returns(studio: Studio):
     way = ExitStack()
     door = way.enter_context(relay(studio.server.port, studio.files))
     with way, opened(f"http://{door}/", drawn=False) as page:

@@ -28,7 +28,7 @@ def bench() -> list[Metric]:
 
 
 def verdicts() -> Iterator[ExpectationVerdict]:
-    """Yield verdicts on kinesic's own suite and the available corpus suites."""
+    """Yield the verdict on each expectation of all available suites."""
     yield from judge_draft_names(set_up())
     if (scenarios := read_expectations(SCENARIO_SUITE, ScenarioSuite)) is not None:
         yield from play_suite(SCENARIO_SUITE, *scenarios, set_up())

@@ -111,7 +111,7 @@ def _check(step: ScenarioStep, feedback: FeedbackLog) -> str:
 
 
 def _list_warnings(feedback: FeedbackLog) -> list[ReceivedMessage]:
-    """Return the warnings (exceptions in BML drafts) in a feedback log."""
+    """Return the warnings in a feedback log (called exceptions in BML drafts)."""
     return feedback.of("warningFeedback")
 
 

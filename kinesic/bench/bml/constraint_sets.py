@@ -27,7 +27,7 @@ class OrderConstraint:
 
 @dataclass(frozen=True)
 class Constraints:
-    """Timing constraints of a block: sync points at fixed offsets, and orders.
+    """Time constraints of a block: fixed offsets between sync points, and orders.
 
     Those from `required` parts of the block are also listed separately.
     """
@@ -60,7 +60,7 @@ class Constraints:
         return any(self.directly_grounded(other) for other in self._connected_behaviours(behaviour))
 
     def ungrounded_loops(self, behaviour: str) -> list[list[str]]:
-        """Return shortest constraint loops through a behaviour that avoid grounded behaviours.
+        """Return shortest loops of constraints through a behaviour, without grounded behaviours.
 
         A grounded behaviour has a fixed block time. A loop is a list of behaviours.
         """

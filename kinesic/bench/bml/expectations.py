@@ -80,7 +80,7 @@ class SyncOffset(msgspec.Struct, frozen=True):
 
 
 class AfterExpectation(msgspec.Struct, frozen=True):
-    """A sync point and others that must not precede it."""
+    """A sync point and the sync points that must not precede it."""
 
     ref: SyncOffset
     targets: tuple[SyncOffset | tuple[SyncOffset, ...], ...]

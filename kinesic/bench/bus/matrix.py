@@ -150,7 +150,7 @@ def _compute_min_cycle_time(servos: int, baud: int, *, fast: bool) -> float:
 
 
 class _TrialObserver:
-    """Observer of a fault trial that knows the servos' true positions."""
+    """Observer that knows the servos' true positions in a fault trial."""
 
     def __init__(
         self, case: FaultCase, plant: ShaftSimulation, bus: VirtualBus, wire: MemoryWire, period: float

@@ -1,4 +1,4 @@
-"""Benchmark of expressivity parameters.
+"""Benchmark of expressivity parameters: size and monotonicity of their effects.
 
 It measures effect on ten gestures in the twin and timing.
 

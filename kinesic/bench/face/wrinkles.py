@@ -16,7 +16,7 @@ from kinesic.face.render.wrinkles import compute_map_strengths, draw_wrinkle_map
 PICTURE_SIZE = (512, 512)  # [pixels] width and height of the compared pictures
 BACK_YAWS_DEG = (140.0, 180.0, -140.0)  # camera angles that show the back of the head
 BACK_LIMIT = -0.65  # [eye distances] forward coordinate below which a point is at the back of the head
-LINEAR_RANGE = (0.05, 1.5)  # tangents of normal tilt for which half the intensity must give half the tangent
+LINEAR_RANGE = (0.05, 1.5)  # range of the tangent of normal tilt in which half the intensity must halve the tangent
 SUPPORT_MARGIN = 8  # [pixels] of a wrinkle map, around its non-zero part, for interpolation and differences
 
 

@@ -12,7 +12,7 @@ from kinesic.body.skeleton import Hinge
 
 AXIS_VECTORS = {"x": (1.0, 0.0, 0.0), "y": (0.0, 1.0, 0.0), "z": (0.0, 0.0, 1.0)}  # unit vectors of the axis letters
 SHOULDER_ORDERS = ("yxz", "xyz", "zxz", "yx")  # hinge axes of random shoulders, from the base outwards
-ELBOW_ORDERS = ("xz", "yz", "xyz", "yxz")  # hinge axes of elbows if the forearm hangs at zero; the last twists it
+ELBOW_ORDERS = ("xz", "yz", "xyz", "yxz")  # hinge axes of elbows if the forearm hangs at zero; the last axis twists it
 BENT_ELBOW_ORDERS = ("x", "y", "xy", "yx", "xz", "yz")  # hinge axes of elbows if the forearm is tilted; all swing it
 FOREARM_TILTS = (0.0, 0.0, 0.4, 0.9, 1.5)  # [rad] forearm angles from vertical at zero joint angles
 WRIST_ORDERS = ("yx", "xy", "y")  # hinge axes of random wrists, from the forearm outwards

@@ -32,7 +32,7 @@ ARM_COUNT = 60  # arms with random joint orders and lengths
 POSES_PER_ARM = 100  # hand poses of each random arm
 MAX_POSITION_ERROR = 1e-3  # [m] position error below which a task counts as solved
 MAX_ANGLE_ERROR = 1e-2  # [rad] direction error below which a task counts as solved
-RESIDUAL_MARGIN = 5e-3  # [m] largest excess over the optimizer's residual of a task that counts as solved
+RESIDUAL_MARGIN = 5e-3  # [m] a task counts as solved up to this much above the optimizer's residual
 PERFECT_COST = 1e-12  # cost below which the optimizer tries no further start
 DIRECTION_WEIGHT = 0.1  # cost weight of pointing and palm directions; the position has weight 1
 # Options of IPOPT: no output, small tolerance, bounds kept exactly.

@@ -25,7 +25,11 @@ from kinesic.session.documents import write_text
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
-STORY_STYLES: Mapping[str, str] = {"restrained": "shy", "neutral": "neutral", "lively": "joyful"}  # level -> style
+STORY_STYLES: Mapping[str, str] = {
+    "restrained": "shy",
+    "neutral": "neutral",
+    "lively": "joyful",
+}  # level in metric names -> style
 MIN_HUMAN_RATE = 7.7  # [1/min] 5th percentile of the gesture rate of people who retell a cartoon
 MAX_HUMAN_RATE = 34.0  # [1/min] 95th percentile of the gesture rate of people who retell a cartoon
 MAX_STROKE_DELAY = 0.1  # [s] deviation from the requested time above which a stroke counts as late

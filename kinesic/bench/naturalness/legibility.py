@@ -16,7 +16,7 @@ NAMED_PAIRS = 5  # maximum number of gesture pairs, or gestures, named in the no
 
 
 def different_pairs(seen: Mapping[str, Floats], table: LegibilityTable) -> list[Pair]:
-    """List similar gesture pairs with different meanings, nearest first.
+    """List similar gesture pairs with different meanings, the most similar first.
 
     Their distance is at most `LISTING_DISTANCE`.
     """
@@ -26,7 +26,7 @@ def different_pairs(seen: Mapping[str, Floats], table: LegibilityTable) -> list[
 def legibility_metrics(
     part: str, seen: Mapping[str, Floats], places: Mapping[str, float], table: LegibilityTable
 ) -> list[Metric]:
-    """Count gestures that look like others, and hands outside their required positions.
+    """Count gestures that look alike, and hands outside their required positions.
 
     Args:
         part: prefix of the metric names.

@@ -11,7 +11,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Robot
 
-DEPTH_WEIGHT = 0.5  # weight of distances in depth relative to those across the view
+DEPTH_WEIGHT = 0.5  # weight of distances along the line of sight relative to distances across
 TIP_RATIO = 1.8  # wrist-to-finger-tip distance / wrist-to-palm distance
 PALM_OFFSET = 0.1  # [arm lengths] offset of the compared point in front of the palm
 HEAD_OFFSET = 0.2  # [arm lengths] offset of the compared point above the eyes

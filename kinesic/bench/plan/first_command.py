@@ -1,4 +1,4 @@
-"""Benchmark of the delays of first command and plan switch."""
+"""Benchmark of first-command delay and of switching from quick to better plan."""
 
 from statistics import median
 from time import perf_counter
@@ -23,7 +23,7 @@ SWITCH_TIME = 0.2  # [s] time for which the quick plan plays before the better p
 
 
 def bench() -> list[Metric]:
-    """Measure delays of the first command and of the plan switch."""
+    """Measure first-command delay and the time to switch to a better plan."""
     setup = set_up()
     _time_first_command(write_passage(0), setup)
     seconds = [

@@ -63,7 +63,7 @@ def beaten_by(trials: Sequence[Trial]) -> list[list[int]]:
 
 
 def unbeaten(trials: Sequence[Trial]) -> list[Trial]:
-    """Return the design trials that no other dominates.
+    """Return the design trials that no other trial dominates.
 
     Of equal trials the one with the fewest changes is kept.
     """

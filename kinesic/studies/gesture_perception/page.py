@@ -17,7 +17,7 @@ from kinesic.studies.gesture_perception.stimuli import SampledMotion, StimulusPa
 from kinesic.studies.questionnaire.page import Questionnaire, write_questionnaire
 
 TEMPLATE_FOLDER = Path(__file__).parent
-RECOGNITION_COUNT = 24  # largest number of gestures per participant; each answer position is right four times
+RECOGNITION_COUNT = 24  # largest number of gestures per participant; the right answer is four times in each position
 
 COMPARISON_COUNT = 6  # motion pairs per condition and participant at most; half show the standard motion first
 

@@ -97,7 +97,7 @@ def key_postures(form: GestureForm, planned: Plan, max_count: int) -> Show:
 
 
 def _make_arm_postures(form: GestureForm, planned: Plan) -> list[KeyPosture]:
-    """Select the key postures that set an arm of the gesture.
+    """Select the key postures in which the gesture places an arm.
 
     Other postures set only fingers, head or trunk.
     """

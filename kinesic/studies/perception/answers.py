@@ -184,7 +184,7 @@ def count_first_choices(answers: Sequence[FaceRating]) -> FirstChoices:
     )
 
 
-Points = Mapping[str, Sequence[int]]  # participant -> points of the answers
+Points = Mapping[str, Sequence[int]]  # participant -> rating points of all answers
 
 
 def _collect_points(

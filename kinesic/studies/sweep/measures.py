@@ -1,4 +1,4 @@
-"""Observable measures of one gesture in the twin, and its kinetic energy."""
+"""Observable measures of one gesture in the twin, kinetic energy included."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

@@ -171,7 +171,7 @@ def tasks_of(gesture: str, parameter: str, setup: Setup, values: Sequence[float]
 
 
 def play_all(tasks: Sequence[SweepTask], make_setup: Callable[[], Setup]) -> list[Played]:
-    """Perform sweep tasks on the current engine, in task order.
+    """Perform sweep tasks on the current task engine, in task order.
 
     Args:
         tasks: tasks to perform.

@@ -187,7 +187,7 @@ def test_gesture_query_plans_a_toml_gesture_or_returns_a_built_in_one_as_toml(up
     assert "nobody" in gone["error"]["text"]
 
 
-def test_gestures_are_found_in_the_order_of_the_ranked_search(upper22_setup: Setup):
+def test_gesture_search_query_lists_gestures_in_the_order_of_the_ranked_search(upper22_setup: Setup):
     answer = answered(FindQuestion("weigh two things", id=5), upper22_setup)
     assert (answer["told"], answer["id"]) == ("find", 5)
     hits = find_gestures(upper22_setup.lexicon, "weigh two things", count=50)
@@ -238,7 +238,7 @@ def test_internal_planning_error_is_returned_as_the_error_of_the_query(
         (AlternativesQuestion("x", 0), "alternatives"),
     ],
 )
-def test_query_failures_are_reported_under_the_query_name(question: object, kind: str):
+def test_failed_or_outdated_query_is_reported_with_the_name_of_the_query(question: object, kind: str):
     outdated = json.loads(draft_failure(question, Unanswered.OUTDATED, RULES))
     failed = json.loads(draft_failure(question, Unanswered.FAILED, RULES))
     assert outdated == {"told": kind, "id": 0, "outdated": True}

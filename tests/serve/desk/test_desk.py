@@ -110,7 +110,7 @@ def test_blocked_helper_process_does_not_delay_another_client(server, helper, qu
         told(client, question)
 
 
-def test_waiting_reach_queries_are_outdated_by_newer_ones_and_the_last_is_answered(server):
+def test_newer_reach_queries_replace_waiting_reach_queries_and_the_last_is_answered(server):
     with server.client() as client:
         for k in range(50):
             client.do("reach", side="left", target=[0.3, 0.2, 0.01 * k], id=k)

@@ -113,7 +113,7 @@ def test_document_listing_omits_windows_device_names(tmp_path):
     assert DocumentFolder(tmp_path).list().names == ("console.bml",)
 
 
-def test_replaced_document_becomes_a_version(tmp_path):
+def test_earlier_text_of_a_replaced_document_is_kept_as_a_version(tmp_path):
     folder = DocumentFolder(tmp_path)
     for text in ("one", "two", "two", "three"):
         folder.save("a.bml", text)

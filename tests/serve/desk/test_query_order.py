@@ -217,7 +217,7 @@ def test_closed_helper_answers_no_waiting_query_and_kills_its_process(workshop: 
     workshop.run(work)
 
 
-def test_answer_with_a_lone_surrogate_is_sent_with_a_replacement(workshop: Workshop) -> None:
+def test_answer_with_a_lone_surrogate_is_sent_with_a_replacement_character(workshop: Workshop) -> None:
     async def work() -> None:
         workshop.ask(1, "\ud800")
         assert await workshop.until_told(1) == [("\ud800", "? 1")]

@@ -85,7 +85,7 @@ def test_subscriptions_with_different_rates_read_the_body_state_only_once_per_pe
     play(act)
 
 
-def test_reports_of_different_rates_are_at_most_5_ms_late(play: Callable):
+def test_telemetry_reports_of_different_rates_are_at_most_5_ms_late(play: Callable):
     rates = {1: 50.0, 2: 40.0, 3: 27.0}
 
     async def act(room: Room) -> None:

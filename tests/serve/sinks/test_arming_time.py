@@ -21,7 +21,7 @@ def play(monkeypatch: pytest.MonkeyPatch) -> Play:
     return run
 
 
-def test_timely_confirmation_enables_the_torque(play: Play):
+def test_arming_confirmation_in_time_enables_the_torque(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         client = Client()
         asked = await desk.ask(client)
@@ -104,7 +104,7 @@ def test_arming_message_without_token_is_refused_and_invalidates_the_code(play: 
     play(scene)
 
 
-def test_arming_obstacle_refuses_even_a_confirmed_request(play: Play):
+def test_confirmed_arming_request_is_refused_while_a_reason_against_arming_exists(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         client = Client()
         code = (await desk.ask(client))["code"]
@@ -184,7 +184,7 @@ def test_disarming_waits_for_blocks_only_up_to_a_timeout(play: Play):
     play(scene)
 
 
-def test_servos_of_an_ended_loop_are_disarmed_immediately(play: Play):
+def test_servos_of_an_ended_control_loop_are_disarmed_immediately(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         servos.armed, desk.loop.rests, desk.loop.alive = True, False, False
         assert (await desk.disarm(Client()))["told"] == "disarmed"

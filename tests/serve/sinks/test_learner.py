@@ -91,7 +91,7 @@ def test_servo_identification_result_is_returned_once_when_it_has_ended(known):
     learner.close()
 
 
-def test_short_motion_is_forgotten_after_a_rest(known):
+def test_short_motion_before_a_rest_is_not_used_for_servo_identification(known):
     learner, count = ServoLearner(known.robot, NOMINAL_FACTORS), len(known.robot.drives)
     step = 0.01 * known.robot.drives.no_load
     learner.see(replace(still(0.01 * k, count), setpoints=k * step) for k in range(20))

@@ -172,7 +172,7 @@ def test_only_servos_without_supervisor_are_reopened(running: bool):
 
 
 @pytest.mark.parametrize("waits", ["", "consent"])
-def test_resume_request_reaches_held_servos_only_if_they_wait_for_one(waits: str):
+def test_resume_request_is_passed_only_to_held_servos_that_wait_for_it(waits: str):
     cabinet = Cabinet()
     cabinet.servos.status = Status(Stage.HOLD, 100.0, 5.0, waits=waits)
     assert cabinet.sink.needs_resume() == bool(waits)

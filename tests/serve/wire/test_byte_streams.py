@@ -267,7 +267,7 @@ def test_stream_message_may_be_as_long_as_the_limit_and_no_longer() -> None:
         asyncio.run(collect(Stream(ScriptedLine(b"123456\0"), b"", 5).messages(lambda: False)))
 
 
-def test_moved_stream_keeps_buffered_messages() -> None:
+def test_message_stream_moved_to_another_transport_keeps_buffered_messages() -> None:
     async def move() -> tuple[list[bytes], ScriptedLine]:
         old, new = ScriptedLine(b"one\0two\0thr"), ScriptedLine(b"ee\0")
         stream = Stream(old, b"", 100)

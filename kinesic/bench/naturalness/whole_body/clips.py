@@ -27,7 +27,7 @@ MAX_ARM_LENGTH = 3.0  # [m] arm length above which a skeleton counts as given in
 METRES_PER_CENTIMETRE = 0.01  # [m/cm] conversion of lengths
 STRAIGHT_RATIO = 0.95  # wrist distance from the shoulder / arm length, above which an arm counts as straight
 LEVEL_HEIGHT = 0.2  # [arm lengths] largest height difference of wrists and shoulders in a T-pose
-LOWERED_HEIGHT = 0.7  # [arm lengths] depth of both wrists below the shoulders after a T-pose
+LOWERED_HEIGHT = 0.7  # [arm lengths] smallest distance of both wrists below the shoulders after a T-pose
 TO_Z_UP = sealed([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])  # rotation from y up, z ahead to z up, x ahead
 
 

@@ -45,7 +45,7 @@ SampleOf = Callable[..., Sample]
 
 @dataclass(frozen=True)
 class Summary:
-    """Definition of a number that summarises a set of gestures, with goal."""
+    """Definition of a statistic of a set of gestures, with its goal."""
 
     label: str
     unit: str

@@ -47,7 +47,7 @@ def starts_at_rest(motion: BodyMotion) -> bool:
 
 
 def measure_posture(motion: BodyMotion, frame: int = 0) -> StandingPosture:
-    """Measure the posture of arms and head in one frame of a motion.
+    """Measure the posture of arms and head in a frame of motion.
 
     The axes are vertical, along the shoulders, and ahead.
     """
