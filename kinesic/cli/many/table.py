@@ -69,7 +69,7 @@ def _tabulate_folders(verdicts: list[DocumentVerdict]) -> Table:
 
 
 def _group_folders(folders: list[Path]) -> list[str]:
-    """Return a group name per folder, a parent folder if there are many.
+    """Return a group name per folder, a parent folder if too many.
 
     Names are relative to the common parent folder.
     """
