@@ -36,7 +36,7 @@ class Idling:
     """Amount of idle motion, with its random seed."""
 
     amount: float = 0.0  # 0 none .. 1 a little .. 2 twice as much
-    seed: int = 0  # of the random generator; the same seed gives the same motion
+    seed: int = 0  # seed of the random generator; the same seed gives the same motion
 
 
 NO_IDLING = Idling()  # no idle motion

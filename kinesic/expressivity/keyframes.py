@@ -13,7 +13,7 @@ from kinesic.motion.keys import KeyPassage
 
 Touch = Literal[
     "hand", "forearm", "upper_arm", "head", "chest", "lap"
-]  # touched body part; arm and hand are those of the other side
+]  # touched body part; arm and hand mean the arm and hand of the other side
 
 
 @dataclass(frozen=True)
@@ -93,7 +93,7 @@ class Hand:
     passing: bool = False  # whether the key is on a path, where the elbow keeps its swivel
     lift: float = 0.0  # [rad] elevation of the shoulder, for any hand position
     shape: str | None = None  # name of a hand shape; None: relaxed
-    tip: Surface | None = None  # touching surface; None: palm or finger, the nearer one
+    tip: Surface | None = None  # touching surface; None: palm or finger, whichever is nearer
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,11 +135,11 @@ class KeyFrames:
 
     timeline: Timeline
     frames: tuple[KeyFrame, ...]
-    outcomes: Mapping[str, Outcome]  # by behaviour id, dropped ones included
+    outcomes: Mapping[str, Outcome]  # outcomes by behaviour id, including dropped behaviours
     uses: Mapping[str, frozenset[PartName]] = field(default_factory=dict)  # behaviour id -> moved parts
     notices: tuple[Notice, ...] = ()  # including the notices of the timeline
     bodies: Mapping[str, BodyMove] = field(default_factory=dict)  # gesture id -> accompanying body motion
-    fingers: Mapping[Side, tuple[FingerKey, ...]] = field(default_factory=dict)  # of hands with moving fingers
+    fingers: Mapping[Side, tuple[FingerKey, ...]] = field(default_factory=dict)  # keys of hands with moving fingers
     shapes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # behaviour id -> requested hand shapes
     successions: Mapping[str, Succession] = field(default_factory=dict)  # id of a stroke -> hand and joint delays
     held: Mapping[str, HeldTurns] = field(default_factory=dict)  # id of a behaviour that stays -> held rotations

@@ -42,7 +42,7 @@ LEAN_AMOUNT = 0.5  # factor on trunk and head rotations that are part of a postu
 _ARM_PARTS: Mapping[str, HandMode] = {"ARMS": "both", "LEFT_ARM": "left", "RIGHT_ARM": "right"}
 _TRUNK_PARTS = ("BODY", "TORSO", "SPINE", "TRUNK")  # pose parts that move the trunk
 _WHOLE_BODY = "WHOLEBODY"  # pose part of trunk and arms
-_GESTURE_POSES = {"open": "welcome"}  # word of an arm pose -> gesture whose final pose shows it
+_GESTURE_POSES = {"open": "welcome"}  # word for an arm pose -> gesture whose final pose shows this arm pose
 _HANGING_WORDS = frozenset({"neutral", "idle", "stand", "rest", "hang", "side"})  # words for arms that hang
 
 Arms = GestureForm | HandMode  # form of a rest gesture, or which arms hang
@@ -105,7 +105,7 @@ def pose(posture: Posture, lexicon: Lexicon, robot: Robot) -> Pose | None:
 
 
 def _pose_parts(posture: Posture, lexicon: Lexicon, robot: Robot) -> tuple[list[_PosePart], list[str]]:
-    """Return the contributions of all pose lexemes, and reasons for omitted ones.
+    """Return the contributions of pose lexemes, and reasons for omitted lexemes.
 
     Of two for one arm, the first counts.
     """

@@ -33,7 +33,7 @@ class Prosody:
     """Amount of motion by prosody, with its random seed."""
 
     amount: float = 0.0  # 0 none .. 1 like a person's .. 2 twice as much
-    seed: int = 0  # of the random generator; the same seed gives the same motion
+    seed: int = 0  # seed of the random generator; the same seed gives the same motion
 
 
 NO_PROSODY = Prosody()  # no motion by prosody

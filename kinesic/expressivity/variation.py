@@ -31,7 +31,7 @@ POSITION_DEVIATION = 0.05  # [arm lengths] largest random shift along each axis:
 MIRROR_DEVIATION = 0.04  # [arm lengths] largest random shift of the left hand from mirror symmetry, per axis
 NEAR_DISTANCE = 0.45  # [arm lengths] distance between hands below which they stay mirror images
 OUTWARD_AXIS = 1  # index of the outward coordinate in a position
-OTHER_HAND_PROBABILITY = 0.25  # probability of using the other hand, where the document leaves it open
+OTHER_HAND_PROBABILITY = 0.25  # probability of using the other hand, if the document names no hand
 HAND_DELAY_RANGE = 0.03, 0.08  # [s] smallest and largest delay of the second of two hands
 LEFT_FIRST_PROBABILITY = 0.25  # probability that the left hand begins a two-handed gesture
 WRIST_DELAY_RANGE = 0.035, 0.065  # [s] smallest and largest delay of the wrist after the shoulder
@@ -58,7 +58,7 @@ class Deviation:
     temporal: float  # change of the temporal extent
     place: Floats  # (3,) forward, outward, up [arm lengths] shift of all stroke keys
     apart: Floats  # (3,) forward, outward, up [arm lengths] additional shift of the left hand of two
-    other_hand: bool  # whether the other hand performs it, where either may
+    other_hand: bool  # whether the other hand performs the gesture, if the document allows either hand
     leader: Side = "r"  # first of two hands
     behind: float = 0.0  # [s] delay of the other hand
     loose: float = 0.0  # [s] delay of the wrist after the shoulder

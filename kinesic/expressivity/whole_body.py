@@ -42,7 +42,7 @@ MAX_TIME_FRACTION = 0.5  # largest fraction of a key interval that a head or tru
 DEPARTURE_TIME = 0.5  # [s] time to move to the stroke, where the document leaves none
 RETURN_TIME = 0.8  # [s] shortest duration of the movement back to upright after the hold
 LONG_PAUSE = 0.8  # [s] gap between gestures above which the head turns back to the listener
-WAITING_FRACTION = 0.3  # fraction of its rotation that the head keeps in a pause between gestures
+WAITING_FRACTION = 0.3  # fraction of the rotation that the head keeps in a pause between gestures
 POINTED_DISTANCE = 1.0  # [m] assumed distance from hand to pointed place, without a target
 # [rad] largest head rotation about each axis, by gaze target
 LARGEST_LOOK: Mapping[LookAt, float] = {"hands": radians(14), "place": radians(35)}
@@ -80,7 +80,7 @@ class WholeBody:
 
     head: Layer
     torso: Layer
-    moves: Mapping[str, BodyMove]  # by gesture id
+    moves: Mapping[str, BodyMove]  # accompanying motion by gesture id
 
 
 @dataclass(frozen=True, eq=False)
@@ -289,7 +289,7 @@ def _join_courses(courses: Sequence[_Course], pace: Pace, chain: str) -> Layer:
         if previous is None:
             add_key(course.start, UPRIGHT_TURN, course.manner, "retraction")
         else:
-            waits = chain == "torso" and previous.leave <= course.keys[0][0] - MIN_TRUNK_TIME  # for the held hands
+            waits = chain == "torso" and previous.leave <= course.keys[0][0] - MIN_TRUNK_TIME  # for held hands
             leave = previous.leave if waits else min(previous.leave, course.start)
             add_key(leave, keys[-1].turn, previous.manner, "hold")
             if chain == "neck" and course.start - keys[-1].time >= LONG_PAUSE:

@@ -23,7 +23,7 @@ LOW_DUTY = 0.5  # duty at a knot below which full duty cannot occur within two k
 TIGHTENING_FACTOR = 0.93  # factor on an overloaded servo's duty limit, in addition to 1 / its peak duty
 MAX_TIGHTENINGS = 6  # largest number of replanning rounds with lower duty limits
 KNOTS_PER_WINDOW = 4096  # largest number of knots whose torques are computed together, which bounds the memory
-STATE_TOLERANCE = 1e-5  # [rad, rad/s, rad/s^2] grid to which states are rounded to evaluate equal ones once
+STATE_TOLERANCE = 1e-5  # [rad, rad/s, rad/s^2] grid to which states are rounded, to evaluate equal states once
 
 
 def certify(

@@ -27,7 +27,7 @@ from kinesic.planning.setup import Setup
 
 VISIBLE_CLASH = 0.2  # [s] growth of the interval between two strokes that viewers notice
 MAX_EXACT_SEARCHES = 12  # exact searches per block; remaining pairs are judged by an estimate
-MAX_EXACT_PAIRS = 4 * MAX_EXACT_SEARCHES  # with more candidate pairs, only the estimate is used
+MAX_EXACT_PAIRS = 4 * MAX_EXACT_SEARCHES  # number of candidate pairs above which only the estimate is used
 SEARCH_BUDGET = 100_000  # spline segments that all exact searches of a block may evaluate
 NEGLIGIBLE_CLASH = 0.02  # [s] growth of the interval between two strokes up to which both gestures stay as they are
 

@@ -48,7 +48,7 @@ LAG_RESERVE = 0.004  # [m] extra clearance in plans for the tracking lag of the 
 MIN_LAG_RESERVE = 0.002  # [m] smallest remaining `LAG_RESERVE`; with less, a behaviour is dropped
 MAX_REPAIRS = 2  # largest number of replanning rounds for a motion with too little clearance
 SAMPLE_COST = 3.0  # [knot intervals] work charged to the budget per clearance sample of a replanned motion
-REPAIR_MARGIN = 0.002  # [m] added to the missing clearance when a repair raises the required one
+REPAIR_MARGIN = 0.002  # [m] margin by which a repair raises the required clearance beyond the missing clearance
 LIMIT_REDUCTION_FACTOR = 0.8  # factor on the limits used for key times, applied when no detour helps
 COLLISION_SPAN = 2.0  # [s] collisions up to this time from the worst one are attributed to the same behaviour
 

@@ -24,7 +24,7 @@ class SurfaceTouch:
     """Contact spheres of a hand, with the segments or spheres they touch."""
 
     robot: Robot
-    meetings: tuple[tuple[FingerTip, FingerTip | int], ...]  # own sphere, and other sphere or segment index
+    meetings: tuple[tuple[FingerTip, FingerTip | int], ...]  # hand sphere, and touched sphere or segment index
     excess: tuple[float, ...] = (0.0,)  # [m] accepted additional distance of each meeting
 
     @classmethod

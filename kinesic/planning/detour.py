@@ -15,12 +15,13 @@ from kinesic.planning.posture_course import SCAN_RATE, ArmHinges, PostureCourse
 MIN_DETOURS = 16  # number of detours allowed in even the shortest motion
 DETOUR_INTERVAL = 10.0  # [s] additional motion time that allows `MIN_DETOURS` further detours
 SCAN_BUDGET = 2600.0  # [s] motion time scanned for all detours: 64 detours in a 40 s motion, 17 in 150 s
-DETOUR_MARGIN = 0.008  # [m] clearance of a detour beyond the required one
+DETOUR_MARGIN = 0.008  # [m] extra clearance of a detour in addition to the required clearance
 WITHDRAWAL_FRACTIONS = (0.0, 0.2, 0.35, 0.7)  # fractions of the path to rest at which a key is tried
 WITHDRAWAL_PENALTY = 0.1  # fraction of the best gain so far by which a later candidate must exceed it
 KEY_OFFSETS = (0.004, 0.016)  # [m] extra clearances tried when an existing key is moved
 SWING_RATIO = 0.5  # fraction of the overshoot that is kept if removing more hardly adds clearance
-CALM_TOLERANCE = 0.1  # fraction of the clearance gain without overshoot, given up to keep `SWING_RATIO` of it
+# Fraction of the clearance that a motion without overshoot gains, given up to keep `SWING_RATIO` of the overshoot.
+CALM_TOLERANCE = 0.1
 ACCEPT_RATIO = 0.98  # largest remaining fraction of the missing clearance with which a detour is accepted
 
 

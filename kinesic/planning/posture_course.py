@@ -15,7 +15,7 @@ from kinesic.motion.trajectory import Trajectory
 ArmHinges = tuple[int, ...]  # joints of an arm
 
 SCAN_RATE = 100  # [Hz] sampling rate of the clearance check
-MIN_KEY_INTERVAL = 0.06  # [s] smallest time between a detour's key and other keys of its arm
+MIN_KEY_INTERVAL = 0.06  # [s] smallest time between a detour's key and other keys of the same arm
 KEY_SPACING = 1e-4  # [s] delay of a new key at the requested time of another key
 
 

@@ -55,7 +55,7 @@ class Setup:
     grammar: GrammarName = "rules"  # parser of phrases and clauses of plain text
     intentions: IntentionFiles = IntentionFiles()  # behaviours of intentions
     recordings: Path | None = None  # folder of the recordings of documents that are no files; None: not played
-    unstyled: Robot | None = None  # the robot with its own rest posture; None: documents cannot change the posture
+    unstyled: Robot | None = None  # the robot without the posture of a style; None: documents cannot change the posture
     shared_limits: Limits | None = None  # limits of the same body in another rest posture; None: computed
 
     def __repr__(self) -> str:

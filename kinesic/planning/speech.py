@@ -12,7 +12,7 @@ from kinesic.motion.keys import Sync
 from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime, find_bonds
 
-MAX_RATE_FACTOR = 1.25  # speech rate factor at style value temporal = 1; its inverse at -1
+MAX_RATE_FACTOR = 1.25  # speech rate factor at the style value temporal = 1; at -1, the factor is 1 / 1.25
 SEMITONES_PER_UNIT = 1.5  # [semitones] pitch change per unit of power or activation
 PAUSE_TOLERANCE = 0.002  # [s] accepted shortfall of a speech pause
 MAX_WORD_LENGTH = 24  # [characters] longest quotation of a word in a message

@@ -39,7 +39,7 @@ class StanceTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     mean: Mapping[str, float]  # mean angle by feature; both arms have the features of one arm
     handedness: Mapping[str, float]  # mean asymmetry, added to the left arm and subtracted from the right
     persons: StanceComponents  # deviations of persons from the mean
-    rests: StanceComponents  # deviations of rests from the mean of their person
+    rests: StanceComponents  # deviations of a person's rests from the mean of that person
 
 
 class ArmPoseTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
@@ -47,7 +47,7 @@ class ArmPoseTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
     name: str
     weight: float  # relative probability of this posture, with its mirror image
-    mean: Mapping[str, float]  # by feature of the whole body
+    mean: Mapping[str, float]  # mean angle by feature of the whole body
     components: Sequence[Mapping[str, float]]  # principal components of the deviations
 
 

@@ -10,7 +10,7 @@ from kinesic.expressivity.lexicon.space import SECTOR_CENTRES, position, to_worl
 from kinesic.ik.arm.refine import refine_posture
 from kinesic.ik.solve import solve
 
-SECTOR_TOLERANCE = 0.02  # [m] largest distance from a sector's centre at which it counts as reached
+SECTOR_TOLERANCE = 0.02  # [m] largest distance from a sector's centre at which the sector counts as reached
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,7 @@ def improve_block(scene: Scene, block_id: str, new_plan: Plan, now: float) -> Sc
     agenda = retime_feedback(scene.agenda, running.run, improved.agenda(), change)
     after = _announce(replace(scene, motion=merged.trajectory, agenda=agenda), running, improved, now)
     after = restore_pointing(scene, after, now)
-    warnings = after.outgoing_feedback[len(scene.outgoing_feedback) :]  # the agenda repeats them until they are sent
+    warnings = after.outgoing_feedback[len(scene.outgoing_feedback) :]  # the agenda repeats them until sent
     return replace(after, outgoing_feedback=scene.outgoing_feedback, agenda=order_feedback(warnings, after.agenda))
 
 

@@ -11,7 +11,7 @@ from kinesic.realizer.request import PLANNING_TIME, TimedRequest
 from kinesic.realizer.running_block import PlayingSpeech, RunningBlock
 from kinesic.realizer.scene import Scene
 
-Interruptions = Mapping[tuple[str, str], float]  # block and behaviour -> global time [s] of its interruption
+Interruptions = Mapping[tuple[str, str], float]  # (block, behaviour) -> global time [s] of the interruption
 TimedBlock = RunningBlock | TimedRequest
 
 

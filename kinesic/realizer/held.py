@@ -32,7 +32,7 @@ from kinesic.realizer.occupancy import (
     sort_by_time,
 )
 
-HELD_ROLES: tuple[Role, ...] = ("look", "trunk")  # gaze and trunk posture, which are held after their behaviour
+HELD_ROLES: tuple[Role, ...] = ("look", "trunk")  # gaze and trunk posture, which are held after a behaviour ends
 STEP_DURATION_FACTOR = 1.5  # duration of a change of the held posture / minimum duration
 HELD_POSTURE_TOLERANCE = np.radians(1.0)  # [rad] deviation from a held posture above which the client is warned
 
@@ -198,7 +198,7 @@ class _Succession:
     work: Overlay
     role: Role
     hinges: Flags  # (n,) trunk hinges
-    unexplained: Floats  # (n,) [rad] difference between the running motion and its held values
+    unexplained: Floats  # (n,) [rad] end of the running motion minus the sum of all held offsets
     limits: Limits
 
     def ramps(self) -> list[HeldRamp]:

@@ -62,7 +62,7 @@ class SceneContext:
     """States and global times [s] of the other blocks of a scene."""
 
     now: float = 0.0  # [s] global time
-    states: Mapping[str, BlockState] = field(default_factory=dict)  # of active blocks, in order of arrival
+    states: Mapping[str, BlockState] = field(default_factory=dict)  # states of active blocks, in order of arrival
     relaxes: Mapping[str, float] = field(default_factory=dict)  # id -> relax time [s]
     ends: Mapping[str, float] = field(default_factory=dict)  # id -> end time [s]
     times: Mapping[Point, float] = field(default_factory=dict)  # sync points of active and ended blocks
@@ -137,8 +137,8 @@ class TimedRequest:
     """Requested block with scheduled times."""
 
     sender: int  # number of the client that receives the feedback
-    block: Block  # with references to other blocks converted to block times
-    utterances: Mapping[str, Utterance]  # by speech id
+    block: Block  # block whose references to other blocks are converted to block times
+    utterances: Mapping[str, Utterance]  # utterances by speech id
     timeline: Timeline
     zero: float = 0.0  # [s] expected global time of block time 0
     is_anchored: bool = False  # whether the block refers to other blocks, so that `zero` is fixed

@@ -60,7 +60,7 @@ class RunningBlock:
 
     prepared: PreparedBlock
     state: BlockState
-    zero: float  # [s] global time of block time 0; an estimate while it waits
+    zero: float  # [s] global time of block time 0; an estimate while the block waits
     times: Times  # times of sync points as performed, without dropped behaviours
     waits: dict[str, Until] = field(default_factory=dict)  # dependencies: other blocks and the point to wait for
     merged: MergedMotion | None = None  # motion of the block, merged into the scene's motion

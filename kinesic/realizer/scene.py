@@ -17,7 +17,7 @@ from kinesic.realizer.request import SceneContext, TimedRequest
 from kinesic.realizer.running_block import EndedBlock, PlayingSpeech, RunningBlock
 
 KEPT_PAST_DURATION = 0.5  # [s] duration of past motion that is kept
-MAX_PAST_DURATION = 2.0  # [s] duration of past motion above which it is truncated
+MAX_PAST_DURATION = 2.0  # [s] duration of past motion above which the past is truncated
 MERGE_LEAD_TIME = 0.05  # [s] time before the start of a waiting block at which the block is merged
 MAX_ENDED_BLOCKS = 32  # number of ended blocks to which later blocks may still refer
 

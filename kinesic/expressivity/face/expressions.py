@@ -28,7 +28,7 @@ FADE_RATIO = 0.4  # fraction of the intensity lost during the hold at a power of
 MAX_FADE_TIME = 2.0  # [s] longest duration of the fading during the hold
 MAX_BRIDGED_GAP = 1.0  # [s] longest gap between two expressions that are joined at a fluidity of 1
 
-_VAGUE_WORDS = word_set(  # words that identify an expression only together with others
+_VAGUE_WORDS = word_set(  # words that identify an expression only together with other words
     "raise lower open close up down high wide part pull press tight stretch blow kind content"
 )
 _FILLER_WORDS = word_set("face facial expression emotion look very really and in at with slow slowly fast quick")

@@ -27,7 +27,7 @@ from kinesic.expressivity.turns import UPRIGHT_TURN, add_turns, departure_time
 from kinesic.motion.easing import ease
 
 SACCADE_SPREAD = radians(2.5)  # [rad] standard deviation of lateral saccades around the target; vertical: half
-GAZE_LEAD_TIME = 0.3  # [s] advance of a gesture's gaze shift before its stroke if the head does not turn
+GAZE_LEAD_TIME = 0.3  # [s] advance of a gesture's gaze shift before the gesture's stroke, if the head does not turn
 HALF_EYE_DISTANCE = 0.03  # [m] distance from an eye to the midpoint of both
 VERGENCE_TIME = 0.16  # [s] duration of a change of vergence
 MIN_SACCADE_INTERVAL = 0.5  # [s] shortest time between two spontaneous saccades
@@ -63,7 +63,7 @@ STRAIGHT_AHEAD = GazeDirection(-np.inf, 0.0, 0.0)  # gaze straight ahead in the 
 class Habits:
     """Switches and random seed of blinks and spontaneous saccades."""
 
-    seed: int = 0  # of the random generator; the same seed gives the same motion
+    seed: int = 0  # seed of the random generator; the same seed gives the same motion
     blinks: bool = True
     saccades: bool = True
 

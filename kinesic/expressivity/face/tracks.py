@@ -182,7 +182,7 @@ def _expressions(
 
 
 def _affect(affect: Mapping[str, float], timeline: Timeline, times: Floats, styles: Mapping[str, Style]) -> Channels:
-    """Return a style's permanent expression, suppressed while the document shows others."""
+    """Return a style's permanent expression, suppressed while the document shows an expression."""
     if not affect:
         return {}
     remaining = _undirected(timeline, times, styles, NO_BODY_MOVES)

@@ -47,7 +47,7 @@ class _Entry(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     says: str
     sounds: str  # one letter per sound
     units: dict[str, float]  # action unit -> 0..1
-    firm: bool = False  # whether it limits the lip opening of neighbouring sounds
+    firm: bool = False  # whether the mouth shape limits the lip opening of neighbouring sounds
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,7 +55,7 @@ class Viseme:
     """Mouth shape of one sound."""
 
     units: Mapping[str, float]  # key of Command.face -> 0..1
-    firm: bool  # whether it limits the lip opening of neighbouring sounds
+    firm: bool  # whether the mouth shape limits the lip opening of neighbouring sounds
 
 
 class _File(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

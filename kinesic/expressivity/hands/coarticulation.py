@@ -34,8 +34,8 @@ class HandAllocation:
     """Time-ordered strokes of each hand, with dropped behaviours and moved sync points."""
 
     works: Mapping[Side, Sequence[HandStroke]]
-    outcomes: Mapping[str, Outcome]  # of behaviours that are not performed as requested
-    remarks: Mapping[str, tuple[str, ...]]  # of behaviours that are performed with changes for lack of time
+    outcomes: Mapping[str, Outcome]  # outcomes of behaviours that are not performed as requested
+    remarks: Mapping[str, tuple[str, ...]]  # notes on changes for lack of time, by performed behaviour
     times: Mapping[str, Mapping[str, float]]  # behaviour id -> moved sync points [s]
 
 
@@ -91,7 +91,7 @@ class _Hands:
     works: dict[Side, list[HandStroke]] = field(default_factory=lambda: {side: [] for side in SIDES})
     outcomes: dict[str, Outcome] = field(default_factory=dict)
     times: dict[str, dict[str, float]] = field(default_factory=dict)
-    displaced: dict[str, Outcome] = field(default_factory=dict)  # of strokes dropped for more important ones
+    displaced: dict[str, Outcome] = field(default_factory=dict)  # strokes dropped for more important strokes
 
     def assign(self, stroke: Stroke) -> None:
         """Assign hands to a stroke, or drop it."""
@@ -156,11 +156,11 @@ class _Hands:
         return {side: works for side, works in conflicts.items() if works}
 
     def _conflict(self, work: HandStroke, stroke: Stroke) -> bool:
-        """Return whether one hand lacks the time for both strokes."""
+        """Return whether one hand lacks the time for two strokes."""
         return overlaps(work, stroke) or (not work.stroke.rest and self._delay(work, stroke) > 0.0)
 
     def _can_be_spaced(self, work: HandStroke, stroke: Stroke, option: Poses) -> bool:
-        """Return whether shortening both strokes in time lets one hand perform them.
+        """Return whether one hand can perform two strokes if both are shortened.
 
         Never with a reported timing conflict, else always for two two-handed strokes: their hands are tried singly.
         """
@@ -268,7 +268,7 @@ class _Hands:
         return False
 
     def _try_displacing(self, stroke: Stroke) -> bool:
-        """Place a stroke if all conflicting ones are less important.
+        """Place a stroke if all conflicting strokes are less important.
 
         They are dropped. Returns whether the stroke was placed.
         """

@@ -32,7 +32,7 @@ def busy_with_block(stroke: Stroke, other: BusyHand, travel_time: float) -> str:
 
 
 def displaced_outcome(work: HandStroke, side: Side, stroke: Stroke, delay: float) -> Outcome:
-    """Return the outcome of a stroke dropped for a more important one.
+    """Return the outcome of a stroke dropped for a more important stroke.
 
     Args:
         work: dropped stroke.

@@ -9,9 +9,9 @@ from kinesic.body.least_squares import minimise_squares
 from kinesic.body.robot import Robot, Side
 
 TIP_GAP = 0.001  # [m] gap left between two meeting fingertips
-DEVIATION_COST = 0.002  # [m] fingertip gap that costs as much as rotating a joint through its range
+DEVIATION_COST = 0.002  # [m] fingertip gap that costs as much as rotating a joint through the joint's whole range
 MAX_EVALUATIONS = 60  # largest number of postures that are evaluated for one hand
-THUMB_NAME = "thumb"  # name of the finger that the others meet
+THUMB_NAME = "thumb"  # name of the finger that other fingertips meet
 
 
 def meeting_angles(initial: Floats, meets: Sequence[str], robot: Robot, side: Side) -> Floats:

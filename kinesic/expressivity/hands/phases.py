@@ -25,7 +25,7 @@ NEIGHBOUR_INTERVAL = 0.5  # [s] longest gap between gestures in which the hand d
 ARM_PARTS: frozenset[Touch] = frozenset(("hand", "forearm", "upper_arm"))  # touchable parts of the other arm
 LOWERING_FRACTION = 0.5  # fraction of the distance to rest by which a waiting hand is lowered
 WAITING_OPENNESS = 0.2  # elbow openness (0 hanging .. 1 far out) of a waiting hand
-MAX_WAITING_TIME = 2.5  # [s] longest wait of a hand for a joint retraction with the other one
+MAX_WAITING_TIME = 2.5  # [s] longest wait of a hand that retracts together with the other hand
 ALL_FIXED: FixedSyncs = MappingProxyType({})  # default, empty: a behaviour without an entry has only fixed sync points
 
 
@@ -109,7 +109,7 @@ def _join_strokes(
     keys: list[HandKey] = []
     rest = resting_hands(pace.robot)[side]
     pose = REST_HAND  # rest pose of the hand
-    holding: HandStroke | None = None  # last gesture, without its retraction yet
+    holding: HandStroke | None = None  # last gesture, as long as the hand has not retracted
     for k, work in enumerate(row):
         hands = work.poses.hands[side]
         if work.stroke.rest and (_clashing_neighbours(row, k, clashes) or _must_defer(work, keys, row[k + 1 :])):

@@ -22,7 +22,7 @@ class StrokeSpacing:
     fixed_syncs: FixedSyncs
 
     def move_apart(self, work: HandStroke, stroke: Stroke, option: Poses, side: Side) -> tuple[Stroke, HandStroke]:
-        """Let a stroke begin later and the preceding one end earlier.
+        """Let a stroke begin later and the preceding stroke end earlier.
 
         The missing time is divided in proportion to the time that each can give.
 

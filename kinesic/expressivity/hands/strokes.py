@@ -19,7 +19,7 @@ from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY, Expressivity
 from kinesic.expressivity.turns import MIN_KEY_SPACING
 
-PATH_LENGTH_FACTOR = 1.5  # factor on the length of half a path period in its minimum-time estimate
+PATH_LENGTH_FACTOR = 1.5  # factor on the length of half a path period in the estimate of the minimum time
 PATH_TIME_FACTOR = 1.4  # minimum time of half a path period / that of a straight movement
 
 _TIME_TOLERANCE = 1e-9  # [s] times that differ by less count as equal
@@ -46,12 +46,12 @@ class Stroke:
     id: str
     times: Mapping[str, float]  # [s] sync points, with `stroke:2` and so on for repetitions
     options: tuple[Poses, ...]  # alternatives; the first with free hands is performed
-    rest: bool = False  # whether its last pose is held and becomes the rest pose
+    rest: bool = False  # whether the stroke's last pose is held and becomes the rest pose
     manner: Expressivity = NEUTRAL_EXPRESSIVITY
-    may_split: bool = False  # whether one hand may perform it alone if another block needs the other
+    may_split: bool = False  # whether one hand may perform the stroke alone if another block needs the other hand
     importance: int = 1  # 0 a beat, 1 any other, 2 required; less important strokes are dropped first
     series: str = ""  # strokes of one series, such as counting, use the same hand
-    spoken: bool = False  # whether the document synchronises it with a word
+    spoken: bool = False  # whether the document synchronises the stroke with a word
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,7 +49,7 @@ class TomlEntry:
     id: str
     category: str
     text: str  # TOML of the gesture, preceded by the category
-    path: Path  # of its file
+    path: Path  # path of the TOML file
     bodies: Bodies
 
     @cached_property

@@ -31,7 +31,7 @@ class HandPose:
     palm: Floats | None = None  # (3,) unit normal of the palm
     pointing: Floats | None = None  # (3,) unit direction from wrist to fingers
     shape: str | None = None  # name of a hand shape, for robots with fingers
-    openness: float = 0.0  # of the elbow, 0..1
+    openness: float = 0.0  # 0 elbow at the body .. 1 elbow away from the body
     touch: Touch | None = None  # touched body part
     path: HandPath | None = None  # path from the previous key [arm lengths]; None: straight
     tip: Surface | None = None  # touching palm or, on hands with fingers, fingertip; None: the nearest part

@@ -25,7 +25,7 @@ class HandShape:
     straight: Five  # extension of each finger, 0 closed .. 1 straight
     apart: float = 0.0  # spread of the fingers, -1 crossed .. 0 parallel .. 1 widest
     across: float = 0.0  # opposition of the thumb, 0 next to the palm .. 1 opposite to the fingers
-    plain: bool = False  # whether a hand without fingers resembles it
+    plain: bool = False  # whether a hand without fingers resembles the hand shape
     meets: tuple[Finger, ...] = ()  # fingers whose tips meet the thumb's tip
 
 
@@ -35,8 +35,8 @@ class FingerMotion:
 
     name: str
     says: str  # description
-    rate: float  # [Hz]
-    bend: Five = NO_FINGERS  # closing of each finger as a fraction of its range; below 0 it opens
+    rate: float  # [Hz] frequency of the finger motion
+    bend: Five = NO_FINGERS  # closing of each finger / finger range; below 0 the finger opens
     later: Five = NO_FINGERS  # [quarter periods] delay of each finger
     apart: float = 0.0  # change of the finger spread; below 0 the fingers close up
 

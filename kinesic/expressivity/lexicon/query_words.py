@@ -34,7 +34,7 @@ _RELATED_WORDS = (  # groups of words for similar movements or places of the bod
     "shake swing wag",
     "point indicate",
 )
-BODY_WORDS = word_set(  # body parts; they count more in a search, as the hand's place describes a gesture well
+BODY_WORDS = word_set(  # body parts, with more weight in a search, as a hand's place describes a gesture well
     "head temple forehead brow eye eyes ear nose cheek mouth lips chin neck throat shoulder shoulders chest heart "
     "belly stomach hip hips lap thigh wrist forearm elbow arm arms"
 )

@@ -49,7 +49,7 @@ BODY_WEIGHT = 0.75  # weight of a part of the body in the description
 CATEGORY_WEIGHT = 0.4  # weight of the category's name
 FORM_WEIGHT = 0.4  # weight of a word for the gesture's hands or a touched body part
 
-STEM_QUALITY = 0.95  # match quality of another form of the word, such as waving for wave
+STEM_QUALITY = 0.95  # match quality of another inflection of the word, such as waving for wave
 RELATED_QUALITY = 0.6  # match quality of a word of similar meaning, such as silent for quiet
 PREFIX_QUALITY = 0.7  # match quality of a word that begins with an unknown word of the query
 LONGER_WORD_QUALITY = 0.35  # match quality of a longer word, such as yesterday for yes

@@ -30,7 +30,7 @@ class GestureClass:
     name: str
     gesture: str  # id of the representative
     words: tuple[tuple[str, ...], ...]  # phrases that name the class
-    not_in: tuple[tuple[str, ...], ...] = ()  # excluded phrases with another meaning, such as beat, it
+    not_in: tuple[tuple[str, ...], ...] = ()  # excluded phrases with another meaning, such as "beat it"
 
     def others(self, words: Sequence[str]) -> tuple[str, ...] | None:
         """Return the words of a name outside this class's phrases.
@@ -76,7 +76,7 @@ class NamedGesture:
 class NameTable:
     """Look-up table of gesture names, synonyms and classes."""
 
-    categories: Mapping[str, str]  # of each gesture by id
+    categories: Mapping[str, str]  # category of each gesture, by gesture id
     synonyms: Sequence[tuple[str, str]]  # (name as written, id); the first of equal names counts
     classes: tuple[GestureClass, ...]  # in order of precedence
 

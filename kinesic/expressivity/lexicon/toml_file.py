@@ -77,7 +77,7 @@ class GestureTable(StrictTable):
 
     id: str  # name for BML's `lexeme`
     keys: list[KeyTable]  # poses of the stroke; the last one is held
-    meanings: list[str] = []  # words that describe it, the most characteristic first
+    meanings: list[str] = []  # words that describe the gesture, the most characteristic first
     says: str = ""  # movement and meaning in one line
     tempo: str = "neutral"  # `neutral`, `sudden` or `sustained`
     body: BodyFormTable = PLAIN_TABLE  # overrides the table of the category

@@ -51,11 +51,11 @@ STROKE_HOLD_FACTOR = 0.4  # factor on the category's hold time after a stroke of
 STROKE_ACCENT = 2.4  # easing steepness added to the minimum of 1 in dynamic strokes without a word
 SPOKEN_ACCENT = 6.4  # easing steepness added to the minimum of 1 in strokes fastest at a word
 STROKE_START_SWING = 0.9  # overshoot (0 none .. 1 full) at the key where a stroke begins
-STROKE_KEY_SWING = 0.8  # overshoot (0 none .. 1 full) at stroke keys after the first one
+STROKE_KEY_SWING = 0.8  # overshoot (0 none .. 1 full) at stroke keys after the first key
 SPOKEN_START_SWING = 0.4  # overshoot (0 .. 1) at the start of a stroke on a word
 MIN_SPOKEN_TENSION = -0.15  # smallest spline tension in the preparation of a stroke on a word
-PATH_START_SWING = 0.6  # overshoot (0 .. 1) where a path begins; the preparation ends along it
-PATH_START_VELOCITY = 0.5  # velocity at the start of a path without a word / its constant velocity
+PATH_START_SWING = 0.6  # overshoot (0 .. 1) where a path begins; the preparation already ends along the path
+PATH_START_VELOCITY = 0.5  # initial velocity of a path without a word / constant velocity along the path
 PATH_END_SWING = 0.4  # overshoot (0 .. 1) at the end of a path
 MIN_TIME_RATIO = 0.7  # available / natural time below which keys have neither overshoot nor accent
 RETRACTION_STEEPNESS = 7.5  # steepness of a retraction without fluidity: peak / mean velocity is 4/3
@@ -93,10 +93,10 @@ CATEGORY_PROFILES: Mapping[str, CategoryProfile] = {
 class GestureTraits:
     """Properties of a gesture that determine its durations and accents."""
 
-    category: str = ""  # of the lexicon, or defined by the user
+    category: str = ""  # gesture category of the lexicon, or of the user
     tempo: Tempo = "neutral"
     dynamic: bool = True  # whether the hand moves during the stroke; otherwise it takes a pose and holds it
-    weight: float = 1.0  # of the effort profile: 0 Fitts' law, with a stop at every key .. 1 full profile
+    weight: float = 1.0  # weight of the effort profile: 0 Fitts' law, with a stop at every key .. 1 full profile
 
 
 PLAIN_TRAITS = GestureTraits()  # traits of a dynamic gesture without category or tempo
@@ -223,7 +223,7 @@ class Effort:
         return replace(passed, continuity=passed.continuity * (1.0 - free * self._pose_flow))
 
     def path_start_velocity(self, passage: KeyPassage) -> float:
-        """Return the initial velocity of a path / its constant velocity.
+        """Return the ratio of a path's initial velocity to its constant velocity.
 
         Args:
             passage: of the key where the path begins after a preparation.

@@ -65,7 +65,7 @@ class _AxisJoints:
     axes: Indices  # (k,) indices into `TURN_AXES`
     joint_ranges: Floats  # (k,) [rad]
     axis_ranges: Floats  # (k,) [rad] sum of the ranges of all joints of the same axis
-    limits: Limits  # of the k joints
+    limits: Limits  # motion limits of the k joints
 
 
 @lru_cache(maxsize=32)

@@ -8,7 +8,7 @@ from kinesic.bml.block import EXPRESSIVITY_RANGES, Modality
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.style.standing import Standing
 
-PARAMETER_EFFECTS: Mapping[str, str] = {  # effect of each expressivity parameter, from its low to its high values
+PARAMETER_EFFECTS: Mapping[str, str] = {  # effect of each expressivity parameter, from low to high values
     "spatial": "size of movements: tight .. wide",
     "temporal": "duration of strokes, and rate of the voice: slow .. fast",
     "fluidity": "transitions: abrupt .. smooth",
@@ -38,7 +38,7 @@ class StyleParameter:
     key: str  # name in the style's file, with its table, such as head.spatial or standing.trunk.tilt
     value: float | str
     unit: str  # deg, or the range of a number without unit; empty for a name
-    effect: str  # what the value changes, from its low to its high end
+    effect: str  # what the value changes, from the lowest to the highest value
 
     def __str__(self) -> str:
         """Return one line: key, value, unit and effect."""

@@ -17,9 +17,9 @@ from kinesic.motion.keys import (
 Phase = Literal["preparation", "stroke", "hold", "retraction"]
 
 POWER_STEEPNESS = 1.5  # increase of a movement's easing steepness at a power of 1
-FORCE_EXPONENT = 3.0  # exponent of high power, and of tension with it, in the easing steepness
+FORCE_EXPONENT = 3.0  # exponent of power, and of tension if power is high, in the easing steepness
 TENSION_EXPONENT = 1.5  # exponent of tension in the easing steepness of gestures without power
-OVERSHOOT_THRESHOLD = 0.5  # power at which accented strokes overshoot; with as much tension they bounce
+OVERSHOOT_THRESHOLD = 0.5  # power from which accented strokes overshoot; if tension is as high, strokes bounce
 OVERSHOOT_ACCENT_FRACTION = 0.68  # steepness of easing `out_back` / steepness of an accent of equal peak velocity
 MIN_LATE_ACCENT = 2.5  # smallest steepness above `MIN_STEEPNESS` of a full accent at the end of a movement
 POWER_BIAS = 0.25  # spline bias at a power of 1, towards the direction of approach

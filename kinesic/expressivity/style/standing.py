@@ -61,8 +61,8 @@ FRONTAL_GAZE = GazeHabit()  # gaze at the listener all the time
 class Standing:
     """Posture, resting hands, facial affect and gaze habit of a style."""
 
-    head: Turn = UPRIGHT_TURN  # in the world
-    trunk: Turn = UPRIGHT_TURN  # from upright
+    head: Turn = UPRIGHT_TURN  # rotation in the world
+    trunk: Turn = UPRIGHT_TURN  # rotation from upright
     arms: tuple[tuple[str, float], ...] = ()  # (hinge name without side, offset from the robot's rest [rad])
     fist: float = 0.0  # 0 relaxed .. 1 closed fingers
     rest: str = ""  # rest gesture of the lexicon; empty: arms hang

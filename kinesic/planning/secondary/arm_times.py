@@ -23,7 +23,7 @@ STILL_THRESHOLD = 5e-5  # [rad] angle change per knot interval below which an ar
 class ArmStroke:
     """Time span of an arm's stroke, with its follow-through delays."""
 
-    id: str  # of the behaviour
+    id: str  # behaviour id
     begin: float  # [s] performance time
     end: float  # [s] performance time
     behind: float = 0.0  # [s] delay of the whole hand after the other hand

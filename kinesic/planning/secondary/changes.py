@@ -13,9 +13,9 @@ from kinesic.motion.limit_check import find_beyond
 from kinesic.motion.trajectory import KNOT_INTERVAL, KNOT_TOLERANCE, MIN_CONTROLS, Trajectory
 from kinesic.planning.secondary.offset_bumps import CONTROL_LEAD, MotionChange
 
-FULL_LIMIT = 1.0 + 1e-9  # ratio of a motion to its limit above which the limit is violated; above 1 because of rounding
+FULL_LIMIT = 1.0 + 1e-9  # motion value / limit above which the limit counts as violated; above 1 because of rounding
 MAX_LIMIT_CONTROLS = max(STENCIL_WIDTHS)  # largest number of control points on which one limit depends
-REDUCED_AMOUNT = 0.4  # amount of a secondary motion that violates a limit, tried before it is dropped
+REDUCED_AMOUNT = 0.4  # amount to which a secondary motion beyond limits is reduced, before the motion is dropped
 EMPTY_ROW = sealed([])  # empty array for concatenation if there are no offsets
 
 

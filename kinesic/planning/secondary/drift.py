@@ -15,7 +15,7 @@ from kinesic.planning.secondary.offset_bumps import OffsetBump
 
 MIN_HOLD_TIME = 0.3  # [s] shorter standstills of an arm do not count as holds
 DRIFT_PERIOD = 1.0  # [s] duration of one drift movement in a long hold
-FULL_DRIFT_TIME = 0.9  # [s] duration of a full drift movement; shorter ones are proportionally smaller
+FULL_DRIFT_TIME = 0.9  # [s] duration of a full drift movement; shorter movements are proportionally smaller
 MAX_DRIFT = radians(5.0)  # [rad] largest drift of an arm hinge if the hand is free, about 30 mm at the hand
 MAX_TOUCH_DRIFT = radians(0.9)  # [rad] largest drift of an arm hinge if the hand touches or points, about 5 mm
 STILL_THRESHOLD = 2e-4  # [rad] angle change per knot interval below which an arm holds, even if the trunk turns

@@ -24,7 +24,7 @@ MAX_RETURN_OFFSET = (
     radians(8.0),
 )  # [rad] largest return path offsets of shoulder, elbow and wrist
 MAX_REST_OFFSET = (radians(4.0), radians(8.0), radians(10.0))  # [rad] largest rest offsets of shoulder, elbow, wrist
-FULL_OFFSET_TIME = 0.8  # [s] duration from which a return path gets its full sideways offset
+FULL_OFFSET_TIME = 0.8  # [s] duration from which a return path gets the full sideways offset
 MIN_RETURN_TIME = 0.3  # [s] shorter return paths are not varied
 MIN_REST_TIME = 0.2  # [s] shortest rest between gestures whose rest pose is varied
 PEAK_FRACTIONS = 0.35, 0.65  # range of the time of the largest offset, as fractions of the path

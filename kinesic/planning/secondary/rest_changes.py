@@ -15,7 +15,7 @@ from kinesic.planning.secondary.offset_bumps import OffsetBump
 from kinesic.planning.setup import Setup
 from kinesic.planning.standing import draw_rest, take_rest
 
-MIN_REST_SPAN = 6.0  # [s] shorter rests of both arms keep their posture
+MIN_REST_SPAN = 6.0  # [s] shortest rest of both arms in which the rest posture changes
 REST_DURATION = 15.0  # [s] usual duration of one rest posture; people change it every 10 to 20 s
 CHANGE_DURATIONS = 1.2, 1.9  # [s] shortest and longest transition between two rest postures
 OTHER_REST_PROBABILITY = 0.5  # probability that a change moves the hands to another rest gesture of the style
