@@ -118,7 +118,7 @@ def _hinge(hinge: HingeTable, rest: float) -> Hinge:
 
 
 def _mount(hinge: HingeTable, models: Mapping[str, ServoModel]) -> Mount:
-    """Return a hinge's drive with the mounting place of its servos.
+    """Return a hinge's drive with the mounting position of its servos.
 
     A hinge with limits gets a massless drive made from them.
     """

@@ -15,7 +15,7 @@ class Strict(msgspec.Struct, forbid_unknown_fields=True):
 
 
 class MirrorTable(Strict, rename={"source": "from", "target": "to"}):
-    """TOML table `mirror`: how names of one side become those of the other."""
+    """TOML table `mirror`: name prefixes of the described and the mirrored side."""
 
     source: str  # prefix of the side that the file describes, such as `l_`
     target: str  # prefix of the other side, which is its mirror image, such as `r_`

@@ -54,7 +54,7 @@ def dry_runs(
     step: float = MAX_PHYSICS_STEP,
     progress: Callable[[float], None] = lambda fraction: None,
 ) -> tuple[DryRun, ...]:
-    """Perform a plan in several simulated robots, one per set of factors.
+    """Perform a plan in several simulated robots, one per set of servo factors.
 
     Computations that do not depend on the twin are done once.
 
@@ -139,7 +139,7 @@ def make_observer(setup: Setup, believed: Factors, delay: float, bodies: int) ->
 
 
 def _copy_observer(setup: Setup, believed: Factors, delay: float, bodies: int) -> Observer:
-    """Copy a cached observer, so that threads do not share its buffers.
+    """Copy a cached observer, so that threads use separate buffers.
 
     Several threads may then perform at once.
     """

@@ -43,7 +43,7 @@ class LearnedGains:
 
     @classmethod
     def of_twin(cls, robot: Robot, twin: Factors) -> "LearnedGains":
-        """Compute the corrections from factors fitted to the real servos.
+        """Compute the corrections from parameter factors fitted to the real servos.
 
         Args:
             robot: with the servos of the data sheets.

@@ -15,7 +15,7 @@ from kinesic.controller.observer import (
 
 
 class InputStream:
-    """Observer inputs of one body, computed tick by tick."""
+    """Observer inputs of one robot, computed tick by tick."""
 
     def __init__(self, observer: Observer) -> None:
         """Prepare the stream of observer inputs, before its first tick.

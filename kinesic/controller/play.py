@@ -18,7 +18,7 @@ def commands(
     setpoints: FeedForwardSetpoints,
     faces: Sequence[Mapping[str, float]] | None = None,
 ) -> Iterator[Command]:
-    """Yield one planned command per tick.
+    """Yield one planned command per clock tick.
 
     Args:
         trajectory: of the motion.

@@ -43,7 +43,7 @@ def perform_live(
     requested: Callable[[], RunRequest] = lambda: "go on",
     shown: Callable[[Status], None] = lambda status: None,
 ) -> ServoRun:
-    """Perform a plan on the servos, and return once their torque is off.
+    """Perform a plan on the servos, from torque on to torque off.
 
     Args:
         performance: dry run of the plan.

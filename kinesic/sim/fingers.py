@@ -23,7 +23,7 @@ class FingerPlaces:
     """
 
     def __init__(self, robot: Robot, side: Side) -> None:
-        """Extract the hand and its fingers as a skeleton of their own.
+        """Extract the hand and its fingers as a separate skeleton.
 
         Args:
             robot: Robot with fingers on that side.

@@ -41,12 +41,12 @@ class MotionFrames:
         return first, last
 
     def at(self, postures: Indices) -> "MotionFrames":
-        """Return the frames of selected postures."""
+        """Return the segment frames in selected postures."""
         return MotionFrames(self.rotations[..., postures], self.origins[..., postures])
 
 
 def body_frames(robot: Robot, angles: Floats) -> MotionFrames:
-    """Compute the frames of all segments except fingers.
+    """Compute the coordinate frames of all segments except fingers.
 
     Args:
         robot: Description.

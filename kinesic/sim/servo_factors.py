@@ -31,7 +31,7 @@ class DriveFactors(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     gain: float = 1.0  # duty per position error
 
     def __post_init__(self) -> None:
-        """Reject factors that are not positive.
+        """Reject parameter factors that are not positive.
 
         Raises:
             ValueError: names the factor and its value.
@@ -74,7 +74,7 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
 
     @classmethod
     def read(cls, path: Path) -> "Factors":
-        """Read factors from a TOML file.
+        """Read servo factors from a TOML file.
 
         Missing keys keep their defaults.
 
@@ -84,7 +84,7 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
         return read_toml(path, cls)
 
     def text(self) -> str:
-        """Return the factors as TOML, without default values."""
+        """Return the servo factors as TOML, without default values."""
         lines = _list_departures(self)
         for name, factors in sorted(self.servos.items()):
             lines += ["", f"[servos.{json.dumps(name)}]", *_list_departures(factors)]
@@ -137,7 +137,7 @@ def _apply(factors: Factors, robot: Robot) -> Robot:
 
 
 def _list_departures(of: DriveFactors) -> list[str]:
-    """Return TOML lines of all factors that are not defaults.
+    """Return TOML lines of all servo factors that are not defaults.
 
     Tables are left out.
     """

@@ -14,7 +14,7 @@ def test_robot_without_couplings_is_returned_unchanged():
     assert uncouple(plain) is plain
 
 
-def test_uncoupling_keeps_mass_and_positions_of_straight_fingers():
+def test_merging_coupled_segments_keeps_mass_and_positions_of_straight_fingers():
     folded = uncouple(ROBOT)
     assert folded.skeleton.names == ROBOT.skeleton.names
     assert folded.skeleton.couplings == ()

@@ -55,7 +55,7 @@ class Estimate:
 
 @dataclass(frozen=True)
 class Fit:
-    """Result of a servo fit: factors, estimates and remaining errors."""
+    """Result of a servo fit: parameter factors, estimates and remaining errors."""
 
     factors: Factors
     estimates: tuple[Estimate, ...]

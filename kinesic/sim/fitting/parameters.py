@@ -72,7 +72,7 @@ def value_bounds(parameters: Sequence[Unknown]) -> tuple[Floats, Floats]:
 
 
 def to_factors(parameters: Sequence[Unknown], values: Floats) -> Factors:
-    """Convert fitted variables (u,) to factors of servos and of the robot."""
+    """Convert fitted variables (u,) to factors on servo and robot parameters."""
     robot_factors: dict[str, float] = {}
     servo_values: dict[str, dict[str, float]] = {}
     for unknown, value in zip(parameters, values.tolist(), strict=True):

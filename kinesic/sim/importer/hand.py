@@ -40,7 +40,7 @@ class MappedFinger:
 
     @property
     def hinges(self) -> tuple[MappedHinge, ...]:
-        """Hinges with a motor of their own."""
+        """Hinges driven directly by a motor."""
         return tuple(turn for turn in self.turns if turn.name not in self.follows)
 
 

@@ -30,7 +30,7 @@ class DrivenMotion:
 
 @dataclass(frozen=True, eq=False)
 class HingePlaces:
-    """Indices of the hinges among the joints of the physics."""
+    """Indices of the hinges' motor and backlash joints in the physics model."""
 
     motors: Indices  # (n,) joints driven by servos
     play: Indices  # (n,) backlash joints; (0,) if gears have no backlash

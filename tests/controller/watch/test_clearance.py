@@ -85,7 +85,7 @@ def test_clearance_watch_compares_only_the_latest_posture_with_the_reserve_clear
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
-def test_clearance_forecast_applies_the_latest_tracking_error_in_both_directions(way):
+def test_clearance_forecast_both_adds_and_subtracts_the_latest_tracking_error(way):
     watch = ClearanceWatch()
     for strayed, room in ((0.0, 0.05), (0.02, 0.03), (0.0, 0.05), (0.03, 0.02)):
         watch = seen(watch, 0.05, strayed=way * strayed)
