@@ -1,4 +1,4 @@
-"""Tuning numbers of the search for key times."""
+"""Tuning constants of the search for key times."""
 
 from dataclasses import dataclass
 
@@ -7,7 +7,7 @@ from kinesic.motion.infeasibility import DEFICIT_MARGIN
 
 @dataclass(frozen=True)
 class SearchTuning:
-    """Tuning numbers of the key-time search."""
+    """Tuning constants of the key-time search."""
 
     max_planes: int = 40  # cutting planes per key interval before key times are stretched
     max_evaluations: int = 150_000  # [knot intervals] measured before hinges stop at keys; a count is deterministic
@@ -23,4 +23,4 @@ class SearchTuning:
     active_plane_slack: float = 0.02  # [ln(time ratio)] slack below which a cutting plane counts as active
 
 
-SEARCH_TUNING = SearchTuning()  # tuning numbers of every search
+SEARCH_TUNING = SearchTuning()  # tuning constants of every key-time search

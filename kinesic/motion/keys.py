@@ -222,7 +222,7 @@ class Keys:
 
     @cached_property
     def exact_rows(self) -> tuple[list[int], ...]:
-        """Rows of the keys passed exactly, one list per hinge."""
+        """Indices of the keys passed exactly, one list per hinge."""
         return _map_columns(self.keyed, lambda column: np.flatnonzero(column & self.is_exact).tolist())
 
     def has_path(self, hinge: int) -> Flags:

@@ -58,7 +58,7 @@ def stretch_until_enough(
     measure: Callable[[Floats], Deficits],
     budget: Budget = UNLIMITED_BUDGET,
 ) -> Floats | None:
-    """Return feasible key times near given ones, or None.
+    """Return feasible key times near the given key times, or None.
 
     Args:
         problem: constraints on key times.

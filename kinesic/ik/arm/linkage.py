@@ -93,7 +93,7 @@ class Linkage:
 
     @cached_property
     def mobility(self) -> tuple[float, ...]:
-        """Default mobility of each hinge: `GIRDLE_MOBILITY` for the collar bone, else 1."""
+        """Default mobility of each hinge: `GIRDLE_MOBILITY` for the collar bone, otherwise 1."""
         girdle = self.links[-3].first
         return tuple(GIRDLE_MOBILITY if k < girdle else 1.0 for k in range(len(self.pivots)))
 

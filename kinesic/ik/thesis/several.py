@@ -24,8 +24,8 @@ from kinesic.ik.thesis.springs import Springs
 from kinesic.ik.thesis.task import Effort, Rest
 from kinesic.ik.thesis.verlet import swing_to_rest
 
-PULL_DECAY = 0.1  # factor per iteration on pulls of limbs ranked below the first one off target
-MIN_PULL = 1e-3  # smallest decayed pull of a limb: weaker springs would hardly settle
+PULL_DECAY = 0.1  # factor per iteration on weights of limbs ranked below the first limb that misses its target
+MIN_PULL = 1e-3  # smallest weight of a limb after decay, as weaker springs would hardly settle
 
 
 def standing_limbs(limbs: Limbs) -> dict[str, ChainPosture]:
