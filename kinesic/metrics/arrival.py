@@ -149,7 +149,7 @@ def _find_first_entry(at: float, times: Floats, path: Floats, centre: Floats, ra
 
 
 def find_entry(times: Sequence[float], distances: Floats, radius: float, *, last: bool = False) -> float | None:
-    """Find when a path enters a ball, first or last.
+    """Find when a path first or last enters a ball.
 
     The distance is interpolated linearly between samples.
 

@@ -181,7 +181,7 @@ def test_server_end_lets_clients_read_their_last_messages(monkeypatch: pytest.Mo
 
 
 @pytest.mark.parametrize(("open_files", "pending"), [(100, 50), (4095, 2047), (1_000_000, 2048)])
-def test_pending_connections_use_at_most_half_of_the_open_files(
+def test_pending_connections_use_at_most_half_of_the_limit_of_open_files(
     monkeypatch: pytest.MonkeyPatch, open_files: int, pending: int
 ) -> None:
     monkeypatch.setattr(reception_module, "max_open_files", lambda: open_files)

@@ -24,7 +24,7 @@ from .planning_bench import LONG_GESTURE_BML, NOD_BML, Planning
 from .simulated import feedback_of
 
 
-def test_document_is_predicted_then_proposed_with_feedback(planning: Planning):
+def test_prediction_of_a_document_is_sent_before_its_motion_and_feedback_are_proposed(planning: Planning):
     planning.document("b", NOD_BML)
     first, *others = planning.loop.sent
     assert isinstance(first, FeedbackNotice)

@@ -57,7 +57,7 @@ def test_unavailable_address_leaves_no_open_socket():
     asyncio.run(refused())
 
 
-def test_pending_connections_use_at_most_half_of_the_file_limit(monkeypatch):
+def test_listener_keeps_pending_connections_within_half_of_the_limit_of_open_files(monkeypatch):
     monkeypatch.setattr("kinesic.serve.reception.max_open_files", lambda: 200)
     assert reception()._max_pending == 100
 

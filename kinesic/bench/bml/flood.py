@@ -16,7 +16,7 @@ from collections.abc import Callable, Iterator
 from threading import Thread
 
 EMPTY_FRAGMENTS = 1_000_000  # empty fragments per WebSocket message, 6 MB
-FLOODING_THREADS = 4  # parallel connections that send large messages
+FLOODING_THREADS = 4  # threads of a flood of fragments, documents or requests, with a connection each
 DRIP_CONNECTIONS = 100  # connections that send single bytes
 IDLE_CONNECTIONS = 1000  # simultaneous connections that send nothing
 BLOCK_RATE = 40  # [1/s] small blocks sent to the server

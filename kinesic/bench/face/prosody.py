@@ -17,7 +17,7 @@ STORY_TEXT = (
 )
 STORY_SEEDS = range(10)  # random seeds with which the story is performed
 BLINK_MINUTES = 10  # [min] duration of the repeated story in which blinks are counted
-MINUTE_DURATION = 60.0  # [s] duration of a minute
+MINUTE_DURATION = 60.0  # [s] seconds per minute
 
 
 def measure_prosody(voice: Voice) -> Mapping[str, float]:

@@ -29,7 +29,13 @@ MIN_FIT_LENGTH = 10.0  # [s] shortest document in the exponent fit; shorter bloc
 SHORTER_LENGTH = 60.0  # [s] duration of the shorter of two documents whose memory is compared
 LONGER_LENGTH = 600.0  # [s] duration of the longer of two documents whose memory is compared
 STROKE_INTERVAL = 2.0  # [s] between gesture strokes of a generated document
-GESTURE_LEXEMES = ("beat", "flat_surface", "shrug", "stop", "wave")  # gestures of a document, in turn
+GESTURE_LEXEMES = (
+    "beat",
+    "flat_surface",
+    "shrug",
+    "stop",
+    "wave",
+)  # gestures of a generated document, one after another
 COMMON_LENGTH = 10.0  # [s] length of the document performed by robots of all sizes
 TIME_LABELS: Mapping[str, str] = {"plan": "planning", "run": "dry run"}
 MEMORY_LABELS: Mapping[str, str] = {"plan_memory": "planning", "memory": "with the dry run"}

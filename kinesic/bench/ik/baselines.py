@@ -30,7 +30,7 @@ Method = Literal[
 IK_METHODS: tuple[Method, ...] = get_args(Method)
 RESIDUAL_TOLERANCE = 1e-3  # default residual / chain length at which a solve ends
 MAX_ITERATIONS = 300  # default iteration limit of a solve
-MAX_COORDINATE = 1e100  # [m] bound of coordinates, whose squares then cannot overflow
+MAX_COORDINATE = 1e100  # [m] largest coordinate of points and targets, so that squares cannot overflow
 ITERATION_LIMIT = 1_000_000  # largest iteration limit that callers may set
 
 

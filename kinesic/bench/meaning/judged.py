@@ -30,7 +30,7 @@ FACE_EMOTIONS = {
 }  # face lexeme -> emotion that a viewer recognises  # fmt: skip
 # Head lexeme -> kind of head movement.
 HEAD_KINDS = {"NOD": "nod", "SHAKE": "shake", "ASIDE_LEFT": "tilt", "ASIDE_RIGHT": "tilt", "TILT": "tilt"}
-# Reason for missing metrics.
+# Reason stated in metrics without a value.
 MISSING_SET = "no judged utterances (KINESIC_CORPUS must name a folder with sentences/sentences.tsv)"
 
 

@@ -45,7 +45,7 @@ SENTENCE_ENDINGS = (
     "", " before the rain came", ", but nobody listened", " and laughed", ", first slowly and then very fast",
     " in the great hall of the palace", ", because the night was cold", " on Sunday morning", ", my friend",
 )  # fmt: skip
-# Short sentences between the composed ones.
+# Short sentences between the composed sentences.
 SHORT_ASIDES = (
     "Is that not strange?", "Hello, and welcome!", "No, I do not believe it.", "What can we do now?",
     "Thank you very much!",
@@ -64,7 +64,7 @@ DEICTIC_TEMPLATES = (  # sentence template and its deictic intent; empty: no dei
     ("I said that the {thing} was broken.", "deictic-me"),
     ("The {thing} that he found was new.", ""),
 )
-# Things inserted into `DEICTIC_TEMPLATES`.
+# Names of things that the sentences of `DEICTIC_TEMPLATES` point at.
 DEICTIC_OBJECTS = (
     "lamp", "basket", "table", "garden chair", "red bicycle", "kettle", "picture", "blanket", "candle", "little boat",
     "umbrella", "drum", "ladder", "mirror", "old clock", "guitar", "bottle", "hammer", "carpet", "wooden spoon",

@@ -40,4 +40,4 @@ STORIES: Mapping[str, str] = {
         "better, and I have saved a good deal of money. I do not want to persuade anybody. But if you have been "
         "thinking about it, do not think too long. Pump up the tyres, take a small bag, and just try it for a week."
     ),
-}  # title -> text
+}  # title of a story -> text

@@ -12,7 +12,7 @@ from kinesic.bench.naturalness.rows import SPEED_UNIT, has_complete_return, valu
 from kinesic.body.arrays import Flags, Floats
 
 METRIC_PREFIX = "naturalness"  # prefix of the metric names
-MEDIAN_GOALS: Mapping[str, float] = {  # goals for medians
+MEDIAN_GOALS: Mapping[str, float] = {  # goals for the medians of hand-motion measures
     "return_speed": 1.5,  # [arm lengths/s]
     "return_speed_all": 1.5,  # [arm lengths/s]
     "units_per_second": 1.0,  # [1/s] gesture units

@@ -18,7 +18,7 @@ from websockets.sync.client import connect
 from websockets.sync.connection import Connection
 
 CHROMIUM_NAMES = ("chromium", "chromium-browser", "google-chrome")
-# Command-line flags of every browser.
+# Command-line flags of every started browser.
 CHROMIUM_FLAGS = (
     "--headless=new",
     "--no-sandbox",
