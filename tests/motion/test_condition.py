@@ -43,7 +43,7 @@ def test_too_fast_motion_is_stretched_and_reports_its_bottleneck_hinge():
 
 
 @pytest.mark.parametrize("pairs", [((0, 1),), ((0, 1), (1, 2), (2, 4))])
-def test_bottleneck_near_a_time_is_the_nearest_one_and_preferably_of_the_given_hinges(pairs):
+def test_bottleneck_near_a_time_is_the_nearest_bottleneck_and_preferably_of_the_given_hinges(pairs):
     times = np.array([0.0, 1.0, 2.0, 3.0, 4.0])
     bottlenecks = {pair: Bottleneck(hinge, "velocity", 2.0) for hinge, pair in enumerate(pairs)}
     motion = Conditioned(stay(np.zeros(3)), times, times, bottlenecks, np.zeros(3))

@@ -135,7 +135,7 @@ def test_out_back_overshoot_is_limited_by_the_joint_range():
     assert beyond(1.98) <= 1e-9
 
 
-def test_easing_becomes_minimum_jerk_for_all_hinges_if_one_cannot_keep_its_limits():
+def test_easing_becomes_minimum_jerk_for_all_hinges_if_one_hinge_cannot_keep_its_limits():
     slow = replace(LIMITS, acceleration=sealed([100.0, 0.01]))
     angles, times = np.array([[0.0, 0.0], [0.9, 0.9]]), np.array([0.0, 1.0])
     rows = keys(KeyPassage(easing="out_back"), ALL[:2], angles, times)

@@ -130,7 +130,7 @@ def test_keys_of_one_behaviour_keep_a_minimum_gap_even_without_a_common_hinge():
 @pytest.mark.parametrize(
     ("requested", "gap"), [(0.05, 0.02), (0.02, 0.02), (0.013, 0.013), (0.0021, 0.0021), (0.0015, 0.002)]
 )
-def test_gap_between_path_keys_of_different_hinges_is_the_requested_one_within_bounds(requested, gap):
+def test_gap_between_path_keys_of_different_hinges_is_the_requested_gap_clipped_to_2_to_20_ms(requested, gap):
     rows = [
         key(0.0),
         key(0.1, keyed=(True, False), is_exact=False),

@@ -101,7 +101,7 @@ def test_segments_are_affected_by_active_cutting_planes_and_by_stretched_interva
     assert all((1, (1, 2)) in item.key_intervals for item in affected)
 
 
-def test_fast_segments_are_those_whose_limit_ratio_exceeds_the_given_one(monkeypatch):
+def test_segments_whose_limit_ratio_exceeds_a_threshold_are_returned_as_fast(monkeypatch):
     search = search_of()
     found = [*segments(search.times, keys_of(), KNOT_INTERVAL)]
     monkeypatch.setattr(key_times, "estimate_limit_ratio", lambda segment, limits: 1.0 + segment.hinge)
@@ -156,7 +156,7 @@ def test_key_intervals_exactly_the_margin_apart_are_stretched_together(monkeypat
     assert search._stretched[other] == (1.0 if is_free else 0.3)
 
 
-def test_failed_stretch_of_a_key_interval_is_replaced_by_cutting_planes_or_after_many_by_stops(monkeypatch):
+def test_failed_stretch_of_a_key_interval_is_replaced_by_cutting_planes_and_after_many_planes_by_stops(monkeypatch):
     most = key_times.SEARCH_TUNING.max_planes
     for attempts, is_changed in ((most, False), (most + 1, True)):
         counted = Counter({NEAR: attempts})

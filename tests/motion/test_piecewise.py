@@ -70,7 +70,7 @@ def test_quintic_spline_of_a_known_polynomial_is_that_polynomial():
         np.testing.assert_allclose(values[order][:, 0], np.polyval(np.polyder(powers, order), asked), atol=1e-8)
 
 
-def test_quintic_spline_of_many_knots_equals_the_one_that_keeps_its_coefficients(monkeypatch):
+def test_quintic_spline_evaluated_in_batches_equals_the_spline_evaluated_at_once(monkeypatch):
     random = np.random.default_rng(9)
     times = np.cumsum(random.uniform(0.1, 0.4, 12))
     states = random.normal(size=(3, 12, 2))

@@ -99,7 +99,7 @@ def test_motion_segment_with_equal_key_angles_is_still():
     assert [item.is_still for item in cut(1)] == [True, True, False]
 
 
-def test_motion_may_overshoot_its_keys_by_a_tenth_of_their_distance_or_a_minimum():
+def test_motion_may_overshoot_a_key_by_a_tenth_of_the_key_distance_but_always_by_a_minimum():
     still, moving = cut(1)[0], cut(0)[0]
     for segment, lowest, highest in ((still, 0.95, 1.05), (moving, -0.07, 0.77)):
         lower, upper = segment.corridor(LIMITS)
@@ -139,7 +139,7 @@ def test_path_between_equal_angles_is_not_a_hold():
     ]
 
 
-def test_motion_with_a_long_hold_has_two_short_segments_around_a_still_one():
+def test_motion_with_a_long_hold_has_two_short_segments_around_a_segment_at_rest():
     rows = ((0.0, 0.0), (0.5, 0.7), (300.0, 0.7), (300.5, 0.0))
     keys = Keys.of(tuple(KeyPosture(t, sealed([a] * 2), (True, True)) for t, a in rows), LIMITS)
     before, still, after = [

@@ -55,7 +55,7 @@ def test_sharp_desired_motion_is_followed_up_to_the_limits():
     np.testing.assert_allclose(matrix @ controls, values, atol=1e-9)
 
 
-def test_motion_within_limits_is_nearer_to_the_desired_one_than_200_feasible_others():
+def test_motion_within_limits_is_nearer_to_the_desired_motion_than_200_other_feasible_motions():
     way = segment(60, 0.0, 0.5)
     wish = np.where(np.arange(61) < 30, 0.0, 0.5)
     best = nearest_motion(way, wish, LIMITS)

@@ -43,7 +43,7 @@ def find_pixels(picture, colour):
 
 
 @draws
-def test_film_has_the_duration_of_the_motion_and_shows_it(tmp_path):
+def test_film_has_the_duration_of_the_motion_and_shows_the_motion(tmp_path):
     times = np.linspace(0.0, 1.0, 101)
     angles = REST_POSTURE + np.outer(times, RAISED_POSTURE - REST_POSTURE)
     path = tmp_path / "film.webp"

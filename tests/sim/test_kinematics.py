@@ -33,7 +33,7 @@ def test_frames_equal_mujoco_kinematics():
         assert np.abs(data.xmat[ids].reshape(-1, 3, 3) - frames.rotations).max() < 1e-12
 
 
-def test_points_of_a_segment_move_with_it():
+def test_points_of_a_segment_move_with_the_segment():
     frames = compute_motion_frames(ROBOT.skeleton, SAMPLE_POSTURES)
     palm = ROBOT.sites["l_palm"]
     k = ROBOT.skeleton.segment(palm.segment)

@@ -118,7 +118,7 @@ def test_factor_file_with_supply_latency_gain_and_servo_keys_is_read(tmp_path):
     assert hash(read) == hash(Factors.read(path)) != hash(NOMINAL_FACTORS)
 
 
-def test_written_servo_factors_are_read_back(tmp_path):
+def test_written_servo_factors_are_read_back_unchanged(tmp_path):
     own = {"xm540_w270": DriveFactors(gain=0.5), "a b": DriveFactors()}
     path = tmp_path / "own.toml"
     for factors in (NOMINAL_FACTORS, PESSIMISTIC_FACTORS, Factors(mass=1.1, latency=0.01, amps=3.0, servos=own)):

@@ -47,7 +47,7 @@ def test_rotation_is_clipped_to_euler_angle_limits():
     assert boxes.excess(inside[None]) == 0.0
 
 
-def test_euler_angle_outside_its_limits_is_clipped_to_the_nearer_one_on_the_circle():
+def test_euler_angle_outside_its_limits_is_clipped_to_the_nearer_limit_on_the_circle():
     boxes = EulerBoxes.of([0.0, -0.5, -0.5], [3.0, 0.5, 0.5], joints=1)
     held = boxes.clamp(rotation_of(np.array([-3.1, 0.0, 0.0]), "xyz"), 0)
     assert angles_of(held, "xyz")[0] == pytest.approx(3.0)

@@ -21,7 +21,7 @@ def robot(tee_mapped, tmp_path_factory):
     return Robot.load(path)
 
 
-def test_arm_points_equal_those_of_the_original_model(robot, tee):
+def test_hand_positions_of_an_imported_robot_equal_those_of_the_original_model(robot, tee):
     geometry = analyse_geometry(tee)
     hinges, skeleton = name_hinges(geometry), robot.skeleton
     zero = skeleton.frames(np.zeros(len(skeleton.names)))
@@ -48,7 +48,7 @@ def test_unambiguous_robot_needs_no_review(tee_mapped):
     assert not tee_mapped.doubtful
 
 
-def test_imported_hinges_hold_their_worst_posture_at_41_percent_of_stall_torque_at_most(robot):
+def test_imported_hinges_hold_their_worst_posture_with_at_most_41_percent_of_stall_torque(robot):
     assert MujocoDynamics(robot).worst_static.values.max() <= 0.41
 
 

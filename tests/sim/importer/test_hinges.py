@@ -9,7 +9,7 @@ def hinges(tee_figure):
     return {hinge.name: hinge for hinge in name_hinges(tee_figure)}
 
 
-def test_each_hinge_gets_its_bap_name(hinges, tee_figure):
+def test_each_imported_hinge_gets_its_mpeg_4_bap_name(hinges, tee_figure):
     joints = {name: tee_figure.tree.joints[hinge.joint].name for name, hinge in hinges.items()}
     assert joints == {
         "vl5_torsion": "waist",

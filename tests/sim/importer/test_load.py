@@ -28,7 +28,7 @@ def test_parents_come_first_and_root_hinges_have_no_parent(tee):
     assert tee.joints[named(tee, "l_bend").parent].name == "l_twist"
 
 
-def test_motor_data_are_read_from_the_file(tee, hanging):
+def test_motor_data_are_read_from_the_imported_robot_file(tee, hanging):
     pitch = named(tee, "l_pitch")
     assert (pitch.effort, pitch.gain, pitch.speed) == (20.0, 60.0, None)
     assert named(tee, "r_pitch").effort is None

@@ -119,7 +119,7 @@ def test_segment_without_shapes_gets_a_capsule_of_human_proportions(name, capsul
     close(_generate_capsules(figure(neck=(1,)), layout(carrier_is_trunk=True), name, part), [capsule])
 
 
-def test_head_without_hinges_is_a_capsule_over_the_shoulders_of_the_trunk():
+def test_head_without_hinges_becomes_a_capsule_above_the_shoulders_of_the_trunk():
     trunk = _generate_capsules(figure(), layout(), "humanoid_root", None)
     close(trunk[-1:], [((0, 0, 0.45 + 0.075), (0, 0, 0.45 + 0.225), 0.07)])
     with_neck = _generate_capsules(figure(neck=(1,)), layout(), "humanoid_root", None)
@@ -235,7 +235,7 @@ def test_positive_directions_of_left_and_right_hinges_are_mirrored(name, axis, l
         ("l_wrist_twisting", (-90, 90)),
     ],
 )
-def test_hinge_without_a_range_has_that_of_a_human(name, degrees):
+def test_imported_hinge_without_a_range_gets_the_human_range(name, degrees):
     assert _find_default_range(name) == pytest.approx(np.radians(degrees))
 
 

@@ -65,7 +65,7 @@ def test_hinges_beyond_a_rotated_hinge_move_with_it():
     assert [j.name for j in turned.joints] == ["a", "b", "c", "d"]
 
 
-def test_part_moves_with_its_own_hinge():
+def test_part_moves_with_the_hinge_that_carries_the_part():
     turned = TREE.turned({0: QUARTER, 1: QUARTER})
     centres = [p.centre for p in (*turned.parts, turned.base)]
     np.testing.assert_allclose(centres, (X + 0.5 * Y, X + 1.5 * Y, X + 3 * Y, -2 * X, 0 * X), atol=1e-12)

@@ -45,7 +45,7 @@ def test_shell_made_for_another_robot_description_is_not_drawn(tmp_path: Path):
     assert is_stale(other)
 
 
-def test_shell_stays_valid_after_changes_unrelated_to_shape():
+def test_shell_stays_valid_if_the_robot_description_changes_without_its_shapes():
     narrow = replace(ROBOT.skeleton, hinges=tuple(replace(h, upper=h.upper - 0.1) for h in ROBOT.skeleton.hinges))
     assert fingerprint(replace(ROBOT, skeleton=narrow, min_clearance=0.02)) == fingerprint(ROBOT)
 
