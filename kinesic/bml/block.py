@@ -214,7 +214,7 @@ class Manner:
 class Behaviour:
     """Requested behaviour with its action and sync references."""
 
-    id: str  # unique in its block; duplicates get a suffix and a notice
+    id: str  # id, unique in the block; duplicates get a suffix and a notice
     type: str  # element name in the document, for reports
     action: Action
     place: Place
@@ -281,7 +281,7 @@ class TimedBehaviour:
     """Behaviour with the block times [s] of its sync points, in order."""
 
     behaviour: Behaviour
-    times: Mapping[str, float]  # sync point -> [s]; may be negative
+    times: Mapping[str, float]  # sync point -> block time [s], which may be negative
 
 
 @dataclass(frozen=True)

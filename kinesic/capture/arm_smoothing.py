@@ -31,11 +31,11 @@ class _Arm:
     """State of the smoothing search for one arm."""
 
     hinges: list[int]
-    path: ArmPath  # desired
-    weights: Floats  # (k,) of squared second differences
-    lower: Floats  # (k,) [rad]
-    upper: Floats  # (k,) [rad]
-    angles: Floats  # (m, k) [rad]
+    path: ArmPath  # desired path of elbow and wrist
+    weights: Floats  # (k,) cost weights of squared second differences of the angles
+    lower: Floats  # (k,) [rad] lower ends of the joint ranges
+    upper: Floats  # (k,) [rad] upper ends of the joint ranges
+    angles: Floats  # (m, k) [rad] arm angles of the current step
     damping: float = FIRST_DAMPING
     is_finished: bool = False
 

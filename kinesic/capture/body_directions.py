@@ -76,7 +76,7 @@ def skip_calibration(clip: BodyClip) -> BodyClip:
 
 
 def chest_frames(positions: Mapping[str, Floats], joints: BodyJoints, source: str) -> Floats:
-    """Return chest frames (m, 3, 3), whose columns are forward, left and up.
+    """Return chest frames (m, 3, 3) with columns forward, left and up.
 
     Raises:
         CaptureError: spine or shoulder line have zero length.

@@ -40,7 +40,7 @@ class _Family:
 
     spine: tuple[str, str, str]  # hips, neck and head
     arm: tuple[str, str, str]  # shoulder, elbow and wrist
-    sides: tuple[str, str]  # left first
+    sides: tuple[str, str]  # words for the left and the right side
 
 
 HUMAN_SIDES = ("Left", "Right")

@@ -30,10 +30,10 @@ MIN_PATH = 0.1  # [arm lengths] extent of the wrist's path up to which a hand co
 class PathDistance:
     """Differences of arm paths between a certified motion and its file."""
 
-    wrist_rms: float  # [arm lengths]
-    wrist_max: float  # [arm lengths]
-    elbow_rms: float  # [arm lengths]
-    elbow_max: float  # [arm lengths]
+    wrist_rms: float  # [arm lengths] RMS distance of the wrists
+    wrist_max: float  # [arm lengths] largest distance of a wrist
+    elbow_rms: float  # [arm lengths] RMS distance of the elbows
+    elbow_max: float  # [arm lengths] largest distance of an elbow
     elbow_direction: float  # [deg] 95th percentile of the angle between upper arms
     correlation: float  # smallest correlation of the wrist paths of moving hands; 1 if no hand moves
 
@@ -49,7 +49,7 @@ class Certification:
     nearest: NearestMotion  # motion within the limits
     limit_ratio: float  # largest value / limit of the nearest motion
     torque_ratio: float  # largest drive duty of the nearest motion by inverse dynamics
-    clearance: float  # [m] smallest distance of the nearest motion
+    clearance: float  # [m] smallest self-clearance of the nearest motion
     distance: PathDistance
 
     @property

@@ -25,11 +25,11 @@ SAMPLES_PER_GRADIENT = 5  # number of samples per gradient, less than `CORRECTIO
 
 @dataclass(frozen=True, eq=False)
 class _Arm:
-    """Hinges of one arm, and the pairs of segments that they can separate."""
+    """Hinges of one arm, and the segment pairs that include this arm."""
 
     side: Side
     hinges: list[int]
-    is_own: Flags  # (p,) of `Robot.counted_pairs`
+    is_own: Flags  # (p,) whether each pair of `Robot.counted_pairs` includes a segment of this arm
 
     @classmethod
     def of(cls, robot: Robot, side: Side) -> "_Arm":

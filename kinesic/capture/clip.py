@@ -14,8 +14,8 @@ class ArmPath:
     Axes: x forward, y left, z up.
     """
 
-    elbow: Floats  # (m, 3) [arm lengths]
-    wrist: Floats  # (m, 3) [arm lengths]
+    elbow: Floats  # (m, 3) [arm lengths] elbow positions
+    wrist: Floats  # (m, 3) [arm lengths] wrist positions
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class JointClip:
 
     times: Floats  # (m,) [s] from 0
     names: tuple[str, ...]  # names of the joints in the file
-    angles: Floats  # (m, n) [rad]
+    angles: Floats  # (m, n) [rad] joint angles
     guesses: tuple[str, ...] = ()  # properties that the file does not state, as sentences
 
 

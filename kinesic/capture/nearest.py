@@ -134,7 +134,7 @@ def _search_stretch(course: Course, setup: Setup) -> "_Trial":
 
 
 def _stretch_by(amount: float, excess: Floats) -> Floats:
-    """Return the local time stretch (m,), equal to 1 + amount x excess."""
+    """Return the local time stretch (m,): 1 + amount x excess."""
     stretch: Floats = 1.0 + amount * excess
     return stretch
 

@@ -98,7 +98,7 @@ def _add_guesses(clip: BodyClip, *guesses: str) -> BodyClip:
 
 
 def _read_beside(path: Path, uri: str) -> bytes:
-    """Read a buffer of a glTF file from the folder of the file.
+    """Read a buffer of a glTF file from the same folder.
 
     Raises:
         CaptureError: the buffer is missing, too large, or outside the folder.

@@ -18,10 +18,10 @@ class RobotMotion:
     """Desired joint angles at `SAMPLE_RATE`, with the arm paths they imitate."""
 
     times: Floats  # (m,) [s] from 0
-    requested: Floats  # (m, n) [rad] possibly beyond the joint ranges
-    angles: Floats  # (m, n) [rad] within the joint ranges
+    requested: Floats  # (m, n) [rad] joint angles of the source, possibly beyond the joint ranges
+    angles: Floats  # (m, n) [rad] joint angles within the joint ranges
     arms: Mapping[Side, ArmPath]  # elbow and wrist paths of the source, at the same times
-    syncs: Mapping[str, float]  # [s] BML sync points
+    syncs: Mapping[str, float]  # BML sync point -> time [s]
     notes: tuple[str, ...] = ()  # sentences about guesses on the source, bridged leaps and unknown joints
 
     @property
@@ -31,7 +31,7 @@ class RobotMotion:
 
 
 def arm_paths(robot: Robot, angles: Floats) -> Mapping[Side, ArmPath]:
-    """Compute a robot's elbow and wrist relative to its shoulders [arm lengths].
+    """Compute elbow and wrist positions relative to the shoulders [arm lengths].
 
     Axes are those of the segment that carries the arm.
 

@@ -18,7 +18,7 @@ class CapturedJoint:
 
     name: str
     parent: str | None
-    offset: Floats  # (3,) from the parent, in the parent's axes and the unit of the file
+    offset: Floats  # (3,) position relative to the parent, in the parent's axes and the unit of the file
     turn: Floats  # (3,) [rad] rotation vector applied before that of the motion
 
 
@@ -26,10 +26,10 @@ class CapturedJoint:
 class CapturedMotion:
     """Captured motion of one actor."""
 
-    times: Floats  # (m,) [s]
+    times: Floats  # (m,) [s] times of the frames
     columns: Mapping[tuple[str, str], slice]  # columns of the frames, by joint and kind of channel
     frames: Floats  # (m, k) translations in the unit of the file, and rotation vectors [rad]
-    syncs: Mapping[str, float]  # [s] BML sync points
+    syncs: Mapping[str, float]  # BML sync point -> time [s]
 
 
 NEUTRAL_POSE = CapturedMotion(sealed([0.0]), {}, sealed([[0.0]]), {})  # one frame with all joints in the zero pose

@@ -30,8 +30,8 @@ class Alternative:
     id: str  # lexeme in BML
     category: str
     says: str  # movement and meaning in one line
-    why: str  # reason why it fits the word
-    intent: str  # intent that it shows; empty: found by the search for the word
+    why: str  # reason why the gesture fits the word
+    intent: str  # intent that the gesture shows; empty: found by a search for the word
 
 
 def rank_alternatives(
@@ -53,7 +53,7 @@ def rank_alternatives(
         at: position [characters] of the word in the text.
         lexicon: gestures.
         sets: behaviours of each intent.
-        intent: intent of the present gesture; empty: unknown.
+        intent: intent of the gesture that the word has now; empty: unknown.
         language: tag of the language of the text.
 
     Returns:

@@ -38,7 +38,7 @@ class _Set(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 class Choice:
     """One alternative lexeme of a signal, with its probability."""
 
-    lexeme: str  # of BML; `none`: the signal is not shown
+    lexeme: str  # lexeme in BML; `none`: the signal is not shown
     probability: float  # 0..1; the probabilities of all choices of a signal add up to 1
     amount: float | None = None  # 0..1 amount of the movement, as in BML; None: default amount
     repetition: int | None = None
@@ -54,7 +54,7 @@ class Spell:
     late: float  # 0..1 probability at the end of the intention
     repeats: bool  # whether the signal may be shown again
     name: str
-    excludes: frozenset[str]  # names of signals that are not shown with it
+    excludes: frozenset[str]  # names of signals that are not shown together with this signal
 
 
 @dataclass(frozen=True)
@@ -71,9 +71,9 @@ class Signal:
 class Implication:
     """Rule: if one signal is shown, another is required or forbidden."""
 
-    given: str  # id of the condition
+    given: str  # id of the signal that is the condition
     other: str  # id of the implied signal
-    present: bool  # whether it is required; False: forbidden
+    present: bool  # whether the implied signal is required; False: forbidden
 
 
 @dataclass(frozen=True)

@@ -38,7 +38,7 @@ class Omission:
     """Omitted signal or intent, with the reason."""
 
     intent: Intent
-    channel: Channel | None  # None: the whole intent
+    channel: Channel | None  # channel of the omitted signal; None: the whole intent is omitted
     why: str
 
 

@@ -17,8 +17,8 @@ class PendingBlock:
     """Block that has not ended, with its scheduled times."""
 
     name: str
-    start: float  # [s] clock time; -inf for a block that has begun
-    end: float  # [s] clock time
+    start: float  # [s] clock time of the start; -inf for a block that has begun
+    end: float  # [s] clock time of the end
 
 
 class FeedbackQueue:

@@ -55,9 +55,9 @@ class ServoReport(Struct, frozen=True):
     """
 
     state: ServoState  # `limp`, `arming`, `armed`, `releasing` or `ended`
-    celsius: tuple[float, ...]  # (m,) [C]
+    celsius: tuple[float, ...]  # (m,) [C] temperature of each servo
     load: tuple[float, ...]  # (m,) fraction of the current limit; positive in the direction of a growing angle
-    volts: tuple[float, ...]  # (m,) [V]
+    volts: tuple[float, ...]  # (m,) [V] supply voltage of each servo
     errors: tuple[float, ...]  # (m,) bits of HARDWARE_ERROR_STATUS
     torque: tuple[float, ...]  # (m,) 1 if the torque is on
 
@@ -67,7 +67,7 @@ class ServoPlace(Struct, frozen=True):
 
     bus: str  # name of the bus
     id: int  # id on the bus
-    hinge: str  # hinge that it drives
+    hinge: str  # name of the hinge that the servo drives
     model: str  # servo model
     hottest: int  # [C] shutdown temperature
 
@@ -86,7 +86,7 @@ class ServoHealth:
 class BodyReport(Struct, frozen=True):
     """State of the robot at one time, for subscribed clients."""
 
-    time: float  # [s] of the clock
+    time: float  # [s] clock time
     angles: tuple[float, ...]  # [rad] measured, or planned without a measurement
     planned: tuple[float, ...]  # [rad] angles of the running motion
     hottest: float | None = None  # [C] highest temperature of all servos
@@ -138,7 +138,7 @@ class DocumentRequest:
     """Request to the planner: perform a document or speak streamed text."""
 
     message: Message
-    stops: int  # emergency stops at the time of the request; a later stop cancels it
+    stops: int  # count of emergency stops at the time of the request; a later stop cancels the request
 
 
 @dataclass(frozen=True)
@@ -153,9 +153,9 @@ class Restyling:
     """Request to the planner: change the style of one or all blocks."""
 
     style: str | None
-    changes: tuple[str, ...]  # NAME=VALUE
-    amount: float | None  # amount of movement
-    block: str | None  # None: all running and future blocks
+    changes: tuple[str, ...]  # changes of style parameters, NAME=VALUE
+    amount: float | None  # 0..1 amount of movement; None: unchanged
+    block: str | None  # id of the block; None: all running and future blocks
     sender: int
 
 
@@ -235,8 +235,8 @@ class Proposal:
     The loop answers with a `ProposalVerdict`.
     """
 
-    stops: int  # emergency stops known to the planner
-    now: float  # [s] clock time
+    stops: int  # count of emergency stops known to the planner
+    now: float  # [s] clock time of the proposal
     cut: float  # [s] clock time from which motion and feedback may differ from the current ones
     motion: Trajectory | None  # in clock time; None: unchanged
     final_feedback: tuple[ScheduledFeedback, ...]  # final messages, not repeated in later proposals

@@ -35,7 +35,7 @@ class PlannerProcess:
     requests: PipeEnd
     loop: PipeEnd  # pipe end used by the loop
     refiner: PipeEnd  # pipe end used by the refiner
-    renewals: int  # lexicon reloads requested before it was started
+    renewals: int  # count of lexicon reloads requested before the process was started
 
     def end(self) -> None:
         """Kill the process without waiting."""

@@ -34,7 +34,7 @@ class RefinementJob:
 class RefinedPlan:
     """Result of the refiner: the new plan of a block."""
 
-    block: str  # its id
+    block: str  # id of the block
     plan: Plan | None  # None: planning failed
 
 

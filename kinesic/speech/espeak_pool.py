@@ -44,7 +44,7 @@ class EspeakPaths:
 class EngineReply:
     """Reply of espeak-ng with times in samples."""
 
-    rate: int  # [Hz]
+    rate: int  # [Hz] sample rate
     marks: tuple[tuple[str, int], ...]
     phonemes: tuple[tuple[str, int], ...]  # symbol (empty for silence) and sample of its onset
     samples: bytes  # 16 bits per sample

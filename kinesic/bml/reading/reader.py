@@ -13,7 +13,7 @@ MAX_NUMBER = 1e4  # largest absolute value of a number, except in sync reference
 
 @dataclass(frozen=True)
 class DocumentReading:
-    """Document that is being read, with the notices collected so far."""
+    """Document during its reading, with the notices collected so far."""
 
     source: str
     block: str

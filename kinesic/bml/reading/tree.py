@@ -22,10 +22,10 @@ ONE_BLOCK_REMEDY = (
 class Element:
     """Immutable XML element with its place in the document."""
 
-    name: str  # with its prefix
+    name: str  # element name with prefix
     attributes: Mapping[str, str]  # name with prefix -> value
     content: tuple["Element | str", ...]
-    place: Place  # of the start tag
+    place: Place  # place of the start tag
     scope: Mapping[str, str]  # prefix -> namespace, "" for the default
     original_tag: str = ""  # name in the document if `name` is its translation into BML
 

@@ -30,7 +30,7 @@ _BLANK_RUN = re.compile(r"[\s\ufeff]*")
 class OpenedDocument:
     """Document extracted from the answer of a language model."""
 
-    text: str | bytes  # with blanks in place of the text around the document
+    text: str | bytes  # document, with blanks in place of the text around it
     surroundings: tuple[str, ...] = ()  # ignored parts, for notices; empty if the text is the document
 
 

@@ -24,7 +24,7 @@ class Equality:
 
     left: SyncRef
     right: SyncRef
-    owner: str | None  # behaviour with the sync attribute; None: a constraint
+    owner: str | None  # id of the behaviour with the sync attribute; None: a constraint of the block
     place: Place
     required: bool
 

@@ -17,7 +17,7 @@ class Edge:
 
     tail: Point
     head: Point
-    gap: float  # [s]
+    gap: float  # [s] smallest time from tail to head
     owner: str | None = None  # id of the behaviour that requests the edge; None: a constraint of the block
 
 

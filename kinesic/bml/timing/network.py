@@ -67,8 +67,8 @@ class Distance:
 
     late: Point
     early: Point
-    gap: float  # [s]
-    owner: str | None  # behaviour that requests it; None: a constraint
+    gap: float  # [s] fixed time from the early to the late point
+    owner: str | None  # id of the behaviour that requests this distance; None: a constraint of the block
 
 
 @dataclass(frozen=True)

@@ -85,7 +85,7 @@ def list_sync_points(action: Action, dialect: Dialect, spans: Iterable[str] = ()
 
 
 def find_speech_offsets(utterance: Utterance) -> dict[str, float]:
-    """Return the offset of a speech's sync points from its start [s].
+    """Return the time [s] from a speech's start to each sync point.
 
     The draft's other points coincide with start or end.
     """

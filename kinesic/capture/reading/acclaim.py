@@ -1,4 +1,4 @@
-"""Reader of Acclaim skeletons (.asf) and motions (.amc), as in the CMU database."""
+"""Reader of Acclaim skeletons (.asf) and motions (.amc)."""
 
 from array import array
 from collections.abc import Iterator, Mapping, Sequence
@@ -101,7 +101,7 @@ def read_acclaim_skeleton(data: bytes, source: str) -> AcclaimSkeleton:
 
 
 def _set_root(root: _Bone, words: Sequence[str], place: str) -> None:
-    """Set the root's axes and degrees of freedom from a line of its section."""
+    """Set the root's axes and degrees of freedom from a line."""
     match words[0].lower():
         case "order":
             root.freedoms = _parse_freedoms(words[1:], place)
@@ -212,7 +212,7 @@ def read_acclaim_motion(data: bytes, source: str, skeleton: AcclaimSkeleton) -> 
 def _parse_frames(
     lines: Sequence[str], source: str, skeleton: AcclaimSkeleton
 ) -> tuple[Mapping[str, "array[float]"], bool]:
-    """Parse each bone's numbers of all frames, and whether angles are in degrees.
+    """Parse each bone's numbers of all frames, and the unit of angles.
 
     Bones without degrees of freedom are left out.
     """

@@ -140,7 +140,7 @@ def _make_motion(joints: Sequence[CapturedJoint], channels: Channels, rows: Floa
 
 
 def _starts_in_other_pose(joints: Sequence[CapturedJoint], motion: CapturedMotion) -> bool:
-    """Return whether the first frame is a separate pose, such as a T-pose.
+    """Return whether the first frame is a calibration pose (T-pose).
 
     A joint then rotates by more than `MAX_FIRST_STEP` to the second frame.
     """

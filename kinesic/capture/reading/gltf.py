@@ -30,7 +30,7 @@ class _Skeleton:
     """Nodes of a file as joints."""
 
     joints: tuple[CapturedJoint, ...]  # parents first
-    names: Sequence[str]  # unique, by node
+    names: Sequence[str]  # unique joint names in the order of the nodes
     scales: Mapping[str, float]  # scale of the axes in which each joint lies
 
 
@@ -38,7 +38,7 @@ class _Skeleton:
 class _Track:
     """Key frames of one property of a joint."""
 
-    keys: Floats  # (m,) [s]
+    keys: Floats  # (m,) [s] times of the key frames
     values: Floats  # (m, k), or (3 m, k) of a cubic spline: incoming slope, value and outgoing slope
     interpolation: Interpolation
 
@@ -190,7 +190,7 @@ def _rotate(times: Floats, track: _Track, place: str) -> Rotation:
 
 
 def _interpolate(times: Floats, track: _Track) -> Floats:
-    """Interpolate the values of a track (m, k), holding the first and the last."""
+    """Interpolate the values of a track (m, k), constant beyond the ends."""
     keys, values = track.keys, track.values
     is_cubic = track.interpolation == "CUBICSPLINE"
     incoming, points, outgoing = (values[k::3] for k in range(3)) if is_cubic else (values, values, values)

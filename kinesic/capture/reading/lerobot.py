@@ -112,7 +112,7 @@ def _joint_names(features: Mapping[str, _Feature], name: str) -> tuple[str, ...]
 def _query(
     connection: "DuckDBPyConnection", path: Path, feature: str, width: int
 ) -> tuple[int, int, Sequence[tuple[float | None, Sequence[float | None] | None]]]:
-    """Return the first episode's index, the number of episodes, and times with values.
+    """Return the first episode's index, the episode count, and times with values.
 
     One value more than the width is read of each row, and one row more than `MAX_VALUES` allow.
     """

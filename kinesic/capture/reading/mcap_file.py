@@ -26,8 +26,8 @@ class Topic:
     """Topic of an MCAP file with its message type."""
 
     name: str
-    schema: str  # such as sensor_msgs/msg/JointState
-    encoding: str  # such as cdr
+    schema: str  # message type, such as sensor_msgs/msg/JointState
+    encoding: str  # encoding of messages, such as cdr
 
 
 @dataclass(frozen=True)
@@ -65,12 +65,12 @@ class _Fields:
         return self._data[begin : self._position].decode("utf-8", "replace")
 
     def rest(self) -> bytes:
-        """Return all bytes behind the fields read so far."""
+        """Return all remaining bytes of the record."""
         return self._data[self._position :]
 
 
 def read_messages(data: bytes, source: str) -> Iterator[Message]:
-    """Yield all messages of an MCAP file in the order of the file.
+    """Yield all messages of an MCAP file in file order.
 
     Raises:
         CaptureError: the data is no MCAP file, is damaged, or needs a missing package.
@@ -99,7 +99,7 @@ def read_messages(data: bytes, source: str) -> Iterator[Message]:
 
 
 def _read_records(data: bytes, source: str) -> Iterator[tuple[str, int, bytes]]:
-    """Yield the place, opcode and content of all records before the data's end.
+    """Yield place, opcode and content of all records before the data's end.
 
     Records of chunks are unpacked.
     """

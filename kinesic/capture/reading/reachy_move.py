@@ -23,7 +23,7 @@ class _Target(msgspec.Struct):
 class _Move(msgspec.Struct):
     """Times and setpoints of a recorded Reachy Mini move."""
 
-    time: list[float | None]  # [s]
+    time: list[float | None]  # [s] time of each setpoint
     set_target_data: list[_Target | None]
 
 

@@ -74,9 +74,9 @@ class _Cdr:
 class _Frame:
     """Joint positions at one time."""
 
-    time: float  # [s]
+    time: float  # [s] time of the message or point
     names: tuple[str, ...]
-    positions: Floats  # (n,) [rad]
+    positions: Floats  # (n,) [rad] joint positions
 
 
 class _Duration(msgspec.Struct):

@@ -38,7 +38,7 @@ def read_file(path: Path) -> bytes:
 
 
 def check_regular(path: Path) -> None:
-    """Raise an error unless a path leads to a regular file.
+    """Raise an error unless a path is a regular file.
 
     Raises:
         CaptureError: the file is missing, or a folder, a pipe or a device.
@@ -111,7 +111,7 @@ def parse_numbers(words: Iterable[str], place: str) -> Floats:
 
 
 def check_numbers(numbers: Floats, place: str) -> Floats:
-    """Return numbers after a check that all are finite and of moderate size.
+    """Return the numbers, checked to be finite and of moderate size.
 
     Raises:
         CaptureError: a number is NaN, or beyond `MAX_NUMBER`; the message begins with the place.

@@ -35,8 +35,8 @@ class _Authored:
 
     document: Document
     behaviours: tuple[ChosenBehaviour, ...]
-    lines: tuple[str, ...]  # the behaviours as BML
-    places: Mapping[str, Place]  # of the intentions, by reason
+    lines: tuple[str, ...]  # chosen behaviours as BML elements
+    places: Mapping[str, Place]  # places of the intentions in the document, by reason
     unshown: tuple[str, ...]  # intentions without a behaviour, with the reason
 
 

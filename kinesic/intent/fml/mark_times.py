@@ -20,7 +20,7 @@ MARK_ATTRIBUTES = ("id", "name")  # attributes with the name of a mark
 class MarkTimes:
     """Estimated times of the marks of speeches."""
 
-    times: Mapping[str, float]  # [s] by `speech:mark`, `speech:start` and `speech:end`
+    times: Mapping[str, float]  # estimated time [s] by `speech:mark`, `speech:start` and `speech:end`
 
     def moment(self, written: str) -> Moment | None:
         """Convert an FML time reference to a time in the block.

@@ -10,7 +10,7 @@ from kinesic.intent.manuscript.pieces import Manuscript, Step, pause
 MAX_BRACKET_LENGTH = 120  # [characters] longest text in brackets or asterisks that may be a stage direction
 MAX_LINK_LENGTH = 2000  # [characters] longest web address of a link
 CLOSING_BRACKETS = {"(": ")", "[": "]", "{": "}"}  # opening bracket -> closing bracket
-_TIMESTAMP = re.compile(r"\d{1,2}:\d{2}(?::\d{2})?(?:[.,]\d{1,3})?")  # time stamp of a transcript line
+_TIMESTAMP_PATTERN = re.compile(r"\d{1,2}:\d{2}(?::\d{2})?(?:[.,]\d{1,3})?")  # time stamp of a transcript line
 # Request in square brackets, such as `[emotion: happy]`.
 _REQUEST_PATTERN = re.compile(
     r"\s*(?:emotion|mood|feeling|expression|face|gesture|action|animation|pose|motion|tone|voice|sound|pause)\s*[:=]\s*(.+)",
@@ -23,7 +23,7 @@ _PROMPT_MARKS = frozenset(
 
 
 def read_bracket(state: Manuscript, *, ends: bool) -> Step | None:
-    """Read a stage direction, label or link in brackets, or the bracket alone."""
+    """Read a stage direction, label or link in brackets, or one bracket."""
     rest, sign = state.rest, state.rest[0]
     line, newline, _ = rest[1 : MAX_BRACKET_LENGTH + 1].partition("\n")
     end = line.find(CLOSING_BRACKETS[sign])
@@ -50,7 +50,7 @@ def read_bracket(state: Manuscript, *, ends: bool) -> Step | None:
     is_label = state.is_line_start and words.isupper() and words.isalpha() and len(words) > 1
     if sign == "[" and is_label and ends_sentence(after):
         return Step(end + 2, " ", f"a label is not spoken: {words}")
-    is_time = state.is_line_start and _TIMESTAMP.fullmatch(words)
+    is_time = state.is_line_start and _TIMESTAMP_PATTERN.fullmatch(words)
     if sign == "[" and (is_time or words in _PROMPT_MARKS):
         return Step(end + 2)
     if sign == "[" and words.startswith("^"):  # a footnote

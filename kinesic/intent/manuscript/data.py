@@ -1,4 +1,4 @@
-"""Formulas, data and LaTeX commands within a text, which are not spoken as they are written."""
+"""Formulas, data and LaTeX commands, which are not spoken as written."""
 
 import json
 import re
@@ -73,7 +73,7 @@ def read_formula(rest: str, *, ends: bool) -> Step | None:
 
 
 def read_latex(rest: str, *, ends: bool) -> Step | None:
-    """Read a LaTeX command with its argument, which is spoken if it is text.
+    """Read a LaTeX command, of which only a text argument is spoken.
 
     Returns:
         Length 0 without a command, None if it may be incomplete.

@@ -11,7 +11,7 @@ _SHORT_CODE = re.compile(r":([a-z][a-z_]{2,28}|[+-]1)(?::t[1-6]|::skin-tone-[1-6
 _OPEN_SHORT_CODE = re.compile(r":(?:[a-z_]{0,29}|[+-]1?):?(?:(?<=:)(?:t[1-6]?|:[a-z0-9-]{0,11}):?)?")
 _TERMINAL_COMMAND = re.compile(r"\x1b(?:\[[0-9;?]*[A-Za-z]?)?")  # colour or position in a terminal
 _OPEN_COMMAND = re.compile(r"\x1b(?:\[[0-9;?]{0,20})?")
-_KEYCAP = re.compile("[0-9]\ufe0f?\u20e3")  # keycap emoji of a digit
+_KEYCAP_PATTERN = re.compile("[0-9]\ufe0f?\u20e3")  # keycap emoji of a digit
 _OPEN_KEYCAP = re.compile("[0-9]\ufe0f?")
 _JOINABLE_RANGES = JOINER_RANGES.replace("\u200d", "")
 _EMOJI_PATTERN = re.compile(
@@ -62,7 +62,7 @@ def read_control(rest: str, *, ends: bool) -> Step | None:
     Returns:
         Length 0 for a digit without a keycap.
     """
-    pattern, opening = (_KEYCAP, _OPEN_KEYCAP) if rest[0].isdigit() else (_TERMINAL_COMMAND, _OPEN_COMMAND)
+    pattern, opening = (_KEYCAP_PATTERN, _OPEN_KEYCAP) if rest[0].isdigit() else (_TERMINAL_COMMAND, _OPEN_COMMAND)
     if not ends and opening.fullmatch(rest):
         return None
     match = pattern.match(rest)

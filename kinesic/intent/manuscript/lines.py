@@ -142,7 +142,7 @@ def _is_speaker(name: str, state: Manuscript) -> bool:
 
 
 def _read_remark(name: str) -> str:
-    """Return the stage direction after a speaker's name (`Robin (laughing)`), or an empty text."""
+    """Return the stage direction in `Robin (laughing)`, or an empty text."""
     remark = _REMARK_PATTERN.fullmatch(name)
     is_act = remark and load_acts().is_direction(remark[1], begins=True, ends=True, is_bracketed=True)
     return remark[1] if remark and is_act else ""

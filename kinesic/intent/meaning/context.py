@@ -113,7 +113,7 @@ class Context:
         )
 
     def is_quoted(self, k: int) -> bool:
-        """Return whether a word stands in a quotation next to a reporting verb."""
+        """Return whether a word is in a quotation attributed to a speaker."""
         return k in self._quoted
 
     @cached_property
@@ -180,7 +180,7 @@ class Context:
         return first < k and self.language.has("fact_auxiliary", self.plain[first])
 
     def is_request(self, k: int) -> bool:
-        """Return whether a word's sentence asks the listener to do something (`could you`)."""
+        """Return whether a word's sentence is a request (`could you`)."""
         words = [self.plain[j] for j in self.sentence(k) if not self.language.has("opener", self.plain[j])]
         return len(words) > 1 and self.language.has("request", words[0]) and self.language.has("listener", words[1])
 

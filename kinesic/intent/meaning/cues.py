@@ -26,7 +26,7 @@ DEFAULT_CERTAINTIES: Mapping[CueKind, float] = {"idiom": 0.8, "word": 0.7, "feel
 
 class _Cue(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     says: str
-    words: str  # one pattern a line
+    words: str  # word patterns, one in each line
     shows: str = ""
     kind: CueKind = "idiom"
     certainty: float | None = None
@@ -53,8 +53,8 @@ class Cue:
     patterns: tuple[Pattern, ...]
     shows: tuple[str, ...]  # equally fitting gestures; empty: nothing is shown here
     kind: CueKind
-    certainty: float  # 0..1
-    intent: str  # behaviour set of face and head; `picture`: none
+    certainty: float  # 0..1 certainty that the gesture fits
+    intent: str  # behaviour set for face and head; `picture`: only the gesture is shown
     where: CueContext
     after: frozenset[str] = frozenset()  # words or @classes, one of which must precede; empty: any
     before: frozenset[str] = frozenset()  # words or @classes, one of which must follow; empty: any

@@ -60,7 +60,7 @@ def _find_matches(context: Context, table: CueTable) -> Iterator[Candidate]:
 
 
 def _match(context: Context, pattern: Pattern, first: int) -> Span | None:
-    """Return the match of a pattern that begins at a word, or None.
+    """Return a pattern's match that begins at a word, or None.
 
     A match that crosses the punctuation between clauses is replaced by one within the first clause.
     """

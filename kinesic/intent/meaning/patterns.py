@@ -46,7 +46,7 @@ class Slot:
     is_number: bool = False
 
     def accepts(self, word: str, *, is_number: bool) -> bool:
-        """Return whether a word of the text fits this slot."""
+        """Return whether a word of the text fits this position."""
         if self.is_any or word in self.words or (self.is_number and is_number):
             return True
         return bool(self.stems) and word_stem(word) in self.stems
@@ -54,7 +54,7 @@ class Slot:
 
 @dataclass(frozen=True)
 class Pattern:
-    """Sequence of word slots, possibly tied to a clause's start or end."""
+    """Sequence of word positions, possibly tied to a clause's start or end."""
 
     slots: tuple[Slot, ...]
     at_start: bool = False
@@ -70,9 +70,9 @@ class Pattern:
 
     @cached_property
     def required(self) -> tuple[frozenset[str], ...]:
-        """Alternative words of each required literal slot.
+        """Alternative words at each required position without placeholder.
 
-        A sentence that matches contains one word of each slot.
+        A sentence that matches contains one word of each position.
         """
         literal = (slot for slot in self.slots if not (slot.is_optional or slot.stems or slot.is_any or slot.is_number))
         return tuple(slot.words for slot in literal)
@@ -107,7 +107,7 @@ class Pattern:
     def _extend(
         self, span: "Span", slot_index: int, words: Sequence[str], stop: int, is_number: Callable[[str], bool]
     ) -> "Span | None":
-        """Extend a match by the pattern's slots from an index on."""
+        """Extend a match by the pattern's positions from an index on."""
         if slot_index == len(self.slots):
             return span if span.last >= span.first else None
         slot, at = self.slots[slot_index], span.last + 1

@@ -87,7 +87,7 @@ def _find_counts(context: Context, indices: Sequence[int], taken: Collection[int
 
 
 def _find_series(context: Context, indices: Sequence[int], taken: Collection[int]) -> Iterator[Candidate]:
-    """Yield counting gestures for numbers that follow each other (`past one, past two`).
+    """Yield counting gestures for successive numbers (`past one, past two`).
 
     Numbers of different clauses that are neither followed by a noun count.
     """
@@ -112,7 +112,7 @@ def _find_pairs(context: Context, indices: Sequence[int], taken: Collection[int]
 
 
 def _find_corrections(context: Context, indices: Sequence[int], taken: Collection[int]) -> Iterator[Candidate]:
-    """Yield a denying gesture on a short final clause with `not`, as in `the knees, not the back`."""
+    """Yield a denying gesture on a short final clause with `not`."""
     for k in indices[1:]:
         clause = context.clause_words(k)
         is_last = clause.start == k and clause.stop > indices[-1] and 2 <= len(clause) <= MAX_CORRECTION_WORDS

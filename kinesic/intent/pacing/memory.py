@@ -13,9 +13,9 @@ TURN_PAUSE = 1.0  # [s] silence assumed between two texts
 class PastGesture:
     """Gesture of an earlier text, with its time and reason."""
 
-    form: str  # lexeme, with the hand if its intent chose one
-    seconds: float  # [s] of its stroke on the clock of the memory
-    reason: str  # words and their meaning; the same reason: the text repeats itself
+    form: str  # lexeme, with the hand if the intent chose a hand
+    seconds: float  # [s] time of the stroke in total speaking time
+    reason: str  # words and their meaning; an equal reason means that the text repeats these words
 
 
 @dataclass(frozen=True)

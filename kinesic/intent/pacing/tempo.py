@@ -26,9 +26,9 @@ SILENCE_RATIO = 1.7  # longest silence of the hands, in mean intervals between s
 class Tempo:
     """Rate of gesture strokes, their smallest spacings and their grouping into runs."""
 
-    rate: float  # [1/min] strokes
-    min_rate: float  # [1/min] strokes of a text with few other gestures than beats
-    beat_fraction: float  # 0..1 smallest fraction of beats
+    rate: float  # [1/min] rate of gesture strokes
+    min_rate: float  # [1/min] lowest rate of strokes, in a text with few gestures other than beats
+    beat_fraction: float  # 0..1 smallest fraction of beats among gestures
     picture_spacing: float  # [s] smallest spacing of gestures other than beats
     beat_spacing: float  # [s] smallest spacing from a beat to another stroke
     run_length: int  # largest number of strokes of a run

@@ -28,7 +28,7 @@ MIN_REPEAT_INTERVAL = 8.0  # [s] smallest time between equal gestures, if all al
 class GestureUses:
     """Stroke times of each gesture, to avoid repetitions."""
 
-    window: float  # [s] within which gestures differ; 0: the last two gestures count
+    window: float  # [s] time without repeated gestures; 0: three successive gestures differ
     _times: dict[str, list[float]] = field(default_factory=dict)  # form -> sorted times of strokes [s]
     _reasons: set[tuple[str, str]] = field(default_factory=set)  # (form, reason) of each use
     _recent: list[str] = field(default_factory=list)  # forms of the last gestures
@@ -131,11 +131,11 @@ class LexemeSampler:
     """Random choice of lexemes on one channel, without recently used gestures."""
 
     channel: Channel
-    agent: Agent  # with preferences and expressivity
+    agent: Agent  # agent whose preferences and expressivity apply
     generator: random.Random
     omitted: list[Omission]  # receives candidates without an unused alternative
-    uses: GestureUses  # gestures shown so far, to which the drawn ones are added
-    offset: float  # [s] from times of intents to times of `uses`
+    uses: GestureUses  # gestures shown so far, to which chosen gestures are added
+    offset: float  # [s] added to times of intents to get times of `uses`
     beats: Sequence[Choice]  # forms that replace a gesture without an unused alternative
     beat_manner: Mapping[str, float]  # expressivity of beats, where it differs from the style
     preferences: Mapping[str, float]  # gesture -> factor on its probability

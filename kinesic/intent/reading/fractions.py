@@ -1,4 +1,4 @@
-"""Spoken form of fractions, ratings and other pairs of numbers with a slash."""
+"""Spoken form of fractions, ratings and other numbers with a slash."""
 
 import re
 import unicodedata
@@ -16,7 +16,7 @@ _PARTS_PATTERN = re.compile(r"(?:(\d+)[ -]+)?(\d+)[/\u2044](\d+)")
 
 
 def split_fraction(text: str, language: Language, before: Sequence[str], after: str) -> Iterator[tuple[str, str]]:
-    """Yield the signs before each spoken word of a fraction, and the word.
+    """Yield (preceding signs, word) for each spoken word of a fraction.
 
     Args:
         text: fraction, also after a whole number.
@@ -59,7 +59,7 @@ def _name(match: re.Match[str], language: Language, before: Sequence[str], after
 
 
 def _name_pair(top: str, bottom: str, names: Fractions, head: str, word: str) -> str:
-    """Return two numbers as spoken if they are no fraction, or empty text."""
+    """Return two numbers as spoken, or empty text for a fraction."""
     if f"{top}/{bottom}" in names.pairs or word in names.pair_ends:
         return f"{top} {bottom}"
     if int(top) > int(bottom):

@@ -38,10 +38,10 @@ class _Rule(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class Fractions(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    """Names of fractions, and words that distinguish them from dates, ratings and counts."""
+    """Names of fractions, and words that identify dates, ratings and counts."""
 
     numerators: list[str]  # names of 1, 2, 3, ...
-    denominators: dict[str, list[str]]  # denominator -> its singular and plural
+    denominators: dict[str, list[str]]  # denominator -> singular and plural of the fraction's name
     joint: str  # word between a whole number and a fraction
     pairs: list[str]  # numbers with a slash that are no fraction, such as `24/7`
     pair_ends: list[str]  # words after two numbers that are no fraction, such as `3/4 time`
@@ -79,8 +79,8 @@ class Rule:
     reach: RuleScope
     not_before: frozenset[str]  # words that exclude the rule if they follow
     not_after: frozenset[str]  # words that exclude the rule if they precede
-    lexemes: tuple[str, ...]  # gestures that show it better than its set
-    style: str  # requested style of its sentence; empty: none
+    lexemes: tuple[str, ...]  # gestures that show the intent better than those of its behaviour set
+    style: str  # style that the rule requests for the sentence; empty: none
 
 
 @dataclass(frozen=True)

@@ -23,7 +23,7 @@ _FRACTION = re.compile(FRACTION_PATTERN)
 _FICTIONAL_EXCHANGE = "555-"  # beginning of telephone numbers in examples and films
 MAX_HEAD_DISTANCE = 4  # [words] largest distance of a word such as `call` before a telephone number
 _DATE = re.compile(_DATE_PATTERN)
-_NUMERAL = re.compile(r"(X{0,3})(IX|IV|V?I{0,3})")  # Roman numeral up to 39
+_NUMERAL_PATTERN = re.compile(r"(X{0,3})(IX|IV|V?I{0,3})")  # Roman numeral up to 39
 _DIGIT_VALUES = {"X": 10, "V": 5, "I": 1}
 _ORDINAL_ENDINGS = {1: "st", 2: "nd", 3: "rd"}  # last digit -> ending of an English ordinal; others: th
 
@@ -31,7 +31,7 @@ _ORDINAL_ENDINGS = {1: "st", 2: "nd", 3: "rd"}  # last digit -> ending of an Eng
 def split_number(
     text: str, language: Language, *, before: Sequence[str] = (), after: str = ""
 ) -> Iterator[tuple[str, str]]:
-    """Yield the signs before each spoken part of a number, and the part.
+    """Yield (preceding signs, part) for each spoken part of a number.
 
     The digits of a telephone number are spoken one by one.
 
@@ -83,7 +83,7 @@ def read_numeral(text: str, before: str, language: Language) -> str:
         before: preceding word of its sentence; empty: it is the first one.
         language: its kings' names, and its words before numerals.
     """
-    match = _NUMERAL.fullmatch(text)
+    match = _NUMERAL_PATTERN.fullmatch(text)
     is_king = language.has("regnal", before.lower())
     is_part = language.has("numeral_heads", before.lower())
     if match is None or not (is_king or is_part or (len(text) > 1 and before[:1].isupper())):

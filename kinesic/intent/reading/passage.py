@@ -25,11 +25,11 @@ VOWEL_FRACTION = 0.45  # fraction of a syllable before its vowel
 class Word:
     """One word of a text, with punctuation, phrase and sentence."""
 
-    text: str  # as spoken
-    plain: str  # lower-case, with a straight apostrophe
+    text: str  # word as spoken
+    plain: str  # word in lower case, with a straight apostrophe
     before: str  # punctuation and space since the preceding word
-    sentence: int  # index of its sentence
-    phrase: int  # index of its phrase in the whole text
+    sentence: int  # index of the word's sentence
+    phrase: int  # index of the word's phrase in the whole text
     is_content: bool  # whether this is a content word: no article, pronoun, preposition or auxiliary
     emphatic: bool = False  # whether the word is emphasised: CAPITALS, *asterisks*, SSML
     pause: float = 0.0  # [s] pause requested before the word, in addition to punctuation

@@ -57,9 +57,9 @@ def stressed_near(passage: Passage, index: int) -> int:
 class Grammar:
     """Noun phrases, verbs and clauses of a passage, as word indices."""
 
-    things: tuple[tuple[int, int], ...]  # first and last word of each noun phrase
-    verbs: tuple[int, ...]  # first verb of each sentence with a verb
-    clauses: tuple[int, ...]  # last word of each word's clause
+    things: tuple[tuple[int, int], ...]  # indices of first and last word of each noun phrase
+    verbs: tuple[int, ...]  # index of the first verb of each sentence with a verb
+    clauses: tuple[int, ...]  # index of the last word of each word's clause
 
 
 def read_grammar(passage: Passage, language: Language) -> Grammar:

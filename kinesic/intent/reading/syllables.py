@@ -103,7 +103,7 @@ def _find_accent(word: str, syllables: list[str], language: str) -> int:
 
 
 def _split(word: str, language: str) -> list[str]:
-    """Return the vowels of each syllable, empty texts if only their count is estimated."""
+    """Return each syllable's vowels, empty texts if only counted."""
     if language == "fr":
         word = _SILENT_E.sub("", word) if len(_vowel_groups(word, has_hiatus=False)) > 1 else word
     groups = (

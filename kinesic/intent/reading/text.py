@@ -180,7 +180,7 @@ def _make_intent(
         place: indices of its first word, its main word, and its last word.
         certainty: 0..1.
         reason: description for people.
-        lexemes: gestures that show it better than its set.
+        lexemes: gestures that show the intent better than those of its behaviour set.
     """
     first, word, last = place
     stressed = stressed_near(passage, word)

@@ -27,7 +27,7 @@ class Header(msgspec.Struct, frozen=True):
 
     key: str  # key of the edited document, chosen by its client
     name: str  # name of the document
-    revision: str  # revision of the saved file that the document came from; empty without one
+    revision: str  # revision of the saved file that was edited; empty without a saved file
     time: float  # [s] Unix time of the backup
 
 

@@ -37,7 +37,7 @@ class FileQuestion:
 
     name: str
     text: str
-    present: str | None  # content of the file that would be overwritten; None without one
+    present: str | None  # content of the file that would be overwritten; None: no such file
 
 
 ClientQuestion = PlanQuestion | ExportQuestion | GestureQuestion | FindQuestion | AuthorQuestion | AlternativesQuestion

@@ -20,7 +20,7 @@ LIMIT_TOLERANCE = 1e-3  # [rad] distance from the end of a joint range that coun
 class DraggedPosture:
     """Posture with a body part closest to a target, and its obstacles."""
 
-    angles: Floats  # (n,) [rad]
+    angles: Floats  # (n,) [rad] joint angles
     residual: float  # [m] distance from the part to the target
     limits: tuple[str, ...]  # hinges at an end of their range, if the target is not reached
     contact: tuple[str, str] | None  # colliding segments, if they prevent reaching the target

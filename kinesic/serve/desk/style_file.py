@@ -18,7 +18,7 @@ class StyleEntry:
 
     name: str
     text: str
-    is_own: bool  # whether it is a file of the client's folder
+    is_own: bool  # whether the style is a file of the client's folder
 
     def as_json(self) -> Json:
         """Return name, origin, text and gesture parameters of the style.

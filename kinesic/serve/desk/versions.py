@@ -22,7 +22,7 @@ class Version:
     """Earlier version of a document."""
 
     number: int
-    time: float  # [s] Unix time at which a newer text replaced it
+    time: float  # [s] Unix time at which a newer text replaced this version
 
 
 class VersionFolder:

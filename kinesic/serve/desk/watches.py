@@ -21,7 +21,7 @@ class _Subscription:
     """Telemetry subscription of one client."""
 
     requester: Requester
-    period: float  # [s]
+    period: float  # [s] time between two reports
     next: float  # [s] monotonic clock time of the next report
 
 

@@ -51,7 +51,7 @@ class _Challenge:
     """Confirmation code sent to a client."""
 
     code: str
-    until: float  # [s] monotonic clock time
+    until: float  # [s] monotonic clock time at which the code expires
 
 
 class Arming:

@@ -54,8 +54,8 @@ class PlacedPhrase:
     """Phrase with its place in a script, and the silence before it."""
 
     phrase: Phrase
-    begin: int  # position of its first character in the script
-    silence: float  # [s] before it, after the phrase before or from the start
+    begin: int  # position of the phrase's first character in the script
+    silence: float  # [s] silence before the phrase, from the end of the preceding phrase or the start
 
 
 def divide(script: Script, *, rate: float, pitch: float) -> tuple[tuple[PlacedPhrase, ...], float]:

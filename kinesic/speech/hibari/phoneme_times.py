@@ -46,12 +46,12 @@ Span = tuple[float, float]  # begin and end [s]
 class _Unit:
     """Sound with its index in the phoneme letters."""
 
-    symbol: str  # in the phonetic alphabet, with its stress
-    letter: str  # of the model, without stress
-    index: int  # of its first letter
-    begin: float  # [s] start by the durations
-    is_initial: bool  # whether it starts a word
-    follows_sign: bool  # whether punctuation lies before it
+    symbol: str  # sound in the phonetic alphabet, with its stress mark
+    letter: str  # letter of the model, without stress mark
+    index: int  # index of the sound's first letter
+    begin: float  # [s] start according to the predicted durations
+    is_initial: bool  # whether the sound starts a word
+    follows_sign: bool  # whether punctuation lies before the sound
 
     @property
     def onset(self) -> float:
@@ -62,7 +62,7 @@ class _Unit:
 
     @property
     def start(self) -> float:
-        """Time [s] of the sound's burst, without a burst of the onset."""
+        """Time [s] of the burst, or of the onset without a burst."""
         shifts = BURST_SHIFTS.get(self.letter)
         return self.onset if shifts is None else self.begin + shifts[0 if self.is_initial else 1]
 

@@ -143,7 +143,7 @@ def _find_chunk(text: str, position: int) -> int:
 
 
 def _match(written: Sequence[str], rewritten: Sequence[str]) -> list[int]:
-    """Return the index of the written chunk for each rewritten one."""
+    """Return the index of the written chunk for each rewritten chunk."""
     return list(_matches(written, rewritten))
 
 

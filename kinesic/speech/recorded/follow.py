@@ -23,7 +23,7 @@ STOP_LETTERS = frozenset("pbtdkgɡ")  # noqa: RUF001 - phonetic letters of stops
 class FollowedSpeech:
     """Times of a recording's sounds and words."""
 
-    phonemes: tuple[Phoneme, ...]  # at their times in the recording
+    phonemes: tuple[Phoneme, ...]  # phonemes at their times in the recording
     place: Callable[[float], float]  # time in the rendition -> time in the recording [s]
     is_followed: bool = True  # whether words are located by comparing sounds; False: spread over the recording
     words: tuple[tuple[float, float], ...] = ()  # start and end of each word [s]
@@ -67,7 +67,7 @@ def open_by_loudness(phonemes: Sequence[Phoneme], frames: SpeechFrames) -> tuple
 
 
 def release_stops(phonemes: Sequence[Phoneme]) -> tuple[Phoneme, ...]:
-    """Return sounds whose stops open at the burst."""
+    """Return sounds whose plosives open the mouth at the burst."""
     return tuple(
         replace(sound, release=sound.start + BURST_FRACTION * sound.duration)
         if sound.letters[:1] in STOP_LETTERS

@@ -33,7 +33,7 @@ Point = tuple[float, float]  # time in the rendition and in the recording [s]
 class SpeechFrames:
     """Levels and features of a sound's frames."""
 
-    levels: Floats  # (n,) [dB]
+    levels: Floats  # (n,) [dB] level of each frame
     sequence: FrameSequence
 
     @property
@@ -60,7 +60,7 @@ def analyse(sound: Sound, *, bridged: int | None = None) -> SpeechFrames:
 class Placement:
     """Map from the times of a rendition to those of a recording."""
 
-    points: tuple[Point, ...]  # not decreasing in both
+    points: tuple[Point, ...]  # (time in the rendition, time in the recording) [s], both not decreasing
     words: tuple[tuple[float, float], ...]  # start and end of each word in the recording [s]
 
     def place(self, time: float) -> float:

@@ -20,9 +20,9 @@ _WORD_PATTERN = re.compile(r"[^\W_]+(?:['\u2019.,:-][^\W_]+)*")
 class Rendition:
     """Speech of a text by a voice, with word times."""
 
-    utterance: Utterance  # without the marks before words
+    utterance: Utterance  # synthesised speech, without the marks added before words
     words: tuple[str, ...]
-    starts: Floats  # (words,) [s], increasing
+    starts: Floats  # (words,) [s] start of each word, increasing
     ends: Floats  # (words,) [s] end of each word's last sound
     marked_words: Mapping[str, int]  # index of the word that begins at each mark; other marks are left out
 

@@ -24,17 +24,17 @@ MIN_FRAMES = 2  # fewest speech frames of a recording or rendition that is warpe
 class FrameSequence:
     """Features of successive frames, with a mask of speech frames."""
 
-    features: Floats  # (n, k)
-    is_speech: Flags  # (n,)
+    features: Floats  # (n, k) features of each frame
+    is_speech: Flags  # (n,) whether each frame has speech
 
 
 @dataclass(frozen=True, eq=False)
 class Warp:
     """Time alignment of a recording with a synthesised rendition, by frame."""
 
-    word_frames: Indices  # (words,) first frame of each word
-    frames: Indices  # (m,) frames with speech, increasing
-    rendition_frames: Floats  # (m,) frame of the rendition that is spoken at each of them, not decreasing
+    word_frames: Indices  # (words,) first frame of each word in the recording
+    frames: Indices  # (m,) frames of the recording with speech, increasing
+    rendition_frames: Floats  # (m,) frame of the rendition for each of `frames`, not decreasing
 
 
 def warp(recording: FrameSequence, rendition: FrameSequence, word_frames: Indices) -> Warp | None:

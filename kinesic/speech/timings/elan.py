@@ -26,8 +26,8 @@ MAX_TEXT_LENGTH = 10_000  # [characters] longest text of an annotation
 
 @dataclass
 class _Annotation:
-    first: str  # id of the time slot at its start
-    last: str  # id of the time slot at its end
+    first: str  # id of the time slot at the annotation's start
+    last: str  # id of the time slot at the annotation's end
     text: str = ""
 
 

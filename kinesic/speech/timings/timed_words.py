@@ -23,8 +23,8 @@ class TimedSpan:
     """Word, phrase or phoneme with its times in the recording."""
 
     text: str  # one word, or several of a subtitle
-    start: float  # [s]
-    end: float  # [s]
+    start: float  # [s] start in the recording
+    end: float  # [s] end in the recording
 
 
 @dataclass(frozen=True)
@@ -45,7 +45,7 @@ class TimedWords:
 class RawSpan:
     """Word, phrase or phoneme of a file, with unchecked times."""
 
-    place: str  # in the file, such as `segments[0].words[3]`
+    place: str  # place in the file, such as `segments[0].words[3]`
     text: str
     start: float  # in the unit of the file
     end: float | None = None  # end time in the unit of the file; None: the start of the next span
