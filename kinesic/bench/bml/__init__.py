@@ -1,4 +1,4 @@
-"""Benchmark of BML conformance: scenarios, documents, the live server and its speech."""
+"""Benchmarks of BML: conformance, the live server and synthesised speech."""
 
 from collections.abc import Iterator
 

@@ -26,7 +26,7 @@ LEROBOT_BUS_MODULE = "lerobot.motors.dynamixel"
 
 @dataclass(frozen=True, eq=False)
 class DriverReading:
-    """Servo positions, their times and hardware errors reported by a driver."""
+    """Servo positions with timestamps, and hardware errors, reported by a driver."""
 
     positions: Ticks  # (n,)
     times: Floats  # (n,) [s] on the wire's clock when each position was taken; NEVER_READ if none was

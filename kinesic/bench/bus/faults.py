@@ -122,7 +122,7 @@ def compare_drivers(
     bauds: Sequence[int] = MATRIX_BAUD_RATES,
     seeds: Sequence[int] = FAULT_SEEDS,
 ) -> Iterator[DriverTrials]:
-    """Yield the fault-matrix results of each driver, or why it is missing.
+    """Yield each driver's fault-matrix results, or why the driver is missing.
 
     This takes many minutes.
     """

@@ -227,7 +227,7 @@ class _TrialObserver:
         return np.array([servo.electronics.present_position() for servo in self._plant.servos], dtype=np.int64)
 
     def _record_truth(self, time: float) -> None:
-        """Record the true positions and drop those too old to be compared."""
+        """Record the true positions and drop positions too old to be compared."""
         self._plant.advance(time)
         self._truth.append((time, self._read_true_positions()))
         while self._truth[0][0] < time - 20 * self._period - 2 * TIME_TOLERANCE:

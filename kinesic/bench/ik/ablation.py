@@ -58,7 +58,7 @@ ArmSolver = Callable[["AblationArm", Floats], Sequence[float] | Floats]
 
 @dataclass(frozen=True, eq=False)
 class AblationArm:
-    """The arm used in the IK ablation and its start posture."""
+    """Arm of the IK ablation, with the start posture of all solves."""
 
     chain: Chain
     linkage: Linkage

@@ -87,7 +87,7 @@ class StoryRhythm:
 
     @property
     def late(self) -> int:
-        """Number of strokes over `MAX_STROKE_DELAY` off their requested time."""
+        """Number of strokes more than `MAX_STROKE_DELAY` from their requested time."""
         return sum(abs(stroke.delay) > MAX_STROKE_DELAY for stroke in self.strokes)
 
 

@@ -44,7 +44,7 @@ class SearchResult:
 
 
 def document_steps(documents: Sequence[NamedDocument], *, seed: int = 0) -> list[list[NamedDocument]]:
-    """Split shuffled documents into those added in each halving round.
+    """Split shuffled documents into groups, one added in each halving round.
 
     The rounds use a ninth, a third and all of the documents.
     """

@@ -123,7 +123,7 @@ def assign_folds(performances: Sequence[str]) -> Indices:
 
 
 def area_under_curve(ours: Floats, others: Floats) -> float:
-    """Return the probability that a score of `ours` exceeds one of `others`.
+    """Return the probability that a score of `ours` exceeds one in `others`.
 
     Equal scores count half.
     """

@@ -109,7 +109,7 @@ FEATURE_SUMMARIES: Mapping[str, Summary] = {
 
 
 def split_sets(captured: Sequence[MeasuredSet]) -> tuple[list[MeasuredSet], list[MeasuredSet]]:
-    """Split captured sets into those used for fitting constants, and others."""
+    """Split captured sets into sets used for fitting constants and unseen sets."""
     tuned = [measured for measured in captured if measured.name in TUNED_SETS]
     return tuned, [measured for measured in captured if measured.name not in TUNED_SETS]
 
@@ -143,7 +143,7 @@ def compare_body(ours: MeasuredSet, captured: Sequence[MeasuredSet]) -> list[Met
 
 
 def compare_sets(captured: Sequence[MeasuredSet], known: Sequence[MeasuredSet]) -> list[Metric]:
-    """Compare each captured set with all others, without goals.
+    """Compare each captured set with all other sets, without goals.
 
     Args:
         captured: measured sets.

@@ -30,7 +30,7 @@ def list_seeded_gestures(every: int = 1) -> list[GestureTask]:
 
 
 def perform_gestures(robot: str, tasks: Sequence[GestureTask], style: str = NEUTRAL_STYLE) -> list[BodyMotion]:
-    """Plan each gesture alone and return its motion, dropped ones omitted.
+    """Return the motion of each gesture planned alone, unless it is dropped.
 
     Raises:
         RuntimeError: a worker process crashed.
