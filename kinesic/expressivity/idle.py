@@ -111,7 +111,7 @@ def used_spans(sequences: Sequences) -> tuple[Span, ...]:
 
 
 def pauses(occupied: Iterable[Span], block_span: Span) -> tuple[Span, ...]:
-    """Return the free time spans of a block outside occupied ones.
+    """Return the time spans [s] of a block outside occupied spans.
 
     Args:
         occupied: spans in which some part is used, in any order [s].

@@ -117,7 +117,7 @@ def make_keyframes(
 
 
 def _held_turns(timeline: Timeline, moves: Mapping[str, Move]) -> dict[str, HeldTurns]:
-    """Return the rotations that each permanent look or posture leaves, by id."""
+    """Return the rotations that remain after permanent gazes and postures, by id."""
     totals: dict[str, HeldTurns] = {"look": HeldTurns("look"), "posture": HeldTurns("posture")}
     held: dict[str, HeldTurns] = {}
     for timed in sorted(timeline.timed, key=lambda timed: timed.times["start"]):

@@ -153,7 +153,7 @@ class ClashFinder:
 
 
 def sum_chains(pairs: Sequence[Neighbours], separations: Sequence[float]) -> list[float]:
-    """Return the largest summed separation [s] of conflict chains through each pair.
+    """Return each pair's largest separation [s] summed along a chain of conflicts.
 
     The separation of a pair is the growth of the interval between its strokes.
 
@@ -211,7 +211,7 @@ def _gaps(keys: Keys) -> dict[Pair, float]:
 
 
 def _monotone_intervals(angles: Sequence[float], rows: Sequence[int]) -> list[Pair]:
-    """Return the first and last row of each monotone run of keys.
+    """Return the first and last index of each monotone run of keys.
 
     A hold is a run of its own.
     """
@@ -261,7 +261,7 @@ def _search(
 
 
 def _around(pair: Neighbours, postures: Sequence[KeyPosture], keyed: Flags) -> Pair:
-    """Return rows of the nearest exact keys before and after two gestures."""
+    """Return indices of the nearest exact keys before and after two gestures."""
     gesture_rows = [
         row
         for row, posture in enumerate(postures)
@@ -273,7 +273,7 @@ def _around(pair: Neighbours, postures: Sequence[KeyPosture], keyed: Flags) -> P
 
 
 def _part(posture: KeyPosture, hinges: Indices, *, whole: bool) -> KeyPosture:
-    """Return a key posture with the given hinges alone.
+    """Return a key posture reduced to some hinges.
 
     With `whole`, all of them have a key.
     """

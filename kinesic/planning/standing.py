@@ -96,7 +96,7 @@ def draw_rest(
     roll: float = 0.0,
     torsion: float = 0.0,
 ) -> Floats:
-    """Draw another rest posture (n,) [rad] near the robot's usual one.
+    """Draw a random rest posture (n,) [rad] near the usual rest posture.
 
     Arms and shoulders deviate from the rest posture as those of captured people. The head stays level.
 
@@ -290,12 +290,12 @@ def _inside(angles: Floats, robot: Robot) -> Floats:
 
 
 def _is_clear(angles: Floats, robot: Robot, distances: Distances) -> bool:
-    """Return whether a posture keeps the required clearance, or that at rest."""
+    """Return whether a posture keeps the required clearance, or the rest posture's."""
     return not _find_close_segments(angles, robot, distances)
 
 
 def _find_close_segments(angles: Floats, robot: Robot, distances: Distances) -> frozenset[str]:
-    """Return the segments that are closer to others than required.
+    """Return the segments that are closer to other segments than required.
 
     Pairs that are too close at rest must not come nearer.
     """

@@ -44,9 +44,9 @@ def drop_by_priority(frames: KeyFrames, conflicting: Collection[str], kept_fract
 
 
 def _find_overlapping(frames: KeyFrames, spans: dict[str, Span], conflicting: Collection[str]) -> set[str]:
-    """Return given behaviours and those that overlap them on a body part.
+    """Return some behaviours and all that overlap them on a body part.
 
-    The overlap may be direct or through others.
+    The overlap may be direct or through other behaviours.
     """
     parts = defaultdict[str, list[str]](list)
     for id in sorted(spans, key=lambda id: spans[id]):

@@ -74,7 +74,7 @@ def _find_overload(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFail
 
 
 def _nearest_behaviour(work: Overlay, hinges: Flags, at: float) -> str:
-    """Return the behaviour, preferably of given hinges, closest to a time [s].
+    """Return the behaviour nearest in time, preferably one that moves given hinges.
 
     The result is empty if the block performs no behaviour.
     """

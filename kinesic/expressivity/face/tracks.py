@@ -214,7 +214,7 @@ def _raised_brows(
     styles: Mapping[str, Style],
     prosody: Prosody,
 ) -> Iterator[Channels]:
-    """Yield the brows raised on accents, per speech."""
+    """Yield, for each speech, the action units of brows raised on accents."""
     if prosody.amount <= 0.0:
         return
     for timed in timeline.timed:

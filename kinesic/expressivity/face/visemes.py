@@ -145,7 +145,7 @@ class _Sound:
 
     @property
     def held(self) -> tuple[float, float]:
-        """Time span in which the mouth holds its shape [s].
+        """Time span in which the mouth holds the sound's shape [s].
 
         Closed lips are held long enough to be visible on film.
         """

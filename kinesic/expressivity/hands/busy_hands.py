@@ -8,7 +8,7 @@ from kinesic.body.robot import Side
 
 @dataclass(frozen=True)
 class Clash:
-    """Delay of a hand between two strokes too close in time."""
+    """Timing conflict of two strokes of one hand, with the resulting delay."""
 
     delay: float  # [s] delay of the hand after moving from one to the other
     brief: bool = False  # whether both strokes are single keys already, and cannot be shortened further

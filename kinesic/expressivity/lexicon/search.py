@@ -95,7 +95,7 @@ def find_gestures(
 
 
 def _rank(index: "_Index", lexicon: Lexicon, query: str) -> list[GestureHit]:
-    """Return the hits of a query from `MIN_SCORE`, sorted by relevance."""
+    """Return the hits of a query with at least `MIN_SCORE`, by relevance."""
     words = content_words(query)
     hits = [_hit(index.entries[k], score, kind, matched) for k, (score, kind, matched) in index.scores(words).items()]
     named = _find_named(lexicon, query, words) if words else None
