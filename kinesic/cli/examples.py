@@ -42,6 +42,7 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "serve": ("kinesic serve --robot upper36", "kinesic serve --listen 127.0.0.1:9000 --text"),
     "servos calibrate": ("kinesic servos calibrate --port body=/dev/ttyUSB0",),
     "servos doctor": ("kinesic servos doctor --port body=/dev/ttyUSB0",),
+    "servos record": ("kinesic servos record --port body=/dev/ttyUSB0 --out nod.csv",),
     "servos release": ("kinesic servos release --port body=/dev/ttyUSB0",),
     "servos scan": ("kinesic servos scan", "kinesic servos scan --port /dev/ttyUSB0 --baud 1000000"),
     "servos show": ("kinesic servos show --port body=/dev/ttyUSB0",),

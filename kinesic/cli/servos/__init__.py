@@ -20,7 +20,7 @@ PHYSICS_HELP = "Physics of the shafts: each servo's motor alone, or the robot's 
 
 @click.group("servos", cls=VerbGroup)
 def servo_verbs() -> None:
-    """Find, show, calibrate, record, stop, release and simulate servos."""
+    """Find, calibrate, record, stop, release and simulate servos."""
 
 
 @servo_verbs.command("calibrate")
