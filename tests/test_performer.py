@@ -49,7 +49,7 @@ def run(performer, plan) -> kinesic.Performance:
     return performer.perform(plan)
 
 
-def test_plan_repr_is_one_line(plan):
+def test_repr_of_a_plan_is_one_line(plan):
     line = f"plan of block b on upper22 (joyful): {plan.duration:.2f} s, 2 behaviours, 1 dropped behaviour, 1 notice"
     assert str(plan) == line
     assert repr(plan) == f"<{line}>"
@@ -113,7 +113,7 @@ def test_performance_with_a_failed_check_is_not_ok(run):
     assert str(failed).startswith("fail: <text> on upper22")
 
 
-def test_performance_contains_measured_sync_times(run):
+def test_performance_result_contains_measured_times_of_sync_points(run):
     met = run.syncs["nod:stroke"]
     assert met.planned == run.plan.syncs["nod:stroke"].planned
     assert abs(met.performed - met.planned) < 0.05

@@ -69,7 +69,7 @@ def test_first_report_timing_lists_steps_their_sum_and_the_sizes(tmp_path):
     ]
 
 
-def test_first_report_timing_measures_commands_and_shows_the_output_of_a_failed_one(tmp_path, monkeypatch):
+def test_first_report_timing_measures_commands_and_shows_the_output_of_a_failed_command(tmp_path, monkeypatch):
     import first_report  # noqa: PLC0415 - no part of the package
 
     monkeypatch.setenv("KINESIC_SEED", "7")

@@ -79,7 +79,7 @@ def test_rounded_picture_durations_add_up_to_the_film_duration(rate: float):
     assert max(picture_durations(100, rate)) - min(picture_durations(100, rate)) <= 1
 
 
-def test_webp_film_limits_the_number_of_pictures_waiting_for_encoding(tmp_path: Path):
+def test_webp_film_writer_limits_the_number_of_pictures_that_wait_for_encoding(tmp_path: Path):
     with WebpFilm(tmp_path / "x.webp", PICTURE_SIZE) as film:
         for picture in moving(16) * 4:
             film.write(picture, None, 33)

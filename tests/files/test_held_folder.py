@@ -8,7 +8,7 @@ from kinesic.files import held_folder
 from kinesic.files.held_folder import check_above, find_place, hold_folder, name_beside, name_failures
 
 
-def test_symlinks_in_parent_folders_are_followed_but_not_the_last_one(tmp_path: Path):
+def test_symlinks_in_parent_folders_are_followed_but_a_symlink_at_the_end_of_a_path_is_not(tmp_path: Path):
     (tmp_path / "disk").mkdir()
     (tmp_path / "way").symlink_to("disk")
     assert find_place(tmp_path / "way" / "new") == tmp_path / "disk" / "new"

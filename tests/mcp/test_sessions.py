@@ -89,7 +89,7 @@ async def settle() -> None:
         await asyncio.sleep(0)
 
 
-def test_new_http_session_replaces_the_longest_idle_one():
+def test_new_http_session_replaces_the_session_that_was_idle_longest():
     async def act(web: Web) -> None:
         assert await web.ask(session="s1") == 200
         assert web.app.sessions == ["s1", "s2", "s3"]

@@ -139,7 +139,7 @@ def test_status_tool_summarises_the_robot_status_with_the_accepted_blocks(
     assert robot.call("status")[1]
 
 
-def test_wait_tool_passes_on_its_block_and_time_limit(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_wait_tool_passes_on_the_requested_block_and_time_limit(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
     async def wait_for_end(*arguments: object) -> dict[str, object]:
         assert arguments[0] is robot.gate
         return {"waited": arguments[1:]}

@@ -49,7 +49,7 @@ def test_report_merges_equally_shifted_sync_points_of_a_behaviour(calm: DryRun) 
     assert (moved.milliseconds, moved.hinge) == (100, "")
 
 
-def test_deviations_from_the_request_are_sorted_and_small_ones_omitted(calm: DryRun) -> None:
+def test_deviations_from_the_request_are_sorted_and_small_deviations_are_omitted(calm: DryRun) -> None:
     names = calm.plan.setup.robot.skeleton.names
     lost = np.radians(np.r_[0.5, 3.0, 1.5, np.zeros(len(names) - 3)])
     motion = replace(calm.plan.motion, rms_distances=lost)

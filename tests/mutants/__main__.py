@@ -24,7 +24,7 @@ MIN_KILLED_FRACTION = 0.8  # smallest fraction of killed mutants in each part, w
 
 @dataclass(frozen=True)
 class Mutant:
-    """Change of one module."""
+    """Small change of one module that tests must notice."""
 
     part: str
     module: str
@@ -43,7 +43,7 @@ class Mutant:
 
 
 def choose(each: int, seed: int, parts: list[str]) -> list[Mutant]:
-    """Choose random mutants of each part, at most one per site."""
+    """Choose random mutants of each part, at most one per source place."""
     targets = read_targets()
     if unknown := set(parts) - set(targets):
         raise SystemExit(f"no such part: {', '.join(sorted(unknown))}; there are: {', '.join(targets)}")

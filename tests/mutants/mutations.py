@@ -94,7 +94,7 @@ class _Finder:
         self._source, self._starts = source, starts
 
     def sites(self, node: ast.AST) -> Iterator[Site]:
-        """Yield the sites of a node and of all nodes inside it."""
+        """Yield the changeable places of a node and of all nodes inside."""
         if isinstance(node, LEFT_ALONE):
             return
         yield from self._own(node)

@@ -47,7 +47,9 @@ def test_missing_file_error_suggests_built_in_documents(name, hint):
     assert suggest_document(name) == hint
 
 
-def test_plan_document_accepts_a_built_in_name_and_suggests_one_for_a_misspelling(tmp_path, monkeypatch):
+def test_plan_document_accepts_the_name_of_a_built_in_document_and_suggests_a_name_for_a_misspelling(
+    tmp_path, monkeypatch
+):
     monkeypatch.chdir(tmp_path)
     setup = set_up()
     with pytest.raises(BmlError, match="welcom: No such file or directory; did you mean the built-in welcome"):

@@ -150,7 +150,7 @@ def test_missing_certificates_and_keys_readable_by_others_are_refused(tmp_path):
 @needs_openssl
 @needs_fork
 @pytest.mark.soak
-def test_scheduler_with_documented_certificates_admits_only_clients_with_them(tmp_path):
+def test_scheduler_with_documented_certificates_admits_only_clients_with_these_certificates(tmp_path):
     files = make_certificates(tmp_path)
     with dask_scheduler(tmp_path, files) as address, dask_workers(address, tmp_path, certificates=files):
         assert address.startswith("tls://")

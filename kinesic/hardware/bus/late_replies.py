@@ -67,7 +67,7 @@ class LateReplies:
         return True
 
     def remove_earlier(self, question: Query, places: ServoSelection, answer: ServoReplies) -> ServoReplies:
-        """Accept records of an earlier query, and return the reply without them.
+        """Accept records of an earlier query, and return the reply's other records.
 
         A complete reply is returned unchanged.
         """

@@ -80,7 +80,7 @@ class Axes:
         return tuple(k for k, member in enumerate(self.manifest.members) if member.bus in self._unidentified)
 
     def accept_unidentified(self) -> None:
-        """Treat the servos behind reopened ports as those of the manifest."""
+        """Treat the servos behind reopened ports as the servos of the manifest."""
         self._unidentified.clear()
 
     def drop(self, place: int, reason: BusError) -> None:

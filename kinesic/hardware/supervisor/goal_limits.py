@@ -1,4 +1,4 @@
-"""Limits of goal positions on the host.
+"""Limits that the host applies to goal positions before sending them.
 
 Goals stay in their range, change smoothly, and stay near their servos, for any requested goals.
 """

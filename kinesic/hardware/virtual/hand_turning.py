@@ -16,7 +16,7 @@ KEY_TIMES = (0.0, 0.5, 2.0, 2.3, 4.8, 5.1, 6.6)  # [s] of zero, first rotation, 
 
 
 class HandTurnedPhysics:
-    """Physics whose servos a person turns while their torque is off.
+    """Simulated servos that a person turns by hand while torque is off.
 
     Turning needs a few seconds. Servos with torque are left alone.
     """

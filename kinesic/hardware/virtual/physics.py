@@ -13,7 +13,7 @@ DemandKind = Literal["limp", "angle", "speed", "current", "duty"]
 
 
 class Demand(NamedTuple):
-    """Motor command of a servo's electronics until the next step."""
+    """Motor command of a servo's electronics until the next time step."""
 
     kind: DemandKind
     value: float = 0.0  # by kind: [rad], [rad/s], current / stall current -1..1, or duty -1..1

@@ -103,7 +103,7 @@ def test_value_too_large_for_its_register_is_refused_before_it_is_sent(rig: Make
 
 
 @pytest.mark.parametrize("model", ["xl330_m288", "xl430_w250", "xm540_w270"])
-def test_xl330_xl430_and_xm540_servos_return_fresh_records(rig: Make, model: str):
+def test_xl330_and_xl430_and_xm540_servos_return_a_record_in_every_cycle(rig: Make, model: str):
     assert fresh_share(rig(4, model=model).run(5)) == 1.0
 
 
@@ -216,7 +216,7 @@ def test_servo_alert_is_reported_in_the_next_bus_cycle(rig: Make, count: int, er
     assert cycle.fresh.all()
 
 
-def test_rebooted_servo_returns_its_record_again(rig: Make):
+def test_reboot_of_a_servo_is_reported_and_its_records_return_within_two_cycles(rig: Make):
     made = rig(7)
     made.energise()
     made.plant.servos[2].reboot(seconds=0.13)

@@ -117,7 +117,7 @@ def test_port_closed_after_a_servo_mismatch_is_reopened_after_one_second(rig: Ma
 
 
 @pytest.mark.parametrize(("period", "end"), [(0.005, 0.00475), (0.01, 0.0095), (0.1, 0.0995)])
-def test_bus_cycle_ends_five_percent_but_at_most_half_a_millisecond_before_the_next_one(
+def test_bus_cycle_ends_five_percent_but_at_most_half_a_millisecond_before_the_next_cycle(
     rig: Make, period: float, end: float
 ):
     """The margin is a twentieth of a period below 10 ms; a cycle without queries listens to its end."""

@@ -41,7 +41,7 @@ def test_servo_record_within_the_clock_tolerance_is_not_late(gate: PlausibilityF
     assert gate.is_late(0, blocks(1016)[0], 1.02, leeway=0.0039)
 
 
-def test_servo_clock_is_ambiguous_after_half_its_period(gate: PlausibilityFilter):
+def test_age_of_a_servo_record_is_ambiguous_after_half_the_period_of_the_servo_clock(gate: PlausibilityFilter):
     assert gate.is_late(0, blocks(1010)[0], 1.0 + 16.383, leeway=0.004)
     for half_period in (16.384, 16.385):  # [s] a sum with 1.0 is exact
         assert not gate.is_late(0, blocks(1010)[0], 1.0 + half_period, leeway=0.004)

@@ -91,7 +91,7 @@ def test_reply_without_a_missed_query_is_not_attributed_to_an_earlier_cycle(wait
 
 
 @pytest.mark.parametrize(("after", "earlier"), [(-0.0005, True), (0.0, True), (0.0005, False)])
-def test_missed_reply_may_arrive_fifty_milliseconds_late(waiting: Waiting, after: float, earlier: bool):
+def test_reply_that_was_missed_may_still_arrive_fifty_milliseconds_late(waiting: Waiting, after: float, earlier: bool):
     assert waiting.admit_earlier(whole(1.001, 1.001, 1.001), waiting.miss(1.02) + after) is earlier
 
 
@@ -122,7 +122,7 @@ def test_reply_age_tolerance_is_transmission_time_plus_a_few_milliseconds(
     assert waiting.admit_earlier(whole(asked, asked, asked), asked + LEEWAY - 0.0007 + sooner) is earlier
 
 
-def test_reply_faster_than_its_transmission_belongs_to_an_earlier_query(waiting: Waiting):
+def test_reply_faster_than_its_transmission_time_belongs_to_an_earlier_query(waiting: Waiting):
     waiting.miss(1.03)
     waiting.listener.early = True
     for _ in range(5):

@@ -128,19 +128,19 @@ def test_jump_by_a_whole_turn_without_torque_is_rejected_at_first(gate: Plausibi
     assert gate.blocks["position"][1] == 2048
 
 
-def test_record_after_a_rejected_one_is_compared_with_the_last_accepted_one(gate: PlausibilityFilter):
+def test_record_after_a_rejected_record_is_compared_with_the_last_accepted_record(gate: PlausibilityFilter):
     told(gate, blocks(1010, torque=1), 1.01)
     assert told(gate, blocks(1020, position=2048 + 300, torque=1), 1.02) == [True, False]
     assert told(gate, blocks(1030, position=2048 + 60, torque=1), 1.03) == [True, True]
 
 
-def test_position_far_from_the_last_accepted_one_is_accepted_after_long_silence(gate: PlausibilityFilter):
+def test_position_far_from_the_last_accepted_position_is_accepted_after_long_silence(gate: PlausibilityFilter):
     told(gate, blocks(1010, torque=1), 1.01)
     assert told(gate, blocks(1020, position=2700, torque=1), 1.02) == [True, False]
     assert told(gate, blocks(1220, position=1500, torque=1), 1.22) == [True, True]
 
 
-def test_implausible_record_repeated_after_a_plausible_one_is_rejected_again(gate: PlausibilityFilter):
+def test_implausible_record_repeated_after_a_plausible_record_is_rejected_again(gate: PlausibilityFilter):
     assert told(gate, blocks(1010, position=3000)) == [True, False]
     assert told(gate, blocks(1020), 1.02) == [True, True]
     assert told(gate, blocks(1030, position=3000), 1.03) == [True, False]

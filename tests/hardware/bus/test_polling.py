@@ -34,7 +34,7 @@ def test_only_the_first_servo_without_a_reply_moves_to_the_end_of_the_query_orde
     assert roster.order == (0, 2, 3, 1, 4)
 
 
-def test_servo_with_five_misses_is_queried_alone():
+def test_servo_with_five_missing_replies_is_queried_alone():
     roster = PollingPlan(3)
     results = [roster.note(missing(3, 1)) for _ in range(MAX_MISSES)]
     assert results[-1] == ((1,), ())

@@ -74,7 +74,7 @@ def test_plain_query_of_one_servo_is_a_read_instruction():
     assert (asked.id, asked.instruction, asked.parameters) == (5, Instruction.READ, bytes((224, 0, 18, 0)))
 
 
-def test_fast_query_is_used_for_several_servos_if_enabled_but_not_for_one():
+def test_fast_query_is_used_for_several_servos_if_enabled_but_not_for_a_single_servo():
     servos, addresses = (1, 2), (224, 208)
     assert make_query(servos, addresses, fast=True).data == FastQuery(servos, addresses).data
     assert make_query(servos, addresses, fast=False).data == PlainQuery(servos, addresses).data

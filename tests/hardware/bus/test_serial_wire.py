@@ -134,7 +134,7 @@ def fill(wire: SerialWire) -> None:
         wire.write(b"old" * 100)
 
 
-def test_serial_port_is_lost_if_its_written_bytes_are_never_read(
+def test_serial_port_counts_as_lost_if_bytes_written_to_it_are_never_read(
     ends: tuple[int, Path], monkeypatch: pytest.MonkeyPatch
 ):
     flushed: list[int] = []
@@ -150,7 +150,7 @@ def test_serial_port_is_lost_if_its_written_bytes_are_never_read(
     wire.close()
 
 
-def test_bus_is_lost_if_its_written_bytes_are_never_read(ends: tuple[int, Path]):
+def test_bus_counts_as_lost_if_bytes_written_to_its_port_are_never_read(ends: tuple[int, Path]):
     wire = SerialWire(ends[1], 1_000_000)
     bus = Bus(wire, SERVOS, period=0.002)
     cycles: list[Cycle] = []

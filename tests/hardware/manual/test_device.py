@@ -105,7 +105,7 @@ def test_sync_and_bulk_instructions_address_several_servos(bench: Make):
     assert [said.parameters for said in answer] == [b"\0\1", b"\0" + words(2000)]
 
 
-def test_reference_servos_listed_after_a_silent_one_do_not_reply_to_a_sync_read(bench: Make):
+def test_reference_servos_listed_after_a_silent_servo_do_not_reply_to_a_sync_read(bench: Make):
     made = bench(1, 2, 3)
     made.devices[1].mute = True
     assert [said.servo for said in made.ask(p.BROADCAST, p.SYNC_READ, words(116, 4) + b"\1\2\3")] == [1]
@@ -227,7 +227,7 @@ def test_factory_reset_and_backup_restore_registers(bench: Make):
     assert made.device.baud == 57_600
 
 
-def test_clear_resets_the_turn_count_of_a_resting_servo(bench: Make):
+def test_clear_instruction_resets_the_turn_count_of_a_resting_servo(bench: Make):
     made = bench()
     made.write("operating_mode", 4)
     made.device.shaft.angle += 4 * pi

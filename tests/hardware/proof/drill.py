@@ -95,7 +95,7 @@ class Drill(Desk):
             assert not self.supervisor.done, self.kinds()[-12:]
 
     def suffer(self, strike: Strike, *, after: float = AFTER) -> None:
-        """Apply a fault, and observe for some seconds after its end."""
+        """Apply a fault, and observe the robot until some seconds afterwards."""
         self.observer.watching = True
         strike.begin(self)
         self.run(strike.seconds + after)
@@ -118,7 +118,7 @@ def _arms(plant: Plant, manifest: Manifest) -> tuple[Arm, ...]:
 
 
 def drill(servos: str, folder: Path) -> Drill:
-    """Make a drill on one of the two kinds of virtual servos."""
+    """Create the observed robot on one of two kinds of virtual servos."""
     robot = Robot.load(Path(__file__).with_name("arms.toml"))
     return Drill(Manifest.of(robot), describe_cables(robot), folder / "events.jsonl", settings=SETTINGS, servos=servos)
 

@@ -68,7 +68,7 @@ class SpyWire:
 
 @dataclass(frozen=True)
 class Moment:
-    """Actual state at one time."""
+    """Actual state of the servos at one time."""
 
     time: float  # [s]
     torque: Flags

@@ -37,7 +37,10 @@ MODEL = "xm430_w350"
 
 @pytest.fixture(params=["kinesic", pytest.param("manual", marks=pytest.mark.soak)])
 def servos(request: pytest.FixtureRequest) -> str:
-    """Name the implementation of virtual servos; each run tests the independent ones in tests/hardware/proof."""
+    """Return the name of the implementation of virtual servos.
+
+    Every run tests the independent servos in tests/hardware/proof.
+    """
     return str(request.param)
 
 
@@ -115,7 +118,7 @@ class Desk:
         self.pass_time(0.0)
 
     def _look_at_torque(self, before: Ticks, after: Ticks) -> None:
-        """Record servos that get torque away from their goals, and raised ones that lose it.
+        """Record servos energised away from their goals or released while raised.
 
         Unless he has failed, reboots, or a person wanted it.
         """
@@ -200,7 +203,7 @@ class Desk:
 
 @pytest.fixture
 def desk(robot: Robot, tmp_path: Path, servos: str) -> Iterator[Callable[..., Desk]]:
-    """Return a function that makes a desk for the small robot before the supervisor starts."""
+    """Return a function that creates an unstarted supervisor of the small robot."""
     desks: list[Desk] = []
 
     def made(faults: FaultPlan = NO_FAULTS, settings: SupervisorSettings = BRISK) -> Desk:
@@ -217,7 +220,7 @@ def desk(robot: Robot, tmp_path: Path, servos: str) -> Iterator[Callable[..., De
 
 @pytest.fixture
 def crowd(tmp_path: Path, servos: str) -> Iterator[Callable[..., Desk]]:
-    """Make a desk for some servos on one wire, one per hinge."""
+    """Create a supervisor of several servos on one wire, one per hinge."""
     desks: list[Desk] = []
 
     def made(

@@ -1,4 +1,4 @@
-"""Servos whose supervisor process is played."""
+"""Servos whose supervisor process is simulated by the test."""
 
 import os
 from collections.abc import Callable
@@ -20,7 +20,7 @@ PORTS = {"left": "/dev/left", "right": Path("/dev/right")}
 
 
 class PlayedSupervisor:
-    """Process that answers in the channel whenever the test, or a sleep of the planner, lets it."""
+    """Simulated process that answers in the channel when the test permits."""
 
     def __init__(self, arguments: list[str], *, stdin: int, pass_fds: tuple[int, ...], start_new_session: bool) -> None:
         self.arguments, self.session, self.pid = arguments, start_new_session, 4711
@@ -56,7 +56,7 @@ def standing() -> dict[str, object]:
 
 
 class Rig:
-    """Servos with their played supervisor."""
+    """Servos with their simulated supervisor."""
 
     def __init__(self, robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
         self.robot = robot

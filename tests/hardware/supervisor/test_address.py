@@ -133,7 +133,7 @@ def test_supervisor_is_found_through_a_relative_port_path(held: Held, monkeypatc
     assert find_supervisor("ttyUSB0", JOINTS) is not None
 
 
-def test_new_supervisor_replaces_the_address_file_of_a_dead_one(held: Held):
+def test_new_supervisor_replaces_the_address_file_of_a_dead_supervisor(held: Held):
     publish([held.port], held.memory, JOINTS)
     held.file.write_text("1 1 3")
     held.file.with_name(f"{held.file.name}.{os.getpid()}").write_text("a draft that was left")

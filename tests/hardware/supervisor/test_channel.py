@@ -80,7 +80,7 @@ def test_supervisor_channel_returns_the_latest_status(ends):
     assert status.time_at(7.2) == pytest.approx(3.1)
 
 
-def test_history_returns_every_cycle_once_or_the_latest_ones(ends):
+def test_status_history_returns_each_status_once_and_drops_the_oldest_if_its_buffer_is_full(ends):
     planner, supervisor = ends
     vectors = {name: np.zeros(3) for name in ("angles", "setpoints", "taken")}
     for k in range(STATUS_CAPACITY + 10):

@@ -1,4 +1,4 @@
-"""Servos whose supervisor process is played: commands, requests and the reasons of an end."""
+"""Servos with a simulated supervisor: commands, requests and reasons of an end."""
 
 import os
 import signal

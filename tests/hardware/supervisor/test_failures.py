@@ -178,14 +178,14 @@ def test_commands_in_time_do_not_count_as_interruption(clock: Clock):
     assert not clock.cycle(2.0).interrupted
 
 
-def test_resume_request_before_new_commands_clears_the_interruption(clock: Clock):
+def test_resume_request_sent_earlier_than_new_commands_clears_the_interruption(clock: Clock):
     assert clock.take(2.0, Stage.HOLD, before=False).interrupted
     clock.watch.note_resume()
     assert not clock.watch.interrupted
     assert not clock.take(2.0, Stage.HOLD, before=True).interrupted
 
 
-def test_slow_start_of_new_performance_is_no_interruption(clock: Clock):
+def test_slow_start_of_a_new_performance_does_not_count_as_interruption(clock: Clock):
     clock.take(9.0, Stage.HOLD, before=False, left=False)
     assert not clock.take(9.0, Stage.HOLD, before=False, fresh=True).interrupted
     assert not clock.take(9.0, Stage.HOLD, before=True).interrupted

@@ -53,7 +53,7 @@ HALF_A_TURN = 2048
 
 
 def run(steering: GoalSteering, present: np.ndarray | None = None, *, cycles: int) -> np.ndarray:
-    """Return the servos whose goals were limited in a cycle; servos are at their goals by default."""
+    """Run some cycles, and return which servos had limited goals."""
     refused = np.zeros(len(steering.goals), dtype=bool)
     for _ in range(cycles):
         refused |= steering.move(
@@ -129,7 +129,7 @@ def test_goal_stops_at_twice_the_full_power_error_from_a_blocked_servo(steering,
 
 
 @pytest.mark.parametrize("way", [-1.0, 1.0])
-def test_setpoints_beyond_the_range_are_clipped_to_its_end_and_reported(steering, manifest, way):
+def test_setpoints_beyond_a_joint_range_are_clipped_to_the_range_end_and_reported(steering, manifest, way):
     lower, upper = manifest.spans
     wanted = way * np.array([0.0, 9.0, 0.0, 0.0])
     assert steering.player.take(0.0, wanted)

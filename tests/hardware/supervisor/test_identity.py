@@ -36,7 +36,7 @@ class Bench:
         return snapshot
 
     def identify(self) -> tuple[int, str]:
-        """Return the cycles needed, and why the port is given up (empty if it is not)."""
+        """Return the cycles needed, and the reason to close the port or ""."""
         procedure, cycles = identify(self.axes, self.tables, watchdog=WATCHDOG), 0
         try:
             for _ in procedure:

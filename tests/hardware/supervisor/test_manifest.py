@@ -38,7 +38,7 @@ def test_joint_angle_needs_the_position_of_at_least_one_tandem_servo(robot: Robo
     assert np.isnan(manifest.angles(ticks)).tolist() == [False, True, False, False]
 
 
-def test_joint_means_of_complete_values_equal_those_that_skip_nan(robot: Robot):
+def test_joint_means_of_values_without_nan_are_the_same_with_and_without_the_search_for_nan(robot: Robot):
     manifest, values = Manifest.of(robot), np.array([3.0, 5.0, -1.0, 0.25, 7.0])
     np.testing.assert_allclose(manifest.means(values, whole=True), manifest.means(values), rtol=1e-12)
 
@@ -50,7 +50,7 @@ def test_joint_without_a_servo_has_no_angle(robot: Robot):
         assert np.isnan(manifest.angles(np.full(4, 2048.0), whole=is_whole)).tolist() == [False, False, False, True]
 
 
-def test_joints_away_from_rest_and_silent_ones_are_described(robot: Robot):
+def test_joints_away_from_rest_and_joints_of_silent_servos_are_described(robot: Robot):
     manifest = Manifest.of(robot)
     rest = np.degrees(manifest.rest).round()
     offsets = np.radians([4.9, 30.0, -30.0, np.nan])

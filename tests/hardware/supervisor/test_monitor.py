@@ -113,7 +113,7 @@ def test_load_ratings_come_from_the_servo_registers(manifest):
     assert ratings.full.tolist() == manifest.full.tolist()
 
 
-def test_monitor_has_nan_positions_before_the_first_cycle(room):
+def test_monitor_has_nan_positions_until_the_first_bus_cycle(room):
     monitor = room.monitor
     assert np.isnan(monitor.present).all()
     assert not monitor.raised.any()
@@ -134,7 +134,7 @@ def test_healthy_servos_report_no_trouble(room):
     assert not monitor.raised.any()
 
 
-def test_silent_servo_is_named_and_has_a_nan_position(room):
+def test_silent_servo_is_named_in_the_trouble_and_has_a_nan_position(room):
     room.look(3)
     room.recent[3] = False
     monitor = room.look()

@@ -88,7 +88,7 @@ def test_servo_with_torque_is_refused_if_a_vital_register_is_wrong(manifest, reg
     assert find_refusals(table(member, TORQUE_ENABLE=0, **{register: 1})) == ()
 
 
-def test_required_limits_only_narrow_the_present_ones(manifest):
+def test_required_limits_of_a_servo_only_narrow_its_present_limits(manifest):
     member, limits = manifest.members[XM430], ("MIN_VOLTAGE_LIMIT", "MAX_VOLTAGE_LIMIT", "TEMPERATURE_LIMIT")
     lower, upper = member.span
     for present, required in (((90, 170, 90), (95, 160, 80)), ((100, 150, 70), (100, 150, 70))):

@@ -1,4 +1,4 @@
-"""Entry point of the supervisor process, with a played supervisor."""
+"""Entry point of the supervisor process, with a simulated supervisor."""
 
 import os
 import sys
@@ -51,7 +51,7 @@ class PlayedSupervisor:
 
 
 class Host:
-    """Process with a played supervisor, host and published files."""
+    """Process with a simulated supervisor, host and published files."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, folder: Path) -> None:
         self.folder = folder

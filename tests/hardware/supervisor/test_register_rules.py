@@ -124,7 +124,7 @@ def pair(tmp_path: Path) -> Iterator[Desk]:
 
 
 def leave(desk: Desk, register: Register, value: int) -> None:
-    """Set a register of the first servo, as an earlier owner may have left it."""
+    """Set a register of the first servo, as an earlier owner might."""
     servo = desk.plant.servos[0]
     servo.memory[register] = value
     servo.electronics.changed()
@@ -207,7 +207,7 @@ def test_register_tests_cover_every_register_that_can_be_wrong():
 
 
 @pytest.mark.parametrize(("hostile", "value"), ALL_WRONG, ids=str)
-def test_wrong_register_value_is_corrected_before_torque(tmp_path: Path, hostile: tuple[Register, int], value: int):
+def test_wrong_register_value_is_corrected_before_torque_on(tmp_path: Path, hostile: tuple[Register, int], value: int):
     made = two_servos(tmp_path, model_with(hostile[0]))
     leave(made, *hostile)
     made.open()

@@ -11,7 +11,7 @@ from kinesic.hardware.supervisor.requests import Requests
 
 
 class Asked:
-    """Requests of a planner that lives until a test ends it."""
+    """Requests of a planner that lives until the test ends the planner."""
 
     def __init__(self) -> None:
         self.alive = True
@@ -28,7 +28,7 @@ def asked() -> Asked:
     return Asked()
 
 
-def test_no_request_is_reported_before_the_planner_makes_one(asked: Asked):
+def test_no_request_is_reported_until_the_planner_makes_a_request(asked: Asked):
     requests = asked.requests
     for _ in range(2):
         assert (requests.alone, requests.ended, requests.release, requests.confirmed) == (False,) * 4
@@ -36,7 +36,7 @@ def test_no_request_is_reported_before_the_planner_makes_one(asked: Asked):
         requests.look()
 
 
-def test_end_and_death_of_the_planner_are_reported_only_after_it_is_polled(asked: Asked):
+def test_end_and_death_of_the_planner_are_reported_only_after_the_planner_is_polled(asked: Asked):
     asked.alive = False
     asked.channel.set("ended", 1)
     assert not asked.requests.alone, "nobody has looked yet"
@@ -101,7 +101,7 @@ def test_confirmation_request_is_reported_as_confirmed(asked: Asked):
     assert asked.requests.confirmed
 
 
-def test_stop_request_selects_its_policy_and_the_default_applies_without_one(asked: Asked):
+def test_stop_request_selects_its_policy_and_the_default_policy_applies_without_a_stop_request(asked: Asked):
     assert [asked.requests.policy("hold"), asked.requests.policy("limp")] == ["hold", "limp"]
     asked.channel.set("estop", 1)
     assert asked.requests.policy("limp") == "hold"

@@ -66,7 +66,7 @@ def test_servo_that_has_lost_its_torque_is_armed_again():
     assert (state.stage, actions) == (Stage.ARM, ("arm",))
 
 
-def test_failed_servo_degrades_the_performance_which_then_folds_and_releases():
+def test_failed_servo_slows_the_performance_to_a_stop_then_the_robot_folds_and_releases_torque():
     state, _ = step(at(Stage.ACTIVE), "failed", replace(CALM, due=True))
     assert state.faulty
     assert state.stage is Stage.DEGRADED
@@ -84,7 +84,7 @@ def test_robot_folds_with_torque_after_a_long_hold():
     assert step(state, "tick", replace(CALM, idle=True, due=True))[0].stage is Stage.APPROACH
 
 
-def test_servos_of_a_reopened_port_are_adopted_and_a_lost_port_is_given_up():
+def test_servos_of_a_reopened_port_are_adopted_and_a_port_lost_for_too_long_is_given_up():
     state, actions = step(at(Stage.ACTIVE), "lost", CALM)
     assert (state.stage, actions) == (Stage.LOST, ("slow",))
     assert step(state, "back", CALM)[1] == ("identify",)

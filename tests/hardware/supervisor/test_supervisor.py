@@ -201,7 +201,7 @@ def test_random_commands_give_goals_in_range_without_jumps(desk: Make):
     assert not made.true(TORQUE).any()
 
 
-def test_robot_without_commands_holds_then_folds_and_restarts_with_new_ones(desk: Make):
+def test_robot_without_commands_holds_then_folds_and_restarts_with_new_commands(desk: Make):
     made = desk(settings=SupervisorSettings(patience=1.0))
     made.open()
     for k in range(120):

@@ -68,7 +68,7 @@ def test_gains_and_profile_are_written_with_the_first_goals(bench: Bench):
         assert bench.true(register) == [member.ram_values[register] for member in members]
 
 
-def test_lost_gains_and_profile_are_rewritten_before_torque(bench: Bench):
+def test_gains_and_profile_lost_on_the_bus_are_rewritten_before_torque_is_switched_on(bench: Bench):
     members = bench.axes.manifest.members
     procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
 

@@ -22,7 +22,7 @@ def test_diagnosis_finds_no_problem_with_healthy_servos(bench):
     assert findings[-1].text == "23 of 23 are ready"
 
 
-def test_each_faulty_servo_has_a_line_and_healthy_ones_are_counted(bench):
+def test_diagnosis_has_a_line_for_each_faulty_servo_and_the_number_of_healthy_servos(bench):
     table = bench(FaultPlan((PlannedFault("silent", (7,)),)))
     table.set(4, Register.MODEL_NUMBER, 1060)
     table.set(6, Register.FIRMWARE_VERSION, 37)

@@ -64,7 +64,7 @@ def test_survey_reads_all_servos_at_rest(bench):
     assert {change.register for change in elbow.differs} == {Register.MIN_POSITION_LIMIT, Register.MAX_POSITION_LIMIT}
 
 
-def test_survey_reports_faulty_servos_and_reads_the_others(bench):
+def test_survey_reports_faulty_servos_and_reads_all_other_servos(bench):
     table = bench(FaultPlan((PlannedFault("silent", (7,)), PlannedFault("alert", (5,), start=0.001))))
     table.set(4, Register.MODEL_NUMBER, 1060)
     table.set(6, Register.RETURN_DELAY_TIME, 250)

@@ -123,7 +123,7 @@ def test_replies_of_two_servos_with_one_id_collide():
     assert len(strangers.ask(packet.ping(1))) == 1
 
 
-def test_servo_with_wrong_model_number_is_simulated():
+def test_planned_wrong_model_fault_changes_the_reported_model_number():
     line = troubled(PlannedFault("wrong_model", servos=(3,), value=1020 + 100))
     assert [status.data[:2] for status in line.ask(packet.ping(BROADCAST_ID))][2] == (1120).to_bytes(2, "little")
 

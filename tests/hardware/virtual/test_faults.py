@@ -92,7 +92,7 @@ def test_fault_of_several_servos_damages_the_reply_of_one_of_them_at_a_time():
     assert places == {1, 2}
 
 
-def test_fast_reply_ends_at_a_lost_servo_block():
+def test_fast_reply_ends_where_the_block_of_a_servo_is_lost():
     weather = WireFaults(FaultPlan((PlannedFault("lost", servos=(2,)),)))
     chain = [Sent(servo, DATA, chained=True) for servo in (1, 2, 3)]
     assert len(weather.replies(chain, 0.0)) == 1

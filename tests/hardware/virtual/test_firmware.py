@@ -82,7 +82,7 @@ def test_error_outside_the_shutdown_mask_only_sets_the_alert_bit(line: Lines):
     assert small.get(Register.TORQUE_ENABLE) == 0, "this family shuts down for its voltage too"
 
 
-def test_jammed_shaft_causes_an_overload_after_the_overload_time(line: Lines):
+def test_jammed_shaft_causes_an_overload_error_after_the_overload_time(line: Lines):
     one = line()
     one.set(Register.TORQUE_ENABLE, 1)
     one.plant.physics.jammed[0] = True

@@ -91,7 +91,7 @@ def test_torque_on_discards_whole_turns_in_position_mode_but_not_in_extended_mod
     assert other.set(Register.GOAL_POSITION, 1_048_576) == Fault.RANGE
 
 
-def test_clear_resets_the_turn_count_only_at_standstill(line: Lines):
+def test_clear_instruction_resets_the_turn_count_only_at_standstill(line: Lines):
     one = line()
     one.set(Register.OPERATING_MODE, Mode.EXTENDED_POSITION.value)
     one.set(Register.TORQUE_ENABLE, 1)
@@ -127,7 +127,7 @@ def test_reverse_mode_inverts_rotation_but_not_the_offset(line: Lines):
     assert one.servo.electronics.shaft.angle == pytest.approx(900 * Register.PRESENT_POSITION.field.scale, abs=1e-3)
 
 
-def test_outdated_goal_causes_a_jump_at_torque_on_unless_the_firmware_resets_it(line: Lines):
+def test_outdated_goal_causes_a_jump_at_torque_on_unless_the_firmware_resets_the_goal(line: Lines):
     for latches, ended in ((False, 1000), (True, 2048)):
         one = line(latches_goal=latches)
         one.set(Register.GOAL_POSITION, 1000)
@@ -213,7 +213,7 @@ def test_new_goal_reverses_a_moving_profile_without_a_velocity_jump(line: Lines)
     assert places[-1] == 2048
 
 
-def test_servo_in_velocity_mode_ramps_to_its_goal_velocity(line: Lines):
+def test_servo_in_velocity_mode_accelerates_evenly_to_its_goal_velocity(line: Lines):
     one = line()
     one.set(Register.OPERATING_MODE, Mode.VELOCITY.value)
     one.set(Register.TORQUE_ENABLE, 1)

@@ -115,7 +115,7 @@ def test_every_gesture_uses_allowed_hands_or_is_reported_dropped(row, busy_hands
 
 
 @given(rows, st.integers(0, 3))
-def test_most_important_gesture_is_kept_and_dropped_ones_leave_hand_keys_unchanged(row, place):
+def test_most_important_gesture_is_kept_and_dropped_gestures_leave_hand_keys_unchanged(row, place):
     strokes = made(row, either=False)
     first = place % len(strokes)
     strokes = [replace(one, importance=int(k == first)) for k, one in enumerate(strokes)]

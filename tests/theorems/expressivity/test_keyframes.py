@@ -174,7 +174,7 @@ def test_key_frames_are_deterministic(timeline, style):
 
 @examples(60)
 @given(st.sampled_from([form for form in BUILTIN_LEXICON.forms if len(form.sides) == 1]), manners)
-def test_left_handed_poses_mirror_right_handed(form, manner):
+def test_left_handed_poses_mirror_right_handed_poses(form, manner):
     flip = np.array([1.0, -1.0, 1.0])
     left = poses(in_mode(form, "left"), ROBOT, manner).hands["l"]
     right = poses(in_mode(form, "right"), ROBOT, manner).hands["r"]

@@ -30,7 +30,7 @@ PLANNED_FAULTS = st.lists(
 
 
 def opened(count: int, faults: FaultPlan) -> tuple[Bus, MemoryWire, ShaftSimulation]:
-    """Return a bus with servos in record mode, and its simulated port."""
+    """Return a bus with prepared servos, and the bus's simulated port."""
     plant, buses = build_bus([Cable("body", tuple(ServoFitting(k + 1) for k in range(count)), faults=faults)])
     for servo in plant.servos:
         servo.memory.put(SERVO_MODEL.cells[0].addresses, CELL_CONTENTS)

@@ -58,7 +58,7 @@ def test_later_of_two_gazes_sent_at_the_same_time_is_held(first: str, second: st
 @settings(max_examples=8, deadline=None)
 @given(st.floats(3.0, 6.0), PAUSE_TIMES, st.sampled_from(GAZE_BLOCKS[:2]))
 @example(3.616, 1.496, GAZE_BLOCKS[1])  # the times of both gazes differ by rounding
-def test_later_of_two_gazes_sent_during_a_held_one_is_held(first_pause: float, pause: float, last: str) -> None:
+def test_later_of_two_gazes_sent_while_a_gaze_is_held_is_held(first_pause: float, pause: float, last: str) -> None:
     chain = Chain(ahead=0.13).wait(3.0).send(GAZE_BLOCKS[6])
     chain.wait(first_pause).wait(pause).send(GAZE_BLOCKS[0]).wait(6e-8).send(f'<wait id="w" duration="6"/>{last}')
     chain.finish()
@@ -73,7 +73,7 @@ def test_style_change_before_the_first_motion_of_a_block_keeps_its_held_posture(
 
 @pytest.mark.soak
 @pytest.mark.parametrize("seed", range(4))
-def test_final_posture_of_200_chained_blocks_equals_that_of_the_last_held_ones(seed: int) -> None:
+def test_final_posture_of_200_chained_blocks_combines_the_last_held_gaze_and_posture(seed: int) -> None:
     chance, chain = random.Random(seed), Chain(ahead=0.13 * (seed % 2))
     for _ in range(200):
         chain.wait(chance.choice((chance.uniform(0.0, 0.6), chance.uniform(0.0, 4.0))))

@@ -39,7 +39,7 @@ def motion(planned):
 
 @settings(max_examples=15, deadline=None)
 @given(st.sampled_from(ONE_HANDED_FORMS))
-def test_left_handed_gesture_mirrors_the_right_handed(form):
+def test_left_handed_gesture_mirrors_the_right_handed_gesture(form):
     left, right = motion(plan_gesture(form, PLAN_SETUP, "left")), motion(plan_gesture(form, PLAN_SETUP, "right"))
     assert left == pytest.approx(mirrored(right), abs=MIRROR_TOLERANCE)
 

@@ -69,7 +69,7 @@ def lateness(history: Iterable[Status], start: float, end: float) -> float:
 
 
 class Table:
-    """Virtual servos in a separate process, reused while they are in order."""
+    """Virtual servos in a separate process, reused by later tests while intact."""
 
     def __init__(self, robot: Robot, folder: Path) -> None:
         self.folder, self.in_order = folder, True
@@ -239,7 +239,7 @@ class Rig:
 
 @pytest.fixture(scope="session")
 def tables(robot: Robot, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Callable[[], Table]]:
-    """Return the previous test's table if it is in order, or a new one."""
+    """Return the previous test's virtual servos if intact, or new servos."""
     made: list[Table] = []
 
     def table() -> Table:

@@ -19,7 +19,7 @@ PATIENCE = 60.0  # [s] longest wait for any event on a loaded machine
 WATCHDOG, COUNT = 0.2, 0.02  # [s] of the watchdogs where this machine is punctual; of one of their counts
 
 
-def test_killed_supervisor_leaves_servos_stopped_with_torque_and_the_next_one_adopts_them(rig):
+def test_killed_supervisor_leaves_servos_stopped_with_torque_and_the_next_supervisor_adopts_them(rig):
     servos = rig.opened()
     rig.write(servos, 20.0)
     rig.freeze(servos)
@@ -50,7 +50,7 @@ def test_killed_supervisor_leaves_servos_stopped_with_torque_and_the_next_one_ad
 @pytest.mark.parametrize(
     "handed_over", [pytest.param((), id="0.7 s"), pytest.param(("60",), id="all", marks=pytest.mark.soak)]
 )
-def test_robot_holds_folds_and_releases_after_its_planner_is_killed(rig, handed_over: tuple[str, ...]):
+def test_robot_holds_then_folds_and_switches_torque_off_after_its_planner_is_killed(rig, handed_over: tuple[str, ...]):
     planner, supervisor = rig.planner(*handed_over), rig.supervisor()
     rig.wait(rig.raised)
     killed = rig.kill(planner.pid)

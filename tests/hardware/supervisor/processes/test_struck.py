@@ -110,7 +110,7 @@ def test_limb_that_cannot_fold_is_held_until_confirmation(rig):
     assert not rig.record().torque[-1].any()
 
 
-def test_emergency_stop_holds_until_it_is_released(rig):
+def test_robot_in_an_emergency_stop_holds_with_torque_until_a_release_switches_torque_off(rig):
     servos = rig.opened()
     rig.write(servos, 20.0)
     rig.moving(servos)

@@ -17,7 +17,7 @@ PERIOD = 0.01
 TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG
 
 
-def test_robot_holds_within_100_ms_of_the_death_of_its_planner_then_folds_and_releases(desk: Make):
+def test_robot_holds_within_100_ms_of_the_death_of_its_planner_then_folds_and_switches_torque_off(desk: Make):
     made = desk().active()
     made.alive = False
     made.run(0.1)
@@ -199,7 +199,7 @@ def test_servos_stopped_by_their_watchdog_are_adopted_and_continue(desk: Make):
     assert not made.jumps or max(made.jumps) <= 2
 
 
-def test_supervisor_that_is_killed_leaves_servos_stopped_and_the_next_adopts_them(desk: Make):
+def test_supervisor_that_is_killed_leaves_servos_stopped_and_the_next_supervisor_adopts_them(desk: Make):
     made = desk().active(4.0)
     made.pass_time(0.12)
     here = made.present_position

@@ -13,7 +13,7 @@ WATCHDOG = Register.BUS_WATCHDOG
 
 
 @pytest.mark.parametrize(("late", "counts", "scale"), [(0.03, 10, 1.0), (0.06, 20, 0.5)])
-def test_late_cycles_lengthen_watchdogs_and_very_late_ones_also_slow_the_performance(
+def test_late_cycles_lengthen_watchdogs_and_very_late_cycles_also_slow_the_performance(
     desk: Make, late: float, counts: int, scale: float
 ):
     made = desk().active(20.0)
@@ -41,7 +41,7 @@ def test_watchdogs_return_to_their_normal_duration_after_punctual_cycles(desk: M
     assert made.stage is Stage.ACTIVE
 
 
-def test_lost_watchdog_write_is_repeated(desk: Make):
+def test_deviating_watchdog_time_of_a_servo_is_corrected(desk: Make):
     made = desk().active(20.0)
     made.plant.servos[1].memory[WATCHDOG] = 100
     made.run(0.05)

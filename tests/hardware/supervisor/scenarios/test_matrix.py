@@ -110,7 +110,7 @@ def test_servos_are_adopted_after_every_port_outage(crowd: Make, count: int):
 
 
 @pytest.mark.parametrize("count", [3, pytest.param(20, marks=pytest.mark.soak)])
-def test_supervisor_started_after_a_killed_one_continues_with_torque_and_ends_normally(crowd: Make, count: int):
+def test_supervisor_started_after_a_killed_supervisor_continues_with_torque_and_ends_normally(crowd: Make, count: int):
     desk = crowd(FEW)
     for _ in range(count):
         desk.open()
