@@ -46,7 +46,7 @@ class DirectLine(Generic[C, T]):
         self._thread = ThreadPoolExecutor(1, thread_name_prefix=name)
         self._changing = Lock()  # held briefly while the next request is joined or started
         self._next: Future[T] | None = None  # request that has not started
-        self._earliest = 0.0  # [s] monotonic clock time at which it may start
+        self._earliest = 0.0  # [s] monotonic clock time at which the next request may start
 
     async def request(self) -> T:
         """Return the result of the next request, shared by all waiting callers.

@@ -50,15 +50,15 @@ class DocumentLine:
         """
         self._client = connect()
         self._sender = ThreadPoolExecutor(1, thread_name_prefix="documents")
-        self._count = 0  # number of questions sent
-        self._answers: dict[int, Future[RobotAnswer]] = {}  # by question number
-        self._verdict: _Verdict | None = None  # of the last document
+        self._count = 0  # number of queries sent
+        self._answers: dict[int, Future[RobotAnswer]] = {}  # pending answers by number of the query
+        self._verdict: _Verdict | None = None  # pending answer to the last document
         self._playing = set[str]()  # blocks of this connection that have not ended
         self._phrase: Future[str] | None = None  # block of the first phrase of a streamed text, once it is spoken
         self._is_talking = False  # whether streamed text waits or is being spoken
         self._gone: RobotError | None = None  # set when the server has closed the connection
         self._warnings = deque[str](maxlen=MAX_KEPT_WARNINGS)
-        self._outcomes: dict[str, str] = {}  # of ended blocks, the latest last
+        self._outcomes: dict[str, str] = {}  # outcomes of ended blocks by id, the latest last
         Thread(target=self._read, daemon=True, name="feedback").start()
 
     @property

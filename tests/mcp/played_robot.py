@@ -20,7 +20,7 @@ class Robot:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.calls: list[object] = []
-        self.fault: Exception | None = None  # of the line and the performer
+        self.fault: Exception | None = None  # error that the line and the performer raise
         self.answer: dict[str, object] = {"block": "ä"}
         self.talking = False
         documents = SimpleNamespace(

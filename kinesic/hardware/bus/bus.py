@@ -72,7 +72,7 @@ class Bus:
         self._queue: deque[bytes] = deque()
         self._events: list[Event] = []
         self._reported, self._signature = self._accepted.blocks, self._accepted.signature
-        self._rebooted: set[int] = set()  # indices of rebooted servos whose cells are unconfirmed
+        self._rebooted: set[int] = set()  # indices of rebooted servos whose indirect addresses are not confirmed yet
         self._lost = False
         self._looked = -REOPEN_INTERVAL
         self._begun = self._sent_at = 0.0  # [s] start of this cycle and its query

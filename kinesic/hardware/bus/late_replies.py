@@ -30,7 +30,7 @@ class LateReplies:
         self._unfinished: _Unfinished | None = None
         self._alone: _Unfinished | None = None  # query of a single servo
         self._set_aside = False  # whether this cycle brought a seemingly earlier reply
-        self._stale_cycles = 0  # consecutive cycles without another reply, see MAX_STALE_CYCLES
+        self._stale_cycles = 0  # number of consecutive cycles with only late records, see MAX_STALE_CYCLES
 
     @property
     def needs_trial(self) -> bool:

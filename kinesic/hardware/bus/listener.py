@@ -81,12 +81,12 @@ class Listener:
         self._burst = TimeoutEstimate(USB_BURST_SIZE * BITS_PER_BYTE / wire.baud, fall=TIMEOUT_TUNING.max_burst_fall)
         self.received = b""  # all bytes since `forget`
         self._byte = BITS_PER_BYTE / wire.baud
-        self.sent_at = 0.0  # [s] when the last byte of the last packet is out
+        self.sent_at = 0.0  # [s] time at which the last byte of the last packet is transmitted
         self._alert_replies = 0
         self.before = self._rest = b""  # bytes before and after the last complete reply
         self.mute = False  # whether the last query got no reply
         self.early = False  # whether the last complete reply came sooner than its transmission time allows
-        self.replies_late = False  # whether the last missing reply came later
+        self.replies_late = False  # whether the reply that was missed last arrived later
 
     def wire_time(self, octets: int) -> float:
         """Return the transmission time [s] of `octets` bytes."""

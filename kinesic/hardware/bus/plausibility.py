@@ -57,7 +57,7 @@ class PlausibilityFilter:
         self.signature = signature(self.blocks)
         self.times: Floats = np.full(count, -inf)
         self.fresh: Flags = np.zeros(count, dtype=np.bool_)
-        self.late: Flags = self.fresh  # (n,) record of an earlier cycle arrived in this one
+        self.late: Flags = self.fresh  # (n,) whether a record of an earlier cycle arrived in this cycle
         self.unmapped: set[int] = set()  # indices of servos whose cells must be restored
         self.doubted: set[int] = set()  # indices of servos with a new doubt in this cycle
         self.impossible: dict[int, str] = {}  # index -> impossible value that began in this cycle

@@ -21,7 +21,7 @@ class PollingPlan:
         self.silent: Flags = np.zeros(count, dtype=np.bool_)
         self.order: tuple[int, ...] = tuple(range(count))
         self._misses = [0] * count
-        self._requested = [0.0] * count  # [s] last query of each silent servo
+        self._requested = [0.0] * count  # [s] time of the last query of each silent servo
 
     @property
     def is_natural(self) -> bool:

@@ -60,7 +60,7 @@ class Axes:
         self._quick_access = {name: ServoAccess(bus.wire, tries=1) for name, bus in self.buses.items()}
         places = {name: [k for k, m in enumerate(manifest.members) if m.bus == name] for name in manifest.bauds}
         self._parts = {name: slice(indices[0], indices[-1] + 1) for name, indices in places.items()}
-        self._unidentified: set[str] = set()  # buses whose port was lost, perhaps with other servos now
+        self._unidentified: set[str] = set()  # buses whose port was lost and may now lead to other servos
         first = next(iter(self.buses.values()))
         self._wire, self._period = first.wire, first.period
 

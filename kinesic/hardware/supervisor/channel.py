@@ -107,7 +107,7 @@ class Channel:
         start += self._events.nbytes
         self._ring: Rows = np.frombuffer(memory, self._commands, capacity, start)
         self._telemetry: Rows = np.frombuffer(memory, _TELEMETRY_DTYPE, TELEMETRY_CAPACITY, start + self._ring.nbytes)
-        self._taken = self._noted = self._seen = 0  # numbers of rows that this side has read
+        self._taken = self._noted = self._seen = 0  # counts of rows that this side has read
 
     def word(self, name: str) -> int:
         """Read a counter or request word of the shared memory."""

@@ -24,7 +24,7 @@ class GoalSteering:
             2 * manifest.velocities
         )  # (m,) [s^2/tick] profile lag per squared velocity, see `ticks`
         self._course: GoalCourse | None = None
-        self._target: Floats = np.zeros(len(manifest.members))  # (m,) [ticks]
+        self._target: Floats = np.zeros(len(manifest.members))  # (m,) [ticks] positions that the goals approach
         self._given_up: Flags = np.zeros(
             len(manifest.members), dtype=np.bool_
         )  # (m,) servos that are not driven any more

@@ -150,7 +150,7 @@ class CommunicationMonitor:
         self.stuck: Flags = no_member  # (m,) servos that were blocked since torque came on
         self.failed: Flags = no_member  # (m,) servos with a hardware error, or stuck
         self.weak = False  # whether a servo reports a supply error and no other
-        self.limp: Flags = no_member  # (m,) sound servos without torque
+        self.limp: Flags = no_member  # (m,) answering servos without torque that have not failed
         self.any_energised = self.all_energised = self.any_limp = False
         self.tripped = False  # whether a watchdog has stopped servos with torque
         self._fit = False  # whether all servos have torque and none has failed

@@ -26,7 +26,7 @@ class Port:
         tty.setraw(self.other)
         self.path = Path(os.ttyname(self.other))
         self.clock = 50.0
-        self.waits: list[tuple[bool, float]] = []  # whether for reading, and timeout [s]
+        self.waits: list[tuple[bool, float]] = []  # calls of `select`: whether for reading, and timeout [s]
         self.ready = True
         clock = SimpleNamespace(monotonic=lambda: self.clock, sleep=self._sleep)
         monkeypatch.setattr(serial_wire, "time", clock)
