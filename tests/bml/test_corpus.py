@@ -21,7 +21,7 @@ from ..naming import about
 CORPUS_FOLDER = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 DOCUMENT_FOLDERS = ("greta/bml", "greta/fml", "greta/malformed", "openbmlparser", "realizertester", "asap")
 DOCUMENT_PATHS = sorted(path for folder in DOCUMENT_FOLDERS for path in (CORPUS_FOLDER / folder).rglob("*.xml"))
-REJECTED_DOCUMENTS = {  # document -> reason
+REJECTED_DOCUMENTS = {  # document -> reason for the rejection
     "B0.xml": "duplicate attribute",
     "test_bml_gaze_attributes.xml": "mismatched tag",
     "testinvalidxml.xml": "mismatched tag",

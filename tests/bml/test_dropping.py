@@ -1,4 +1,4 @@
-"""Blocks of many behaviours that cannot be scheduled."""
+"""Tests of blocks with many behaviours that cannot be scheduled."""
 
 from collections.abc import Callable
 

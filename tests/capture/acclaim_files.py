@@ -51,7 +51,7 @@ def acclaim_skeleton(*, axis="0 0 0 XYZ", unit="deg") -> bytes:
 
 
 def acclaim_motion(frames=3, *, heading=":FULLY-SPECIFIED\n:DEGREES", **bones) -> bytes:
-    """Write equal frames with the given numbers of bones; others are still."""
+    """Write equal frames, with given angles of some bones and zero elsewhere."""
     rows = {**STILL, "lradius": "0", "rradius": "0", **bones}
     lines = ["#!OML:ASF", heading]
     for frame in range(1, frames + 1):

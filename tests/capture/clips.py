@@ -16,7 +16,7 @@ JOINT {side}Hand
 {{ OFFSET {hand:g} 0 0 CHANNELS 3 Zrotation Xrotation Yrotation
 End Site
 {{ OFFSET {finger:g} 0 0 }} }} }} }} }}"""
-LENGTHS = {"clavicle": 5.0, "upper": 12.0, "fore": 29.0, "hand": 26.0, "finger": 10.0}  # [cm]
+LENGTHS = {"clavicle": 5.0, "upper": 12.0, "fore": 29.0, "hand": 26.0, "finger": 10.0}  # [cm] bone lengths
 SKELETON = """HIERARCHY
 ROOT Hips
 {{ OFFSET 0 0 0 CHANNELS 6 Xposition Yposition Zposition Zrotation Xrotation Yrotation
@@ -61,7 +61,7 @@ def bvh(rotations=None, *, frames=None, period=1 / 30, rename=lambda name: name,
 
 
 def reach(frames=60, *, height=60.0, speed=1.0) -> dict[str, np.ndarray]:
-    """Return rotations of both lowered arms, of which the right one swings forward and back."""
+    """Return rotations of lowered arms, of which the right arm swings forward."""
     u = np.linspace(0.0, 1.0, frames)
     swing = height * np.sin(np.pi * np.clip(speed * u, 0.0, 1.0)) ** 2
     lowered = np.zeros((frames, 3))
@@ -82,7 +82,7 @@ def joint_csv(names=("a", "b"), *, unit="_rad", frames=20, amplitude=0.3, delimi
 
 
 def joint_npz(**arrays) -> bytes:
-    """Write NPZ arrays."""
+    """Return an NPZ file with the given arrays."""
     file = BytesIO()
     np.savez(file, **arrays)
     return file.getvalue()

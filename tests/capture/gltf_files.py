@@ -50,7 +50,7 @@ class GltfFile:
         }
 
     def add_array(self, values, dtype="<f4") -> int:
-        """Add an array, and return its index."""
+        """Add an array to the file, and return the array's index."""
         values = np.asarray(values)
         scaled = values if dtype == "<f4" else np.round(values * np.iinfo(dtype).max)
         data = scaled.astype(dtype).tobytes()
@@ -75,12 +75,12 @@ class GltfFile:
         return self
 
     def text(self, uri=None) -> bytes:
-        """Return .gltf with an embedded buffer, or with the URI of one."""
+        """Return a .gltf file's text, with the buffer embedded or by URI."""
         uri = uri or "data:application/octet-stream;base64," + base64.b64encode(self.data).decode()
         return json.dumps({**self.json, "buffers": [{"byteLength": len(self.data), "uri": uri}]}).encode()
 
     def binary(self) -> bytes:
-        """Return .glb."""
+        """Return the bytes of a .glb file."""
         text = json.dumps({**self.json, "buffers": [{"byteLength": len(self.data)}]}).encode()
         text += b" " * (-len(text) % 4)
         chunks = struct.pack("<II", len(text), 0x4E4F534A) + text

@@ -3,8 +3,8 @@
 import numpy as np
 from scipy.interpolate import BSpline
 
-RATE = 10_000.0  # [Hz]
-KNOT = 0.01  # [s] between the knots of trajectories
+RATE = 10_000.0  # [Hz] rate at which limits are checked
+KNOT = 0.01  # [s] time between two knots of a trajectory
 
 
 def derivatives(controls) -> list[np.ndarray]:
@@ -17,7 +17,7 @@ def derivatives(controls) -> list[np.ndarray]:
 
 
 def largest_ratios(controls, limits) -> dict[str, float]:
-    """Return the largest value / limit of each kind; of positions the largest excess [rad]."""
+    """Return the largest value / limit by kind; positions: the excess [rad]."""
     angles, velocity, acceleration, jerk = derivatives(np.asarray(controls))
     duty = limits.inertial * acceleration + limits.viscous * velocity
     return {

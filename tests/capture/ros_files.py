@@ -16,7 +16,7 @@ class Cdr:
         self.order, self.body = order, b""
 
     def add(self, kind, value) -> "Cdr":
-        """Add a number at its alignment."""
+        """Add a number, aligned to the number's size."""
         size = struct.calcsize(kind)
         self.body += b"\0" * (-len(self.body) % size) + struct.pack(self.order + kind, value)
         return self
@@ -61,7 +61,7 @@ def joint_trajectory(names, times, rows) -> bytes:
 
 
 def mcap(topics, *, compression=CompressionType.NONE, encoding="cdr") -> bytes:
-    """Write an MCAP file by the library of the format.
+    """Write an MCAP file with the library `mcap`.
 
     Args:
         topics: name -> (message type, [(log time [s], data), ...]).
@@ -81,6 +81,6 @@ def mcap(topics, *, compression=CompressionType.NONE, encoding="cdr") -> bytes:
 
 
 def state_messages(count=40, *, names=("pan", "tilt"), start=100.0) -> list[tuple[float, bytes]]:
-    """Return joint states at 50 Hz in which joint k has the angle 0.01 (k + 1) times the number of the message."""
+    """Return joint states at 50 Hz with linearly growing angles [rad]."""
     rows = [[0.01 * (k + 1) * frame for k in range(len(names))] for frame in range(count)]
     return [(frame / 50, joint_state(start + frame / 50, names, row)) for frame, row in enumerate(rows)]

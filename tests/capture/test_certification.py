@@ -1,4 +1,4 @@
-"""Certified motions satisfy all limits by independent code, near to the motion of the file."""
+"""Tests that certified motions satisfy all limits and stay near the file."""
 
 from dataclasses import replace
 
@@ -31,7 +31,7 @@ HAS_CLIPS = FOLDER is not None and FOLDER.is_dir()
 
 
 def own_clip(known, *, speed=1.0, names=None) -> JointClip:
-    """Return the exported joint angles of a planned gesture, faster by a factor."""
+    """Return the joint angles of a planned gesture, faster by a factor."""
     trajectory = plan(CALM_BML, known).trajectory
     times = np.arange(0.0, trajectory.duration + 0.005, 0.01)
     return JointClip(sealed(times / speed), names or known.robot.skeleton.names, sealed(trajectory.angles(times)))
@@ -74,7 +74,7 @@ def test_clip_that_begins_and_ends_in_one_posture_keeps_over_80_percent_of_its_m
 
 
 def test_clip_is_stretched_in_time_only_around_its_fast_part(known):
-    """A fast swing between two slow halves."""
+    """Use a clip with a fast swing between two slow halves."""
     times = np.linspace(0.0, 6.0, 601)
     swing = 0.6 * np.exp(-(((times - 3.0) / 0.06) ** 2))
     column = known.robot.skeleton.names.index("r_shoulder_flexion")
@@ -101,7 +101,7 @@ def reach_towards(wrist, elbow) -> BodyClip:
 
 
 def test_hand_path_through_the_body_is_moved_around_it(known):
-    """The right wrist goes from the side through the belly and back."""
+    """Move the right wrist from the side through the belly and back."""
     clip = reach_towards([0.05, 0.45, -0.5], [0.0, -0.1, -0.5])
     result = certify_clip(clip, known, "a.bvh")
     before = known.distances.clearance(result.desired.requested).distances.min()
@@ -114,7 +114,7 @@ def test_hand_path_through_the_body_is_moved_around_it(known):
 
 
 def test_detour_with_cheap_hinge_rotations_displaces_the_wrist_less(known):
-    """The right hand enters the hip."""
+    """Use a clip in which the right hand enters the hip."""
     angles = retarget(reach_towards([0.0, 0.15, -0.9], [0.0, 0.0, -0.5]), known, "a.bvh").angles
     wrist = arm_paths(known.robot, angles)["r"].wrist
     displacements = []
@@ -132,7 +132,7 @@ def test_collision_free_motion_gets_no_detour(known):
 
 
 def test_motion_that_overloads_a_drive_by_coupled_loads_is_slowed(known):
-    """Torques twice as large as those of the robot's dynamics are avoided by lower limits."""
+    """Triple the motion-dependent torques of the robot's dynamics."""
 
     class Heavier:
         load = known.dynamics.load
@@ -162,7 +162,7 @@ def test_approach_is_added_unless_the_clip_begins_at_rest_and_a_return_unless_it
 
 
 def test_approach_from_rest_keeps_clearance_to_the_body(known):
-    """A clip with hands at the belly throughout; the arms come from rest beside the body."""
+    """Use a clip with hands at the belly from start to end."""
     wrist, elbow = np.tile([0.45, 0.35, -0.55], (60, 1)), np.tile([-0.05, -0.12, -0.5], (60, 1))
     paths = {side: ArmPath(sealed(elbow * sign), sealed(wrist * sign)) for side, sign in BOTH_SIDES.items()}
     clip = BodyClip(sealed(np.arange(60) / 30), paths, sealed(np.zeros((60, 3))))

@@ -1,4 +1,4 @@
-"""Files that no robot can follow: each gives a certified motion or a located refusal."""
+"""Tests that extreme files give a certified motion or a located error."""
 
 from collections import Counter
 from collections.abc import Callable
@@ -63,7 +63,7 @@ def colliding(known: Setup, rng: Rng) -> bytes:
 
 
 def whirling(known: Setup, rng: Rng) -> bytes:
-    """Body joints that rotate anywhere, also the spine."""
+    """Return a clip whose body joints, also the spine, rotate arbitrarily."""
     names = ("Spine", "Head", "LeftShoulder", "LeftArm", "LeftForeArm", "RightArm", "RightForeArm")
     rotations = {name: rng.uniform(-180.0, 180.0, (8, 3)) for name in names}
     return bvh(rotations, period=float(rng.choice([1.0, 1 / 30, 1 / 1000])))
@@ -86,7 +86,7 @@ KINDS: dict[str, Callable[[Setup, Rng], bytes]] = {
 
 @pytest.mark.soak
 def test_hostile_files_give_a_motion_within_limits_or_a_located_refusal(known: Setup, tmp_path: Path) -> None:
-    """A motion that stays too near to the body is refused when it is planned."""
+    """Accept the refusal of a motion too near to the body."""
     outcomes: Counter[str] = Counter()
     for seed in range(FILES):
         name = list(KINDS)[seed % len(KINDS)]

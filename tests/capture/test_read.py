@@ -1,4 +1,4 @@
-"""Reading of files by suffix, and of captured clips in the corpus."""
+"""Tests of reading by suffix, and of captured clips in the corpus."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ FOLDER = CORPUS / "capture" if CORPUS is not None else None
 HAS_CLIPS = FOLDER is not None and FOLDER.is_dir()
 CORPUS_CLIPS = sorted([*FOLDER.rglob("*.skm"), *FOLDER.rglob("*.bvh")]) if HAS_CLIPS else []
 with_corpus = pytest.mark.skipif(not HAS_CLIPS, reason="no captured clips (KINESIC_CORPUS)")
-BVH_FRAMES = 5  # rows of each BVH file that are multiplied one by one
+BVH_FRAMES = 5  # number of frames of each BVH file whose matrices are multiplied
 
 
 def test_file_suffix_selects_the_capture_format(tmp_path):
@@ -121,7 +121,7 @@ def multiply_matrices(text: str) -> dict[str, np.ndarray]:
 
 @with_corpus
 def test_forward_kinematics_of_a_bvh_clip_equals_products_of_matrices():
-    """The largest difference is 1e-4 of the arm or less."""
+    """Allow a difference of at most 1e-4 arm lengths."""
     for path in [path for path in CORPUS_CLIPS if path.suffix == ".bvh"]:
         data = path.read_bytes()
         skeleton, motion = read_bvh(data, path.name)
@@ -135,6 +135,6 @@ def test_forward_kinematics_of_a_bvh_clip_equals_products_of_matrices():
 
 
 def expected_rows(data: bytes) -> list[bytes]:
-    """Return the rows of a BVH file."""
+    """Return the lines of channel values in a BVH file."""
     rows = data.partition(b"Frame Time:")[2].split(b"\n")[1:]
     return [row for row in rows if row.strip()]

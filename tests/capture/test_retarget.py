@@ -47,7 +47,7 @@ def test_head_turn_of_the_actor_turns_the_neck_by_the_same_angle(robot, known):
 
 
 def test_raised_elbow_of_the_actor_gives_the_swivel_of_the_robot_arm(robot, known):
-    """The same wrist path with raised elbows gives another posture with the same wrist."""
+    """Compare postures for one wrist path with lowered and raised elbows."""
     count, wrist = 60, np.tile([0.7, 0.0, 0.0], (60, 1))
     angles = []
     for elbow in ([0.35, 0.0, -0.36], [0.35, -0.36, 0.0]):

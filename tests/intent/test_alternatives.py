@@ -1,4 +1,4 @@
-"""Gestures that could be shown at a word, the most suitable first."""
+"""Tests of the ranked gestures that could be shown at a word."""
 
 from pathlib import Path
 

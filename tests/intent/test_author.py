@@ -137,7 +137,7 @@ def test_intents_beyond_gesture_budget_or_spacing_are_omitted_with_a_reason():
     [("face", "joy", 0.8), ("gaze", "audience", 0.7), ("gaze", "LEFT", 0.7), ("head", "TILT", 0.8)],
 )
 def test_behaviours_for_short_intents_have_a_minimum_duration(channel, lexeme, least):
-    """Start face and gaze before the intent, and extend short ones."""
+    """Expect a start before the intent, and a minimum duration."""
     for end, shown in ((2.1, least), (5.0, 3.1)):
         (written,) = write_behaviours([ChosenBehaviour(channel, lexeme, meant("emotion-joy", 2.0, end))])
         times = {name: float(time) for name, time in re.findall(r' (start|end)="([\d.]+)"', written)}

@@ -1,4 +1,4 @@
-"""Directions in a text are performed at their places, whole or streamed."""
+"""Tests of stage directions performed in whole and streamed texts."""
 
 import re
 

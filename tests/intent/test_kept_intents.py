@@ -6,7 +6,7 @@ import pytest
 from kinesic.intent.intents import Intent, Moment
 from kinesic.intent.kept_intents import KeptIntents
 
-STROKE_GAP = 1.0  # [s]
+STROKE_GAP = 1.0  # [s] smallest time between two strokes
 
 
 def intent(name: str, start: float, stroke: float, end: float) -> Intent:

@@ -1,4 +1,4 @@
-"""Tables that forked processes share."""
+"""Tests of language tables, loaded once for all forked processes."""
 
 from importlib import reload
 

@@ -6,7 +6,7 @@ from kinesic.body.utterance import Script
 from kinesic.speech.espeak_pool import find_engine, synthesise
 from kinesic.speech.ssml import write_ssml
 
-FAST_RATE = 450  # [words/min] so that synthesis is short
+FAST_RATE = 450  # [words/min] highest rate, so that synthesis is short
 UNSTABLE_LETTERS = frozenset("aeiouyæɐɑɒɔəɚɛɜɝɪɨʊʉʌøœɵɤɯʏᵻɹjwːˈˌ")  # noqa: RUF001 - with glides and stress
 ALIKE = str.maketrans({"ɾ": "t", "\u0294": "t", "z": "s"})  # sounds that differ between positions in a sentence
 WORD_PATTERN = re.compile(r"[\w'\u2019]+(?:[-.,]\w+)*|[%&+=\xb0\u20ac$@/]")
@@ -22,7 +22,7 @@ def heard_consonants(script: Script) -> str:
 
 
 def plain_words(text: str) -> Script:
-    """Return a script of the words and spoken signs of a text alone."""
+    """Return a script of only a text's words and spoken signs."""
     return Script(" ".join(WORD_PATTERN.findall(text)))
 
 

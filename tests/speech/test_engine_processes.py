@@ -30,7 +30,7 @@ VOICE_SETTINGS = {"voice": "v", "words_per_minute": 200, "pitch": 40}
 
 @pytest.fixture
 def started(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[list[subprocess.Popen]]:
-    """Record the processes of a fake engine in order of their start."""
+    """Record the processes of a fake engine in order of start."""
     program = tmp_path / "program.py"
     program.write_text(ENGINE_PROGRAM)
     monkeypatch.setattr(espeak_pool, "_WORKER_SCRIPT", program)

@@ -9,7 +9,7 @@ from kinesic.speech import espeak as module
 from kinesic.speech.espeak import Espeak, find_voice, list_voices
 from kinesic.speech.espeak_pool import SpeechError, find_engine
 
-MARK_PRECISION = 0.005  # [s]
+MARK_PRECISION = 0.005  # [s] accepted error of mark times
 
 
 def test_speech_marks_lie_at_audible_word_onsets(espeak: Espeak):
@@ -59,7 +59,7 @@ def test_rate_shortens_and_pitch_raises_speech(espeak: Espeak):
 
 
 def _pitch(utterance) -> float:
-    """Return the fundamental frequency [Hz] by autocorrelation, in 70..300."""
+    """Return the fundamental frequency [Hz] (70 to 300), by autocorrelation."""
     samples, rate = utterance.sound.samples.astype(float), utterance.sound.rate
     correlation = np.fft.irfft(np.abs(np.fft.rfft(samples, 2 * len(samples))) ** 2)
     shortest, longest = round(rate / 300), round(rate / 70)

@@ -1,4 +1,4 @@
-"""Guard: the voice utters the written words, and no names of punctuation."""
+"""Tests that the voice utters the written words, without names of punctuation."""
 
 import os
 import random
@@ -16,9 +16,9 @@ from kinesic.speech.espeak import Espeak
 from .heard import heard_consonants, plain_words
 
 CORPUS_FOLDER = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
-SAMPLE_STEP = 15  # one of so many documents is spoken in each run
-SENTENCE_COUNT = 30  # sentences of a mixture
-MIXTURE_COUNT = 4  # mixtures of one run
+SAMPLE_STEP = 15  # every fifteenth document is spoken in a run
+SENTENCE_COUNT = 30  # number of sentences in a mixture
+MIXTURE_COUNT = 4  # number of mixtures spoken in a run
 WORDS = ("apple", "never", "house", "garden", "seven", "mark", "people", "table", "finger", "lemon")
 ENDS = (".", ".", ".", "..", "...", "!", "?", "?!", " .", ". .", "! !", "\u2026")
 WRAPS = (("", ""), ('"', '"'), ("(", ")"), ("[", "]"), ("\u201c", "\u201d"), ("'", "'"), ("", " \U0001f600"))

@@ -15,7 +15,7 @@ from kinesic.speech.recording import RecordingError, read_wav
 def write_wav(
     path: Path, *, rate: int = 8000, bits: int = 16, channels: int = 1, data: int = 1600, declared: int | None = None
 ) -> Path:
-    """Write a WAV file of zeros, sparse if possible, with the declared header."""
+    """Write a WAV file of zeros with any header, sparse if possible."""
     frame = channels * bits // 8
     declared = data if declared is None else declared
     head = struct.pack("<4sI4s4sIHHIIHH", b"RIFF", (36 + declared) % 2**32, b"WAVE", b"fmt ", 16, 1, channels, rate,

@@ -132,7 +132,7 @@ def test_missing_sound_package_is_reported_with_a_remedy(
 
 
 def test_port_audio_playback_time_includes_the_output_latency(monkeypatch: pytest.MonkeyPatch):
-    """Use a stream that reports once 30 ms of latency, and once nothing."""
+    """Use a stream that reports 30 ms of latency, then no time."""
 
     class Times:
         currentTime, outputBufferDacTime = 7.0, 7.03  # noqa: N815 - PortAudio's names

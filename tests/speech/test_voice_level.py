@@ -3,11 +3,11 @@ import numpy as np
 from kinesic.body.utterance import Phoneme, Sound
 from kinesic.speech.voice_level import OPENING_RANGE, open_vowels_by_level
 
-RATE = 8000  # [Hz]
+RATE = 8000  # [Hz] sample rate
 
 
 def tones(*amplitudes):
-    """Return a sound of 0.2 s per amplitude."""
+    """Return successive tones of 0.2 s with the given amplitudes."""
     return Sound.of(RATE, np.concatenate([a * np.sin(np.arange(RATE // 5)) for a in amplitudes]))
 
 

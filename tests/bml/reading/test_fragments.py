@@ -12,7 +12,7 @@ from kinesic.bml.parse import parse
 
 CORPUS_FOLDER = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
 FRAGMENTS_FILE = CORPUS_FOLDER / "smartbody" / "fragments.jsonl"
-BML_ELEMENTS = ("gaze", "head", "gesture", "face", "speech")  # elements that BML has, too
+BML_ELEMENTS = ("gaze", "head", "gesture", "face", "speech")  # SmartBody elements with the name of a BML element
 
 
 @pytest.mark.parametrize(

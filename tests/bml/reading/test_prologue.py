@@ -1,4 +1,4 @@
-"""Tests of the search for the first tag."""
+"""Tests of the search for a document's first tag behind a prologue."""
 
 import subprocess
 import sys

@@ -1,4 +1,4 @@
-"""Tests of contradictions among time distances."""
+"""Tests of the search for contradicting time constraints."""
 
 import numpy as np
 from hypothesis import given, settings

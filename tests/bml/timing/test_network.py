@@ -72,7 +72,7 @@ def test_sets_of_linked_sync_points_are_ordered_by_first_use() -> None:
 
 
 def test_behaviour_lasts_at_least_a_microsecond_unless_fixed() -> None:
-    """This detects behaviours that wait for each other's ends."""
+    """Check the minimum that reveals behaviours waiting for each other."""
     _, free = resolved(BEAT_TEMPLATE.format("g", ""))
     (chain,) = free.chains
     first, last = chain.points[0], chain.points[-1]

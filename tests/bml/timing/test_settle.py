@@ -1,4 +1,4 @@
-"""Tests of one behaviour between given times."""
+"""Tests of the phase durations of one behaviour between given times."""
 
 import pytest
 

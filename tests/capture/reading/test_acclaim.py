@@ -27,25 +27,25 @@ def test_acclaim_rotation_about_z_raises_the_arm():
 
 
 def test_acclaim_rotations_are_applied_in_the_order_of_the_degrees_of_freedom():
-    """The rotation about x comes first, and has no effect on an arm along x."""
+    """Rotate an arm along x first about x, which has no effect."""
     assert left_wrist(lhumerus="90 0 90") == pytest.approx(UP)
 
 
 def test_acclaim_bone_rotates_about_its_own_axes():
-    """The z axis of the bone points down, so that the arm swings ahead."""
+    """Use a bone whose z axis points down: the arm swings forward."""
     skeleton = acclaim_skeleton(axis="90 0 0 XYZ")
     assert left_wrist(skeleton=skeleton, lhumerus="0 0 90") == pytest.approx(AHEAD)
 
 
 def test_axis_order_of_an_acclaim_bone_changes_its_axes():
-    """Axes by Z and then X differ from axes by X and then Z."""
+    """Compare the axis orders ZX and XZ."""
     first = left_wrist(skeleton=acclaim_skeleton(axis="90 0 90 XYZ"), lhumerus="0 0 90")
     second = left_wrist(skeleton=acclaim_skeleton(axis="90 0 90 ZYX"), lhumerus="0 0 90")
     assert np.abs(first - second).max() > 0.5
 
 
 def test_acclaim_joint_with_one_degree_of_freedom_bends_the_elbow():
-    """The forearm, 5 of 11, points ahead."""
+    """Expect the forearm (5/11 of the arm) to point forward."""
     assert left_wrist(lradius="-90") == pytest.approx((6 * LEFT + 5 * AHEAD) / 11)
 
 

@@ -29,7 +29,7 @@ def left_wrists(file: GltfFile) -> np.ndarray:
 
 @pytest.mark.parametrize("kind", ["binary", "text"])
 def test_gltf_and_bvh_of_the_same_motion_give_the_same_arm_paths(kind):
-    """glTF is sampled at 60 Hz, BVH at 30 Hz."""
+    """Compare glTF samples at 60 Hz with BVH frames at 30 Hz."""
     file, expected = moving_person(reach(20)), clip_of_skeleton(*read_bvh(bvh(reach(20)), "a.bvh"), "a.bvh")
     clip = clip_of(getattr(file, kind)())
     assert clip.times[::2] == pytest.approx(expected.times)
@@ -63,7 +63,7 @@ def test_matrix_of_a_gltf_node_gives_its_position_and_rotation():
 
 
 def test_linear_gltf_rotations_have_constant_speed_along_the_shorter_arc():
-    """The second quaternion is negated, which is the same rotation."""
+    """Negate the second quaternion, which describes the same rotation."""
     quaternion = quaternions([[0.0, 0.0, 0.0], [90.0, 0.0, 0.0]]) * [[1.0], [-1.0]]
     wrists = left_wrists(GltfFile().animate("LeftArm", [0.0, 1.0], quaternion))
     raised = np.degrees(np.arctan2(wrists[:, 2], wrists[:, 1]))
@@ -80,7 +80,7 @@ def test_gltf_step_interpolation_holds_each_rotation_until_the_next_key():
 
 
 def test_gltf_cubic_spline_follows_the_slopes_at_its_keys():
-    """A translation of the hips by t^3 - t, whose slopes are -1 at 0 and 11 at 2 s."""
+    """Use a translation t^3 - t of the hips, a cubic polynomial."""
     keys = [[[0.0, 0, 0], [0, 90, 0], [-1, 0, 0]], [[11.0, 0, 0], [6, 90, 0], [0, 0, 0]]]
     file = GltfFile().animate(
         "Hips", [0.0, 2.0], np.reshape(keys, (-1, 3)), path="translation", interpolation="CUBICSPLINE"
@@ -92,7 +92,7 @@ def test_gltf_cubic_spline_follows_the_slopes_at_its_keys():
 
 
 def test_gltf_rotations_in_normalised_integers_are_read():
-    """Their resolution is 1 / 32767."""
+    """Allow an error of the integers' resolution, 1 / 32767."""
     expected = left_wrists(moving_person(reach(10)))
     assert left_wrists(moving_person(reach(10), dtype="<i2")) == pytest.approx(expected, abs=2e-4)
 

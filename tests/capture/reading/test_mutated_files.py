@@ -1,4 +1,4 @@
-"""Damaged motion files of every format: each is read or refused with a located error."""
+"""Tests that damaged motion files are read or give a located error."""
 
 import numpy as np
 import pytest
@@ -24,7 +24,7 @@ from ..gltf_files import moving_person
 from ..lerobot_files import write_dataset
 from ..ros_files import JOINT_STATE, JOINT_TRAJECTORY, joint_trajectory, mcap, state_messages
 
-MUTATIONS = 2000  # files of each format in `make soak`; every twentieth of them otherwise
+MUTATIONS = 2000  # number of files of each format in `make soak`; other runs read one twentieth
 WORDS = (b"nan", b"-1", b"1e999", b"{", b"}", b"\n", b" ", b"0", b"CHANNELS", b"\xff", b"[", b"null", b"9" * 30)
 
 
@@ -70,7 +70,7 @@ def read_acclaim_clip(data: bytes, source: str) -> object:
 
 
 def refusal(read, data: bytes) -> str:
-    """Return the message with which a file is refused, empty if it is read."""
+    """Return the error message of a refused file, empty without error."""
     try:
         read(data, "a.file")
     except CaptureError as error:

@@ -117,7 +117,7 @@ def test_invalid_ros_trajectory_in_json_is_rejected(data, message):
 
 @pytest.mark.parametrize("compression", [CompressionType.LZ4, CompressionType.ZSTD])
 def test_mcap_chunk_that_unpacks_to_another_size_is_refused(compression):
-    """The stated size is one byte smaller than the content."""
+    """Use a chunk whose stated size is one byte too small."""
     data = mcap(STATES, compression=compression)
     chunk = data.index(b"\x06", data.index(b"\x06") if data[8] == 6 else 8 + 9)
     position = next(k for k in range(chunk, len(data)) if data[k] == 6 and data[k + 9 : k + 17] == b"\0" * 8)

@@ -49,7 +49,7 @@ def test_arms_of_a_captured_skeleton_hang_at_rest(skeleton, tmp_path):
 
 
 def test_smartbody_joint_rotations_move_all_child_joints(skeleton, tmp_path):
-    """Compare with matrices multiplied one by one from the root to the wrist."""
+    """Compare with the product of all joint matrices from root to wrist."""
     vectors = np.random.default_rng(7).uniform(-1.5, 1.5, (4, 6, 3))
     names = ("JtRoot Quat", "JtSpineC Quat", "JtShoulderLf Quat", "JtElbowLf Quat")
     turns = {name: vectors[k] for k, name in enumerate(names)} | {"JtRoot XPos": np.linspace(0, 1, 6)[:, None]}

@@ -12,7 +12,7 @@ LEFT_SHOULDER, LEFT_ELBOW, HEAD = (slice(3 * k, 3 * k + 3) for k in (16, 18, 15)
 
 
 def poses(count=10, columns=165) -> np.ndarray:
-    """Return poses of a person who lowers the left arm and bends its elbow by 90 degrees."""
+    """Return poses that lower the left arm and bend its elbow."""
     rotations = np.zeros((count, columns))
     rotations[:, LEFT_SHOULDER] = [0.0, 0.0, -np.pi / 2]  # about z, which is ahead
     rotations[:, LEFT_ELBOW] = [0.0, -np.pi / 2, 0.0]

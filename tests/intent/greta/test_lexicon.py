@@ -93,7 +93,7 @@ def test_sequence_of_greta_signals_fills_the_duration_of_the_intention(sets):
 
 
 def test_greta_signals_marked_unrepeatable_are_shown_once(sets):
-    """Expect fear and anger once, and joy several times, unless fear excludes it."""
+    """Expect fear and anger once, and joy repeatedly unless fear excludes joy."""
     result, seen = sets.find("emotion-long"), []
     for seed in range(20):
         drawn = draw_sequence(intent("emotion-long"), result, random.Random(seed))

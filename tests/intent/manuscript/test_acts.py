@@ -1,4 +1,4 @@
-"""Known directions name gestures, expressions and head movements that exist."""
+"""Tests that listed stage directions have behaviours that exist."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Code between backticks or tildes, emoticons and kaomoji are not spoken."""
+"""Tests that code, emoticons and kaomoji are not spoken."""
 
 import random
 import re

@@ -1,4 +1,4 @@
-"""Formulas, data, function calls and LaTeX commands within a text."""
+"""Tests of formulas, data, function calls and LaTeX commands within a text."""
 
 import random
 import re

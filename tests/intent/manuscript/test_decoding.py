@@ -1,4 +1,4 @@
-"""Text files of any encoding."""
+"""Tests of text files in several encodings."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Words such as keys, of which only the beginning is spoken."""
+"""Tests of overlong words such as keys, which are spoken in part."""
 
 import pytest
 

@@ -22,7 +22,7 @@ SENTENCES = (
     "Dr. Smith waits.",
     "Mail jo_b@x.org or see a.com.",
 )
-ELEMENTS = (  # parts that nobody speaks
+ELEMENTS = (  # parts of texts that must not be spoken
     "*waves* ",
     "(laughs) ",
     "[nods] ",
@@ -91,7 +91,7 @@ def directions(text: str) -> list[str]:
 
 
 def read_in_parts(text: str, generator: random.Random, state: Manuscript = START) -> tuple[str, tuple[str, ...]]:
-    """Return what the reader makes of a text that arrives in random parts."""
+    """Return spoken text and warnings of a text in random parts."""
     spoken, warnings, begin = "", (), 0
     while begin < len(text):
         end = begin + generator.choice((1, 1, 2, 3, 7, 30))

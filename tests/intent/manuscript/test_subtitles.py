@@ -1,4 +1,4 @@
-"""Subtitles in files and texts, whole and streamed in parts."""
+"""Tests of subtitles in files and texts, whole and streamed in parts."""
 
 import random
 

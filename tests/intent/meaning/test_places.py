@@ -1,4 +1,4 @@
-"""Tests of cues for places on the body, past the listener, and amounts and times compared."""
+"""Tests of cues for places, directions, compared amounts and compared times."""
 
 import pytest
 

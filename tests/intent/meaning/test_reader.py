@@ -1,4 +1,4 @@
-"""Tests of pictures, beats, faces and heads chosen by meaning."""
+"""Tests of gestures, facial expressions and head movements chosen by meaning."""
 
 import pytest
 

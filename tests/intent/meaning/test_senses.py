@@ -1,4 +1,4 @@
-"""Tests of words in another sense than the one that a gesture shows."""
+"""Tests of words in other senses than their gesture shows."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Beats that need more time than others, and where they fit."""
+"""Tests of long beats, which need time between neighbouring strokes."""
 
 import pytest
 

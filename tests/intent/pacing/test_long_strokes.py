@@ -1,4 +1,4 @@
-"""Gestures whose long stroke accompanies a word."""
+"""Tests of gestures with a long stroke, which accompanies a word."""
 
 import pytest
 
@@ -17,8 +17,8 @@ from kinesic.intent.pacing.long_strokes import (
 from kinesic.session.setup import set_up
 
 DRAWING_CATEGORIES = ("iconic", "metaphoric", "deictic")
-MIN_LONG_STROKE = 1.15  # [s] of a gesture that must be in the table
-MIN_LISTED_STROKE = 1.05  # [s] of a gesture that may be in the table
+MIN_LONG_STROKE = 1.15  # [s] shortest stroke of a drawing gesture that must be in the table
+MIN_LISTED_STROKE = 1.05  # [s] shortest stroke of a gesture that may be in the table
 
 
 def test_table_of_long_strokes_lists_all_gestures_with_a_slow_drawing_stroke_and_no_fast_strokes():

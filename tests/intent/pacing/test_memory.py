@@ -1,4 +1,4 @@
-"""Tests that choices are remembered across turns, without hidden state."""
+"""Tests that chosen gestures are remembered across turns, without hidden state."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Preference among alternative gestures by style."""
+"""Tests of the preferences of a style among alternative gestures."""
 
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.author import author_text

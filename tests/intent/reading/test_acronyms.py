@@ -1,4 +1,4 @@
-"""Acronyms are spelled or spoken; other words in capitals are stressed."""
+"""Tests of acronyms, spelled or spoken, and of stressed words in capitals."""
 
 import pytest
 

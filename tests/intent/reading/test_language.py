@@ -14,7 +14,7 @@ from kinesic.intent.reading.language import load_language
 from kinesic.intent.reading.syllables import count_syllables, stressed_syllable
 from kinesic.intent.reading.words import read_text
 
-SAMPLE_SENTENCES = {  # Greeting, denial, question, farewell
+SAMPLE_SENTENCES = {  # language -> sentences of greeting, denial, question and farewell
     "de": ("Hallo, meine Freunde!", "Ich habe das alte Haus nie gesehen.", "Wo ist der Hund?", "Auf Wiedersehen."),
     "es": ("¡Hola, amigos!", "No he visto nunca la casa vieja.", "¿Dónde está el perro?", "Hasta luego."),
     "ja": ("こんにちは、皆さん。", "私はその古い家を見たことがありません。", "犬はどこですか。", "さようなら。"),

@@ -88,7 +88,7 @@ def sentences() -> list[str]:
 
 @pytest.fixture(scope="module")
 def oracle():
-    """Return the words of NVBG by function."""
+    """Return the words that NVBG assigns to each function."""
     if not NVBG_RULES.exists():
         pytest.skip(f"no rules at {NVBG_RULES}")
     rules = ElementTree.parse(NVBG_RULES).getroot().iter("rule")

@@ -6,7 +6,7 @@ from kinesic.intent.reading.words import read_text
 
 
 def parts(text, kind):
-    """Return the words of all parts with an intent prefix, in order."""
+    """Return the words of all phrase parts whose kind has a prefix."""
     language = load_language()
     passage = read_text(text, language)
     phrases = [
@@ -79,7 +79,7 @@ def test_stroke_of_a_function_word_moves_to_the_nearest_content_word_if_the_next
 
 
 def test_intents_of_noun_phrases_are_less_certain_than_those_of_accents_and_emphasised_words():
-    """Otherwise a gesture for a noun would displace the beat of its phrase."""
+    """Check an order that keeps nouns from displacing the phrase's beat."""
     language = load_language()
     passage = read_text("The dog saw a *big* cat.", language)
     certainty = {

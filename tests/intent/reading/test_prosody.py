@@ -1,4 +1,4 @@
-"""Prosody of a text acts on the voice for exactly its words."""
+"""Tests that prosody tags change the voice for the tagged words only."""
 
 import random
 import re

@@ -11,7 +11,7 @@ from kinesic.speech.engines.phrase import EngineError, Phrase, SpokenPhrase, Spo
 from .tone_engine import WORD_DURATION, ToneEngine
 
 VOICE = EngineVoice(ToneEngine())
-PRECISION = 0.001  # [s] a few samples
+PRECISION = 0.001  # [s] accepted error of times, a few samples
 
 
 def test_phrases_are_joined_with_the_silences_of_punctuation_and_pauses():

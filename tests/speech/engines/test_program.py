@@ -17,7 +17,7 @@ from kinesic.speech.engines.phrase import EngineError, Phrase, UnreadableError
 from kinesic.speech.engines.program import EngineProgram
 
 PROGRAM = Path(__file__).with_name("tone_program.py")
-WORD_DURATION = 0.3  # [s] of a word of the program
+WORD_DURATION = 0.3  # [s] duration of a word that the program speaks
 
 
 def start(fault: str = "") -> EngineProgram:

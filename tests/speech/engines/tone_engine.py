@@ -9,8 +9,8 @@ import numpy as np
 from kinesic.body.utterance import Phoneme, Sound
 from kinesic.speech.engines.phrase import Phrase, SpokenPhrase, SpokenWord, UnreadableError
 
-SAMPLE_RATE = 8000  # [Hz]
-WORD_DURATION = 0.3  # [s] of a word at rate 1
+SAMPLE_RATE = 8000  # [Hz] sample rate of the tones
+WORD_DURATION = 0.3  # [s] duration of a word at rate 1
 LEAD_TIME = 0.25  # [s] silence before the first and after the last word
 
 
@@ -22,7 +22,7 @@ class ToneEngine:
     name: str = "tones"
 
     def speak(self, phrase: Phrase, /) -> SpokenPhrase:
-        """Return one tone for each word of a phrase; words of x cannot be read."""
+        """Return one tone per word, except for unreadable words of x."""
         matches = [match for match in re.finditer(r"\w+", phrase.text) if set(match[0]) != {"x"}]
         if not matches:
             raise UnreadableError(f"no word of {phrase.text!r} can be read")

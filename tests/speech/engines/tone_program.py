@@ -5,8 +5,8 @@ import struct
 import sys
 import time
 
-SAMPLE_RATE = 8000  # [Hz]
-WORD_SAMPLES = 2400  # samples of a word at rate 1
+SAMPLE_RATE = 8000  # [Hz] sample rate of the tones
+WORD_SAMPLES = 2400  # number of samples of a word at rate 1
 
 
 def answer(phrase: dict, fault: str) -> bytes:

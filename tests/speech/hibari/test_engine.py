@@ -10,7 +10,7 @@ from kinesic.speech.engines.engine_voice import EngineVoice, speak_phrase
 from kinesic.speech.engines.phrase import Phrase
 from kinesic.speech.hibari.engine import Hibari
 
-SENTENCES = (  # none of those that the constants were fitted on
+SENTENCES = (  # sentences that were not used to fit the constants
     "Tomorrow morning my family may come by boat.",
     "Pretty blue umbrellas bob up and down in May.",
     "Please remember to bring the blanket and a bottle of apple juice.",
@@ -92,7 +92,7 @@ def test_prosody_pitch_and_volume_scale_the_pitch_and_amplitude_of_the_sound(neu
 
 
 def _pitch(samples: np.ndarray) -> float:
-    """Return the mean of the pitch [Hz] over loud windows, by autocorrelation in 120..400."""
+    """Return the mean pitch [Hz] of loud windows, searched in 120..400 Hz."""
     size, pitches = 1200, []
     for begin in range(0, len(samples) - size, size):
         window = samples[begin : begin + size].astype(float)

@@ -1,4 +1,4 @@
-"""Installation of the model, checked without loading it."""
+"""Tests of the model's installation, without loading the model."""
 
 import subprocess
 import sys
@@ -20,14 +20,14 @@ print([name for name in ("onnxruntime", "hibari") if name in sys.modules])
 
 @pytest.fixture
 def unchecked():
-    """Forget what was checked, before and after a test."""
+    """Clear the cached results of installation checks around a test."""
     model.find_installation_fault.cache_clear()
     yield
     model.find_installation_fault.cache_clear()
 
 
 def test_requested_voice_is_created_without_loading_its_model():
-    """The server's own process never speaks."""
+    """Check that the server's main process need not load the model."""
     if why := model.find_installation_fault():
         pytest.skip(why)
     created = subprocess.run(

@@ -1,4 +1,4 @@
-"""Pronunciation lexicon that forked processes share."""
+"""Tests of the pronunciation lexicon, loaded once for all forked processes."""
 
 from importlib import reload
 

@@ -8,7 +8,7 @@ RATE = 16_000
 
 
 def buzz(pitch: float) -> np.ndarray:
-    """Return a second of a sound with harmonics, like a voice."""
+    """Return one second of a voice-like sound with harmonics."""
     times = np.arange(RATE) / RATE
     return sum(np.sin(2 * np.pi * k * pitch * times) / k for k in range(1, 8)) * 0.2
 

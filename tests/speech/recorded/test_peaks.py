@@ -12,7 +12,7 @@ from kinesic.speech.recorded.spectrum import BAND_COUNT, CEPSTRUM_SIZE, COSINES
 @pytest.mark.parametrize("distance", [1, 6, 12])
 @pytest.mark.parametrize("digits", [0, 6])
 def test_peaks_of_random_levels_match_scipy(seed, distance, digits):
-    """Rounded to whole numbers, levels have plateaus and equal peaks."""
+    """Include levels rounded to integers, with plateaus and equal peaks."""
     random = np.random.default_rng(seed)
     levels = np.round(np.cumsum(random.normal(size=300)), digits)
     if digits == 0 and distance > 1:

@@ -1,4 +1,4 @@
-"""Words spread over the audible parts of a recording, by hand-made times."""
+"""Tests that place words in the audible parts of hand-made recordings."""
 
 from types import SimpleNamespace
 
@@ -25,7 +25,7 @@ from kinesic.speech.recorded.placement import (
 )
 from kinesic.speech.recorded.warping import FrameSequence, Warp
 
-RENDITION = SimpleNamespace(starts=np.array([0.0, 1.0]), ends=np.array([0.5, 2.0]))  # words of 0.5 and 1 s
+RENDITION = SimpleNamespace(starts=np.array([0.0, 1.0]), ends=np.array([0.5, 2.0]))  # two words, of 0.5 s and 1 s
 SPAN = (10.0, 20.0)
 
 

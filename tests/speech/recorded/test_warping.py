@@ -102,7 +102,7 @@ def test_warping_window_never_moves_back_and_includes_first_and_last_column():
 
 
 def cost_of(path: tuple[int, ...], rows: tuple, columns: tuple) -> float:
-    """Return the cost of a path by its definition, infinite for one that is not allowed."""
+    """Return a path's cost by definition, infinite for a forbidden path."""
     (features, is_silent), (others, takes_silence, is_gap) = rows, columns
     total = 0.0 if path[0] < 2 and path[-1] >= len(others) - 2 else np.inf
     for k, column in enumerate(path):
@@ -134,7 +134,7 @@ def test_warping_path_equals_the_cheapest_path_of_an_exhaustive_search(seed: int
 
 
 def test_silent_frames_align_with_the_gap_column_before_the_next_word():
-    """The features of the words differ, so that each frame has one fitting column."""
+    """Use words of different features, so that each frame fits one column."""
     words = np.repeat(np.array([[0.0, 0.0], [40.0, 0.0], [0.0, 40.0]]), 8, axis=0)
     gaps = [0, 9, 18, 27]
     columns = np.full(28, -1)
