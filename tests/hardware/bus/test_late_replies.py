@@ -151,7 +151,7 @@ def test_two_successive_stale_bus_cycles_trigger_a_cycle_without_query(waiting: 
     assert waiting.late.needs_trial
 
 
-def test_bus_cycle_with_fresh_servo_records_or_without_any_record_is_not_stale(waiting: Waiting):
+def test_bus_cycle_with_a_punctual_record_or_without_any_record_does_not_count_as_late(waiting: Waiting):
     waiting.cycle_of_the_past()
     waiting.late.note(fresh=False)
     assert not waiting.late.needs_trial, "nothing was set aside"

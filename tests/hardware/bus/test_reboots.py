@@ -108,7 +108,7 @@ def test_reboot_is_reported_although_the_write_of_indirect_addresses_is_unacknow
     assert made.bus.cycle().fresh.all()
 
 
-def test_reboot_of_one_servo_triggers_no_check_of_the_others(made: Rig):
+def test_reboot_of_one_servo_triggers_no_check_of_other_servos(made: Rig):
     written = overhear(made)
     made.plant.servos[1].reboot(seconds=0.03)
     made.run(20)

@@ -166,7 +166,7 @@ def test_keyboard_interrupt_while_closing_releases_the_robot_and_waits_for_its_e
     assert supervisor.stdin.closed
 
 
-def test_raised_limb_that_cannot_fold_is_reported_while_the_supervisor_holds_it(played: Rig) -> None:
+def test_raised_limb_that_cannot_move_to_rest_is_reported_while_the_supervisor_holds_it(played: Rig) -> None:
     servos, supervisor = played.open()
     supervisor.note("failed", "servo 3 is silent")
     supervisor.schedule = [lambda it: it.tell(Stage.WAITING, waits="confirmation", angles=RAISED, energised=3)]

@@ -85,7 +85,7 @@ def test_goals_set_without_a_motion_stay_constant_over_later_cycles(manifest, st
     assert steering.goals.tolist() == there.tolist()
 
 
-def test_fold_command_moves_all_but_holding_joints_to_rest(manifest, steering):
+def test_move_to_rest_moves_all_but_holding_joints(manifest, steering):
     far = manifest.scale.nearest((manifest.rest + np.array([0.3, 0.6, -0.5, 0.4])).take(manifest.joints))
     steering.put(range(5), far)
     before = steering.angles
@@ -167,7 +167,7 @@ def test_goals_follow_servos_without_torque(steering, manifest):
     assert steering.goals.tolist() == [1900.0, 1905.0, *before[2:]]
 
 
-def test_fold_command_does_not_wait_for_a_servo_without_torque(steering, manifest):
+def test_move_to_rest_does_not_wait_for_a_servo_without_torque(steering, manifest):
     raised = manifest.scale.nearest((manifest.rest + 0.5)[manifest.joints])
     steering.put(range(5), raised)
     is_limp = np.arange(5) == 4

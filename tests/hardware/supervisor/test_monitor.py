@@ -122,7 +122,7 @@ def test_monitor_has_nan_positions_until_the_first_bus_cycle(room):
     assert (monitor.lost, monitor.tripped, monitor.any_limp, monitor.weak, monitor.scale) == (False,) * 4 + (0.0,)
 
 
-def test_healthy_servos_report_no_trouble(room):
+def test_healthy_servos_give_no_reason_to_stop_the_performance(room):
     monitor = room.look()
     assert (monitor.answering, monitor.all_answered, monitor.well, monitor.any_energised, monitor.all_energised) == (
         True,
@@ -134,7 +134,7 @@ def test_healthy_servos_report_no_trouble(room):
     assert not monitor.raised.any()
 
 
-def test_silent_servo_is_named_in_the_trouble_and_has_a_nan_position(room):
+def test_silent_servo_is_named_as_reason_of_the_stop_and_has_a_nan_position(room):
     room.look(3)
     room.recent[3] = False
     monitor = room.look()

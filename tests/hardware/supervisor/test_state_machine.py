@@ -48,7 +48,7 @@ def test_refused_servos_close_the_ports_at_once(stage: Stage):
     assert (state.stage, actions) == (Stage.CLOSED, ("close",))
 
 
-def test_servos_that_have_torque_are_adopted_and_not_armed():
+def test_servos_that_have_torque_are_taken_over_without_switching_torque_on():
     state, actions = step(SupervisorState(Stage.CONFIGURE, checked=True), "done", CALM)
     assert (state.stage, actions) == (Stage.ADOPT, ("adopt",))
     assert step(state, "done", CALM)[0].stage is Stage.HOLD
@@ -61,12 +61,12 @@ def test_performance_slowed_by_a_servo_fault_continues_if_it_recovers_before_sta
     assert step(state, "tick", replace(CALM, due=True, well=False, still=True))[0].stage is Stage.HOLD
 
 
-def test_servo_that_has_lost_its_torque_is_armed_again():
+def test_servo_that_has_lost_its_torque_gets_torque_again():
     state, actions = step(at(Stage.HOLD), "tick", replace(CALM, limp=True, well=False))
     assert (state.stage, actions) == (Stage.ARM, ("arm",))
 
 
-def test_failed_servo_slows_the_performance_to_a_stop_then_the_robot_folds_and_releases_torque():
+def test_failed_servo_slows_the_performance_to_a_stop_then_the_robot_moves_to_rest_and_releases_torque():
     state, _ = step(at(Stage.ACTIVE), "failed", replace(CALM, due=True))
     assert state.faulty
     assert state.stage is Stage.DEGRADED
@@ -76,7 +76,7 @@ def test_failed_servo_slows_the_performance_to_a_stop_then_the_robot_folds_and_r
     assert actions == ("release",)
 
 
-def test_robot_folds_with_torque_after_a_long_hold():
+def test_robot_moves_to_rest_after_a_long_hold_and_keeps_torque():
     state, actions = step(at(Stage.HOLD), "tick", replace(CALM, idle=True))
     assert actions == ("fold",)
     state, _ = step(state, "tick", replace(CALM, reached=True))
@@ -122,7 +122,7 @@ def test_raised_limb_is_held_until_confirmation():
     assert step(state, "tick", replace(RAISED, raised=False))[1] == ("release",)
 
 
-def test_recovered_servo_is_armed_again_and_folds_when_idle():
+def test_recovered_servo_gets_torque_again_and_moves_to_rest_when_idle():
     mended = replace(RAISED, limp=True)
     state, _ = step(at(Stage.WAITING, folded=True, faulty=True), "mended", mended)
     state, actions = step(state, "tick", mended)
@@ -157,7 +157,7 @@ def test_resume_request_during_an_interruption_does_not_end_the_pause():
     assert state.paused
 
 
-def test_weak_supply_folds_the_robot_and_disables_torque_at_rest():
+def test_weak_supply_makes_the_robot_move_to_rest_and_then_disables_torque():
     state, actions = step(at(Stage.ACTIVE), "tick", replace(CALM, due=True, weak=True, raised=True))
     assert actions == ("slow",)
     assert not state.faulty

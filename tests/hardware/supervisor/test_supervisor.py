@@ -201,7 +201,7 @@ def test_random_commands_give_goals_in_range_without_jumps(desk: Make):
     assert not made.true(TORQUE).any()
 
 
-def test_robot_without_commands_holds_then_folds_and_restarts_with_new_commands(desk: Make):
+def test_robot_without_commands_holds_then_moves_to_rest_and_restarts_with_new_commands(desk: Make):
     made = desk(settings=SupervisorSettings(patience=1.0))
     made.open()
     for k in range(120):
@@ -253,7 +253,7 @@ def test_dead_planner_stops_even_a_fully_buffered_performance(desk: Make, ended:
     assert not made.true(TORQUE).any()
 
 
-def test_release_folds_the_robot_and_switches_torque_off(desk: Make):
+def test_release_request_moves_the_robot_to_rest_and_switches_torque_off(desk: Make):
     made = desk().active()
     made.channel.set("release", 1)
     made.until(Stage.CLOSED)

@@ -205,7 +205,9 @@ def test_robot_with_raised_limbs_holds_at_the_end_until_a_person_confirms(states
             assert good_end(end, replace(known, confirmed=True)).stage is Stage.CLOSED
 
 
-def test_robot_holds_and_then_folds_if_the_planner_dies_during_an_emergency_stop(states: Iterator[SupervisorState]):
+def test_robot_holds_and_then_moves_to_rest_if_the_planner_dies_during_an_emergency_stop(
+    states: Iterator[SupervisorState],
+):
     known = Observation(energised=True, raised=True, ended=True, alone=True)
     for before in states:
         state, _ = step(before, "estop", known)

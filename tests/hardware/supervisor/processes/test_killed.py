@@ -50,7 +50,9 @@ def test_killed_supervisor_leaves_servos_stopped_with_torque_and_the_next_superv
 @pytest.mark.parametrize(
     "handed_over", [pytest.param((), id="0.7 s"), pytest.param(("60",), id="all", marks=pytest.mark.soak)]
 )
-def test_robot_holds_then_folds_and_switches_torque_off_after_its_planner_is_killed(rig, handed_over: tuple[str, ...]):
+def test_robot_holds_then_moves_to_rest_and_switches_torque_off_after_its_planner_is_killed(
+    rig, handed_over: tuple[str, ...]
+):
     planner, supervisor = rig.planner(*handed_over), rig.supervisor()
     rig.wait(rig.raised)
     killed = rig.kill(planner.pid)

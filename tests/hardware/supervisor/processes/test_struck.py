@@ -91,7 +91,7 @@ def test_robot_waits_for_a_resume_request_after_a_long_port_loss(rig):
     assert not rig.record().torque[-1].any()
 
 
-def test_limb_that_cannot_fold_is_held_until_confirmation(rig):
+def test_limb_that_cannot_move_to_rest_is_held_until_a_person_confirms(rig):
     servos = rig.opened(replace(SETTINGS, patience=0.5))
     rig.write(servos, 20.0)
     rig.moving(servos)

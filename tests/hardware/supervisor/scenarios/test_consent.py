@@ -78,7 +78,7 @@ def test_torque_off_stop_request_switches_torque_off_within_30_ms(desk: Make):
 
 
 @pytest.mark.parametrize("ended", [False, True])
-def test_robot_stopped_in_an_emergency_folds_after_its_planner_dies(desk: Make, ended: bool):
+def test_robot_stopped_in_an_emergency_moves_to_rest_after_its_planner_dies(desk: Make, ended: bool):
     made = desk().active(4.0)
     made.run(0.5)
     made.channel.set("estop", 1)

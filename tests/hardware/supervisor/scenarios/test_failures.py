@@ -17,7 +17,7 @@ PERIOD = 0.01
 TORQUE, GOAL, WATCHDOG = Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG
 
 
-def test_robot_holds_within_100_ms_of_the_death_of_its_planner_then_folds_and_switches_torque_off(desk: Make):
+def test_robot_holds_within_100_ms_of_the_death_of_its_planner_then_rests_and_switches_torque_off(desk: Make):
     made = desk().active()
     made.alive = False
     made.run(0.1)
@@ -70,7 +70,7 @@ def test_performance_continues_after_a_reboot_of_all_servos_at_once(desk: Make):
     assert max(made.jumps) <= 2
 
 
-def test_other_servos_fold_to_rest_when_an_overloaded_servo_switches_its_torque_off(desk: Make):
+def test_other_servos_move_to_rest_when_an_overloaded_servo_switches_its_torque_off(desk: Make):
     made = desk().active()
     made.run(0.6)
     assert made.raised.all()
@@ -85,7 +85,7 @@ def test_other_servos_fold_to_rest_when_an_overloaded_servo_switches_its_torque_
     assert made.status.faulty
 
 
-def test_low_supply_voltage_alone_folds_the_robot_without_a_failure(desk: Make):
+def test_low_supply_voltage_alone_makes_the_robot_move_to_rest_without_counting_as_failure(desk: Make):
     made = desk().active()
     made.run(0.6)
     made.expose(PlannedFault("alert", value=HardwareError.VOLTAGE.value))
@@ -124,7 +124,7 @@ def test_stuck_servo_is_not_driven_into_its_overload_shutdown(desk: Make):
     assert not made.true(TORQUE).any()
 
 
-def test_jammed_limb_that_is_freed_folds_to_rest_only_after_its_servo_reboots(desk: Make):
+def test_jammed_limb_that_is_freed_moves_to_rest_only_after_its_servo_reboots(desk: Make):
     made = jammed(desk)
     made.plant.physics.jammed[2] = False
     made.run(1.5 * made.settings.patience)
@@ -218,7 +218,7 @@ def test_supervisor_that_is_killed_leaves_servos_stopped_and_the_next_supervisor
     assert not made.true(TORQUE).any()
 
 
-def test_servos_with_torque_are_adopted_and_servos_without_torque_are_armed(desk: Make):
+def test_servos_with_torque_are_taken_over_and_servos_without_torque_get_torque(desk: Make):
     made = desk().active(4.0)
     made.pass_time(0.2)
     made.plant.servos[1].write(TORQUE.field.address, b"\0")
@@ -233,7 +233,7 @@ def test_servos_with_torque_are_adopted_and_servos_without_torque_are_armed(desk
     assert made.jumps[0] <= 2
 
 
-def test_ending_robot_folds_and_waits_for_a_silent_servo(desk: Make):
+def test_ending_robot_moves_to_rest_and_waits_for_a_silent_servo(desk: Make):
     made = desk(settings=SupervisorSettings(patience=0.5, consent=1.0, hopeless=1.0, pace=3.0)).active(4.0)
     made.run(0.4)
     made.plant.servos[2].mute = True
