@@ -23,7 +23,7 @@ from kinesic.files.input_file import read_inside
 SKELETON_FOLDER = "skeletons"  # name of the folders that hold SmartBody skeletons
 MAX_FOLDERS_ABOVE = 2  # number of levels above the clip's folder that are searched for skeletons
 TRAJECTORY_KEY = b'"joint_names"'  # key of a ROS joint trajectory in JSON
-FORMATS: Mapping[str, str] = {  # formats of motion files by suffix
+FORMAT_NAMES: Mapping[str, str] = {  # formats of motion files by suffix
     ".bvh": "BVH",
     ".skm": "SmartBody motion, with its skeleton ACTOR.sk",
     ".amc": "Acclaim motion, with its skeleton .asf",
@@ -41,15 +41,15 @@ def read_clip(path: Path) -> Clip:
     """Read a motion file of any supported format.
 
     Args:
-        path: of the file, with a suffix in `FORMATS`.
+        path: of the file, with a suffix in `FORMAT_NAMES`.
 
     Raises:
         CaptureError: the file is missing or invalid, or its format is unknown.
     """
     suffix = path.suffix.lower()
-    if suffix not in FORMATS:
+    if suffix not in FORMAT_NAMES:
         problem = f"cannot read {suffix} files" if suffix else "its name has no suffix, which tells the format"
-        raise CaptureError(f"{path}: {problem}; known: {', '.join(FORMATS)}")
+        raise CaptureError(f"{path}: {problem}; known: {', '.join(FORMAT_NAMES)}")
     if suffix == ".parquet":
         return read_lerobot(path)
     data, source = read_file(path), str(path)

@@ -5,7 +5,7 @@ import pytest
 
 from kinesic.bench.blocks import find_corpus
 from kinesic.capture.clip import BodyClip, JointClip
-from kinesic.capture.read import FORMATS, read_clip
+from kinesic.capture.read import FORMAT_NAMES, read_clip
 from kinesic.capture.reading.bvh import read_bvh
 from kinesic.capture.reading.text import CaptureError
 from kinesic.capture.skeleton_motion import joint_positions
@@ -31,7 +31,7 @@ def test_file_suffix_selects_the_capture_format(tmp_path):
 def test_unknown_capture_suffix_error_lists_the_supported_suffixes(tmp_path):
     with pytest.raises(CaptureError, match=r"cannot read .fbx files; known: .bvh"):
         read_clip(tmp_path / "a.fbx")
-    assert len(FORMATS) >= 5
+    assert len(FORMAT_NAMES) >= 5
     with pytest.raises(CaptureError, match=r"/walk: its name has no suffix, which tells the format; known: .bvh"):
         read_clip(tmp_path / "walk")
 

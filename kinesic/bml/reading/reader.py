@@ -13,7 +13,7 @@ MAX_NUMBER = 1e4  # largest absolute value of a number, except in sync reference
 
 @dataclass(frozen=True)
 class DocumentReading:
-    """Document during its reading, with the notices collected so far."""
+    """State of reading a document, with the notices collected until now."""
 
     source: str
     block: str

@@ -19,10 +19,10 @@ from kinesic.capture.reading.text import (
 from kinesic.capture.skeleton_motion import ROTATION_CHANNEL, CapturedJoint, CapturedMotion
 
 FRAME_RATE = 120.0  # [Hz] assumed frame rate, as .amc files do not state one
-ROOT = "root"  # name of the first joint in both files
+ROOT_JOINT = "root"  # name of the first joint in both files
 NO_TURN = sealed(np.zeros(3))  # (3,) [rad] rotation of a joint in the zero pose, or zero offset
 ROTATION_AXES: Mapping[str, str] = {"rx": "x", "ry": "y", "rz": "z"}  # rotation axis by degree of freedom
-TRANSLATIONS: Mapping[str, str] = {"tx": "XPos", "ty": "YPos", "tz": "ZPos"}  # channel by degree of freedom
+TRANSLATION_CHANNELS: Mapping[str, str] = {"tx": "XPos", "ty": "YPos", "tz": "ZPos"}  # channel by degree of freedom
 LENGTH_FREEDOM = "l"  # degree of freedom that stretches a bone; ignored
 BONE_NUMBERS: Mapping[str, int] = {"direction": 3, "length": 1, "axis": 3}  # count of numbers after a bone's keyword
 
@@ -60,36 +60,36 @@ def read_acclaim_skeleton(data: bytes, source: str) -> AcclaimSkeleton:
         CaptureError: the data is not such a skeleton.
     """
     lines = [(number, line.split("#")[0].split()) for number, line in enumerate(split_lines(data, source), start=1)]
-    bones: dict[str, _Bone] = {ROOT: _Bone()}
+    bones: dict[str, _Bone] = {ROOT_JOINT: _Bone()}
     parents: dict[str, str] = {}
-    in_degrees, section, name = True, "", ROOT
+    in_degrees, section, name = True, "", ROOT_JOINT
     for number, words in lines:
         if not words:
             continue
         place, keyword = f"{source}:{number}", words[0].lower()
         if keyword.startswith(":"):
-            section, name = keyword, ROOT
+            section, name = keyword, ROOT_JOINT
         elif section == ":units" and keyword == "angle":
             in_degrees = words[1:2] != ["rad"]
         elif section == ":root":
-            _set_root(bones[ROOT], words, place)
+            _set_root(bones[ROOT_JOINT], words, place)
         elif section == ":bonedata" and keyword == "name":
             name = words[1] if len(words) == 2 else ""
             if not name or name in bones or len(bones) == MAX_JOINTS:
                 raise CaptureError(f"{place}: bone {name[:40]!r} occurs twice, or is one of more than {MAX_JOINTS}")
             bones[name] = _Bone()
-        elif section == ":bonedata" and name != ROOT:
+        elif section == ":bonedata" and name != ROOT_JOINT:
             _set_bone(bones[name], words, place)
         elif section == ":hierarchy" and keyword not in ("begin", "end"):
             _add_children(parents, words, bones, place)
-    if not bones[ROOT].freedoms:
+    if not bones[ROOT_JOINT].freedoms:
         raise CaptureError(f"{source}: not an .asf skeleton: it has no order in :root")
     if len(parents) != len(bones) - 1:
-        lost = next((bone for bone in bones if bone != ROOT and bone not in parents), ROOT)
+        lost = next((bone for bone in bones if bone != ROOT_JOINT and bone not in parents), ROOT_JOINT)
         raise CaptureError(f"{source}: not an .asf skeleton: bone {lost[:40]!r} has no parent in :hierarchy")
     ordered = list(_parents_first(parents))
     if len(ordered) != len(bones):
-        raise CaptureError(f"{source}: bones of :hierarchy are not connected to {ROOT}")
+        raise CaptureError(f"{source}: bones of :hierarchy are not connected to {ROOT_JOINT}")
     joints = tuple(
         CapturedJoint(
             bone, parents.get(bone), sealed(bones[parents[bone]].end) if bone in parents else NO_TURN, NO_TURN
@@ -144,7 +144,7 @@ def _parse_order(words: Sequence[str], place: str) -> str:
 
 def _parse_freedoms(words: Sequence[str], place: str) -> tuple[str, ...]:
     freedoms = tuple(word.lower() for word in words)
-    known = {*ROTATION_AXES, *TRANSLATIONS, LENGTH_FREEDOM}
+    known = {*ROTATION_AXES, *TRANSLATION_CHANNELS, LENGTH_FREEDOM}
     unknown = next((word for word in freedoms if word not in known), None)
     if unknown is not None or len(set(freedoms)) < len(freedoms):
         raise CaptureError(
@@ -159,7 +159,7 @@ def _add_children(parents: dict[str, str], words: Sequence[str], bones: Mapping[
         if name not in bones:
             raise CaptureError(f"{place}: {name[:40]!r} is no bone of :bonedata")
     for child in children:
-        if child in parents or child == ROOT:
+        if child in parents or child == ROOT_JOINT:
             raise CaptureError(f"{place}: bone {child[:40]!r} has two parents")
         parents[child] = parent
 
@@ -169,7 +169,7 @@ def _parents_first(parents: Mapping[str, str]) -> Iterator[str]:
     children: dict[str, list[str]] = {}
     for child, parent in parents.items():
         children.setdefault(parent, []).append(child)
-    waiting = [ROOT]
+    waiting = [ROOT_JOINT]
     while waiting:
         bone = waiting.pop()
         yield bone
@@ -186,7 +186,7 @@ def read_acclaim_motion(data: bytes, source: str, skeleton: AcclaimSkeleton) -> 
         CaptureError: the data is not such a motion, or names other bones.
     """
     values, in_degrees = _parse_frames(split_lines(data, source), source, skeleton)
-    count = len(values[ROOT]) // len(skeleton.freedoms[ROOT])
+    count = len(values[ROOT_JOINT]) // len(skeleton.freedoms[ROOT_JOINT])
     check_times(np.arange(count) / FRAME_RATE, source)
     columns: dict[tuple[str, str], slice] = {}
     blocks: list[Floats] = []
@@ -199,9 +199,9 @@ def read_acclaim_motion(data: bytes, source: str, skeleton: AcclaimSkeleton) -> 
         for k, freedom in enumerate(skeleton.freedoms[bone]):
             if freedom in ROTATION_AXES:  # the first listed rotation is applied first
                 rotation = Rotation.from_euler(ROTATION_AXES[freedom], numbers[:, [k]], degrees=in_degrees) * rotation
-            elif freedom in TRANSLATIONS and bone == ROOT:
+            elif freedom in TRANSLATION_CHANNELS and bone == ROOT_JOINT:
                 blocks.append(numbers[:, [k]])
-                columns[bone, TRANSLATIONS[freedom]] = slice(width, width := width + 1)
+                columns[bone, TRANSLATION_CHANNELS[freedom]] = slice(width, width := width + 1)
         blocks.append(skeleton.axes[bone].apply(rotation.as_rotvec()))
         columns[bone, ROTATION_CHANNEL] = slice(width, width := width + 3)
     times = sealed(np.arange(count) / FRAME_RATE)

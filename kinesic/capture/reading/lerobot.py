@@ -22,7 +22,7 @@ from kinesic.extras import install_extra
 if TYPE_CHECKING:
     from duckdb import DuckDBPyConnection
 
-DESCRIPTION = ("meta", "info.json")  # folder and name of a dataset's description, below the dataset
+DESCRIPTION_PATH = ("meta", "info.json")  # folder and name of a dataset's description, below the dataset
 FOLDERS_BELOW = 3  # number of levels from the dataset down to its data files
 POSITION_FEATURES = ("action", "observation.state")  # columns with joint positions, the preferred first
 POSITION_SUFFIX = ".pos"  # suffix of the names of joint positions
@@ -88,7 +88,9 @@ def _find_joints(path: Path) -> tuple[str, tuple[str, ...]]:
     Raises:
         CaptureError: the dataset has no description, or no such column.
     """
-    description = path.absolute().parents[min(FOLDERS_BELOW, len(path.absolute().parents)) - 1].joinpath(*DESCRIPTION)
+    description = (
+        path.absolute().parents[min(FOLDERS_BELOW, len(path.absolute().parents)) - 1].joinpath(*DESCRIPTION_PATH)
+    )
     try:
         dataset = msgspec.json.decode(read_file(description), type=_Dataset)
     except (msgspec.DecodeError, RecursionError, UnicodeDecodeError) as error:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from kinesic.capture.reading.text import CaptureError, check_size
 from kinesic.extras import install_extra
 
-MAGIC = b"\x89MCAP0\r\n"  # first bytes of an MCAP file
+FILE_MAGIC = b"\x89MCAP0\r\n"  # first bytes of an MCAP file
 OPCODE_SCHEMA = 0x03  # record of a message type
 OPCODE_CHANNEL = 0x04  # record of a topic
 OPCODE_MESSAGE = 0x05  # record of one message
@@ -76,11 +76,11 @@ def read_messages(data: bytes, source: str) -> Iterator[Message]:
         CaptureError: the data is no MCAP file, is damaged, or needs a missing package.
     """
     check_size(data, source)
-    if not data.startswith(MAGIC):
+    if not data.startswith(FILE_MAGIC):
         raise CaptureError(f"{source}: not an MCAP file: its first bytes differ")
     schemas: dict[int, str] = {}
     topics: dict[int, Topic] = {}
-    for place, opcode, record in _read_records(data[len(MAGIC) :], source):
+    for place, opcode, record in _read_records(data[len(FILE_MAGIC) :], source):
         fields = _Fields(record)
         try:
             if opcode == OPCODE_SCHEMA:
@@ -104,7 +104,7 @@ def _read_records(data: bytes, source: str) -> Iterator[tuple[str, int, bytes]]:
     Records of chunks are unpacked.
     """
     unpacked = 0
-    for place, opcode, record in _split_records(data, source, len(MAGIC)):
+    for place, opcode, record in _split_records(data, source, len(FILE_MAGIC)):
         if opcode == OPCODE_DATA_END:
             return
         if opcode != OPCODE_CHUNK:

@@ -73,7 +73,7 @@ def read_formula(rest: str, *, ends: bool) -> Step | None:
 
 
 def read_latex(rest: str, *, ends: bool) -> Step | None:
-    """Read a LaTeX command, of which only a text argument is spoken.
+    """Read a LaTeX command, and speak only an argument that is text.
 
     Returns:
         Length 0 without a command, None if it may be incomplete.

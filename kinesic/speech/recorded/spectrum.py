@@ -19,10 +19,10 @@ LOUD_PERCENTILE = 95  # percentile of the frames' powers that counts as loud
 CEPSTRUM_SIZE = 9  # number of cepstral coefficients
 MIN_POWER = 1e-12  # power added to avoid the logarithm of zero
 # Orthonormal discrete cosine transform (type II) of log band powers, (`BAND_COUNT`, `CEPSTRUM_SIZE`).
-COSINES = np.sqrt(2.0 / BAND_COUNT) * np.cos(
+COSINE_MATRIX = np.sqrt(2.0 / BAND_COUNT) * np.cos(
     np.pi / BAND_COUNT * np.outer(np.arange(BAND_COUNT) + 0.5, np.arange(CEPSTRUM_SIZE))
 )
-COSINES[:, 0] /= np.sqrt(2.0)
+COSINE_MATRIX[:, 0] /= np.sqrt(2.0)
 
 
 def compute_band_powers(sound: Sound) -> Floats:
@@ -61,7 +61,7 @@ def compute_features(powers: Floats, is_speech: Flags) -> Floats:
     noise = NOISE_FACTOR * np.percentile(powers, NOISE_PERCENTILE, axis=0)
     loud = float(np.percentile(powers.sum(axis=1), LOUD_PERCENTILE)) / BAND_COUNT
     spectrum = np.log(np.maximum(powers - noise, 0.0) + FLOOR_RATIO * loud + MIN_POWER)
-    cepstra = spectrum @ COSINES
+    cepstra = spectrum @ COSINE_MATRIX
     around = np.pad(cepstra, ((2, 2), (0, 0)), mode="edge")
     slopes = around[3:-1] - around[1:-3] + 2.0 * (around[4:] - around[:-4])
     features = np.concatenate([cepstra, slopes], axis=1)

@@ -5,7 +5,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.signal import find_peaks as scipy_find_peaks
 
 from kinesic.speech.recorded.peaks import average_frames, find_peaks
-from kinesic.speech.recorded.spectrum import BAND_COUNT, CEPSTRUM_SIZE, COSINES
+from kinesic.speech.recorded.spectrum import BAND_COUNT, CEPSTRUM_SIZE, COSINE_MATRIX
 
 
 @pytest.mark.parametrize("seed", range(8))
@@ -35,4 +35,4 @@ def test_moving_mean_of_frames_matches_scipy(shape):
 def test_cosine_matrix_matches_the_orthonormal_dct_of_scipy():
     spectrum = np.random.default_rng(2).normal(size=(4, BAND_COUNT))
     expected = dct(spectrum, axis=1, norm="ortho")[:, :CEPSTRUM_SIZE]
-    np.testing.assert_allclose(spectrum @ COSINES, expected, atol=1e-13)
+    np.testing.assert_allclose(spectrum @ COSINE_MATRIX, expected, atol=1e-13)
