@@ -99,13 +99,13 @@ def web_server(folder: Path) -> Iterator[int]:
 
 
 def settled(page: Page) -> object:
-    """Return the results of all attempts of a page that runs them itself."""
+    """Return all results of a page that attempts connections by itself."""
     page.until("typeof mine !== 'undefined'")
     return page.value("mine")
 
 
 def attempts(page: Page, script: str) -> object:
-    """Return the results of all attempts of a script on a page of the server."""
+    """Return the results of the connections that a page's script attempts."""
     page.until("document.readyState === 'complete' && location.port !== ''")
     page.call("Runtime.evaluate", expression=script)
     return page.value("all()")

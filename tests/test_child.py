@@ -19,7 +19,7 @@ from kinesic.expressivity.lexicon.entries import builtin_gestures
 pytestmark = pytest.mark.realtime
 
 CONTEXT = child_context()
-MAX_COPIED = 2000  # [kB] of preloaded memory
+MAX_COPIED = 2000  # [kB] largest preloaded memory that a garbage collection may copy
 
 
 def answer(line: Connection, word: str) -> None:
@@ -34,7 +34,7 @@ def tell_group(line: Connection) -> None:
 
 
 def tell_gestures(line: Connection) -> None:
-    """Send the numbers of loaded and of all gestures, as work of a child."""
+    """Send the counts of loaded and of all gestures, as work of a child."""
     entries = builtin_gestures().entries
     line.send((sum("_entry" in vars(entry) for entry in entries), len(entries)))
 

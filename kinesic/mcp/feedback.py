@@ -17,10 +17,10 @@ STATE_ATTRIBUTE = f"{{{KINESIC_NAMESPACE}}}state"  # XML name of kinesic's attri
 class Feedback:
     """Parsed BML feedback message of the server."""
 
-    kind: str  # element name
+    kind: str  # name of the XML element
     subject: str  # id of block or behaviour; in progress messages with `:` and the sync point
     text: str
-    type: str = ""  # warning type
+    type: str = ""  # type of a warning
     state: str = ""  # final state of a block that ends early, such as INTERRUPTED
 
     @property

@@ -25,7 +25,7 @@ NOTE_COLOUR = (110, 110, 110)  # RGB colour of the note below each title
 class StrokeFigure:
     """Posture at a stroke, with two lines of text."""
 
-    angles: Floats  # (n,) [rad]
+    angles: Floats  # (n,) [rad] joint angles of the posture
     title: str
     note: str = ""
 

@@ -29,7 +29,7 @@ UNWORDED_WARNING = (
 class SpokenRecording:
     """Sound file to perform, and optional file with its word times."""
 
-    audio: Path  # WAV file
+    audio: Path  # WAV file of the speech
     words: Path | None = None  # Whisper, ElevenLabs, Polly or Azure JSON, TextGrid, EAF, SRT, VTT
 
 

@@ -45,7 +45,7 @@ class Rig:
         return done
 
     def energise(self) -> None:
-        """Switch torque on with every goal at its servo's position."""
+        """Switch torque on with the goal of each servo at its position."""
         goals = self.true(Register.PRESENT_POSITION)
         self.bus.cycle(goals)
         self.bus.put(Register.TORQUE_ENABLE, dict.fromkeys(self.bus.ids, 1))
@@ -75,7 +75,7 @@ def rig_of(
 
 @pytest.fixture(params=list(BUILDERS))
 def servos(request: pytest.FixtureRequest) -> str:
-    """Name the implementation of virtual servos that a test runs on."""
+    """Return the name of the implementation of virtual servos under test."""
     return str(request.param)
 
 

@@ -90,7 +90,7 @@ class Cycle:
 
     time: float  # [s] start, on the wire's clock
     duration: float  # [s] from the start to the end of the cycle
-    servos: tuple[int, ...]  # ids
+    servos: tuple[int, ...]  # ids of the servos in bus order
     records: Records  # (n,) last accepted records of dtype BLOCK_DTYPE, zeros before the first
     times: Floats  # (n,) [s] time of each record; -inf: no record yet
     fresh: Flags  # (n,) whether the record was read in this cycle

@@ -23,11 +23,11 @@ class Telemetry:
     """
 
     clock: float = 0.0  # [s] of the machine's monotonic clock; 0: no telemetry yet
-    celsius: Floats = field(default_factory=_no_servos)  # (m,) [C]
+    celsius: Floats = field(default_factory=_no_servos)  # (m,) [C] temperature
     load: Floats = field(
         default_factory=_no_servos
     )  # (m,) current / current limit; positive drives the hinge's angle up
-    volts: Floats = field(default_factory=_no_servos)  # (m,) [V]
+    volts: Floats = field(default_factory=_no_servos)  # (m,) [V] supply voltage
     errors: Floats = field(default_factory=_no_servos)  # (m,) bits of HARDWARE_ERROR_STATUS
     torque: Floats = field(default_factory=_no_servos)  # (m,) 1: torque is on, 0: off
 

@@ -25,7 +25,7 @@ class PingReply:
     """Reply of a servo to a ping: id, model number and firmware."""
 
     id: int
-    number: int  # MODEL_NUMBER
+    number: int  # model number, as in register MODEL_NUMBER
     firmware: int  # firmware version
 
     @property
@@ -43,10 +43,10 @@ class PingReply:
 class RegisterChange:
     """Change of one register of a servo, with old and new value."""
 
-    servo: int  # id
+    servo: int  # id of the servo
     register: Register
-    before: int  # raw value
-    after: int  # raw value
+    before: int  # raw value before the change
+    after: int  # raw value after the change
 
 
 def enable_replies(wire: Wire) -> None:

@@ -40,7 +40,7 @@ class Model:
     """
 
     name: str
-    number: int  # MODEL_NUMBER
+    number: int  # model number, as in register MODEL_NUMBER
     family: Family
     amperes: float | None  # [A] per count of current; None: no current limit, and load in 0.1 % per count
     initial: Mapping[Register, int]
@@ -99,7 +99,7 @@ class FactorySheet:
     """
 
     name: str  # as in `configs/servos.toml`
-    number: int  # MODEL_NUMBER
+    number: int  # model number, as in register MODEL_NUMBER
     volts: tuple[int, int]  # [0.1 V] lower and upper limit of the supply voltage
     amperes: int | None  # current limit; None: no current sensor
     speed: int  # [counts] velocity limit

@@ -12,9 +12,9 @@ from math import pi
 from kinesic.body.servo import FULL_DUTY_PWM, TICKS_PER_TURN
 
 RAM_START = 64  # First address of the RAM area in the control table
-RPM_TO_RADIANS = 2 * pi / 60  # [rad/s] per rev/min
-VELOCITY_UNIT = 0.229 * RPM_TO_RADIANS  # [rad/s] per count
-PROFILE_ACCELERATION_UNIT = 214.577 * RPM_TO_RADIANS / 60  # [rad/s^2] per count
+RPM_TO_RADIANS = 2 * pi / 60  # [rad/s] angular velocity of 1 rev/min
+VELOCITY_UNIT = 0.229 * RPM_TO_RADIANS  # [rad/s] velocity per count
+PROFILE_ACCELERATION_UNIT = 214.577 * RPM_TO_RADIANS / 60  # [rad/s^2] acceleration per count
 TICK_ANGLE = 2 * pi / TICKS_PER_TURN  # [rad] per tick of position
 DUTY_UNIT = 1 / FULL_DUTY_PWM  # Duty per count of PWM
 WATCHDOG_UNIT = 0.020  # [s] per count of the bus watchdog

@@ -71,7 +71,7 @@ class Status:
     faulty: bool = False
     waits: Awaited = "nothing"  # input that the supervisor waits for
     angles: Floats = field(default_factory=_no_values)  # (n,) [rad] measured; NaN for a silent servo
-    setpoints: Floats = field(default_factory=_no_values)  # (n,) [rad]
+    setpoints: Floats = field(default_factory=_no_values)  # (n,) [rad] joint angles sent to the servos as goals
     taken: Floats = field(default_factory=_no_values)  # (n,) [s] clock time of each angle; NaN for a silent servo
 
     def time_at(self, clock: float) -> float:

@@ -97,7 +97,7 @@ class Manifest:
     """
 
     robot: str
-    bauds: Mapping[str, int]  # [bit/s] by bus
+    bauds: Mapping[str, int]  # [bit/s] baud rate by bus name
     members: tuple[Member, ...]
     rest: Floats  # (n,) [rad] rest posture in joint order
     lower: Floats  # (n,) [rad] lower limit of each joint

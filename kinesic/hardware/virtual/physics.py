@@ -23,8 +23,8 @@ class Demand(NamedTuple):
 class Shaft(NamedTuple):
     """State of an output shaft, as the servo's sensors measure it."""
 
-    angle: float  # [rad] of the output shaft, multi-turn
-    speed: float = 0.0  # [rad/s]
+    angle: float  # [rad] angle of the output shaft, multi-turn
+    speed: float = 0.0  # [rad/s] velocity of the output shaft
     duty: float = 0.0  # PWM duty -1..1
     load: float = 0.0  # motor current / stall current, signed
 

@@ -121,8 +121,8 @@ class Tuning(NamedTuple):
     mode: int  # value of the register OPERATING_MODE
     sign: int  # -1 with reversed rotation
     offset: int  # [ticks] effective homing offset
-    pwm_limit: int  # [counts of PWM]
-    moving_threshold: int  # [velocity counts]
+    pwm_limit: int  # [counts of PWM] largest duty
+    moving_threshold: int  # [velocity counts] velocity from which the servo reports motion
     has_time_profile: bool
 
 

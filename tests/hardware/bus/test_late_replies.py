@@ -226,7 +226,7 @@ def test_late_first_record_has_the_time_of_its_query():
 
 
 def miss_a_cycle(made: Rig) -> None:
-    """Let one cycle pass without replies, so that later replies may be late ones."""
+    """Run one cycle without replies, so that later replies may be late."""
     for servo in made.plant.servos:
         servo.mute = True
     made.run(1)

@@ -11,9 +11,9 @@ from .records import ALL, answer, blocks, gate, make_filter, told
 
 __all__ = ["gate"]
 
-POSITION_TOLERANCE = PLAUSIBILITY_TUNING.position_tolerance  # [ticks]
-TEMPERATURE_TOLERANCE = PLAUSIBILITY_TUNING.temperature_tolerance  # [C]
-MAX_HEATING_RATE = PLAUSIBILITY_TUNING.max_heating_rate  # [C/s]
+POSITION_TOLERANCE = PLAUSIBILITY_TUNING.position_tolerance  # [ticks] position jump that is always plausible
+TEMPERATURE_TOLERANCE = PLAUSIBILITY_TUNING.temperature_tolerance  # [C] change that is always plausible
+MAX_HEATING_RATE = PLAUSIBILITY_TUNING.max_heating_rate  # [C/s] plausible temperature change over time
 
 
 def test_plausible_first_servo_record_is_accepted():

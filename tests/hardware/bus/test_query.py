@@ -33,7 +33,7 @@ RAW = joint()
 
 
 def found(raw: bytes) -> list[int]:
-    """Return the places of the servos whose records were read, after checking the values."""
+    """Check the values of read records, and return the servos' indices."""
     answer = FAST.parse(raw)
     for k in np.flatnonzero(answer.received):
         assert answer.blocks[k].tobytes()[2:20] == RECORDS[k]

@@ -1,4 +1,4 @@
-"""Detection of rebooted servos, and restoration of their indirect cells."""
+"""Detection of rebooted servos, and restoration of their indirect addresses."""
 
 from collections.abc import Callable
 

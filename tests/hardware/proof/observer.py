@@ -70,9 +70,9 @@ class SpyWire:
 class Moment:
     """Actual state of the servos at one time."""
 
-    time: float  # [s]
+    time: float  # [s] time of the state
     torque: Flags
-    angles: Floats  # (m,) [rad]
+    angles: Floats  # (m,) [rad] actual joint angle by servo
 
 
 @dataclass

@@ -22,7 +22,7 @@ MODEL_INITIALS = {  # factory values of the velocity controller that the indepen
     ("xl330_m288", "velocity_p"): 180,
 }
 MODEL_RANGES = dict.fromkeys((("xl330_m288", "max_voltage"), ("xl330_m288", "min_voltage")), (31, 70))  # [0.1 V]
-SERIES_TEMPERATURES = {"xl330": 70, "xc330": 70, "xl430": 72, "xc430": 80, "xm430": 80, "xh430": 80}  # [C]
+SERIES_TEMPERATURES = {"xl330": 70, "xc330": 70, "xl430": 72, "xc430": 80, "xm430": 80, "xh430": 80}  # [C] limits
 SERIES_TEMPERATURES |= {"xm540": 80, "xh540": 80, "xw540": 80}  # [C]
 SERIES_VOLTAGES = {"xl330": (35, 70), "xl430": (60, 140), "xc430": (60, 160), "xm430": (95, 160)}  # [0.1 V]
 SERIES_VOLTAGES |= dict.fromkeys(("xh430", "xm540", "xh540", "xw540"), (95, 160))  # [0.1 V]

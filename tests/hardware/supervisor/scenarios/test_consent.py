@@ -183,7 +183,7 @@ def test_commands_slower_than_real_time_after_a_standstill_need_a_resume_request
 
 
 SAMPLED_OUTAGES = {(0.6, False), (1.05, True)}  # duration [s] and frozen flag of outages tested in every run
-OUTAGE_DURATIONS = (0.1, 0.3, 0.6, 1.05, 2.0, 5.0, 10.0)  # [s]
+OUTAGE_DURATIONS = (0.1, 0.3, 0.6, 1.05, 2.0, 5.0, 10.0)  # [s] durations of port outages
 
 
 @pytest.mark.parametrize(
