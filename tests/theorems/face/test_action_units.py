@@ -12,7 +12,7 @@ from ...examples import examples
 
 HEAD_MESHES = [load_head(variant) for variant in FACE_VARIANTS]
 FEMALE_MESH = load_head("female")
-MAX_DISPLACEMENT = 0.1  # [m] largest vertex displacement per action unit; lip pressing closes an open mouth
+MAX_DISPLACEMENT = 0.1  # [m] vertex displacement at full intensity that small changes may not exceed in proportion
 STEP_SIZES = (0.01, 0.001)  # steps of an action unit's intensity; small steps reveal small discontinuities
 NARROWING_UNITS = ("18", "23", "L30", "R30")  # action units that move the lip corners sideways
 units = st.dictionaries(st.sampled_from(FACE_CHANNELS), st.floats(0.0, 1.0), max_size=8)

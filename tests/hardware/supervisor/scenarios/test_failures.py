@@ -153,7 +153,7 @@ def test_hot_servo_slows_the_performance_before_it_shuts_down(desk: Make):
 
 
 @pytest.mark.parametrize("seconds", [0.05, pytest.param(0.4, marks=pytest.mark.soak), 2.0])
-def test_robot_holds_within_250_ms_of_a_port_loss_and_keeps_torque(desk: Make, seconds: float):
+def test_robot_holds_or_resumes_within_250_ms_of_the_return_of_a_lost_port_and_keeps_torque(desk: Make, seconds: float):
     made = desk().active(4.0)
     made.expose(PlannedFault("unplug", seconds=seconds))
     made.until(Stage.LOST)
