@@ -1,7 +1,7 @@
 """Properties of a bus under random communication errors."""
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.hardware.bus.bus import Bus, Servo
@@ -12,6 +12,8 @@ from kinesic.hardware.virtual.faults import WIRE_KINDS, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
+
+from ...examples import examples
 
 MID_TICKS, CYCLE_COUNT, CYCLE_PERIOD = 2048, 30, 0.02
 SERVO_MODEL = SERVO_MODELS["xm430_w350"]
@@ -38,7 +40,7 @@ def opened(count: int, faults: FaultPlan) -> tuple[Bus, MemoryWire, ShaftSimulat
     return Bus(wire, [Servo(k + 1, SERVO_MODEL) for k in range(count)], period=CYCLE_PERIOD), wire, plant
 
 
-@settings(max_examples=25, deadline=None)
+@examples(80)
 @given(RATES_BY_KIND, PLANNED_FAULTS, st.integers(2, 9), st.integers(0, 1000))
 def test_bus_raises_no_error_and_accepts_no_false_servo_record(
     rates: dict[str, float], befalls: list[PlannedFault], count: int, seed: int
@@ -62,7 +64,7 @@ def test_bus_raises_no_error_and_accepts_no_false_servo_record(
         wire.sleep(k * CYCLE_PERIOD)
 
 
-@settings(max_examples=15, deadline=None)
+@examples(50)
 @given(st.integers(2, 26), st.integers(0, 4095), st.integers(0, 4095))
 def test_goals_sent_on_the_bus_arrive_unchanged(count: int, first: int, last: int):
     bus, _, plant = opened(count, FaultPlan())

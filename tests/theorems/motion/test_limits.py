@@ -3,7 +3,7 @@
 from typing import get_args
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.body.arrays import sealed
@@ -12,6 +12,8 @@ from kinesic.motion.condition import condition
 from kinesic.motion.easing import Easing
 from kinesic.motion.keys import KeyPassage, KeyPosture
 from kinesic.motion.limit_check import check_limits
+
+from ...examples import examples
 
 BOX_LIMITS = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
 DUTY_LIMITS = ([0.05, 0.01, 0.002], [0.8, 0.18, 0.134], [0.58, 0.65, 0.79])
@@ -26,7 +28,7 @@ angles = st.tuples(*[st.floats(-1.5, 1.5)] * 3)
 rows = st.lists(st.tuples(gaps, angles, st.integers(0, 7), st.tuples(*[passages] * 3)), min_size=2, max_size=9)
 
 
-@settings(max_examples=12, deadline=None)
+@examples(40)
 @given(rows)
 def test_conditioned_motion_keeps_limits_and_passes_its_keys(rows):
     times = np.cumsum([gap for gap, *_ in rows])

@@ -3,7 +3,7 @@
 from functools import lru_cache
 
 import numpy as np
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from kinesic.bml.parse import parse
@@ -14,6 +14,8 @@ from kinesic.planning.setup import Setup
 from kinesic.realizer.merge import merge
 from kinesic.realizer.occupancy import ARM_ROLES, Occupancy, arm_hinges, occupancy_of
 from kinesic.session.setup import set_up
+
+from ...examples import examples
 
 BLOCK_XML = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><wait id="w" start="0" duration="9"/>{}</bml>'
@@ -44,7 +46,7 @@ def planned(ids: list[str], *, quickly: bool) -> Plan:
     return plan_quickly(block, setup_once()) if quickly else plan_block(block, setup_once())
 
 
-@settings(max_examples=10, deadline=None)
+@examples(33)
 @given(BLOCKS, st.integers(0, 4), st.booleans())
 def test_merged_block_with_dropped_behaviours_equals_its_plan_without_them(
     ids: list[str], choice: int, quickly: bool

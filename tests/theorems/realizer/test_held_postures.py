@@ -4,11 +4,12 @@ import random
 
 import numpy as np
 import pytest
-from hypothesis import example, given, settings
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from kinesic.body.arrays import Floats
 
+from ...examples import examples
 from .holding_chain import GAZE_BLOCKS, HOLDING_BLOCKS, PASSING_BLOCKS, STANCE_BLOCKS, Chain, held_alone
 
 WAITING_BLOCK = HOLDING_BLOCKS[-1]  # block that waits 6 s before its gaze
@@ -19,7 +20,7 @@ GAZE_EVENTS = st.tuples(PAUSE_TIMES, st.sampled_from(GAZE_BLOCKS))
 CHAIN_EVENTS = st.tuples(PAUSE_TIMES, st.sampled_from([*GAZE_BLOCKS, *STANCE_BLOCKS, *HOLDING_BLOCKS, *PASSING_BLOCKS]))
 
 
-@settings(max_examples=12, deadline=None)
+@examples(40)
 @given(st.lists(GAZE_EVENTS, min_size=2, max_size=9), st.sampled_from([0.0, 0.13]))
 def test_final_posture_of_a_gaze_chain_equals_that_of_the_last_gaze(
     events: list[tuple[float, str]], ahead: float
@@ -32,7 +33,7 @@ def test_final_posture_of_a_gaze_chain_equals_that_of_the_last_gaze(
     assert chain.limit_ratio <= MAX_LIMIT_RATIO
 
 
-@settings(max_examples=12, deadline=None)
+@examples(40)
 @given(st.lists(CHAIN_EVENTS, min_size=2, max_size=9), st.sampled_from([0.0, 0.13]), st.data())
 def test_final_posture_of_a_mixed_chain_combines_the_last_gaze_and_posture_shift(
     events: list[tuple[float, str]], ahead: float, data: st.DataObject
@@ -55,7 +56,7 @@ def test_later_of_two_gazes_sent_at_the_same_time_is_held(first: str, second: st
     np.testing.assert_allclose(chain.end, held_alone(second), atol=1e-6)
 
 
-@settings(max_examples=8, deadline=None)
+@examples(27)
 @given(st.floats(3.0, 6.0), PAUSE_TIMES, st.sampled_from(GAZE_BLOCKS[:2]))
 @example(3.616, 1.496, GAZE_BLOCKS[1])  # the times of both gazes differ by rounding
 def test_later_of_two_gazes_sent_while_a_gaze_is_held_is_held(first_pause: float, pause: float, last: str) -> None:

@@ -11,6 +11,8 @@ from kinesic.expressivity.lexicon.lexicon import mirror_form
 from kinesic.session.setup import set_up
 from kinesic.studies.gestures.isolated import plan_gesture
 
+from ...examples import examples
+
 PLAN_SETUP = set_up()
 MIRRORED_SETUP = replace(PLAN_SETUP, lexicon=PLAN_SETUP.lexicon.changed(mirror_form))
 HINGE_NAMES = list(PLAN_SETUP.robot.skeleton.names)
@@ -37,14 +39,14 @@ def motion(planned):
     return planned.trajectory.sample(np.arange(0.0, planned.trajectory.duration, 0.01))[0]
 
 
-@settings(max_examples=15, deadline=None)
+@examples(50)
 @given(st.sampled_from(ONE_HANDED_FORMS))
 def test_left_handed_gesture_mirrors_the_right_handed_gesture(form):
     left, right = motion(plan_gesture(form, PLAN_SETUP, "left")), motion(plan_gesture(form, PLAN_SETUP, "right"))
     assert left == pytest.approx(mirrored(right), abs=MIRROR_TOLERANCE)
 
 
-@settings(max_examples=8, deadline=None)
+@examples(27)
 @given(st.sampled_from(SYMMETRIC_FORMS))
 def test_symmetric_gestures_are_their_own_mirror_image(form):
     both = motion(plan_gesture(form, replace(PLAN_SETUP, style=PLAN_SETUP.style.changed(["whole_body=0"]))))
