@@ -17,7 +17,7 @@ from kinesic.motion.keys import PLAIN_PASSAGE, KeyPassage
 
 TURN_AXES = ("torsion", "tilt", "roll")  # rotation axes in the order of Turn; suffixes of neck and torso joint names
 UPRIGHT_TURN = Turn()  # rotation of zero
-MIN_KEY_SPACING = 0.02  # [s] shortest interval between keys; closer keys are merged
+MIN_KEY_SPACING = 0.02  # [s] shortest interval between keys; a closer key is left out or shifted
 
 
 @dataclass(frozen=True)

@@ -20,8 +20,8 @@ from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG, user_id
 DRAFT_FILE = ".kinesic-draft"  # name of the file that marks a draft folder
 DRAFT_TEXT = b"kinesic writes this folder, or was killed as it did; then the next run removes the folder.\n"
 DRAFT_NAME = re.compile(r"\..*-[0-9a-f]{12}(\..*)?", re.DOTALL)  # pattern of the hidden names made by `name_beside`
-PRIVATE_MODE = 0o700  # Permissions of drafts of files
-PUBLIC_MODE = 0o777  # Permissions of drafts of folders, before the umask
+PRIVATE_MODE = 0o700  # permissions of a hidden folder that holds an unfinished output file
+PUBLIC_MODE = 0o777  # permissions, before the umask, of a hidden folder that becomes an output folder
 LOCK_FLAGS = os.O_RDWR | NO_LINK_FLAG | NO_WAIT_FLAG  # Flags that open a draft's marker file for locking
 
 _swept_folders: set[tuple[int, int]] = set()  # (device, inode) of folders already cleared of abandoned drafts

@@ -18,7 +18,7 @@ MIN_RANGE = 1e-9  # [rad] range assumed for a hinge that cannot move
 JERK_TIME = 0.05  # [s] time that weights jerk relative to acceleration in the smoothest motion
 CALMNESS_REGULARISATION = 1e-10  # added to the diagonal of the acceleration and jerk cost, to make it positive definite
 STENCIL_WIDTHS = (2, 3, 4, 3)  # control points per row of velocity, acceleration, jerk and duty
-TIME_POWERS = (  # exponents of 1 / duration in the limit ratios of velocity, acceleration, jerk and duty
+TIME_POWERS = (  # p: value / limit scales with duration**-p, for velocity, acceleration, jerk and duty
     1.0,
     2.0,
     3.0,

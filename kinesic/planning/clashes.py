@@ -243,7 +243,7 @@ def _neighbours(frames: KeyFrames, postures: Sequence[KeyPosture], setup: Setup)
 def _search(
     pair: Neighbours, postures: Sequence[KeyPosture], setup: Setup, budget: Budget, memory: PlaneMemory
 ) -> float:
-    """Compute the planned less the requested interval [s] between two strokes.
+    """Compute the planned minus the requested interval [s] of two strokes.
 
     Only the arms of both gestures are planned, between the nearest exact keys before and after.
     """

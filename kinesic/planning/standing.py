@@ -167,7 +167,7 @@ def _stands_upright(style: Style) -> bool:
 
 
 def _take_largest_stance(robot: Robot, standing: Standing, stance: Stance, distances: Distances) -> Floats | None:
-    """Return a posture [rad] with the largest collision-free deviation, or None."""
+    """Return a stance's posture [rad] at its largest collision-free fraction, or None."""
     scaled = (stance.scaled(fraction) for fraction in POSTURE_AMOUNTS)
     candidates = (_take_clear_stance(robot, standing, smaller, distances) for smaller in scaled)
     return next((angles for angles in candidates if angles is not None), None)

@@ -131,7 +131,7 @@ def _motion_without_block(
 
 
 def _rejoin_arms(back: Floats, current: Floats, knot: int, others: Sequence[Occupancy], setup: Setup) -> None:
-    """Let resting arms rejoin later behaviours of the running motion.
+    """Blend resting arms back into the running motion before their next behaviour.
 
     Without enough time for that, the arm keeps the running motion.
     """

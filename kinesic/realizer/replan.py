@@ -235,7 +235,7 @@ class _PlanSwitch:
 
 
 def _split(new_occupancy: Sequence[Occupancy], ending: Collection[str]) -> tuple[list[Occupancy], list[Occupancy]]:
-    """Split a new plan's occupancies by the motion that performs them.
+    """Divide occupied roles between the new motion and the old one.
 
     Of behaviours that finish in the old plan, only the arms do; their trunk moves to the new plan.
     """

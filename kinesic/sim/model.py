@@ -74,7 +74,7 @@ def select_link_factors(servos: Factors) -> Factors:
 
 
 def write_drives(model: mujoco.MjModel, robot: Robot, servos: Factors) -> None:
-    """Write drive parameters into a model compiled with the same link factors.
+    """Write drive parameters into a model compiled with the servos' link factors.
 
     Equivalent to `_add_hinge`, in a tenth of the time of compilation.
     """

@@ -67,7 +67,7 @@ def requested(monkeypatch, attempts: int, *, evaluations: int = 0, binds=lambda 
     ("attempts", "planes", "stretched", "stops"),
     [(0, 1, 0, 0), (2, 1, 0, 0), (3, 0, 1, 0), (4, 0, 1, 0), (5, 0, 0, 4), (6, 0, 0, 4)],
 )
-def test_key_time_search_tries_cutting_planes_then_stretching_then_stops(
+def test_key_time_search_tries_cutting_planes_then_stretching_then_rest_at_keys(
     monkeypatch, attempts, planes, stretched, stops
 ):
     search = requested(monkeypatch, attempts)

@@ -99,7 +99,7 @@ def test_times_differ_from_the_prediction_beyond_the_tolerance(zero, times, diff
     assert replace(block, predicted=(zero, times)).differs_from_prediction(0.25) is differs
 
 
-def test_provisional_warnings_are_scheduled_one_second_later_unless_the_plan_is_refined():
+def test_warnings_of_a_provisional_plan_are_due_after_a_second_and_dropped_if_it_is_refined():
     known, late = notice("known"), notice("late")
     quick = small_block("b", notices=(known, late), quick_notices=(known,), is_provisional=True)
     assert quick.final_notices == (known,)

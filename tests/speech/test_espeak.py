@@ -98,7 +98,7 @@ def test_empty_speech_is_synthesised_with_duration_zero(text: str, espeak: Espea
     assert (utterance.duration, utterance.marks, utterance.phonemes) == (0.0, {"m": 0.0, "n": 0.0}, ())
 
 
-def test_speech_mark_before_a_comma_stays_at_the_end_of_its_word(espeak: Espeak):
+def test_sync_mark_before_a_comma_is_reached_at_the_end_of_its_word(espeak: Espeak):
     utterance = espeak.say(Script("one, two", (Mark("end", 3), Mark("two", 5))))
     word = espeak.say(Script("one"))
     assert utterance.marks["end"] == pytest.approx(word.duration, abs=0.1)

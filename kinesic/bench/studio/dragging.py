@@ -1,4 +1,4 @@
-"""Timing of loads and drags of the studio page in a browser.
+"""Measurement of the studio page's opening time and of redrawing dragged hands.
 
 First paint and drawing of a dragged hand.
 """

@@ -99,7 +99,7 @@ def read_messages(data: bytes, source: str) -> Iterator[Message]:
 
 
 def _read_records(data: bytes, source: str) -> Iterator[tuple[str, int, bytes]]:
-    """Yield place, opcode and content of all records before the data's end.
+    """Yield location text, opcode and content of records before `Data End`.
 
     Records of chunks are unpacked.
     """

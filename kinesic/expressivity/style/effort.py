@@ -44,7 +44,7 @@ STROKE_MARGIN = 1.6  # smallest natural duration / minimum duration of the servo
 ACCENT_MARGIN = 1.5  # duration / minimum duration to which power shortens strokes; servos round off shorter accents
 WEAKNESS_FRACTION = 0.6  # fraction of a negative power that slows preparation and retraction (from Greta)
 
-REFERENCE_STROKE_TIME = 0.6  # [s] stroke duration to which the hold times of categories refer
+REFERENCE_STROKE_TIME = 0.6  # [s] stroke duration for which hold times of gesture categories are given
 POSE_HOLD_FACTOR = 1.8  # factor on the category's hold time after a pose
 STROKE_HOLD_FACTOR = 0.4  # factor on the category's hold time after a stroke of the reference duration
 

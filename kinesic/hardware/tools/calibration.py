@@ -27,7 +27,7 @@ MAX_TANDEM_OFFSET = 12  # [ticks] largest position difference between the servos
 Signs = NDArray[np.int64]
 # Words for motion along +-x, +-y, +-z
 DIRECTION_WORDS = (("forward", "backward"), ("to its left", "to its right"), ("up", "down"))
-MIN_MOTION_RATIO = 0.5  # tip motion / lever length, or axis component, that decides the wording
+MIN_MOTION_RATIO = 0.5  # least tip motion / lever length, or axis component, to describe a direction
 FORWARD_AXIS = np.array([1.0, 0.0, 0.0])  # Unit vector forward in the world
 UP_AXIS = np.array([0.0, 0.0, 1.0])  # Unit vector upward in the world
 

@@ -91,7 +91,7 @@ class Agent:
         return {name: _clip(value, -1.0, 1.0) for name, value in parameters.items()}
 
     def weight(self, intent: str, channel: str, name: str) -> float:
-        """Return `preference` or `OAC` of a channel for an intention, 0..1.
+        """Return Greta's weight `preference` or `OAC` of a channel, 0..1.
 
         `preference` is a factor on the certainty, `OAC` one on the probability of signals that are not core. The
         default is 1.

@@ -53,7 +53,7 @@ class Manuscript:
         return self.rest + self.subtitles.rest
 
     def restarted(self) -> "Manuscript":
-        """Return the state before a further text of the same dialogue."""
+        """Return the initial state for the next text of a dialogue."""
         return Manuscript(speakers=self.speakers, character=self.character, others=self.others)
 
 

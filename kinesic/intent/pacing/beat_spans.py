@@ -14,7 +14,7 @@ class BeatSpan:
     after: float = 0.0  # [s] smallest interval until the next stroke
 
 
-# Beats that roll before their stroke, or go on after it. Other beats fit between all strokes.
+# Times that some beats need before and after their stroke. Other beats fit between any two strokes.
 BEAT_SPANS: Mapping[str, BeatSpan] = {
     "beat_alternate": BeatSpan(after=1.0),
     "beat_double": BeatSpan(after=1.5),

@@ -17,7 +17,7 @@ BEAT_SPACINGS = (1.3, 1.05, 0.95)  # [s] smallest spacing of a beat from other s
 MAX_BEAT_FRACTION = 0.54  # fraction of beats above which the stroke rate is reduced
 # [1/min] lower bounds of stroke rates reduced because of MAX_BEAT_FRACTION, at LIVELINESS_LEVELS.
 MIN_STROKE_RATES = (8.0, 17.0, 18.0)
-RUN_LENGTHS = (2.0, 3.0, 4.0)  # [strokes] longest run of strokes with beats at LIVELINESS_LEVELS
+RUN_LENGTHS = (2.0, 3.0, 4.0)  # [strokes] most successive strokes without rest, by LIVELINESS_LEVELS
 RUN_SPACING = 1.6  # [s] largest spacing of strokes in a run, without returning to rest between
 SILENCE_RATIO = 1.7  # longest silence of the hands, in mean intervals between strokes
 
@@ -40,7 +40,7 @@ class Tempo:
 
 
 def limit_beats(tempo: Tempo, pictures: int, seconds: float) -> Tempo:
-    """Return a tempo with its rate limited by the fraction of beats.
+    """Lower a tempo's stroke rate until beats are at most `MAX_BEAT_FRACTION`.
 
     The fraction of beats is at most `MAX_BEAT_FRACTION`, but the rate does not fall below `min_rate`.
 

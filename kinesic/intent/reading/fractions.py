@@ -59,7 +59,7 @@ def _name(match: re.Match[str], language: Language, before: Sequence[str], after
 
 
 def _name_pair(top: str, bottom: str, names: Fractions, head: str, word: str) -> str:
-    """Return two numbers as spoken, or empty text for a fraction."""
+    """Return words of a pair, count or rating `a/b`, otherwise empty text."""
     if f"{top}/{bottom}" in names.pairs or word in names.pair_ends:
         return f"{top} {bottom}"
     if int(top) > int(bottom):

@@ -16,7 +16,7 @@ from kinesic.sim.servo_factors import NOMINAL_FACTORS
 
 MAX_STROKE_MEDIAN = 0.015  # [s] limit of the median timing error of strokes
 MAX_STROKE_P95 = 0.030  # [s] limit of the 95th percentile of stroke timing errors
-MAX_ARRIVAL_LAG = 0.020  # [s] limit of the twin's absolute arrival error at strokes, relative to the plan
+MAX_ARRIVAL_LAG = 0.020  # [s] largest difference, early or late, of the twin's stroke from its planned time
 RMSE_LIMITS = {True: 0.2, False: 1.0}  # [deg] RMS tracking error limits: nominal servos (True), others (False)
 P95_LIMIT = 2.5  # [deg] limit of the 95th percentile of tracking errors
 PEAK_ERROR_LIMIT = 5.0  # [deg] limit of the largest tracking error

@@ -76,7 +76,7 @@ def robot_tables(
 
 
 def name_servo(hinge: MappedHinge) -> str:
-    """Return the name of a hinge's servo model, equal for mirror images."""
+    """Return the key of a hinge's servo table: its name without side."""
     return hinge.name.removeprefix("l_").removeprefix("r_")
 
 

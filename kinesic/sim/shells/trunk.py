@@ -151,7 +151,7 @@ def _select_lateral(capsules: Sequence[Capsule]) -> list[Capsule]:
 
 
 def _has_neck(lateral: Sequence[Capsule], others: Sequence[Capsule]) -> bool:
-    """Return whether a bar rises out of the highest lateral capsule."""
+    """Return whether a capsule, like a neck, ends above the shoulder capsule."""
     return bool(lateral) and any(c.end[2] > lateral[-1].start[2] + lateral[-1].radius for c in others)
 
 

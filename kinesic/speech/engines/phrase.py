@@ -1,4 +1,4 @@
-"""Interface of speech engines: phrase in, sound and times out.
+"""Interface of speech engines, which turn phrases into sound and times.
 
 Any class with a `name` and a method `speak` is an engine; `EngineVoice` turns it into a voice. An engine may report
 less than it could: without phonemes they are estimated between the words, without words from the sound alone.

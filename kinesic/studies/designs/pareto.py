@@ -39,7 +39,7 @@ DESIGN_CRITERIA: Mapping[str, DesignCriterion] = {
 
 
 def values_of(trials: Sequence[Trial]) -> Floats:
-    """Return the criteria of all trials as rounded numbers of steps.
+    """Return all trials' criteria in units of their smallest relevant difference, rounded.
 
     Smaller is better.
 

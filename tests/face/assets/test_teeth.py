@@ -10,7 +10,7 @@ def mesh(request: pytest.FixtureRequest) -> Mesh:
     return load_head().subdivided() if request.param == "finer" else load_head(request.param)
 
 
-def test_teeth_chart_runs_along_the_row_and_towards_the_gums(mesh: Mesh):
+def test_tooth_coordinates_run_along_the_row_and_towards_the_gums(mesh: Mesh):
     place, points = compute_teeth_chart(mesh), mesh.positions[mesh.vertices("teeth")]
     for jaw in (1.0, -1.0):
         along, away = place[place[:, 3] == jaw, :2].T

@@ -209,7 +209,7 @@ def test_torque_procedure_waits_until_the_host_receives_new_records(bench: Bench
     assert bench.true(Register.TORQUE_ENABLE) == [1] * COUNT
 
 
-def test_servos_with_torque_are_adopted_with_their_goals(bench: Bench):
+def test_supervisor_takes_over_servos_with_torque_and_keeps_their_goals(bench: Bench):
     bench.energised()
     earlier = bench.last.positions + np.array([0.0, 282.0, -282.0, 3.0])  # at most twice the 141 ticks of full power
     for register, value in ((Register.GOAL_PWM, 300), (Register.BUS_WATCHDOG, 0)):

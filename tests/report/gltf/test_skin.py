@@ -300,7 +300,7 @@ def test_gltf_of_a_performance_shows_the_measured_motion(tmp_path: Path) -> None
         np.testing.assert_allclose(result[[0, round(KEY_FRAME_RATE / 2), -1]], local, atol=1e-5)
 
 
-def test_gltf_scenes_are_recognised_by_suffix() -> None:
+def test_only_files_with_suffix_glb_are_recognised_as_gltf_scenes() -> None:
     assert is_scene(Path("a/run.GLB"))
     assert not is_scene(Path("run.gltf"))
     assert not is_scene(None)

@@ -159,7 +159,9 @@ def compare(own: Host, manual: Host, data: bytes) -> None:
 
 @examples(80)
 @given(st.sampled_from(TESTED_MODELS), st.lists(instructions(), max_size=25))
-def test_virtual_servos_answer_random_instructions_like_the_manual_model(model: str, stream: list[bytes]):
+def test_virtual_servos_answer_random_instructions_like_a_model_written_from_the_servo_manual(
+    model: str, stream: list[bytes]
+):
     cable = Cable("body", tuple(ServoFitting(servo, model=model) for servo in SERVO_IDS))
     own = Host(MemoryWire(build_bus([cable])[1]["body"]))
     manual = Host(ManualWire(build_manual([cable])[1]["body"]))

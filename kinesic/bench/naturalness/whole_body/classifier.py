@@ -1,4 +1,4 @@
-"""Classifiers that tell two groups of clips apart, cross-validated by performance."""
+"""Classifiers of two groups of clips, with one performance per validation fold."""
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass

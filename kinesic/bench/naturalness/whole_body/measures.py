@@ -20,7 +20,7 @@ from kinesic.body.arrays import Floats
 from kinesic.metrics.smoothness import spectral_arc_length
 from kinesic.studies.sweep.geometry import length
 
-RETURN_TIME = 1 / 3  # [s] compared time after `relax`; most captured clips end then
+RETURN_TIME = 1 / 3  # [s] a compared gesture ends this long after `relax`, as most captured clips do
 WINDOW_TIME = 2.7  # [s] length of windows cut from clips without sync points; the median gesture is as long
 MIN_WINDOW_TIME = 1.4  # [s] shortest compared window of a clip
 MIN_WINDOW_SPEED = 0.3  # [arm lengths/s] largest hand speed up to which a window contains no gesture
