@@ -72,7 +72,8 @@ class Store:
             return QueryResult(tuple(column[0] for column in cursor.description or ()), tuple(cursor.fetchall()))
         except duckdb.Error as error:
             names = ", ".join(self.tables)
-            raise ConfigError(f"invalid query: {str(error).splitlines()[0]}; tables are {names}") from None
+            reason, *_ = str(error).splitlines() or ["DuckDB states no reason"]
+            raise ConfigError(f"invalid query: {reason}; tables are {names}") from None
 
 
 @contextmanager

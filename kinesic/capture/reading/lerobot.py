@@ -66,7 +66,8 @@ def read_lerobot(path: Path) -> JointClip:
         with duckdb.connect(config=settings) as connection:
             episode, episodes, rows = _query(connection, path, feature, len(names))
     except (duckdb.Error, UnicodeDecodeError) as error:
-        raise CaptureError(f"{path}: {str(error).splitlines()[0]}") from None
+        reason, *_ = str(error).splitlines() or ["it is damaged"]  # some errors of DuckDB have no text
+        raise CaptureError(f"{path}: {reason}") from None
     if len(rows) * len(names) > MAX_VALUES:
         raise CaptureError(f"{path}: episode {episode} has more than {MAX_VALUES} values; cut it")
     if any(time is None or values is None or len(values) != len(names) or None in values for time, values in rows):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from kinesic.capture.read import read_clip
+from kinesic.capture.reading import lerobot
 from kinesic.capture.reading.text import CaptureError
 
 from ..lerobot_files import write_dataset
@@ -85,3 +86,12 @@ def test_missing_duckdb_is_reported_with_the_extra_that_installs_it(tmp_path, mo
     monkeypatch.setitem(sys.modules, "duckdb", None)
     with pytest.raises(CaptureError, match=r"\.parquet needs DuckDB: .*kinesic\[store\]"):
         read_clip(path)
+
+
+def test_damaged_lerobot_file_is_refused_if_duckdb_states_no_reason(tmp_path, monkeypatch):
+    def fail(*_arguments: object) -> None:
+        raise duckdb.BinderException("")
+
+    monkeypatch.setattr(lerobot, "_query", fail)
+    with pytest.raises(CaptureError, match="it is damaged"):
+        read_clip(write_dataset(tmp_path))
