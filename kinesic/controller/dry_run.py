@@ -54,7 +54,7 @@ def dry_runs(
     step: float = MAX_PHYSICS_STEP,
     progress: Callable[[float], None] = lambda fraction: None,
 ) -> tuple[DryRun, ...]:
-    """Perform a plan in several simulated robots, one per set of servo factors.
+    """Perform a plan in one simulated robot per set of servo factors.
 
     Computations that do not depend on the twin are done once.
 

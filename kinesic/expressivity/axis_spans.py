@@ -12,7 +12,7 @@ NO_SPANS: Spans = ((), (), ())  # time spans without rotation about any axis
 
 
 def axes_used(layers: Iterable[Layer]) -> Spans:
-    """Return, for each axis, the time spans [s] with a rotation from upright.
+    """Return the time spans [s] of rotation from upright by axis.
 
     A layer that stays away from upright does not use its axis after the last key.
     """
@@ -26,7 +26,7 @@ def axes_used(layers: Iterable[Layer]) -> Spans:
 
 
 def unused_axes(turn: Turn, used_axes: Spans, span: Span) -> Turn:
-    """Set a rotation's angles to zero about axes used during a time span."""
+    """Zero a rotation's angles about axes used during a time span."""
     return Turn(
         *(0.0 if overlap(spans, span) else angle for angle, spans in zip(turn_angles(turn), used_axes, strict=True))
     )

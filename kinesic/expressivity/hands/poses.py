@@ -61,7 +61,7 @@ class Poses:
         return self.paths[side][key] if side in self.paths else None
 
     def with_effort(self, weight: float) -> "Poses":
-        """Return the poses with another weight of the effort profile, 0 to 1."""
+        """Return the poses with another effort profile weight, 0 to 1."""
         return replace(self, traits=replace(self.traits, weight=weight))
 
     def only(self, side: Side) -> "Poses":
