@@ -28,7 +28,7 @@ from kinesic.hardware.supervisor.settings import DEFAULT_SETTINGS, Policy, Super
 from kinesic.hardware.supervisor.state_machine import Stage
 
 START_TIMEOUT = 30.0  # [s] time limit for the supervisor to become ready
-POLL_INTERVAL = 0.005  # [s] between checks of the supervisor
+POLL_INTERVAL = 0.005  # [s] pause between two checks of the supervisor's state
 READY_STAGES = frozenset({Stage.LIMP, Stage.HOLD})  # Stages in which the supervisor accepts commands
 
 
@@ -212,7 +212,7 @@ class Servos:
             raise BusError(self._explain_end())
 
     def _wait_until_over(self) -> None:
-        """Wait until the supervisor has ended, or holds a limb for confirmation."""
+        """Wait until the supervisor has ended, or waits for a confirmation."""
         while self.running and self._channel.status().waits != "confirmation":
             time.sleep(POLL_INTERVAL)
 

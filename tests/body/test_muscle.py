@@ -26,7 +26,7 @@ def test_human_model_has_the_velocity_and_torque_limits_of_its_robot_file():
 
 
 def test_human_model_cannot_run_on_servos():
-    with pytest.raises(ConfigError, match="human has no servos: it is drawn, not built; leave servos out of --on"):
+    with pytest.raises(ConfigError, match="human has no servos, as it exists only in simulation; leave servos out"):
         Manifest.of(Robot.load("human"))
 
 

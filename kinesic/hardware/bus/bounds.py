@@ -18,9 +18,9 @@ from kinesic.hardware.protocol.registers import TICK_ANGLE, VELOCITY_UNIT, Regis
 
 TickRange = tuple[int, int]  # [ticks] lowest and highest
 
-MAX_PUSHED_VELOCITY = 2 * TICKS_PER_TURN  # [ticks/s] largest plausible velocity of a servo turned by hand
-LIMIT_FACTOR = 2.0  # Largest plausible velocity or current / factory limit of the servo model
-RANGE_MARGIN = TICKS_PER_TURN // 8  # [ticks] by which a servo with torque may be pushed beyond its goal range
+MAX_PUSHED_VELOCITY = 2 * TICKS_PER_TURN  # [ticks/s] plausible velocity of every servo, as a person may turn it
+LIMIT_FACTOR = 2.0  # largest plausible velocity or current, as a multiple of the servo model's factory limit
+RANGE_MARGIN = TICKS_PER_TURN // 8  # [ticks] largest distance of a pushed servo with torque beyond its goal range
 MAX_WOUND_POSITION = 8 * TICKS_PER_TURN  # [ticks] largest plausible distance from 0 of a servo turned without torque
 STALL_LOAD = 1000  # [0.1 %] value of PRESENT_CURRENT at stall, if the servo has no current sensor
 MIN_VOLTAGE = 25  # [0.1 V] lowest supply voltage at which a servo's processor works

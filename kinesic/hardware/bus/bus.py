@@ -27,11 +27,11 @@ from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
 
-CYCLE_FRACTION = 0.95  # Fraction of the period that a cycle may use, unless HOST_RESERVE allows more
-HOST_RESERVE = 0.0005  # [s] upper limit of the unused time per period
-MAX_RETRIES = 4  # Largest number of repeated queries per cycle, for servos without a fresh record
+CYCLE_FRACTION = 0.95  # fraction of the period that a cycle may use, or more if HOST_RESERVE leaves more
+HOST_RESERVE = 0.0005  # [s] longest time at the end of a period that a cycle leaves free for the host
+MAX_RETRIES = 4  # largest number of repeated queries per cycle, for servos whose record of this cycle is missing
 FAST_OVERHEAD = 22  # [bytes] size of a fast query and its reply, without the bytes per servo
-REOPEN_INTERVAL = 0.05  # [s] between attempts to reopen a lost port
+REOPEN_INTERVAL = 0.05  # [s] pause between two attempts to reopen a lost port
 MISMATCH_DELAY = 1.0  # [s] wait before reopening a port whose servos were not identified
 
 
@@ -219,7 +219,7 @@ class Bus:
         return max(1, int(left / wire_time(BLOCK_DTYPE.itemsize + 1 if self.fast else status_size)))
 
     def _request(self, places: tuple[int, ...], *, must: bool = False) -> bool:
-        """Send a query if time suffices or `must`, and return whether sent."""
+        """Send a query if the cycle has time, and return whether sent."""
         question = self._question_to(places)
         listener = self._listener
         ends = self.wire.now() + listener.wire_time(len(question.data) + question.length) + listener.slack.usual

@@ -16,7 +16,7 @@ from kinesic.hardware.bus.query import Query, ServoReplies
 CLOCK_TOLERANCE = 0.004  # [s] a record older than its transmission time plus this answers an earlier query
 LATE_REPLY_WINDOW = 0.05  # [s] longest delay of a missing reply after the end of its transmission time
 MAX_STALE_CYCLES = 2  # consecutive cycles with only seemingly late records, after which one cycle sends no query
-TRIAL_PAUSE = 100  # additional cycles with only late records, if the last cycle without query received late replies
+TRIAL_PAUSE = 100  # extra stale cycles before the next cycle without query, if the last one received late replies
 
 _Unfinished = tuple[Query, ServoSelection, bytes, float]  # query, its servos, received bytes, [s] query time
 
@@ -108,7 +108,7 @@ class LateReplies:
             self._alone = self._completed(self._alone, more, time)
 
     def _completed(self, earlier: "_Unfinished", more: bytes, time: float) -> "_Unfinished | None":
-        """Add bytes to a late reply, and return the reply until complete."""
+        """Append bytes to a late reply, and return None once complete."""
         question, places, received, sent_at = earlier
         answer = question.parse(received + more)
         self._accepted.admit_late(places, answer, time, sent_at=sent_at)

@@ -10,7 +10,7 @@ import numpy as np
 
 from kinesic.body.arrays import Flags
 
-MAX_MISSES = 5  # Consecutive missed replies, after which a servo is queried alone
+MAX_MISSES = 5  # number of successive missed replies after which a servo is queried alone
 MAX_POLL_INTERVAL = 0.09  # [s] longest interval between queries of a silent servo, even without spare time
 
 

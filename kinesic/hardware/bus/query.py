@@ -280,9 +280,9 @@ def make_query(servos: tuple[int, ...], addresses: tuple[int, ...], *, fast: boo
     return FastQuery(servos, addresses) if fast and len(servos) > 1 else PlainQuery(servos, addresses)
 
 
-_BYTE_CONTRIBUTIONS = byte_contributions(CHECKED_SIZE).ravel()
-_BYTE_ROWS = np.arange(CHECKED_SIZE) * 256
-_CRC_CARRY = crc_contributions(CHECKED_SIZE)
+_BYTE_CONTRIBUTIONS = byte_contributions(CHECKED_SIZE).ravel()  # [256 per position] contribution to a block's CRC
+_BYTE_ROWS = np.arange(CHECKED_SIZE) * 256  # index of each position's first value in _BYTE_CONTRIBUTIONS
+_CRC_CARRY = crc_contributions(CHECKED_SIZE)  # contribution of each possible CRC to the next block's CRC
 
 
 def _own_crcs(octets: Bytes) -> Crcs:

@@ -107,7 +107,7 @@ class SerialWire:
                     wait = limit - time.monotonic()
                     if wait <= 0.0 or not select.select((), (self._file,), (), wait)[1]:
                         _discard_output(self._file)  # otherwise old goals would be sent once it recovers
-                        raise TimeoutError(f"it has not taken {len(rest)} of {len(data)} bytes in time") from None
+                        raise TimeoutError(f"it did not accept {len(rest)} of {len(data)} bytes in time") from None
         except PORT_ERRORS as error:
             raise self._gone(error) from None
 
@@ -193,5 +193,5 @@ def _refusal(path: Path, baud: int, error: Exception) -> BusError:
     if number in (errno.EBUSY, errno.EAGAIN):
         return BusError(f"{path}: another program uses this port; `fuser {path}` shows which")
     if isinstance(error, ValueError):
-        return BusError(f"{path}: does not do {baud} baud ({error})")
-    return BusError(f"{path}: does not open ({error})")
+        return BusError(f"{path}: does not support {baud} baud ({error})")
+    return BusError(f"{path}: cannot be opened ({error})")

@@ -1,4 +1,4 @@
-"""All servos of all buses in manifest order."""
+"""All servos of all buses, in the order of `Manifest`."""
 
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
@@ -51,7 +51,7 @@ class Snapshot:
 
 
 class Axes:
-    """All open buses, with their servos in the order of the manifest."""
+    """All open buses, with their servos in the order of `Manifest`."""
 
     def __init__(self, manifest: Manifest, buses: Mapping[str, Bus]) -> None:
         self.manifest = manifest
@@ -80,7 +80,7 @@ class Axes:
         return tuple(k for k, member in enumerate(self.manifest.members) if member.bus in self._unidentified)
 
     def accept_unidentified(self) -> None:
-        """Treat the servos behind reopened ports as the servos of the manifest."""
+        """Accept the servos behind reopened ports as the expected ones."""
         self._unidentified.clear()
 
     def drop(self, place: int, reason: BusError) -> None:

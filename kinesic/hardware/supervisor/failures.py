@@ -47,7 +47,7 @@ class FailureWatch:
 class InterruptionWatch:
     """Timer of how long servo faults and missing commands last.
 
-    It decides whether a motion may continue without a person's consent.
+    It decides whether a motion may continue without a person's resume request.
     """
 
     def __init__(self, startle: float) -> None:

@@ -10,7 +10,7 @@ import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, sealed
 
-MAX_LEAD_RATIO = 2.0  # Largest distance from servo position to goal / position error at full power
+MAX_LEAD_RATIO = 2.0  # largest distance of a goal from its servo, as a multiple of the position error at full power
 VELOCITY_RISE_TIME = 0.01  # [s] shortest time for a goal to accelerate from rest to no-load velocity
 LIMIT_TOLERANCE = 1e-6  # Relative tolerance of the limits against rounding
 

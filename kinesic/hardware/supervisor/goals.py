@@ -119,7 +119,7 @@ class GoalSteering:
         self._given_up[list(places)] = False
 
     def put(self, places: Flags | Sequence[int], goals: Floats) -> None:
-        """Set the goals of standing servos at once, bypassing all limits.
+        """Set the goals of motionless servos at once, bypassing all limits.
 
         These members do not move by it: they have no torque, or are being taken over.
         """

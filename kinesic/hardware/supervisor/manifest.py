@@ -113,7 +113,7 @@ class Manifest:
         """
         wiring = ServoMap.of(robot)
         if all(drive.servo.name == MUSCLE for drive in robot.drives):
-            raise ConfigError(f"{robot.name} has no servos: it is drawn, not built; leave servos out of --on")
+            raise ConfigError(f"{robot.name} has no servos, as it exists only in simulation; leave servos out of --on")
         if not wiring.buses:
             raise ConfigError(f"{robot.path}: no [[bus]], so no servo can be reached; see docs/how-to/build-a-robot.md")
         placed = [(servos, robot.skeleton.joint(servos.hinge)) for servos in wiring.servos]

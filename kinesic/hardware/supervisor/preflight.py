@@ -15,7 +15,7 @@ from kinesic.hardware.supervisor.axes import Axes
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 
 PLANNED_VELOCITY_FRACTION = 0.8  # Maximum planned velocity / no-load velocity
-MIN_CURRENT_FRACTION = 0.5  # Smallest accepted current limit / factory limit; below, time would always run slowly
+MIN_CURRENT_FRACTION = 0.5  # smallest accepted current limit / factory limit; a lower one would slow every performance
 MIN_TEMPERATURE_LIMIT = 50  # [C] smallest accepted temperature limit of a servo, because working servos are warm
 POSITION_REGISTERS = (
     Register.DRIVE_MODE,
@@ -25,7 +25,7 @@ POSITION_REGISTERS = (
 VITAL_REGISTERS = (*POSITION_REGISTERS, Register.SECONDARY_ID)  # Registers that must be correct on a servo with torque
 LOWER_LIMIT_REGISTER = Register.MIN_VOLTAGE_LIMIT  # Register whose limit is raised to its factory value if lower
 UPPER_LIMIT_REGISTERS = (Register.MAX_VOLTAGE_LIMIT, Register.TEMPERATURE_LIMIT)  # Lowered to factory values if higher
-_TABLE_END = Register.PRESENT_TEMPERATURE.field.end
+_TABLE_END = Register.PRESENT_TEMPERATURE.field.end  # [bytes] size of the read span from address 0 on
 
 
 @dataclass(frozen=True)

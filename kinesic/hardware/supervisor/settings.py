@@ -25,8 +25,8 @@ class SupervisorSettings:
     quick: float = 0.06  # time to stop if the planner is gone, or at an emergency stop
     wary: float = 0.2  # time to stop if the clearance gets too small
     patience: float = 5.0  # time of holding without commands until the robot moves to rest
-    startle: float = 0.85  # longest interruption that needs no consent; detection and visible motion take 0.1 s more
-    consent: float = 60.0  # longest wait for a person's consent, until the performance ends
+    startle: float = 0.85  # longest interruption without a resume request; detection and visible motion take 0.1 s more
+    consent: float = 60.0  # longest wait for a person's resume request, until the performance ends
     hopeless: float = 20.0  # time without a port until the supervisor gives up
     pace: float = 0.7  # [rad/s] largest joint velocity of moves to rest or to the performance
     policy: Policy = "hold"  # reaction to an emergency stop

@@ -2,8 +2,8 @@
 
 It is a pure function of state, event and observation. Tests check these theorems: nothing is energised before the
 manifest is verified; an emergency stop has priority over everything; torque is not removed while a limb is raised,
-unless a person confirms it; after a long interruption nothing continues without consent; every state ends in release,
-or in a hold that reports the input it waits for.
+unless a person confirms it; after a long interruption the motion continues only on a resume request; every state ends
+in release, or in a hold that reports the input it waits for.
 """
 
 from collections.abc import Callable, Mapping
@@ -51,7 +51,7 @@ Event = Literal[
     "tripped",  # a bus watchdog has stopped servos
     "failed",  # a servo has shut down or is blocked
     "mended",  # a failed or silent servo is well again
-    "resumed",  # a person or client consents to continue
+    "resumed",  # a person or client requests to continue
 ]
 
 Action = Literal[
@@ -70,7 +70,7 @@ class SupervisorState:
     powered: bool = False  # torque has been switched on, or was on before
     armed: bool = False  # all servos have had torque, so that interruptions count from now on
     stopped: bool = False  # an emergency stop is active
-    paused: bool = False  # after an emergency stop or long interruption, nothing continues without consent
+    paused: bool = False  # after an emergency stop or long interruption, the motion continues only on a resume request
     faulty: bool = False  # a servo has failed, and the performance has ended
     refused: bool = False  # torque did not come on, and is not tried again until a servo recovers
     careful: bool = False  # hold for a while before the move to rest, since a blocked limb may be free again
@@ -197,14 +197,14 @@ def _hold(state: SupervisorState, event: Event, observation: Observation) -> Ste
 def _may_arm(state: SupervisorState, observation: Observation) -> bool:
     """Return whether torque may be switched on for servos without torque.
 
-    They get it to continue, or without consent to keep a raised limb from falling.
+    They get it to continue, or, without a resume request, to keep a raised limb from falling.
     """
     is_useful = observation.raised or not (state.paused or state.faulty or observation.over)
     return observation.limp and observation.answering and not state.refused and not observation.confirmed and is_useful
 
 
 def _end(state: SupervisorState, observation: Observation) -> Step:
-    """Move to rest and switch torque off, or await confirmation (raised limb).
+    """Move to rest, then switch torque off unless a limb stays raised.
 
     A limb that stays raised waits for confirmation.
     """

@@ -35,7 +35,7 @@ class VirtualBus:
         latency: float = ADAPTER_LATENCY,
         faults: FaultPlan = NO_FAULTS,
     ) -> None:
-        """Connect servos of a plant to a wire.
+        """Connect simulated servos to the wire.
 
         Args:
             plant: simulation of all servos.

@@ -69,7 +69,7 @@ def table_layout(number: int, firmware: int) -> TableLayout:
 
 
 class RegisterWrite(NamedTuple):
-    """Write of one register or cell, part of a write instruction."""
+    """Data of a write instruction for one register or indirect cell."""
 
     address: int
     data: bytes
@@ -77,7 +77,7 @@ class RegisterWrite(NamedTuple):
 
 
 class Piece(NamedTuple):
-    """Part of a write instruction that changes a single register or cell."""
+    """Byte range of a write instruction for one register or indirect cell."""
 
     address: int
     begin: int  # first byte within the data of the instruction

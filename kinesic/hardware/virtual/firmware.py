@@ -22,8 +22,8 @@ from kinesic.hardware.virtual.physics import NO_TORQUE, Demand, Shaft
 from kinesic.hardware.virtual.set_point import SetPoint
 
 BOOT_TIME = 0.13  # [s] time from a reboot until the servo receives instructions
-OVERLOAD_TIME = 1.0  # [s] duration of full duty without motion that causes an overload error
-STALL_DUTY = 0.99  # Duty from which a servo without motion counts as overloaded
+OVERLOAD_TIME = 1.0  # [s] duration of full duty without motion after which the servo reports an overload
+STALL_DUTY = 0.99  # duty from which on a servo without motion counts as overloaded
 MIN_BOOT_TIME = 1e-6  # [s] shortest boot time, in place of a requested shorter one
 NOMINAL_VOLTS = 12.0  # [V] supply voltage of most models
 ROOM_TEMPERATURE = 25.0  # [C] initial temperature of a virtual servo
@@ -98,7 +98,7 @@ class Firmware:
         return demand
 
     def update_shaft(self, shaft: Shaft, time: float) -> None:
-        """Take the shaft's state at a time [s], and run the protection."""
+        """Update shaft and time [s], then check watchdog, load, heat and supply."""
         asleep = self._wakes > self.time
         self.celsius += self.heating * (time - self.time)
         self.shaft, self.time = shaft, time

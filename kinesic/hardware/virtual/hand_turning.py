@@ -12,7 +12,8 @@ from kinesic.hardware.virtual.physics import Demand, Physics, Shaft
 from kinesic.hardware.virtual.wiring import Cable
 
 FIRST_TURN = np.radians(15.0)  # [rad] first rotation of a hinge, in its positive direction
-KEY_TIMES = (0.0, 0.5, 2.0, 2.3, 4.8, 5.1, 6.6)  # [s] of zero, first rotation, upper and lower limit with holds, zero
+# [s] Times of a hinge at zero, first rotation, upper limit, end of hold, lower limit, end of hold and zero
+KEY_TIMES = (0.0, 0.5, 2.0, 2.3, 4.8, 5.1, 6.6)
 
 
 class HandTurnedPhysics:

@@ -69,7 +69,7 @@ def _plain(servo: int, instruction: int, parameters: bytes, servos: Servos) -> I
 
 
 def _mixed(one: bytes, other: bytes) -> bytes:
-    """Combine two simultaneous transmissions bit by bit: low levels win."""
+    """Combine two simultaneous transmissions bit by bit (a low level wins)."""
     if not one:
         return other
     return bytes(a & b for a, b in zip_longest(one, other, fillvalue=0xFF))

@@ -22,7 +22,7 @@ if sys.platform != "win32":
     import tty
     from fcntl import ioctl
 
-MAX_WAIT = 0.02  # [s] longest wait between two steps of the plant
+MAX_WAIT = 0.02  # [s] longest wait between two steps of the simulation
 PTY_PREFIX = "/dev/pts/"  # Folder of pseudo-terminals
 READ_SIZE = 65_536  # [bytes] largest number read from the terminal per system call
 _GET_SETTINGS_IOCTL = 0x802C542A  # Linux ioctl TCGETS2, which reads terminal settings with any baud rate

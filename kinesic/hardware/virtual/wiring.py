@@ -95,7 +95,7 @@ def build_bus(
         physics: physics of the shafts, wire by wire in the order of the fittings; None: first-order motors.
 
     Returns:
-        The plant of all servos, and each wire by name.
+        The simulation of all servos, and each wire by name.
     """
     if physics is None:
         physics = independent_motors(wires)

@@ -21,7 +21,7 @@ def wire_of(faults: FaultPlan = NO_FAULTS, baud: int = 1_000_000, count: int = 3
 
 
 def refused(*faults: PlannedFault, ids: tuple[int, ...] = (1, 2, 3), host_baud: int | None = None) -> str:
-    """Return the error of a bus that does not open."""
+    """Return the error of a bus that cannot be opened."""
     wire, plant = wire_of(FaultPlan(faults))
     if host_baud is not None:
         wire.baud = host_baud

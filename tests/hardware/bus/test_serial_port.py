@@ -133,7 +133,7 @@ def test_long_output_to_a_serial_port_is_written_in_pieces(full) -> None:
 def test_stalled_output_is_discarded_after_its_transmission_time_and_a_timeout(full) -> None:
     port, wire, (written, flushed) = full
     port.ready = False
-    with pytest.raises(BusError, match=r"the port is gone \(it has not taken 5 of 8 bytes in time\)"):
+    with pytest.raises(BusError, match=r"the port is gone \(it did not accept 5 of 8 bytes in time\)"):
         wire.write(b"abcdefgh")
     assert written == [b"abc"]
     assert flushed == [termios.TCOFLUSH]
@@ -150,7 +150,7 @@ def test_write_to_a_port_that_takes_no_bytes_although_ready_times_out(full, monk
         raise BlockingIOError
 
     monkeypatch.setattr(serial_wire.os, "write", refuse)
-    with pytest.raises(BusError, match="not taken 8 of 8 bytes"):
+    with pytest.raises(BusError, match="not accept 8 of 8 bytes"):
         wire.write(b"abcdefgh")
     assert len(port.waits) == pytest.approx(STALL_TIMEOUT / 0.01, abs=1)
     assert flushed == [termios.TCOFLUSH]
@@ -217,8 +217,8 @@ def test_serial_device_is_locked_exclusively_but_a_pseudo_terminal_is_not(monkey
         (OSError(errno.EPERM, ""), "no permission"),
         (OSError(errno.EBUSY, ""), "another program uses this port; `fuser"),
         (serial.SerialException(errno.EAGAIN, ""), "another program"),
-        (ValueError("odd"), "does not do 57600 baud"),
-        (OSError(errno.EIO, "broken"), "does not open"),
+        (ValueError("odd"), "does not support 57600 baud"),
+        (OSError(errno.EIO, "broken"), "cannot be opened"),
     ],
 )
 def test_error_for_a_refused_serial_port_names_the_reason(tmp_path: Path, error: Exception, message: str) -> None:

@@ -111,7 +111,7 @@ def test_port_without_permission_is_reported(ends: tuple[int, Path], monkeypatch
 def test_regular_file_is_refused_as_a_serial_port(tmp_path: Path):
     file = tmp_path / "file"
     file.write_text("no port")
-    with pytest.raises(BusError, match="does not"):
+    with pytest.raises(BusError, match=r"cannot be opened|does not support"):
         SerialWire(file, 57_600)
 
 
@@ -142,7 +142,7 @@ def test_serial_port_counts_as_lost_if_bytes_written_to_it_are_never_read(
     ours, path = ends
     wire = SerialWire(path, 57_600)
     flushed.clear()
-    with pytest.raises(BusError, match=r"the port is gone.*it has not taken"):
+    with pytest.raises(BusError, match=r"the port is gone.*it did not accept"):
         fill(wire)
     assert flushed == [termios.TCOFLUSH], "or old goals would come when it goes on"
     while b"new" not in os.read(ours, 10_000):
