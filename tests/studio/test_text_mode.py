@@ -106,8 +106,12 @@ def test_style_of_a_text_is_written_into_its_document(studio: Studio):
     assert 'kinesic:style="joyful"' in studio.state("text").partition(">")[0]
 
 
-def test_picked_gesture_stays_on_its_word_and_is_marked_when_the_text_changes(studio: Studio):
+def test_picked_gesture_and_added_nod_stay_on_their_words_when_the_text_changes(studio: Studio):
     perform(studio, TEXT)
+    studio.page.click("[data-spoken='17']")
+    planned, menu = studio.state("planned"), "document.querySelector('#add')"
+    studio.page.value(f"{menu}.value = 'Head/nod'; {menu}.dispatchEvent(new Event('change')); 0")
+    studio.until(f"s.planned > {planned}")
     choose(studio, "coffee")
     planned = studio.state("planned")
     studio.page.value("document.querySelector('#alternatives-list li:last-child button').click()")
@@ -118,8 +122,10 @@ def test_picked_gesture_stays_on_its_word_and_is_marked_when_the_text_changes(st
     assert shown(studio)["coffee"] == picked
     marked = "[...document.querySelectorAll('#spoken .picked')].map(each => each.parentNode.firstChild.textContent)"
     assert studio.page.value(marked) == ["coffee"]
-    status = "document.querySelector('#plain-status').textContent"
-    assert "The gesture that you picked stays." in studio.page.value(status)
+    coffee = re.search(r'<sync id="(\w+)"/>today', studio.state("text"))[1]
+    assert re.search(rf'<head id="nod" lexeme="NOD" start="s:{coffee}', studio.state("text"))
+    status = studio.page.value("document.querySelector('#plain-status').textContent")
+    assert "The gesture that you picked stays. The movement that you added yourself stays." in status
 
 
 def test_text_without_words_is_refused_and_changes_nothing(studio: Studio):

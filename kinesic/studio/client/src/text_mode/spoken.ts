@@ -1,7 +1,7 @@
 // Spoken words of a document, each with the gestures whose strokes fall on it.
 import { listWords, type Word } from "../tracks/words.ts";
 import type { Draft } from "../types.ts";
-import { findAttribute, findTags, tagWithId } from "../xml.ts";
+import { findAttribute, findTags, type Tag, tagWithId } from "../xml.ts";
 
 const GESTURE_TYPES: readonly string[] = ["gesture", "pointing"];
 /** Attributes that place a gesture, the most significant first. */
@@ -53,14 +53,28 @@ export function findShown<W extends Place>(text: string, words: readonly W[]): (
   return shown;
 }
 
+/** Whether the server has chosen a behaviour: its reason names an intent. */
+export const hasIntent = (tag: Tag): boolean => readReason(tag).intent !== undefined;
+
+function readReason(tag: Tag): { reason: string; intent: string | undefined } {
+  const [, reason, intent] = REASON.exec(findAttribute(tag, "reason")?.value ?? "") ?? [];
+  return { reason: reason ?? "", intent };
+}
+
 function readGesture(text: string, id: string, type: string): ShownGesture | null {
   const tag = tagWithId(text, id);
   if (!tag) return null;
   const value = (name: string) => findAttribute(tag, name)?.value ?? "";
-  const [, reason, intent] = REASON.exec(value("reason")) ?? [];
+  const { reason, intent } = readReason(tag);
   const name = type === "gesture" ? value("lexeme") : `to ${value("target")}`;
-  const shownReason = (reason ?? "").replace(PICKED_PREFIX, "");
-  return { id, type, name, reason: shownReason, intent: intent ?? "", isPicked: intent === undefined };
+  return {
+    id,
+    type,
+    name,
+    reason: reason.replace(PICKED_PREFIX, ""),
+    intent: intent ?? "",
+    isPicked: intent === undefined,
+  };
 }
 
 /** Return the index of the word to whose mark a gesture refers, or -1. */

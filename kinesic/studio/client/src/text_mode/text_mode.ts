@@ -8,6 +8,7 @@ import type { Wire } from "../wire.ts";
 import { BLOCK, findAttribute, tagWithId } from "../xml.ts";
 import { AlternativesPanel, readAlternatives } from "./alternatives.ts";
 import { explainHand, explainRank } from "./choice_reasons.ts";
+import { describeAdditions, keepAdditions } from "./kept_additions.ts";
 import { describePending, measure } from "./pending.ts";
 import { describeKept, keepPicked } from "./picked_gestures.ts";
 import { type Choice, choose, isWritten } from "./replacing.ts";
@@ -200,17 +201,24 @@ export class TextMode {
     this.listener.typed();
     const bml = style ? setKinesicAttribute(answer.bml, BLOCK, "style", style) : answer.bml;
     const former = this.listener.text();
-    const kept = isWritten(former) ? keepPicked(former, this.words, bml) : { text: bml, count: 0, gone: [] };
+    const { text: merged, notes } = isWritten(former) ? this.keep(former, bml) : { text: bml, notes: [] };
     if (!isWritten(former)) this.listener.open(NEW_NAME, this.about.templates[0]?.text ?? "");
     this.chosen = -1;
-    this.listener.edit(kept.text);
+    this.listener.edit(merged);
     this.field.value = later;
     this.isTyped = later !== text;
     this.listener.typed();
     this.enable();
     const warnings = Array.isArray(answer.warnings) ? answer.warnings : [];
-    say(byId("plain-status"), [...describeKept(kept), ...warnings].join(" "));
+    say(byId("plain-status"), [...notes, ...warnings].join(" "));
     return true;
+  }
+
+  /** Put what a person has picked or added in the former document into another one; tell what stays. */
+  private keep(former: string, bml: string): { text: string; notes: string[] } {
+    const picked = keepPicked(former, this.words, bml);
+    const added = keepAdditions({ text: former, words: this.words, draft: this.draft }, picked.text);
+    return { text: added.text, notes: [...describeKept(picked), ...describeAdditions(added)] };
   }
 
   private enable(): void {

@@ -17,6 +17,8 @@ interface Copied {
 
 export interface Clip {
   items: readonly Copied[];
+  /** Block time [s] of the first start. */
+  origin: number;
   /** Duration [s] from the first start to the last end. */
   duration: number;
 }
@@ -50,7 +52,7 @@ export function copyAll(
     const namespaces = new Map([...scope].filter(([prefix]) => prefix === "" || used.has(`${prefix}:`)));
     return [{ id, xml, pins: new Map(placed), namespaces }];
   });
-  return { items, duration: known.length ? Math.max(...known) - origin : 0 };
+  return { items, origin, duration: known.length ? Math.max(...known) - origin : 0 };
 }
 
 const prefixOf = (name: string): string => name.slice(0, name.indexOf(":") + 1);

@@ -15,7 +15,11 @@ export function wordAt<W extends Word>(words: readonly W[], time: number): W | u
 }
 
 /** Insert a pause [s] before a word and its marks, so that gestures stay on the word; null if it is not found. */
-export function pauseBefore(text: string, { speech, mark, index }: Word, duration: number): string | null {
+export function pauseBefore(
+  text: string,
+  { speech, mark, index }: Pick<Word, "speech" | "mark" | "index">,
+  duration: number,
+): string | null {
   const found = findWord(text, speech, mark, index);
   if (!found) return null;
   let { at } = found;
