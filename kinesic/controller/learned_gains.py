@@ -23,10 +23,10 @@ FITTED_PARAMETERS: tuple[ServoParameter, ...] = ("latency", "gain")
 # Bounds of an estimated P gain, as factors of the data sheet's value.
 GAIN_FACTOR_RANGE = (1.0 / (1.0 + LOAD_ERROR_RANGE[1]), 1.0 / (1.0 + LOAD_ERROR_RANGE[0]))
 MOVING_FRACTION = 0.05  # setpoint velocity / no-load velocity above which a servo counts as moving
-INITIAL_REST = 0.2  # [s] duration of the log that is used before the first motion
-IDENTIFICATION_TIME = 8.0  # [s] duration of the log that is used after the initial rest
-MIN_MOTION_TIME = 0.4  # [s] motion time required for an estimate
-GAIN_TOLERANCE = 0.02  # relative clipping of a gain above which `bounded` is reported
+INITIAL_REST = 0.2  # [s] length of the log before the first motion that the fit uses
+IDENTIFICATION_TIME = 8.0  # [s] length of the log after INITIAL_REST that the fit uses
+MIN_MOTION_TIME = 0.4  # [s] shortest duration of motion from which an estimate is made
+GAIN_TOLERANCE = 0.02  # smallest relative change by clipping at which a gain is reported as clipped to its bounds
 MAX_RESIDUAL = np.radians(1.5)  # [rad] RMS error after the fit above which the fit is rejected
 
 

@@ -44,7 +44,7 @@ from kinesic.controller.observer_step import pack_observer
 from kinesic.motion.recursion import sum_decaying
 
 OBSERVER_BANDWIDTH = 100.0  # [rad/s] frequency of the three observer poles
-REGULARISATION_OFFSET = np.radians(2.0)  # [rad] offset whose first load-error estimate is halved (regularisation)
+REGULARISATION_OFFSET = np.radians(2.0)  # [rad] setpoint offset at which regularisation halves the first error estimate
 FORGETTING_TIME = 5.0  # [s] time constant of the recursive least squares
 MAX_CORRECTION = np.radians(10.0)  # [rad] largest correction of a setpoint
 SATURATION_MARGIN = 1.2  # position error / error that nominally gives full duty, above which duty counts as saturated

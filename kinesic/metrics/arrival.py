@@ -15,7 +15,7 @@ from kinesic.planning.syncs import SyncTime, find_planned_spans
 from kinesic.sim.kinematics import body_frames
 
 HAND_PARTS: tuple[PartName, PartName] = ("l_hand", "r_hand")  # body parts whose arrival is measured by position
-ENTRY_WINDOW = 0.3  # [s] time before and after the planned time in which an arrival is searched
+ENTRY_WINDOW = 0.3  # [s] time before and after the planned arrival in which the measured arrival is searched
 MIN_ARRIVAL_RADIUS = 0.005  # [m] smallest radius of a hand's target ball
 MIN_ARRIVAL_ANGLE = np.radians(0.5)  # [rad] smallest radius of the target region of head and torso
 ARRIVAL_PATH_FRACTION = 0.05  # radius of the target ball, relative to the path length of the behaviour

@@ -60,7 +60,7 @@ class StrokeLoss:
 
     @property
     def fraction(self) -> float:
-        """Lost fraction of the requested value, negative if the plan exceeds it."""
+        """Lost fraction of the requested speed or length, negative for a gain."""
         return 1.0 - self.planned / self.asked if self.asked else 0.0
 
 

@@ -1,4 +1,4 @@
-"""Occupancy of hinges by behaviours over time."""
+"""Hinges and roles (hands, gaze, trunk) that behaviours occupy over time."""
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -17,11 +17,11 @@ from kinesic.motion.trajectory import KNOT_INTERVAL
 from kinesic.planning.plan import Plan
 from kinesic.planning.torso import compute_torso_turn, set_turn
 
-Role = Literal["l_hand", "r_hand", "sign", "look", "trunk"]  # resource used by one behaviour at a time
+Role = Literal["l_hand", "r_hand", "sign", "look", "trunk"]  # body function that one behaviour at a time may use
 
 ARM_ROLES: tuple[Role, ...] = ("l_hand", "r_hand")  # roles of the arms
-READY_SYNCS = ("ready", "strokeStart", "stroke", "relax")  # sync points that may mark readiness, the preferred first
-RELAX_SYNCS = ("relax", "strokeEnd", "stroke", "end")  # sync points that may mark relaxation, the preferred first
+READY_SYNCS = ("ready", "strokeStart", "stroke", "relax")  # sync points that may set `ready` of `Occupancy`, best first
+RELAX_SYNCS = ("relax", "strokeEnd", "stroke", "end")  # sync points that may set `relax` of `Occupancy`, best first
 MOTION_TOLERANCE = 1e-9  # [rad] hinges that move less count as unmoved
 ROUNDING_TOLERANCE = 1e-6  # [s] times closer than this count as equal, as clock shifts cause rounding errors
 

@@ -25,7 +25,7 @@ from kinesic.planning.setup import Setup
 from kinesic.realizer.held import held_ramps
 from kinesic.realizer.occupancy import ARM_ROLES, MergeFailure, Occupancy, Overlay, Role, arm_hinges
 
-RETURN_GROWTH_FACTOR = 1.5  # return duration of an attempt / that of the previous attempt
+RETURN_GROWTH_FACTOR = 1.5  # duration of a return to rest / that of the previous, infeasible attempt
 MAX_RETURN_PIECES = 400  # spline pieces of the longest return to rest
 MIN_RETURN_PIECES = 30  # spline pieces of the shortest return to rest
 MAX_LIMIT_RATIO = 1.0 + 1e-6  # largest accepted ratio of velocity, acceleration or jerk to its limit
@@ -65,7 +65,7 @@ def add_motions(work: Overlay, alone: Flags, setup: Setup, limits: Limits) -> Fl
         desired = np.clip(controls[:, hinge], limits.lower[hinge], limits.upper[hinge])
         column = keep_limits(desired, first, last, limits, hinge)
         if column is None:
-            return work.trunk_failure(f"{names[hinge]} cannot do both within its limits")
+            return work.trunk_failure(f"{names[hinge]} cannot follow both motions within limits")
         controls[:, hinge] = column
     return controls
 
@@ -201,5 +201,5 @@ def overlay_motions(work: Overlay, setup: Setup, limits: Limits) -> Floats | Mer
     changed = np.flatnonzero((np.abs(whole - extend_controls(work.base, count)) > SAME_ANGLE).any(axis=0))
     over = changed[largest_limit_ratios(whole[work.cut :, changed], limits.part(changed)) > MAX_LIMIT_RATIO]
     if len(over):
-        return work.trunk_failure(f"{names[over[0]]} cannot do both within its limits")
+        return work.trunk_failure(f"{names[over[0]]} cannot follow both motions within limits")
     return whole

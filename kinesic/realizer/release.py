@@ -30,7 +30,7 @@ from kinesic.realizer.occupancy import ARM_ROLES, Occupancy, arm_hinges
 MIN_RELEASE_DELAY = 10  # [knots] first delay tried for a return to rest that would collide
 MAX_DELAY_DOUBLINGS = 6  # largest number of tried delays of a return to rest, each twice the previous one
 RETURN_DURATION_FACTOR = 1.5  # return duration relative to the minimum-time rest-to-rest profile
-RETURN_GROWTH_FACTOR = 1.25  # return duration of an attempt / that of the previous attempt
+RETURN_GROWTH_FACTOR = 1.25  # duration of a return to rest / that of the previous, infeasible attempt
 MAX_RETURN_PIECES = 400  # spline pieces of the longest return
 MIN_MOTION_PIECES = 4  # spline pieces of the shortest motion
 

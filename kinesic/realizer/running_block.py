@@ -164,7 +164,7 @@ class RunningBlock:
 
     @property
     def final_notices(self) -> tuple[Notice, ...]:
-        """Notices to send at once, without those on provisional times."""
+        """Notices that no refined plan can change, to send at once."""
         plan = self.prepared.plan
         return plan.keyframes.notices if self.prepared.is_provisional else plan.notices
 

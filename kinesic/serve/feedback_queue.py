@@ -78,7 +78,7 @@ class FeedbackQueue:
         ]
 
     def hand_over(self, agenda: Sequence[ScheduledFeedback]) -> None:
-        """Let a new planner change only the messages of its agenda."""
+        """Restrict a new planner's changes to the messages given to it."""
         self._agenda = {message.key for message in agenda}
 
     def due(self, now: float) -> ScheduledFeedback | None:

@@ -23,7 +23,7 @@ from kinesic.serve.wire.quotas import Quotas, TokenBucket
 from kinesic.serve.wire.transport import HalfError, Transport
 
 MAX_STOP_LINES = 64  # largest number of simultaneous emergency-stop connections
-READ_BURST = 20  # reads of an emergency-stop connection in one burst, beyond its read rate
+READ_BURST = 20  # number of successive reads of an emergency-stop connection that do not wait for other connections
 STOP_ONLY_REFUSAL = "this connection only stops the robot; open another one for everything else"
 
 

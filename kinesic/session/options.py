@@ -22,16 +22,16 @@ SET_HELP = (
 )
 VOICE_HELP = "Voice: hibari and espeak are audible, durations is silent; auto: hibari for English, else espeak."
 ENGINE_HELP = "Program that speaks in place of the voice, on standard input and output: 'python my_voice.py'."
-RECORDINGS_HELP = "Folder of the recordings that documents without a file name, such as those of `serve`."
-CHARACTER_HELP = "Character of the robot in a block for several; default is the block's character, or the first."
+RECORDINGS_HELP = "Folder with the recordings of documents that are not files, such as those sent to `serve`."
+CHARACTER_HELP = "Character that the robot plays in a block for several; default: the block's own, or the first."
 IDLE_HELP = "Amount of breath, sway, drift of held hands, glances and blinks: 0 none, 1 a little, 2 twice as much."
 PROSODY_HELP = (
     "Amount of brows, nods, blinks and lip opening that follow the voice: 0 none, 1 like a person's. "
     "Default is that of --idle."
 )
 VARIATION_HELP = "Variation between gestures: 0 none, 1 like a person's, 2 twice as large."
-GRAMMAR_HELP = "Parser of English phrases and clauses: spacy needs the extra text."
-PAUSE_HELP = "Longest pause before a word that would wait for the body, unless documents set another."
+GRAMMAR_HELP = "Parser of English phrases and clauses: spacy needs kinesic[text]."
+PAUSE_HELP = "Longest pause added before a word so that a gesture arrives in time, unless documents set another."
 
 
 @dataclass(frozen=True)
@@ -89,7 +89,7 @@ class PlanningOptions(TypedDict, total=False):
     recordings: Annotated[str | Path | None, CliOption(RECORDINGS_HELP, kind=Path, metavar="FOLDER")]
 
 
-INTERACTIVE_DEFAULTS: PlanningOptions = {"idle": 1.0, "variation": 1.0}  # of Performer and command line; set_up has 0
+INTERACTIVE_DEFAULTS: PlanningOptions = {"idle": 1.0, "variation": 1.0}  # for `Performer` and CLI; `set_up` uses 0
 
 OPTION_CHOICES: Mapping[str, tuple[str, ...]] = {
     "dialect": ("auto", *get_args(Dialect)),

@@ -155,7 +155,8 @@ def test_summed_motion_that_cannot_be_corrected_names_the_last_trunk_behaviour(k
     coming[20, NECK] = 5.0
     performed = [use("nod", "sign"), use("beat", "r_hand")]
     failure = add_motions(work(still(), coming, performed=performed), NO_HINGES, known, limits)
-    assert failure == MergeFailure("nod", f"{known.robot.skeleton.names[NECK]} cannot do both within its limits")
+    reason = f"{known.robot.skeleton.names[NECK]} cannot follow both motions within limits"
+    assert failure == MergeFailure("nod", reason)
 
 
 @pytest.fixture
@@ -231,6 +232,7 @@ def test_changed_hinge_may_exceed_its_limits_only_by_rounding(known, limits, mon
     monkeypatch.setattr(module, "add_motions", lambda *_: total)
     result = overlay_motions(work(base, base, cut=10, performed=[]), known, limits)
     if fails:
-        assert result == MergeFailure("", f"{known.robot.skeleton.names[NECK]} cannot do both within its limits")
+        reason = f"{known.robot.skeleton.names[NECK]} cannot follow both motions within limits"
+        assert result == MergeFailure("", reason)
     else:
         np.testing.assert_array_equal(result[:-1], total)

@@ -91,7 +91,7 @@ class Arming:
             _refuse(
                 client,
                 request,
-                f"not confirmed within {CONFIRMATION_TIMEOUT:.0f} s: send arm without code, and repeat its code",
+                f"not confirmed within {CONFIRMATION_TIMEOUT:.0f} s: send arm without a code, then with the new code",
             )
         else:
             self._task = create_task(_answer(client, request, "armed", self._arm(servos)))
