@@ -46,7 +46,7 @@ class HeadDirectionShift:
 
 @dataclass(frozen=True)
 class Gaze:
-    """Gaze at a target or the held direction, plus an offset angle."""
+    """Gaze at a target or in the held gaze direction, with an angular offset."""
 
     target: str | None = None
     influence: str | None = None
@@ -104,7 +104,7 @@ class Speech:
 
 @dataclass(frozen=True)
 class Wait:
-    """Waiting without any motion."""
+    """Waiting time without motion."""
 
     duration: float | None = None  # [s]
 
@@ -162,9 +162,9 @@ BlockCommand = Interrupt | Activate | ParameterChange  # commands of a block to 
 
 
 def find_modality(action: Action) -> Modality | None:
-    """Return the modality that performs an action, or None without body motion.
+    """Return the body part (modality) that performs an action, or None.
 
-    The modality of a posture is that of its arms.
+    None means that the body does not move. A posture has the modality of its arms.
     """
     match action:
         case Gesture() | Pointing() | Posture():

@@ -10,7 +10,7 @@ from kinesic.bml.reading.reader import DocumentReading
 def assign_agents(
     behaviours: Sequence[Behaviour], character: str | None, performer: str | None, reading: DocumentReading
 ) -> list[Behaviour]:
-    """Remove the agent from behaviours that this robot performs.
+    """Mark the behaviours of this robot by removing their agent.
 
     Behaviours of other agents keep their agent; they are timed but skipped. Without a performer, this robot is the
     character of the block, or else the first agent named in the document; a notice reports the second case.

@@ -80,7 +80,7 @@ DEFAULT_BLOCK_ID = "block"  # id of a block whose document gives none
 
 Dialect = Literal["bml-1.0", "draft", "none", "fml-apml", "smartbody", "json"]
 
-GESTURE_SYNCS = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
+GESTURE_SYNCS = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")  # sync points of gestures
 GAZE_SYNCS = ("start", "ready", "relax", "end")  # sync points of gazes in order
 FACE_SYNCS = ("start", "attackPeak", "relax", "end")  # sync points of facial expressions in order
 SHIFT_SYNCS = ("start", "end")  # sync points of shifts, waits and block commands, in order
@@ -127,8 +127,8 @@ class DocumentBounds:
 
     size: int = 4_000_000  # [bytes] size of the text
     depth: int = 64  # largest depth of nested elements
-    elements: int = 20_000
-    behaviours: int = 1000
+    elements: int = 20_000  # largest number of elements
+    behaviours: int = 1000  # largest number of behaviours
 
 
 MAX_BLOCK_DURATION = 1200.0  # [s] maximum time before or after the start of a block

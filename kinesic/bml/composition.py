@@ -35,9 +35,9 @@ _COMPOSITIONS_BY_NAME = {
     "chunk-after": Composition.APPEND,
     "replace": Composition.REPLACE,
 }
-_COMPOSITION_PATTERN = re.compile(r"([\w-]*+)(?:\s*\((.*)\))?", re.DOTALL)
-_ID_SEPARATOR = re.compile(r"[\s,]+")
-_COMMAND_ELEMENTS = ("interrupt", "activate", "parametervaluechange")
+_COMPOSITION_PATTERN = re.compile(r"([\w-]*+)(?:\s*\((.*)\))?", re.DOTALL)  # name and ids, as in `append-after(a, b)`
+_ID_SEPARATOR = re.compile(r"[\s,]+")  # separator of block ids in an attribute
+_COMMAND_ELEMENTS = ("interrupt", "activate", "parametervaluechange")  # elements that control other blocks
 _VALUE_ATTRIBUTES = ("targetValue", "finalValue", "value")  # attributes with the new value of a <parametervaluechange>
 
 

@@ -10,7 +10,7 @@ from kinesic.bml.block import FACE_SYNCS, GESTURE_SYNCS, Block, Notice
 from kinesic.bml.reading.namespaces import BML_1_0, KINESIC_NAMESPACE, KINESIC_PREFIX
 from kinesic.bml.timing.constraints import Point
 
-_STANDARD_SYNCS = frozenset({*GESTURE_SYNCS, *FACE_SYNCS})
+_STANDARD_SYNCS = frozenset({*GESTURE_SYNCS, *FACE_SYNCS})  # sync points written as attributes
 
 
 def write_prediction(
@@ -52,7 +52,7 @@ def write_block_progress(
     state: str | None = None,
     measured: float | None = None,
 ) -> str:
-    """Return a blockProgress (XML): a block has reached a point.
+    """Return a blockProgress (XML) that reports a reached point of a block.
 
     Args:
         block: id of the block.
@@ -74,7 +74,7 @@ def write_block_progress(
 def write_sync_point_progress(
     point: Point, time: float, global_time: float, *, character: str | None = None, measured: float | None = None
 ) -> str:
-    """Return a syncPointProgress (XML): a behaviour has reached a sync point.
+    """Return a syncPointProgress (XML) that reports a reached sync point.
 
     Args:
         point: the reached point.

@@ -34,7 +34,7 @@ from kinesic.bml.reading.tree import Element
 from kinesic.bml.reading.unread import INEFFECTIVE_ELEMENTS, note_unread
 from kinesic.bml.reading.vocabulary import AGENT_ATTRIBUTES
 
-_NON_BEHAVIOUR_ELEMENTS = INEFFECTIVE_ELEMENTS | {"constraint"}
+_NON_BEHAVIOUR_ELEMENTS = INEFFECTIVE_ELEMENTS | {"constraint"}  # children of a <bml> that are not behaviours
 
 
 def parse(

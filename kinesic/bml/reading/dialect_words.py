@@ -1,4 +1,4 @@
-"""Translation of elements of other dialects inside a <bml> into BML.
+"""Translation of other dialects' elements inside a <bml> into BML elements.
 
 EMBR writes head movements as gestures. SmartBody's animations and body postures may also stand in a <bml>. Names may be
 in capitals.
@@ -19,17 +19,17 @@ from kinesic.bml.reading.vocabulary import (
 )
 
 _CORE_NAMES = ("bml", "required", *BEHAVIOUR_ATTRIBUTES, *NESTED_ATTRIBUTES, *SPEECH_ATTRIBUTES)
-_NAMES_BY_LOWERCASE = {name.lower(): name for name in _CORE_NAMES}
+_NAMES_BY_LOWERCASE = {name.lower(): name for name in _CORE_NAMES}  # element name in lower case -> in BML's spelling
 _ATTRIBUTES_BY_LOWERCASE = {
     name.lower(): name
     for names in (BLOCK_ATTRIBUTES, AGENT_ATTRIBUTES, *BEHAVIOUR_ATTRIBUTES.values())
     for name in names
 }
-_SMARTBODY_BEHAVIOURS = ("animation", "body")
+_SMARTBODY_BEHAVIOURS = ("animation", "body")  # SmartBody elements that are accepted inside a <bml>
 
 
 def fold_capitals(element: Element, folded: set[str]) -> Element:
-    """Return the element with capital names such as <SPEECH> in BML's spelling.
+    """Convert element names in capitals, such as <SPEECH>, to BML's spelling.
 
     Args:
         element: element with its content.

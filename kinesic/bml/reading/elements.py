@@ -40,7 +40,9 @@ MAX_ACTION_UNIT = 99  # largest accepted FACS action unit number
 # types of descriptions that supplement the core form instead of replacing it
 SUPPLEMENTARY_TYPES = frozenset({"gretabml", "kinesic", "application/ssml+xml", "audio/x-wav", "audio/wav"})
 
+# values of the gaze attribute `influence`: lowest body part that turns
 GAZE_INFLUENCES = ("EYES", "HEAD", "NECK", "SHOULDER", "CHEST", "TORSO", "WAIST", "WHOLE", "AUTO")
+# values of the gaze attribute `offsetDirection`
 OFFSET_DIRECTIONS = ("NONE", "RIGHT", "LEFT", "UP", "DOWN", "UPRIGHT", "UPLEFT", "DOWNLEFT", "DOWNRIGHT")
 
 _HAND_MODES: dict[str, HandMode] = {"left": "left", "right": "right", "both": "both", "unspecified": "unspecified"}
@@ -183,10 +185,10 @@ ACTION_READERS: dict[str, Callable[[BehaviourElement, DocumentReading], Action]]
 
 
 def select_form(element: Element, *, home: str | None) -> Element:
-    """Return the behaviour in the highest-priority supported description, or the core form.
+    """Return the behaviour of the supported description with highest priority.
 
     A BML behaviour in a description replaces the core form at the same times. Expressivity, and speech with its own
-    markup, supplement the core form. Without a supported description the core form stays.
+    markup, supplement the core form. Without a supported description, the element itself (core form) is returned.
 
     Args:
         element: the behaviour with its descriptions.
@@ -210,7 +212,7 @@ def _read_priority(description: Element) -> float:
 
 
 def _merge_forms(form: Element, element: Element) -> Element:
-    """Return an alternative form of a behaviour with the core form's id.
+    """Return a described behaviour with the id of the behaviour that it replaces.
 
     It also gets the sync attributes of the core form, unless it has its own.
     """
@@ -235,7 +237,7 @@ def _read_influence(node: BehaviourElement, reading: DocumentReading) -> str | N
 
 
 def _read_choice(choices: tuple[str, ...], node: BehaviourElement, reading: DocumentReading, *names: str) -> str | None:
-    """Return an attribute's value in capitals without underscores, or None.
+    """Return a valid attribute value in capitals without underscores, or None.
 
     None stands for a missing or an invalid value. An invalid one adds a notice.
     """

@@ -15,19 +15,19 @@ from kinesic.bml.reading.tree import Element, read_tree
 
 _TAG_PATTERN = re.compile(r"<([A-Za-z_][\w.:-]*)")
 _ROOT_PATTERN = re.compile(r"<(?:[\w.-]+:)?(?:bml|fml-apml)[\s/>]")
-_DECLARATION_PATTERN = re.compile(r"\s*<\?xml[^>]*\?>")
-_ACTION_UNIT_PATTERN = re.compile(r"(\d+)_(left|right|both)", re.IGNORECASE)
+_DECLARATION_PATTERN = re.compile(r"\s*<\?xml[^>]*\?>")  # XML declaration
+_ACTION_UNIT_PATTERN = re.compile(r"(\d+)_(left|right|both)", re.IGNORECASE)  # action unit with side, as in `1_left`
 _JOINT_INFLUENCES = {
     "BACK": "WAIST",
     "CHEST": "SHOULDER",
     "NECK": "NECK",
     "EYES": "EYES",
-}  # joint named in a SmartBody gaze -> lowest turning body part in BML, lowest first
+}  # joint of a SmartBody gaze, from the lowest up -> value of BML's attribute `influence`
 _GESTURE_CATEGORIES = frozenset({"BEAT", "DEICTIC", "METAPHORIC", "ICONIC", "EMBLEM", "ADAPTOR"})
 
 _POSTURE_SUFFIX_PATTERN = re.compile(r"_(Motex|Idle\d*)$", re.IGNORECASE)  # suffix of posture animations
 
-SMARTBODY_ELEMENTS = frozenset({"body", "saccade", "animation", "blend", "event", "viseme"})
+SMARTBODY_ELEMENTS = frozenset({"body", "saccade", "animation", "blend", "event", "viseme"})  # not in BML
 
 
 def is_fragment(text: str, behaviour_names: frozenset[str]) -> bool:
@@ -159,7 +159,7 @@ def _translate_body(element: Element) -> Element:
 
 
 def _read_seconds(text: str) -> float:
-    """Parse a time [s] from the block's start, or return 0."""
+    """Parse a time [s], or return 0 for any other text."""
     try:
         return float(text)
     except ValueError:

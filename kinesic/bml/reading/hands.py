@@ -11,7 +11,7 @@ from kinesic.bml.block import HandMode
 
 _TOKEN_PATTERN = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+|_")
 _SIDE_WORDS: dict[str, HandMode] = {"l": "left", "left": "left", "r": "right", "right": "right", "both": "both"}
-_LIMB_WORDS = frozenset({"hand", "hands", "arm", "arms"})
+_LIMB_WORDS = frozenset({"hand", "hands", "arm", "arms"})  # words that follow a side word: `left_hand`
 _HAND_WORDS: dict[str, HandMode] = {  # words that name the hands
     **dict.fromkeys(("lh", "lhand", "larm"), "left"),
     **dict.fromkeys(("rh", "rhand", "rarm"), "right"),

@@ -28,7 +28,7 @@ _MODIFIER_WORDS = frozenset(  # words for direction, size, speed, count or hand
 
 
 def names_head_movement(lexeme: str) -> bool:
-    """Return whether a name consists of words for a head movement.
+    """Return whether a gesture's name contains only words for head movements.
 
     Such movements are nods, shakes and tilts; `shake_hands` is none of them.
     """

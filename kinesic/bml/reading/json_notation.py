@@ -23,10 +23,10 @@ _NAME_PATTERN = re.compile(r"[A-Za-z_][\w.-]*(?::[A-Za-z_][\w.-]*)?")
 _INVALID_CHARACTER_PATTERN = re.compile(
     r"[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 )  # characters invalid in XML
-_EMPTY_SCOPE: Mapping[str, str] = MappingProxyType({"": ""})  # prefix -> namespace: none in JSON documents
-_VALUES_PER_ELEMENT = 10  # maximum number of JSON values per allowed element
-_CONSTRAINT_TYPES = ("synchronize", "before", "after")
-_BEHAVIOUR_KEYS = ("behaviours", "behaviors", "data")
+_EMPTY_SCOPE: Mapping[str, str] = MappingProxyType({"": ""})  # prefix -> namespace; JSON documents declare none
+_VALUES_PER_ELEMENT = 10  # largest number of JSON values / largest number of elements
+_CONSTRAINT_TYPES = ("synchronize", "before", "after")  # values of "type" in a constraint object
+_BEHAVIOUR_KEYS = ("behaviours", "behaviors", "data")  # keys of the list of behaviours in a JSON document
 _FAULT_REMEDIES = (  # first characters of a faulty JSON value -> remedy
     *((sign, 'put names and texts in double quotes: "type": "gesture"') for sign in "'\u2018\u2019\u201c\u201d"),
     *((sign, "remove the comment") for sign in ("//", "/*", "#")),
@@ -202,7 +202,7 @@ def _read_block(block: _Object, source: str) -> Element:
 
 
 def _suggest_document(block: _Object) -> str:
-    """Return an error remedy: the document that a JSON object probably means."""
+    """Return the remedy of an error, which shows the document in full JSON."""
     behaviour = _suggest_behaviour(block) or '{"type": "head", "lexeme": "NOD"}'
     return f'write {{"id": "b1", "behaviours": [{behaviour}]}}'
 
@@ -228,7 +228,7 @@ def _is_constraint(value: _Value) -> bool:
 
 
 def _collect_constraints(value: _Value, place: Place) -> Iterator[Element]:
-    """Yield one <constraint> with all constraint objects, if there are any."""
+    """Yield one <constraint> element that contains all constraint objects."""
     constraints = tuple(
         _read_constraint(item) for item in _as_tuple(value) if isinstance(item, _Object) and _is_constraint(item)
     )

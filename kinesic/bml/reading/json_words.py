@@ -10,14 +10,14 @@ from collections.abc import Callable, Mapping
 
 from kinesic.bml.reading.tree import Element
 
-DEFAULT_GAZE_OFFSET = 20.0  # [deg] offset of a gaze with a direction instead of a target
+DEFAULT_GAZE_OFFSET = 20.0  # [deg] rotation of a gaze that names a direction instead of a target
 BLINK_DURATION = 0.25  # [s] duration of a blink behaviour
 FRONT_TARGET = "audience"  # name of the target in front of the robot
 
 _GAZE_DIRECTIONS = frozenset({"UP", "DOWN", "LEFT", "RIGHT", "UPRIGHT", "UPLEFT", "DOWNRIGHT", "DOWNLEFT", "FRONT"})
-_HAND_NAMES = {"DOMINANT": "RIGHT", "NON_DOMINANT": "LEFT"}
+_HAND_NAMES = {"DOMINANT": "RIGHT", "NON_DOMINANT": "LEFT"}  # hand of a right-handed person
 _TRUE_VALUES = ("true", "1")  # texts that mean true
-_MAX_COUNT_DIGITS = 4  # largest number of digits of a converted `repetition`; longer numbers pass unchanged
+_MAX_COUNT_DIGITS = 4  # largest number of digits of a `repetition` that is converted; longer ones stay unchanged
 
 
 def rewrite_json_behaviour(element: Element) -> Element:

@@ -19,7 +19,7 @@ from kinesic.body.config import names_of, suggestion
 GRETA_OPENNESS_RANGE = (-0.7, 1.13)  # smallest and largest openness in Greta's documents
 REASON_ATTRIBUTE = "reason"  # attribute of the kinesic namespace: reason of a behaviour, for human readers
 
-_GRETA_FIELD_NAMES = {
+_GRETA_FIELD_NAMES = {  # element of a `gretabml` description -> expressivity parameter
     "SPC.value": "spatial",
     "TMP.value": "temporal",
     "FLD.value": "fluidity",
@@ -30,7 +30,7 @@ _GRETA_FIELD_NAMES = {
     "intensity": "intensity",
 }
 GRETA_FIELDS = frozenset({"reference", *_GRETA_FIELD_NAMES})  # elements supported in a `gretabml` description
-_GRETA_RANGES = {
+_GRETA_RANGES = {  # smallest and largest value in Greta's documents, by expressivity parameter
     **dict.fromkeys(_GRETA_FIELD_NAMES.values(), (-1.0, 1.0)),
     "openness": GRETA_OPENNESS_RANGE,
     "intensity": (0.0, 1.0),

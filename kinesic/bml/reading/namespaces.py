@@ -7,13 +7,13 @@ from kinesic.bml.reading.tree import Element
 
 BML_1_0 = "http://www.bml-initiative.org/bml/bml-1.0"  # namespace of BML 1.0
 CORE_EXTENSIONS = "http://www.bml-initiative.org/bml/coreextensions-1.0"  # namespace of BML's core extensions
-DRAFT_NAMESPACES = ("http://www.mindmakers.org/projects/BML", "org.mindmakers.bml")
+DRAFT_NAMESPACES = ("http://www.mindmakers.org/projects/BML", "org.mindmakers.bml")  # namespaces of the BML draft
 GRETA_NAMESPACES = frozenset({"vibnamespace", "gretanamespace"})  # Greta's namespaces, case-insensitive
 KINESIC_NAMESPACE = "urn:kinesic"  # namespace of kinesic's attributes, such as kinesic:power
-ASAP_NAMESPACE = "http://www.asap-project.org/bmla"
+ASAP_NAMESPACE = "http://www.asap-project.org/bmla"  # namespace of the realizer ASAP
 ELCKERLYC_NAMESPACE = "http://hmi.ewi.utwente.nl/bmlt"  # namespace of Elckerlyc, the predecessor of ASAP
 
-CORE_NAMESPACES = frozenset({"", BML_1_0, CORE_EXTENSIONS, *DRAFT_NAMESPACES})
+CORE_NAMESPACES = frozenset({"", BML_1_0, CORE_EXTENSIONS, *DRAFT_NAMESPACES})  # namespaces of supported elements
 CORE_PREFIXES = frozenset({"bml", "ext", "greta"})  # prefixes of supported elements, accepted without a declaration
 KINESIC_PREFIX = "kinesic"  # prefix of kinesic's attributes, accepted without a declaration
 COMPOSITION_NAMESPACES = frozenset({ASAP_NAMESPACE, ELCKERLYC_NAMESPACE})  # namespaces of block composition

@@ -1,4 +1,4 @@
-"""Search for a document's first tag behind prologues of any length."""
+"""Search for a document's first tag after an XML prologue of any length."""
 
 import re
 
@@ -6,7 +6,7 @@ _PROLOGUE_DELIMITERS = {
     "<?": "?>",
     "<!--": "-->",
     "<!DOCTYPE": ">",
-}  # start -> end of items before the root element
+}  # start -> end of XML markup before the root element
 _PROLOGUE_PATTERN = re.compile(r"\s*(<\?|<!--|<!DOCTYPE|)", re.IGNORECASE)
 _TAG_PATTERN = re.compile(r"<(?:[\w.-]+:)?([\w.-]+)[\s/>]")
 

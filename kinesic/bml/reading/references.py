@@ -32,10 +32,10 @@ Relation = Literal["at", "after", "before"]
 
 _NUMBER_PATTERN = r"(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d++)?"
 _BARE_NUMBER_PATTERN = re.compile(rf"[+-]?{_NUMBER_PATTERN}")
-_SIGN_PATTERN = re.compile(r"[+-]")
+_SIGN_PATTERN = re.compile(r"[+-]")  # sign that may start an offset
 _OFFSET_PATTERN = re.compile(rf"([+-])\s*({_NUMBER_PATTERN})")
 _RELATION_PATTERN = re.compile(r"(after|before)\s*\((.*)\)", re.DOTALL)
-_ARRIVAL_SYNCS = ("ready", "attackPeak")  # sync points that mean `end` in behaviours without them, such as shifts
+_ARRIVAL_SYNCS = ("ready", "attackPeak")  # sync points read as `end` in behaviours that lack them, such as shifts
 
 
 @dataclass(frozen=True)
@@ -163,7 +163,7 @@ def _resolve(text: str, parts: list[str], offset: float, names: Names) -> SyncRe
 
 
 def _is_iterated(parts: list[str], names: Names) -> bool:
-    """Return whether a three-part reference can only mean behaviour:sync:iteration.
+    """Return whether an invalid three-part reference means behaviour:sync:iteration.
 
     Valid ones, with `stroke` and a number, are read before; the caller rejects the others.
     """

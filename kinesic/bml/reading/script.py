@@ -27,7 +27,7 @@ BREAK_DURATIONS = {
     "x-strong": 1.0,
 }  # [s] duration of a break by its SSML strength
 MAX_BREAK_DURATION = 60.0  # [s] longest accepted break in a speech; a longer one is invalid
-WAV_TYPES = frozenset({"audio/wav", "audio/x-wav", "audio/wave", "audio/vnd.wave"})
+WAV_TYPES = frozenset({"audio/wav", "audio/x-wav", "audio/wave", "audio/vnd.wave"})  # media types of recordings
 PAUSE_ATTRIBUTE = "pause"  # kinesic attribute: maximum pause before a word ([s], true or false)
 MAX_AUTOMATIC_PAUSE = 2.0  # [s] longest pause for `kinesic:pause="true"`
 
@@ -35,8 +35,8 @@ _PASSED_ELEMENTS: tuple[Stress, ...] = ("prosody", "emphasis", "say-as")  # elem
 FILE_ATTRIBUTES = ("ref", "src", "href", "file")  # attributes that name a recording
 WORDS_ATTRIBUTE = "words"  # attribute that names the file with the times of a recording's words
 _LANGUAGE_ELEMENTS = frozenset({"lang", "voice", "p", "s"})  # elements with an optional language
-_DURATION_PATTERN = re.compile(r"\+?(\d++(?:\.\d*+)?|\.\d++)(ms|s)")
-_LANGUAGE_CODES = {
+_DURATION_PATTERN = re.compile(r"\+?(\d++(?:\.\d*+)?|\.\d++)(ms|s)")  # SSML duration, as in `250ms`
+_LANGUAGE_CODES = {  # language name -> language code
     "arabic": "ar",
     "chinese": "zh",
     "dutch": "nl",
@@ -98,7 +98,7 @@ def read_recording(node: BehaviourElement, reading: DocumentReading) -> Recordin
 
 
 def read_pause(element: Element, reading: DocumentReading) -> float | None:
-    """Return the maximum pause [s] before words that wait for the body.
+    """Return the maximum speech pause [s] before a word that waits for the body.
 
     `kinesic:pause` is a number of seconds, `true` (as long as needed, at most `MAX_AUTOMATIC_PAUSE`) or `false`. The
     result is None without this attribute.

@@ -6,9 +6,10 @@
 import re
 from collections.abc import Mapping
 
+# BML attributes that give the time of a sync point
 SYNC_ATTRIBUTES = ("start", "ready", "strokeStart", "attackPeak", "stroke", "strokeEnd", "relax", "end")
 
-_DRAFT_SYNC_NAMES = {  # names in older drafts, which mark start and end of each phase
+_DRAFT_SYNC_NAMES = {  # sync point of older drafts, which mark start and end of each phase -> sync point of BML
     "preparationstart": "start",
     "preparationend": "ready",
     "readystart": "ready",

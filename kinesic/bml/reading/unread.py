@@ -1,4 +1,4 @@
-"""Notices about attributes, elements and text without effect, one for each kind."""
+"""Notices about attributes, elements and text without effect."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
@@ -32,7 +32,7 @@ INEFFECTIVE_ELEMENTS = frozenset({"description", "tm", "sync", "pitchaccent", "b
 
 
 def note_unread(root: Element, bml: Element, nodes: Iterable[BehaviourElement], reading: DocumentReading) -> None:
-    """Add notices about all parts of a document that have no effect.
+    """Add notices about attributes, elements and text without effect.
 
     Behaviours of unknown types are skipped here, since they are dropped by name later.
 
@@ -64,7 +64,10 @@ def _contains(element: Element, bml: Element) -> bool:
 
 @dataclass
 class _Notes:
-    """Collector of notices on ineffective parts of a document, one per kind."""
+    """Collector of notices about ineffective attributes, elements and text.
+
+    An attribute, element or text that recurs in elements of one name gives one notice.
+    """
 
     reading: DocumentReading
     seen: set[tuple[str, str]] = field(default_factory=set)
@@ -83,7 +86,7 @@ class _Notes:
                     self.note_element(child, element)
 
     def note_behaviour(self, element: Element) -> None:
-        """Add notices about the ineffective parts of a behaviour."""
+        """Add notices about ineffective attributes, elements and text in a behaviour."""
         allowed = (*BEHAVIOUR_ATTRIBUTES[element.local], *AGENT_ATTRIBUTES, "id")
         self._note_attributes(element, (*allowed, *(name for name in element.attributes if find_sync_name(name))))
         self._note_values(element)
@@ -115,7 +118,7 @@ class _Notes:
                 self.note_element(child, element)
 
     def _note_description(self, description: Element, parent: Element) -> None:
-        """Add notices about the unsupported parts of a description."""
+        """Add notices about unsupported attributes and elements of a <description>."""
         kind = description.attributes.get("type", "").strip()
         is_spoken = parent.local == "speech" and kind.lower() in {SSML_TYPE, *WAV_TYPES}
         self._note_attributes(
@@ -127,7 +130,7 @@ class _Notes:
                     self.note_element(child, description)
         elif kind.lower() == SSML_TYPE and is_spoken:
             self._note_spoken(description)
-        elif kind.lower() != "kinesic" and not is_spoken and not _is_richer(description, self.reading):
+        elif kind.lower() != "kinesic" and not is_spoken and not _contains_behaviour(description, self.reading):
             problem = f"the description of type '{kind}' in {_describe_place(parent)} is not supported and is ignored"
             self._note((f"type={kind}", "description"), NoticeType.PARSING_FAILURE, problem)
 
@@ -190,8 +193,8 @@ def _describe_place(element: Element) -> str:
     return f"<{element.tag}> (line {element.place.line})"
 
 
-def _is_richer(description: Element, reading: DocumentReading) -> bool:
-    """Return whether a description holds exactly one alternative form of the behaviour."""
+def _contains_behaviour(description: Element, reading: DocumentReading) -> bool:
+    """Return whether a <description> contains exactly one supported BML behaviour."""
     inside = [
         child
         for child in description.children

@@ -5,10 +5,10 @@ All other attributes and elements have no effect and produce a notice.
 
 from collections.abc import Mapping
 
-_FACE_ATTRIBUTES = ("lexeme", "au", "side", "amount", "type")
+_FACE_ATTRIBUTES = ("lexeme", "au", "side", "amount", "type")  # attributes of all facial behaviours
 _GAZE_ATTRIBUTES = ("target", "type", "influence", "modality", "offsetAngle", "offsetDirection")
 HAND_SHAPE_NAMES = ("handShape", "handshape")  # attribute or nested element with a gesture's hand shape
-_POSTURE_ATTRIBUTES = ("stance", "part", "shape")
+_POSTURE_ATTRIBUTES = ("stance", "part", "shape")  # attributes of posture and postureShift
 BLOCK_ATTRIBUTES = ("id", "characterId", "character", "agent", "composition")  # attributes of a <bml>
 AGENT_ATTRIBUTES = ("characterId", "character", "agent")  # attributes that name the performing agent
 # Supported attributes of each behaviour element, without id, agent and sync points.
@@ -67,7 +67,7 @@ SPEECH_ATTRIBUTES: Mapping[str, tuple[str, ...]] = {  # supported attributes of 
 }
 SYNONYMOUS_ATTRIBUTES: Mapping[
     str, tuple[tuple[str, ...], ...]
-] = {  # synonyms by element; the first one present counts
+] = {  # synonymous attributes by element; the first one present applies
     "gesture": (("lexeme", "type"), ("mode", "hand"), HAND_SHAPE_NAMES),
     "pointing": (("mode", "hand"), HAND_SHAPE_NAMES),
     "head": (("lexeme", "rotation", "type"),),
@@ -76,7 +76,7 @@ SYNONYMOUS_ATTRIBUTES: Mapping[
     **dict.fromkeys(("gaze", "gazeShift"), (("influence", "modality"),)),
     "wait": (("duration", "max-wait"),),
 }
-SUPPORTED_VALUES: Mapping[tuple[str, str], frozenset[str]] = {  # supported values by element and attribute
+SUPPORTED_VALUES: Mapping[tuple[str, str], frozenset[str]] = {  # (element, attribute) -> supported values
     ("gaze", "type"): frozenset({"at"}),
     ("gazeShift", "type"): frozenset({"at"}),
     ("head", "action"): frozenset({"rotation"}),
@@ -88,7 +88,7 @@ SUPPORTED_VALUES: Mapping[tuple[str, str], frozenset[str]] = {  # supported valu
     ("say-as", "format"): frozenset({"glyphs"}),
 }
 UNSET_VALUES = frozenset({"", "none"})  # values equivalent to a missing attribute
-NEEDED_ATTRIBUTES: Mapping[tuple[str, str], str] = {  # (element, attribute) -> attribute that it needs
+NEEDED_ATTRIBUTES: Mapping[tuple[str, str], str] = {  # (element, attribute) -> attribute that it needs for an effect
     **dict.fromkeys((("gaze", "offsetAngle"), ("gazeShift", "offsetAngle")), "offsetDirection"),
     **dict.fromkeys((("gaze", "offsetDirection"), ("gazeShift", "offsetDirection")), "offsetAngle"),
 }

@@ -13,14 +13,14 @@ ROOT_NAMES = ("bml", "fml-apml", "speak")  # root elements of documents
 MAX_OPENED_SIZE = 8_000_000  # [bytes or characters] longest text in which a document is searched for
 MAX_SHOWN_LENGTH = 60  # [characters] longest quotation of ignored text in a notice
 _BLANK_CHARACTERS = " \t\r\n\ufeff"
-_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")
+_UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")  # byte order marks of UTF-16
 _ROOT_TAG = re.compile(r"<(?P<name>(?:[\w.-]+:)?(?:bml|fml-apml|speak))(?=[\s/>])[^<>]*>", re.IGNORECASE)
 _THOUGHT_ELEMENT = re.compile(r"\s*<(think|thinking|thought|thoughts|reasoning|reflection)>.*?</\1>", re.DOTALL)
 _MARKDOWN_FENCE = re.compile(
     r"^[ \t]*(`{3,}|~{3,})[^\n`]*\n(.*?)(?:^[ \t]*\1[`~]*[ \t]*\r?$|\Z)", re.DOTALL | re.MULTILINE
 )
 _XML_DECLARATION = re.compile(r"\s*<\?xml[^<>]*\?>", re.IGNORECASE)
-_JSON_START = re.compile(r"\{\s*\"|\[\s*\{\s*\"")
+_JSON_START = re.compile(r"\{\s*\"|\[\s*\{\s*\"")  # start of a JSON object, or of a list of objects
 _JSON_DOCUMENT = re.compile(r"\"(?:type|behaviours|behaviors|data|bml)\"\s*:")
 _JSON_TOKEN = re.compile(r"\"(?:[^\"\\\n]|\\.)*+\"?|[{}\[\]]")  # an unclosed string ends with its line
 _BLANK_RUN = re.compile(r"[\s\ufeff]*")
@@ -99,7 +99,7 @@ def _find_document(text: str) -> tuple[int, int] | None:
         name = find_first_tag(start)
         if name in ROOT_NAMES:
             return begin, _xml_end(text, begin)
-        if not _is_answer(start):
+        if not _starts_with_unknown_element(start):
             return None
     for fence in _MARKDOWN_FENCE.finditer(text, begin):
         inside = fence[2].lstrip(_BLANK_CHARACTERS)
@@ -109,8 +109,8 @@ def _find_document(text: str) -> tuple[int, int] | None:
     return _find_in_prose(text, begin)
 
 
-def _is_answer(text: str) -> bool:
-    """Return whether an unknown XML element encloses the document."""
+def _starts_with_unknown_element(text: str) -> bool:
+    """Return whether the text starts with an unknown element around the document."""
     inside = re.match(r"<[\w-]+>\s*(?:[{\[]|`{3}|<\?xml)", text)
     return inside is not None
 
@@ -171,7 +171,7 @@ def _blank(text: str) -> str:
 
 
 def _describe(before: str, after: str) -> Iterator[str]:
-    """Yield notice texts about the ignored parts around a document."""
+    """Yield notices about the ignored fences and text around a document."""
     thought = _THOUGHT_ELEMENT.match(before)
     if thought:
         yield "thoughts before the document are ignored"
@@ -186,6 +186,6 @@ def _describe(before: str, after: str) -> Iterator[str]:
 
 
 def _prose(part: str) -> str:
-    """Return the prose before or after a document, without code fences."""
+    """Return the text before or after a document, without code fences."""
     words = " ".join(_XML_DECLARATION.sub("", part.replace("\ufeff", "")).split())
     return re.sub(r"[`~]{3,} ?\w*$|[`~]{3,}", "", words).strip()

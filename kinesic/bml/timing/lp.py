@@ -45,7 +45,7 @@ _COST_WEIGHTS = _CostWeights()  # cost weights of every linear program
 
 @dataclass
 class _Rows:
-    """Sparse rows `coefficients @ unknowns <= bound` with costs and lower bounds."""
+    """Linear program under construction: constraints, costs and lower bounds of unknowns."""
 
     costs: list[float] = field(default_factory=list)
     lowest: list[float] = field(default_factory=list)
@@ -85,7 +85,7 @@ class TimingProgram:
         self._root: dict[Point, int] = {}
 
     def _time(self, point: Point) -> tuple[list[tuple[int, float]], float]:
-        """Return a sync point's time as unknowns plus a constant."""
+        """Return a sync point's time as a linear function of the unknowns."""
         root, gap = self._potentials.find(point)
         if root in self._known:
             return [], self._known[root] + gap
@@ -133,7 +133,7 @@ class TimingProgram:
         self._penalise_offset(first, _COST_WEIGHTS.late_start, early_cost)
 
     def _penalise_offset(self, point: Point, after_zero: float, before_zero: float) -> None:
-        """Add costs per second for a sync point's distance from 0."""
+        """Add costs [1/s] for a sync point's distance from time 0."""
         terms, gap = self._time(point)
         if terms:
             after, before = self._rows.unknown(after_zero, 0.0), self._rows.unknown(before_zero, 0.0)

@@ -1,4 +1,4 @@
-"""Network of a block's sync points: equalities, orders and fixed distances."""
+"""Network of a block's sync points: fixed time differences and precedence constraints."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass

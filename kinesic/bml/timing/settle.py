@@ -58,7 +58,7 @@ def fit_behaviour(
 def _fit_durations(
     names: Sequence[str], natural: Sequence[float], total: float, repeated: Collection[str]
 ) -> list[float]:
-    """Stretch or shorten phase durations [s] to a given sum."""
+    """Stretch or shorten phase durations [s] to a given total."""
     spare = total - sum(natural)
     if spare >= 0.0:
         stretched = next((name for name in _STRETCHABLE_SYNCS if name in names), names[-1])
@@ -142,7 +142,7 @@ class _Solver:
     def _groups(
         self, chains: Sequence[SyncChain], orders: Sequence[Edge], fixed_times: Mapping[Point, float]
     ) -> Iterator[_Group]:
-        """Yield groups of coupled behaviours, without behaviours with known times."""
+        """Yield groups of coupled behaviours, omitting those with fixed times."""
         sets = Potentials()
 
         def first_free(points: Sequence[Point]) -> Point | None:
@@ -190,7 +190,7 @@ class _Solver:
         return root_times
 
     def _solve_floating(self, group: _Group) -> dict[Point, float]:
-        """Solve a group without fixed times so that it starts at 0.
+        """Return times of a group without fixed times, whose earliest start is 0.
 
         The times of a speech, if there is one, are set first.
         """
@@ -212,7 +212,7 @@ def _list_points(group: _Group) -> Iterator[Point]:
 
 
 def _has_negative_time(chain: SyncChain, network: Network, times: Mapping[Point, float]) -> bool:
-    """Return whether the document fixes a time before 0 in a behaviour."""
+    """Return whether the document gives a behaviour a time before 0."""
     root = network.potentials.find(network.start)[0]
     return any(times[point] < 0.0 and network.potentials.find(point)[0] == root for point in chain.points)
 

@@ -1,4 +1,4 @@
-"""Duration of accented syllables beyond sync points that are tied to words."""
+"""Times from word-tied sync points to the ends of accented vowels."""
 
 from collections.abc import Mapping, Sequence
 from itertools import takewhile
@@ -8,7 +8,7 @@ from kinesic.bml.timing.words import find_word_offsets
 from kinesic.body.utterance import STRESS_MARKS, VOWEL_LETTERS, Phoneme, Utterance
 
 MAX_ACCENT_DELAY = 0.7  # [s] longest time from a mark to the accented vowel of its word
-STRESS_LEVELS = (*STRESS_MARKS, "")  # stress symbols of vowels, strongest first
+STRESS_LEVELS = (*STRESS_MARKS, "")  # stress marks before a vowel: primary, secondary, none
 TIME_ROUNDING = 1e-6  # [s] tolerance for phonemes that start just before a mark
 
 
