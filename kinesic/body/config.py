@@ -66,7 +66,9 @@ def read_tables(path: Path) -> dict[str, object]:
         with path.open("rb") as file:
             raw = file.read(MAX_FILE_SIZE + 1)
         if len(raw) > MAX_FILE_SIZE:
-            raise ConfigError(f"{path}: more than {MAX_FILE_SIZE // 1_000_000} MB; such a file has some kB")
+            raise ConfigError(
+                f"{path}: more than {MAX_FILE_SIZE // 1_000_000} MB; configuration files usually have a few kB"
+            )
         return parse_tables(raw.decode("utf-8"), path)
     except FileNotFoundError:
         raise ConfigError(f"{path}: no such file") from None
@@ -181,7 +183,7 @@ def names_of(kind: str) -> tuple[str, ...]:
 
 
 def suggestion(word: str, valid_names: Iterator[str] | list[str] | tuple[str, ...]) -> str:
-    """Return a hint with the nearest valid name, or with all.
+    """Return a hint with the nearest valid name, or with all valid names.
 
     Returns:
         '; did you mean X?', or a list of all valid names if none is near.
@@ -236,7 +238,7 @@ def _suggest_key(message: str, schema: object) -> str:
 
 
 def _enter(schema: object, part: str) -> Iterator[object]:
-    """Yield the types that a schema allows for a field path step."""
+    """Yield the types that a schema allows one level deeper in a path."""
     if isinstance(schema, type) and issubclass(schema, msgspec.Struct):
         yield from (field.type for field in msgspec.structs.fields(schema) if part == f".{field.encode_name}")
     elif get_origin(schema) in (Union, UnionType, Annotated):

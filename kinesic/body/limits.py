@@ -8,7 +8,7 @@ from kinesic.body.arrays import Floats, Indices, sealed
 from kinesic.body.dynamics import Load
 from kinesic.body.robot import Robot
 
-USABLE_STALL_FRACTION = 0.8  # Fraction of the stall torque available to holding, friction and acceleration
+USABLE_STALL_FRACTION = 0.8  # Fraction of the stall torque available for holding, friction and acceleration
 MIN_ACCELERATION = 1.0  # [rad/s^2] lower bound of acceleration limits, for hinges that can hardly hold their load
 ACCELERATION_RISE_TIME = 0.04  # [s] time from zero acceleration to its limit at maximum jerk
 PLANNED_DUTY = 0.73  # Maximum planned fraction of full PWM; leaves reserve for coupled loads and weak servos
@@ -50,7 +50,7 @@ class Limits:
 
     @classmethod
     def box(cls, *, lower: Floats, upper: Floats, speed: Floats, acceleration: Floats, jerk: Floats) -> "Limits":
-        """Make limits from given values (n,), without a binding duty limit.
+        """Make limits from arrays (n,), with a duty limit that never binds.
 
         Args:
             lower: (n,) [rad].

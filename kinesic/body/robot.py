@@ -20,9 +20,10 @@ from kinesic.body.skeleton import Coupling, Frames, Hinge
 
 Side = Literal["l", "r"]
 SIDES: tuple[Side, Side] = ("l", "r")
-OTHER_SIDE: Mapping[Side, Side] = {"l": "r", "r": "l"}
+OTHER_SIDE: Mapping[Side, Side] = {"l": "r", "r": "l"}  # opposite side of the body
 SIDE_NAMES: Mapping[Side, str] = {"l": "left", "r": "right"}
 PartName = Literal["torso", "head", "l_hand", "r_hand"]  # body parts that behaviours move
+# kinematic chain that moves each body part
 PART_CHAINS: Mapping[PartName, str] = {"torso": "torso", "l_hand": "l_arm", "r_hand": "r_arm", "head": "neck"}
 SHOULDER_LIFT_SUFFIX = "sternoclavicular_abduct"  # Suffix of the names of hinges that raise a shoulder
 

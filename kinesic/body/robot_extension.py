@@ -34,7 +34,7 @@ def read_robot(path: Path, schema: type[T]) -> T:
 
 
 def find_extended(path: Path) -> Path | None:
-    """Return the path of the extended robot file, if any.
+    """Return the path of the robot file that a file extends, or None.
 
     Raises:
         ConfigError: a file is missing or invalid.
@@ -61,7 +61,7 @@ def _read(path: Path, below: tuple[Path, ...]) -> Tables:
 
 
 def _find(extends: str, path: Path) -> Path:
-    """Return the path of the extended robot's file.
+    """Convert the value of `extends` to the path of a robot file.
 
     It is a robot of this package, or a file in the folder of this one or below.
     """

@@ -6,7 +6,7 @@ ARMENIAN_QUESTION_MARK = "\u055e"  # written inside a word, not after the senten
 QUESTION_MARKS = "?\uff1f\u061f\u1367\u2047\u2048\u2049"  # Latin, full-width, Arabic, Ethiopic, doubled
 EXCLAMATION_MARKS = "!\uff01\u203c"  # Latin, full-width, doubled
 FULL_STOPS = ".\u2026\u3002\uff0e\uff61\u06d4\u0964\u0965\u1362\u0589\u104b\u17d4\u0df4"  # full stops of all scripts
-SENTENCE_STOPS = FULL_STOPS + QUESTION_MARKS + EXCLAMATION_MARKS
+SENTENCE_STOPS = FULL_STOPS + QUESTION_MARKS + EXCLAMATION_MARKS  # marks that end a sentence
 PHRASE_STOPS = ",;:\u3001\uff0c\uff1b\uff1a\uff64\u060c\u061b\u1363\u1364\u104a\u0387"  # commas, colons, semicolons
 # Sentence and phrase stops that need no space after them.
 UNSPACED_STOPS = "\u3002\uff01\uff1f\u3001\uff0c\uff1b\uff1a\uff0e\u0964\u0965\u104a\u104b\u17d4"

@@ -109,7 +109,7 @@ class Drive:
 
 
 def _row(quantity: Callable[[Drive], float]) -> "cached_property[Floats]":
-    """Return a cached property with one quantity of each drive (n,)."""
+    """Return a cached property: one quantity of all drives, (n,)."""
     return cached_property(lambda drives: sealed([quantity(drive) for drive in drives]))
 
 

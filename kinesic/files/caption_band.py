@@ -65,15 +65,15 @@ def _render_band(text: str, size: tuple[int, int]) -> tuple[PixelBox, NDArray[np
     return (x, y, x + band.width, y + band.height), colours[..., :3], colours[..., 3:] / np.float32(255)
 
 
-def _break_lines(text: str, font: "ImageFont.FreeTypeFont | ImageFont.ImageFont", most: float) -> list[str]:
-    """Break a caption into lines at most `most` [pixels] wide.
+def _break_lines(text: str, font: "ImageFont.FreeTypeFont | ImageFont.ImageFont", max_width: float) -> list[str]:
+    """Break a caption into lines of at most `max_width` [pixels].
 
     A wider word has its own line. Words beyond the last line are replaced by an ellipsis.
     """
     lines = [""]
     for word in text.split():
         longer = f"{lines[-1]} {word}".strip()
-        if not lines[-1] or font.getlength(longer) <= most:
+        if not lines[-1] or font.getlength(longer) <= max_width:
             lines[-1] = longer
         elif len(lines) < MAX_LINES:
             lines.append(word)

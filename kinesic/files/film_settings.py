@@ -22,4 +22,4 @@ class FilmSettings:
         return f"film.{self.format}"
 
 
-DEFAULT_FILM = FilmSettings()
+DEFAULT_FILM = FilmSettings()  # settings of a film without options

@@ -13,7 +13,7 @@ Values = NDArray[np.float64] | NDArray[np.float32] | NDArray[np.integer]
 Stored = Literal["f4", "u1", "u2", "u4"]
 BufferTarget = Literal["vertices", "indices", "none"]
 
-COMPONENT_CODES: dict[Stored, int] = {"u1": 5121, "u2": 5123, "u4": 5125, "f4": 5126}
+COMPONENT_CODES: dict[Stored, int] = {"u1": 5121, "u2": 5123, "u4": 5125, "f4": 5126}  # NumPy dtype -> glTF code
 TARGET_CODES = {"vertices": 34962, "indices": 34963}  # glTF buffer target by purpose
 SHAPE_NAMES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4", 16: "MAT4"}  # glTF accessor type by number of components
 GLB_MAGIC = 0x46546C67  # First bytes of a binary glTF file: "glTF"

@@ -4,16 +4,14 @@ import re
 
 MAX_STEM_LENGTH = 64  # [characters] longest file name before its suffix
 PORT_DIGITS = "0123456789\N{SUPERSCRIPT ONE}\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}"  # digits in Windows port names
-# File names that Windows reserves for devices, in lower case.
+# File names that Windows reserves for devices with any suffix, in lower case.
 DEVICE_NAMES = frozenset(
     {
         *("con", "prn", "aux", "nul", "conin$", "conout$", "clock$"),
         *(f"{port}{digit}" for port in ("com", "lpt") for digit in PORT_DIGITS),
     }
 )
-"""Names of Windows devices, reserved with every suffix."""
-
-_UNSAFE_CHARACTERS = re.compile(r"[^A-Za-z0-9_-]+")
+_UNSAFE_CHARACTERS = re.compile(r"[^A-Za-z0-9_-]+")  # characters that `plain_stem` replaces
 
 
 def cut_name(name: str, *, limit: int) -> str:

@@ -85,7 +85,7 @@ def hold_reach(chain: Chain, reach: Reach, *, start: Floats) -> PoseSolution:
     if target_rotation is None:
         raise ValueError(
             f"reach.pointing {list(pointing)} and reach.palm {list(palm)} are null or parallel; "
-            "a palm faces aside from where its hand points, such as [1, 0, 0] and [0, 0, -1]"
+            "give directions that are not parallel, such as [1, 0, 0] and [0, 0, -1]"
         )
     return solve_pose(chain, reach.position, np.array(target_rotation).reshape(3, 3), start=start)
 

@@ -63,7 +63,7 @@ def _solve_checked(chain: Chain, reach: Reach, start: Floats, rest: Floats | Non
     mobility = None if mobility is None else as_floats("mobility", mobility, shape)
     answer = arm_of(chain).solve(reach.position, reach.pointing, reach.palm, reach.swivel, start, rest, mobility)
     if answer is None:
-        raise ValueError(f"reach {reach} cannot be solved: a direction is null")
+        raise ValueError(f"reach {reach} cannot be solved: a direction is the null vector")
     return Solution(*answer)
 
 

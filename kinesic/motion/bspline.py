@@ -13,7 +13,7 @@ from kinesic.body.linear_program import SparseMatrix
 
 Indices = NDArray[np.int32]
 
-FIXED_ROW_BOUND = 2.0  # largest limit ratio in rows that the fixed spline ends determine, 1 in all others
+FIXED_ROW_BOUND = 2.0  # largest limit ratio in rows of only fixed control points; 1 in all other rows
 MIN_RANGE = 1e-9  # [rad] range assumed for a hinge that cannot move
 JERK_TIME = 0.05  # [s] time that weights jerk relative to acceleration in the smoothest motion
 CALMNESS_REGULARISATION = 1e-10  # added to the diagonal of the acceleration and jerk cost, to make it positive definite

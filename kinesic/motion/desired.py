@@ -34,12 +34,12 @@ Hinges = tuple[int, ...]  # hinge indices in joint order
 _EasingRows = tuple[tuple[Easing, float, float], ...]  # easing, overshoot and steepness of each hinge
 
 MAX_SWING = 0.05  # [rad] largest overshoot beyond a key without `swing`, within the joint range
-OVERSHOOT_VELOCITY = 5.0  # [overshoot / interval duration] key velocity of a quintic per overshoot beyond the key
-OVERSHOOT_ACCELERATION = 58.0  # [overshoot / interval duration^2] key acceleration of a quintic per overshoot
-HULL_VELOCITY = 2.5  # [overshoot / interval duration] key velocity per overshoot of a quintic's control points
+OVERSHOOT_VELOCITY = 5.0  # key velocity * interval duration / overshoot of the quintic beyond the key
+OVERSHOOT_ACCELERATION = 58.0  # key acceleration * interval duration^2 / overshoot of the quintic beyond the key
+HULL_VELOCITY = 2.5  # key velocity * interval duration / overshoot of the quintic's control points
 MONOTONE_VELOCITY = 2.0  # largest key velocity without overshoot / mean velocity of the slower interval
-TURNING_ACCELERATION = 6.0  # [rotation / interval duration^2] largest key acceleration without overshoot
-STEEPNESS_STEP = 0.25  # reduction of an easing curve's steepness per step until limits hold
+TURNING_ACCELERATION = 6.0  # largest key acceleration without overshoot * interval duration^2 / rotation
+STEEPNESS_STEP = 0.25  # decrement of an easing's steepness, applied until the eased motion is allowed
 MIN_OVERSHOOT = 0.02  # relative overshoot below which OutQuart replaces OutBack
 OVERSHOOT_STEP = 0.01  # resolution of the relative overshoot
 BOUNCE_INDEX = EASING_NAMES.index("out_bounce")  # index of the easing that bounces at the key
@@ -54,7 +54,7 @@ SAMPLE_TIMES = np.arange(EASING_INTERVALS) / EASING_INTERVALS  # normalised time
 
 @dataclass(frozen=True, eq=False)
 class _Course:
-    """Keys of hinges with common key times, shape (k, h)."""
+    """Keys of hinges that have the same key times, shape (k, h)."""
 
     keys: Keys
     steps: Floats  # (k - 1, 1) [s]
@@ -153,7 +153,7 @@ def _ease(remaining: Floats, states: Floats, steps: Floats, keys: Keys) -> Float
 
 
 def _adapt_easing(easing: Easing, max_overshoot: float) -> tuple[Easing, float]:
-    """Limit an easing's relative overshoot, replacing OutBack if the limit is small."""
+    """Limit the overshoot of OutBack, or replace OutBack by OutQuart."""
     if easing == "out_back" and max_overshoot < MIN_OVERSHOOT:
         return "out_quart", DEFAULT_OVERSHOOT
     return easing, OVERSHOOT_STEP * int(
@@ -186,7 +186,7 @@ def _change(easing: Easing, overshoot: float, steepness: float) -> Floats:
 
 
 def _is_allowed(states: Floats, limit_rows: Floats) -> bool:
-    """Return whether sampled states stay below `MAX_EASED_RATIO` times the limits.
+    """Return whether sampled states stay within `MAX_EASED_RATIO` times the limits.
 
     Args:
         states: of the hinges.

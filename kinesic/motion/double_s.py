@@ -19,7 +19,7 @@ IntervalDurations = Mapping[KeyInterval, float]  # [s]
 
 REST_DURATION_FACTOR = 1.02  # safety factor on rest-to-rest durations
 GRID_ALLOWANCE = 0.04  # [s] time added to rest-to-rest durations for the knot grid
-DUTY_FRACTIONS = np.linspace(0.1, 0.9, 9)  # fractions of the duty limit tried as constant velocity
+DUTY_FRACTIONS = np.linspace(0.1, 0.9, 9)  # fractions of the duty limit that velocity may use; all are tried
 
 
 def least_time(distance: ArrayLike, speed: ArrayLike, acceleration: ArrayLike, jerk: ArrayLike) -> Floats:
@@ -82,7 +82,7 @@ def least_rest_times_of(hinges: Indices, turns: Floats, limits: Limits) -> Float
 
 @lru_cache(maxsize=64)
 def _velocity_options(limits: Limits) -> tuple[Floats, Floats]:
-    """Return nine candidate velocities per hinge with permitted accelerations, each (9, n)."""
+    """Return nine candidate velocity and acceleration limits per hinge, each (9, n)."""
     speed = np.minimum(limits.speed, DUTY_FRACTIONS[:, None] * limits.duty / limits.viscous)
     remaining_duty = limits.duty - limits.viscous * speed
     return sealed(speed), sealed(np.minimum(limits.acceleration, remaining_duty / limits.inertial))

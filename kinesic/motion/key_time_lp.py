@@ -15,7 +15,7 @@ LATENESS_WEIGHT = 3.0  # cost of a late key relative to an equally early one
 BROKEN_BOND_WEIGHT = 50.0  # cost [1/s] of violating a precedence constraint
 UNMOVED_TOLERANCE = 1e-7  # [s] smaller shifts of a key count as zero
 ROW_TOLERANCE = 1e-7  # [s] accepted violation of a constraint
-MAX_DELAYED_KEYS = 8e6  # largest number of keys * violated gaps of exact programs; beyond, keys are only delayed
+MAX_PROGRAM_SIZE = 8e6  # largest key count * violated gaps of an exact program; above it, keys are only delayed
 BOND_SWEEPS = 8  # largest number of passes over all keys that apply precedence constraints
 MAX_DENSE_ENTRIES = 20_000  # matrix entries up to which compiled code is faster than HiGHS
 
@@ -48,7 +48,7 @@ class KeyTimeProblem:
         """Whether the exact linear program would take too long."""
         times = self.keys.requested_times.tolist()
         short_gaps = sum(1 for (i, j), gap in self.gaps.items() if times[j] - times[i] < gap)
-        return short_gaps * len(times) > MAX_DELAYED_KEYS
+        return short_gaps * len(times) > MAX_PROGRAM_SIZE
 
     @property
     def is_satisfied_as_requested(self) -> bool:
@@ -151,7 +151,9 @@ def _delay_keys(problem: KeyTimeProblem) -> Floats:
             times[j] = max(times[j], time)
     result = np.array(times)
     if any(float(plane.slopes @ result) > plane.bound for plane in problem.planes):
-        raise ArithmeticError("no key times: these planes need an exact solution, for which there are too many keys")
+        raise ArithmeticError(
+            "no key times: delayed keys violate a cutting plane, and there are too many keys to solve"
+        )
     return result
 
 

@@ -36,7 +36,7 @@ SWING_GAIN = 2.0  # extra key velocity at swing 1, relative to the usual key vel
 LINEAR_STEEPNESS = 3.3  # easing steepness at which the linear easing peaks as fast as minimum jerk
 
 MIN_GAP = 0.02  # [s] smallest time between successive keys of a hinge or behaviour
-MIN_PATH_GAP = 0.002  # [s] smallest time between keys related only by another hinge's path
+MIN_PATH_GAP = 0.002  # [s] smallest time between keys of different hinges on the path of a third hinge
 RANGE_MARGIN = 1e-3  # [rad] margin between keys and joint limits, because control points may lie beyond the keys
 HOLD_TOLERANCE = 1e-9  # [rad] successive keys that differ by less form a hold
 TIME_TOLERANCE = 1e-6  # [s] rounding tolerance of key times

@@ -21,7 +21,7 @@ Planes = Mapping[int, Sequence[CuttingPlane]]  # by hinge
 SLOPE_TOLERANCE = 1e-4  # slope / steepest slope below which a cutting plane ignores a key
 ACTIVE_SLACK = 0.002  # [ln(time ratio)] slack below which a cutting plane counts as active
 MAX_STORED_PLANES = 200  # largest number of cutting planes kept between searches
-MONOTONE_LIMITS = ("speed", "acceleration", "jerk", "duty")  # limits that may be tighter in a later motion
+MONOTONE_LIMITS = ("speed", "acceleration", "jerk", "duty")  # limits whose reduction keeps a cutting plane valid
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,7 +14,7 @@ from kinesic.motion.double_s import least_stop
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.spline_program import nearest_motion
 from kinesic.motion.trajectory import KNOT_INTERVAL, KNOT_TOLERANCE, Trajectory
-from kinesic.motion.transition import FEWEST_PIECES, widen_limits
+from kinesic.motion.transition import MIN_TRANSITION, widen_limits
 
 
 def cut_knot(running: Trajectory, time: float) -> int:
@@ -55,11 +55,11 @@ def _stop_hinge(hinge: int, controls: Floats, min_intervals: int, limits: Limits
         return controls[:3]
 
     def solve(extra: int) -> Floats | None:
-        pieces = max(FEWEST_PIECES, min_intervals) + extra
+        pieces = max(MIN_TRANSITION, min_intervals) + extra
         segment = SplineSegment.between(hinge, pieces, controls[:3])
         return nearest_motion(segment, np.full(pieces + 1, float(controls[1])), limits)
 
-    shortest = _find_shortest(solve, len(controls) - 3 - max(FEWEST_PIECES, min_intervals))
+    shortest = _find_shortest(solve, len(controls) - 3 - max(MIN_TRANSITION, min_intervals))
     return controls if shortest is None else shortest[1]
 
 

@@ -24,7 +24,7 @@ LP_COST_FACTOR = 12  # cost of a segment in the linear program, in evaluations o
 INITIAL_RADIUS = 0.4  # largest relative stretch of a gap in the first round
 GAP_RESOLUTION = 1e-4  # [s] resolution to which durations are rounded up, for equal results on all machines
 TIME_RESERVE = 0.002  # extra time given to each segment, as the natural logarithm of its relative stretch
-MAX_RESERVE_GROWTH = 0.01  # largest increase of a segment's extra time after a round that leaves half of the deficit
+MAX_RESERVE_GROWTH = 0.01  # largest increase of a segment's reserve after a round that leaves over half the deficit
 
 
 @dataclass(frozen=True, eq=False)

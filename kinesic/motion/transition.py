@@ -13,7 +13,7 @@ from kinesic.motion.segments import NO_KNOT_POSITIONS, SplineSegment
 from kinesic.motion.spline_program import nearest_motion
 from kinesic.motion.trajectory import KNOT_INTERVAL, KNOT_TOLERANCE, spline_weights
 
-FEWEST_PIECES = 3  # [knot intervals] shortest transition: its end must not share control points with its start
+MIN_TRANSITION = 3  # [knot intervals] shortest transition, so that its start and end share no control point
 LIMIT_WIDENING = 1.0008  # factor on limits, because a motion at a limit may have only one continuation
 SAME_ANGLE = 1e-9  # [rad] smaller angle differences count as zero
 CORRECTION_MARGINS = (15, 40, 10000)  # [knots] ranges around a violation that may change, tried in turn
@@ -67,7 +67,7 @@ def cross_over(
     if np.abs(begin - following[first : first + 3]).max() <= SAME_ANGLE:
         return np.concatenate([current[:first], following[first:]])
     pieces = last - first
-    if pieces < FEWEST_PIECES:
+    if pieces < MIN_TRANSITION:
         return None
     segment = SplineSegment.between(
         hinge, pieces, begin, end, places=passing - first, angles=_angles(following, passing)
@@ -115,7 +115,7 @@ def keep_limits(controls: Floats, first: int, last: int, limits: Limits, hinge: 
 
 
 def _find_violations(controls: Floats, first: int, last: int, limits: Limits, hinge: int) -> tuple[int, int]:
-    ratios = grid(last - first, KNOT_INTERVAL).limit_ratios(controls[first : last + FEWEST_PIECES], limits, hinge)
+    ratios = grid(last - first, KNOT_INTERVAL).limit_ratios(controls[first : last + MIN_TRANSITION], limits, hinge)
     places = np.concatenate([np.flatnonzero(np.abs(ratio) > 1.0) for ratio in ratios])
     return first + int(places.min(initial=last - first)), first + int(places.max(initial=0))
 
@@ -125,14 +125,14 @@ def _correct_between(controls: Floats, first: int, last: int, limits: Limits, hi
 
     None if no motion within the limits joins the rest.
     """
-    part = controls[first : last + FEWEST_PIECES]
-    segment = SplineSegment.between(hinge, last - first, part[:FEWEST_PIECES], part[-FEWEST_PIECES:])
+    part = controls[first : last + MIN_TRANSITION]
+    segment = SplineSegment.between(hinge, last - first, part[:MIN_TRANSITION], part[-MIN_TRANSITION:])
     corrected = nearest_motion(segment, at_knots(part), limits)
     return (
         None
         if corrected is None
         else np.concatenate(
-            [controls[: first + FEWEST_PIECES], corrected[FEWEST_PIECES:-FEWEST_PIECES], controls[last:]]
+            [controls[: first + MIN_TRANSITION], corrected[MIN_TRANSITION:-MIN_TRANSITION], controls[last:]]
         )
     )
 
@@ -162,7 +162,7 @@ def extend_controls(controls: Floats, count: int) -> Floats:
 def trim_final_rest(controls: Floats) -> Floats:
     """Remove the final rest from control points (m, n)."""
     moving = np.flatnonzero((np.abs(controls - controls[-1]) > SAME_ANGLE).any(axis=1))
-    return controls[: max(int(moving[-1]) + 1 if len(moving) else 0, 1) + FEWEST_PIECES]
+    return controls[: max(int(moving[-1]) + 1 if len(moving) else 0, 1) + MIN_TRANSITION]
 
 
 def _angles(column: Floats, places: Floats) -> Floats:

@@ -47,7 +47,7 @@ class Neighbours:
         return self.behaviours, self.hinges, self.brief
 
     def moved_apart(self, keys: Keys, times: Floats) -> float:
-        """Return the interval between both strokes less the requested interval [s].
+        """Return the interval between both strokes minus the requested interval [s].
 
         `times` (m,) [s] are new times of all keys.
         """

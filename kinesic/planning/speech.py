@@ -19,7 +19,7 @@ MAX_WORD_LENGTH = 24  # [characters] longest quotation of a word in a message
 MAX_SOUND_DURATION = 2400.0  # [s] summed speech duration of a block after which further speeches are silent
 
 UNHEARD_REMARK = (
-    f"no sound: the speeches before it last more than {MAX_SOUND_DURATION:g} s in all, give it to another block"
+    f"no sound: the speeches before it last more than {MAX_SOUND_DURATION:g} s in total; move it to another block"
 )
 
 

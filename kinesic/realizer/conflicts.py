@@ -9,7 +9,7 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 from kinesic.body.robot import SIDES
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
-from kinesic.motion.transition import FEWEST_PIECES, SAME_ANGLE, extend_controls
+from kinesic.motion.transition import MIN_TRANSITION, SAME_ANGLE, extend_controls
 from kinesic.planning.certify import compute_peak_duties
 from kinesic.planning.clearance import MIN_LAG_RESERVE, scan_clearance
 from kinesic.planning.setup import Setup
@@ -34,9 +34,9 @@ def find_conflict(work: Overlay, controls: Floats, setup: Setup) -> MergeFailure
         for source in (work.base, work.coming)
     ]
     rows = np.flatnonzero(apart[0] & apart[1])
-    if not len(rows) or rows[-1] < work.cut + FEWEST_PIECES:
+    if not len(rows) or rows[-1] < work.cut + MIN_TRANSITION:
         return None
-    coming = motion_from_knot(controls[: rows[-1] + FEWEST_PIECES], work.cut)
+    coming = motion_from_knot(controls[: rows[-1] + MIN_TRANSITION], work.cut)
     return _find_collision(coming, work, setup) or _find_overload(coming, work, setup)
 
 

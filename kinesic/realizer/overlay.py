@@ -14,7 +14,7 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.body.limits import Limits
 from kinesic.motion.trajectory import KNOT_INTERVAL, KNOT_TOLERANCE
 from kinesic.motion.transition import (
-    FEWEST_PIECES,
+    MIN_TRANSITION,
     SAME_ANGLE,
     cross_over,
     extend_controls,
@@ -44,12 +44,12 @@ def add_motions(work: Overlay, alone: Flags, setup: Setup, limits: Limits) -> Fl
         (k + 3, n) [rad] control points, or the behaviour of the block whose hinge cannot perform both motions.
     """
     names, ramps = setup.robot.skeleton.names, held_ramps(work, setup, limits)
-    count = max([len(work.base), *(ceil(ramp.end / KNOT_INTERVAL) + 2 * FEWEST_PIECES for ramp in ramps)])
+    count = max([len(work.base), *(ceil(ramp.end / KNOT_INTERVAL) + 2 * MIN_TRANSITION for ramp in ramps)])
     base, coming = extend_controls(work.base, count), extend_controls(work.coming, count)
     change = coming - work.start
     change[:, alone] = 0.0
     for ramp in ramps:
-        change += ramp.at(count, lead=FEWEST_PIECES)
+        change += ramp.at(count, lead=MIN_TRANSITION)
     controls = np.asarray(base + change)
     rows, moved = (
         np.flatnonzero(np.abs(change).max(axis=1) > SAME_ANGLE),
@@ -57,10 +57,10 @@ def add_motions(work: Overlay, alone: Flags, setup: Setup, limits: Limits) -> Fl
     )
     if not len(rows):
         return controls
-    first, last = max(work.cut, int(rows[0]) - FEWEST_PIECES), min(int(rows[-1]) + 1, len(controls) - FEWEST_PIECES)
-    if last - first < FEWEST_PIECES:
+    first, last = max(work.cut, int(rows[0]) - MIN_TRANSITION), min(int(rows[-1]) + 1, len(controls) - MIN_TRANSITION)
+    if last - first < MIN_TRANSITION:
         return controls
-    over = largest_limit_ratios(controls[first : last + FEWEST_PIECES, moved], limits.part(moved)) > 1.0
+    over = largest_limit_ratios(controls[first : last + MIN_TRANSITION, moved], limits.part(moved)) > 1.0
     for hinge in moved[over].tolist():
         desired = np.clip(controls[:, hinge], limits.lower[hinge], limits.upper[hinge])
         column = keep_limits(desired, first, last, limits, hinge)
@@ -128,7 +128,7 @@ def _cross_over_to(
     The transition starts where both motions coincide, or otherwise before the next stroke.
     """
     land, soonest = floor(stop.ready / KNOT_INTERVAL + KNOT_TOLERANCE), ceil(left / KNOT_INTERVAL - KNOT_TOLERANCE)
-    apart = np.abs(current[soonest : land + FEWEST_PIECES] - after[soonest : land + FEWEST_PIECES]) > SAME_ANGLE
+    apart = np.abs(current[soonest : land + MIN_TRANSITION] - after[soonest : land + MIN_TRANSITION]) > SAME_ANGLE
     together = np.flatnonzero(~(apart[:-2] | apart[1:-1] | apart[2:]))
     leaves = (
         [soonest + int(together[-1])]
@@ -155,7 +155,7 @@ def _return_to_rest(
     leave = ceil(done.relax / KNOT_INTERVAL - KNOT_TOLERANCE)
     pieces = max(MIN_RETURN_PIECES, ceil((done.end - done.relax) / KNOT_INTERVAL))
     while pieces <= MAX_RETURN_PIECES:
-        short = max(0, leave + pieces + FEWEST_PIECES - len(column))
+        short = max(0, leave + pieces + MIN_TRANSITION - len(column))
         current, after = (np.pad(entry, (0, short), mode="edge") for entry in (column, rest))
         transition = cross_over(current, after, (leave, leave + pieces), limits, hinge)
         if transition is not None:

@@ -15,7 +15,7 @@ from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.keyframes import Hand
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.motion.transition import (
-    FEWEST_PIECES,
+    MIN_TRANSITION,
     SAME_ANGLE,
     extend_controls,
     keep_limits,
@@ -124,13 +124,13 @@ def correct_pointing(
     same = [other.shifted(-motion.start) for other in others if f"{stroke.pointer.side}_hand" in other.roles]
     begin = max([occupancy.begin, time - motion.start, *(other.relax for other in same if other.ready < at)])
     end = min([occupancy.end, *(other.ready for other in same if other.ready > at)])
-    count = max(len(motion.controls), ceil(end / KNOT_INTERVAL) + 3 * FEWEST_PIECES)
-    times = np.asarray((np.arange(count) - FEWEST_PIECES) * KNOT_INTERVAL, dtype=np.float64)
-    weight = smooth_step(times, begin, at - FEWEST_PIECES * KNOT_INTERVAL) * (
+    count = max(len(motion.controls), ceil(end / KNOT_INTERVAL) + 3 * MIN_TRANSITION)
+    times = np.asarray((np.arange(count) - MIN_TRANSITION) * KNOT_INTERVAL, dtype=np.float64)
+    weight = smooth_step(times, begin, at - MIN_TRANSITION * KNOT_INTERVAL) * (
         1.0 - smooth_step(times, occupancy.relax, end)
     )
-    first, last = knot_at(begin), ceil(end / KNOT_INTERVAL) + FEWEST_PIECES
-    for factor in CORRECTION_FACTORS if last - first >= FEWEST_PIECES else ():
+    first, last = knot_at(begin), ceil(end / KNOT_INTERVAL) + MIN_TRANSITION
+    for factor in CORRECTION_FACTORS if last - first >= MIN_TRANSITION else ():
         controls = np.array(extend_controls(motion.controls, count))
         for hinge in np.flatnonzero(np.abs(change) > SAME_ANGLE).tolist():
             column = keep_limits(controls[:, hinge] + factor * weight * change[hinge], first, last, limits, hinge)
@@ -143,7 +143,7 @@ def correct_pointing(
 def _is_feasible(corrected: Floats, motion: Trajectory, first: int, last: int, setup: Setup) -> bool:
     """Return whether a motion between two knots avoids collisions and drive overload."""
     after, before = (
-        motion_from_knot(extend_controls(controls, len(corrected))[: last + FEWEST_PIECES], first)
+        motion_from_knot(extend_controls(controls, len(corrected))[: last + MIN_TRANSITION], first)
         for controls in (corrected, motion.controls)
     )
     peaks = compute_peak_duties(after, setup)

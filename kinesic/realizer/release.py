@@ -11,7 +11,7 @@ from kinesic.body.robot import Robot
 from kinesic.motion.double_s import least_stop
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.motion.transition import (
-    FEWEST_PIECES,
+    MIN_TRANSITION,
     cross_over,
     extend_controls,
     join_columns,
@@ -76,12 +76,12 @@ def _release_from(
     limits, free = widen_limits(setup.limits), np.flatnonzero(hinges).tolist()
     if not free:
         return running
-    current = extend_controls(running.controls, knot + FEWEST_PIECES)
+    current = extend_controls(running.controls, knot + MIN_TRANSITION)
     after = _motion_without_block(current, layer, others, setup.robot)
     slowest = _minimum_times(current, after, knot, setup.limits)[free].max()
-    pieces = max(FEWEST_PIECES, ceil(RETURN_DURATION_FACTOR * slowest / KNOT_INTERVAL))
+    pieces = max(MIN_TRANSITION, ceil(RETURN_DURATION_FACTOR * slowest / KNOT_INTERVAL))
     while pieces <= MAX_RETURN_PIECES:
-        count = max(len(after), knot + pieces + FEWEST_PIECES)
+        count = max(len(after), knot + pieces + MIN_TRANSITION)
         whole, goal = np.array(extend_controls(current, count)), extend_controls(after, count)
         land = knot + pieces
         columns = join_columns(
@@ -101,8 +101,8 @@ def _minimum_times(current: Floats, after: Floats, knot: int, limits: Limits) ->
 
     The goal motion is assumed to rest.
     """
-    begin = current[knot : knot + FEWEST_PIECES]
-    distances = np.abs(begin - after[knot : knot + FEWEST_PIECES]).max(axis=0)
+    begin = current[knot : knot + MIN_TRANSITION]
+    distances = np.abs(begin - after[knot : knot + MIN_TRANSITION]).max(axis=0)
     speed, acceleration = (
         (begin[2] - begin[0]) / (2 * KNOT_INTERVAL),
         (begin[0] - 2 * begin[1] + begin[2]) / KNOT_INTERVAL**2,

@@ -13,7 +13,7 @@ from kinesic.motion.keys import Keys
 from kinesic.motion.segments import NO_KNOT_POSITIONS
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.motion.transition import (
-    FEWEST_PIECES,
+    MIN_TRANSITION,
     SAME_ANGLE,
     cross_over,
     delay_controls,
@@ -127,7 +127,7 @@ class _PlanSwitch:
     @property
     def keeps_strokes(self) -> bool:
         """Whether the new plan neither repeats past strokes nor skips future ones."""
-        now, soon = self.knot * KNOT_INTERVAL, (self.knot + FEWEST_PIECES) * KNOT_INTERVAL
+        now, soon = self.knot * KNOT_INTERVAL, (self.knot + MIN_TRANSITION) * KNOT_INTERVAL
         before = {(sync.behaviour, sync.sync): sync.planned + self.playing_zero for sync in self.playing.syncs}
         after = {(sync.behaviour, sync.sync): sync.planned + self.zero for sync in self.new_plan.syncs}
         strokes = [sync for sync in before.keys() & after.keys() if sync[1].startswith("stroke")]
@@ -157,7 +157,7 @@ class _PlanSwitch:
         goal = overlay_motions(work, setup, widen_limits(setup.limits))
         if isinstance(goal, MergeFailure):
             return goal
-        count = max(len(goal), self.knot + TRUNK_JOIN_KNOTS[-1] + FEWEST_PIECES)
+        count = max(len(goal), self.knot + TRUNK_JOIN_KNOTS[-1] + MIN_TRANSITION)
         controls = self._catch_up(extend_controls(goal, count))
         if controls is None:
             return MergeFailure("", "a hinge cannot catch up")
@@ -167,7 +167,7 @@ class _PlanSwitch:
     @property
     def _count(self) -> int:
         coming = self.offset + len(self.new_plan.trajectory.controls)
-        return max(len(self.running.controls), len(self.playing.layer.controls), coming, self.knot + 2 * FEWEST_PIECES)
+        return max(len(self.running.controls), len(self.playing.layer.controls), coming, self.knot + 2 * MIN_TRANSITION)
 
     def _without_block(self, count: int) -> Floats | None:
         """Return the running motion's control points without the block's trunk motion.
@@ -183,7 +183,7 @@ class _PlanSwitch:
         limits = widen_limits(self.new_plan.setup.limits)
         over = largest_limit_ratios(controls[self.knot :, trunk], limits.part(np.array(trunk))) > 1.0
         for hinge in np.array(trunk)[over].tolist():
-            column = keep_limits(controls[:, hinge], self.knot, len(controls) - FEWEST_PIECES, limits, hinge)
+            column = keep_limits(controls[:, hinge], self.knot, len(controls) - MIN_TRANSITION, limits, hinge)
             if column is None:
                 return None
             controls[:, hinge] = column
@@ -202,12 +202,12 @@ class _PlanSwitch:
         controls, limits = np.array(goal), widen_limits(setup.limits)
         for hinge in np.flatnonzero((np.abs(current - goal)[self.knot :] > SAME_ANGLE).any(axis=0)).tolist():
             coming = key_knots[keys[hinge]] if hinge in arms else NO_KNOT_POSITIONS
-            coming = coming[coming >= self.knot + FEWEST_PIECES]
+            coming = coming[coming >= self.knot + MIN_TRANSITION]
             joined = _join(current[:, hinge], goal[:, hinge], self.knot, coming, limits, hinge)
             if joined is None:
                 return None
             controls[:, hinge] = joined
-        controls[: self.knot + FEWEST_PIECES] = current[: self.knot + FEWEST_PIECES]
+        controls[: self.knot + MIN_TRANSITION] = current[: self.knot + MIN_TRANSITION]
         return controls
 
     def _result(self, controls: Floats, ending: Collection[str], occupancy: Sequence[Occupancy]) -> MergedMotion:
@@ -260,6 +260,6 @@ def _join(current: Floats, goal: Floats, knot: int, coming: Floats, limits: Limi
         joined = cross_over(current, goal, (knot, land), limits, hinge, passing=passing)
         if joined is not None:
             first = ceil(passing[0]) if len(passing) else land
-            deviation = np.abs(joined - goal)[first + FEWEST_PIECES :].max(initial=0.0)
+            deviation = np.abs(joined - goal)[first + MIN_TRANSITION :].max(initial=0.0)
             return joined if deviation < MAX_JOIN_DEVIATION else None
     return None

@@ -18,8 +18,8 @@ PHRASE_PAUSE = 0.2  # [s] silence at a comma
 SENTENCE_PAUSE = 0.45  # [s] silence at the end of a sentence
 VOWEL_RATIO = 2.0  # duration of a vowel / duration of a consonant
 
-_APOSTROPHE_SIGNS = "'\u2019"
-_CJK_RANGES = "\u3041-\u30fa\u30fc-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7a3"
+_APOSTROPHE_SIGNS = "'\u2019"  # signs inside a word, as in don't
+_CJK_RANGES = "\u3041-\u30fa\u30fc-\u30ff\u3400-\u4dbf\u4e00-\u9fff\uac00-\ud7a3"  # kana, Chinese characters, Hangul
 _TOKEN_PATTERN = re.compile(
     rf"""
     (?P<sentence>[{SENTENCE_STOPS}])

@@ -21,7 +21,7 @@ from kinesic.extras import install_extra
 ENGINE_TIMEOUT = 20.0  # [s] time limit for the synthesis of one text
 
 _WORKER_SCRIPT = Path(__file__).with_name("espeak_process.py")
-_LIBRARY_NAMES = {"Windows": "espeak-ng.dll", "Darwin": "libespeak-ng.dylib"}
+_LIBRARY_NAMES = {"Windows": "espeak-ng.dll", "Darwin": "libespeak-ng.dylib"}  # library file by operating system
 _ready: dict[int, "subprocess.Popen[bytes]"] = {}  # waiting process by the process id of its parent
 
 

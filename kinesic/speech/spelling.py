@@ -7,10 +7,10 @@ import re
 import unicodedata
 from collections.abc import Mapping
 
-VOWEL_SOUNDS = frozenset("aeiouə")
+VOWEL_SOUNDS = frozenset("aeiouə")  # vowels of the estimated sounds
 DIGIT_WORDS = ("zero", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine")
 LETTERS_PER_SYLLABLE = 2.5  # estimated letters per syllable, for scripts of unknown structure
-SYLLABIC_SCRIPTS = ("HIRAGANA LETTER", "KATAKANA LETTER", "HANGUL SYLLABLE")
+SYLLABIC_SCRIPTS = ("HIRAGANA LETTER", "KATAKANA LETTER", "HANGUL SYLLABLE")  # start of a character's Unicode name
 
 # The longest spelling wins; sounds with the same lip shape have the same symbol.
 SPELLING_SOUNDS: Mapping[str, tuple[str, ...]] = {
@@ -62,7 +62,7 @@ SPELLING_SOUNDS: Mapping[str, tuple[str, ...]] = {
 }
 _SPELLING_PATTERN = re.compile("|".join(sorted(SPELLING_SOUNDS, key=len, reverse=True)))
 _SILENT_E = re.compile(r"(?<=[^aeiouy])(?<![^aeiouy]l)e$")  # silent e of "make", but not of "little"
-_SILENT_E_LANGUAGES = ("en", "fr")
+_SILENT_E_LANGUAGES = ("en", "fr")  # languages in which a final e is silent
 
 
 def word_sounds(word: str, *, language: str = "en") -> tuple[str, ...]:

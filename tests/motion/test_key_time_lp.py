@@ -120,7 +120,7 @@ def crowded(monkeypatch) -> tuple[Keys, KeyTimeProblem]:
     """Return a problem that counts as very large, with a bond from first stroke to last key."""
     rows = keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (1.3, 0.5, "relax"), (2, 0, "end"))
     keys = Keys.of(rows, LIMITS)
-    monkeypatch.setattr(key_time_lp, "MAX_DELAYED_KEYS", 1.0)
+    monkeypatch.setattr(key_time_lp, "MAX_PROGRAM_SIZE", 1.0)
     monkeypatch.setattr(key_time_lp, "_solve_large", lambda problem: pytest.fail("that takes too long"))
     monkeypatch.setattr(key_time_lp, "_solve_small", lambda problem: pytest.fail("that takes too long"))
     return keys, KeyTimeProblem(keys, keys.gaps | {(1, 2): 0.5, (2, 3): 0.6}, 0.6)

@@ -84,7 +84,7 @@ def test_total_deficit_of_a_key_time_problem_is_the_sum_of_the_missing_gaps():
 
 @pytest.mark.parametrize(("most", "is_crowded"), [(8.0, False), (7.9, True)])
 def test_key_time_problem_is_simplified_if_key_count_times_violated_gaps_exceeds_a_limit(monkeypatch, most, is_crowded):
-    monkeypatch.setattr(key_time_lp, "MAX_DELAYED_KEYS", most)
+    monkeypatch.setattr(key_time_lp, "MAX_PROGRAM_SIZE", most)
     gaps = {(0, 1): 0.7, (1, 2): 0.5, (2, 3): 2.3, (0, 3): 3.0}
     assert KeyTimeProblem(KEYS, gaps, 0.6).is_crowded is is_crowded
 
@@ -142,7 +142,7 @@ def test_key_time_shifts_below_100_ns_are_ignored(monkeypatch):
 
 
 def test_simplified_solution_delays_keys_in_order_until_gaps_and_precedence_constraints_hold(monkeypatch):
-    monkeypatch.setattr(key_time_lp, "MAX_DELAYED_KEYS", 1.0)
+    monkeypatch.setattr(key_time_lp, "MAX_PROGRAM_SIZE", 1.0)
     keys = replace(KEYS, bonds={(0, 2): 1.4, (2, 3): 2.0})
     delayed = solve_key_times(KeyTimeProblem(keys, {(0, 1): 0.7, (1, 2): 0.5, (2, 3): 0.1}, 0.6))
     assert delayed == pytest.approx([3.0, 3.7, 4.4, 6.4])
@@ -152,7 +152,7 @@ def test_simplified_solution_delays_keys_in_order_until_gaps_and_precedence_cons
 
 
 def test_simplified_solution_ends_after_eight_sweeps_if_precedence_constraints_contradict(monkeypatch):
-    monkeypatch.setattr(key_time_lp, "MAX_DELAYED_KEYS", 1.0)
+    monkeypatch.setattr(key_time_lp, "MAX_PROGRAM_SIZE", 1.0)
     keys = replace(KEYS, bonds={(1, 2): 1.0, (2, 1): 1.0})
     delayed = solve_key_times(KeyTimeProblem(keys, {(0, 1): 0.7}, 0.6))
     assert delayed == pytest.approx([3.0, 11.7, 12.0, 6.0])

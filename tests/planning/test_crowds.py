@@ -173,7 +173,7 @@ def test_simultaneous_repeated_nods_need_no_large_linear_program(known: Setup, m
     monkeypatch.setattr(key_time_lp, "solve_exactly", counted)
     nods = "".join(f'<head id="h{k}" lexeme="NOD" repetition="100" start="{0.5 * k}"/>' for k in range(60))
     made = plan_block(parse(f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{nods}</bml>'), known)
-    assert max(solved, default=0) <= key_time_lp.MAX_DELAYED_KEYS
+    assert max(solved, default=0) <= key_time_lp.MAX_PROGRAM_SIZE
     late = {notice.id for notice in made.notices}
     assert late >= {f"b:h{k}" for k in range(1, 60)}  # each is warned of, or left out by name
     assert {sync.behaviour for sync in made.syncs} == {f"h{k}" for k in range(60)}

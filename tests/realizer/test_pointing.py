@@ -8,7 +8,7 @@ import pytest
 from kinesic.bml.parse import parse
 from kinesic.motion.limit_check import check_limits
 from kinesic.motion.trajectory import Trajectory
-from kinesic.motion.transition import FEWEST_PIECES, extend_controls, knot_at
+from kinesic.motion.transition import MIN_TRANSITION, extend_controls, knot_at
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 from kinesic.planning.quick_plan import plan_quickly
 from kinesic.realizer import pointing
@@ -220,7 +220,7 @@ def test_refined_plan_still_points_at_its_target_while_the_trunk_leans(play):
 
 def test_arm_may_come_as_near_to_the_body_as_the_required_clearance(alone, known):
     controls = alone.trajectory.controls
-    last = len(controls) - FEWEST_PIECES
+    last = len(controls) - MIN_TRANSITION
     nearest = float(scan_clearance(motion_from_knot(controls, 0), known.distances)[1].distances.min())
     least = nearest - LAG_RESERVE
     while least + LAG_RESERVE < nearest:

@@ -143,4 +143,4 @@ def test_first_tried_return_has_one_and_a_half_times_the_minimum_duration(planne
     after = np.repeat(known.robot.skeleton.rest[None], len(running.controls), axis=0)
     slowest = module._minimum_times(running.controls, after, round(1.0 / KNOT_INTERVAL), known.limits).max()
     assert KNOT_INTERVAL * spans[0] == pytest.approx(1.5 * slowest, abs=KNOT_INTERVAL)
-    assert spans[0] > 2 * module.FEWEST_PIECES
+    assert spans[0] > 2 * module.MIN_TRANSITION

@@ -77,7 +77,7 @@ def _check_joint(where: str, joint: ChainJoint) -> None:
     if len(swings) > MAX_SWING_HINGES:
         raise ConfigError(
             f"{where}: joint {joint.name}: hinges {', '.join(swings)} all swing its bone {joint.bone.tolist()}; "
-            f"at most two may, and one more, the last, may twist: turn {swings[-1]} to lie along the bone"
+            f"at most two may swing it, and a last one may twist it: align the axis of {swings[-1]} with the bone"
         )
 
 
@@ -85,8 +85,8 @@ def _check_bone(where: str, joint: ChainJoint, size: float) -> None:
     length = float(np.linalg.norm(joint.bone))
     if not length > MIN_BONE_RATIO * size:
         raise ConfigError(
-            f"{where}: joint {joint.name}: its bone is {length:g} m long; it must lead somewhere: hinges that share "
-            f"a centre belong to one joint, and only the hand's own bone may be without length"
+            f"{where}: joint {joint.name}: its bone is {length:g} m long; put hinges with a common centre into "
+            f"one joint (only the bone of the hand may have length 0)"
         )
 
 
@@ -94,11 +94,13 @@ def _check_hinge(where: str, hinge: Hinge) -> None:
     _check_figures(where, "axis", hinge.axis)
     length = float(np.linalg.norm(hinge.axis))
     if abs(length - 1.0) > UNIT_TOLERANCE:
-        raise ConfigError(f"{where}: axis {hinge.axis.tolist()} has length {length:g}; divide it by that to make it 1")
+        raise ConfigError(f"{where}: axis {hinge.axis.tolist()} has length {length:g}; divide it by its length")
     if not np.isfinite([hinge.lower, hinge.upper, hinge.rest]).all():
         raise ConfigError(f"{where}: range [{hinge.lower}, {hinge.upper}], rest {hinge.rest}: all must be finite [rad]")
     if hinge.lower > hinge.upper:
-        raise ConfigError(f"{where}: range [{hinge.lower:g}, {hinge.upper:g}] rad is empty; write the smaller first")
+        raise ConfigError(
+            f"{where}: range [{hinge.lower:g}, {hinge.upper:g}] rad is empty; write the lower limit first"
+        )
 
 
 def _check_figures(where: str, name: str, values: Floats) -> None:

@@ -16,7 +16,7 @@ from kinesic.ik.scalar3 import Vector, distance, minus, plus, scaled, unit, vect
 
 
 def carry_shoulder(chain: Chain, target: Floats, effort: float) -> Floats:
-    """Return an arm's rest posture, its collar bone turned towards the target.
+    """Return an arm's rest posture with the collar bone turned towards the target.
 
     Args:
         chain: the arm.
@@ -34,7 +34,7 @@ def carry_shoulder(chain: Chain, target: Floats, effort: float) -> Floats:
 
 
 def _carried(chain: Chain, target: Vector, effort: float) -> Floats:
-    """Return rest angles [rad] with the collar bone partly turned towards target."""
+    """Return rest angles [rad] with the collar bone turned towards the target."""
     linkage, rest = linkage_of(chain), chain.rest.tolist()
     shoulder = linkage.walk(rest, len(linkage.girdle))[1][-1]
     share = effort * min(1.0, distance(shoulder, target) / linkage.farthest)

@@ -25,7 +25,7 @@ def turn_towards(axis: Vector, rest: Vector, target: Vector) -> float | None:
 
 
 def first_of_two(first: Vector, second: Vector, rest: Vector, target: Vector) -> tuple[float, ...]:
-    """Return candidates [rad] for the first of two hinge angles aligning directions.
+    """Return candidate angles [rad] of the first of two direction-aligning hinges.
 
     It solves about(first, q1) about(second, q2) rest = target, subproblem 2. The second hinge keeps the part of `rest`
     along its own axis, so q1 solves A cos q1 + B sin q1 = C (subproblem 4); q2 follows by subproblem 1. The axes need

@@ -96,7 +96,7 @@ class BallChain:
             if (values <= 0.0).any():
                 raise ValueError(f"{name} are {values.tolist()}; each must be above zero")
         if self.damping is not None and not 0.0 <= self.damping < 1.0:
-            raise ValueError(f"damping is {self.damping}, outside [0, 1): the share of speed lost per iteration")
+            raise ValueError(f"damping is {self.damping}, outside [0, 1): the fraction of velocity lost per iteration")
         if self.limits is not None and len(self.limits.lower) != bones:
             raise ValueError(f"limits are given for {len(self.limits.lower)} joints; the chain has {bones}")
 

@@ -31,7 +31,7 @@ class Limbs:
 
     def __post_init__(self) -> None:
         if not self.members:
-            raise ValueError("there is no limb; at least one must stand in the world")
+            raise ValueError("there is no limb; give at least one limb that is based in the world")
         ends: dict[str, Floats] = {}
         for limb in self.members:
             if limb.name in ends:
@@ -92,11 +92,13 @@ class Limbs:
 
     def _check(self, limb: Limb, ends: dict[str, Floats]) -> None:
         if limb.on not in ends:
-            raise ValueError(f"limb {limb.name} hangs on {limb.on}, which is not among those before it: {list(ends)}")
+            raise ValueError(
+                f"limb {limb.name} hangs on {limb.on}, which is not among the limbs before it: {list(ends)}"
+            )
         gap = float(np.linalg.norm(limb.chain.points[0] - ends[limb.on]))
         if gap > 1e-9 * limb.chain.size:
-            raise ValueError(f"limb {limb.name} begins {gap:g} m from the end of {limb.on}; they share one joint")
+            raise ValueError(f"limb {limb.name} begins {gap:g} m from the end of {limb.on}; start it at that end")
         limits = limb.chain.limits
         if limits is not None and (np.abs([limits.lower[0], limits.upper[0]]) < limits.widest).any():
             wide = limits.widest.tolist()
-            raise ValueError(f"limb {limb.name} limits the joint that it shares; leave its first box at +-{wide}")
+            raise ValueError(f"limb {limb.name} limits the joint that it shares; set its first limits to +-{wide}")

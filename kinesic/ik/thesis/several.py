@@ -38,7 +38,7 @@ def standing_limbs(limbs: Limbs) -> dict[str, ChainPosture]:
 
 
 @dataclass(frozen=True, eq=False)
-class Wishes:
+class RelaxedTree:
     """Relaxed mass positions, targets, weights and priority of a tree's limbs."""
 
     points: Mapping[str, Floats]  # (n + 1, 3) [m] masses at rest, per limb
@@ -48,21 +48,21 @@ class Wishes:
 
 
 def turn_joints(
-    limbs: Limbs, before: Mapping[str, ChainPosture], wishes: Wishes, *, method: Method, effort: Effort
+    limbs: Limbs, before: Mapping[str, ChainPosture], tree: RelaxedTree, *, method: Method, effort: Effort
 ) -> dict[str, ChainPosture]:
     """Rotate all joints towards their point masses, from the root outward.
 
     Args:
         limbs: the tree.
         before: initial stances.
-        wishes: of the limbs.
+        tree: relaxed masses and targets of the limbs.
         method: with which a limb solves for its target again, from the actual position of its carrier.
         effort: of that solution; lengths in units of `Limbs.size`.
     """
     stances: dict[str, ChainPosture] = {}
     turns: dict[str, Floats] = {}
     for limb in limbs.members:
-        chain, begun, points = limb.chain, before[limb.name].rotations, wishes.points[limb.name]
+        chain, begun, points = limb.chain, before[limb.name].rotations, tree.points[limb.name]
         if limb.on is None:
             ground = Carrier.at_rest(chain)
             stance = within_limits(chain, aim_bones(chain, begun, points, ground), points[-1], ground)
@@ -73,7 +73,7 @@ def turn_joints(
             outer = _outer(
                 limb,
                 begun[1:],
-                wishes,
+                tree,
                 footing,
                 method=method,
                 effort=replace(effort, tolerance=effort.tolerance * limbs.size / chain.size),
@@ -82,18 +82,18 @@ def turn_joints(
             stance = stance_of(chain, np.concatenate([first[None], outer]), carrier)
         stances[limb.name] = stance
         if siblings := limbs.hanging_on(limb.name):
-            turns[limb.name] = _common_rotation(siblings, before, stance.end, wishes)
+            turns[limb.name] = _common_rotation(siblings, before, stance.end, tree)
     return stances
 
 
-def _outer(limb: Limb, begun: Floats, wishes: Wishes, footing: Carrier, *, method: Method, effort: Effort) -> Floats:
+def _outer(limb: Limb, begun: Floats, tree: RelaxedTree, footing: Carrier, *, method: Method, effort: Effort) -> Floats:
     """Solve a limb's joint rotations (k, 3, 3) beyond its first bone.
 
     Empty for a limb of one bone.
     """
     if not len(begun):
         return begun
-    chain, points, target = limb.chain.beyond(1), wishes.points[limb.name][1:], wishes.targets.get(limb.name)
+    chain, points, target = limb.chain.beyond(1), tree.points[limb.name][1:], tree.targets.get(limb.name)
     stance = within_limits(chain, aim_bones(chain, begun, points, footing), points[-1], footing)
     if target is None:
         return stance.rotations
@@ -102,7 +102,7 @@ def _outer(limb: Limb, begun: Floats, wishes: Wishes, footing: Carrier, *, metho
 
 
 def _common_rotation(
-    siblings: Sequence[Limb], before: Mapping[str, ChainPosture], carrier: Carrier, wishes: Wishes
+    siblings: Sequence[Limb], before: Mapping[str, ChainPosture], carrier: Carrier, tree: RelaxedTree
 ) -> Floats:
     """Return the rotation matrix of limbs' common joint, by priority or mean.
 
@@ -111,12 +111,12 @@ def _common_rotation(
     turns: dict[str, Floats] = {}
     for limb in siblings:
         rest = limb.chain.frames[0]
-        wished = aim_bones(limb.chain, before[limb.name].rotations, wishes.points[limb.name], carrier)
-        turns[limb.name] = rest @ wished.rotations[0] @ rest.T
-    for name in wishes.priority:
+        aimed = aim_bones(limb.chain, before[limb.name].rotations, tree.points[limb.name], carrier)
+        turns[limb.name] = rest @ aimed.rotations[0] @ rest.T
+    for name in tree.priority:
         if name in turns:
             return turns[name]
-    return mean_rotation(np.array(list(turns.values())), np.array([wishes.pulls[name] for name in turns]))
+    return mean_rotation(np.array(list(turns.values())), np.array([tree.pulls[name] for name in turns]))
 
 
 @dataclass(frozen=True, eq=False)
@@ -166,8 +166,8 @@ def solve_several(
     while done < effort.rounds:
         relaxed = _relax_masses(limbs, stances, near, pulls, effort)
         points = {name: limbs.size * relaxed.points[rows] for name, rows in limbs.indices.items()}
-        wishes = Wishes(points, near, dict(pulls), priority)
-        stances = turn_joints(limbs, stances, wishes, method=method, effort=effort)
+        tree = RelaxedTree(points, near, dict(pulls), priority)
+        stances = turn_joints(limbs, stances, tree, method=method, effort=effort)
         iterations, done = iterations + relaxed.iterations, done + 1
         misses = [float(np.linalg.norm(stances[name].points[-1] - near[name])) / limbs.size for name in ranks]
         late = [miss if miss > effort.tolerance else 0.0 for miss in misses]

@@ -22,9 +22,9 @@ class Effort:
 
     def __post_init__(self) -> None:
         if not (self.tolerance >= 0.0 and self.threshold >= 0.0 and self.iterations >= 0 and self.rounds >= 1):
-            raise ValueError(f"{self} asks for less than nothing: only rounds has a least value above zero, 1")
+            raise ValueError(f"{self}: rounds must be at least 1, tolerance, threshold and iterations at least 0")
         if self.step is not None and not self.step > 0.0:
-            raise ValueError(f"step is {self.step}; a time step is above zero, or None to derive it")
+            raise ValueError(f"step is {self.step}; it must be above zero, or None to derive it")
 
 
 @dataclass(frozen=True, eq=False)

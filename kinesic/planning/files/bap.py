@@ -38,7 +38,7 @@ _LEFT_NUMBERS = (  # hinge and parameter number of the left side; the right side
     ("wrist_pivot", 44),
     ("wrist_twisting", 46),
 )
-_SPINE_BONES = (
+_SPINE_BONES = (  # BAP names of skull and vertebrae, from the skull down
     "skullbase",
     *(f"vc{k}" for k in range(1, 8)),
     *(f"vt{k}" for k in range(1, 13)),

@@ -43,7 +43,7 @@ def plan_imported(frames: BapFrames, setup: Setup, *, source: str) -> Plan:
     """
     began = perf_counter()
     if not frames.given:
-        raise ConfigError(f"{source}: sets no parameter that {setup.robot.name} has a hinge for")
+        raise ConfigError(f"{source}: none of its parameters moves a hinge of {setup.robot.name}")
     block = Block(id="motion", behaviours=(), source=source)
     timeline = schedule(block, {}, {})
     requested = Postures(_keys(frames, setup), {})

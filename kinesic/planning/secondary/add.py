@@ -70,11 +70,11 @@ def add_secondary_motion(
     times, changed_clearance = scan_clearance(summed, setup.distances)
     checked = np.ones(len(times), dtype=np.bool_)
     violating = _find_violations(original, summed, times, (changed_clearance, clearance), checked, setup)
-    while np.any(met := (amounts > 0.0) & spans.met(times, violating)):
+    while np.any(met := (amounts > 0.0) & spans.find_active_offsets(times, violating)):
         reduced = met & spans.moves_arm if np.any(met & spans.moves_arm) else met
         amounts = spans.changes.within_limits(reduce_amounts(amounts, reduced), reduced, setup.limits)
         summed = spans.changes.added(amounts)
-        checked = spans.touched(times, reduced)
+        checked = spans.find_active_times(times, reduced)
         changed_clearance = _measure_again(changed_clearance, checked, summed.sample(times[checked])[0], setup)
         violating = np.where(
             checked,
@@ -86,7 +86,7 @@ def add_secondary_motion(
 
 @dataclass(frozen=True, eq=False)
 class _ChangeSpans:
-    """Joints and time spans of the secondary motion offsets."""
+    """Hinges that secondary motion offsets move, and their time spans."""
 
     changes: Changes
     robot: Robot
@@ -105,7 +105,7 @@ class _ChangeSpans:
         begins, ends = np.array([(change.begin, change.end) for change in self.changes.offsets]).T
         return np.stack([times.searchsorted(begins, side="right"), times.searchsorted(ends)], axis=1)
 
-    def met(self, times: Floats, violating: Flags) -> Flags:
+    def find_active_offsets(self, times: Floats, violating: Flags) -> Flags:
         """Flag the offsets (c,) that are active at any flagged time.
 
         Args:
@@ -116,7 +116,7 @@ class _ChangeSpans:
         before = np.append(0, np.cumsum(violating))
         return np.asarray(before[np.maximum(first, last)] > before[first])
 
-    def touched(self, times: Floats, offsets: Flags) -> Flags:
+    def find_active_times(self, times: Floats, offsets: Flags) -> Flags:
         """Flag the times (m,) at which any chosen offset is active."""
         changed_clearance: Flags = np.zeros(len(times), dtype=np.bool_)
         for first, last in self.find_sample_ranges(times)[offsets].tolist():

@@ -9,6 +9,7 @@ from kinesic.body.scripts import PHRASE_STOPS, SENTENCE_STOPS
 from kinesic.body.utterance import Mark, Pause, Script
 from kinesic.speech.engines.phrase import SpokenWord
 
+# punctuation that closes a clause or sentence, with quotation marks and brackets before it
 _CLOSING_PATTERN = re.compile(rf"[\s\"'\u2019\u201d\u00bb)\]]*[{SENTENCE_STOPS}{PHRASE_STOPS}]")
 
 

@@ -21,8 +21,8 @@ from kinesic.speech.engines.phrase import EngineError
 from kinesic.speech.hibari.graph import PITCH_INPUT, PITCH_OUTPUT, SPEED_INPUT, edit_graph
 from kinesic.speech.hibari.protobuf import ProtobufError
 
-PACKAGE_NAME = "hibari"
-RUNTIME_NAME = "onnxruntime"
+PACKAGE_NAME = "hibari"  # import name of hibari-tts
+RUNTIME_NAME = "onnxruntime"  # import name of the package that runs the model
 ASSET_NAMES = ("hibari.onnx", "vocab.json")  # files of the model: the graph, and the ids of its letters
 SAMPLE_RATE = 24_000  # [Hz] sample rate of the voice
 FRAME_SAMPLES = 300  # samples per frame (12.5 ms)

@@ -29,8 +29,8 @@ BURST_SHIFTS: Mapping[str, tuple[float, float]] = {  # [s] from a stop's start t
     **{"b": (-0.027, -0.020), "d": (-0.034, -0.018), "\u0261": (-0.040, -0.020), "ʤ": (-0.034, -0.018)},
 }
 AFFRICATE_LETTERS = frozenset("ʧʤʦʣ")  # stops that continue as a fricative
-SIBILANT_LETTERS = frozenset("sʃzʒ")
-NASAL_LETTERS = frozenset("mnŋ")
+SIBILANT_LETTERS = frozenset("sʃzʒ")  # hissing fricatives
+NASAL_LETTERS = frozenset("mnŋ")  # nasal consonants
 NASAL_RELEASE_SHIFT = 0.0  # [s] from a nasal's start to its release before a vowel or glide
 OPEN_LETTERS = (
     VOWEL_LETTERS | DIPHTHONG_LETTERS | frozenset("ᵊlɹwj")

@@ -19,7 +19,7 @@ from kinesic.speech.timings.reading import read_words_file
 from kinesic.speech.timings.timed_words import TimedWords, TimingError
 
 MAX_UNREMARKED_SHIFT = 0.05  # [s] largest shift of a mark from its word that causes no remark
-NO_WORDS = TimedWords(())
+NO_WORDS = TimedWords(())  # word times of a recording without a timing file
 
 
 @dataclass(frozen=True)

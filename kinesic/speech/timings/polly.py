@@ -17,7 +17,7 @@ from kinesic.speech.timings.timed_words import (
 )
 
 TIME_UNITS_PER_SECOND = 1000.0  # [1/s] units of time of speech marks
-SILENCE_VISEME = "sil"
+SILENCE_VISEME = "sil"  # viseme of a closed, silent mouth
 VISEME_SOUNDS = {"T": "θ", "S": "ʃ", "@": "ə", "E": "ɛ", "O": "ɔ"}  # viseme -> sound; others are phonetic letters
 
 

@@ -46,7 +46,10 @@ def test_limb_with_a_free_first_joint_keeps_the_limits_of_its_second_joint():
     [
         ((), "no limb"),
         ((Limb("trunk", TRUNK), Limb("trunk", ARM, "trunk")), "two limbs are named trunk"),
-        ((Limb("arm", ARM, "trunk"), Limb("trunk", TRUNK)), "arm hangs on trunk, which is not among those before it"),
+        (
+            (Limb("arm", ARM, "trunk"), Limb("trunk", TRUNK)),
+            "arm hangs on trunk, which is not among the limbs before it",
+        ),
         ((Limb("trunk", TRUNK), Limb("arm", TRUNK, "trunk")), "arm begins 0.5 m from the end of trunk"),
         (
             (

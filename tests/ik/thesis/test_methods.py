@@ -150,7 +150,8 @@ def test_softest_bone_stretches_most_if_the_target_is_too_far():
 
 
 @pytest.mark.parametrize(
-    ("given", "lesson"), [({"step": 0.0}, "step is 0.0"), ({"rounds": 0}, "rounds"), ({"tolerance": -1.0}, "less than")]
+    ("given", "lesson"),
+    [({"step": 0.0}, "step is 0.0"), ({"rounds": 0}, "rounds"), ({"tolerance": -1.0}, "tolerance=-1.0.*at least 0")],
 )
 def test_invalid_solver_step_rounds_or_tolerance_raises_an_error(given, lesson):
     with pytest.raises(ValueError, match=lesson):

@@ -9,7 +9,7 @@ from kinesic.ik.thesis.boxes import EulerBoxes
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.limbs import Limb, Limbs
 from kinesic.ik.thesis.rotations import Carrier, stance_of
-from kinesic.ik.thesis.several import Wishes, solve_several, standing_limbs, turn_joints
+from kinesic.ik.thesis.several import RelaxedTree, solve_several, standing_limbs, turn_joints
 from kinesic.ik.thesis.task import Effort
 
 LIMBS = Limbs.of_robot(Robot.load("upper22"))
@@ -139,7 +139,7 @@ def _postured(left: float, right: float, pulls, priority=()):
     points = {name: stance.points for name, stance in REST.items()}
     points["l_arm"] = centre + (points["l_arm"] - centre) @ _yaw(left).T
     points["r_arm"] = centre + (points["r_arm"] - centre) @ _yaw(right).T
-    return turn_joints(LIMBS, REST, Wishes(points, {}, pulls, priority), method="position", effort=Effort())
+    return turn_joints(LIMBS, REST, RelaxedTree(points, {}, pulls, priority), method="position", effort=Effort())
 
 
 def _turn(stances, name: str) -> float:

@@ -95,7 +95,7 @@ def test_bap_parameters_without_a_hinge_are_reported_and_refused_if_no_parameter
     assert notice == Notice(
         NoticeType.IMPOSSIBLE_TO_SCHEDULE, "motion", "the robot has no hinge for the parameters 4, 5"
     )
-    with pytest.raises(ConfigError, match=r"legs\.bap: sets no parameter that upper22 has a hinge for"):
+    with pytest.raises(ConfigError, match=r"legs\.bap: none of its parameters moves a hinge of upper22"):
         plan_imported(BapFrames(offer.times, offer.angles, (), (4, 5)), known, source="legs.bap")
 
 
