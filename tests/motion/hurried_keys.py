@@ -12,17 +12,25 @@ from kinesic.motion.key_times import KeyTimeSearch
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.segments import SplineSegment
 
-LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
-ROWS = ((0, 0, 0, "start"), (0.4, 0.6, 0, "ready"), (0.6, -0.6, 1, "stroke"), (0.8, 0.6, 1, "relax"), (2, 0, 0, "end"))
+# limits of two hinges, in the order of the fields of `Limits`
+JOINT_LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+# key time [s], angles of both hinges [rad] and sync point
+HURRIED_ROWS = (
+    (0, 0, 0, "start"),
+    (0.4, 0.6, 0, "ready"),
+    (0.6, -0.6, 1, "stroke"),
+    (0.8, 0.6, 1, "relax"),
+    (2, 0, 0, "end"),
+)
 
 
-def keys_of(rows=ROWS) -> Keys:
+def keys_of(rows=HURRIED_ROWS) -> Keys:
     postures = (KeyPosture(t, sealed(turns), (True, True), (("b", sync),)) for t, *turns, sync in rows)
-    return Keys.of(tuple(postures), LIMITS)
+    return Keys.of(tuple(postures), JOINT_LIMITS)
 
 
-def search_of(rows=ROWS, **options) -> KeyTimeSearch:
-    return KeyTimeSearch(keys_of(rows), LIMITS, 0.6, **options)
+def search_of(rows=HURRIED_ROWS, **options) -> KeyTimeSearch:
+    return KeyTimeSearch(keys_of(rows), JOINT_LIMITS, 0.6, **options)
 
 
 def first_segment(search: KeyTimeSearch) -> SplineSegment:

@@ -23,8 +23,12 @@ from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.trajectory import KNOT_INTERVAL
 
-LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
-PAIR = Limits(*map(sealed, ([-2, -2], [2, 2], [4, 4], [40, 40], [1e3, 1e3], [0.01] * 2, [0.15, 0.2], [0.7, 0.7])))
+# limits of one hinge, in the order of the fields of `Limits`
+JOINT_LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+# limits of two hinges, in the order of the fields of `Limits`
+PAIR_LIMITS = Limits(
+    *map(sealed, ([-2, -2], [2, 2], [4, 4], [40, 40], [1e3, 1e3], [0.01] * 2, [0.15, 0.2], [0.7, 0.7]))
+)
 
 
 def segment(pieces: int, end: float, *keys: tuple[float, float], **options) -> SplineSegment:
@@ -32,7 +36,8 @@ def segment(pieces: int, end: float, *keys: tuple[float, float], **options) -> S
     return SplineSegment(0, 0, grid(pieces, KNOT_INTERVAL), 0.0, end, places, angles, **options)
 
 
-MARKED = segment(40, 1.6, (17.3, 0.7), (30.0, 1.2), marks=((0,), (1, 2), (3,), (3, 4)))
+# segment of 40 knot intervals with two inner keys (knot, angle [rad])
+CURVED_SEGMENT = segment(40, 1.6, (17.3, 0.7), (30.0, 1.2), marks=((0,), (1, 2), (3,), (3, 4)))
 
 
 def deficit_of(amount: float, *binding: str | None) -> Infeasibility:
@@ -40,33 +45,33 @@ def deficit_of(amount: float, *binding: str | None) -> Infeasibility:
 
 
 def test_key_intervals_with_a_binding_limit_limit_the_time_of_a_segment():
-    found = find_limiting_intervals(MARKED, deficit_of(0.1, "speed", None, "jerk"))
+    found = find_limiting_intervals(CURVED_SEGMENT, deficit_of(0.1, "speed", None, "jerk"))
     assert [*found] == [(0, (0, 1)), (0, (3, 4))]
-    assert MARKED.pairs == ((0, 1), (1, 3), (3, 4))
+    assert CURVED_SEGMENT.pairs == ((0, 1), (1, 3), (3, 4))
     every = [(0, (0, 1)), (0, (1, 3)), (0, (3, 4))]
-    assert [*find_limiting_intervals(MARKED, None)] == every
-    assert [*find_limiting_intervals(MARKED, deficit_of(0.1, None, None, None))] == every
+    assert [*find_limiting_intervals(CURVED_SEGMENT, None)] == every
+    assert [*find_limiting_intervals(CURVED_SEGMENT, deficit_of(0.1, None, None, None))] == every
 
 
 def test_interval_of_a_segment_that_begins_and_ends_at_the_same_key_is_no_bottleneck():
-    late = replace(MARKED, marks=((0,), (1, 2), (3,), (3,)))
+    late = replace(CURVED_SEGMENT, marks=((0,), (1, 2), (3,), (3,)))
     deficit = deficit_of(0.1, "speed", None, "jerk")
     assert [*find_limiting_intervals(late, deficit)] == [(0, (0, 1))]
     assert [pair for pair, _ in find_bottlenecks(late, deficit)] == [(0, 1)]
 
 
 def test_bottleneck_ratio_is_the_exponential_of_the_time_deficit():
-    found = dict(find_bottlenecks(replace(MARKED, hinge=3), deficit_of(0.3, "speed", None, "duty")))
+    found = dict(find_bottlenecks(replace(CURVED_SEGMENT, hinge=3), deficit_of(0.3, "speed", None, "duty")))
     assert {pair: (item.hinge, item.quantity) for pair, item in found.items()} == {
         (0, 1): (3, "speed"),
         (3, 4): (3, "duty"),
     }
     assert {item.ratio for item in found.values()} == {np.exp(0.3)}
-    assert find_bottlenecks(MARKED, None) == []
+    assert find_bottlenecks(CURVED_SEGMENT, None) == []
 
 
 def keys_of(*times: float) -> Keys:
-    return Keys.of(tuple(KeyPosture(t, sealed([0.0] * 2), (True, True)) for t in times), PAIR)
+    return Keys.of(tuple(KeyPosture(t, sealed([0.0] * 2), (True, True)) for t in times), PAIR_LIMITS)
 
 
 def test_key_intervals_shorter_than_at_full_velocity_are_velocity_bottlenecks():
@@ -81,7 +86,7 @@ def test_key_intervals_shorter_than_at_full_velocity_are_velocity_bottlenecks():
     }
     found = [
         (pair, item.hinge, item.quantity, pytest.approx(item.ratio))
-        for pair, item in find_velocity_bottlenecks(keys, PAIR, durations)
+        for pair, item in find_velocity_bottlenecks(keys, PAIR_LIMITS, durations)
     ]
     assert found == [
         ((0, 1), 0, "speed", 1.5),
@@ -90,11 +95,11 @@ def test_key_intervals_shorter_than_at_full_velocity_are_velocity_bottlenecks():
         ((2, 3), 1, "duty", 0.4900015 / 0.49),
     ]
     slower = {(0, (2, 3)): 0.49 + 0.7e-6}
-    assert [*find_velocity_bottlenecks(keys, PAIR, slower)] == [], "rounding is no bottleneck"
+    assert [*find_velocity_bottlenecks(keys, PAIR_LIMITS, slower)] == [], "rounding is no bottleneck"
 
 
 def test_velocity_is_the_bottleneck_if_the_duty_allows_the_same_velocity():
-    equal = replace(PAIR, viscous=sealed([0.25, 0.15]), duty=sealed([1.0, 0.5]))
+    equal = replace(PAIR_LIMITS, viscous=sealed([0.25, 0.15]), duty=sealed([1.0, 0.5]))
     found = [item.quantity for _, item in find_velocity_bottlenecks(keys_of(0, 1), equal, {(0, (0, 1)): 2.0})]
     found += [item.quantity for _, item in find_velocity_bottlenecks(keys_of(0, 1), equal, {(1, (0, 1)): 2.0})]
     assert found == ["speed", "duty"]
@@ -115,7 +120,7 @@ def test_time_deficit_needs_a_slope_above_0_1_per_second_for_a_single_cutting_pl
     for steepest, sign, count in ((0.11, 1, 1), (0.11, -1, 1), (0.099, 1, 2), (0.0, 1, 2)):
         slopes = sign * np.array([-steepest, 0.0, steepest, 0.0])
         deficit = Infeasibility(0.1, slopes, ("speed", None, "jerk"), np.zeros(3))
-        planes = make_cutting_planes(MARKED, deficit, times)
+        planes = make_cutting_planes(CURVED_SEGMENT, deficit, times)
         assert len(planes) == count
         for plane in planes:
             assert plane.slopes @ times > plane.bound
@@ -123,15 +128,15 @@ def test_time_deficit_needs_a_slope_above_0_1_per_second_for_a_single_cutting_pl
 
 
 def test_motion_segment_without_movement_exceeds_no_limit():
-    assert estimate_limit_ratio(segment(20, 0.0), LIMITS) == 0.0
+    assert estimate_limit_ratio(segment(20, 0.0), JOINT_LIMITS) == 0.0
 
 
 @pytest.mark.parametrize("place", [17.3, 19.0, 23.6])
 def test_slopes_of_a_time_deficit_at_its_keys_equal_finite_differences(place):
     more = 0.02
-    base = measure_time_deficit(segment(50, 1.6, (place, 0.7), (38.0, 1.3), marks=MARKED.marks), LIMITS)
+    base = measure_time_deficit(segment(50, 1.6, (place, 0.7), (38.0, 1.3), marks=CURVED_SEGMENT.marks), JOINT_LIMITS)
     for k, keys in enumerate((((place + more, 0.7), (38.0, 1.3)), ((place, 0.7), (38.0 + more, 1.3)))):
-        moved = measure_time_deficit(segment(50, 1.6, *keys, marks=MARKED.marks), LIMITS)
+        moved = measure_time_deficit(segment(50, 1.6, *keys, marks=CURVED_SEGMENT.marks), JOINT_LIMITS)
         slope = (moved.amount - base.amount) / (more * KNOT_INTERVAL)
         assert base.slopes[k + 1] == pytest.approx(slope, rel=0.05, abs=0.02)
     assert base.slopes.sum() == pytest.approx(0.0, abs=1e-9)
@@ -140,8 +145,8 @@ def test_slopes_of_a_time_deficit_at_its_keys_equal_finite_differences(place):
 
 
 def test_mirrored_segment_has_the_same_time_deficit_and_gradient():
-    one = measure_time_deficit(segment(40, 1.6, (17.3, 0.7), marks=((0,), (1,), (2,))), LIMITS)
-    other = measure_time_deficit(segment(40, -1.6, (17.3, -0.7), marks=((0,), (1,), (2,))), LIMITS)
+    one = measure_time_deficit(segment(40, 1.6, (17.3, 0.7), marks=((0,), (1,), (2,))), JOINT_LIMITS)
+    other = measure_time_deficit(segment(40, -1.6, (17.3, -0.7), marks=((0,), (1,), (2,))), JOINT_LIMITS)
     assert other.amount == pytest.approx(one.amount, abs=1e-6)
     np.testing.assert_allclose(other.slopes, one.slopes, atol=1e-3)
     assert other.binding == one.binding
@@ -149,7 +154,7 @@ def test_mirrored_segment_has_the_same_time_deficit_and_gradient():
 
 def test_segment_reversed_in_time_has_the_same_time_deficit_and_the_opposite_gradient():
     back = SplineSegment(0, 0, grid(40, KNOT_INTERVAL), 1.6, 0.0, np.array([23.0]), np.array([0.7]))
-    light = replace(LIMITS, viscous=sealed([0.0]))
+    light = replace(JOINT_LIMITS, viscous=sealed([0.0]))
     one, other = (measure_time_deficit(way, light) for way in (segment(40, 1.6, (17.0, 0.7)), back))
     assert other.amount == pytest.approx(one.amount, abs=1e-6)
     np.testing.assert_allclose(other.slopes, -one.slopes[::-1], atol=1e-2)
@@ -157,7 +162,7 @@ def test_segment_reversed_in_time_has_the_same_time_deficit_and_the_opposite_gra
 
 def test_time_deficit_below_the_target_is_a_bound_without_slopes_and_binding_limits():
     way = segment(80, 1.6, (40.0, 0.8), marks=((0,), (1,), (2,)))
-    bound, exact = (measure_time_deficit(way, LIMITS, target=target) for target in (-0.01, None))
+    bound, exact = (measure_time_deficit(way, JOINT_LIMITS, target=target) for target in (-0.01, None))
     assert exact.amount < bound.amount <= -0.01
     assert bound.slopes.tolist() == [0.0, 0.0, 0.0]
     assert bound.binding == (None, None)
@@ -169,14 +174,15 @@ def relaxed(amount: float, multipliers: list[float], binding, *, is_bound: bool 
     return infeasibility._LogRelaxation(controls, amount, np.array(multipliers), binding, is_bound)
 
 
-LINE = segment(40, 0.4, (10.0, 0.1), (25.0, 0.25), marks=((0,), (1,), (2,), (3,)))
+# segment with keys on a straight line over time
+STRAIGHT_SEGMENT = segment(40, 0.4, (10.0, 0.1), (25.0, 0.25), marks=((0,), (1,), (2,), (3,)))
 
 
 def measured_with(monkeypatch, relaxation, differences=(7.0, 9.0), **options):
     """Measure a deficit from a given relaxation; the differences of its keys are given, too."""
     monkeypatch.setattr(infeasibility, "_relax", lambda *given: relaxation)
     monkeypatch.setattr(infeasibility, "_compute_difference", lambda way, limits, key, amount: differences[key])
-    return measure_time_deficit(LINE, LIMITS, **options)
+    return measure_time_deficit(STRAIGHT_SEGMENT, JOINT_LIMITS, **options)
 
 
 def test_slope_of_a_time_deficit_is_multiplier_times_velocity_with_zero_sum_over_all_keys(monkeypatch):
@@ -217,8 +223,8 @@ def test_finite_difference_moves_a_key_by_one_knot_and_backwards_if_the_next_key
     seen = []
     monkeypatch.setattr(infeasibility, "_relax", lambda way, limits: seen.append(way.places) or relaxed(0.3, [], ()))
     way = segment(60, 0.4, (10.0, 0.1), (20.0, 0.2), (after, 0.3))
-    slope = infeasibility._compute_difference(way, LIMITS, 1, 0.1)
+    slope = infeasibility._compute_difference(way, JOINT_LIMITS, 1, 0.1)
     np.testing.assert_allclose(seen[0], [10.0, 20.0 + step, after])
     assert slope == pytest.approx(step * 0.2 / KNOT_INTERVAL)
     monkeypatch.setattr(infeasibility, "_relax", lambda way, limits: None)
-    assert infeasibility._compute_difference(way, LIMITS, 1, 0.1) == 0.0
+    assert infeasibility._compute_difference(way, JOINT_LIMITS, 1, 0.1) == 0.0

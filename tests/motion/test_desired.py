@@ -9,19 +9,21 @@ from kinesic.motion import desired
 from kinesic.motion.desired import DesiredMotion, join_keys
 from kinesic.motion.keys import PLAIN_PASSAGE, KeyPassage, KeyPosture, Keys
 
-TIMES = np.array([0.0, 0.5, 1.2, 1.5, 2.4])
-ANGLES = np.array([[0.0, 1.0], [0.4, 1.0], [0.9, 0.2], [0.9, -0.4], [0.1, -0.4]])
-ALL = np.ones_like(ANGLES, dtype=bool)
-LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 10, 100, 1e4, 1e-3, 1e-2, 1)))
+KEY_TIMES = np.array([0.0, 0.5, 1.2, 1.5, 2.4])  # [s]
+# [rad] angles of two hinges at the key times
+KEY_ANGLES = np.array([[0.0, 1.0], [0.4, 1.0], [0.9, 0.2], [0.9, -0.4], [0.1, -0.4]])
+ALL_KEYED = np.ones_like(KEY_ANGLES, dtype=bool)  # both hinges have a key at each time
+# limits of two hinges, in the order of the fields of `Limits`
+JOINT_LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 10, 100, 1e4, 1e-3, 1e-2, 1)))
 
 
-def keys(passed: KeyPassage = PLAIN_PASSAGE, keyed=ALL, angles=ANGLES, times=TIMES):
+def keys(passed: KeyPassage = PLAIN_PASSAGE, keyed=ALL_KEYED, angles=KEY_ANGLES, times=KEY_TIMES):
     rows = zip(times, angles, keyed, strict=True)
     return [KeyPosture(time, sealed(row), tuple(own), passages=(passed,) * len(row)) for time, row, own in rows]
 
 
-def joined(passed: KeyPassage = PLAIN_PASSAGE, keyed=ALL, zero: float = 0.0, angles=ANGLES, times=TIMES):
-    limits = LIMITS.part(np.arange(angles.shape[1]))
+def joined(passed: KeyPassage = PLAIN_PASSAGE, keyed=ALL_KEYED, zero: float = 0.0, angles=KEY_ANGLES, times=KEY_TIMES):
+    limits = JOINT_LIMITS.part(np.arange(angles.shape[1]))
     return join_keys(times, Keys.of(keys(passed, keyed, angles, times), limits, margin=0.0), zero=zero)
 
 
@@ -30,7 +32,7 @@ def state(motion, time: float):
 
 
 def test_desired_motion_meets_its_keys_exactly():
-    np.testing.assert_allclose(joined().sample(TIMES)[0], ANGLES, atol=1e-12)
+    np.testing.assert_allclose(joined().sample(KEY_TIMES)[0], KEY_ANGLES, atol=1e-12)
 
 
 def test_angles_of_the_desired_motion_equal_those_of_its_samples():
@@ -39,11 +41,11 @@ def test_angles_of_the_desired_motion_equal_those_of_its_samples():
 
 
 def test_desired_motion_of_a_hinge_does_not_depend_on_the_other_hinge():
-    keyed = ALL.copy()
+    keyed = ALL_KEYED.copy()
     keyed[2, 1] = False
     times, both = np.linspace(0.0, 2.4, 49), joined(keyed=keyed)
     for hinge in range(2):
-        alone = joined(keyed=keyed[:, hinge : hinge + 1], angles=ANGLES[:, hinge : hinge + 1])
+        alone = joined(keyed=keyed[:, hinge : hinge + 1], angles=KEY_ANGLES[:, hinge : hinge + 1])
         for one, other in zip(both.sample(times), alone.sample(times), strict=True):
             assert np.array_equal(one[:, hinge], other[:, 0])
 
@@ -56,7 +58,7 @@ def test_desired_motion_starts_and_ends_at_rest():
 
 
 def test_velocity_and_acceleration_are_continuous_at_keys():
-    for time in TIMES[1:-1]:
+    for time in KEY_TIMES[1:-1]:
         before, after = state(joined(), time - 1e-7), state(joined(), time + 1e-7)
         np.testing.assert_allclose(before[1], after[1], atol=1e-4)
         np.testing.assert_allclose(before[2], after[2], atol=1e-3)
@@ -75,15 +77,15 @@ def test_hinge_does_not_move_during_a_hold():
 
 
 def test_hinge_without_a_key_in_a_posture_ignores_the_angle_given_there():
-    keyed = ALL.copy()
+    keyed = ALL_KEYED.copy()
     keyed[2, 1] = False
     motion = joined(keyed=keyed)
-    assert abs(state(motion, 1.2)[0][1] - ANGLES[2, 1]) > 0.05
-    np.testing.assert_allclose(state(motion, 1.5)[0][1], ANGLES[3, 1], atol=1e-12)
+    assert abs(state(motion, 1.2)[0][1] - KEY_ANGLES[2, 1]) > 0.05
+    np.testing.assert_allclose(state(motion, 1.5)[0][1], KEY_ANGLES[3, 1], atol=1e-12)
 
 
 def test_spline_tension_of_one_stops_the_motion_at_each_key():
-    np.testing.assert_allclose(joined(KeyPassage(tension=1.0)).sample(TIMES)[1], 0.0, atol=1e-9)
+    np.testing.assert_allclose(joined(KeyPassage(tension=1.0)).sample(KEY_TIMES)[1], 0.0, atol=1e-9)
 
 
 def test_spline_continuity_of_minus_one_stops_the_motion_at_a_key():
@@ -98,17 +100,17 @@ def test_desired_motion_keeps_the_given_time_of_the_block_start():
 
 def test_desired_motion_is_at_rest_after_its_end():
     angles, speeds, _ = state(joined(), 99.0)
-    np.testing.assert_allclose(angles, ANGLES[-1])
+    np.testing.assert_allclose(angles, KEY_ANGLES[-1])
     np.testing.assert_array_equal(speeds, 0.0)
 
 
 def eased(easing: str, steepness: float = 3.0, to: float = 0.9) -> DesiredMotion:
     """Return the desired motion of one hinge from rest to rest over one second."""
     angles, times = np.array([[0.0], [to]]), np.array([0.0, 1.0])
-    return joined(KeyPassage(easing=easing, steepness=steepness), ALL[:2, :1], angles=angles, times=times)
+    return joined(KeyPassage(easing=easing, steepness=steepness), ALL_KEYED[:2, :1], angles=angles, times=times)
 
 
-GRID = np.linspace(0.0, 1.0, 501)
+SAMPLE_TIMES = np.linspace(0.0, 1.0, 501)  # [s]
 
 
 def test_easing_changes_the_path_but_not_its_ends():
@@ -116,19 +118,19 @@ def test_easing_changes_the_path_but_not_its_ends():
         motion = eased(easing, 6.0)
         np.testing.assert_allclose(motion.sample(np.array([0.0, 1.0]))[0][:, 0], [0.0, 0.9], atol=1e-12)
         np.testing.assert_allclose(motion.sample(np.array([0.0, 1.0]))[1], 0.0, atol=1e-9)
-        assert np.abs(motion.angles(GRID) - eased("minimum_jerk").angles(GRID)).max() > 0.01
-        assert np.abs(np.diff(motion.sample(GRID)[2], axis=0)).max() < 2.5
+        assert np.abs(motion.angles(SAMPLE_TIMES) - eased("minimum_jerk").angles(SAMPLE_TIMES)).max() > 0.01
+        assert np.abs(np.diff(motion.sample(SAMPLE_TIMES)[2], axis=0)).max() < 2.5
 
 
 def test_easing_steepness_raises_the_peak_velocity():
-    peaks = [float(eased("out_back", k).sample(GRID)[1].max()) for k in (1.0, 1.5, 2.0, 3.0)]
+    peaks = [float(eased("out_back", k).sample(SAMPLE_TIMES)[1].max()) for k in (1.0, 1.5, 2.0, 3.0)]
     assert np.all(np.diff(peaks) > 0.0)
     assert peaks[-1] > 1.8 * peaks[0]
 
 
 def test_out_back_overshoot_is_limited_by_the_joint_range():
     def beyond(to: float) -> float:
-        return float(eased("out_back", 6.0, to).angles(GRID).max()) - to
+        return float(eased("out_back", 6.0, to).angles(SAMPLE_TIMES).max()) - to
 
     assert beyond(0.9) == pytest.approx(0.1 * 0.9, rel=0.15)
     assert 0.02 * 1.9 < beyond(1.9) <= 0.1
@@ -136,11 +138,11 @@ def test_out_back_overshoot_is_limited_by_the_joint_range():
 
 
 def test_easing_becomes_minimum_jerk_for_all_hinges_if_one_hinge_cannot_keep_its_limits():
-    slow = replace(LIMITS, acceleration=sealed([100.0, 0.01]))
+    slow = replace(JOINT_LIMITS, acceleration=sealed([100.0, 0.01]))
     angles, times = np.array([[0.0, 0.0], [0.9, 0.9]]), np.array([0.0, 1.0])
-    rows = keys(KeyPassage(easing="out_back"), ALL[:2], angles, times)
-    result = join_keys(times, Keys.of(rows, slow, margin=0.0)).angles(GRID)
-    np.testing.assert_allclose(result, eased("minimum_jerk").angles(GRID) @ np.ones((1, 2)), atol=1e-12)
+    rows = keys(KeyPassage(easing="out_back"), ALL_KEYED[:2], angles, times)
+    result = join_keys(times, Keys.of(rows, slow, margin=0.0)).angles(SAMPLE_TIMES)
+    np.testing.assert_allclose(result, eased("minimum_jerk").angles(SAMPLE_TIMES) @ np.ones((1, 2)), atol=1e-12)
 
 
 def test_motion_through_unevenly_spaced_keys_on_a_circle_follows_it_within_2_mrad():
@@ -203,36 +205,40 @@ def test_key_passage_parameters_can_differ_per_hinge_and_key():
     stiff, plain = KeyPassage(tension=1.0), PLAIN_PASSAGE
     rows = [replace(key, passages=(plain, stiff)) for key in keys()]
     rows[1] = replace(rows[1], passages=(stiff, plain))
-    speeds = join_keys(TIMES, Keys.of(rows, LIMITS, margin=0.0)).sample(TIMES)[1]
+    speeds = join_keys(KEY_TIMES, Keys.of(rows, JOINT_LIMITS, margin=0.0)).sample(KEY_TIMES)[1]
     assert speeds[1, 0] == pytest.approx(0.0, abs=1e-9)
     assert abs(speeds[2, 1]) < 1e-9
-    plainly = joined().sample(TIMES)[1]
+    plainly = joined().sample(KEY_TIMES)[1]
     assert plainly[1, 0] > 0.5
     assert abs(plainly[2, 1]) > 0.5
 
 
 def test_unchanged_interpolated_curves_come_from_the_cache():
-    keyed = ALL.copy()
+    keyed = ALL_KEYED.copy()
     keyed[2, 1] = False
-    limits = LIMITS.part(np.arange(2))
+    limits = JOINT_LIMITS.part(np.arange(2))
     asked = Keys.of(keys(keyed=keyed), limits, margin=0.0)
-    first, moved = join_keys(TIMES, asked), asked.angles.copy()
+    first, moved = join_keys(KEY_TIMES, asked), asked.angles.copy()
     moved[1, 0] += 0.1
-    again = join_keys(TIMES, replace(asked, angles=sealed(moved)))
+    again = join_keys(KEY_TIMES, replace(asked, angles=sealed(moved)))
     assert again.curves[1,] is first.curves[1,]
     assert again.curves[0,] is not first.curves[0,]
-    np.testing.assert_allclose(again.angles(TIMES)[:, 0], moved[:, 0], atol=1e-12)
+    np.testing.assert_allclose(again.angles(KEY_TIMES)[:, 0], moved[:, 0], atol=1e-12)
     tense = replace(asked, passage_values=asked.passage_values + np.array([1.0, 0, 0, 0, 0, 0])[:, None, None])
-    later = TIMES + np.array([0.0, 0.0, 0.1, 0.1, 0.1])
-    for other in (join_keys(TIMES, tense), join_keys(later, asked), join_keys(TIMES, replace(asked, limits=LIMITS))):
+    later = KEY_TIMES + np.array([0.0, 0.0, 0.1, 0.1, 0.1])
+    for other in (
+        join_keys(KEY_TIMES, tense),
+        join_keys(later, asked),
+        join_keys(KEY_TIMES, replace(asked, limits=JOINT_LIMITS)),
+    ):
         assert other.curves[1,] is not first.curves[1,]
 
 
 def test_curves_with_many_keys_are_not_cached(monkeypatch):
-    asked = Keys.of(keys(), LIMITS.part(np.arange(2)), margin=0.0)
-    known = join_keys(TIMES, asked)
-    monkeypatch.setattr(desired, "MAX_CACHED_KEYS", len(TIMES) * 2 - 1)
-    again = join_keys(TIMES, asked)
+    asked = Keys.of(keys(), JOINT_LIMITS.part(np.arange(2)), margin=0.0)
+    known = join_keys(KEY_TIMES, asked)
+    monkeypatch.setattr(desired, "MAX_CACHED_KEYS", len(KEY_TIMES) * 2 - 1)
+    again = join_keys(KEY_TIMES, asked)
     assert again.curves[0, 1] is not known.curves[0, 1]
     assert np.array_equal(again.curves[0, 1].states, known.curves[0, 1].states)
 

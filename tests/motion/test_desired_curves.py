@@ -11,8 +11,10 @@ from kinesic.motion.desired import _adapt_easing, _change, _is_allowed, _soften_
 from kinesic.motion.easing import soften_easing
 from kinesic.motion.keys import KeyPassage, KeyPosture, Keys
 
-LIMITS = Limits(*(sealed([value] * 2) for value in (-1.2, 1.5, 10, 100, 1e4, 1e-3, 1e-2, 1)))
-FREE = replace(LIMITS, speed=sealed([1e6] * 2), acceleration=sealed([1e6] * 2), duty=sealed([1e6] * 2))
+# limits of two hinges, in the order of the fields of `Limits`
+JOINT_LIMITS = Limits(*(sealed([value] * 2) for value in (-1.2, 1.5, 10, 100, 1e4, 1e-3, 1e-2, 1)))
+# velocity, acceleration and duty limits that no easing exceeds
+WIDE_LIMITS = replace(JOINT_LIMITS, speed=sealed([1e6] * 2), acceleration=sealed([1e6] * 2), duty=sealed([1e6] * 2))
 
 
 def random_keys(seed: int) -> tuple[np.ndarray, np.ndarray, list[list[KeyPassage]]]:
@@ -30,7 +32,7 @@ def random_keys(seed: int) -> tuple[np.ndarray, np.ndarray, list[list[KeyPassage
     return times, angles, [[parameters[kind]() for kind in row] for row in kinds]
 
 
-def joined(times, angles, passages, limits: Limits = LIMITS):
+def joined(times, angles, passages, limits: Limits = JOINT_LIMITS):
     rows = [
         KeyPosture(float(time), sealed(row), (True,) * len(row), passages=tuple(own))
         for time, row, own in zip(times, angles, passages, strict=True)
@@ -81,7 +83,7 @@ def test_velocities_and_accelerations_at_keys_match_the_formulas_for_three_keys(
 
 
 def test_mirrored_keys_give_the_mirrored_motion():
-    even = replace(LIMITS, lower=sealed([-1.5] * 2))
+    even = replace(JOINT_LIMITS, lower=sealed([-1.5] * 2))
     for seed in range(5):
         times, angles, passages = random_keys(seed)
         asked = np.linspace(times[0], times[-1], 50) - times[0]
@@ -155,7 +157,7 @@ def test_eased_motion_may_reach_three_times_each_limit_and_no_more(sign):
                 assert _is_allowed(states, wide) is is_allowed
 
 
-def eased(easing: str, angles, times=(0.0, 1.0), limits: Limits = FREE, **options):
+def eased(easing: str, angles, times=(0.0, 1.0), limits: Limits = WIDE_LIMITS, **options):
     """Return the samples of an eased motion minus those of the plain one, at sixteenths of the last interval."""
     asked = times[-2] + np.arange(17) / 16 * (times[-1] - times[-2])
     plain, changed = (
@@ -185,8 +187,8 @@ def test_easing_of_one_hinge_changes_no_other_hinge_and_no_other_interval():
     times, angles = [0.0, 1.0, 2.0], np.array([[0.0, 0.0], [0.5, 0.5], [1.0, 1.0]])
     plain, accent = KeyPassage(tension=1.0), KeyPassage(tension=1.0, easing="out_power")
     asked = np.linspace(0.0, 2.0, 41)
-    usual = joined(times, angles, [[plain] * 2] * 3, FREE).angles(asked)
-    changed = joined(times, angles, [[plain] * 2, [plain, accent], [plain] * 2], FREE).angles(asked)
+    usual = joined(times, angles, [[plain] * 2] * 3, WIDE_LIMITS).angles(asked)
+    changed = joined(times, angles, [[plain] * 2, [plain, accent], [plain] * 2], WIDE_LIMITS).angles(asked)
     np.testing.assert_allclose(changed[:, 0], usual[:, 0], atol=1e-12)
     np.testing.assert_allclose(changed[20:, 1], usual[20:, 1], atol=1e-12)
     assert np.abs(changed[:20, 1] - usual[:20, 1]).max() > 0.05

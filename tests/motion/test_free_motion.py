@@ -14,7 +14,8 @@ from kinesic.motion.trajectory import KNOT_INTERVAL
 
 from ..reference.motion import spline_programs as reference
 
-LIMITS = Limits(*(sealed([value] * 3) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+# limits of three hinges, in the order of the fields of `Limits`
+JOINT_LIMITS = Limits(*(sealed([value] * 3) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 
 
 def keys(seed: int) -> Keys:
@@ -33,7 +34,7 @@ def keys(seed: int) -> Keys:
         )
         for k, (time, row) in enumerate(zip(times, angles, strict=True))
     )
-    return Keys.of(postures, LIMITS)
+    return Keys.of(postures, JOINT_LIMITS)
 
 
 def wish(asked: Keys) -> Floats:
@@ -44,8 +45,8 @@ def wish(asked: Keys) -> Floats:
 @pytest.mark.parametrize("seed", range(12))
 def test_unlimited_motion_of_all_hinges_matches_that_of_single_hinges(seed: int):
     asked = keys(seed)
-    ours, beyond = find_free_motion(asked.requested_times, asked, LIMITS, wish(asked))
-    theirs, expected = reference.find_free_motion(asked.requested_times, asked, LIMITS, wish(asked))
+    ours, beyond = find_free_motion(asked.requested_times, asked, JOINT_LIMITS, wish(asked))
+    theirs, expected = reference.find_free_motion(asked.requested_times, asked, JOINT_LIMITS, wish(asked))
     np.testing.assert_allclose(ours, theirs, atol=1e-9)
     shares, segments = zip(*beyond, strict=True)
     others, wanted = zip(*expected, strict=True)
@@ -59,6 +60,6 @@ def test_unlimited_motion_of_all_hinges_matches_that_of_single_hinges(seed: int)
 def test_unlimited_motion_through_slow_keys_has_no_segments_beyond_limits():
     asked = keys(3)
     slow = replace(asked, requested_times=asked.requested_times * 50.0)
-    free, beyond = find_free_motion(slow.requested_times, slow, LIMITS, wish(slow))
+    free, beyond = find_free_motion(slow.requested_times, slow, JOINT_LIMITS, wish(slow))
     assert not beyond
     assert np.abs(np.diff(free, axis=0)).max() / KNOT_INTERVAL <= KEPT_RATIO * 4.0

@@ -19,7 +19,8 @@ from kinesic.motion.segments import SplineSegment
 from kinesic.motion.spline_program import nearest_motion
 from kinesic.motion.trajectory import KNOT_INTERVAL
 
-LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+# limits of one hinge, in the order of the fields of `Limits`
+JOINT_LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 
 
 def way(pieces: int, place: float) -> SplineSegment:
@@ -30,34 +31,34 @@ def way(pieces: int, place: float) -> SplineSegment:
 def passes(found: SplineSegment) -> bool:
     places = np.array([0.0, *found.places, found.grid.pieces])
     wish = np.interp(np.arange(found.grid.pieces + 1), places, [found.start, *found.angles, found.end])
-    return nearest_motion(found, wish, LIMITS) is not None
+    return nearest_motion(found, wish, JOINT_LIMITS) is not None
 
 
 @pytest.mark.parametrize("pieces", [30, 40, 44, 48, 52, 56, 60, 80])
 def test_segment_is_feasible_exactly_if_its_time_deficit_is_not_positive(pieces):
-    assert (measure_time_deficit(way(pieces, pieces / 2), LIMITS).amount <= 0) == passes(way(pieces, pieces / 2))
+    assert (measure_time_deficit(way(pieces, pieces / 2), JOINT_LIMITS).amount <= 0) == passes(way(pieces, pieces / 2))
 
 
 @pytest.mark.parametrize("before", [0.9, 0.3, 0.1, 0.03, 0.021])
 def test_time_deficit_is_continuous_for_a_key_just_before_the_last_knot(before):
     places, angles = np.array([20.0, 40.0 - before]), np.array([0.8, 1.6])
     late = SplineSegment(0, 0, grid(40, KNOT_INTERVAL), 0.0, 1.6, places, angles)
-    infeasibility = measure_time_deficit(late, LIMITS)
+    infeasibility = measure_time_deficit(late, JOINT_LIMITS)
     assert infeasibility is not None
-    assert infeasibility.amount == pytest.approx(measure_time_deficit(way(39, 20.0), LIMITS).amount, abs=1e-4)
+    assert infeasibility.amount == pytest.approx(measure_time_deficit(way(39, 20.0), JOINT_LIMITS).amount, abs=1e-4)
     assert np.isfinite(infeasibility.slopes).all()
 
 
 def test_time_deficit_approximates_the_log_of_the_required_time_ratio():
-    infeasibility = measure_time_deficit(way(40, 20.0), LIMITS)
+    infeasibility = measure_time_deficit(way(40, 20.0), JOINT_LIMITS)
     longer = 40 * float(np.exp(infeasibility.amount))
-    assert measure_time_deficit(way(round(1.1 * longer), 0.55 * longer), LIMITS).amount < 0.0
-    assert measure_time_deficit(way(round(0.9 * longer), 0.45 * longer), LIMITS).amount > 0.0
+    assert measure_time_deficit(way(round(1.1 * longer), 0.55 * longer), JOINT_LIMITS).amount < 0.0
+    assert measure_time_deficit(way(round(0.9 * longer), 0.45 * longer), JOINT_LIMITS).amount > 0.0
 
 
 def test_slopes_of_a_time_deficit_equal_its_finite_differences():
-    infeasibility, more = measure_time_deficit(way(40, 17.3), LIMITS), 0.1
-    later = measure_time_deficit(way(40, 17.3 + more), LIMITS)
+    infeasibility, more = measure_time_deficit(way(40, 17.3), JOINT_LIMITS), 0.1
+    later = measure_time_deficit(way(40, 17.3 + more), JOINT_LIMITS)
     assert infeasibility.slopes[1] == pytest.approx(
         (later.amount - infeasibility.amount) / (more * KNOT_INTERVAL), rel=0.05
     )
@@ -68,21 +69,21 @@ def test_slopes_of_a_time_deficit_equal_its_finite_differences():
 def test_segment_end_between_two_knots_affects_the_deficit():
     """The hinge is at rest from the knot before the last key."""
     off = SplineSegment(0, 0, grid(41, KNOT_INTERVAL), 0.0, 1.6, np.array([25.3, 40.4]), np.array([0.8, 1.6]))
-    infeasibility = measure_time_deficit(off, LIMITS)
+    infeasibility = measure_time_deficit(off, JOINT_LIMITS)
     assert infeasibility.slopes[3] < -1.0
     assert infeasibility.slopes[1] == pytest.approx(-infeasibility.slopes[3], rel=1e-6)
 
 
 def test_spare_time_of_a_segment_is_computed_only_up_to_a_bound():
-    assert measure_time_deficit(way(300, 150.0), LIMITS).amount == pytest.approx(np.log1p(2 * EASY_DEFICIT) / 2)
+    assert measure_time_deficit(way(300, 150.0), JOINT_LIMITS).amount == pytest.approx(np.log1p(2 * EASY_DEFICIT) / 2)
 
 
 @pytest.mark.parametrize("target", [-0.05, -0.0005, 0.05])
 def test_early_end_of_the_deficit_search_does_not_change_the_feasibility_result(target):
     ended = 0
     for pieces in range(30, 90, 3):
-        infeasibility = measure_time_deficit(way(pieces, pieces / 2), LIMITS)
-        sooner = measure_time_deficit(way(pieces, pieces / 2), LIMITS, target=target)
+        infeasibility = measure_time_deficit(way(pieces, pieces / 2), JOINT_LIMITS)
+        sooner = measure_time_deficit(way(pieces, pieces / 2), JOINT_LIMITS, target=target)
         assert (sooner.amount <= target) == (infeasibility.amount <= target)
         if sooner.amount > target:
             assert sooner.amount == infeasibility.amount
@@ -93,9 +94,9 @@ def test_early_end_of_the_deficit_search_does_not_change_the_feasibility_result(
 
 def test_segment_with_an_estimated_limit_ratio_of_at_most_one_is_feasible():
     for pieces in (40, 60, 80, 120, 300):
-        if estimate_limit_ratio(way(pieces, pieces / 2), LIMITS) <= 1.0:
-            assert measure_time_deficit(way(pieces, pieces / 2), LIMITS).amount <= 1e-6
-    assert estimate_limit_ratio(way(300, 150.0), LIMITS) < 1.0 < estimate_limit_ratio(way(40, 20.0), LIMITS)
+        if estimate_limit_ratio(way(pieces, pieces / 2), JOINT_LIMITS) <= 1.0:
+            assert measure_time_deficit(way(pieces, pieces / 2), JOINT_LIMITS).amount <= 1e-6
+    assert estimate_limit_ratio(way(300, 150.0), JOINT_LIMITS) < 1.0 < estimate_limit_ratio(way(40, 20.0), JOINT_LIMITS)
 
 
 @pytest.mark.parametrize(
@@ -108,19 +109,19 @@ def test_segment_with_an_estimated_limit_ratio_of_at_most_one_is_feasible():
     ],
 )
 def test_binding_motion_limit_of_a_key_interval_is_reported(quantity, change):
-    tight = replace(LIMITS, **{name: sealed([value]) for name, value in change.items()})
+    tight = replace(JOINT_LIMITS, **{name: sealed([value]) for name, value in change.items()})
     assert measure_time_deficit(way(40, 20.0), tight).binding[0] == quantity
 
 
 def test_key_interval_with_spare_time_has_no_binding_limit():
-    assert measure_time_deficit(way(200, 20.0), LIMITS).binding == ("speed", None)
+    assert measure_time_deficit(way(200, 20.0), JOINT_LIMITS).binding == ("speed", None)
 
 
 def test_time_deficit_of_a_segment_above_the_work_limit_is_not_measured():
-    assert measure_time_deficit(way(40, 20.0), LIMITS, max_work=39) is None
+    assert measure_time_deficit(way(40, 20.0), JOINT_LIMITS, max_work=39) is None
     allowed, free = (
-        measure_time_deficit(way(40, 20.0), LIMITS, max_work=40),
-        measure_time_deficit(way(40, 20.0), LIMITS),
+        measure_time_deficit(way(40, 20.0), JOINT_LIMITS, max_work=40),
+        measure_time_deficit(way(40, 20.0), JOINT_LIMITS),
     )
     assert allowed is not None
     assert allowed.amount == free.amount

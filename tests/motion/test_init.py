@@ -5,7 +5,7 @@ import pytest
 
 from kinesic import motion
 
-BOX = {
+BOX_LIMITS = {  # limits of two hinges [rad, rad/s, rad/s^2, rad/s^3]
     "lower": np.array([-1.5, -0.2]),
     "upper": np.array([1.5, 2.4]),
     "speed": np.array([2.0, 3.0]),
@@ -15,7 +15,7 @@ BOX = {
 
 
 def test_motion_keeps_limits_and_passes_keys():
-    limits = motion.Limits.box(**BOX)
+    limits = motion.Limits.box(**BOX_LIMITS)
     rows = ((0.0, [0.0, 0.0]), (0.5, [1.2, 2.0]), (2.5, [-0.4, 0.3]), (3.5, [0.0, 0.0]))
     keys = tuple(motion.KeyPosture.whole(time, angles) for time, angles in rows)
     conditioned = motion.condition(keys, limits)
@@ -46,4 +46,4 @@ def test_key_posture_of_all_hinges_copies_the_given_angles():
 )
 def test_invalid_limits_raise_an_error_with_the_reason(wrong, said):
     with pytest.raises(ValueError, match=said):
-        motion.Limits.box(**(BOX | wrong))
+        motion.Limits.box(**(BOX_LIMITS | wrong))

@@ -9,16 +9,19 @@ from kinesic.body.arrays import sealed
 from kinesic.body.limits import Limits
 from kinesic.motion.keys import PASSAGE_RANGES, Bond, KeyPassage, KeyPosture, Keys, flow
 
-LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
-WHOLE = (True, True)
+# limits of two hinges, in the order of the fields of `Limits`
+JOINT_LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+BOTH_KEYED = (True, True)  # both hinges have a key
 
 
-def key(time: float, *syncs: tuple[str, str], keyed=WHOLE, is_exact: bool = True, angle: float = 0.0) -> KeyPosture:
+def key(
+    time: float, *syncs: tuple[str, str], keyed=BOTH_KEYED, is_exact: bool = True, angle: float = 0.0
+) -> KeyPosture:
     return KeyPosture(time, sealed([angle, -angle]), keyed, syncs, is_exact=is_exact)
 
 
 def at(*times: float, **options) -> Keys:
-    return Keys.of([key(time, **options) for time in times], LIMITS)
+    return Keys.of([key(time, **options) for time in times], JOINT_LIMITS)
 
 
 @pytest.mark.parametrize(
@@ -39,12 +42,15 @@ def at(*times: float, **options) -> Keys:
 )
 def test_shift_weight_of_a_key_is_that_of_its_heaviest_sync_point(syncs, weight):
     marked = tuple(("b", sync) for sync in syncs)
-    assert Keys.of([key(0.0, *marked), key(1.0, *marked, is_exact=False)], LIMITS).weights.tolist() == [weight, 0.0]
+    assert Keys.of([key(0.0, *marked), key(1.0, *marked, is_exact=False)], JOINT_LIMITS).weights.tolist() == [
+        weight,
+        0.0,
+    ]
 
 
 def test_only_numbered_stroke_sync_points_mark_repeated_strokes():
     names = ("stroke", "stroke:1", "strokeStart:1", "stroke:12", "relax")
-    keys = Keys.of([key(k, ("a", "ready"), ("b", name)) for k, name in enumerate(names)], LIMITS)
+    keys = Keys.of([key(k, ("a", "ready"), ("b", name)) for k, name in enumerate(names)], JOINT_LIMITS)
     assert keys.is_repeat.tolist() == [False, True, False, True, False]
     assert at(0.0, 1.0).is_repeat.tolist() == [False, False]
 
@@ -83,12 +89,12 @@ def test_key_passage_without_accent_has_at_most_the_steepness_of_full_power():
 
 def test_key_passage_values_list_the_parameters_of_each_hinge():
     first = KeyPassage(0.1, -0.2, 0.3, "out_back", 5.0, 0.6)
-    posture = KeyPosture(0.0, sealed([0.0, 0.0]), WHOLE, passages=(first, KeyPassage()))
+    posture = KeyPosture(0.0, sealed([0.0, 0.0]), BOTH_KEYED, passages=(first, KeyPassage()))
     np.testing.assert_array_equal(
         posture.passage_values.T, [[0.1, -0.2, 0.3, 5.0, 3, 0.6], [0.0, 0.0, 0.0, 4.0, 0, 0.0]]
     )
     np.testing.assert_array_equal(key(0.0).passage_values.T, [[0.0, 0.0, 0.0, 4.0, 0, 0.0]] * 2)
-    keys = Keys.of([posture, key(1.0)], LIMITS)
+    keys = Keys.of([posture, key(1.0)], JOINT_LIMITS)
     np.testing.assert_array_equal(keys.passage_values[:, 0], posture.passage_values)
     np.testing.assert_array_equal(keys.passage_values[:, 1], key(1.0).passage_values)
     same = keys.with_passage(first)
@@ -96,8 +102,8 @@ def test_key_passage_values_list_the_parameters_of_each_hinge():
 
 
 def test_key_angles_are_clipped_to_one_milliradian_inside_the_joint_range():
-    limits = replace(LIMITS, lower=sealed([-2.0, 0.3]), upper=sealed([1.0, 0.3008]))
-    rows = [KeyPosture(float(k), sealed([angle] * 2), WHOLE) for k, angle in enumerate((-9.0, 0.3, 9.0))]
+    limits = replace(JOINT_LIMITS, lower=sealed([-2.0, 0.3]), upper=sealed([1.0, 0.3008]))
+    rows = [KeyPosture(float(k), sealed([angle] * 2), BOTH_KEYED) for k, angle in enumerate((-9.0, 0.3, 9.0))]
     np.testing.assert_allclose(Keys.of(rows, limits).angles, [[-1.999, 0.3004], [0.3, 0.3004], [0.999, 0.3004]])
     np.testing.assert_allclose(Keys.of(rows, limits, margin=0.1).angles[:, 0], [-1.9, 0.3, 0.9])
 
@@ -115,7 +121,7 @@ def test_precedence_constraints_apply_only_between_two_existing_different_keys()
         Bond(("b", "start"), ("c", "end"), 0.7),
         Bond(("c", "end"), ("b", "end"), 0.8),
     )
-    keys = Keys.of([key(0.0, ("b", "start"), ("b", "relax")), key(1.0, ("b", "end"))], LIMITS, bonds)
+    keys = Keys.of([key(0.0, ("b", "start"), ("b", "relax")), key(1.0, ("b", "end"))], JOINT_LIMITS, bonds)
     assert keys.bonds == {(0, 1): 0.5}
 
 
@@ -123,7 +129,7 @@ def test_keys_of_one_behaviour_keep_a_minimum_gap_even_without_a_common_hinge():
     first, second = (True, False), (False, True)
     rows = [key(0.0), key(0.1, ("b", "a"), keyed=first), key(0.2, ("c", "a"), keyed=second)]
     rows += [key(0.3, ("b", "b"), ("b", "c"), keyed=second), key(0.4)]
-    gaps = Keys.of(rows, LIMITS).gaps
+    gaps = Keys.of(rows, JOINT_LIMITS).gaps
     assert gaps == dict.fromkeys([(0, 1), (1, 4), (0, 2), (2, 3), (3, 4), (1, 3)], 0.02)
 
 
@@ -152,12 +158,12 @@ def test_key_times_count_as_spaced_if_they_keep_every_minimum_gap_up_to_rounding
 
 def test_times_of_path_keys_move_with_the_exact_keys_around_them():
     rows = [key(0.0), key(0.25, is_exact=False), key(1.0), key(1.5, is_exact=False), key(2.0)]
-    moved = Keys.of(rows, LIMITS).interpolate_path_times(np.array([1.0, -9.0, 3.0, 9.0, 7.0]))
+    moved = Keys.of(rows, JOINT_LIMITS).interpolate_path_times(np.array([1.0, -9.0, 3.0, 9.0, 7.0]))
     np.testing.assert_allclose(moved, [1.0, 1.5, 3.0, 5.0, 7.0])
 
 
 def test_common_key_passage_changes_neither_angles_nor_the_set_of_exact_keys():
-    keys = Keys.of([key(0.0), key(0.5, angle=0.4, is_exact=False), key(1.0, angle=0.3)], LIMITS)
+    keys = Keys.of([key(0.0), key(0.5, angle=0.4, is_exact=False), key(1.0, angle=0.3)], JOINT_LIMITS)
     same = keys.with_passage(KeyPassage(bias=0.5))
     assert same.keyed.tolist() == [[True, True], [False, False], [True, True]]
     assert same.angles is keys.angles

@@ -14,7 +14,7 @@ from kinesic.motion.key_time_lp import CuttingPlane
 from kinesic.motion.segments import SplineSegment, segments
 from kinesic.motion.trajectory import KNOT_INTERVAL
 
-from .hurried_keys import ROWS, deficit_of, fake_measure, first_segment, keys_of, search_of
+from .hurried_keys import HURRIED_ROWS, deficit_of, fake_measure, first_segment, keys_of, search_of
 
 
 def test_most_violated_limit_of_each_key_interval_is_reported():
@@ -112,7 +112,7 @@ def test_segments_whose_limit_ratio_exceeds_a_threshold_are_returned_as_fast(mon
 
 def stretched(monkeypatch, result, intervals, *, durations, **state):
     """Stretch a search's intervals with given resulting times, and return it with what was asked for."""
-    search, asked = search_of(LATE), []
+    search, asked = search_of(DISTANT_ROWS), []
 
     def stretch(problem, begin, limits, measure, budget):
         asked.append((problem, begin, {way.hinge for way, _ in measure(search.times)}, budget))
@@ -126,18 +126,27 @@ def stretched(monkeypatch, result, intervals, *, durations, **state):
     return search, search._stretch(intervals), asked
 
 
-LATE = (*((t, *rest) for t, *rest in ROWS[:-1]), (4.0, 0.0, 0, "end"), (6.5, 0.4, 1, "stroke"), (9.0, 0.0, 0, "rest"))
-NEAR, FAR = (0, (1, 2)), (0, (5, 6))
+# hurried keys, followed by later keys with enough time
+DISTANT_ROWS = (
+    *((t, *rest) for t, *rest in HURRIED_ROWS[:-1]),
+    (4.0, 0.0, 0, "end"),
+    (6.5, 0.4, 1, "stroke"),
+    (9.0, 0.0, 0, "rest"),
+)
+NEAR_INTERVAL = (0, (1, 2))  # hinge and key pair of an interval of the hurried keys
+FAR_INTERVAL = (0, (5, 6))  # hinge and key pair of a later interval
 
 
 def test_key_intervals_less_than_two_seconds_apart_are_stretched_together(monkeypatch):
     result = np.arange(7.0)
-    for interval, is_free in (((0, (2, 3)), True), ((0, (0, 1)), True), ((1, (2, 3)), True), (FAR, False)):
-        known = {NEAR: 0.0, interval: 0.5}
-        search, has_changed, ((problem, begin, hinges, _),) = stretched(monkeypatch, result, {NEAR}, durations=known)
+    for interval, is_free in (((0, (2, 3)), True), ((0, (0, 1)), True), ((1, (2, 3)), True), (FAR_INTERVAL, False)):
+        known = {NEAR_INTERVAL: 0.0, interval: 0.5}
+        search, has_changed, ((problem, begin, hinges, _),) = stretched(
+            monkeypatch, result, {NEAR_INTERVAL}, durations=known
+        )
         assert has_changed
         assert search.times is result
-        assert search._stretched == {NEAR: 1.0, interval: 1.0 if is_free else 0.5}
+        assert search._stretched == {NEAR_INTERVAL: 1.0, interval: 1.0 if is_free else 0.5}
         assert hinges == {0, interval[0]}
         assert begin is not result
         assert problem.lead_in == 0.6
@@ -159,10 +168,10 @@ def test_key_intervals_exactly_the_margin_apart_are_stretched_together(monkeypat
 def test_failed_stretch_of_a_key_interval_is_replaced_by_cutting_planes_and_after_many_planes_by_stops(monkeypatch):
     most = key_times.SEARCH_TUNING.max_planes
     for attempts, is_changed in ((most, False), (most + 1, True)):
-        counted = Counter({NEAR: attempts})
-        known = {NEAR: 0.0, FAR: 0.5}
-        search, changed, _ = stretched(monkeypatch, None, {NEAR}, durations=known, _attempts=counted)
+        counted = Counter({NEAR_INTERVAL: attempts})
+        known = {NEAR_INTERVAL: 0.0, FAR_INTERVAL: 0.5}
+        search, changed, _ = stretched(monkeypatch, None, {NEAR_INTERVAL}, durations=known, _attempts=counted)
         assert changed is is_changed
-        assert search._stretched == {FAR: 0.5}
-        assert search._unstretchable == (set() if is_changed else {NEAR})
-        assert set(search._rest_factors) == ({NEAR} if is_changed else set())
+        assert search._stretched == {FAR_INTERVAL: 0.5}
+        assert search._unstretchable == (set() if is_changed else {NEAR_INTERVAL})
+        assert set(search._rest_factors) == ({NEAR_INTERVAL} if is_changed else set())

@@ -9,7 +9,8 @@ from kinesic.motion import key_time_lp
 from kinesic.motion.key_time_lp import CuttingPlane, KeyTimeProblem, shift_cost, solve_key_times
 from kinesic.motion.keys import Bond, KeyPosture, Keys
 
-LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+# limits of one hinge, in the order of the fields of `Limits`
+JOINT_LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 
 
 def keys_of(*rows: tuple[float, float, str]) -> tuple[KeyPosture, ...]:
@@ -17,13 +18,13 @@ def keys_of(*rows: tuple[float, float, str]) -> tuple[KeyPosture, ...]:
 
 
 def test_too_short_gap_between_keys_shifts_the_key_that_is_cheapest_to_shift():
-    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), JOINT_LIMITS)
     times = solve_key_times(KeyTimeProblem(keys, keys.gaps | {(1, 2): 0.5}, 0.6))
     assert times == pytest.approx([0.0, 0.7, 1.2, 2.0])
 
 
 def test_feasible_requested_key_times_are_returned_without_a_linear_program(monkeypatch):
-    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), JOINT_LIMITS)
     kept = [CuttingPlane(sealed([0.0, 1.0, -1.0, 0.0]), -0.15)]
     met = KeyTimeProblem(keys, keys.gaps | {(1, 2): 0.15}, 0.6, kept)
     for solve in ("_solve_small", "_solve_large"):
@@ -32,20 +33,20 @@ def test_feasible_requested_key_times_are_returned_without_a_linear_program(monk
 
 
 def test_start_key_moves_earlier_by_at_most_the_lead_in():
-    keys = Keys.of(keys_of((0, 0, "start"), (0.5, 1, "stroke"), (2, 0, "end")), LIMITS)
+    keys = Keys.of(keys_of((0, 0, "start"), (0.5, 1, "stroke"), (2, 0, "end")), JOINT_LIMITS)
     assert solve_key_times(KeyTimeProblem(keys, keys.gaps | {(0, 1): 0.9}, 0.6)) == pytest.approx([-0.4, 0.5, 2.0])
     assert solve_key_times(KeyTimeProblem(keys, keys.gaps | {(0, 1): 1.5}, 0.6)) == pytest.approx([-0.6, 0.9, 2.0])
 
 
 def test_cutting_plane_between_two_keys_is_equivalent_to_a_minimum_gap():
-    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), JOINT_LIMITS)
     slopes = sealed([0.0, 2.0, -2.0, 0.0])
     times = solve_key_times(KeyTimeProblem(keys, keys.gaps, 0.6, [CuttingPlane(slopes, -1.0)]))
     assert times == pytest.approx(solve_key_times(KeyTimeProblem(keys, keys.gaps | {(1, 2): 0.5}, 0.6)))
 
 
 def test_infeasible_cutting_planes_raise_an_error():
-    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "stroke")), LIMITS)
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "stroke")), JOINT_LIMITS)
     planes = [CuttingPlane(sealed([0.0, 1.0]), 0.5), CuttingPlane(sealed([0.0, -1.0]), -0.7)]
     with pytest.raises(ArithmeticError, match="no key times"):
         solve_key_times(KeyTimeProblem(keys, keys.gaps, 0.6, planes))
@@ -63,7 +64,7 @@ def random_problem(seed: int) -> KeyTimeProblem:
     )
     tied = [(int(k), int(k) + 1) for k in chance.choice(count - 1, 2)]
     bonds = tuple(Bond(postures[i].syncs[0], postures[j].syncs[0], float(chance.uniform(-0.2, 0.4))) for i, j in tied)
-    keys = Keys.of(postures, LIMITS, bonds)
+    keys = Keys.of(postures, JOINT_LIMITS, bonds)
     gaps = {pair: max(gap, float(chance.uniform(0.0, 0.7))) for pair, gap in keys.gaps.items()}
     planes = []
     for _ in range(int(chance.integers(0, 5))):
@@ -95,7 +96,7 @@ def test_compiled_simplex_matches_highs():
 
 
 def test_shift_cost_is_the_weighted_sum_of_key_time_shifts():
-    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), JOINT_LIMITS)
     assert shift_cost(keys, keys.requested_times) == 0.0
     assert shift_cost(keys, np.add(keys.requested_times, [0.0, -0.3, 0.1, 0.0])) == pytest.approx(
         0.3 * 0.3 + 3.0 * 5.0 * 0.1
@@ -107,7 +108,7 @@ def test_key_times_shift_relative_to_each_other_by_at_most_the_total_deficit(see
     chance = np.random.default_rng(seed)
     syncs = chance.choice(["start", "ready", "stroke", "strokeEnd", "relax", "end"], 9)
     asked = np.cumsum(chance.uniform(0.05, 0.6, len(syncs)))
-    keys = Keys.of(keys_of(*zip(asked, chance.uniform(-1.0, 1.0, len(syncs)), syncs, strict=True)), LIMITS)
+    keys = Keys.of(keys_of(*zip(asked, chance.uniform(-1.0, 1.0, len(syncs)), syncs, strict=True)), JOINT_LIMITS)
     pairs = [(i, j) for i, j in chance.integers(0, len(syncs), (12, 2)).tolist() if i < j]
     gaps = keys.gaps | {(i, j): float((asked[j] - asked[i]) * chance.uniform(0.6, 1.5)) for i, j in pairs}
     problem = KeyTimeProblem(keys, gaps, lead_in=0.0)
@@ -119,7 +120,7 @@ def test_key_times_shift_relative_to_each_other_by_at_most_the_total_deficit(see
 def crowded(monkeypatch) -> tuple[Keys, KeyTimeProblem]:
     """Return a problem that counts as very large, with a bond from first stroke to last key."""
     rows = keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (1.3, 0.5, "relax"), (2, 0, "end"))
-    keys = Keys.of(rows, LIMITS)
+    keys = Keys.of(rows, JOINT_LIMITS)
     monkeypatch.setattr(key_time_lp, "MAX_PROGRAM_SIZE", 1.0)
     monkeypatch.setattr(key_time_lp, "_solve_large", lambda problem: pytest.fail("that takes too long"))
     monkeypatch.setattr(key_time_lp, "_solve_small", lambda problem: pytest.fail("that takes too long"))
@@ -149,5 +150,5 @@ def test_very_many_keys_that_violate_a_cutting_plane_raise_an_error(monkeypatch)
 
 
 def test_key_time_problem_with_few_delayed_keys_is_not_simplified():
-    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), LIMITS)
+    keys = Keys.of(keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (2, 0, "end")), JOINT_LIMITS)
     assert not KeyTimeProblem(keys, keys.gaps | {(1, 2): 0.5}, 0.6).is_crowded

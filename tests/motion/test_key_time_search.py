@@ -14,7 +14,7 @@ from kinesic.motion.key_time_lp import CuttingPlane, shift_cost
 from kinesic.motion.key_times import KeyTimeSearch
 from kinesic.motion.plane_memory import PlaneMemory
 
-from .hurried_keys import LIMITS, ROWS, deficit_of, first_segment, keys_of, search_of
+from .hurried_keys import HURRIED_ROWS, JOINT_LIMITS, deficit_of, first_segment, keys_of, search_of
 
 
 def tune(monkeypatch: pytest.MonkeyPatch, **changes: float) -> None:
@@ -23,9 +23,9 @@ def tune(monkeypatch: pytest.MonkeyPatch, **changes: float) -> None:
 
 @pytest.mark.parametrize(("missing", "is_kept"), [(0.0, True), (0.7e-6, True), (1.6e-6, False), (0.05, False)])
 def test_requested_key_times_are_kept_if_the_velocity_limit_allows_them_up_to_rounding(missing, is_kept):
-    least = compute_velocity_durations(keys_of(), LIMITS)[0, (1, 2)]
+    least = compute_velocity_durations(keys_of(), JOINT_LIMITS)[0, (1, 2)]
     assert least == pytest.approx(0.3)
-    rows = [(t + 0.3 - 0.2 - missing if k >= 2 else t, *rest) for k, (t, *rest) in enumerate(ROWS)]
+    rows = [(t + 0.3 - 0.2 - missing if k >= 2 else t, *rest) for k, (t, *rest) in enumerate(HURRIED_ROWS)]
     rows = [(t + 0.2 if k >= 3 else t, *rest) for k, (t, *rest) in enumerate(rows)]
     search = search_of(rows)
     assert np.array_equal(search.times, keys_of(rows).requested_times) is is_kept
@@ -34,7 +34,7 @@ def test_requested_key_times_are_kept_if_the_velocity_limit_allows_them_up_to_ro
 def test_first_key_starts_earlier_by_at_most_the_lead_in():
     rows = ((0, 0, 0, "start"), (0.1, 1.9, 0, "stroke"), (2, 0, 0, "end"))
     for lead_in, first in ((0.0, 0.0), (0.2, -0.2), (0.6, 0.1 - 1.9 / 4)):
-        assert KeyTimeSearch(keys_of(rows), LIMITS, lead_in).times[0] == pytest.approx(first)
+        assert KeyTimeSearch(keys_of(rows), JOINT_LIMITS, lead_in).times[0] == pytest.approx(first)
 
 
 def test_infeasible_segment_is_first_constrained_by_cutting_planes(monkeypatch):
@@ -105,7 +105,7 @@ def test_cutting_planes_that_involve_a_stretched_key_interval_are_dropped(monkey
     assert (search._planes[0], search._planes[1]) == ([far], [near])
 
 
-NODS = (
+NOD_ROWS = (  # key time [s], angles of both hinges [rad] and sync point of two nods
     (0.0, 0.0, 0, "start"),
     (0.3, 0.4, 0, "ready"),
     (0.5, -0.4, 0, "stroke:1"),
@@ -127,7 +127,7 @@ NODS = (
     ],
 )
 def test_segment_limited_in_two_repeated_strokes_is_stretched_without_cutting_planes(monkeypatch, pairs, is_repeated):
-    search = search_of(NODS)
+    search = search_of(NOD_ROWS)
     segment = first_segment(search)
     assert segment.reversals == 5
     intervals = {(0, pair) for pair in pairs}
@@ -135,14 +135,14 @@ def test_segment_limited_in_two_repeated_strokes_is_stretched_without_cutting_pl
     monkeypatch.setattr(key_times, "find_limiting_intervals", lambda *given: [*intervals])
     search._request_more_time(segment, deficit_of(segment))
     assert set(search._stretched) == (intervals if is_repeated else set())
-    again = search_of(NODS)
+    again = search_of(NOD_ROWS)
     again._unstretchable = set(intervals)
     again._request_more_time(segment, deficit_of(segment))
     assert not again._stretched, "what cannot be stretched gets planes"
 
 
 def test_strokes_with_fewer_than_two_reversals_each_are_not_repeated_strokes():
-    search = search_of(NODS)
+    search = search_of(NOD_ROWS)
     segment = first_segment(search)
     intervals = {(0, (1, 2)), (0, (3, 4))}
     for kept, is_repeated in ((4, True), (3, False)):
@@ -153,7 +153,7 @@ def test_strokes_with_fewer_than_two_reversals_each_are_not_repeated_strokes():
 
 def test_key_interval_with_stops_starts_at_the_rest_to_rest_duration_and_grows_by_a_tenth():
     search, interval = search_of(), (0, (1, 2))
-    rest = compute_rest_durations(keys_of(), LIMITS)[interval]
+    rest = compute_rest_durations(keys_of(), JOINT_LIMITS)[interval]
     search._stretched = {interval: 0.4, (0, (0, 1)): 0.5}
     for factor in (1.0, 1.1, 1.21):
         search._stop_at_keys([interval])
@@ -174,14 +174,14 @@ def test_key_interval_with_stops_grows_to_at_most_a_hundred_times_its_first_dura
 
 def test_rest_durations_are_listed_by_hinge_in_the_order_of_its_keys():
     search = search_of()
-    expected = compute_rest_durations(keys_of(), LIMITS)
+    expected = compute_rest_durations(keys_of(), JOINT_LIMITS)
     for hinge, durations in enumerate(search._rest_durations_by_hinge):
         assert durations.tolist() == [expected[hinge, (k, k + 1)] for k in range(4)]
 
 
 def test_cost_of_stops_at_all_keys_is_that_of_rest_to_rest_durations_plus_a_tenth():
     search = search_of()
-    rests = compute_rest_durations(keys_of(), LIMITS)
+    rests = compute_rest_durations(keys_of(), JOINT_LIMITS)
     needed = {pair: max(rests[hinge, pair] for hinge in (0, 1)) * 1.1 for _, pair in rests}
     for pair, duration in needed.items():
         search._gaps[pair] = max(keys_of().gaps[pair], duration)
@@ -196,7 +196,7 @@ def test_contradicting_cutting_planes_are_replaced_by_stops_at_the_keys():
         0: [CuttingPlane(sealed([0, 0, 1.0, -1.0, 0]), -0.5), CuttingPlane(sealed([0, 0, -1.0, 1.0, 0]), 0.4)]
     }
     search._solve({(0, (0, 1))})
-    rests = compute_rest_durations(keys_of(), LIMITS)
+    rests = compute_rest_durations(keys_of(), JOINT_LIMITS)
     assert not search._all_planes
     assert set(search._rest_factors) >= {(0, (k, k + 1)) for k in range(4)}
     assert not any(hinge for hinge, _ in search._rest_factors)
@@ -214,8 +214,8 @@ def test_stored_cutting_planes_that_cost_more_than_stops_are_not_reused():
     keys = keys_of()
     for bound, is_used in ((-0.35, True), (-9.0, False), (-0.1, False)):
         memory, plane = PlaneMemory(), CuttingPlane(sealed([0, 0, 1.0, -1.0, 0]), bound)
-        memory.store(keys, LIMITS, {0: [plane]}, {(2, 3): Bottleneck(0, "jerk", 9.0)}, keys.requested_times)
-        search = KeyTimeSearch(keys, LIMITS, 0.6, memory=memory)
+        memory.store(keys, JOINT_LIMITS, {0: [plane]}, {(2, 3): Bottleneck(0, "jerk", 9.0)}, keys.requested_times)
+        search = KeyTimeSearch(keys, JOINT_LIMITS, 0.6, memory=memory)
         assert bool(search._planes) is is_used
         assert ((2, 3) in search.bottlenecks and search.bottlenecks[2, 3].ratio == 9.0) is is_used
         if is_used:

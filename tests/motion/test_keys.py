@@ -6,31 +6,45 @@ from kinesic.body.limits import Limits
 from kinesic.motion.key_time_lp import KeyTimeProblem, solve_key_times
 from kinesic.motion.keys import MIN_GAP, POWER_STEEPNESS, SWING_GAIN, KeyPassage, KeyPosture, Keys
 
-LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
-BOTH, FIRST, SECOND = (True, True), (True, False), (False, True)
-PATH = ((BOTH, True), (FIRST, True), (FIRST, False), (SECOND, True), (FIRST, False), (FIRST, True), (BOTH, True))
+# limits of two hinges, in the order of the fields of `Limits`
+JOINT_LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+BOTH_HINGES = (True, True)  # whether each of two hinges has a key
+FIRST_HINGE = (True, False)
+SECOND_HINGE = (False, True)
+# hinges with a key, and whether it is exact; the second hinge has keys within the path of the first
+PATH_ROWS = (
+    (BOTH_HINGES, True),
+    (FIRST_HINGE, True),
+    (FIRST_HINGE, False),
+    (SECOND_HINGE, True),
+    (FIRST_HINGE, False),
+    (FIRST_HINGE, True),
+    (BOTH_HINGES, True),
+)
 
 
 def keys(*rows):
     postures = [
         KeyPosture(0.1 * k, sealed([0.1 * k] * 2), keyed, is_exact=is_exact) for k, (keyed, is_exact) in enumerate(rows)
     ]
-    return Keys.of(tuple(postures), LIMITS)
+    return Keys.of(tuple(postures), JOINT_LIMITS)
 
 
 def test_only_exact_keys_constrain_the_motion():
-    result = keys((BOTH, True), (FIRST, False), (SECOND, True), (FIRST, False), (BOTH, True))
+    result = keys(
+        (BOTH_HINGES, True), (FIRST_HINGE, False), (SECOND_HINGE, True), (FIRST_HINGE, False), (BOTH_HINGES, True)
+    )
     assert result.exact_rows == ([0, 4], [0, 2, 4])
     assert [result.has_path(hinge).tolist() for hinge in (0, 1)] == [[True], [False, False]]
 
 
 def test_minimum_gaps_link_a_key_of_another_hinge_to_both_ends_of_a_path():
-    result = keys(*PATH)
+    result = keys(*PATH_ROWS)
     assert {(1, 3), (3, 5), (1, 5)} <= result.gaps.keys()
 
 
 def test_path_keys_keep_their_order():
-    result = keys(*PATH)
+    result = keys(*PATH_ROWS)
     for gap in ({(0, 1): 0.5}, {(1, 3): 0.4}, {(3, 5): 0.6}, {(1, 5): 0.9}, {(0, 3): 0.8}):
         times = solve_key_times(KeyTimeProblem(result, {**result.gaps, **gap}, 0.0))
         assert np.all(np.diff(times) > 0.0)
@@ -55,11 +69,11 @@ def test_close_keys_of_different_hinges_within_a_path_keep_their_small_gap():
 
 
 def test_path_key_has_zero_weight():
-    assert keys((BOTH, True), (BOTH, False), (BOTH, True)).weights[1] == 0.0
+    assert keys((BOTH_HINGES, True), (BOTH_HINGES, False), (BOTH_HINGES, True)).weights[1] == 0.0
 
 
 def test_part_of_the_keys_contains_only_the_selected_times_and_hinges():
-    whole = keys(*PATH)
+    whole = keys(*PATH_ROWS)
     rows, hinges = np.array([0, 2, 6]), np.array([1])
     part = whole.part(rows, hinges)
     np.testing.assert_array_equal(part.requested_times, whole.requested_times[rows])
@@ -70,7 +84,7 @@ def test_part_of_the_keys_contains_only_the_selected_times_and_hinges():
 
 
 def test_common_key_passage_sets_one_tension_and_drops_inexact_keys():
-    result = keys(*PATH).with_passage(KeyPassage(tension=1.0))
+    result = keys(*PATH_ROWS).with_passage(KeyPassage(tension=1.0))
     assert np.all(result.passage_values[0] == 1.0)
     assert not result.keyed[[2, 4]].any()
 
@@ -115,8 +129,12 @@ def test_swing_raises_the_velocity_at_a_key_and_full_tension_removes_it(swing):
 
 def test_key_arrays_of_postures_are_cached_by_all_arguments():
     postures = tuple(KeyPosture.whole(0.5 * k, [0.1 * k] * 2) for k in range(3))
-    first = Keys.of(postures, LIMITS)
-    assert Keys.of(postures, LIMITS) is first
+    first = Keys.of(postures, JOINT_LIMITS)
+    assert Keys.of(postures, JOINT_LIMITS) is first
     alike = tuple(KeyPosture.whole(0.5 * k, [0.1 * k] * 2) for k in range(3))
-    for other in (Keys.of(alike, LIMITS), Keys.of(postures, LIMITS, margin=0.0), Keys.of(postures, LIMITS.scaled(0.5))):
+    for other in (
+        Keys.of(alike, JOINT_LIMITS),
+        Keys.of(postures, JOINT_LIMITS, margin=0.0),
+        Keys.of(postures, JOINT_LIMITS.scaled(0.5)),
+    ):
         assert other is not first

@@ -9,7 +9,8 @@ from kinesic.motion.key_time_lp import shift_cost
 from kinesic.motion.keys import KeyPosture, Keys
 from kinesic.motion.optimum import LIMIT_TOLERANCE, best_times
 
-LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 1e-4, 1e-4, 0.9)))  # the duty never binds
+# limits of one hinge, whose duty limit never binds
+JOINT_LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 1e-4, 1e-4, 0.9)))
 
 
 def keys_of(*rows: tuple[float, float, str]) -> tuple[KeyPosture, ...]:
@@ -18,8 +19,8 @@ def keys_of(*rows: tuple[float, float, str]) -> tuple[KeyPosture, ...]:
 
 def test_rest_to_rest_optimum_is_within_2_percent_of_the_double_s_duration():
     ends = keys_of((0, 0, "start"), (0.1, 1.0, "stroke"))
-    keys, motion = Keys.of(ends, LIMITS), condition(ends, LIMITS, lead_in=0.0)
-    best = best_times(keys, motion, LIMITS, 0.0)
+    keys, motion = Keys.of(ends, JOINT_LIMITS), condition(ends, JOINT_LIMITS, lead_in=0.0)
+    best = best_times(keys, motion, JOINT_LIMITS, 0.0)
     rise = 0.04
     double_s = 1 / 4 + 4 / 40 + rise
     assert best.times[1] == pytest.approx(double_s, rel=0.02)
@@ -30,8 +31,8 @@ def test_rest_to_rest_optimum_is_within_2_percent_of_the_double_s_duration():
 
 def test_optimal_times_move_a_ready_key_and_keep_the_stroke_time():
     ends = keys_of((0, 0, "start"), (1.0, 1.0, "ready"), (1.1, 0.0, "stroke"), (2, 0, "end"))
-    keys, motion = Keys.of(ends, LIMITS), condition(ends, LIMITS)
-    best = best_times(keys, motion, LIMITS, LEAD_IN)
+    keys, motion = Keys.of(ends, JOINT_LIMITS), condition(ends, JOINT_LIMITS)
+    best = best_times(keys, motion, JOINT_LIMITS, LEAD_IN)
     assert best.times[2] == pytest.approx(1.1, abs=1e-5)
     assert best.times[1] < 0.9
     assert best.shift_cost <= shift_cost(keys, motion.planned) + 1e-4
@@ -39,6 +40,8 @@ def test_optimal_times_move_a_ready_key_and_keep_the_stroke_time():
 
 def test_tighter_limits_increase_the_optimal_shift_cost():
     ends = keys_of((0, 0, "start"), (0.3, 1.0, "ready"), (0.5, 0.0, "stroke"), (2, 0, "end"))
-    slow = replace(LIMITS, acceleration=sealed([20.0]))
-    results = [best_times(Keys.of(ends, limits), condition(ends, limits), limits, LEAD_IN) for limits in (LIMITS, slow)]
+    slow = replace(JOINT_LIMITS, acceleration=sealed([20.0]))
+    results = [
+        best_times(Keys.of(ends, limits), condition(ends, limits), limits, LEAD_IN) for limits in (JOINT_LIMITS, slow)
+    ]
     assert results[1].shift_cost > 1.1 * results[0].shift_cost

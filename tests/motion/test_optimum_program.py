@@ -22,30 +22,31 @@ from kinesic.motion.optimum import (
     best_times,
 )
 
-ROWS = ([-2, -1.5], [2, 1.7], [4, 3], [40, 30], [1e3, 800], [0.01, 0.012], [0.15, 0.1], [0.7, 0.6])
-LIMITS = Limits(*map(sealed, ROWS))
+# limits of two hinges, in the order of the fields of `Limits`
+LIMIT_ROWS = ([-2, -1.5], [2, 1.7], [4, 3], [40, 30], [1e3, 800], [0.01, 0.012], [0.15, 0.1], [0.7, 0.6])
+JOINT_LIMITS = Limits(*map(sealed, LIMIT_ROWS))  # limits of two hinges
 
 
 def keys_of(*rows: tuple[float, float]) -> Keys:
     postures = (
         KeyPosture(t, sealed([0.0, angle]), (True, True), (("b", f"k{k}"),)) for k, (t, angle) in enumerate(rows)
     )
-    return Keys.of(tuple(postures), LIMITS)
+    return Keys.of(tuple(postures), JOINT_LIMITS)
 
 
-KEYS = keys_of((0.0, 0.0), (0.5, 0.8), (0.8, 0.2), (2.0, 0.9))
+MOTION_KEYS = keys_of((0.0, 0.0), (0.5, 0.8), (0.8, 0.2), (2.0, 0.9))  # keys at times [s] with angles [rad]
 
 
 def hinge_motion(counts=(3, 4, 2), angles=(0.0, 0.8, 0.2, 0.9)) -> _HingeMotion:
-    return _HingeMotion(1, LIMITS, np.arange(len(angles)), np.array(angles), np.array(counts))
+    return _HingeMotion(1, JOINT_LIMITS, np.arange(len(angles)), np.array(angles), np.array(counts))
 
 
 def test_optimal_motion_divides_key_intervals_into_20_ms_steps_but_at_least_8_and_at_most_24():
     motion = SimpleNamespace(planned=np.array([0.0, 0.05, 0.241, 0.241 + 0.4, 9.0]))
     five = keys_of((0, 0), (1, 0.3), (2, 0.1), (3, 0.2), (4, 0.6))
-    own = _HingeMotion.of(five, 1, motion, LIMITS)
+    own = _HingeMotion.of(five, 1, motion, JOINT_LIMITS)
     assert own.counts.tolist() == [8, 10, 20, 24]
-    assert (own.hinge, own.rows.tolist(), own.limits) == (1, [0, 1, 2, 3, 4], LIMITS)
+    assert (own.hinge, own.rows.tolist(), own.limits) == (1, [0, 1, 2, 3, 4], JOINT_LIMITS)
     np.testing.assert_allclose(own.angles, [0.0, 0.3, 0.1, 0.2, 0.6])
 
 
@@ -67,21 +68,21 @@ def test_angle_range_of_small_moves_exceeds_their_keys_by_0_05_rad_within_the_jo
 
 
 def test_requested_times_of_successive_keys_are_separated_by_at_least_40_ms():
-    keys = replace(KEYS, requested_times=sealed([1.0, 1.03, 1.04, 0.5]))
+    keys = replace(MOTION_KEYS, requested_times=sealed([1.0, 1.03, 1.04, 0.5]))
     np.testing.assert_allclose(_separate_requested_times(keys), [1.0, 1.04, 1.08, 0.5])
-    np.testing.assert_allclose(_separate_requested_times(KEYS), KEYS.requested_times)
+    np.testing.assert_allclose(_separate_requested_times(MOTION_KEYS), MOTION_KEYS.requested_times)
 
 
 def test_infeasible_hinges_are_moving_hinges_without_enough_time():
-    assert _find_infeasible(KEYS.requested_times * 0.3, KEYS, LIMITS) == {1}
-    assert _find_infeasible(KEYS.requested_times * 3.0, KEYS, LIMITS) == set()
+    assert _find_infeasible(MOTION_KEYS.requested_times * 0.3, MOTION_KEYS, JOINT_LIMITS) == {1}
+    assert _find_infeasible(MOTION_KEYS.requested_times * 3.0, MOTION_KEYS, JOINT_LIMITS) == set()
 
 
 @pytest.mark.parametrize(("amount", "expected"), [(None, {1}), (0.9e-4, set()), (1.6e-4, {1}), (-1.0, set())])
 def test_hinge_with_a_time_deficit_above_0_0001_or_an_unknown_one_is_infeasible(monkeypatch, amount, expected):
     deficit = None if amount is None else SimpleNamespace(amount=amount)
     monkeypatch.setattr(optimum, "measure_time_deficit", lambda segment, limits: deficit)
-    assert _find_infeasible(KEYS.requested_times, KEYS, LIMITS) == expected
+    assert _find_infeasible(MOTION_KEYS.requested_times, MOTION_KEYS, JOINT_LIMITS) == expected
 
 
 def test_parabola_limits_are_required_at_three_points_that_enclose_the_parabola():
@@ -118,7 +119,7 @@ def planned() -> Conditioned:
         KeyPosture(t, sealed([0.0, angle]), (True, True), (("b", f"k{k}"),))
         for k, (t, angle) in enumerate(((0.0, 0.0), (0.5, 0.8), (0.8, 0.2), (2.0, 0.9)))
     ]
-    return condition(tuple(postures), LIMITS)
+    return condition(tuple(postures), JOINT_LIMITS)
 
 
 def test_constraint_rows_of_the_optimum_program_match_an_integrated_motion(planned):
@@ -203,7 +204,7 @@ def test_limit_excess_is_the_largest_limit_ratio_also_between_step_ends(kind, si
         tight = {"lower": -1.0, "upper": 0.4}
     else:
         tight = {kind: {"speed": 0.3, "acceleration": 0.5, "jerk": 7.0, "duty": 0.02}[kind]}
-    limits = replace(LIMITS, **{name: sealed([1.0, value]) for name, value in (loose | tight).items()})
+    limits = replace(JOINT_LIMITS, **{name: sealed([1.0, value]) for name, value in (loose | tight).items()})
     top = [getattr(limits, name)[1] for name in ("speed", "acceleration", "jerk")]
     values = [sign * q, sign * v / top[0], sign * a / top[1], sign * j / top[2]]
     own = replace(own, limits=limits)
@@ -241,8 +242,8 @@ def test_nonlinear_program_returns_the_constrained_minimum_or_none_if_infeasible
 
 
 def test_optimal_key_times_keep_minimum_gaps_and_feasible_precedence_constraints(planned):
-    keys = replace(KEYS, bonds={(0, 2): 2.5, (0, 3): -9.0})
-    best = best_times(keys, planned, LIMITS, 0.1)
+    keys = replace(MOTION_KEYS, bonds={(0, 2): 2.5, (0, 3): -9.0})
+    best = best_times(keys, planned, JOINT_LIMITS, 0.1)
     assert best.times[0] >= -0.1 - 1e-6
     assert best.times[2] - best.times[0] == pytest.approx(2.5, abs=1e-4)
     assert all(best.times[j] - best.times[i] >= gap - 1e-6 for (i, j), gap in keys.gaps.items())

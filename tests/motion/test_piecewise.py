@@ -9,7 +9,7 @@ from scipy.interpolate import PPoly
 from kinesic.motion import piecewise
 from kinesic.motion.piecewise import PiecewisePolynomial, QuinticSpline
 
-LONGEST = 3.0  # [s] since a piece began, the last one and what is beyond it
+MAX_AGE = 3.0  # [s] largest time since the start of an interval
 
 
 @given(st.integers(0, 2**32 - 1), st.integers(1, 9), st.integers(1, 6), st.integers(1, 4))
@@ -17,14 +17,14 @@ def test_piecewise_polynomials_and_derivatives_match_scipy_inside_and_outside(
     seed: int, pieces: int, powers: int, curves: int
 ):
     random = np.random.default_rng(seed)
-    times = random.normal() + np.cumsum(random.uniform(0.01, LONGEST - 1.0, pieces + 1))
+    times = random.normal() + np.cumsum(random.uniform(0.01, MAX_AGE - 1.0, pieces + 1))
     scales = 10.0 ** random.uniform(-3.0, 3.0, (powers, 1, 1))
     coefficients = scales * random.normal(size=(powers, pieces, curves))
     asked = np.concatenate([times, random.uniform(times[0] - 1.0, times[-1] + 1.0, 20)])
     own, known = PiecewisePolynomial(times, coefficients), PPoly(coefficients, times)
     most = np.abs(coefficients[::-1]).max(axis=(1, 2))  # of each power, from the constant on
     for order, values in enumerate(own.derivatives(asked, powers)):
-        largest = sum(most[k] * perm(k, order) * LONGEST ** (k - order) for k in range(order, powers))
+        largest = sum(most[k] * perm(k, order) * MAX_AGE ** (k - order) for k in range(order, powers))
         assert np.all(np.abs(values - known(asked, nu=order)) <= 1e-14 * largest)
     assert np.array_equal(own.at(asked), own.derivatives(asked, 1)[0])
 

@@ -22,12 +22,13 @@ from kinesic.motion.trajectory import KNOT_INTERVAL
 
 from ..reference.motion.spline_programs import sparse
 
-LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+# limits of two hinges, in the order of the fields of `Limits`
+JOINT_LIMITS = Limits(*(sealed([value] * 2) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 NO_PATH = np.array([False])
 
 
 def keys_of(*rows: tuple[float, float]) -> Keys:
-    return Keys.of(tuple(KeyPosture(time, sealed([angle] * 2), (True, True)) for time, angle in rows), LIMITS)
+    return Keys.of(tuple(KeyPosture(time, sealed([angle] * 2), (True, True)) for time, angle in rows), JOINT_LIMITS)
 
 
 def segment(count: int, start: float, end: float, *keys: tuple[float, float]) -> SplineSegment:
@@ -79,24 +80,24 @@ def test_motion_has_at_least_four_knot_intervals_and_covers_its_keys(duration, c
 
 
 def test_control_points_near_a_key_may_use_the_angle_ranges_of_both_adjacent_intervals():
-    lower, upper = segment(30, 0.0, 0.2, (12.0, 1.0)).corridor(LIMITS)
+    lower, upper = segment(30, 0.0, 0.2, (12.0, 1.0)).corridor(JOINT_LIMITS)
     assert lower == pytest.approx([-0.1] * 16 + [0.12] * 17)
     assert upper == pytest.approx([1.1] * 16 + [1.08] * 17)
-    lower, upper = segment(30, 0.0, 1.2, (12.0, 1.0)).corridor(LIMITS)
+    lower, upper = segment(30, 0.0, 1.2, (12.0, 1.0)).corridor(JOINT_LIMITS)
     assert upper == pytest.approx([1.1] * 12 + [1.25] * 21)
     assert lower == pytest.approx([-0.1] * 16 + [0.95] * 17)
 
 
 def test_desired_motion_widens_the_range_of_control_points_up_to_the_joint_range():
     wish = np.linspace(-2.3, 2.3, 31)
-    lower, upper = segment(30, 0.0, 0.0).corridor(LIMITS, wish)
+    lower, upper = segment(30, 0.0, 0.0).corridor(JOINT_LIMITS, wish)
     padded = np.array([wish[0], *wish, wish[-1]])
     np.testing.assert_allclose(lower, np.maximum(np.minimum(-0.05, padded - 0.05), -2.0))
     np.testing.assert_allclose(upper, np.minimum(np.maximum(0.05, padded + 0.05), 2.0))
 
 
 def test_angle_corridor_of_a_segment_uses_the_joint_range_of_its_hinge():
-    limits = replace(LIMITS, lower=sealed([-2.0, -0.04]), upper=sealed([2.0, 0.03]))
+    limits = replace(JOINT_LIMITS, lower=sealed([-2.0, -0.04]), upper=sealed([2.0, 0.03]))
     lower, upper = replace(segment(9, 0.0, 0.0), hinge=1).corridor(limits)
     assert (lower.min(), lower.max(), upper.min(), upper.max()) == (-0.04, -0.04, 0.03, 0.03)
 
@@ -189,7 +190,7 @@ def test_path_between_two_keys_belongs_only_to_the_segment_of_these_keys():
     for turned in (False, True):
         ordered = [(1.3 - time, *rest) for time, *rest in reversed(rows)] if turned else rows
         postures = tuple(KeyPosture(t, sealed([a] * 2), (True, True), is_exact=exact) for t, a, exact in ordered)
-        keys = Keys.of(postures, LIMITS)
+        keys = Keys.of(postures, JOINT_LIMITS)
         found = [item.has_path for item in segments(keys.requested_times, keys, KNOT_INTERVAL) if item.hinge == 0]
         assert found == [not turned, turned]
 

@@ -22,7 +22,8 @@ from kinesic.motion.trajectory import KNOT_INTERVAL
 from ..naming import about
 from ..reference.motion import spline_programs as reference
 
-LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+# limits of one hinge, in the order of the fields of `Limits`
+JOINT_LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 
 
 def segment(pieces: int, start: float, end: float, **keys: float) -> SplineSegment:
@@ -32,14 +33,14 @@ def segment(pieces: int, start: float, end: float, **keys: float) -> SplineSegme
 
 
 def largest(found: SplineSegment, controls) -> float:
-    return max(float(np.abs(share).max()) for share in found.grid.limit_ratios(controls, LIMITS, 0))
+    return max(float(np.abs(share).max()) for share in found.grid.limit_ratios(controls, JOINT_LIMITS, 0))
 
 
 def test_desired_motion_within_limits_is_followed_within_0_2_mrad():
     way = segment(60, 0.0, 0.5)
     s = np.linspace(0, 1, 61)
     wish = 0.5 * (10 * s**3 - 15 * s**4 + 6 * s**5)
-    controls = nearest_motion(way, wish, LIMITS)
+    controls = nearest_motion(way, wish, JOINT_LIMITS)
     np.testing.assert_array_equal(controls, nearest_without_limits(way, wish))
     np.testing.assert_allclose(at_knots(controls), wish, atol=2e-4)
 
@@ -48,7 +49,7 @@ def test_sharp_desired_motion_is_followed_up_to_the_limits():
     way = segment(60, 0.0, 0.5, p30=0.25)
     wish = np.where(np.arange(61) < 30, 0.0, 0.5)
     wish[30] = 0.25
-    controls = nearest_motion(way, wish, LIMITS)
+    controls = nearest_motion(way, wish, JOINT_LIMITS)
     assert largest(way, nearest_without_limits(way, wish)) > 5.0
     assert largest(way, controls) == pytest.approx(1.0, abs=1e-6)
     matrix, values = way.fixed.matrix, way.fixed.values
@@ -58,24 +59,24 @@ def test_sharp_desired_motion_is_followed_up_to_the_limits():
 def test_motion_within_limits_is_nearer_to_the_desired_motion_than_200_other_feasible_motions():
     way = segment(60, 0.0, 0.5)
     wish = np.where(np.arange(61) < 30, 0.0, 0.5)
-    best = nearest_motion(way, wish, LIMITS)
+    best = nearest_motion(way, wish, JOINT_LIMITS)
     rng = np.random.default_rng(5)
 
     def cost(controls) -> float:
         return float(np.sum((at_knots(controls) - wish) ** 2))
 
     for _ in range(200):
-        other = nearest_motion(way, wish + rng.normal(scale=0.02, size=61), LIMITS)
+        other = nearest_motion(way, wish + rng.normal(scale=0.02, size=61), JOINT_LIMITS)
         assert cost(best) <= cost(other) + 1e-9
 
 
 def test_infeasible_spline_program_returns_none():
-    assert nearest_motion(segment(20, 0.0, 1.5), np.linspace(0, 1.5, 21), LIMITS) is None
+    assert nearest_motion(segment(20, 0.0, 1.5), np.linspace(0, 1.5, 21), JOINT_LIMITS) is None
 
 
 def test_segment_without_motion_stays_constant():
     np.testing.assert_array_equal(
-        nearest_motion(segment(20, 0.3, 0.3, p5=0.3), np.full(21, 0.3), LIMITS), np.full(23, 0.3)
+        nearest_motion(segment(20, 0.3, 0.3, p5=0.3), np.full(21, 0.3), JOINT_LIMITS), np.full(23, 0.3)
     )
 
 
@@ -121,10 +122,10 @@ def test_compiled_spline_programs_match_piqp():
     for seed in range(60):
         with about(f"seed {seed}"):
             way, wish = random_segment(seed)
-            ours = nearest_within_limits(way, wish, LIMITS), relax_limits(way, LIMITS, easy=EASY_DEFICIT)
+            ours = nearest_within_limits(way, wish, JOINT_LIMITS), relax_limits(way, JOINT_LIMITS, easy=EASY_DEFICIT)
             theirs = (
-                reference.nearest_within_limits(way, wish, LIMITS),
-                reference.relax_limits(way, LIMITS, easy=EASY_DEFICIT),
+                reference.nearest_within_limits(way, wish, JOINT_LIMITS),
+                reference.relax_limits(way, JOINT_LIMITS, easy=EASY_DEFICIT),
             )
             compare(way, wish, *ours, *theirs)
 
@@ -156,15 +157,15 @@ def test_feasibility_test_agrees_with_the_existence_of_a_motion_within_limits():
     for seed in range(60):
         with about(f"seed {seed}"):
             way, wish = random_segment(seed)
-            result = can_pass(way, wish, LIMITS)
-            assert result == (nearest_within_limits(way, wish, LIMITS) is not None)
+            result = can_pass(way, wish, JOINT_LIMITS)
+            assert result == (nearest_within_limits(way, wish, JOINT_LIMITS) is not None)
             stuck += not result
     assert 4 <= stuck <= 40
 
 
 def test_segment_becomes_feasible_with_the_wider_angle_range_of_its_desired_motion():
     way, wish = random_segment(7)
-    narrow, wide = (relax_limits(way, LIMITS, easy=EASY_DEFICIT, desired=desired) for desired in (None, wish))
+    narrow, wide = (relax_limits(way, JOINT_LIMITS, easy=EASY_DEFICIT, desired=desired) for desired in (None, wish))
     assert narrow.amount > 1e-3
     assert wide.amount < -1e-3
 
@@ -174,13 +175,13 @@ def test_no_random_feasible_change_of_control_points_improves_the_optimum():
     judged = 0
     for seed in range(20):
         way, wish = random_segment(seed)
-        best = nearest_within_limits(way, wish, LIMITS)
+        best = nearest_within_limits(way, wish, JOINT_LIMITS)
         if best is None:  # there is no motion in this time
             continue
         slope = reference.closeness(way.grid) @ best - reference.angles_matrix(way.grid).T @ wish
         for other in range(20):
             rng = np.random.default_rng((seed, other))
-            result = nearest_within_limits(way, wish + rng.normal(0.0, 0.1, len(wish)), LIMITS)
+            result = nearest_within_limits(way, wish + rng.normal(0.0, 0.1, len(wish)), JOINT_LIMITS)
             assert result is None or slope @ (result - best) >= -1e-6
             judged += result is not None
     assert judged >= 60
@@ -188,8 +189,8 @@ def test_no_random_feasible_change_of_control_points_improves_the_optimum():
 
 def test_multipliers_of_a_limit_relaxation_equal_its_finite_differences():
     way = segment(40, 0.0, 1.6, p17=0.8)
-    result, more = relax_limits(way, LIMITS, easy=EASY_DEFICIT), 1e-4
-    farther = relax_limits(segment(40, 0.0, 1.6, p17=0.8 + more), LIMITS, easy=EASY_DEFICIT)
+    result, more = relax_limits(way, JOINT_LIMITS, easy=EASY_DEFICIT), 1e-4
+    farther = relax_limits(segment(40, 0.0, 1.6, p17=0.8 + more), JOINT_LIMITS, easy=EASY_DEFICIT)
     assert -result.fixed_multipliers[0] == pytest.approx((farther.amount - result.amount) / more, rel=0.02)
     assert (result.limit_multipliers >= 0.0).all()
     powers = way.grid.powers[way.grid.bounds == 1.0]
@@ -208,8 +209,8 @@ def test_spline_kernel_arrays_of_wrong_length_raise_an_error(broken: int):
         fixed.values,
         grid_.closeness_bands,
         np.convolve(wish, [1 / 6, 4 / 6, 1 / 6]),
-        grid_.stencils(LIMITS, 0),
-        *way.corridor(LIMITS, wish),
+        grid_.stencils(JOINT_LIMITS, 0),
+        *way.corridor(JOINT_LIMITS, wish),
     ]
     assert kernel.nearest(*good) is None or len(kernel.nearest(*good)) == grid_.size
     bad = [array.ravel()[:-1].copy() if k == broken else array for k, array in enumerate(good)]
@@ -228,12 +229,12 @@ def test_local_violation_changes_a_long_segment_only_locally(begins: int):
     shares = (np.arange(601) - ends[way_of]) / np.diff(ends)[way_of]
     wish = angles[way_of] + np.diff(angles)[way_of] * minimum_jerk(shares)
     wish[begins : begins + 20] += 0.08 * np.hanning(20)
-    free, result = nearest_without_limits(way, wish), nearest_within_limits(way, wish, LIMITS)
+    free, result = nearest_without_limits(way, wish), nearest_within_limits(way, wish, JOINT_LIMITS)
     assert largest(way, free) > 1.2
     assert largest(way, result) <= 1.0 + 1e-7
     changed = np.flatnonzero(np.abs(result - free) > 1e-9)
     assert 0 < np.ptp(changed) < 300
     np.testing.assert_allclose(way.fixed.matrix @ result, way.fixed.values, atol=1e-9)
-    theirs = reference.nearest_within_limits(way, wish, LIMITS)
+    theirs = reference.nearest_within_limits(way, wish, JOINT_LIMITS)
     assert distance(way, wish, result) <= distance(way, wish, theirs) + 1e-9
     np.testing.assert_allclose(result, theirs, atol=1e-5)

@@ -18,7 +18,8 @@ from ..passage import passage_text
 
 condition = sys.modules["kinesic.motion.condition"]  # the package has a function of this name
 
-LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
+# limits of one hinge, in the order of the fields of `Limits`
+JOINT_LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0.15, 0.7)))
 
 
 @pytest.fixture(scope="module")
@@ -33,15 +34,15 @@ def largest(trajectory, limits) -> float:
 def test_quintic_duration_keeps_all_limits():
     s = np.linspace(0, 1, 2001)
     for way in (0.001, 0.03, 0.4, -0.4, 3.9):
-        t = compute_quintic_duration(way, LIMITS, 0)
+        t = compute_quintic_duration(way, JOINT_LIMITS, 0)
         speed = way / t * 30 * (s**2 - 2 * s**3 + s**4)
         acceleration = way / t**2 * (60 * s - 180 * s**2 + 120 * s**3)
         jerk = way / t**3 * (60 - 360 * s + 360 * s**2)
-        duty = LIMITS.inertial * acceleration + LIMITS.viscous * speed
+        duty = JOINT_LIMITS.inertial * acceleration + JOINT_LIMITS.viscous * speed
         rows = (speed, acceleration, jerk, duty)
         used = [np.abs(values).max() / limit for values, limit in zip(rows, (4, 40, 1e3, 0.7), strict=True)]
         assert 0.2 < max(used) <= 1.0, "and not much longer than some limit asks for"
-    assert compute_quintic_duration(0.0, LIMITS, 0) == 0.0
+    assert compute_quintic_duration(0.0, JOINT_LIMITS, 0) == 0.0
 
 
 @pytest.mark.parametrize("way", [0.4, 3.9])
@@ -52,17 +53,21 @@ def test_quintic_duration_keeps_all_limits():
 def test_motion_of_the_quintic_duration_reaches_its_binding_limit(way, binding, peak, order):
     """Peak velocity, acceleration, jerk or duty is at its limit."""
     wide = {
-        name: sealed(np.full_like(getattr(LIMITS, name), 1e9)) for name in ("speed", "acceleration", "jerk", "duty")
+        name: sealed(np.full_like(getattr(JOINT_LIMITS, name), 1e9))
+        for name in ("speed", "acceleration", "jerk", "duty")
     }
     duration = (
-        compute_quintic_duration(way, replace(LIMITS, **wide | {binding: getattr(LIMITS, binding)}), 0)
+        compute_quintic_duration(way, replace(JOINT_LIMITS, **wide | {binding: getattr(JOINT_LIMITS, binding)}), 0)
         / DURATION_MARGIN
     )
     if binding == "duty":
-        used = LIMITS.viscous[0] * 1.875 * way / duration + LIMITS.inertial[0] * 10 / 3**0.5 * way / duration**2
-        assert used == pytest.approx(LIMITS.duty[0], rel=1e-3)
+        used = (
+            JOINT_LIMITS.viscous[0] * 1.875 * way / duration
+            + JOINT_LIMITS.inertial[0] * 10 / 3**0.5 * way / duration**2
+        )
+        assert used == pytest.approx(JOINT_LIMITS.duty[0], rel=1e-3)
     else:
-        assert peak * way / duration**order == pytest.approx(getattr(LIMITS, binding)[0], rel=1e-3)
+        assert peak * way / duration**order == pytest.approx(getattr(JOINT_LIMITS, binding)[0], rel=1e-3)
 
 
 def test_quick_plan_keeps_limits_and_clearance_and_starts_with_its_block(slow, known):
