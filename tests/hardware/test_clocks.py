@@ -1,4 +1,4 @@
-"""Clock changes, by hand or from the net, move no robot: wall time is used for labels only."""
+"""Changes of the system clock move no robot."""
 
 import ast
 import re
@@ -7,24 +7,37 @@ from pathlib import Path
 import kinesic
 
 ROOT = Path(kinesic.__file__).parent
-LABELS = {  # the time of day of an event, of a backup or version of a document, a folder's name
+WALL_CLOCK_USERS = {  # modules that read the time of day, only for labels of events, backups, versions and folders
     "hardware/supervisor/status.py",
     "report/output.py",
     "serve/desk/archive.py",
     "serve/desk/backups.py",
 }
-WALL = {("time", "time"), ("time", "time_ns"), ("time", "localtime"), ("time", "gmtime"), ("datetime", "now")}
-NAMED = re.compile(r"\b(time_ns|localtime|gmtime|now)\b|\btime(\.| import .*\b)time\b", re.DOTALL)
+WALL_CLOCK_CALLS = {
+    ("time", "time"),
+    ("time", "time_ns"),
+    ("time", "localtime"),
+    ("time", "gmtime"),
+    ("datetime", "now"),
+}
+# Words without which a file reads no wall clock
+CLOCK_WORDS = re.compile(r"\b(time_ns|localtime|gmtime|now)\b|\btime(\.| import .*\b)time\b", re.DOTALL)
 
 
 def wall_clocks(source: str) -> bool:
-    """Return whether a file reads the wall clock; files without any of the words are not parsed."""
-    if not NAMED.search(source):
+    """Return whether a source file reads the wall clock."""
+    if not CLOCK_WORDS.search(source):
         return False
     for node in ast.walk(ast.parse(source)):
-        if isinstance(node, ast.Attribute) and isinstance(node.value, ast.Name) and (node.value.id, node.attr) in WALL:
+        if (
+            isinstance(node, ast.Attribute)
+            and isinstance(node.value, ast.Name)
+            and (node.value.id, node.attr) in WALL_CLOCK_CALLS
+        ):
             return True
-        if isinstance(node, ast.ImportFrom) and any((node.module, name.name) in WALL for name in node.names):
+        if isinstance(node, ast.ImportFrom) and any(
+            (node.module, name.name) in WALL_CLOCK_CALLS for name in node.names
+        ):
             return True
     return False
 
@@ -33,4 +46,4 @@ def test_only_listed_modules_read_the_wall_clock():
     assert wall_clocks("import time\nprint(time.time())")
     assert wall_clocks("from time import time as wall_time")
     paths = {path.relative_to(ROOT).as_posix() for path in ROOT.rglob("*.py") if wall_clocks(path.read_text())}
-    assert paths == LABELS
+    assert paths == WALL_CLOCK_USERS

@@ -8,7 +8,7 @@ import pytest
 
 from kinesic.hardware.virtual.faults import PlannedFault
 
-from ..hardware.proof.drill import RAISED, Drill, Strike, drill, random_strike
+from ..hardware.proof.drill import RAISED_ANGLES, Drill, Strike, drill, random_strike
 
 pytestmark = pytest.mark.soak
 
@@ -37,7 +37,7 @@ def test_random_servo_faults_break_no_safety_rule(servos: str, tmp_path: Path, s
 @pytest.mark.parametrize("servos", KINDS)
 def test_bus_outage_is_never_reported_as_a_stuck_servo(servos: str, tmp_path: Path, kind: str, seconds: float):
     made = drill(servos, tmp_path)
-    made.raise_arms(RAISED * Random(f"{kind} {seconds}").uniform(0.0, 1.3))
+    made.raise_arms(RAISED_ANGLES * Random(f"{kind} {seconds}").uniform(0.0, 1.3))
     fault = PlannedFault(kind.removeprefix("all "), (3,) if kind == "silent" else (), seconds=seconds)
     suffer(made, Strike(kind, "left", seconds, partial(expose, fault=fault), wire=True))
 

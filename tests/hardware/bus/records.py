@@ -9,7 +9,7 @@ from kinesic.hardware.bus.plausibility import PlausibilityFilter
 from kinesic.hardware.bus.query import ServoReplies
 from kinesic.hardware.protocol.models import SERVO_MODELS
 
-ALL = slice(None)
+ALL_SERVOS = slice(None)  # index of both servos
 PERIOD = 0.01  # [s] period of the bus cycle
 
 
@@ -35,12 +35,12 @@ def answer(made: Records) -> ServoReplies:
 def gate() -> PlausibilityFilter:
     opened = make_filter()
     opened.begin()
-    opened.admit(ALL, answer(blocks(1000)), 1.0)
+    opened.admit(ALL_SERVOS, answer(blocks(1000)), 1.0)
     opened.begin()
     return opened
 
 
 def told(gate: PlausibilityFilter, made: Records, time: float = 1.01) -> list[bool]:
     gate.begin()
-    gate.admit(ALL, answer(made), time)
+    gate.admit(ALL_SERVOS, answer(made), time)
     return [bool(fresh) for fresh in gate.fresh]

@@ -5,17 +5,17 @@ from kinesic.hardware.bus.bounds import RecordBounds
 from kinesic.hardware.bus.cycle import BLOCK_DTYPE
 from kinesic.hardware.protocol.models import SERVO_MODELS
 
-SPAN = (900, 3100)
+GOAL_RANGE = (900, 3100)  # [ticks] range of the goals of each servo
 
 
 @pytest.mark.parametrize("model", SERVO_MODELS)
 def test_record_bounds_allow_a_hot_servo_a_low_voltage_and_a_joint_slightly_beyond_its_range(model: str):
     """Accept factory limits, a failing supply, and a joint slightly outside its range."""
-    bounds = RecordBounds.of([SERVO_MODELS[model]], [SPAN])
+    bounds = RecordBounds.of([SERVO_MODELS[model]], [GOAL_RANGE])
     record = np.zeros(1, BLOCK_DTYPE)
     for name, value in (("temperature", 80), ("volts", 31), ("torque", 1), ("watchdog", -1)):
         record[name] = value
-    for place in (SPAN[0] - 500, SPAN[1] + 500):
+    for place in (GOAL_RANGE[0] - 500, GOAL_RANGE[1] + 500):
         record["position"] = place
         assert not bounds.outside(record).any()
         assert bounds.reason(0, record[0]) == ""
@@ -24,7 +24,7 @@ def test_record_bounds_allow_a_hot_servo_a_low_voltage_and_a_joint_slightly_beyo
 @pytest.mark.parametrize("name", ["position", "velocity", "current"])
 @pytest.mark.parametrize("sign", [-1, 1])
 def test_error_names_the_servo_record_value_outside_its_bounds(name: str, sign: int):
-    bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"], SERVO_MODELS["xl430_w250"]], [SPAN, SPAN])
+    bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"], SERVO_MODELS["xl430_w250"]], [GOAL_RANGE, GOAL_RANGE])
     records = np.zeros(2, BLOCK_DTYPE)
     records["volts"] = 120
     records[name][1] = sign * 32_767
@@ -36,22 +36,31 @@ def test_error_names_the_servo_record_value_outside_its_bounds(name: str, sign: 
     assert bounds.reason(1, records[1]).startswith(f"{name} is {sign * 32767}, must be ")
 
 
-FEW = {"volts": (25, 240), "torque": (0, 1), "watchdog": (-1, 127), "temperature": (0, 125), "hardware_error": (0, 63)}
-MOST = {
-    "xm430_w350": FEW | {"current": (-2386, 2386), "velocity": (-700, 700)},
-    "xl330_m288": FEW | {"current": (-3500, 3500), "velocity": (-890, 890), "volts": (25, 105)},
-    "xl430_w250": FEW | {"current": (-2000, 2000), "velocity": (-530, 530), "volts": (25, 210)},  # load in 0.1 %
-    "xm540_w270": FEW | {"current": (-4094, 4094), "velocity": (-525, 525)},  # of a shaft that is pushed by hand
+COMMON_BOUNDS = {
+    "volts": (25, 240),
+    "torque": (0, 1),
+    "watchdog": (-1, 127),
+    "temperature": (0, 125),
+    "hardware_error": (0, 63),
 }
-"""Twice the factory's limits of current and speed, half as much again of the supply; by the vendor's tables."""
+MODEL_BOUNDS = {
+    "xm430_w350": COMMON_BOUNDS | {"current": (-2386, 2386), "velocity": (-700, 700)},
+    "xl330_m288": COMMON_BOUNDS | {"current": (-3500, 3500), "velocity": (-890, 890), "volts": (25, 105)},
+    "xl430_w250": COMMON_BOUNDS
+    | {"current": (-2000, 2000), "velocity": (-530, 530), "volts": (25, 210)},  # load in 0.1 %
+    "xm540_w270": COMMON_BOUNDS
+    | {"current": (-4094, 4094), "velocity": (-525, 525)},  # velocity of a shaft that a hand turns
+}
+"""Bounds by model: twice the factory limits of current and velocity, and 1.5 times that of the supply voltage."""
 
 
 @pytest.mark.parametrize(
-    ("model", "name", "ends"), [(model, name, ends) for model in MOST for name, ends in MOST[model].items()]
+    ("model", "name", "ends"),
+    [(model, name, ends) for model in MODEL_BOUNDS for name, ends in MODEL_BOUNDS[model].items()],
 )
 def test_servo_record_values_at_their_bounds_are_accepted(model: str, name: str, ends: tuple[int, int]):
     """The second servo is at its own model's bounds, which differ from the first's."""
-    bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"], SERVO_MODELS[model]], [SPAN, (1000, 2000)])
+    bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"], SERVO_MODELS[model]], [GOAL_RANGE, (1000, 2000)])
     for value, beyond in ((ends[0], ends[0] - 1), (ends[1], ends[1] + 1)):
         record = np.zeros(2, BLOCK_DTYPE)
         record["volts"], record["position"] = 100, 1500
@@ -69,7 +78,7 @@ def test_servo_record_values_at_their_bounds_are_accepted(model: str, name: str,
 def test_position_bounds_are_the_range_plus_a_margin_with_torque_and_eight_turns_without_torque(
     torque: int, ends: tuple[int, int]
 ):
-    bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"]] * 2, [SPAN, (1000, 2000)])
+    bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"]] * 2, [GOAL_RANGE, (1000, 2000)])
     for value, beyond in ((ends[0], ends[0] - 1), (ends[1], ends[1] + 1)):
         record = np.zeros(2, BLOCK_DTYPE)
         record["volts"], record["position"] = 100, 1500
@@ -81,5 +90,5 @@ def test_position_bounds_are_the_range_plus_a_margin_with_torque_and_eight_turns
 
 
 def test_velocity_bound_is_twice_the_limit_but_at_least_two_turns_per_second():
-    bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"], SERVO_MODELS["xm540_w270"]], [SPAN, SPAN])
+    bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"], SERVO_MODELS["xm540_w270"]], [GOAL_RANGE, GOAL_RANGE])
     assert bounds.max_velocity == pytest.approx([2 * 350 * 0.229 / 60 * 4096, 2 * 4096])

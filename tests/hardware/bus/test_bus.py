@@ -7,15 +7,15 @@ from kinesic.hardware.bus.cycle import Cycle
 from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 
-MID = 2048
-OTHERS = (
+MID_TICKS = 2048  # [ticks] position in the middle of a turn
+SOAK_DAMAGES = (
     "corrupt",
     "lost",
     "drop",
     "duplicate",
     "noise",
-)  # damage that costs a busy wire no more than what is tried in every run
-DAMAGES = {  # implementation and number of servos tested in every run; `make soak` tests all
+)  # kinds of damage that a busy bus survives more easily than `truncate`, tested only by `make soak`
+SAMPLED_CASES = {  # kind of damage -> (servo implementation, number of servos) tested in every run
     "corrupt": {("kinesic", 7)},
     "drop": {("kinesic", 7)},
     "truncate": {("manual", 7)},
@@ -51,7 +51,7 @@ def test_every_bus_cycle_has_a_fresh_record_of_every_servo(rig: Make):
 def test_servo_records_match_the_registers(rig: Make):
     made = rig(7)
     made.energise()
-    (cycle,) = made.run(1, np.full(7, MID))
+    (cycle,) = made.run(1, np.full(7, MID_TICKS))
     assert (cycle.positions == made.true(Register.PRESENT_POSITION)).all()
     assert (cycle.raw_values("volts") == made.true(Register.PRESENT_INPUT_VOLTAGE)).all()
     assert (cycle.raw_values("temperature") == made.true(Register.PRESENT_TEMPERATURE)).all()
@@ -63,7 +63,7 @@ def test_servo_records_match_the_registers(rig: Make):
 def test_virtual_servos_follow_their_goals(rig: Make):
     made = rig(7)
     made.energise()
-    goals = MID + np.arange(7) * 20
+    goals = MID_TICKS + np.arange(7) * 20
     assert (np.abs(made.run(100, goals)[-1].positions - goals) <= 2).all()
 
 
@@ -83,8 +83,8 @@ def test_bus_cycle_without_goals_writes_no_register(rig: Make):
 
 def test_bus_cycle_lasts_as_long_as_the_transmission_of_its_bytes(rig: Make):
     made = rig(14)
-    made.run(3, np.full(14, MID))
-    (cycle,) = made.run(1, np.full(14, MID))
+    made.run(3, np.full(14, MID_TICKS))
+    (cycle,) = made.run(1, np.full(14, MID_TICKS))
     octets = 14 + 5 * 14 + 14 + 14 + 8 + 22 * 14
     assert cycle.duration == pytest.approx(octets * 1e-5 + 0.001, abs=5e-5)
 
@@ -110,7 +110,7 @@ def test_xl330_and_xl430_and_xm540_servos_return_a_record_in_every_cycle(rig: Ma
 def test_servo_families_with_different_indirect_addresses_work_on_one_bus(rig: Make):
     made = rig(8, mixed=True)
     made.energise()
-    cycles = made.run(20, np.full(8, MID))
+    cycles = made.run(20, np.full(8, MID_TICKS))
     assert fresh_share(cycles) == 1.0
     assert (cycles[-1].positions == made.true(Register.PRESENT_POSITION)).all()
 
@@ -119,18 +119,18 @@ def test_servo_families_with_different_indirect_addresses_work_on_one_bus(rig: M
 def test_old_firmware_is_queried_without_fast_reads(rig: Make, mixed: bool):
     made = rig(7, firmware=41, mixed=mixed)
     assert not made.bus.fast
-    assert fresh_share(made.run(20, np.full(7, MID))) == 1.0
+    assert fresh_share(made.run(20, np.full(7, MID_TICKS))) == 1.0
 
 
 def test_servo_bus_may_have_a_single_servo(rig: Make):
-    assert fresh_share(rig(1).run(10, np.array([MID]))) == 1.0
+    assert fresh_share(rig(1).run(10, np.array([MID_TICKS]))) == 1.0
 
 
 @pytest.mark.parametrize(
     ("servos", "count", "kind"),
     [
         pytest.param(servos, count, kind, marks=[] if (servos, count) in sampled else [pytest.mark.soak])
-        for kind, sampled in DAMAGES.items()
+        for kind, sampled in SAMPLED_CASES.items()
         for servos in ("kinesic", "manual")
         for count in (7, 26)
     ],
@@ -139,9 +139,9 @@ def test_servo_bus_may_have_a_single_servo(rig: Make):
 def test_one_damaged_reply_in_a_hundred_is_recovered(rig: Make, kind: str, count: int):
     made = rig(count, baud=4_000_000, faults=plan(kind, rate=0.01, start=0.2))
     made.energise()
-    cycles = made.run(200, np.full(count, MID))
+    cycles = made.run(200, np.full(count, MID_TICKS))
     assert fresh_share(cycles) >= (0.985 if kind == "late" else 0.999)
-    assert all((np.abs(cycle.positions - MID) <= 2).all() for cycle in cycles[10:])
+    assert all((np.abs(cycle.positions - MID_TICKS) <= 2).all() for cycle in cycles[10:])
     assert np.quantile([cycle.duration for cycle in cycles], 0.99) < made.bus.period
     assert max(cycle.ages.max() for cycle in cycles) < 3 * made.bus.period
 
@@ -152,8 +152,8 @@ def test_many_bus_faults_raise_no_error_and_give_no_false_servo_record(rig: Make
     faults = FaultPlan(tuple(PlannedFault(name, rate=0.05, start=0.2) for name in names), seed=2)
     made = rig(14, faults=faults)
     made.energise()
-    cycles = made.run(150, np.full(14, MID))
-    assert all((np.abs(cycle.positions - MID) <= 2).all() for cycle in cycles[30:])
+    cycles = made.run(150, np.full(14, MID_TICKS))
+    assert all((np.abs(cycle.positions - MID_TICKS) <= 2).all() for cycle in cycles[30:])
     assert fresh_share(cycles) > 0.1
 
 
@@ -210,7 +210,7 @@ def test_servo_alert_is_reported_in_the_next_bus_cycle(rig: Make, count: int, er
     made = rig(count)
     made.energise()
     made.plant.servos[2].electronics.fail(error.value)
-    (cycle,) = made.run(1, np.full(count, MID))
+    (cycle,) = made.run(1, np.full(count, MID_TICKS))
     assert ("error", 3) in kinds([cycle])
     assert cycle.raw_values("hardware_error")[2] == error.value
     assert cycle.fresh.all()
@@ -220,7 +220,7 @@ def test_reboot_of_a_servo_is_reported_and_its_records_return_within_two_cycles(
     made = rig(7)
     made.energise()
     made.plant.servos[2].reboot(seconds=0.13)
-    cycles = made.run(60, np.full(7, MID))
+    cycles = made.run(60, np.full(7, MID_TICKS))
     result = kinds(cycles)
     assert ("rebooted", 3) in result
     assert ("torque", 3) in result
@@ -235,9 +235,9 @@ def test_tripped_watchdog_is_reported(rig: Make):
     made = rig(3)
     made.energise()
     made.bus.put(Register.BUS_WATCHDOG, dict.fromkeys(made.bus.ids, 2))
-    made.run(3, np.full(3, MID))
+    made.run(3, np.full(3, MID_TICKS))
     made.wire.sleep(made.wire.now() + 0.2)
-    cycles = made.run(3, np.full(3, MID))
+    cycles = made.run(3, np.full(3, MID_TICKS))
     assert kinds(cycles) == [("watchdog", 1), ("watchdog", 2), ("watchdog", 3)]
     assert (cycles[-1].raw_values("watchdog") == -1).all()
 
@@ -245,7 +245,7 @@ def test_tripped_watchdog_is_reported(rig: Make):
 def test_port_loss_and_return_are_reported_as_events(rig: Make):
     made = rig(7, faults=plan("unplug", start=0.5, seconds=0.4))
     made.energise()
-    cycles = made.run(150, np.full(7, MID))
+    cycles = made.run(150, np.full(7, MID_TICKS))
     assert kinds(cycles) == [("port lost", None), ("port back", None)]
     gone = [cycle for cycle in cycles if cycle.lost]
     assert gone
@@ -268,27 +268,27 @@ def test_queued_writes_are_dropped_while_the_port_is_lost(rig: Make):
 
 def test_reply_timeout_adapts_to_a_slow_adapter(rig: Make):
     made = rig(7, latency=0.012, period=0.03)
-    cycles = made.run(120, np.full(7, MID))
+    cycles = made.run(120, np.full(7, MID_TICKS))
     assert fresh_share(cycles[-40:]) == 1.0
     assert not cycles[-1].silent.any()
 
 
 def test_adapter_slower_than_the_bus_period_delays_records_but_no_servo_counts_as_silent(rig: Make):
     made = rig(7, latency=0.016)
-    cycles = made.run(100, np.full(7, MID))
+    cycles = made.run(100, np.full(7, MID_TICKS))
     assert not any(event.kind == "silent" for cycle in cycles for event in cycle.events)
     assert max(cycle.ages.max() for cycle in cycles[20:]) < 0.06
 
 
 @pytest.mark.parametrize(
     "kind",
-    ["truncate", *(pytest.param(kind, marks=pytest.mark.soak) for kind in OTHERS)],
+    ["truncate", *(pytest.param(kind, marks=pytest.mark.soak) for kind in SOAK_DAMAGES)],
 )
 @on_kinesic_servos
 def test_repeated_queries_recover_damaged_records_on_a_bus_that_is_four_fifths_busy(rig: Make, kind: str):
     made = rig(26, period=0.0108, faults=plan(kind, rate=0.01, start=0.2))
     made.energise()
-    cycles = made.run(120, np.full(26, MID))
+    cycles = made.run(120, np.full(26, MID_TICKS))
     assert fresh_share(cycles) >= 0.999
     assert np.quantile([cycle.duration for cycle in cycles], 0.99) < made.bus.period
 
@@ -306,7 +306,7 @@ def test_newly_silent_servo_affects_records_of_other_servos_in_at_most_two_cycle
 def test_reply_that_arrives_after_its_cycle_affects_only_that_cycle(rig: Make):
     made = rig(14, faults=plan("late", start=0.5, seconds=0.008))
     made.energise()
-    whole = [bool(cycle.fresh.all()) for cycle in made.run(50, np.full(14, MID))]
+    whole = [bool(cycle.fresh.all()) for cycle in made.run(50, np.full(14, MID_TICKS))]
     assert whole.count(False) == 1
 
 

@@ -20,7 +20,7 @@ from ..conftest import Rig, rig_of
 from .test_bus import on_kinesic_servos
 
 Make = Callable[..., Rig]
-BYTE = 1e-5  # [s] transmission time of a byte at 1 Mbit/s
+BYTE_TIME = 1e-5  # [s] transmission time of a byte at 1 Mbit/s
 
 
 def overhear(made: Rig) -> list[bytes]:
@@ -153,7 +153,7 @@ def test_bus_cycle_has_start_time_and_duration(rig: Make):
     cycle = made.bus.cycle()
     assert (cycle.time, cycle.time + cycle.duration) == pytest.approx((before, made.wire.now()))
     question = packet.sync_read([1, 2, 3], SERVO_MODELS["xm430_w350"].cells[0].data, RECORD_SIZE, fast=True)
-    assert cycle.times == pytest.approx([before + len(question) * BYTE] * 3), "when it was out"
+    assert cycle.times == pytest.approx([before + len(question) * BYTE_TIME] * 3), "when it was out"
     assert cycle.signature == signature(cycle.records)
 
 
@@ -244,7 +244,7 @@ def lose_question(made: Rig) -> None:
     made.wire.write = lambda data: lost.pop() if lost else write(data)
 
 
-def test_reply_recovered_by_a_repeated_query_clears_the_late_reply_state(rig: Make):
+def test_replies_count_as_lost_instead_of_late_if_a_repeated_query_recovers_them(rig: Make):
     made = rig(3, period=0.05)
     made.run(3)
     lose_question(made)
@@ -280,7 +280,7 @@ def test_replies_still_count_as_late_if_a_repeated_query_recovers_one_servo(rig:
     assert made.bus._listener.replies_late
 
 
-def test_punctual_reply_after_a_silent_cycle_clears_the_late_reply_state(rig: Make):
+def test_replies_no_longer_count_as_late_after_a_punctual_reply(rig: Make):
     made = rig(3)
     made.run(3)
     silence(made, 0, 1, 2)

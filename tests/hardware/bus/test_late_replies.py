@@ -19,9 +19,11 @@ from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 from ..conftest import Rig
 
 Make = Callable[..., Rig]
-MID = 2048
-ALL, PERIOD, MODEL = slice(None), 0.01, SERVO_MODELS["xm430_w350"]
-LEEWAY = CLOCK_TOLERANCE + (8 + 3 * 22) * 1e-5  # [s] clock tolerance plus transmission time of a complete reply
+MID_TICKS = 2048  # [ticks] position in the middle of a turn
+ALL_SERVOS = slice(None)  # index of all servos
+CYCLE_PERIOD = 0.01  # [s] period of the bus cycle
+SERVO_MODEL = SERVO_MODELS["xm430_w350"]
+AGE_TOLERANCE = CLOCK_TOLERANCE + (8 + 3 * 22) * 1e-5  # [s] age of a record from which on it is late
 
 
 class Waiting:
@@ -30,12 +32,12 @@ class Waiting:
     def __init__(self) -> None:
         self.plant, buses = build_bus([Cable("body", tuple(ServoFitting(k + 1) for k in range(3)))])
         for servo in self.plant.servos:
-            servo.memory.put(MODEL.cells[0].addresses, CELL_CONTENTS)
+            servo.memory.put(SERVO_MODEL.cells[0].addresses, CELL_CONTENTS)
         self.wire = MemoryWire(buses["body"])
         self.listener = Listener(self.wire)
-        self.believed = PlausibilityFilter(RecordBounds.of([MODEL] * 3, [(1000, 3000)] * 3), PERIOD)
+        self.believed = PlausibilityFilter(RecordBounds.of([SERVO_MODEL] * 3, [(1000, 3000)] * 3), CYCLE_PERIOD)
         self.late = LateReplies(self.believed, self.listener)
-        self.question = make_query((1, 2, 3), (MODEL.cells[0].data,) * 3, fast=True)
+        self.question = make_query((1, 2, 3), (SERVO_MODEL.cells[0].data,) * 3, fast=True)
 
     def ask(self, time: float) -> bytes:
         """Return the servos' replies to a query at a time [s]."""
@@ -55,19 +57,19 @@ class Waiting:
 
     def admit_earlier(self, answer: ServoReplies, sent_at: float) -> bool:
         self.listener.sent_at = sent_at
-        return self.late.admit_earlier(self.question, ALL, answer)
+        return self.late.admit_earlier(self.question, ALL_SERVOS, answer)
 
     def cycle_of_the_past(self) -> None:
         """Filter a cycle whose records all seem older than the accepted records."""
         self.believed.begin()
         assert self.admit_earlier(whole(1.001, 1.001, 1.001), self.miss(1.04) - 0.04)
         self.late.note(fresh=False)
-        self.late.keep(self.question, ALL, sent_at=1.04, whole=True)
+        self.late.keep(self.question, ALL_SERVOS, sent_at=1.04, whole=True)
 
 
 def records(*times: float) -> Records:
     made = np.zeros(3, BLOCK_DTYPE)
-    made["tick"], made["position"] = [round(1000 * time) for time in times], MID
+    made["tick"], made["position"] = [round(1000 * time) for time in times], MID_TICKS
     made["volts"], made["temperature"] = 120, 25
     return made
 
@@ -80,7 +82,7 @@ def whole(*times: float) -> ServoReplies:
 @pytest.fixture
 def waiting() -> Waiting:
     made = Waiting()
-    made.believed.admit(ALL, whole(1.0, 1.0, 1.0), 1.0)
+    made.believed.admit(ALL_SERVOS, whole(1.0, 1.0, 1.0), 1.0)
     made.believed.begin()
     return made
 
@@ -119,7 +121,7 @@ def test_reply_age_tolerance_is_transmission_time_plus_a_few_milliseconds(
 ):
     waiting.miss(1.03)
     asked = 1.03
-    assert waiting.admit_earlier(whole(asked, asked, asked), asked + LEEWAY - 0.0007 + sooner) is earlier
+    assert waiting.admit_earlier(whole(asked, asked, asked), asked + AGE_TOLERANCE - 0.0007 + sooner) is earlier
 
 
 def test_reply_faster_than_its_transmission_time_belongs_to_an_earlier_query(waiting: Waiting):
@@ -133,15 +135,15 @@ def test_reply_faster_than_its_transmission_time_belongs_to_an_earlier_query(wai
 
 def test_records_of_an_earlier_query_are_removed_from_a_damaged_reply(waiting: Waiting):
     broken = whole(1.001, 1.04, 1.04)._replace(whole=False)
-    assert waiting.late.remove_earlier(waiting.question, ALL, broken) is broken, "nothing was missed"
+    assert waiting.late.remove_earlier(waiting.question, ALL_SERVOS, broken) is broken, "nothing was missed"
     until = waiting.miss(1.03)
     waiting.listener.sent_at = until + 0.001
-    assert waiting.late.remove_earlier(waiting.question, ALL, broken) is broken, "it is too late for that"
+    assert waiting.late.remove_earlier(waiting.question, ALL_SERVOS, broken) is broken, "it is too late for that"
     assert not waiting.admit_earlier(broken, 1.04)
-    assert waiting.late.remove_earlier(waiting.question, ALL, broken).received.tolist() == [False, True, True]
+    assert waiting.late.remove_earlier(waiting.question, ALL_SERVOS, broken).received.tolist() == [False, True, True]
     assert waiting.believed.late.tolist() == [True, False, False]
     unbroken = whole(1.001, 1.04, 1.04)
-    assert waiting.late.remove_earlier(waiting.question, ALL, unbroken) is unbroken
+    assert waiting.late.remove_earlier(waiting.question, ALL_SERVOS, unbroken) is unbroken
 
 
 def test_two_successive_stale_bus_cycles_trigger_a_cycle_without_query(waiting: Waiting):
@@ -164,7 +166,7 @@ def test_after_silence_in_a_cycle_without_query_no_record_counts_as_late(waiting
     for _ in range(2):
         waiting.cycle_of_the_past()
     assert waiting.believed.is_late(0, records(1.002, 1.0, 1.0)[0], 1.05, leeway=0.004)
-    waiting.late.listen_for_late(waiting.question, ALL, 1.05)
+    waiting.late.listen_for_late(waiting.question, ALL_SERVOS, 1.05)
     assert waiting.wire.now() == 1.05
     assert not waiting.late.needs_trial
     assert not waiting.believed.is_late(0, records(1.002, 1.0, 1.0)[0], 1.05, leeway=0.004)
@@ -175,7 +177,7 @@ def test_confirmed_late_replies_prevent_another_cycle_without_query_for_a_while(
         waiting.cycle_of_the_past()
     waiting.wire.sleep(1.05)
     waiting.listener.send(waiting.question.data)
-    waiting.late.listen_for_late(waiting.question, ALL, 1.059)
+    waiting.late.listen_for_late(waiting.question, ALL_SERVOS, 1.059)
     assert waiting.believed.late.all()
     assert waiting.believed.is_late(0, records(1.051, 1.0, 1.0)[0], 1.08, leeway=0.004)
     for _ in range(TRIAL_PAUSE + 1):
@@ -189,7 +191,7 @@ def test_confirmed_late_replies_prevent_another_cycle_without_query_for_a_while(
 def test_late_reply_is_completed_from_several_received_parts(waiting: Waiting):
     raw, usual = waiting.ask(1.03), waiting.listener.slack.usual
     waiting.listener.received = raw[:40]
-    waiting.late.keep(waiting.question, ALL, sent_at=1.03, whole=False)
+    waiting.late.keep(waiting.question, ALL_SERVOS, sent_at=1.03, whole=False)
     waiting.late.catch_up(raw[40:60], 1.04)
     assert waiting.believed.late.tolist() == [True, True, False]
     assert waiting.listener.slack.usual == usual
@@ -209,7 +211,7 @@ def test_complete_late_reply_leaves_no_pending_bytes(waiting: Waiting):
     raw = waiting.ask(1.03)
     waiting.late.catch_up(raw, 1.04)
     waiting.listener.received = b""
-    waiting.late.keep(waiting.question, ALL, sent_at=1.03, whole=True)
+    waiting.late.keep(waiting.question, ALL_SERVOS, sent_at=1.03, whole=True)
     waiting.late.catch_up(raw, 1.04)
     assert not waiting.believed.late.any()
 
@@ -218,7 +220,7 @@ def test_late_first_record_has_the_time_of_its_query():
     made = Waiting()
     raw = made.ask(0.5)
     made.listener.received = raw[:8]
-    made.late.keep(made.question, ALL, sent_at=0.5, whole=False)
+    made.late.keep(made.question, ALL_SERVOS, sent_at=0.5, whole=False)
     made.late.catch_up(b"", 0.51)
     assert not made.believed.late.any()
     made.late.catch_up(raw[8:], 0.51)
@@ -261,15 +263,15 @@ def test_servo_goals_are_sent_even_in_cycles_without_a_query(rig: Make):
     made = rig(7)
     made.energise()
     made.bus._late._stale_cycles = MAX_STALE_CYCLES
-    (cycle,) = made.run(1, np.full(7, MID + 9))
+    (cycle,) = made.run(1, np.full(7, MID_TICKS + 9))
     assert not cycle.fresh.any()
-    assert (made.true(Register.GOAL_POSITION) == MID + 9).all()
+    assert (made.true(Register.GOAL_POSITION) == MID_TICKS + 9).all()
     assert made.run(1)[0].fresh.all()
 
 
 def test_replies_of_a_slow_adapter_stay_late_with_constant_age(rig: Make):
     made = rig(7, latency=0.016)
-    cycles = made.run(150, np.full(7, MID))[20:]
+    cycles = made.run(150, np.full(7, MID_TICKS))[20:]
     assert not any(cycle.fresh.all() for cycle in cycles)
     apart = [cycle.raw_values("tick") / 1000 - cycle.times for cycle in cycles]
     assert np.ptp(apart) < made.bus.period / 2

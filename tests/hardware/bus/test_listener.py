@@ -13,9 +13,9 @@ from kinesic.hardware.bus.listener import (
 from kinesic.hardware.bus.query import FastQuery, PlainQuery
 from kinesic.hardware.protocol.packet import BROADCAST_ID, PACKET_HEADER, Instruction, crc16, status
 
-SERVOS = tuple(range(1, 15))
-QUESTION = FastQuery(SERVOS, (224,) * 14)
-END = 0.0095
+SERVO_IDS = tuple(range(1, 15))
+SENT_QUERY = FastQuery(SERVO_IDS, (224,) * 14)
+CYCLE_END = 0.0095  # [s] time at which the bus cycle ends
 
 
 def after(excesses: list[float]) -> TimeoutEstimate:
@@ -84,9 +84,9 @@ class Arrivals:
 
 
 def joint(mark: int = 0) -> bytes:
-    length = 1 + BLOCK_DTYPE.itemsize * len(SERVOS)
+    length = 1 + BLOCK_DTYPE.itemsize * len(SERVO_IDS)
     raw = bytearray(PACKET_HEADER + bytes((BROADCAST_ID, length & 0xFF, length >> 8, Instruction.STATUS)))
-    for servo in SERVOS:
+    for servo in SERVO_IDS:
         raw += bytes((0, servo, mark)) + bytes(17)
         raw += crc16(raw).to_bytes(2, "little")
     return bytes(raw)
@@ -96,19 +96,19 @@ def listener(*arrivals: tuple[float, bytes]) -> Listener:
     made = Listener(Arrivals(*arrivals))
     for _ in range(200):
         made.slack.learn(0.001)
-    made.send(QUESTION.data)
+    made.send(SENT_QUERY.data)
     return made
 
 
-READY = 28e-5 + QUESTION.length * 1e-5  # [s] time at which the last byte of the reply has been transmitted
+REPLY_END = 28e-5 + SENT_QUERY.length * 1e-5  # [s] time at which the last byte of the reply has been transmitted
 
 
 def test_reply_in_time_is_returned_on_arrival():
-    made = listener((READY - 0.002, joint()[:186]), (READY + 0.001, joint()[186:]))
-    answer = made.receive(QUESTION, end=END)
+    made = listener((REPLY_END - 0.002, joint()[:186]), (REPLY_END + 0.001, joint()[186:]))
+    answer = made.receive(SENT_QUERY, end=CYCLE_END)
     assert answer is not None
     assert answer.whole
-    assert made.wire.now() == pytest.approx(READY + 0.001)
+    assert made.wire.now() == pytest.approx(REPLY_END + 0.001)
     assert made.received == joint()
     assert not made.mute
     assert not made.early
@@ -116,39 +116,41 @@ def test_reply_in_time_is_returned_on_arrival():
 
 def test_missing_reply_times_out_early_enough_for_a_repeated_query():
     made = listener()
-    assert made.receive(QUESTION, end=END) is None
+    assert made.receive(SENT_QUERY, end=CYCLE_END) is None
     assert made.mute
-    assert made.wire.now() < READY + 0.001
+    assert made.wire.now() < REPLY_END + 0.001
 
 
 def test_reception_of_a_truncated_reply_ends_when_its_last_byte_was_due():
     made = listener((0.002, joint()[:USB_BURST_SIZE]))
-    answer = made.receive(QUESTION, end=END)
+    answer = made.receive(SENT_QUERY, end=CYCLE_END)
     assert answer is not None
     assert answer.received.sum() == 2
-    assert made.wire.now() == pytest.approx(READY)
+    assert made.wire.now() == pytest.approx(REPLY_END)
 
 
 def test_truncated_reply_is_parsed_immediately_if_the_cycle_has_no_spare_time():
     made = listener((28e-5 + USB_BURST_SIZE * 1e-5, joint()[:USB_BURST_SIZE]), (0.0018, joint()[USB_BURST_SIZE:100]))
-    answer = made.receive(QUESTION, end=READY + 0.003)
+    answer = made.receive(SENT_QUERY, end=REPLY_END + 0.003)
     assert answer is not None
     assert answer.received.sum() == 4
-    assert made.wire.now() < READY - 0.0005
+    assert made.wire.now() < REPLY_END - 0.0005
 
 
 def test_reply_with_added_bytes_is_received_to_its_end():
     at = 8 + 22 * 3
     longer = joint()[: at + 22] + joint()[at:]
-    made = listener((READY - 0.001, longer[:300]), (READY, longer[300 : len(joint())]), (READY + 0.0013, longer[-22:]))
-    answer = made.receive(QUESTION, end=END)
+    made = listener(
+        (REPLY_END - 0.001, longer[:300]), (REPLY_END, longer[300 : len(joint())]), (REPLY_END + 0.0013, longer[-22:])
+    )
+    answer = made.receive(SENT_QUERY, end=CYCLE_END)
     assert answer is not None
     assert answer.whole
 
 
 def test_reply_without_its_first_byte_is_complete_and_preceded_by_no_bytes():
-    made = listener((READY, joint()[1:]))
-    answer = made.receive(QUESTION, end=END)
+    made = listener((REPLY_END, joint()[1:]))
+    answer = made.receive(SENT_QUERY, end=CYCLE_END)
     assert answer is not None
     assert answer.whole
     assert made.before == b""
@@ -156,10 +158,10 @@ def test_reply_without_its_first_byte_is_complete_and_preceded_by_no_bytes():
 
 def test_after_a_damaged_reply_the_listener_examines_each_usb_burst():
     made = listener((0.002, joint()[:USB_BURST_SIZE]), (0.0085, joint()[:30]), (0.2, b""))
-    made.receive(QUESTION, end=END)
-    made.send(QUESTION.data)
+    made.receive(SENT_QUERY, end=CYCLE_END)
+    made.send(SENT_QUERY.data)
     began = made.wire.now()
-    made.receive(QUESTION, end=began + END)
+    made.receive(SENT_QUERY, end=began + CYCLE_END)
     assert made.wire.now() < began + 0.0065
 
 
@@ -168,27 +170,27 @@ def test_listener_stops_examining_usb_bursts_after_several_intact_replies():
     made = Listener(Arrivals((0.0, b"\xff"), *answers))
     for k in range(TIMEOUT_TUNING.alert_replies + 2):
         made.wire.sleep(k * 0.01 + 0.005)
-        made.send(QUESTION.data)
-        answer = made.receive(QUESTION, end=k * 0.01 + 0.0149)
+        made.send(SENT_QUERY.data)
+        answer = made.receive(SENT_QUERY, end=k * 0.01 + 0.0149)
         assert answer is not None
         assert made._alert_replies == max(0, TIMEOUT_TUNING.alert_replies - k)
 
 
 def test_listener_that_waits_for_the_whole_cycle_accepts_a_reply_shortly_before_its_end():
     made = listener((0.009, joint()))
-    answer = made.receive(QUESTION, end=END, patient=True)
+    answer = made.receive(SENT_QUERY, end=CYCLE_END, patient=True)
     assert answer is not None
     assert answer.whole
 
 
 def test_two_replies_received_at_once_are_parsed_in_order():
-    made = listener((0.002, joint(1)[:200]), (READY + 0.001, joint(1)[200:] + joint(0)))
-    first = made.receive(QUESTION, end=END)
-    second = made.receive(QUESTION, end=END, again=True)
+    made = listener((0.002, joint(1)[:200]), (REPLY_END + 0.001, joint(1)[200:] + joint(0)))
+    first = made.receive(SENT_QUERY, end=CYCLE_END)
+    second = made.receive(SENT_QUERY, end=CYCLE_END, again=True)
     assert first is not None
     assert second is not None
     assert (first.blocks["torque"][0], second.blocks["torque"][0]) == (1, 0)
-    assert made.receive(QUESTION, end=END, again=True) is None
+    assert made.receive(SENT_QUERY, end=CYCLE_END, again=True) is None
 
 
 def test_reply_before_its_earliest_time_belongs_to_an_earlier_query():
@@ -196,7 +198,7 @@ def test_reply_before_its_earliest_time_belongs_to_an_earlier_query():
     made = Listener(Arrivals((1e-5, status(1, 0, bytes(18)))))
     made.send(single.data)
     made._alert_replies = 1
-    assert made.receive(single, end=END) is not None
+    assert made.receive(single, end=CYCLE_END) is not None
     assert made.early
 
 

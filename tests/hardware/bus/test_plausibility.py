@@ -7,7 +7,7 @@ from kinesic.hardware.bus.cycle import BLOCK_DTYPE, Records
 from kinesic.hardware.bus.plausibility import PLAUSIBILITY_TUNING, PlausibilityFilter
 from kinesic.hardware.bus.query import ServoReplies
 
-from .records import ALL, answer, blocks, gate, make_filter, told
+from .records import ALL_SERVOS, answer, blocks, gate, make_filter, told
 
 __all__ = ["gate"]
 
@@ -20,7 +20,7 @@ def test_plausible_first_servo_record_is_accepted():
     opened = make_filter()
     opened.begin()
     assert opened.times.tolist() == [-inf, -inf]
-    opened.admit(ALL, answer(blocks(1000, 17)), 1.0)
+    opened.admit(ALL_SERVOS, answer(blocks(1000, 17)), 1.0)
     assert opened.fresh.all()
     assert opened.blocks["position"].tolist() == [17, 17]
     assert opened.times.tolist() == [1.0, 1.0]
@@ -213,7 +213,7 @@ def test_servo_with_discarded_history_may_report_any_position_in_range(gate: Pla
 
 def test_silent_servo_keeps_its_last_record_and_time(gate: PlausibilityFilter):
     gate.begin()
-    gate.admit(ALL, ServoReplies(blocks(1010, 2060), np.array([True, False]), False, 0), 1.01)
+    gate.admit(ALL_SERVOS, ServoReplies(blocks(1010, 2060), np.array([True, False]), False, 0), 1.01)
     assert gate.blocks["position"].tolist() == [2060, 2048]
     assert gate.times.tolist() == [1.01, 1.0]
     assert gate.fresh.tolist() == [True, False]
@@ -250,7 +250,7 @@ def test_plausible_motion_after_silence_follows_the_velocity_limit(sign: int):
     most = 8192 // 8 + POSITION_TOLERANCE
     for jump, believed in ((most, True), (most + 1, False)):
         made = make_filter("xm540_w270")
-        made.admit(ALL, answer(blocks(1000, 0)), 1.0)
+        made.admit(ALL_SERVOS, answer(blocks(1000, 0)), 1.0)
         assert alone(made, blocks(1125, 0, position=sign * jump), 1.125) is believed
 
 
@@ -303,7 +303,7 @@ def test_discarding_a_servo_history_also_discards_its_unconfirmed_records(gate: 
     for k in range(3):
         told(gate, blocks(1020 + 10 * k, tick=10 * k), 1.02 + 0.01 * k)
     gate.forget(1)
-    gate.admit_late(ALL, answer(blocks(1045, tick=40)), 1.05, sent_at=1.045)
+    gate.admit_late(ALL_SERVOS, answer(blocks(1045, tick=40)), 1.05, sent_at=1.045)
     assert told(gate, blocks(1050, tick=30), 1.05) == [True, False]
     assert told(gate, blocks(1060, tick=60, position=3000), 1.06) == [True, False]
 

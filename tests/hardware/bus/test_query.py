@@ -14,34 +14,34 @@ from kinesic.hardware.bus.cycle import (
 from kinesic.hardware.bus.query import HEADER_SIZE, FastQuery, PlainQuery, make_query
 from kinesic.hardware.protocol.packet import BROADCAST_ID, PACKET_HEADER, Instruction, Reader, crc16, status
 
-SERVOS = tuple(range(1, 15))
-FAST = FastQuery(SERVOS, (224,) * 14)
-RECORDS = [bytes(np.random.default_rng(k).integers(0, 256, RECORD_SIZE, dtype=np.uint8)) for k in SERVOS]
+SERVO_IDS = tuple(range(1, 15))
+FAST_QUERY = FastQuery(SERVO_IDS, (224,) * 14)
+RECORDS = [bytes(np.random.default_rng(k).integers(0, 256, RECORD_SIZE, dtype=np.uint8)) for k in SERVO_IDS]
 BLOCK_SIZE = BLOCK_DTYPE.itemsize
 
 
 def joint() -> bytes:
-    length = 1 + BLOCK_SIZE * len(SERVOS)
+    length = 1 + BLOCK_SIZE * len(SERVO_IDS)
     raw = bytearray(PACKET_HEADER + bytes((BROADCAST_ID, length & 0xFF, length >> 8, Instruction.STATUS)))
-    for servo, record in zip(SERVOS, RECORDS, strict=True):
+    for servo, record in zip(SERVO_IDS, RECORDS, strict=True):
         raw += bytes((0, servo)) + record
         raw += crc16(raw).to_bytes(2, "little")
     return bytes(raw)
 
 
-RAW = joint()
+WHOLE_REPLY = joint()  # bytes of an undamaged fast reply of all servos
 
 
 def found(raw: bytes) -> list[int]:
     """Check the values of read records, and return the servos' indices."""
-    answer = FAST.parse(raw)
+    answer = FAST_QUERY.parse(raw)
     for k in np.flatnonzero(answer.received):
         assert answer.blocks[k].tobytes()[2:20] == RECORDS[k]
-    return [SERVOS[k] for k in np.flatnonzero(answer.received)]
+    return [SERVO_IDS[k] for k in np.flatnonzero(answer.received)]
 
 
 def without(*servos: int) -> list[int]:
-    return [servo for servo in SERVOS if servo not in servos]
+    return [servo for servo in SERVO_IDS if servo not in servos]
 
 
 def test_servo_record_consists_of_eighteen_bytes_of_status_registers():
@@ -55,9 +55,9 @@ def test_servo_record_consists_of_eighteen_bytes_of_status_registers():
 
 
 def test_query_and_reply_lengths_match_the_protocol():
-    assert len(FAST.data) == 14 + 14
-    assert FAST.length == 8 + 14 * (18 + 4)
-    assert PlainQuery(SERVOS, (224,) * 14).length == 14 * (11 + 18)
+    assert len(FAST_QUERY.data) == 14 + 14
+    assert FAST_QUERY.length == 8 + 14 * (18 + 4)
+    assert PlainQuery(SERVO_IDS, (224,) * 14).length == 14 * (11 + 18)
 
 
 def test_models_with_different_indirect_addresses_are_queried_in_one_packet():
@@ -82,82 +82,85 @@ def test_fast_query_is_used_for_several_servos_if_enabled_but_not_for_a_single_s
 
 
 def test_intact_reply_is_parsed_completely():
-    answer = FAST.parse(RAW)
+    answer = FAST_QUERY.parse(WHOLE_REPLY)
     assert answer.whole
-    assert found(RAW) == list(SERVOS)
+    assert found(WHOLE_REPLY) == list(SERVO_IDS)
     assert not answer.blocks.flags.writeable
 
 
 def test_changed_byte_in_a_reply_loses_only_its_block():
-    for servo in SERVOS:
-        raw = bytearray(RAW)
+    for servo in SERVO_IDS:
+        raw = bytearray(WHOLE_REPLY)
         raw[HEADER_SIZE + BLOCK_SIZE * (servo - 1) + 7] ^= 0x10
         assert found(bytes(raw)) == without(servo)
 
 
 def test_lost_byte_in_a_reply_loses_only_its_block():
-    for servo in SERVOS:
+    for servo in SERVO_IDS:
         at = HEADER_SIZE + BLOCK_SIZE * (servo - 1) + 7
-        assert found(RAW[:at] + RAW[at + 1 :]) == without(servo)
+        assert found(WHOLE_REPLY[:at] + WHOLE_REPLY[at + 1 :]) == without(servo)
 
 
 def test_truncated_block_in_a_reply_loses_at_most_the_next_block():
     at = HEADER_SIZE + BLOCK_SIZE * 4
     for kept in range(BLOCK_SIZE):
-        assert found(RAW[: at + kept] + RAW[at + BLOCK_SIZE :]) in (without(5), without(5, 6))
+        assert found(WHOLE_REPLY[: at + kept] + WHOLE_REPLY[at + BLOCK_SIZE :]) in (without(5), without(5, 6))
 
 
 def test_noise_and_repeated_blocks_lose_no_other_block():
     at = HEADER_SIZE + BLOCK_SIZE * 4
-    assert found(RAW[:at] + b"\x11\x22\x33\x44\x55\x66\x77\x88" + RAW[at:]) == list(SERVOS)
-    assert found(RAW[: at + BLOCK_SIZE] + RAW[at:]) == list(SERVOS)
+    assert found(WHOLE_REPLY[:at] + b"\x11\x22\x33\x44\x55\x66\x77\x88" + WHOLE_REPLY[at:]) == list(SERVO_IDS)
+    assert found(WHOLE_REPLY[: at + BLOCK_SIZE] + WHOLE_REPLY[at:]) == list(SERVO_IDS)
 
 
 def test_blocks_before_a_silent_servo_are_accepted():
-    assert found(RAW[: HEADER_SIZE + BLOCK_SIZE * 4]) == [1, 2, 3, 4]
-    assert found(RAW[:5]) == []
+    assert found(WHOLE_REPLY[: HEADER_SIZE + BLOCK_SIZE * 4]) == [1, 2, 3, 4]
+    assert found(WHOLE_REPLY[:5]) == []
     assert found(b"") == []
 
 
-@pytest.mark.parametrize("noise", [b"\xff\xff\xfd", b"\x00" * 20, RAW[:40]])
+@pytest.mark.parametrize("noise", [b"\xff\xff\xfd", b"\x00" * 20, WHOLE_REPLY[:40]])
 def test_bytes_before_the_reply_are_skipped(noise: bytes):
-    assert FAST.parse(noise + RAW).whole
+    assert FAST_QUERY.parse(noise + WHOLE_REPLY).whole
 
 
 def test_damaged_header_loses_no_block():
     for k in range(HEADER_SIZE):
-        raw = bytearray(RAW)
+        raw = bytearray(WHOLE_REPLY)
         raw[k] ^= 0xFF
-        assert found(bytes(raw)) == list(SERVOS)
-        assert found(RAW[:k] + RAW[k + 1 :]) == list(SERVOS)
+        assert found(bytes(raw)) == list(SERVO_IDS)
+        assert found(WHOLE_REPLY[:k] + WHOLE_REPLY[k + 1 :]) == list(SERVO_IDS)
 
 
 def test_end_of_a_reply_with_lost_bytes_is_detected():
-    assert FAST.is_complete(RAW)
-    assert FAST.is_complete(RAW[:50] + RAW[60:])
-    assert not FAST.is_complete(RAW[:-1])
-    assert not FAST.is_complete(RAW[:-BLOCK_SIZE])
-    assert not FAST.is_complete(RAW[:-1] + b"\0")
-    assert not FAST.is_complete(b"")
+    assert FAST_QUERY.is_complete(WHOLE_REPLY)
+    assert FAST_QUERY.is_complete(WHOLE_REPLY[:50] + WHOLE_REPLY[60:])
+    assert not FAST_QUERY.is_complete(WHOLE_REPLY[:-1])
+    assert not FAST_QUERY.is_complete(WHOLE_REPLY[:-BLOCK_SIZE])
+    assert not FAST_QUERY.is_complete(WHOLE_REPLY[:-1] + b"\0")
+    assert not FAST_QUERY.is_complete(b"")
 
 
 def test_reply_is_found_after_a_reply_of_other_servos():
-    other = bytearray(RAW)
+    other = bytearray(WHOLE_REPLY)
     other[HEADER_SIZE + 1] = 99
-    answer = FAST.parse(bytes(other) + RAW)
+    answer = FAST_QUERY.parse(bytes(other) + WHOLE_REPLY)
     assert answer.whole
-    assert answer.end == len(other) + len(RAW)
+    assert answer.end == len(other) + len(WHOLE_REPLY)
 
 
 def test_end_of_damaged_reply_is_predicted():
     at = HEADER_SIZE + BLOCK_SIZE * 4
-    assert FAST.parse(RAW[: at + 30]).end == len(RAW)
-    assert FAST.parse(RAW[: at + BLOCK_SIZE] + RAW[at : at + 60]).end == len(RAW) + BLOCK_SIZE
-    assert FAST.parse(RAW[:-1] + b"\0").end == len(RAW)
+    assert FAST_QUERY.parse(WHOLE_REPLY[: at + 30]).end == len(WHOLE_REPLY)
+    assert (
+        FAST_QUERY.parse(WHOLE_REPLY[: at + BLOCK_SIZE] + WHOLE_REPLY[at : at + 60]).end
+        == len(WHOLE_REPLY) + BLOCK_SIZE
+    )
+    assert FAST_QUERY.parse(WHOLE_REPLY[:-1] + b"\0").end == len(WHOLE_REPLY)
 
 
 def test_unqueried_servos_have_no_records():
-    assert found(RAW.replace(bytes((0, 3)) + RECORDS[2], bytes((0, 77)) + RECORDS[2])) == without(3)
+    assert found(WHOLE_REPLY.replace(bytes((0, 3)) + RECORDS[2], bytes((0, 77)) + RECORDS[2])) == without(3)
 
 
 def test_status_packets_of_wrong_length_or_unqueried_servos_are_ignored():

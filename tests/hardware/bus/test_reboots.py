@@ -11,18 +11,18 @@ from kinesic.hardware.protocol.models import SERVO_MODELS
 from ..conftest import Rig
 
 Make = Callable[..., Rig]
-CELLS_AT = SERVO_MODELS["xm430_w350"].cells[0].addresses
-TOLD = "RAM is as at power-on: torque off, no profile, no watchdog"
+CELLS_ADDRESS = SERVO_MODELS["xm430_w350"].cells[0].addresses  # first indirect address of the servo model
+REBOOT_TEXT = "RAM is as at power-on: torque off, no profile, no watchdog"
 
 
 def look(servo: int) -> bytes:
     """Read the indirect cells of a servo."""
-    return packet.read_packet(servo, CELLS_AT, len(CELL_CONTENTS))
+    return packet.read_packet(servo, CELLS_ADDRESS, len(CELL_CONTENTS))
 
 
 def setting(servo: int) -> bytes:
     """Return the packet that restores a servo's indirect cells."""
-    return packet.write_packet(servo, CELLS_AT, CELL_CONTENTS)
+    return packet.write_packet(servo, CELLS_ADDRESS, CELL_CONTENTS)
 
 
 @pytest.fixture
@@ -44,7 +44,7 @@ def test_indirect_cells_of_a_rebooted_servo_are_checked_and_set_once(made: Rig):
     written = overhear(made)
     made.plant.servos[1].reboot(seconds=0.03)
     events = [(event.kind, event.servo, event.text) for cycle in made.run(20) for event in cycle.events]
-    assert ("rebooted", 2, TOLD) in events
+    assert ("rebooted", 2, REBOOT_TEXT) in events
     assert [kind for kind, _, _ in events].count("rebooted") == 1
     assert (written.count(look(2)), written.count(setting(2))) == (1, 1)
     assert not made.bus._accepted.unmapped

@@ -15,7 +15,7 @@ from kinesic.hardware.bus import serial_wire
 from kinesic.hardware.bus.serial_wire import STALL_TIMEOUT, SerialWire, TerminalIdentity, _lock_terminal, _refusal
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE, BusError
 
-BAUD = 57_600
+BAUD_RATE = 57_600  # [bit/s] baud rate of the serial port
 
 
 class Port:
@@ -52,19 +52,19 @@ def port(monkeypatch: pytest.MonkeyPatch) -> Iterator[Port]:
 
 @pytest.fixture
 def wire(port: Port) -> Iterator[SerialWire]:
-    opened = SerialWire(str(port.path), BAUD)
+    opened = SerialWire(str(port.path), BAUD_RATE)
     yield opened
     opened.close()
 
 
 def test_port_is_opened_exclusively_without_a_timeout_and_without_old_bytes(port: Port) -> None:
     os.write(port.file, b"old")
-    wire = SerialWire(port.path, BAUD)
-    assert (wire.name, wire.baud, wire.now()) == (str(port.path), BAUD, 50.0)
-    assert (wire._port.timeout, wire._port.exclusive, wire._port.baudrate) == (0, True, BAUD)
+    wire = SerialWire(port.path, BAUD_RATE)
+    assert (wire.name, wire.baud, wire.now()) == (str(port.path), BAUD_RATE, 50.0)
+    assert (wire._port.timeout, wire._port.exclusive, wire._port.baudrate) == (0, True, BAUD_RATE)
     assert os.read(wire._file, 10) == b""
     with pytest.raises(BusError, match="another program uses this port; `fuser"):
-        SerialWire(port.path, BAUD)
+        SerialWire(port.path, BAUD_RATE)
     wire.close()
     wire.close()
 
@@ -139,7 +139,7 @@ def test_stalled_output_is_discarded_after_its_transmission_time_and_a_timeout(f
     assert flushed == [termios.TCOFLUSH]
     ((is_read, seconds),) = port.waits
     assert not is_read
-    assert seconds == pytest.approx(8 * BITS_PER_BYTE / BAUD + STALL_TIMEOUT)
+    assert seconds == pytest.approx(8 * BITS_PER_BYTE / BAUD_RATE + STALL_TIMEOUT)
 
 
 def test_write_to_a_port_that_takes_no_bytes_although_ready_times_out(full, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -170,7 +170,7 @@ def test_serial_port_stays_closed_while_its_path_is_in_use_or_renamed(
     port: Port, wire: SerialWire, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     wire.close()
-    other = SerialWire(port.path, BAUD)
+    other = SerialWire(port.path, BAUD_RATE)
     assert not wire.reopen()
     other.close()
     monkeypatch.setattr(serial_wire, "find_stable_name", lambda path: Path("/dev/other"))
@@ -224,18 +224,18 @@ def test_serial_device_is_locked_exclusively_but_a_pseudo_terminal_is_not(monkey
 def test_error_for_a_refused_serial_port_names_the_reason(tmp_path: Path, error: Exception, message: str) -> None:
     path = tmp_path / "port"
     path.write_text("")
-    text = str(_refusal(path, BAUD, error))
+    text = str(_refusal(path, BAUD_RATE, error))
     assert text.startswith(f"{path}: {message}")
 
 
 def test_error_for_a_missing_serial_port_names_the_connected_adapters(tmp_path: Path) -> None:
     folder = tmp_path / "by-id"
     folder.mkdir()
-    assert str(_refusal(folder / "x", BAUD, OSError())).endswith(
+    assert str(_refusal(folder / "x", BAUD_RATE, OSError())).endswith(
         "no such port; is the adapter plugged in? see `ls /dev/serial/by-id`"
     )
     for name in ("b", "a"):
         (folder / name).write_text("")
     (tmp_path / "c").write_text("")
-    assert str(_refusal(folder / "x", BAUD, OSError())).endswith(f"no such port; there are {folder}/a, {folder}/b")
-    assert "is the adapter plugged in" in str(_refusal(tmp_path / "x", BAUD, OSError()))
+    assert str(_refusal(folder / "x", BAUD_RATE, OSError())).endswith(f"no such port; there are {folder}/a, {folder}/b")
+    assert "is the adapter plugged in" in str(_refusal(tmp_path / "x", BAUD_RATE, OSError()))

@@ -223,7 +223,7 @@ def _build(fitting: ServoFitting, cable: Cable) -> Device:
     return device
 
 
-SPOILED = {
+WIRE_FAULTS = {  # kinesic's kind of a wire fault -> fault class of the independent servos
     "corrupt": wire.Garble,
     "drop": wire.DropByte,
     "truncate": wire.Truncate,
@@ -237,11 +237,11 @@ SPOILED = {
 def _translate(planned: PlannedFault, line: Line, seed: int) -> list[Fault]:
     """Convert a fault chance per joint reply to a chance per servo."""
     concerned = [device.id for device in line.devices if not planned.servos or device.id in planned.servos]
-    if planned.way == "request" and planned.kind in SPOILED:
+    if planned.way == "request" and planned.kind in WIRE_FAULTS:
         return [wire.LostRequest(planned.rate, seed=seed)]
-    if planned.kind in SPOILED:
+    if planned.kind in WIRE_FAULTS:
         share = 1 - (1 - planned.rate) ** (1 / max(1, len(concerned)))
-        return [SPOILED[planned.kind](share, tuple(concerned), seed=seed)]
+        return [WIRE_FAULTS[planned.kind](share, tuple(concerned), seed=seed)]
     if planned.kind == "unplug":
         return [wire.Unplugged()]
     of_servo = {

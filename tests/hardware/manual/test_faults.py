@@ -12,13 +12,13 @@ from ...manual_servo.faults import Fault
 from .conftest import Bench, words
 
 Make = Callable  # of a bench, see conftest
-VOLTAGE, OVERHEAT, ENCODER, SHOCK, OVERLOAD = 1, 4, 8, 16, 32
-RECORD = p.instruct(p.BROADCAST, p.SYNC_READ, words(132, 4) + b"\1\2")
+VOLTAGE, OVERHEAT, ENCODER, SHOCK, OVERLOAD = 1, 4, 8, 16, 32  # bits of the hardware error status
+POSITION_QUERY = p.instruct(p.BROADCAST, p.SYNC_READ, words(132, 4) + b"\1\2")  # sync read of both servos' positions
 
 
 def record(made: Bench) -> bytes:
     """Return the reported positions of both servos as raw bytes."""
-    return made.raw(RECORD)
+    return made.raw(POSITION_QUERY)
 
 
 def answers(made: Bench) -> list[int]:
@@ -59,26 +59,28 @@ class Case:
     seen: Callable[[Bench], bool]
 
 
-WHOLE = 2 * 15  # [bytes] size of the replies of both servos
+REPLY_SIZE = 2 * 15  # [bytes] size of the replies of both servos
 CASES = {
-    "garble": Case(faults.Garble, lambda made: len(record(made)) == WHOLE and answers(made) != [1, 2]),
-    "truncate": Case(faults.Truncate, lambda made: len(record(made)) < WHOLE),
-    "a byte dropped": Case(faults.DropByte, lambda made: len(record(made)) == WHOLE - 2),
-    "insert": Case(faults.Insert, lambda made: len(record(made)) > WHOLE),
+    "garble": Case(faults.Garble, lambda made: len(record(made)) == REPLY_SIZE and answers(made) != [1, 2]),
+    "truncate": Case(faults.Truncate, lambda made: len(record(made)) < REPLY_SIZE),
+    "a byte dropped": Case(faults.DropByte, lambda made: len(record(made)) == REPLY_SIZE - 2),
+    "insert": Case(faults.Insert, lambda made: len(record(made)) > REPLY_SIZE),
     "duplicate": Case(faults.Duplicate, lambda made: answers(made) == [1, 1, 2, 2]),
     "lose": Case(faults.Lose, lambda made: record(made) == b""),
-    "late": Case(faults.Late, lambda made: made.raw(RECORD, 0.01) == b"" and bool(made.raw(b"", 0.02))),
+    "late": Case(faults.Late, lambda made: made.raw(POSITION_QUERY, 0.01) == b"" and bool(made.raw(b"", 0.02))),
     "mirror": Case(faults.Mirror, lambda made: record(made).startswith(b"\xff\xff\xbf\x00")),
     "lost requests": Case(faults.LostRequest, lambda made: answers(made) == []),
-    "echo": Case(faults.Echo, lambda made: record(made).startswith(RECORD)),
-    "flood": Case(faults.Flood, lambda made: len(record(made)) == 200 + WHOLE),
+    "echo": Case(faults.Echo, lambda made: record(made).startswith(POSITION_QUERY)),
+    "flood": Case(faults.Flood, lambda made: len(record(made)) == 200 + REPLY_SIZE),
     "frozen link": Case(faults.FrozenLink, lambda made: record(made) == b""),
     "silent all": Case(faults.SilentAll, lambda made: record(made) == b"" and not made.device.mute),
     "unplugged": Case(faults.Unplugged, lambda made: not made.line.plugged and record(made) == b""),
     "wrong id": Case(lambda: faults.WrongId(2, 9), lambda made: answers(made) == [1, 9]),
-    "bad crc": Case(lambda: faults.BadCrc(2), lambda made: len(record(made)) == WHOLE and answers(made) == [1]),
-    "wrong length": Case(lambda: faults.WrongLength(2), lambda made: len(record(made)) == WHOLE - 1),
-    "misquoted": Case(lambda: faults.Misquoted(2), lambda made: len(record(made)) == WHOLE and answers(made) == [1]),
+    "bad crc": Case(lambda: faults.BadCrc(2), lambda made: len(record(made)) == REPLY_SIZE and answers(made) == [1]),
+    "wrong length": Case(lambda: faults.WrongLength(2), lambda made: len(record(made)) == REPLY_SIZE - 1),
+    "misquoted": Case(
+        lambda: faults.Misquoted(2), lambda made: len(record(made)) == REPLY_SIZE and answers(made) == [1]
+    ),
     "silent": Case(lambda: servo_faults.Silent(2), lambda made: answers(made) == [1]),
     "unhearing": Case(
         lambda: servo_faults.Unhearing(2),
@@ -169,12 +171,12 @@ def test_replay_fault_repeats_once_the_reply_sent_three_exchanges_earlier(bench:
 
 def test_longer_return_delay_time_delays_the_servo_reply(bench: Make):
     made = bench(1, 2)
-    made.line.send(RECORD, made.line.world.time)
+    made.line.send(POSITION_QUERY, made.line.world.time)
     soon = made.line.arrives() - made.line.world.time
     made.rest(0.1)
     made.line.receive(made.line.world.time)
     made.line.expose(strangers.return_delay(1))
-    made.line.send(RECORD, made.line.world.time)
+    made.line.send(POSITION_QUERY, made.line.world.time)
     assert made.line.arrives() - made.line.world.time == pytest.approx(soon + 508e-6, abs=1e-4)
 
 

@@ -23,13 +23,16 @@ from ..manual.adapter import Plant
 from ..supervisor.conftest import PERIOD, Desk
 from .observer import Observer, SpyWire
 
-RAISED = np.radians([10.0, 70.0, 80.0, 20.0, 70.0, 80.0, -20.0])
-SWAY, SWAYING, RAISING = np.radians(8.0), 2.0, 1.3  # [rad]; [s] of a period; [s] until the arms are up
-LONG, AFTER = 22.0, 6.0  # [s] of the performance, [s] of looking after a fault has passed
+RAISED_ANGLES = np.radians([10.0, 70.0, 80.0, 20.0, 70.0, 80.0, -20.0])  # [rad] hinge angles of one raised arm
+SWAY_AMPLITUDE = np.radians(8.0)  # [rad] amplitude of the swaying arms
+SWAY_PERIOD = 2.0  # [s] period of the swaying arms
+RAISE_DURATION = 1.3  # [s] duration of the motion that raises the arms
+PERFORMANCE_DURATION = 22.0  # [s] duration of the performance
+OBSERVATION_DURATION = 6.0  # [s] duration of the observation after the end of a fault
 WEIGHTS = {"flexion": 0.6, "bend": 0.35}  # [Nm] gravity torque on each hinge of a level arm part
 SETTINGS = SupervisorSettings(pace=2.0, patience=1.2, hopeless=12.0)
-BITS = (1, 4, 8, 16, 32)
-KIN_OF_WIRE = ("corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late")
+ERROR_BITS = (1, 4, 8, 16, 32)  # bits of the hardware error status: voltage, overheating, encoder, shock, overload
+WIRE_FAULT_KINDS = ("corrupt", "drop", "truncate", "duplicate", "noise", "lost", "late")
 
 
 @dataclass(frozen=True)
@@ -80,21 +83,25 @@ class Drill(Desk):
         super().cycle()
         self.observer.look(self.plant.time, self.status.angles, self.status.taken)
 
-    def raise_arms(self, up: Floats = RAISED) -> None:
+    def raise_arms(self, up: Floats = RAISED_ANGLES) -> None:
         """Raise the arms, and let them sway there."""
         self.open()
         rest = self.manifest.rest
-        for k in range(round(LONG / PERIOD)):
+        for k in range(round(PERFORMANCE_DURATION / PERIOD)):
             time = k * PERIOD
-            share = min(1.0, time / RAISING)
+            share = min(1.0, time / RAISE_DURATION)
             smooth = share**3 * (10 - 15 * share + 6 * share**2)
-            sway = SWAY * (1 - np.cos(2 * np.pi * (time - RAISING) / SWAYING)) / 2 if time > RAISING else 0.0
+            sway = (
+                SWAY_AMPLITUDE * (1 - np.cos(2 * np.pi * (time - RAISE_DURATION) / SWAY_PERIOD)) / 2
+                if time > RAISE_DURATION
+                else 0.0
+            )
             assert self.channel.write(time, rest + smooth * (up - rest) - np.sign(up) * sway)
-        while not self.status.time > RAISING + 0.3:
+        while not self.status.time > RAISE_DURATION + 0.3:
             self.cycle()
             assert not self.supervisor.done, self.kinds()[-12:]
 
-    def suffer(self, strike: Strike, *, after: float = AFTER) -> None:
+    def suffer(self, strike: Strike, *, after: float = OBSERVATION_DURATION) -> None:
         """Apply a fault, and observe the robot until some seconds afterwards."""
         self.observer.watching = True
         strike.begin(self)
@@ -136,11 +143,11 @@ def random_strike(servos: str, seed: int) -> Strike:
 
 def _planned(dice: Random, bus: str, servo: int, seconds: float) -> Strike:
     rate = dice.choice([0.05, 0.3, 1.0])
-    choices = [PlannedFault(kind, rate=rate, seconds=seconds) for kind in KIN_OF_WIRE]
+    choices = [PlannedFault(kind, rate=rate, seconds=seconds) for kind in WIRE_FAULT_KINDS]
     choices += [PlannedFault("silent", (servo,), seconds=seconds), PlannedFault("silent", seconds=seconds)] * 2
     choices += [PlannedFault("unplug", seconds=seconds)] * 3
     wire = len(choices)
-    choices += [PlannedFault("alert", (servo,), value=bit) for bit in BITS] * 2
+    choices += [PlannedFault("alert", (servo,), value=bit) for bit in ERROR_BITS] * 2
     choices += [PlannedFault("reboot", (servo,)), PlannedFault("reboot"), PlannedFault("watchdog", (servo,))]
     choices += [PlannedFault("overheat", (servo,), seconds=seconds, value=8.0)]
     choices += [PlannedFault("undervoltage", seconds=seconds)]
@@ -172,7 +179,7 @@ def _manual(dice: Random, bus: str, servo: int, seconds: float) -> Strike:
         partial(lies.DriftingClock, servo),
         partial(lies.StuckTick, servo),
     ]
-    of_servo: list[Callable[[], Fault]] = [partial(servo_faults.Alert, servo, bit) for bit in BITS] * 2
+    of_servo: list[Callable[[], Fault]] = [partial(servo_faults.Alert, servo, bit) for bit in ERROR_BITS] * 2
     of_servo += [partial(servo_faults.Reboot, servo), servo_faults.BrownOut, partial(servo_faults.TorqueOff, servo)]
     of_servo += [partial(servo_faults.Tripped, servo), partial(servo_faults.GoalIgnored, servo)]
     of_servo += [partial(servo_faults.Stalled, servo), partial(servo_faults.TemperatureRamp, servo, rate=8.0)]

@@ -23,14 +23,14 @@ from ...manual_servo.line import writes_of
 from ...manual_servo.packet import Decoder, Packet
 
 TORQUE, PWM, GOAL = 64, 100, 116
-RESTING = radians(5)
+REST_TOLERANCE = radians(5)  # [rad] largest distance from rest at which a servo may lose torque
 RECENT_STATES = 20  # number of recent actual states that a reported angle is compared with
-STANDSTILL_LIMIT = 1.0  # [s] duration of a standstill after which motion needs a person's consent
-MAX_DEPARTURE = radians(3)  # [rad] largest motion away from rest without consent after a standstill
+STANDSTILL_LIMIT = 1.0  # [s] duration of a standstill after which motion needs a resume request
+MAX_DEPARTURE = radians(3)  # [rad] largest motion away from rest without a resume request after a standstill
 STANDSTILL_TOLERANCE = radians(0.2)  # [rad] largest motion of goals during a standstill
 GOAL_TOLERANCE = radians(1)  # [rad] largest distance between goal and servo when torque is switched on
 MAX_VELOCITY_RATIO = 1.6  # largest goal velocity / no-load velocity of the servo
-ROUNDING = 2  # [ticks] rounding tolerance of goal changes
+TICK_TOLERANCE = 2  # [ticks] rounding tolerance of goal changes
 ANGLE_TOLERANCE = radians(3)  # [rad] largest error of a reported angle
 TIME_TOLERANCE = 0.03  # [s] largest error of the time of a reported angle
 
@@ -129,12 +129,12 @@ class Observer:
 
     def _lets_go(self, place: int, time: float, how: str) -> None:
         away = self.angles(self.true.ticks())[place] - self.rest[place]
-        if self.true.torque()[place] and abs(away) > RESTING:
+        if self.true.torque()[place] and abs(away) > REST_TOLERANCE:
             self._note(time, place, f"{how} at {np.degrees(away):.0f} degrees from rest")
 
     def _goal(self, place: int, goal: float, time: float) -> None:
         before, passed = self._goals[place], time - self._sent[place]
-        most = MAX_VELOCITY_RATIO * self.manifest.velocities[place] * max(passed, 0.0) + ROUNDING
+        most = MAX_VELOCITY_RATIO * self.manifest.velocities[place] * max(passed, 0.0) + TICK_TOLERANCE
         moves = self._off(place, goal) > GOAL_TOLERANCE
         if not moves and self._nearest is not None and abs(goal - before) > most:
             self._nearest[place] = np.inf  # it did not hear the goals before, and stands where it was

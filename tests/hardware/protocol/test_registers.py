@@ -7,8 +7,8 @@ from kinesic.body.robot_file import servo_models
 from kinesic.hardware.protocol.models import MODELS_BY_NUMBER, SERVO_MODELS, UNREACHABLE_FIRMWARE, Model
 from kinesic.hardware.protocol.registers import BAUD_RATES, HardwareError, Mode, Register
 
-EVERY = pytest.mark.parametrize("model", SERVO_MODELS.values(), ids=list(SERVO_MODELS))
-NUMBERS = {
+EVERY_MODEL = pytest.mark.parametrize("model", SERVO_MODELS.values(), ids=list(SERVO_MODELS))
+MODEL_NUMBERS = {
     "xl330_m077": 1190,
     "xl330_m288": 1200,
     "xc330_t181": 1210,
@@ -55,7 +55,7 @@ def test_factory_values_and_limits_fit_into_their_registers():
                 assert register.field.unpack(register.field.pack(value)) == value
 
 
-@EVERY
+@EVERY_MODEL
 def test_factory_register_values_are_within_their_ranges(model: Model):
     for register in model.registers:
         lower, upper = model.allowed_range(register)
@@ -140,7 +140,7 @@ def test_negative_register_values_are_twos_complement():
 
 def test_model_numbers_match_the_manual_and_are_unique():
     numbers = {name: model.number for name, model in SERVO_MODELS.items()}
-    assert {name: numbers[name] for name in NUMBERS} == NUMBERS
+    assert {name: numbers[name] for name in MODEL_NUMBERS} == MODEL_NUMBERS
     assert {model.name for model in MODELS_BY_NUMBER.values()} == set(SERVO_MODELS), "two models have the same number"
 
 
@@ -196,7 +196,7 @@ def test_optional_registers_differ_between_servo_models():
     assert not SERVO_MODELS["xw540_t260"].has(Register.LED)
 
 
-@EVERY
+@EVERY_MODEL
 def test_indirect_cells_follow_all_other_registers(model: Model):
     end = max(register.field.end for register in model.registers)
     for cells in model.cells:
@@ -229,7 +229,7 @@ def test_hardware_errors_are_named_by_their_bits(bits: int, names: tuple[str, ..
     assert HardwareError.names(bits) == names
 
 
-@EVERY
+@EVERY_MODEL
 def test_factory_shutdown_mask_includes_the_voltage_only_for_five_volt_models(model: Model):
     is_five_volt = model.name.startswith("xl330")
     assert model.initial[Register.SHUTDOWN] == (53 if is_five_volt else 52)

@@ -5,7 +5,7 @@ import pytest
 
 from kinesic.hardware.protocol.ticks import Scale
 
-ALL = np.arange(4096)[:, None]
+ALL_TICKS = np.arange(4096)[:, None]
 
 
 def scale(zero: int = 2048, turns: float = 1.0) -> Scale:
@@ -14,9 +14,9 @@ def scale(zero: int = 2048, turns: float = 1.0) -> Scale:
 
 @pytest.mark.parametrize("turns", [1.0, -1.0, 2.0, 2.5, -2.5, 0.5])
 @pytest.mark.parametrize("zero", [0, 1000, 2048, 4095])
-def test_ticks_and_angles_are_inverse(zero: int, turns: float):
+def test_conversions_from_ticks_to_angles_and_back_are_inverse(zero: int, turns: float):
     line = scale(zero, turns)
-    assert (line.ticks(line.angles(ALL)) == ALL).all()
+    assert (line.ticks(line.angles(ALL_TICKS)) == ALL_TICKS).all()
 
 
 def test_quarter_turn_of_a_servo_is_1024_ticks():

@@ -31,7 +31,7 @@ from ..conftest import BUILDERS
 from .judged import Room
 
 PERIOD = 0.01
-BRISK = SupervisorSettings(pace=3.0, patience=1.0)
+QUICK_SETTINGS = SupervisorSettings(pace=3.0, patience=1.0)  # fast moves and a short wait for commands
 MODEL = "xm430_w350"
 
 
@@ -59,7 +59,7 @@ class Desk:
         wires: Sequence[Cable],
         log: Path,
         *,
-        settings: SupervisorSettings = BRISK,
+        settings: SupervisorSettings = QUICK_SETTINGS,
         servos: str = "kinesic",
         assemble: Callable | None = None,  # builds kinesic's virtual servos with other physics
     ) -> None:
@@ -206,7 +206,7 @@ def desk(robot: Robot, tmp_path: Path, servos: str) -> Iterator[Callable[..., De
     """Return a function that creates an unstarted supervisor of the small robot."""
     desks: list[Desk] = []
 
-    def made(faults: FaultPlan = NO_FAULTS, settings: SupervisorSettings = BRISK) -> Desk:
+    def made(faults: FaultPlan = NO_FAULTS, settings: SupervisorSettings = QUICK_SETTINGS) -> Desk:
         first, second = describe_cables(robot)
         wires = (replace(first, faults=faults), second)
         desks.append(Desk(Manifest.of(robot), wires, tmp_path / "events.jsonl", settings=settings, servos=servos))
@@ -224,7 +224,11 @@ def crowd(tmp_path: Path, servos: str) -> Iterator[Callable[..., Desk]]:
     desks: list[Desk] = []
 
     def made(
-        count: int, *, baud: int = 1_000_000, faults: FaultPlan = NO_FAULTS, settings: SupervisorSettings = BRISK
+        count: int,
+        *,
+        baud: int = 1_000_000,
+        faults: FaultPlan = NO_FAULTS,
+        settings: SupervisorSettings = QUICK_SETTINGS,
     ) -> Desk:
         fittings = tuple(ServoFitting(k + 1, model=MODEL) for k in range(count))
         wires = (Cable("body", fittings, baud=baud, faults=faults),)

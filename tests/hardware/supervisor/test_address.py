@@ -22,7 +22,8 @@ from kinesic.hardware.supervisor.channel import Channel, Status, map_memory, mem
 from kinesic.host import account_home
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="needs /proc, as kinesic says")
-JOINTS, NOW = 3, 1000.0
+JOINTS = 3  # number of joints of the robot
+NOW = 1000.0  # [s] time of the simulated clock
 NOBODY = 65_534  # user id of another user
 
 
@@ -120,11 +121,10 @@ def test_address_file_has_permissions_for_its_owner_only(held: Held):
 
 
 def test_supervisor_is_found_only_through_its_published_ports(held: Held):
-    others = [held.port.with_name(name) for name in ("ttyUSB1", "ttyUSB2")]
-    assert len(set(publish([held.port, others[0]], held.memory, JOINTS))) == 2
+    second, third = (held.port.with_name(name) for name in ("ttyUSB1", "ttyUSB2"))
+    assert len(set(publish([held.port, second], held.memory, JOINTS))) == 2
     assert held.found()
-    assert find_supervisor(others[0], JOINTS) is not None
-    assert find_supervisor(others[1], JOINTS) is None
+    assert (find_supervisor(second, JOINTS) is not None, find_supervisor(third, JOINTS)) == (True, None)
 
 
 def test_supervisor_is_found_through_a_relative_port_path(held: Held, monkeypatch: pytest.MonkeyPatch):
@@ -170,10 +170,10 @@ def squat(path: Path, kind: str) -> None:
             os.chown(path, NOBODY, NOBODY)
 
 
-KINDS = ["file", "link", "open", *(["foreign"] if os.geteuid() == 0 else [])]
+OCCUPANT_KINDS = ["file", "link", "open", *(["foreign"] if os.geteuid() == 0 else [])]  # kinds of files at its place
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", OCCUPANT_KINDS)
 def test_supervisor_is_found_although_another_user_owns_the_address_folder(held: Held, kind: str):
     squat(held.folder, kind)
     home = held.port.parent / "home"
@@ -184,7 +184,7 @@ def test_supervisor_is_found_although_another_user_owns_the_address_folder(held:
     assert len(list(find_supervisors())) == 1
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", OCCUPANT_KINDS)
 def test_robot_is_refused_without_usable_address_folder(held: Held, kind: str):
     squat(held.folder, kind)
     with pytest.raises(BusError, match=rf"could not find this robot \({held.folder}: "):
@@ -254,10 +254,10 @@ def test_address_of_an_ended_process_is_ignored(held: Held):
     assert not held.found()
 
 
-WRONG = ("", "nonsense", "1 3", "1 2 3 4", "-1 4 3", "../.. 4 3", "1 4 0", "1 4 -3", "1 4 999999999999")
+INVALID_ADDRESSES = ("", "nonsense", "1 3", "1 2 3 4", "-1 4 3", "../.. 4 3", "1 4 0", "1 4 -3", "1 4 999999999999")
 
 
-@pytest.mark.parametrize("text", WRONG)
+@pytest.mark.parametrize("text", INVALID_ADDRESSES)
 def test_search_with_an_invalid_address_finds_no_supervisor(held: Held, text: str):
     publish([held.port], held.memory, JOINTS)
     held.file.write_text(text)

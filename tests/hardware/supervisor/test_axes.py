@@ -9,7 +9,7 @@ from kinesic.hardware.supervisor.axes import Axes, cycle_together
 from kinesic.hardware.supervisor.manifest import Manifest
 
 Make = Callable  # of a rig, see conftest
-MID = 2048
+MID_TICKS = 2048  # [ticks] position in the middle of a turn
 
 
 def test_all_buses_are_queried_before_the_first_reply(rig: Make):
@@ -20,7 +20,7 @@ def test_all_buses_are_queried_before_the_first_reply(rig: Make):
         begin, finish = made.bus.begin, made.bus.finish
         made.bus.begin = lambda goals, n=name, f=begin: (said.append(f"ask {n}"), f(goals))[1]
         made.bus.finish = lambda n=name, f=finish: (said.append(f"hear {n}"), f())[1]
-    cycles = cycle_together(buses, {"left": np.full(7, MID)})
+    cycles = cycle_together(buses, {"left": np.full(7, MID_TICKS)})
     assert said == ["ask left", "ask right", "hear left", "hear right"]
     assert cycles["left"].fresh.all()
     assert cycles["right"].fresh.all()
@@ -32,14 +32,14 @@ def test_bus_with_silent_servos_does_not_affect_another_bus(rig: Make):
     for servo in left.plant.servos:
         servo.mute = True
     buses = {"left": left.bus, "right": right.bus}
-    goals = {"left": np.full(3, MID), "right": np.array([MID, MID + 5, MID + 9])}
+    goals = {"left": np.full(3, MID_TICKS), "right": np.array([MID_TICKS, MID_TICKS + 5, MID_TICKS + 9])}
     for _ in range(10):
         cycles = cycle_together(buses, goals)
         for made in (left, right):
             made.wire.sleep(made.wire.now() + 0.01)
     assert not cycles["left"].fresh.any()
     assert cycles["right"].fresh.all()
-    assert right.true(Register.GOAL_POSITION).tolist() == [MID, MID + 5, MID + 9]
+    assert right.true(Register.GOAL_POSITION).tolist() == [MID_TICKS, MID_TICKS + 5, MID_TICKS + 9]
 
 
 def test_closing_the_axes_closes_the_port_of_every_bus(robot: Robot, rig: Make, monkeypatch: pytest.MonkeyPatch):

@@ -16,7 +16,8 @@ from kinesic.hardware.supervisor.channel import (
 )
 from kinesic.hardware.supervisor.state_machine import Stage
 
-JOINTS, CAPACITY = 3, 8
+JOINTS = 3  # number of joints of the robot
+CAPACITY = 8  # [commands] size of the command buffer
 
 
 @pytest.fixture

@@ -9,7 +9,7 @@ from kinesic.hardware.supervisor.state_machine import Stage
 
 from .judged import Room
 
-STARTLE = 0.5  # [s] longest interruption that needs no consent
+MAX_INTERRUPTION = 0.5  # [s] longest interruption without a resume request
 
 
 class Watched:
@@ -107,7 +107,7 @@ class Clock:
 
     def __init__(self) -> None:
         self.time = 0.0
-        self.watch = InterruptionWatch(STARTLE)
+        self.watch = InterruptionWatch(MAX_INTERRUPTION)
 
     def cycle(self, seconds: float, *, well: bool = True) -> InterruptionWatch:
         """Run a performance cycle some time [s] after the last: take commands, then judge servos."""
@@ -130,7 +130,7 @@ def clock() -> Clock:
 
 
 def test_no_interruption_is_reported_at_first_and_a_suspension_after_a_late_first_cycle():
-    watch = InterruptionWatch(STARTLE)
+    watch = InterruptionWatch(MAX_INTERRUPTION)
     assert (watch.interrupted, watch.fault_duration) == (False, 0.0)
     watch.note_commands(0.75, stage=Stage.HOLD, before=False, left=True, fresh=False)
     assert (watch.interrupted, watch.fault_duration) == (True, 0.75)
@@ -145,7 +145,7 @@ def test_healthy_servos_cause_no_interruption(clock: Clock):
 def test_long_servo_fault_counts_as_interruption(clock: Clock):
     assert not clock.cycle(0.25, well=False).interrupted
     assert not clock.cycle(0.25, well=False).interrupted
-    assert clock.watch.fault_duration == STARTLE
+    assert clock.watch.fault_duration == MAX_INTERRUPTION
     assert clock.cycle(0.25, well=False).interrupted
     assert clock.watch.fault_duration == 0.75
     assert clock.watch.describe("l_twist: silent") == "l_twist: silent (0.8 s or more)"
@@ -174,7 +174,7 @@ def test_slow_commands_at_standstill_count_as_interruption(clock: Clock):
 
 
 def test_commands_in_time_do_not_count_as_interruption(clock: Clock):
-    assert not clock.take(STARTLE, Stage.HOLD, before=False).interrupted
+    assert not clock.take(MAX_INTERRUPTION, Stage.HOLD, before=False).interrupted
     assert not clock.cycle(2.0).interrupted
 
 

@@ -12,7 +12,7 @@ from kinesic.hardware.supervisor.settings import DEFAULT_SETTINGS
 from kinesic.hardware.virtual.set_point import velocity_profile
 
 PERIOD = DEFAULT_SETTINGS.period
-STARTING = 3  # number of cycles in which the motion starts
+START_CYCLES = 3  # number of cycles in which the motion starts
 
 
 @pytest.fixture
@@ -42,7 +42,7 @@ def test_mean_profile_position_of_moving_servos_equals_their_goal(manifest, stee
         places = [profile.at(time)[0] for time in np.arange(0.5, 100) * PERIOD / 100]
         off.append(np.mean(places) - steering.goals[0])
         place = profile.at(PERIOD)[0]
-    assert np.abs(off[STARTING:]).max() < 1.5
+    assert np.abs(off[START_CYCLES:]).max() < 1.5
 
 
 def test_goal_ticks_at_standstill_are_rounded_goals_without_lag_compensation(steering):

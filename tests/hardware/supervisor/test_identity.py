@@ -17,9 +17,10 @@ from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.servo import VirtualServo
 from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 
-PERIOD, AWAY = 0.01, 0.2  # [s]
-WATCHDOG = 5
-LEFT = (0, 1, 2, 3)  # indices of the servos behind the first port
+PERIOD = 0.01  # [s] cycle period
+AWAY = 0.2  # [s] duration of the port loss
+WATCHDOG_COUNT = 5  # value of BUS_WATCHDOG of servos with torque
+LEFT_SERVOS = (0, 1, 2, 3)  # indices of the servos behind the first port
 
 
 @dataclass
@@ -37,7 +38,7 @@ class Bench:
 
     def identify(self) -> tuple[int, str]:
         """Return the cycles needed, and the reason to close the port or ""."""
-        procedure, cycles = identify(self.axes, self.tables, watchdog=WATCHDOG), 0
+        procedure, cycles = identify(self.axes, self.tables, watchdog=WATCHDOG_COUNT), 0
         try:
             for _ in procedure:
                 self.cycle()
@@ -59,7 +60,7 @@ def bench(robot: Robot) -> Iterator[Bench]:
         pass
     while made.cycle().lost:
         pass
-    assert axes.unidentified == LEFT
+    assert axes.unidentified == LEFT_SERVOS
     yield made
     axes.close()
 
@@ -83,7 +84,7 @@ def test_port_without_answers_is_closed(bench: Bench):
     assert cycles == 4 * 4 + 1, "the last one shows that the port is lost"
     assert why == "left: servo 1 (torsion): no servo answers on the reopened port; is the power on?"
     assert bench.cycle().lost
-    assert bench.axes.unidentified == LEFT
+    assert bench.axes.unidentified == LEFT_SERVOS
 
 
 def test_other_robot_is_reported_by_its_first_differing_servo(bench: Bench):
@@ -92,7 +93,7 @@ def test_other_robot_is_reported_by_its_first_differing_servo(bench: Bench):
     assert cycles == 3
     assert why.startswith("left: servo 2 (torsion): its SHUTDOWN is 53, must be 52; another robot is behind this port")
     assert bench.cycle().lost
-    assert bench.axes.unidentified == LEFT
+    assert bench.axes.unidentified == LEFT_SERVOS
 
 
 def test_reconnected_servo_with_torque_and_another_watchdog_is_rejected(bench: Bench):
@@ -128,11 +129,11 @@ def changed(table: RegisterTable, **values: int) -> RegisterTable:
 
 def test_servo_with_reset_ram_is_recognised_as_the_same_servo(bench: Bench):
     before = bench.tables[0]
-    assert describe_difference(before, before, watchdog=WATCHDOG) == ""
+    assert describe_difference(before, before, watchdog=WATCHDOG_COUNT) == ""
     for register in Register:
         field = register.field
         if field.address > 64 and field.end <= len(before.data) and register is not Register.BUS_WATCHDOG:
-            assert describe_difference(before, changed(before, **{register.name: 1}), watchdog=WATCHDOG) == ""
+            assert describe_difference(before, changed(before, **{register.name: 1}), watchdog=WATCHDOG_COUNT) == ""
 
 
 @pytest.mark.parametrize("register", [r for r in Register if r.field.address < 64], ids=lambda r: r.name)
@@ -140,17 +141,17 @@ def test_each_changed_persistent_register_is_reported_as_a_difference(bench: Ben
     assert register in PERSISTENT_REGISTERS
     before = bench.tables[0]
     other = before[register] ^ 1
-    said = describe_difference(before, changed(before, **{register.name: other}), watchdog=WATCHDOG)
+    said = describe_difference(before, changed(before, **{register.name: other}), watchdog=WATCHDOG_COUNT)
     assert said == f"its {register.name} is {other}, must be {before[register]}"
 
 
 @pytest.mark.parametrize(
     ("torque", "watchdog", "same"),
-    [(0, 0, True), (0, 9, True), (1, WATCHDOG, True), (1, WATCHDOG_TRIPPED, True), (1, 0, False), (1, 4, False)],
+    [(0, 0, True), (0, 9, True), (1, WATCHDOG_COUNT, True), (1, WATCHDOG_TRIPPED, True), (1, 0, False), (1, 4, False)],
 )
 def test_servo_with_torque_and_an_unexpected_watchdog_belongs_to_another_robot(
     bench: Bench, torque: int, watchdog: int, same: bool
 ):
     before = bench.tables[0]
     now = changed(before, TORQUE_ENABLE=torque, BUS_WATCHDOG=watchdog)
-    assert (describe_difference(before, now, watchdog=WATCHDOG) == "") is same
+    assert (describe_difference(before, now, watchdog=WATCHDOG_COUNT) == "") is same

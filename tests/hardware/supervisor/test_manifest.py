@@ -22,7 +22,7 @@ def test_manifest_lists_servos_bus_by_bus(robot: Robot):
     assert manifest.bauds == {"left": 1_000_000, "right": 1_000_000}
 
 
-def test_ticks_and_angles_are_inverses_and_tandems_are_averaged(robot: Robot):
+def test_joint_angle_is_the_mean_of_its_tandem_servos_and_converts_back_to_their_ticks(robot: Robot):
     manifest = Manifest.of(robot)
     angles = np.array([0.3, 0.5, -0.7, 1.1])
     ticks = manifest.scale.ticks(angles[manifest.joints]).astype(float)

@@ -15,10 +15,10 @@ from kinesic.hardware.supervisor.monitor import (
 
 from .judged import Given, tables_of
 
-STRENGTH = LoadRatings(
+LOAD_RATINGS = LoadRatings(
     celsius=np.array([80.0, 80.0]), current=np.array([1000.0, 1000.0]), full=np.array([140.0, 140.0])
 )
-STILL = np.zeros(2)
+ZERO_GOALS = np.zeros(2)
 
 
 def records(*, current: int = 0, celsius: int = 30, position: int = 0, velocity: int = 0, torque: int = 1):
@@ -33,16 +33,16 @@ def records(*, current: int = 0, celsius: int = 30, position: int = 0, velocity:
 def after(seconds: float, **what: int) -> LoadState:
     load = LoadState.none(2)
     for k in range(round(seconds * 100) + 1):
-        load = update_load(load, records(**what), np.full(2, 0.01 * k), STILL, STRENGTH)
+        load = update_load(load, records(**what), np.full(2, 0.01 * k), ZERO_GOALS, LOAD_RATINGS)
     return load
 
 
 def test_lightly_loaded_servo_does_not_slow_the_performance():
-    assert derate(after(60.0, current=300), records(current=300), STRENGTH).tolist() == [1.0, 1.0]
+    assert derate(after(60.0, current=300), records(current=300), LOAD_RATINGS).tolist() == [1.0, 1.0]
 
 
 def test_sustained_full_current_slows_and_then_stops_the_performance():
-    scales = [derate(after(seconds, current=-1000), records(), STRENGTH)[1] for seconds in (1.0, 9.0, 20.0)]
+    scales = [derate(after(seconds, current=-1000), records(), LOAD_RATINGS)[1] for seconds in (1.0, 9.0, 20.0)]
     assert scales[0] == 1.0
     assert 0.0 < scales[1] < 1.0
     assert scales[2] == 0.0
@@ -51,13 +51,13 @@ def test_sustained_full_current_slows_and_then_stops_the_performance():
 def test_servo_load_decays_without_current():
     tired = after(20.0, current=1000)
     for k in range(1000):
-        tired = update_load(tired, records(), np.full(2, 21.0 + 0.01 * k), STILL, STRENGTH)
-    assert derate(tired, records(), STRENGTH)[1] == 1.0
+        tired = update_load(tired, records(), np.full(2, 21.0 + 0.01 * k), ZERO_GOALS, LOAD_RATINGS)
+    assert derate(tired, records(), LOAD_RATINGS)[1] == 1.0
 
 
 @pytest.mark.parametrize(("celsius", "scale"), [(60, 1.0), (70, 1.0), (74, 3 / 7), (77, 0.0), (79, 0.0)])
 def test_hot_servo_slows_the_time_scale_before_it_shuts_down(celsius: int, scale: float):
-    assert derate(LoadState.none(2), records(celsius=celsius), STRENGTH) == pytest.approx([1.0, scale])
+    assert derate(LoadState.none(2), records(celsius=celsius), LOAD_RATINGS) == pytest.approx([1.0, scale])
 
 
 @pytest.mark.parametrize(("velocity", "stuck"), [(2, True), (-2, True), (3, False), (-3, False)])
@@ -76,31 +76,33 @@ def test_servo_far_from_its_goal_that_does_not_move_is_stuck():
 
 @pytest.mark.parametrize(("gap", "halted"), [(0.15, True), (0.16, False)])
 def test_stall_time_restarts_after_a_gap_in_servo_records(gap: float, halted: bool):
-    load = update_load(LoadState.none(2), records(position=200), np.zeros(2), STILL, STRENGTH)
-    load = update_load(load, records(position=200), np.full(2, gap), STILL, STRENGTH)
+    load = update_load(LoadState.none(2), records(position=200), np.zeros(2), ZERO_GOALS, LOAD_RATINGS)
+    load = update_load(load, records(position=200), np.full(2, gap), ZERO_GOALS, LOAD_RATINGS)
     assert load.stalled[1] == (gap if halted else 0.0)
 
 
 def test_old_servo_record_does_not_change_the_estimated_load():
     load = after(0.2, position=200, current=1000)
-    again = update_load(load, records(position=200), load.taken, np.array([0.0, 200.0]), STRENGTH)
+    again = update_load(load, records(position=200), load.taken, np.array([0.0, 200.0]), LOAD_RATINGS)
     assert again.stalled.tolist() == load.stalled.tolist()
     assert again.work.tolist() == load.work.tolist()
     assert load.stalled[1] == pytest.approx(0.2)
 
 
 def test_servo_load_is_the_squared_current_low_pass_filtered_over_ten_seconds():
-    load = update_load(LoadState.none(2), records(), np.zeros(2), STILL, STRENGTH)
-    load = update_load(load, records(current=-500), np.full(2, 0.1), STILL, STRENGTH)
+    load = update_load(LoadState.none(2), records(), np.zeros(2), ZERO_GOALS, LOAD_RATINGS)
+    load = update_load(load, records(current=-500), np.full(2, 0.1), ZERO_GOALS, LOAD_RATINGS)
     assert load.work == pytest.approx([0.0, 0.25 * 0.1 / 10.0])
-    load = update_load(load, records(current=2000), np.full(2, 0.2), STILL, STRENGTH)  # never more than its limit
+    load = update_load(
+        load, records(current=2000), np.full(2, 0.2), ZERO_GOALS, LOAD_RATINGS
+    )  # never more than its limit
     assert load.work == pytest.approx([0.0, 0.0025 + (1.0 - 0.0025) * 0.01])
 
 
 @pytest.mark.parametrize(("work", "scale"), [(0.0, 1.0), (0.5, 1.0), (0.65, 0.5), (0.74, 0.2), (0.8, 0.0), (1.0, 0.0)])
 def test_performance_slows_between_half_and_four_fifths_of_the_load_limit(work: float, scale: float):
     load = LoadState(np.array([0.0, work]), np.zeros(2), np.zeros(2))
-    assert derate(load, records(), STRENGTH) == pytest.approx([1.0, scale])
+    assert derate(load, records(), LOAD_RATINGS) == pytest.approx([1.0, scale])
 
 
 def test_load_ratings_come_from_the_servo_registers(manifest):
@@ -188,7 +190,7 @@ def test_servo_without_torque_is_reported_as_torque_off(room):
     assert not room.look().any_energised
 
 
-def test_tripped_watchdog_counts_only_with_torque(room):
+def test_tripped_watchdog_of_a_servo_without_torque_does_not_count_as_a_fault(room):
     room.records["watchdog"][2], room.records["torque"][2] = WATCHDOG_TRIPPED, 0
     assert not room.look().tripped
     room.records["torque"][2] = 1

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from kinesic.hardware.supervisor.player import MAX_MOVE_ACCELERATION, Player, TimedMove, TimeScale, advance_time
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 
-STEP = 0.01
+TIME_STEP = 0.01  # [s] duration of a control step
 
 
 def run(
@@ -14,15 +14,15 @@ def run(
 ) -> list[TimeScale]:
     scales = [time_scale]
     for _ in range(steps):
-        scales.append(advance_time(scales[-1], STEP, target=target, end=end, slow=slow))
+        scales.append(advance_time(scales[-1], TIME_STEP, target=target, end=end, slow=slow))
     return scales
 
 
 def test_performance_time_accelerates_evenly_to_its_full_rate():
     scales = run(TimeScale(), 100)
-    assert np.allclose(np.diff([scale.scale for scale in scales[:41]]), STEP / 0.4)
+    assert np.allclose(np.diff([scale.scale for scale in scales[:41]]), TIME_STEP / 0.4)
     assert scales[-1].scale == 1.0
-    assert np.isclose(scales[-1].time - scales[-2].time, STEP)
+    assert np.isclose(scales[-1].time - scales[-2].time, TIME_STEP)
 
 
 def test_time_scale_reaches_zero_within_the_slowdown_time():
@@ -34,7 +34,7 @@ def test_time_scale_reaches_zero_within_the_slowdown_time():
 def test_performance_time_stops_smoothly_at_the_end_of_commands():
     scales = run(TimeScale(0.0, 1.0), 400, end=1.0)
     assert scales[-1] == TimeScale(1.0, 0.0)
-    assert max(np.abs(np.diff([scale.scale for scale in scales]))) <= STEP / 0.4 + 1e-9
+    assert max(np.abs(np.diff([scale.scale for scale in scales]))) <= TIME_STEP / 0.4 + 1e-9
 
 
 @given(
@@ -48,14 +48,14 @@ def test_performance_time_never_decreases_or_passes_the_end(
     time_scale, end = TimeScale(0.0, scale), 0.0
     for target, more in story:
         end = max(end, time_scale.time + more)
-        after = advance_time(time_scale, STEP, target=target, end=end, slow=slow)
+        after = advance_time(time_scale, TIME_STEP, target=target, end=end, slow=slow)
         assert time_scale.time <= after.time <= max(end, time_scale.time)
-        assert after.time - time_scale.time <= STEP + 1e-12
+        assert after.time - time_scale.time <= TIME_STEP + 1e-12
         assert 0.0 <= after.scale <= 1.0
         time_scale = after
 
 
-def test_move_is_rest_to_rest_within_the_velocity_limit():
+def test_move_starts_and_ends_at_rest_within_the_velocity_limit():
     way = TimedMove.between(np.array([0.0, 1.0]), np.array([0.5, -1.0]), pace=0.7)
     times = np.linspace(0.0, way.duration, 2001)
     places = np.array([way.at(float(time)) for time in times])
@@ -87,14 +87,14 @@ def player_with(times) -> Player:
 
 def play(player: Player, seconds: float, *, target: float = 1.0) -> float:
     angles = None
-    for _ in range(round(seconds / STEP)):
-        angles = player.advance(STEP, target=target, slow=0.4)
+    for _ in range(round(seconds / TIME_STEP)):
+        angles = player.advance(TIME_STEP, target=target, slow=0.4)
     assert angles is not None
     return float(angles[0])
 
 
 def test_performance_starts_at_the_time_of_its_first_command_and_runs_at_full_rate():
-    player = player_with(np.arange(2.0, 4.0, STEP))
+    player = player_with(np.arange(2.0, 4.0, TIME_STEP))
     assert (player.begun, player.still) == (True, True)
     assert player.left == pytest.approx(1.99)
     player.follow()
@@ -103,20 +103,20 @@ def test_performance_starts_at_the_time_of_its_first_command_and_runs_at_full_ra
 
 
 def test_performance_time_resumes_smoothly_after_a_pause():
-    player = player_with(np.arange(0.0, 4.0, STEP))
+    player = player_with(np.arange(0.0, 4.0, TIME_STEP))
     player.follow()
     play(player, 1.0)
     player.hold()
     assert player.still
-    assert player.advance(STEP, target=1.0, slow=0.4) is None
+    assert player.advance(TIME_STEP, target=1.0, slow=0.4) is None
     player.follow()
-    play(player, STEP)
-    assert player.time_scale.scale == pytest.approx(STEP / 0.4)
+    play(player, TIME_STEP)
+    assert player.time_scale.scale == pytest.approx(TIME_STEP / 0.4)
     assert player.time_scale.time == pytest.approx(1.0, abs=1e-3)
 
 
 def test_approach_motion_of_the_servos_ends_at_the_first_setpoint():
-    player = player_with(np.arange(0.0, 1.0, STEP))
+    player = player_with(np.arange(0.0, 1.0, TIME_STEP))
     player.approach(np.array([0.8]))
     assert not player.reached
     assert play(player, 5.0) == pytest.approx(0.0)
@@ -125,7 +125,7 @@ def test_approach_motion_of_the_servos_ends_at_the_first_setpoint():
 
 
 def test_command_before_the_current_time_or_with_infinite_angles_is_refused():
-    player = player_with(np.arange(0.0, 2.0, STEP))
+    player = player_with(np.arange(0.0, 2.0, TIME_STEP))
     player.follow()
     play(player, 1.0)
     assert not player.take(0.5, np.zeros(1))
@@ -136,7 +136,7 @@ def test_command_before_the_current_time_or_with_infinite_angles_is_refused():
 
 def test_performance_time_restarts_at_the_first_command_of_a_new_performance():
     for begin in (0.0, 100.0):
-        player = player_with(np.arange(0.0, 1.0, STEP))
+        player = player_with(np.arange(0.0, 1.0, TIME_STEP))
         player.follow()
         play(player, 3.0)
         assert player.still
@@ -145,7 +145,7 @@ def test_performance_time_restarts_at_the_first_command_of_a_new_performance():
 
 
 def test_command_with_an_earlier_time_starts_no_new_performance_half_a_second_before_the_end():
-    player = player_with(np.arange(0.0, 2.0, STEP))
+    player = player_with(np.arange(0.0, 2.0, TIME_STEP))
     player.follow()
     play(player, 1.5)
     assert not player.take(0.2, np.zeros(1))
@@ -153,7 +153,7 @@ def test_command_with_an_earlier_time_starts_no_new_performance_half_a_second_be
 
 
 def test_move_counts_as_ended_up_to_rounding_but_not_10_ms_before_its_end():
-    player = player_with(np.arange(0.0, 1.0, STEP))
+    player = player_with(np.arange(0.0, 1.0, TIME_STEP))
     player.approach(np.array([0.8]))
     duration = player._move.duration
     for time, reached in ((duration, True), (duration - 1e-9, True), (duration - 0.01, False)):

@@ -22,11 +22,12 @@ from kinesic.hardware.virtual.wiring import Cable, ServoFitting
 from .conftest import Desk, manifest_of
 
 DOCS = Path(__file__).parents[3] / "docs" / "reference" / "servos.md"
-HEAD = ("| register | what is done | why |", "|---|---|---|")
-RULES = {register: rule for rule in REGISTER_RULES for register in rule.registers}
-SECONDS, AMPLITUDE = 0.6, 0.25  # [s], [rad] of the motion that is compared
-USUAL = "xm430_w350"
-SET = {
+TABLE_HEAD = ("| register | what is done | why |", "|---|---|---|")
+RULE_OF_REGISTER = {register: rule for rule in REGISTER_RULES for register in rule.registers}
+MOTION_DURATION = 0.6  # [s] duration of the compared motion
+MOTION_AMPLITUDE = 0.25  # [rad] amplitude of the compared motion
+USUAL_MODEL = "xm430_w350"
+SET_VALUES = {  # (register, wrong value) -> value that the supervisor sets
     (Register.RETURN_DELAY_TIME, 254): 0,
     **{(Register.DRIVE_MODE, bits): 0 for bits in (1, 4, 8, 13)},
     **{(Register.OPERATING_MODE, mode): 3 for mode in (0, 1, 4, 5, 16)},
@@ -35,32 +36,29 @@ SET = {
     (Register.MOVING_THRESHOLD, 1023): 10,
     (Register.PWM_SLOPE, 1): 255,
     (Register.STARTUP_CONFIGURATION, 3): 0,
-    (Register.SHUTDOWN, 0): 52,
-    (Register.SHUTDOWN, 53): 52,
-    (Register.STATUS_RETURN_LEVEL, 0): 2,
-    (Register.STATUS_RETURN_LEVEL, 1): 2,
+    **{(Register.SHUTDOWN, mask): 52 for mask in (0, 53)},
+    **{(Register.STATUS_RETURN_LEVEL, level): 2 for level in (0, 1)},
     **{(Register.POSITION_P_GAIN, gain): 800 for gain in (0, 16383)},
     **{(r, 16383): 0 for r in (Register.POSITION_D_GAIN, Register.POSITION_I_GAIN)},
     **{(r, 16383): 0 for r in (Register.FEEDFORWARD_1ST_GAIN, Register.FEEDFORWARD_2ND_GAIN)},
     (Register.PROFILE_ACCELERATION, 1): 0,
-    (Register.PROFILE_VELOCITY, 1): 201,
-    (Register.PROFILE_VELOCITY, 0): 201,
+    **{(Register.PROFILE_VELOCITY, velocity): 201 for velocity in (1, 0)},
 }
-NARROWED = {
+NARROWED_LIMITS = {  # (limit register, wide value) -> narrower value that the supervisor sets
     (Register.TEMPERATURE_LIMIT, 100): 80,
     (Register.MAX_VOLTAGE_LIMIT, 240): 160,
     (Register.MIN_VOLTAGE_LIMIT, 0): 95,
     (Register.MAX_POSITION_LIMIT, 4095): 3040,
     (Register.MIN_POSITION_LIMIT, 0): 960,
 }
-TOO_NARROW = {
+TOO_NARROW_LIMITS = {  # (limit register, too narrow value) -> text of the refusal
     (Register.TEMPERATURE_LIMIT, 49): "temperature limit is 49 C",
     (Register.MAX_VOLTAGE_LIMIT, 110): "has shut down (voltage)",
     (Register.MIN_VOLTAGE_LIMIT, 130): "supply is 12.0 V",
     (Register.MAX_POSITION_LIMIT, 2900): "its hinge needs 1000..3000",
     (Register.MIN_POSITION_LIMIT, 1100): "its hinge needs 1000..3000",
 }
-REFUSED = {
+REFUSED_VALUES = {  # (register, value) -> text of the refusal
     (Register.MODEL_NUMBER, 1060): "is a xl430_w250, must be a xm430_w350",
     (Register.FIRMWARE_VERSION, 37): "firmware 37 has no bus watchdog",
     (Register.ID, 9): "no answer",
@@ -71,7 +69,7 @@ REFUSED = {
     (Register.VELOCITY_LIMIT, 10): "velocity limit",
     (Register.HARDWARE_ERROR_STATUS, 32): "has shut down (overload)",
 }
-MOVED = {  # wrong registers whose motion with torque is tested in every run; `make soak` tests all
+MOVED_VALUES = {  # wrong values whose motion with torque is tested in every run; `make soak` tests all
     (Register.DRIVE_MODE, 13),
     (Register.OPERATING_MODE, 4),
     (Register.HOMING_OFFSET, 1000),
@@ -80,16 +78,17 @@ MOVED = {  # wrong registers whose motion with torque is tested in every run; `m
     (Register.PROFILE_VELOCITY, 1),
     (Register.MAX_POSITION_LIMIT, 4095),
 }
-ALL_WRONG = (SET | NARROWED).items()
-PERFORMED = [pytest.param(*row, id=str(row[0]), marks=[pytest.mark.soak] * (row[0] not in MOVED)) for row in ALL_WRONG]
-DRIVEN = {
-    (Register.BUS_WATCHDOG, -1),
-    (Register.BUS_WATCHDOG, 1),
+WRONG_VALUES = (SET_VALUES | NARROWED_LIMITS).items()
+SET_CASES = [
+    pytest.param(*row, id=str(row[0]), marks=[pytest.mark.soak] * (row[0] not in MOVED_VALUES)) for row in WRONG_VALUES
+]
+DRIVEN_VALUES = {  # (register, value) that the supervisor overwrites in operation
+    *((Register.BUS_WATCHDOG, count) for count in (-1, 1)),
     (Register.GOAL_PWM, 0),
     (Register.GOAL_PWM, -885),
     (Register.GOAL_POSITION, 500),
 }
-LEFT = {
+LEFT_VALUES = {  # register -> value that has no effect on motion, so that it is kept
     **dict.fromkeys((r for r in Register if r.name.startswith("EXTERNAL_PORT_MODE")), 1),
     **dict.fromkeys((r for r in Register if r.name.startswith("EXTERNAL_PORT_DATA")), 4095),
     Register.LED: 1,
@@ -103,7 +102,7 @@ LEFT = {
 
 
 def model_with(register: Register) -> str:
-    names = (USUAL, "xc330_t288", "xm540_w270")
+    names = (USUAL_MODEL, "xc330_t288", "xm540_w270")
     return next(name for name in names if SERVO_MODELS[name].has(register))
 
 
@@ -111,14 +110,14 @@ def two_servos(folder: Path, model: str) -> Desk:
     """Make two hinges with one factory-fresh servo each."""
     whole = manifest_of(2, 1_000_000)
     members = tuple(replace(m, servo=Servo(m.id, SERVO_MODELS[model]), speed=min(m.speed, 3.0)) for m in whole.members)
-    members = whole.members if model == USUAL else members
+    members = whole.members if model == USUAL_MODEL else members
     cable = Cable("body", tuple(ServoFitting(member.id, model=model) for member in members))
     return Desk(replace(whole, members=members), (cable,), folder / "events.jsonl")
 
 
 @pytest.fixture
 def pair(tmp_path: Path) -> Iterator[Desk]:
-    made = two_servos(tmp_path, USUAL)
+    made = two_servos(tmp_path, USUAL_MODEL)
     yield made
     made.end()
 
@@ -138,10 +137,10 @@ def moved(desk: Desk) -> Ticks:
     """Return positions (k, m) during a motion that is stopped in its middle."""
     desk.open()
     assert desk.stage is Stage.LIMP, desk.kinds()
-    desk.perform(SECONDS, amplitude=AMPLITUDE)
+    desk.perform(MOTION_DURATION, amplitude=MOTION_AMPLITUDE)
     desk.until(Stage.ACTIVE)
     places = []
-    while desk.stage is Stage.ACTIVE and desk.status.time < SECONDS - 0.02:
+    while desk.stage is Stage.ACTIVE and desk.status.time < MOTION_DURATION - 0.02:
         desk.cycle()
         places.append([round(servo.electronics.shaft.angle / 2 / np.pi * 4096) for servo in desk.plant.servos])
     return np.array(places)
@@ -187,38 +186,39 @@ def test_servo_guide_lists_all_register_rules():
         f"| {rule.treatment}{': ' if rule.detail else ''}{rule.detail} | {rule.why} |"
         for rule in REGISTER_RULES
     ]
-    table = "\n".join((*HEAD, *rows))
+    table = "\n".join((*TABLE_HEAD, *rows))
     assert table in DOCS.read_text(), f"docs/reference/servos.md must hold\n{table}"
 
 
 def test_register_tests_cover_every_register_that_can_be_wrong():
     cannot = {Register.MODEL_INFORMATION, Register.BAUD_RATE, Register.PROTOCOL_TYPE, Register.TORQUE_ENABLE}
-    sensors = {r for r in Register if not r.field.writable} - {Register.MODEL_NUMBER, Register.FIRMWARE_VERSION, *LEFT}
-    tried = {r for r, _ in (*SET, *NARROWED, *REFUSED, *DRIVEN)} | set(LEFT)
+    versions = {Register.MODEL_NUMBER, Register.FIRMWARE_VERSION}
+    sensors = {r for r in Register if not r.field.writable} - {*versions, *LEFT_VALUES}
+    tried = {r for r, _ in (*SET_VALUES, *NARROWED_LIMITS, *REFUSED_VALUES, *DRIVEN_VALUES)} | set(LEFT_VALUES)
     assert tried | cannot | (sensors - {Register.HARDWARE_ERROR_STATUS}) == set(Register)
     for treatment, result in (
-        ("set", {r for r, _ in SET}),
-        ("narrowed", {r for r, _ in NARROWED} & {r for r, _ in TOO_NARROW}),
-        ("refused", {r for r, _ in REFUSED}),
-        ("driven", {r for r, _ in DRIVEN} | {Register.TORQUE_ENABLE}),
+        ("set", {r for r, _ in SET_VALUES}),
+        ("narrowed", {r for r, _ in NARROWED_LIMITS} & {r for r, _ in TOO_NARROW_LIMITS}),
+        ("refused", {r for r, _ in REFUSED_VALUES}),
+        ("driven", {r for r, _ in DRIVEN_VALUES} | {Register.TORQUE_ENABLE}),
     ):
-        assert {r for r in result if RULES[r].treatment != treatment} == set()
-        assert {r for r in Register if RULES[r].treatment == treatment} - sensors <= result
+        assert {r for r in result if RULE_OF_REGISTER[r].treatment != treatment} == set()
+        assert {r for r in Register if RULE_OF_REGISTER[r].treatment == treatment} - sensors <= result
 
 
-@pytest.mark.parametrize(("hostile", "value"), ALL_WRONG, ids=str)
+@pytest.mark.parametrize(("hostile", "value"), WRONG_VALUES, ids=str)
 def test_wrong_register_value_is_corrected_before_torque_on(tmp_path: Path, hostile: tuple[Register, int], value: int):
     made = two_servos(tmp_path, model_with(hostile[0]))
     leave(made, *hostile)
     made.open()
-    made.perform(SECONDS, amplitude=AMPLITUDE)
+    made.perform(MOTION_DURATION, amplitude=MOTION_AMPLITUDE)
     while not made.true(Register.TORQUE_ENABLE)[0]:
         made.cycle()
     assert made.true(hostile[0])[0] == value
     made.end()
 
 
-@pytest.mark.parametrize(("hostile", "value"), PERFORMED)
+@pytest.mark.parametrize(("hostile", "value"), SET_CASES)
 def test_wrong_register_of_a_servo_with_torque_keeps_its_value_and_motion_is_correct(
     tmp_path: Path, hostile: tuple[Register, int], value: int
 ):
@@ -228,7 +228,7 @@ def test_wrong_register_of_a_servo_with_torque_keeps_its_value_and_motion_is_cor
     made.end()
 
 
-@pytest.mark.parametrize(("hostile", "message"), (REFUSED | TOO_NARROW).items(), ids=str)
+@pytest.mark.parametrize(("hostile", "message"), (REFUSED_VALUES | TOO_NARROW_LIMITS).items(), ids=str)
 def test_servo_with_unsuitable_register_values_is_refused_and_gets_no_torque(
     pair: Desk, hostile: tuple[Register, int], message: str
 ):
@@ -242,10 +242,10 @@ def test_servo_with_unsuitable_register_values_is_refused_and_gets_no_torque(
     assert not pair.true(Register.TORQUE_ENABLE).any()
 
 
-@pytest.mark.parametrize("model", sorted({model_with(register) for register in LEFT}))
+@pytest.mark.parametrize("model", sorted({model_with(register) for register in LEFT_VALUES}))
 def test_registers_that_kinesic_leaves_unchanged_do_not_affect_motion(tmp_path: Path, model: str):
-    values = {register: value for register, value in LEFT.items() if model_with(register) == model}
-    assert {RULES[register].treatment for register in values} == {"left"}
+    values = {register: value for register, value in LEFT_VALUES.items() if model_with(register) == model}
+    assert {RULE_OF_REGISTER[register].treatment for register in values} == {"left"}
     made = two_servos(tmp_path, model)
     for register, value in values.items():
         leave(made, register, value)
@@ -253,12 +253,12 @@ def test_registers_that_kinesic_leaves_unchanged_do_not_affect_motion(tmp_path: 
     made.end()
 
 
-@pytest.mark.parametrize(("register", "value"), sorted(DRIVEN, key=str), ids=str)
+@pytest.mark.parametrize(("register", "value"), sorted(DRIVEN_VALUES, key=str), ids=str)
 def test_initial_values_of_registers_that_kinesic_writes_do_not_affect_motion(
     pair: Desk, register: Register, value: int
 ):
     leave(pair, register, value)
-    assert np.abs(moved(pair) - untouched(USUAL)).max() <= 3
+    assert np.abs(moved(pair) - untouched(USUAL_MODEL)).max() <= 3
     assert max(pair.jumps) <= 2
 
 

@@ -7,14 +7,14 @@ import pytest
 from kinesic.hardware.supervisor.observation import Observation
 from kinesic.hardware.supervisor.state_machine import Stage, SupervisorState, step
 
-CALM = Observation(energised=True)
+HEALTHY_OBSERVATION = Observation(energised=True)  # all servos have torque and no fault
 
 
 def at(stage: Stage, **changes: object) -> SupervisorState:
     return replace(SupervisorState(stage, checked=True, powered=True), **changes)
 
 
-GOING = {"due": True}
+COMMANDS_DUE = {"due": True}  # observation in which commands wait to be performed
 FOLDED, FAULTY, PAUSED = {"folded": True}, {"faulty": True}, {"paused": True}
 RULES = [  # stage, flags, event, observation; then next stage, actions, next flags
     (Stage.CLOSED, {}, "tick", {}, Stage.CLOSED, (), {}),
@@ -42,7 +42,7 @@ RULES = [  # stage, flags, event, observation; then next stage, actions, next fl
     (Stage.HOLD, PAUSED, "tick", {"limp": True}, Stage.HOLD, (), {}),
     (Stage.HOLD, PAUSED, "tick", {"limp": True, "raised": True}, Stage.ARM, ("arm",), {}),
     # holding: after an emergency stop
-    (Stage.HOLD, {"stopped": True}, "tick", GOING, Stage.STOPPED, ("hold",), {}),
+    (Stage.HOLD, {"stopped": True}, "tick", COMMANDS_DUE, Stage.STOPPED, ("hold",), {}),
     (Stage.HOLD, {"stopped": True}, "tick", {"alone": True, "ended": True}, Stage.FOLD, ("fold",), {}),
     # holding: the end
     (Stage.HOLD, {}, "tick", {"ended": True}, Stage.FOLD, ("fold",), {}),
@@ -57,10 +57,10 @@ RULES = [  # stage, flags, event, observation; then next stage, actions, next fl
     (Stage.HOLD, FOLDED, "tick", {"ended": True, "raised": True, "confirmed": True}, Stage.RELEASE, ("release",), {}),
     (Stage.HOLD, FOLDED, "tick", {"ended": True, "raised": True, "idle": True}, Stage.WAITING, (), {}),
     # holding: what goes on
-    (Stage.HOLD, FOLDED, "tick", GOING, Stage.APPROACH, ("approach",), {"folded": False}),
+    (Stage.HOLD, FOLDED, "tick", COMMANDS_DUE, Stage.APPROACH, ("approach",), {"folded": False}),
     (Stage.HOLD, {}, "tick", {"due": True, "well": False}, Stage.HOLD, (), {}),
     (Stage.HOLD, {}, "tick", {"due": False}, Stage.HOLD, (), {}),
-    (Stage.HOLD, PAUSED, "tick", GOING, Stage.HOLD, (), {}),
+    (Stage.HOLD, PAUSED, "tick", COMMANDS_DUE, Stage.HOLD, (), {}),
     (Stage.HOLD, FOLDED, "tick", {"idle": True}, Stage.HOLD, (), {}),
     (Stage.WAITING, FOLDED, "tick", {"raised": True}, Stage.WAITING, (), {}),
     (Stage.WAITING, FOLDED, "tick", {}, Stage.RELEASE, ("release",), {}),
@@ -68,7 +68,7 @@ RULES = [  # stage, flags, event, observation; then next stage, actions, next fl
     (Stage.WAITING, FOLDED, "mended", {"raised": True}, Stage.HOLD, ("hold",), {"folded": False, "careful": True}),
     (Stage.WAITING, FOLDED, "tick", {"raised": True, "limp": True}, Stage.HOLD, ("hold",), {"careful": True}),
     # performing
-    (Stage.APPROACH, {}, "tick", GOING, Stage.APPROACH, (), {}),
+    (Stage.APPROACH, {}, "tick", COMMANDS_DUE, Stage.APPROACH, (), {}),
     (Stage.ACTIVE, {}, "tick", {"due": True, "reached": True}, Stage.ACTIVE, (), {}),
     (Stage.DEGRADED, {}, "tick", {"due": True, "still": True}, Stage.HOLD, ("hold",), {}),
     (Stage.DEGRADED, {}, "tick", {"due": True, "still": False}, Stage.ACTIVE, (), {}),
@@ -89,7 +89,7 @@ RULES = [  # stage, flags, event, observation; then next stage, actions, next fl
     (Stage.RELEASE, {}, "tick", {}, Stage.RELEASE, (), {"powered": True}),
     (Stage.RELEASE, {}, "done", {}, Stage.CLOSED, ("close",), {"powered": False}),
     (Stage.RELEASE, {}, "refused", {}, Stage.CLOSED, ("close",), {"powered": True}),
-    (Stage.STOPPED, {"stopped": True}, "tick", GOING, Stage.STOPPED, (), {}),
+    (Stage.STOPPED, {"stopped": True}, "tick", COMMANDS_DUE, Stage.STOPPED, (), {}),
     (Stage.STOPPED, {"stopped": True, "folded": True}, "resumed", {}, Stage.HOLD, ("hold",), {"folded": False}),
     (Stage.STOPPED, {"stopped": True}, "tick", {"alone": True}, Stage.HOLD, ("hold",), {"stopped": True}),
     # ports and watchdogs
@@ -120,7 +120,7 @@ RULES = [  # stage, flags, event, observation; then next stage, actions, next fl
 def test_each_event_leads_to_the_stage_actions_and_flags_of_the_rule_table(
     stage, before, event, facts, after, actions, remembered
 ):
-    state, begun = step(at(stage, **before), event, replace(CALM, **facts))
+    state, begun = step(at(stage, **before), event, replace(HEALTHY_OBSERVATION, **facts))
     assert (state.stage, begun) == (after, actions)
     assert {name: getattr(state, name) for name in remembered} == remembered
 
@@ -129,8 +129,8 @@ def test_each_event_leads_to_the_stage_actions_and_flags_of_the_rule_table(
 @pytest.mark.parametrize(
     ("before", "facts"),
     [
-        (FAULTY, GOING),
-        (PAUSED, GOING),
+        (FAULTY, COMMANDS_DUE),
+        (PAUSED, COMMANDS_DUE),
         ({}, {"due": True, "ended": True}),
         ({}, {"due": True, "well": False}),
         ({}, {"due": False}),
@@ -138,7 +138,7 @@ def test_each_event_leads_to_the_stage_actions_and_flags_of_the_rule_table(
 )
 def test_faults_pauses_and_missing_commands_slow_the_performance_to_a_stop(stage: Stage, before: dict, facts: dict):
     other = Stage.ACTIVE if stage is Stage.APPROACH else Stage.APPROACH
-    known = replace(CALM, **facts, reached=True)
+    known = replace(HEALTHY_OBSERVATION, **facts, reached=True)
     state, begun = step(at(stage, **before, slowed=other), "tick", known)
     assert (state.stage, begun, state.slowed) == (Stage.DEGRADED, ("slow",), stage)
     assert step(state, "tick", replace(known, still=False)) == (state, ())  # and does not go on by itself
@@ -148,7 +148,7 @@ def test_faults_pauses_and_missing_commands_slow_the_performance_to_a_stop(stage
 @pytest.mark.parametrize("raised", [False, True])
 @pytest.mark.parametrize("stage", Stage)
 def test_emergency_stop_holds_releases_or_waits_depending_on_stage_and_policy(stage: Stage, policy: str, raised: bool):
-    state, begun = step(at(stage), "estop", replace(CALM, policy=policy, raised=raised))
+    state, begun = step(at(stage), "estop", replace(HEALTHY_OBSERVATION, policy=policy, raised=raised))
     ended = {Stage.CLOSED, Stage.RELEASE}
     waiting = {Stage.LOST, Stage.IDENTIFY, Stage.ADOPT} | ({Stage.ARM} if raised else set())
     if stage in ended or (policy == "hold" and stage in waiting):
@@ -166,7 +166,7 @@ def test_emergency_stop_holds_releases_or_waits_depending_on_stage_and_policy(st
 
 def test_emergency_stop_before_the_servo_check_closes_the_ports():
     for policy in ("hold", "limp"):
-        state, begun = step(SupervisorState(Stage.PROBE), "estop", replace(CALM, policy=policy))
+        state, begun = step(SupervisorState(Stage.PROBE), "estop", replace(HEALTHY_OBSERVATION, policy=policy))
         assert (state.stage, begun) == (Stage.CLOSED, ("close",))
 
 

@@ -20,7 +20,7 @@ from kinesic.hardware.supervisor.torque import (
 )
 
 from .conftest import PERIOD
-from .torque_bench import COUNT, EVERYBODY, FULL, WATCHDOG, Bench, moved
+from .torque_bench import ALL_PLACES, COUNT, FULL, WATCHDOG, Bench, moved
 
 
 @pytest.fixture
@@ -37,7 +37,7 @@ def test_watchdog_time_is_rounded_up_to_register_counts(seconds: float, counts: 
 
 def test_torque_starts_at_present_positions_with_low_power(bench: Bench):
     here = [servo.electronics.present_position() for servo in bench.plant.servos]
-    bench.run(energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3))
+    bench.run(energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3))
     powers = [seen[Register.GOAL_PWM][2] for seen in bench.seen if seen[Register.TORQUE_ENABLE][2]]
     assert list(dict.fromkeys(powers)) == [round(share * FULL) for share in (0.1, 0.4, 0.7, 1.0)]
     assert all(seen[Register.GOAL_POSITION] == here for seen in bench.seen)
@@ -51,7 +51,7 @@ def test_torque_starts_at_present_positions_with_low_power(bench: Bench):
 
 def test_motor_power_is_full_0_3_seconds_after_torque_on(bench: Bench):
     steps = round(POWER_RAMP_TIME / PERIOD)
-    bench.run(energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=steps))
+    bench.run(energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=steps))
     rising = [seen for seen in bench.seen if seen[Register.TORQUE_ENABLE][2] and seen[Register.GOAL_PWM][2] < FULL]
     assert len(rising) * PERIOD == pytest.approx(0.3, abs=0.02)
 
@@ -59,9 +59,9 @@ def test_motor_power_is_full_0_3_seconds_after_torque_on(bench: Bench):
 def test_gains_and_profile_are_written_with_the_first_goals(bench: Bench):
     members = bench.axes.manifest.members
     for register in members[0].ram_values:
-        bench.axes.put_all(register, EVERYBODY, 1)
+        bench.axes.put_all(register, ALL_PLACES, 1)
     bench.cycle()
-    begun = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    begun = energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     bench.goals = np.rint(next(begun)).astype(np.int64)
     bench.cycle()
     for register in members[0].ram_values:
@@ -70,7 +70,7 @@ def test_gains_and_profile_are_written_with_the_first_goals(bench: Bench):
 
 def test_gains_and_profile_lost_on_the_bus_are_rewritten_before_torque_is_switched_on(bench: Bench):
     members = bench.axes.manifest.members
-    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    procedure = energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
 
     def forget_once(snapshot: Snapshot, cycle: int) -> Snapshot:
         if cycle == 1:
@@ -93,7 +93,7 @@ def test_torque_is_switched_on_only_after_every_servo_has_stored_its_goal(bench:
         return snapshot
 
     here = bench.true(Register.PRESENT_POSITION)
-    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    procedure = energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     bench.run(procedure, lose_goal)
     first = next(k for k, seen in enumerate(bench.seen) if any(seen[Register.TORQUE_ENABLE]))
     assert first >= 10
@@ -107,7 +107,7 @@ def test_torque_is_enabled_only_on_the_requested_servos(bench: Bench):
 
 
 def test_no_servo_gets_torque_while_one_is_moving(bench: Bench):
-    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    procedure = energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     with pytest.raises(BusError, match=r"servo 2 \(hinge1\).* some of them move.* torque stays off"):
         bench.run(procedure, lambda snapshot, cycle: moved(snapshot, 2.0 * cycle))
     assert len(bench.seen) == 200  # two seconds
@@ -116,7 +116,7 @@ def test_no_servo_gets_torque_while_one_is_moving(bench: Bench):
 
 def test_torque_is_switched_on_only_at_standstill(bench: Bench):
     start = bench.true(Register.PRESENT_POSITION)[1]
-    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    procedure = energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     bench.run(procedure, lambda snapshot, cycle: moved(snapshot, 3.0 * min(cycle, 30)))
     first = next(k for k, seen in enumerate(bench.seen) if any(seen[Register.TORQUE_ENABLE]))
     assert 31 <= first <= 36
@@ -124,12 +124,12 @@ def test_torque_is_switched_on_only_at_standstill(bench: Bench):
 
 
 def test_motion_of_one_tick_counts_as_rest(bench: Bench):
-    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    procedure = energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     assert bench.run(procedure, lambda snapshot, cycle: moved(snapshot, cycle % 2)) < 15
 
 
 def test_servo_records_older_than_the_goals_do_not_confirm_torque(bench: Bench):
-    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    procedure = energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     old = replace(bench.last, times=bench.last.times.copy())
     old.times[3] -= 0.5
 
@@ -143,7 +143,7 @@ def test_servo_records_older_than_the_goals_do_not_confirm_torque(bench: Bench):
 
 def test_failed_switch_on_leaves_no_servo_with_torque(bench: Bench):
     bench.plant.servos[2].electronics.fail(HardwareError.OVERLOAD.value)
-    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    procedure = energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     with pytest.raises(BusError, match=r"servo 3 \(hinge2\): torque does not come on"):
         bench.run(procedure)
     lit = [seen[Register.TORQUE_ENABLE] for seen in bench.seen]
@@ -157,7 +157,7 @@ def test_servos_whose_values_cannot_be_read_get_no_torque(bench: Bench, monkeypa
 
     monkeypatch.setattr(bench.axes, "read", fail)
     with pytest.raises(BusError, match="do not take their goals; torque stays off"):
-        bench.run(energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3))
+        bench.run(energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3))
     assert all(seen[Register.TORQUE_ENABLE] == [0] * COUNT for seen in bench.seen)
 
 
@@ -182,15 +182,15 @@ def deaf_once(bench: Bench, monkeypatch: pytest.MonkeyPatch) -> list[list[int]]:
 
 def test_missed_torque_command_is_repeated(bench: Bench, deaf_once: list[list[int]]):
     bench.energised()
-    assert deaf_once == [list(EVERYBODY), [1]]
+    assert deaf_once == [list(ALL_PLACES), [1]]
     assert bench.true(Register.TORQUE_ENABLE) == [1] * COUNT
 
 
 def test_moved_servo_gets_no_repeated_torque_command(bench: Bench, deaf_once: list[list[int]]):
-    procedure = energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
+    procedure = energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     with pytest.raises(BusError, match=r"servo 2 \(hinge1\): torque does not come on"):
         bench.run(procedure, lambda snapshot, cycle: moved(snapshot, 50 if deaf_once else 0))
-    assert [places for places in deaf_once if places] == [list(EVERYBODY)]
+    assert [places for places in deaf_once if places] == [list(ALL_PLACES)]
     assert bench.true(Register.TORQUE_ENABLE) == [0] * COUNT
 
 
@@ -204,7 +204,7 @@ def test_torque_procedure_waits_until_the_host_receives_new_records(bench: Bench
         results.append(replace(snapshot, records=limp.records, times=limp.times))
         return results[-1]
 
-    bench.run(energise(bench.axes, EVERYBODY, bench.last, bench.power, watchdog=WATCHDOG, steps=3), late)
+    bench.run(energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3), late)
     assert len(results) > 2 * STEP_CYCLES
     assert bench.true(Register.TORQUE_ENABLE) == [1] * COUNT
 
@@ -213,7 +213,7 @@ def test_supervisor_takes_over_servos_with_torque_and_keeps_their_goals(bench: B
     bench.energised()
     earlier = bench.last.positions + np.array([0.0, 282.0, -282.0, 3.0])  # at most twice the 141 ticks of full power
     for register, value in ((Register.GOAL_PWM, 300), (Register.BUS_WATCHDOG, 0)):
-        bench.axes.put_all(register, EVERYBODY, value)
+        bench.axes.put_all(register, ALL_PLACES, value)
     bench.cycle()
     bench.run(adopt(bench.axes, bench.last, earlier, bench.power, watchdog=WATCHDOG))
     assert bench.goals.tolist() == np.rint(earlier).tolist()
@@ -269,7 +269,7 @@ def test_goals_of_adopted_servos_are_within_their_ranges(bench: Bench):
 
 def test_servo_without_torque_is_not_adopted(bench: Bench):
     bench.energised(0, 1, 3)
-    bench.axes.put_all(Register.GOAL_PWM, EVERYBODY, 300)
+    bench.axes.put_all(Register.GOAL_PWM, ALL_PLACES, 300)
     bench.cycle()
     bench.run(adopt(bench.axes, bench.last, bench.last.positions, bench.power, watchdog=WATCHDOG))
     assert bench.true(Register.TORQUE_ENABLE) == [1, 1, 0, 1]
@@ -291,7 +291,7 @@ def test_torque_off_is_sent_twice_per_cycle(bench: Bench):
     write = bench.wire.write
     bench.wire.write = lambda data: (written.append(bytes(data)), write(data))[1]
     bench.run(release_torque(bench.axes, tries=10))
-    off = sync_write(Register.TORQUE_ENABLE.field.address, 1, {k + 1: b"\0" for k in EVERYBODY})
+    off = sync_write(Register.TORQUE_ENABLE.field.address, 1, {k + 1: b"\0" for k in ALL_PLACES})
     assert written[0].count(off) == 2
 
 

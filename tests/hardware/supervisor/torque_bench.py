@@ -19,8 +19,10 @@ from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 from .conftest import MODEL, PERIOD, manifest_of
 
-COUNT, FULL, WATCHDOG = 4, 885, 5
-EVERYBODY = range(COUNT)
+COUNT = 4  # number of servos
+FULL = 885  # [counts] GOAL_PWM at full power
+WATCHDOG = 5  # value of BUS_WATCHDOG of servos with torque
+ALL_PLACES = range(COUNT)
 Change = Callable[
     [Snapshot, int], Snapshot
 ]  # what a procedure is told instead of a snapshot, by the number of the cycle
@@ -30,7 +32,7 @@ class Bench:
     """Four servos, and a procedure that runs on them."""
 
     def __init__(self) -> None:
-        cable = Cable("body", tuple(ServoFitting(k + 1, model=MODEL) for k in EVERYBODY))
+        cable = Cable("body", tuple(ServoFitting(k + 1, model=MODEL) for k in ALL_PLACES))
         self.plant: ShaftSimulation
         self.plant, buses = build_bus([cable])
         self.wire = MemoryWire(buses["body"])
@@ -39,7 +41,7 @@ class Bench:
         configure(self.axes, tables)
         self.goals: Ticks | None = None
         self.power = np.full(COUNT, FULL)
-        self.seen: list[dict[Register, list[int]]] = []  # after each cycle, see WATCHED
+        self.seen: list[dict[Register, list[int]]] = []  # after each cycle, see CHECKED_REGISTERS
         self.last = self.cycle()
 
     def true(self, register: Register) -> list[int]:
@@ -49,7 +51,7 @@ class Bench:
         due = self.wire.now() + PERIOD
         snapshot = self.axes.cycle(self.goals)
         self.wire.sleep(due)
-        self.seen.append({register: self.true(register) for register in WATCHED})
+        self.seen.append({register: self.true(register) for register in CHECKED_REGISTERS})
         return snapshot
 
     def run(
@@ -57,7 +59,7 @@ class Bench:
         procedure: Procedure,
         change: Change = lambda snapshot, cycle: snapshot,
         *,
-        places: Sequence[int] = EVERYBODY,
+        places: Sequence[int] = ALL_PLACES,
     ) -> int:
         """Run a procedure for the servos at these places to its end; return the number of cycles."""
         self.seen = []
@@ -73,11 +75,11 @@ class Bench:
                 return cycles
 
     def energised(self, *places: int) -> None:
-        chosen = places or EVERYBODY
+        chosen = places or ALL_PLACES
         self.run(energise(self.axes, chosen, self.last, self.power, watchdog=WATCHDOG, steps=3), places=chosen)
 
 
-WATCHED = (Register.TORQUE_ENABLE, Register.GOAL_PWM, Register.GOAL_POSITION, Register.BUS_WATCHDOG)
+CHECKED_REGISTERS = (Register.TORQUE_ENABLE, Register.GOAL_PWM, Register.GOAL_POSITION, Register.BUS_WATCHDOG)
 
 
 def moved(snapshot: Snapshot, ticks: float) -> Snapshot:

@@ -16,31 +16,31 @@ from kinesic.hardware.tools.calibration import (
     measure_hinges,
 )
 
-ROBOT = Robot.load()
-MANIFEST = Manifest.of(ROBOT)
-ZEROS = np.array([2048 + 3 * member.joint for member in MANIFEST.members])
+DEFAULT_ROBOT = Robot.load()
+MANIFEST = Manifest.of(DEFAULT_ROBOT)
+ZERO_POSITIONS = np.array([2048 + 3 * member.joint for member in MANIFEST.members])
 
 
 def at(**degrees: float) -> Ticks:
     """Return positions of all servos with some hinges rotated."""
     moved = [m.turns * degrees.get(m.hinge, 0.0) * TICKS_PER_TURN / 360.0 for m in MANIFEST.members]
-    return np.rint(ZEROS + np.array(moved)).astype(np.int64)
+    return np.rint(ZERO_POSITIONS + np.array(moved)).astype(np.int64)
 
 
 def watched(*positions: Ticks) -> Travel:
-    travel = Travel.begin(ZEROS)
+    travel = Travel.begin(ZERO_POSITIONS)
     for row in positions:
         travel = travel.with_positions(row, MANIFEST)
     return travel
 
 
 def found(travel: Travel, before: Calibration = NO_CALIBRATION) -> Calibration:
-    return calibration(travel, MANIFEST, ROBOT, before)
+    return calibration(travel, MANIFEST, DEFAULT_ROBOT, before)
 
 
 def test_calibrated_zeros_ignore_the_turn_count():
-    travel = Travel.begin(ZEROS + 5 * TICKS_PER_TURN)
-    assert found(travel).zero_ticks == {m.hinge: int(z) for m, z in zip(MANIFEST.members, ZEROS, strict=True)}
+    travel = Travel.begin(ZERO_POSITIONS + 5 * TICKS_PER_TURN)
+    assert found(travel).zero_ticks == {m.hinge: int(z) for m, z in zip(MANIFEST.members, ZERO_POSITIONS, strict=True)}
 
 
 def test_calibration_takes_a_hinge_direction_from_the_first_large_rotation():
@@ -54,11 +54,11 @@ def test_calibration_takes_a_hinge_direction_from_the_first_large_rotation():
 def test_mechanical_stop_far_inside_the_configured_range_narrows_the_range():
     travel = watched(at(l_elbow_flexion=100), at(l_elbow_flexion=-1), at(r_elbow_flexion=133.5), at(r_elbow_flexion=2))
     assert found(travel).range_deg == {"l_elbow_flexion": (0.0, 100.0)}
-    elbow = measure_hinges(travel, MANIFEST, ROBOT)[ROBOT.skeleton.joint("r_elbow_flexion")]
+    elbow = measure_hinges(travel, MANIFEST, DEFAULT_ROBOT)[DEFAULT_ROBOT.skeleton.joint("r_elbow_flexion")]
     assert elbow.is_whole
 
 
-def test_small_travel_does_not_narrow_the_range():
+def test_hinge_turned_by_little_keeps_its_configured_range_in_the_calibration():
     assert found(watched(at(l_elbow_flexion=40), at())).range_deg == {}
 
 
@@ -77,11 +77,11 @@ def test_unturned_hinge_keeps_its_calibration():
 
 def test_written_calibration_is_read_back():
     seen = found(watched(at(l_elbow_flexion=100), at()))
-    assert msgspec.toml.decode(calibration_text(seen, ROBOT), type=Calibration) == seen
+    assert msgspec.toml.decode(calibration_text(seen, DEFAULT_ROBOT), type=Calibration) == seen
 
 
 def test_calibration_without_narrowed_ranges_has_no_table_of_ranges():
-    assert "range_deg" not in calibration_text(found(watched()), ROBOT)
+    assert "range_deg" not in calibration_text(found(watched()), DEFAULT_ROBOT)
 
 
 @pytest.mark.parametrize(
@@ -92,7 +92,7 @@ def test_calibration_without_narrowed_ranges_has_no_table_of_ranges():
     ],
 )
 def test_misaligned_servo_horn_is_reported(hinge: str, zero: int, message: str):
-    zeros = np.where([m.hinge == hinge for m in MANIFEST.members], zero, ZEROS)
+    zeros = np.where([m.hinge == hinge for m in MANIFEST.members], zero, ZERO_POSITIONS)
     with pytest.raises(ConfigError) as refused:
         found(Travel.begin(zeros))
     assert message in str(refused.value)
@@ -101,12 +101,12 @@ def test_misaligned_servo_horn_is_reported(hinge: str, zero: int, message: str):
 
 @pytest.mark.parametrize("offset", [-7, 7])
 def test_small_offset_of_tandem_servos_is_accepted(offset: int):
-    zeros = ZEROS + offset * np.array([m.id == 3 for m in MANIFEST.members])
+    zeros = ZERO_POSITIONS + offset * np.array([m.id == 3 for m in MANIFEST.members])
     assert found(Travel.begin(zeros)).zero_ticks["vl5_tilt"] in {int(zero) for zero in zeros[1:3]}
 
 
-def test_disagreeing_tandem_servos_are_refused():
-    zeros = ZEROS + 57 * np.array([m.id == 3 for m in MANIFEST.members])
+def test_calibration_of_tandem_servos_with_different_positions_is_refused():
+    zeros = ZERO_POSITIONS + 57 * np.array([m.id == 3 for m in MANIFEST.members])
     with pytest.raises(ConfigError) as refused:
         found(Travel.begin(zeros))
     assert "vl5_tilt (servo 2, 3): its servos differ by 57 ticks" in str(refused.value)
@@ -114,9 +114,11 @@ def test_disagreeing_tandem_servos_are_refused():
 
 def test_calibrated_range_that_excludes_the_rest_angle_is_refused():
     travel = watched(at(l_elbow_flexion=135), at(l_elbow_flexion=135))
-    elbow = ROBOT.skeleton.joint("l_elbow_flexion")
+    elbow = DEFAULT_ROBOT.skeleton.joint("l_elbow_flexion")
     raised = np.where([m.joint == elbow for m in MANIFEST.members], 400, 0)
-    travel = Travel(ZEROS - raised, travel.present, travel.lowest + raised, travel.highest + raised, travel.directions)
+    travel = Travel(
+        ZERO_POSITIONS - raised, travel.present, travel.lowest + raised, travel.highest + raised, travel.directions
+    )
     with pytest.raises(ConfigError, match="excludes its rest of 18 deg"):
         found(travel)
 
@@ -135,4 +137,4 @@ def test_calibrated_range_that_excludes_the_rest_angle_is_refused():
     ],
 )
 def test_positive_direction_of_a_hinge_is_described_for_calibration(hinge: str, words: str):
-    assert describe_positive_direction(ROBOT, ROBOT.skeleton.joint(hinge)) == words
+    assert describe_positive_direction(DEFAULT_ROBOT, DEFAULT_ROBOT.skeleton.joint(hinge)) == words

@@ -14,7 +14,7 @@ from kinesic.hardware.virtual.wiring import Cable, ServoFitting
 from .conftest import Line
 
 Lines = Callable[..., Line]
-IDS = tuple(range(1, 15))
+SERVO_IDS = tuple(range(1, 15))
 
 
 def troubled(*faults: PlannedFault, count: int = 3, **changes: object) -> Line:

@@ -17,7 +17,7 @@ from kinesic.hardware.virtual.set_point import Profile, still_profile, time_prof
 
 from .conftest import Line
 
-PLACES = st.floats(-6.0, 6.0)
+SHAFT_ANGLES = st.floats(-6.0, 6.0)  # [rad] angles of a shaft
 Lines = Callable[..., Line]
 
 
@@ -50,7 +50,7 @@ def test_servo_profile_of_kind_step_reaches_its_goal_immediately():
     assert still_profile(0.3).at(0.0) == (0.3, 0.0)
 
 
-@given(PLACES, st.floats(-3.0, 3.0), PLACES, st.floats(0.1, 5.0), st.floats(0.5, 50.0))
+@given(SHAFT_ANGLES, st.floats(-3.0, 3.0), SHAFT_ANGLES, st.floats(0.1, 5.0), st.floats(0.5, 50.0))
 def test_servo_profile_keeps_velocity_and_acceleration_limits_and_reaches_its_goal(
     start: float, speed: float, goal: float, limit: float, acceleration: float
 ):
@@ -64,7 +64,7 @@ def test_servo_profile_keeps_velocity_and_acceleration_limits_and_reaches_its_go
         assert np.abs(np.diff(places) / np.diff(times)).max() <= max(limit, abs(speed)) + 1e-6
 
 
-@given(PLACES, PLACES, st.floats(0.05, 5.0), st.floats(0.0, 5.0))
+@given(SHAFT_ANGLES, SHAFT_ANGLES, st.floats(0.05, 5.0), st.floats(0.0, 5.0))
 def test_time_based_servo_profile_takes_the_requested_duration(start: float, goal: float, duration: float, rise: float):
     profile = time_profile(start, goal, duration=duration, rise=rise)
     assert profile.duration == pytest.approx(duration)

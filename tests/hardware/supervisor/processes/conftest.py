@@ -24,15 +24,17 @@ from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 
-from .opening import BUSES, open_servos
+from .opening import BUS_NAMES, open_servos
 
 HERE = Path(__file__).parent
 ROOT = Path(__file__).parents[4]
 PATIENCE = 60.0  # [s] longest wait for any event on a loaded machine
 WATCHDOG = 0.2
 SETTINGS = SupervisorSettings(watchdog=WATCHDOG, patient_watchdog=WATCHDOG, pace=3.0)
-SERVOS, JOINTS = 5, 4
-NEAR, FAR = 10, 60  # [ticks] distances from rest: less than a degree, more than five degrees
+SERVOS = 5  # number of servos of the small robot
+JOINTS = 4  # number of hinges of the small robot
+NEAR = 10  # [ticks] largest distance of a servo at rest from its rest position, less than a degree
+FAR = 60  # [ticks] distance from its first position above which a servo counts as raised, more than five degrees
 TRANSFER_TIME = 0.05  # [s] until written bytes have reached the servos
 
 
@@ -75,7 +77,7 @@ class Table:
         self.folder, self.in_order = folder, True
         command = [sys.executable, str(HERE / "served.py"), str(robot.path), str(folder)]
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-        Rig.wait(lambda: all((folder / name).exists() for name in BUSES))
+        Rig.wait(lambda: all((folder / name).exists() for name in BUS_NAMES))
         self._file = (folder / "record").open()
         self._rows, self._begun = np.empty((0, 3 + 4 * SERVOS)), ""  # whole lines; what there is of the next
 
@@ -152,7 +154,7 @@ class Rig:
 
     @property
     def ports(self) -> dict[str, Path]:
-        return {name: self.folder / name for name in BUSES}
+        return {name: self.folder / name for name in BUS_NAMES}
 
     def opened(self, settings: SupervisorSettings = SETTINGS) -> Servos:
         self._opened.append(open_servos(self.robot, self.folder, settings=settings, log=self.log))

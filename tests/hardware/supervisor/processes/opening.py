@@ -8,14 +8,14 @@ from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 
-BUSES = ("left", "right")
+BUS_NAMES = ("left", "right")
 LATE_ERRORS = (  # parts of error messages that a slow machine can cause
     "no answer at",
     "no servo of ids",
     "no status packet",
     "answers too rarely",
 )
-TRIES = 4
+MAX_TRIES = 4  # most attempts to open the servos
 
 
 def open_servos(robot: Robot, folder: Path, *, settings: SupervisorSettings, log: Path) -> Servos:
@@ -23,13 +23,13 @@ def open_servos(robot: Robot, folder: Path, *, settings: SupervisorSettings, log
 
     The log contains only the successful opening.
     """
-    ports = {name: folder / name for name in BUSES}
-    for tries in range(1, TRIES + 1):
+    ports = {name: folder / name for name in BUS_NAMES}
+    for tries in range(1, MAX_TRIES + 1):
         st_size = log.stat().st_size if log.exists() else 0
         try:
             return Servos(robot, ports, settings=settings, log=log)
         except BusError as error:
-            if tries == TRIES or not any(text in str(error) for text in LATE_ERRORS):
+            if tries == MAX_TRIES or not any(text in str(error) for text in LATE_ERRORS):
                 raise
             os.truncate(log, st_size)
     raise AssertionError

@@ -15,11 +15,11 @@ from kinesic.hardware.supervisor.settings import SupervisorSettings
 
 from .opening import open_servos
 
-BRISK = SupervisorSettings(pace=3.0, patience=1.0)
+QUICK_SETTINGS = SupervisorSettings(pace=3.0, patience=1.0)  # fast moves and a short wait for commands
 
 
 def main(robot: Robot, folder: Path, log: Path, seconds: float | None) -> None:
-    servos = open_servos(robot, folder, settings=BRISK, log=log)
+    servos = open_servos(robot, folder, settings=QUICK_SETTINGS, log=log)
     rest, tick, still = robot.skeleton.rest, 0, np.zeros(len(robot.skeleton.rest))
     while seconds is None or tick * 0.01 < seconds:
         time.sleep(0.02)

@@ -20,7 +20,7 @@ from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 from kinesic.hardware.virtual.pty import PtyPort, serve_wires
 from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 
-SHOWN = (Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG)
+RECORDED_REGISTERS = (Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG)
 RECORD_INTERVAL = 0.002  # [s] default time between two recorded lines
 
 
@@ -39,7 +39,9 @@ def main(robot: str, folder: Path, every: float) -> None:
     with (folder / "record").open("w") as record:
 
         def show() -> None:
-            rows = [[*(s.memory[r] for r in SHOWN), s.electronics.present_position()] for s in plant.servos]
+            rows = [
+                [*(s.memory[r] for r in RECORDED_REGISTERS), s.electronics.present_position()] for s in plant.servos
+            ]
             figures = [int(port.descriptor is not None) for port in ports] + [v for row in rows for v in row]
             record.write(f"{began + plant.time:.6f} " + " ".join(map(str, figures)) + "\n")
 

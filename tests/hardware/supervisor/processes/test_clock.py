@@ -16,7 +16,8 @@ from kinesic.hardware.supervisor.state_machine import Stage
 pytestmark = pytest.mark.realtime
 
 HERE = Path(__file__).parent
-HOUR, SECONDS = 3600, 1.8
+HOUR = 3600  # [s] size of the clock jump
+SECONDS = 1.8  # [s] duration of the compared motion
 MAX_DELAY = 0.1  # [s] largest delay of cycles at which the supervisor does not slow the performance
 MAX_VELOCITY = 0.6  # [rad/s] largest joint velocity of the planner's motion
 MOTION_AMPLITUDE = 0.3  # [rad] amplitude of the planner's motion

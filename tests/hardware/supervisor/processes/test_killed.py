@@ -16,7 +16,8 @@ from .conftest import lateness
 pytestmark = pytest.mark.realtime
 
 PATIENCE = 60.0  # [s] longest wait for any event on a loaded machine
-WATCHDOG, COUNT = 0.2, 0.02  # [s] of the watchdogs where this machine is punctual; of one of their counts
+WATCHDOG = 0.2  # [s] watchdog time on a punctual machine
+COUNT = 0.02  # [s] watchdog time per register count
 
 
 def test_killed_supervisor_leaves_servos_stopped_with_torque_and_the_next_supervisor_adopts_them(rig):

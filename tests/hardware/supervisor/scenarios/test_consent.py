@@ -1,4 +1,4 @@
-"""Consent after emergency stops and long interruptions."""
+"""Resume requests after emergency stops and long interruptions."""
 
 from collections.abc import Callable
 from itertools import product

@@ -12,7 +12,8 @@ from kinesic.hardware.supervisor.state_machine import Stage
 from ..conftest import Desk
 
 Make = Callable  # of a desk, see conftest
-LIAR, SECONDS = 2, 0.6
+LIAR = 2  # index of the servo with a false value
+SECONDS = 0.6  # [s] duration of the false value
 
 
 @contextmanager

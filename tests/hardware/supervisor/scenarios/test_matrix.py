@@ -14,9 +14,9 @@ from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.virtual.faults import BUILD_KINDS, FaultPlan, PlannedFault
 
 Make = Callable  # of a desk, see conftest
-REFUSED = {"duplicate id", "wrong model"}
-HELD = {"alert encoder"}  # faults after which the servo is not moved, as its position is unknown
-SIMILAR = {  # faults similar to others that are tested in every run, tested only by `make soak`
+REFUSED_FAULTS = {"duplicate id", "wrong model"}  # faults for which the supervisor refuses the servos
+HELD_FAULTS = {"alert encoder"}  # faults after which the servo is not moved, as its position is unknown
+SOAK_FAULTS = {  # faults similar to others that are tested in every run, tested only by `make soak`
     "calm",
     "truncate 5%",
     "duplicate 5%",
@@ -25,8 +25,10 @@ SIMILAR = {  # faults similar to others that are tested in every run, tested onl
     "alert overheating",
     "alert electrical_shock",
 }
-FEW = 3  # number of servos in tests of one fault: the faulty servo and two others
-SIZES, BAUDS, SEEDS = (7, 14, 26), (57_600, 1_000_000, 4_000_000), (1, 2, 3)
+FEW_SERVOS = 3  # number of servos in tests of one fault: the faulty servo and two others
+SERVO_COUNTS = (7, 14, 26)  # numbers of servos
+BAUD_RATES = (57_600, 1_000_000, 4_000_000)  # [bit/s] baud rates
+FAULT_SEEDS = (1, 2, 3)  # seeds of the random faults
 
 
 def settings(count: int, baud: int) -> SupervisorSettings:
@@ -50,7 +52,7 @@ def struck(make: Make, case: FaultCase, count: int, baud: int, seed: int) -> Non
     later = tuple(m for m in case.faults if m.kind not in BUILD_KINDS)
     desk = make(count, baud=baud, faults=built, settings=settings(count, baud))
     desk.open()
-    if case.name in REFUSED:
+    if case.name in REFUSED_FAULTS:
         assert desk.stage is Stage.CLOSED
         assert not desk.true(Register.TORQUE_ENABLE).any()
         return
@@ -61,7 +63,7 @@ def struck(make: Make, case: FaultCase, count: int, baud: int, seed: int) -> Non
     desk.run(FAULT_START + 0.8)
     desk.channel.set("release", 1)
     desk.until(Stage.CLOSED, Stage.WAITING, within=60.0)
-    assert (desk.stage is Stage.WAITING) == (case.name in HELD)
+    assert (desk.stage is Stage.WAITING) == (case.name in HELD_FAULTS)
     desk.channel.set("confirm", 1)
     desk.until(Stage.CLOSED, within=60.0)
     assert not desk.true(Register.TORQUE_ENABLE).any()
@@ -72,16 +74,16 @@ def struck(make: Make, case: FaultCase, count: int, baud: int, seed: int) -> Non
 @pytest.mark.parametrize(
     "case",
     [
-        pytest.param(case, id=case.name, marks=[pytest.mark.soak] * (case.name in SIMILAR))
+        pytest.param(case, id=case.name, marks=[pytest.mark.soak] * (case.name in SOAK_FAULTS))
         for case in list_cases()
         if "1%" not in case.name
     ],
 )
 def test_performance_of_few_servos_survives_each_bus_fault(crowd: Make, case: FaultCase):
-    struck(crowd, case, FEW, 1_000_000, 1)
+    struck(crowd, case, FEW_SERVOS, 1_000_000, 1)
 
 
-COMBINATIONS = [(count, baud, seed) for count in SIZES for baud in BAUDS for seed in SEEDS]
+COMBINATIONS = [(count, baud, seed) for count in SERVO_COUNTS for baud in BAUD_RATES for seed in FAULT_SEEDS]
 
 
 @pytest.mark.soak
@@ -95,7 +97,7 @@ def test_performance_survives_each_bus_fault_with_several_servo_counts_and_baud_
 
 @pytest.mark.parametrize("count", [5, pytest.param(20, marks=pytest.mark.soak)])
 def test_servos_are_adopted_after_every_port_outage(crowd: Make, count: int):
-    desk = crowd(FEW)
+    desk = crowd(FEW_SERVOS)
     desk.open()
     desk.perform(100.0)
     desk.until(Stage.ACTIVE)
@@ -111,7 +113,7 @@ def test_servos_are_adopted_after_every_port_outage(crowd: Make, count: int):
 
 @pytest.mark.parametrize("count", [3, pytest.param(20, marks=pytest.mark.soak)])
 def test_supervisor_started_after_a_killed_supervisor_continues_with_torque_and_ends_normally(crowd: Make, count: int):
-    desk = crowd(FEW)
+    desk = crowd(FEW_SERVOS)
     for _ in range(count):
         desk.open()
         desk.perform(3.0)

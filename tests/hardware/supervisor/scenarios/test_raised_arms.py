@@ -18,10 +18,10 @@ from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 from ....reduced_robots import write_robot
 from ..conftest import PERIOD, Desk
 
-RAISED = {"shoulder_flexion": 70.0, "elbow_flexion": 60.0}  # [deg] hinge angles of raised arms
+RAISED_ANGLES = {"shoulder_flexion": 70.0, "elbow_flexion": 60.0}  # [deg] hinge angles of raised arms
 RAISE_DURATION = 1.2  # [s] duration of the motion that raises the arms
 MAX_DROOP = 8.0  # [deg] largest distance of a held limb from its goal
-BRIEF = SupervisorSettings(patience=1.0, pace=1.5)
+QUICK_SETTINGS = SupervisorSettings(patience=1.0, pace=1.5)  # fast moves and a short wait for commands
 OVERLOAD, ENCODER, VOLTAGE = (
     error.value for error in (HardwareError.OVERLOAD, HardwareError.ENCODER, HardwareError.VOLTAGE)
 )
@@ -37,14 +37,14 @@ def raised(robot: Robot, log: Path) -> Desk:
     """Raise both arms in the middle of a performance."""
     names, rest = robot.skeleton.names, robot.skeleton.rest
     there = rest.copy()
-    for hinge, angle in RAISED.items():
+    for hinge, angle in RAISED_ANGLES.items():
         for side in "lr":
             there[names.index(f"{side}_{hinge}")] = np.radians(angle)
 
     def assemble(wires):
         return build_bus(wires, TwinPhysics(robot, wires))
 
-    desk = Desk(Manifest.of(robot), describe_cables(robot), log, settings=BRIEF, assemble=assemble)
+    desk = Desk(Manifest.of(robot), describe_cables(robot), log, settings=QUICK_SETTINGS, assemble=assemble)
     desk.open()
     for k in range(1800):
         share = min(1.0, k * PERIOD / RAISE_DURATION)
@@ -103,7 +103,7 @@ def alert(bits: int, *hinges: str) -> Callable[[Desk], None]:
     return strike
 
 
-FOLDED = {
+FAULTS_UNTIL_REST = {  # name -> fault after which the arms move to rest and lose torque
     "an emergency stop, then no planner": estop_then_nobody,
     "an elbow overloaded": alert(OVERLOAD, "l_elbow_flexion"),
     "no planner": nobody,
@@ -111,14 +111,14 @@ FOLDED = {
     "both elbows overloaded": alert(OVERLOAD, "l_elbow_flexion", "r_elbow_flexion"),
     "a low supply": alert(VOLTAGE),
 }
-ORDINARY = 1  # number of faults tested in every run; `make soak` tests all
+SAMPLED_COUNT = 1  # number of faults tested in every run; `make soak` tests all
 
 
 @pytest.mark.parametrize(
     "strike",
     [
-        pytest.param(strike, id=name, marks=[pytest.mark.soak] * (k >= ORDINARY))
-        for k, (name, strike) in enumerate(FOLDED.items())
+        pytest.param(strike, id=name, marks=[pytest.mark.soak] * (k >= SAMPLED_COUNT))
+        for k, (name, strike) in enumerate(FAULTS_UNTIL_REST.items())
     ],
 )
 def test_torque_is_switched_off_only_when_all_energised_servos_rest(arms: Desk, strike: Callable[[Desk], None]):
@@ -144,7 +144,7 @@ def test_immovable_raised_arm_is_held_until_a_person_confirms(arms: Desk):
     assert not arms.true(Register.TORQUE_ENABLE).any()
 
 
-OUTAGES = [
+OUTAGE_CASES = [  # kind of outage, duration [s]
     ("silent", 0.1),
     ("silent", 2.0),
     ("silent", 10.0),
@@ -157,7 +157,7 @@ OUTAGES = [
 
 
 @pytest.mark.soak
-@pytest.mark.parametrize(("kind", "seconds"), OUTAGES)
+@pytest.mark.parametrize(("kind", "seconds"), OUTAGE_CASES)
 def test_raised_arms_continue_without_a_resume_request_only_after_a_short_outage(arms: Desk, kind: str, seconds: float):
     arms.expose(PlannedFault(kind, seconds=seconds))
     for _ in range(round((seconds + 4.0) / PERIOD)):
