@@ -1,4 +1,4 @@
-"""Sine, cosine and arc tangent against the library's, with equal bits in kernel and Python."""
+"""Portable sine, cosine, arc tangent and arc cosine, compared with Python's `math`."""
 
 import math
 

@@ -9,9 +9,9 @@ from kinesic.ik.pose import hold_reach, solve_pose
 from kinesic.ik.solve import solve
 from kinesic.ik.two_hands import reach_both
 
-ROBOT = Robot.load()
-ARM = ROBOT.arms["l"]
-PLACE = np.array([0.28, 0.10, -0.05])  # [m] in the frame of the arm's base
+DEFAULT_ROBOT = Robot.load()
+LEFT_ARM = DEFAULT_ROBOT.arms["l"]  # chain of the left arm
+HAND_TARGET = np.array([0.28, 0.10, -0.05])  # (3,) [m] in the frame of the arm's base
 
 
 def test_public_ik_functions_are_not_hidden_by_modules_of_the_same_name():
@@ -25,22 +25,24 @@ def test_tracker_returns_a_posture_before_requesting_the_next_target():
     def targets():
         for k in range(20):
             asked.append(k)
-            yield PLACE + np.array([0.0, 0.002 * k, 0.0])
+            yield HAND_TARGET + np.array([0.0, 0.002 * k, 0.0])
 
-    following = ik.track(ARM, targets(), period=0.01, start=ik.solve(ARM, ik.Reach(PLACE), start=ARM.rest).angles)
+    following = ik.track(
+        LEFT_ARM, targets(), period=0.01, start=ik.solve(LEFT_ARM, ik.Reach(HAND_TARGET), start=LEFT_ARM.rest).angles
+    )
     next(following)
     assert asked == [0]
     *_, last = following
-    assert np.linalg.norm(ARM.hand(last) - PLACE - [0.0, 0.038, 0.0]) < 1e-5
+    assert np.linalg.norm(LEFT_ARM.hand(last) - HAND_TARGET - [0.0, 0.038, 0.0]) < 1e-5
 
 
 def test_ik_track_yields_the_same_postures_as_tracker_steps():
-    tracker = ik.Tracker(ARM, period=0.01)
-    targets = [PLACE + np.array([0.0, 0.0, 0.001 * k]) for k in range(10)]
-    result = np.array(list(ik.track(ARM, targets, period=0.01)))
+    tracker = ik.Tracker(LEFT_ARM, period=0.01)
+    targets = [HAND_TARGET + np.array([0.0, 0.0, 0.001 * k]) for k in range(10)]
+    result = np.array(list(ik.track(LEFT_ARM, targets, period=0.01)))
     np.testing.assert_array_equal(result, [tracker.step(target) for target in targets])
 
 
 def test_tracker_rejects_an_invalid_period_before_iteration():
     with pytest.raises(ValueError, match="period is 0"):
-        ik.track(ARM, iter(()), period=0.0)
+        ik.track(LEFT_ARM, iter(()), period=0.0)

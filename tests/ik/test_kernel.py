@@ -15,14 +15,15 @@ from kinesic.ik.solve import Solution, solve
 
 from ..reference.ik import solve as reference
 
-ROBOT = Robot.load()
-LEFT, RIGHT = ROBOT.arms["l"], ROBOT.arms["r"]
-AXES = {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]}
+DEFAULT_ROBOT = Robot.load()
+LEFT_ARM = DEFAULT_ROBOT.arms["l"]  # chain of the left arm
+RIGHT_ARM = DEFAULT_ROBOT.arms["r"]  # chain of the right arm
+AXIS_VECTORS = {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]}  # unit vector by letter
 
 
 def _hinges(segment: str, axes: str, ranges: list[tuple[float, float]]) -> tuple[Hinge, ...]:
     pairs = zip(axes, ranges, strict=True)
-    return tuple(Hinge(f"{segment}{k}", segment, sealed(AXES[a]), *r, 0.0) for k, (a, r) in enumerate(pairs))
+    return tuple(Hinge(f"{segment}{k}", segment, sealed(AXIS_VECTORS[a]), *r, 0.0) for k, (a, r) in enumerate(pairs))
 
 
 def _reach(random: Generator, chain: Chain, k: int) -> Reach:
@@ -54,7 +55,7 @@ def _same(specified: Solution, compiled: Solution) -> bool:
 
 
 def _agreement(chain: Chain, count: int, seed: int) -> int:
-    """Return the share of equal solutions; the others must have equal errors."""
+    """Return the fraction of equal solutions, and assert equal errors of the others."""
     random, agreed = default_rng(seed), 0
     for k in range(count):
         start = random.uniform(chain.lower, chain.upper) if k % 2 else chain.rest
@@ -69,7 +70,7 @@ def _agreement(chain: Chain, count: int, seed: int) -> int:
     return agreed
 
 
-@pytest.mark.parametrize("chain", [LEFT, RIGHT], ids=["left", "right"])
+@pytest.mark.parametrize("chain", [LEFT_ARM, RIGHT_ARM], ids=["left", "right"])
 def test_compiled_arm_solutions_equal_the_python_reference(chain: Chain) -> None:
     assert _agreement(chain, 200, 21) >= 0.999 * 200
 
@@ -81,7 +82,7 @@ def test_compiled_solutions_of_random_arms_equal_the_python_reference() -> None:
 
 def test_at_least_99_8_percent_of_feasible_targets_are_reached_within_100_um() -> None:
     random = default_rng(23)
-    for chain in (LEFT, RIGHT, *(random_arm(random) for _ in range(8))):
+    for chain in (LEFT_ARM, RIGHT_ARM, *(random_arm(random) for _ in range(8))):
         count, precise = 200, 0
         for _ in range(count):
             position = chain.hand(random.uniform(chain.lower, chain.upper))
@@ -94,14 +95,14 @@ def test_at_least_99_8_percent_of_feasible_targets_are_reached_within_100_um() -
 def test_repeated_ik_kernel_calls_give_identical_bytes() -> None:
     random = default_rng(24)
     for k in range(100):
-        reach = _reach(random, LEFT, k)
-        one, two = (solve(LEFT, reach, start=LEFT.rest) for _ in range(2))
+        reach = _reach(random, LEFT_ARM, k)
+        one, two = (solve(LEFT_ARM, reach, start=LEFT_ARM.rest) for _ in range(2))
         assert one.angles.tobytes() == two.angles.tobytes()
         assert one.iterations == two.iterations
 
 
 def test_ik_solution_has_read_only_arrays_and_plain_python_types() -> None:
-    solution = solve(LEFT, Reach(LEFT.hand(LEFT.rest)), start=LEFT.rest)
+    solution = solve(LEFT_ARM, Reach(LEFT_ARM.hand(LEFT_ARM.rest)), start=LEFT_ARM.rest)
     assert not solution.angles.flags.writeable
     assert not solution.target.flags.writeable
     assert type(solution.residual) is float
@@ -110,33 +111,33 @@ def test_ik_solution_has_read_only_arrays_and_plain_python_types() -> None:
 
 
 def test_ik_kernel_clips_a_start_posture_outside_the_ranges() -> None:
-    reach, out = Reach(LEFT.hand(LEFT.rest + 0.1)), LEFT.upper + 3.0
-    inside = solve(LEFT, reach, start=LEFT.upper)
-    assert np.array_equal(solve(LEFT, reach, start=out).angles, inside.angles)
+    reach, out = Reach(LEFT_ARM.hand(LEFT_ARM.rest + 0.1)), LEFT_ARM.upper + 3.0
+    inside = solve(LEFT_ARM, reach, start=LEFT_ARM.upper)
+    assert np.array_equal(solve(LEFT_ARM, reach, start=out).angles, inside.angles)
 
 
 def test_ik_solution_is_equal_for_integer_and_strided_input_arrays() -> None:
-    position = LEFT.hand(LEFT.rest + 0.1)
-    plain = solve(LEFT, Reach(position), start=np.zeros(8))
+    position = LEFT_ARM.hand(LEFT_ARM.rest + 0.1)
+    plain = solve(LEFT_ARM, Reach(position), start=np.zeros(8))
     for strange in (np.repeat(position, 2)[::2], np.array(position, dtype=">f8")):
-        assert np.array_equal(solve(LEFT, Reach(strange), start=np.zeros(8)).angles, plain.angles)
-    whole = solve(LEFT, Reach(position), start=np.zeros(8, dtype=np.int64))
+        assert np.array_equal(solve(LEFT_ARM, Reach(strange), start=np.zeros(8)).angles, plain.angles)
+    whole = solve(LEFT_ARM, Reach(position), start=np.zeros(8, dtype=np.int64))
     assert np.array_equal(whole.angles, plain.angles)
 
 
 @pytest.mark.parametrize("odd", [None, 3.0, np.zeros((3, 1)), np.zeros(2), np.array([0.0, np.nan, 0.0])])
 def test_invalid_ik_target_position_raises_a_clear_error(odd: object) -> None:
     with pytest.raises(ValueError, match=r"reach\.position"):
-        solve(LEFT, Reach(odd), start=LEFT.rest)  # type: ignore[arg-type]  # that is the question
+        solve(LEFT_ARM, Reach(odd), start=LEFT_ARM.rest)  # type: ignore[arg-type]  # that is the question
 
 
 def test_arm_data_of_a_chain_are_packed_once() -> None:
-    assert arm_of(LEFT) is arm_of(LEFT)
-    assert arm_of(LEFT) is not arm_of(RIGHT)
+    assert arm_of(LEFT_ARM) is arm_of(LEFT_ARM)
+    assert arm_of(LEFT_ARM) is not arm_of(RIGHT_ARM)
 
 
 def test_joint_with_more_than_two_swing_hinges_raises_an_error() -> None:
     hinges = _hinges("wrist", "xyz" * 4, [(-1.0, 1.0)] * 12)
-    joints = (*LEFT.joints[:-1], ChainJoint("wrist", hinges, sealed([0, 0, -0.08])))
+    joints = (*LEFT_ARM.joints[:-1], ChainJoint("wrist", hinges, sealed([0, 0, -0.08])))
     with pytest.raises(ValueError, match="at most two may"):
-        arm_of(Chain("many", "trunk", LEFT.origin_in_base, joints, tuple(range(18)), LEFT.palm))
+        arm_of(Chain("many", "trunk", LEFT_ARM.origin_in_base, joints, tuple(range(18)), LEFT_ARM.palm))

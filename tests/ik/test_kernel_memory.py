@@ -1,4 +1,4 @@
-"""No allocation by the kernel during a solution, counted by a replaced malloc."""
+"""Memory allocations of the kernel, counted by a replacement of malloc."""
 
 import ctypes.util
 import os
@@ -8,7 +8,8 @@ import sys
 
 import pytest
 
-COUNTER = """
+# C library that counts calls of malloc, calloc and realloc
+COUNTER_SOURCE = """
 #include <stddef.h>
 extern void *__libc_malloc(size_t), *__libc_calloc(size_t, size_t), *__libc_realloc(void *, size_t);
 static unsigned long calls;
@@ -17,7 +18,8 @@ void *malloc(size_t size) { calls++; return __libc_malloc(size); }
 void *calloc(size_t count, size_t size) { calls++; return __libc_calloc(count, size); }
 void *realloc(void *old, size_t size) { calls++; return __libc_realloc(old, size); }
 """
-TASK = """
+# program that counts allocations of repeated solutions
+TASK_SCRIPT = """
 import ctypes
 import numpy as np
 from kinesic.body.robot import Robot
@@ -52,10 +54,10 @@ print(calls() - before)
 @pytest.mark.skipif(ctypes.util.find_library("c") != "libc.so.6", reason="the counter needs glibc")
 def test_ik_kernel_does_not_allocate_memory_for_each_solution(tmp_path):
     source, library = tmp_path / "counter.c", tmp_path / "counter.so"
-    source.write_text(COUNTER)
+    source.write_text(COUNTER_SOURCE)
     subprocess.run(["cc", "-shared", "-fPIC", "-O1", str(source), "-o", str(library)], check=True)
     result = subprocess.run(
-        [sys.executable, "-c", TASK],
+        [sys.executable, "-c", TASK_SCRIPT],
         env={**os.environ, "LD_PRELOAD": str(library)},
         capture_output=True,
         text=True,

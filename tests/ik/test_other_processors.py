@@ -1,4 +1,4 @@
-"""Equal angles on other processors, with the kernel's headers compiled into an emulated program.
+"""Equal joint angles on other processors, whose programs are emulated.
 
 `apt-get install g++-aarch64-linux-gnu qemu-user-static` (Debian) is all that the second one needs.
 """
@@ -18,10 +18,10 @@ from kinesic.ik.arm.compiled import arm_of
 from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.arm.seeds import seeds
 
-ROOT = Path(__file__).parents[2]
-HEADERS = ROOT / "kinesic" / "ik" / "kernel"
-FLAGS = ["-std=c++17", "-O3", "-fno-strict-aliasing", "-ffp-contract=off"]  # as in setup.py
-LEFT = Robot.load().arms["l"]
+REPOSITORY_ROOT = Path(__file__).parents[2]
+HEADER_FOLDER = REPOSITORY_ROOT / "kinesic" / "ik" / "kernel"  # C++ headers of the kernel
+COMPILER_FLAGS = ["-std=c++17", "-O3", "-fno-strict-aliasing", "-ffp-contract=off"]  # compiler flags of setup.py
+LEFT_ARM = Robot.load().arms["l"]  # chain of the left arm
 
 Question = tuple[str, Floats, Floats, Floats, Floats]  # kind, place, pointing, palm, start
 
@@ -30,7 +30,7 @@ def _first(*names: str) -> str | None:
     return next((result for name in names if (result := shutil.which(name))), None)
 
 
-MACHINES = {
+MACHINE_COMMANDS = {  # machine -> compiler command and emulator command
     "this one": ((_first("g++", "c++"),), ()),
     "no vector types": ((_first("g++", "c++"), "-DKINESIC_PLAIN_LANES"), ()),  # as for MSVC
     "aarch64": (
@@ -44,17 +44,17 @@ MACHINES = {
     "machine", [*(pytest.param(name, marks=pytest.mark.soak) for name in ("this one", "no vector types")), "aarch64"]
 )
 def test_ik_kernel_compiled_for_other_processors_gives_the_same_angles(machine, tmp_path):
-    compiler, translator = MACHINES[machine]
+    compiler, translator = MACHINE_COMMANDS[machine]
     if None in (*compiler, *translator):
         pytest.skip(f"no compiler for {machine}, or nothing that runs its programs")
     program = tmp_path / "arms"
-    sources = [Path(__file__).with_name("programs") / "arms.cpp", HEADERS / "arm_angles.cpp"]
-    subprocess.run([*compiler, *FLAGS, "-static", f"-I{HEADERS}", *sources, "-o", program], check=True)
-    questions = _questions(LEFT, 120)
-    written = "\n".join([_arm(LEFT), *(_written(question) for question in questions)])
+    sources = [Path(__file__).with_name("programs") / "arms.cpp", HEADER_FOLDER / "arm_angles.cpp"]
+    subprocess.run([*compiler, *COMPILER_FLAGS, "-static", f"-I{HEADER_FOLDER}", *sources, "-o", program], check=True)
+    questions = _questions(LEFT_ARM, 120)
+    written = "\n".join([_arm(LEFT_ARM), *(_written(question) for question in questions)])
     done = subprocess.run([*translator, program], input=written, capture_output=True, text=True, check=True)
     rows = [np.array([float.fromhex(word) for word in line.split()]) for line in done.stdout.splitlines()]
-    here = [_answer(LEFT, question) for question in questions]
+    here = [_answer(LEFT_ARM, question) for question in questions]
     worst = max(float(np.abs(one[: len(two)] - two).max()) for one, two in zip(here, rows, strict=True))
     assert worst < 1e-9 if translator else worst == 0.0
 

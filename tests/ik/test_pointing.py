@@ -12,8 +12,8 @@ from kinesic.ik.solve import Solution, solve
 
 from ..reference.ik import pointing as reference
 
-ARMS = Robot.load().arms
-LEFT = ARMS["l"]
+ARM_CHAINS = Robot.load().arms  # chains of both arms, by side
+LEFT_ARM = ARM_CHAINS["l"]  # chain of the left arm
 
 
 def _held(chain: Chain, angles: Floats, *, palm: bool) -> Reach:
@@ -31,11 +31,11 @@ def _direction_error(solution: Solution) -> float:
 def test_swivel_search_meets_most_hand_directions_of_random_postures(palm, satisfied):
     random, before, after = default_rng(31), [], []
     for _ in range(100):
-        reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=palm)
-        first, result = solve(LEFT, reach, start=LEFT.rest), best_swivel(LEFT, reach, start=LEFT.rest)
+        reach = _held(LEFT_ARM, random.uniform(LEFT_ARM.lower, LEFT_ARM.upper), palm=palm)
+        first, result = solve(LEFT_ARM, reach, start=LEFT_ARM.rest), best_swivel(LEFT_ARM, reach, start=LEFT_ARM.rest)
         assert _direction_error(result) <= _direction_error(first)
-        assert np.all((LEFT.lower <= result.angles) & (result.angles <= LEFT.upper))
-        assert np.linalg.norm(LEFT.hand(result.angles) - reach.position) == pytest.approx(result.residual, abs=1e-9)
+        assert np.all((LEFT_ARM.lower <= result.angles) & (result.angles <= LEFT_ARM.upper))
+        assert np.linalg.norm(LEFT_ARM.hand(result.angles) - reach.position) == pytest.approx(result.residual, abs=1e-9)
         assert result.residual < 1e-4
         before.append(_direction_error(first))
         after.append(_direction_error(result))
@@ -46,9 +46,9 @@ def test_swivel_search_meets_most_hand_directions_of_random_postures(palm, satis
 def test_reported_direction_errors_match_the_angles():
     random = default_rng(32)
     for _ in range(20):
-        reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)
-        result = best_swivel(LEFT, reach, start=LEFT.rest)
-        now = _held(LEFT, result.angles, palm=True)
+        reach = _held(LEFT_ARM, random.uniform(LEFT_ARM.lower, LEFT_ARM.upper), palm=True)
+        result = best_swivel(LEFT_ARM, reach, start=LEFT_ARM.rest)
+        now = _held(LEFT_ARM, result.angles, palm=True)
         for error, one, other in (
             (result.pointing_error, now.pointing, reach.pointing),
             (result.palm_error, now.palm, reach.palm),
@@ -60,7 +60,7 @@ def test_reported_direction_errors_match_the_angles():
 @pytest.mark.parametrize("side", ["l", "r"])
 @pytest.mark.parametrize("max_swivel", [np.pi, 0.6])
 def test_compiled_elbow_swivel_search_equals_the_python_reference(side, max_swivel):
-    random, swung, chain = default_rng(36), 0, ARMS[side]
+    random, swung, chain = default_rng(36), 0, ARM_CHAINS[side]
     for k in range(18):
         held = _held(chain, random.uniform(chain.lower, chain.upper), palm=k % 3 != 1)
         reach = Reach(held.position, held.pointing if k % 3 else None, held.palm)
@@ -76,24 +76,26 @@ def test_compiled_elbow_swivel_search_equals_the_python_reference(side, max_swiv
 
 
 def test_swivel_search_keeps_solutions_with_small_direction_errors():
-    for reach in (Reach(np.array([0.25, 0.15, -0.05])), _held(LEFT, LEFT.rest, palm=True)):
-        first, result = solve(LEFT, reach, start=LEFT.rest), best_swivel(LEFT, reach, start=LEFT.rest)
+    for reach in (Reach(np.array([0.25, 0.15, -0.05])), _held(LEFT_ARM, LEFT_ARM.rest, palm=True)):
+        first, result = solve(LEFT_ARM, reach, start=LEFT_ARM.rest), best_swivel(LEFT_ARM, reach, start=LEFT_ARM.rest)
         assert result.angles.tobytes() == first.angles.tobytes()
 
 
 def test_swivel_search_keeps_a_requested_elbow_swivel():
     random = default_rng(33)
-    held = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)
+    held = _held(LEFT_ARM, random.uniform(LEFT_ARM.lower, LEFT_ARM.upper), palm=True)
     reach = Reach(held.position, held.pointing, held.palm, swivel=0.5)
-    assert np.array_equal(best_swivel(LEFT, reach, start=LEFT.rest).angles, solve(LEFT, reach, start=LEFT.rest).angles)
+    assert np.array_equal(
+        best_swivel(LEFT_ARM, reach, start=LEFT_ARM.rest).angles, solve(LEFT_ARM, reach, start=LEFT_ARM.rest).angles
+    )
 
 
 def test_swivel_search_changes_the_elbow_swivel_by_at_most_its_limit():
     random, swung = default_rng(34), 0
     for _ in range(30):
-        reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)
-        first = swivel(LEFT, solve(LEFT, reach, start=LEFT.rest).angles)
-        swivel_angle = swivel(LEFT, best_swivel(LEFT, reach, start=LEFT.rest, max_swivel=0.5).angles)
+        reach = _held(LEFT_ARM, random.uniform(LEFT_ARM.lower, LEFT_ARM.upper), palm=True)
+        first = swivel(LEFT_ARM, solve(LEFT_ARM, reach, start=LEFT_ARM.rest).angles)
+        swivel_angle = swivel(LEFT_ARM, best_swivel(LEFT_ARM, reach, start=LEFT_ARM.rest, max_swivel=0.5).angles)
         if first is None or swivel_angle is None:
             continue
         assert abs(np.arctan2(np.sin(swivel_angle - first), np.cos(swivel_angle - first))) <= 0.5 + 1e-6
@@ -104,9 +106,12 @@ def test_swivel_search_changes_the_elbow_swivel_by_at_most_its_limit():
 def test_swivel_search_of_the_right_arm_mirrors_the_left():
     random, flip = default_rng(35), np.array([1.0, -1.0, 1.0])
     for _ in range(10):
-        reach = _held(LEFT, random.uniform(LEFT.lower, LEFT.upper), palm=True)
+        reach = _held(LEFT_ARM, random.uniform(LEFT_ARM.lower, LEFT_ARM.upper), palm=True)
         assert reach.pointing is not None
         assert reach.palm is not None
         mirrored = Reach(reach.position * flip, reach.pointing * flip, reach.palm * flip)
-        left, right = best_swivel(LEFT, reach, start=LEFT.rest), best_swivel(ARMS["r"], mirrored, start=LEFT.rest)
+        left, right = (
+            best_swivel(LEFT_ARM, reach, start=LEFT_ARM.rest),
+            best_swivel(ARM_CHAINS["r"], mirrored, start=LEFT_ARM.rest),
+        )
         assert np.abs(left.angles - right.angles).max() < 1e-9

@@ -8,15 +8,17 @@ from kinesic.body.robot import Robot
 from kinesic.ik.arm.swivel import swivel
 from kinesic.ik.solve import Solution, as_floats, solve
 
-ROBOT = Robot.load()
-LEFT, RIGHT = ROBOT.arms["l"], ROBOT.arms["r"]
-FLIP = np.array([1.0, -1.0, 1.0])
+DEFAULT_ROBOT = Robot.load()
+LEFT_ARM = DEFAULT_ROBOT.arms["l"]  # chain of the left arm
+RIGHT_ARM = DEFAULT_ROBOT.arms["r"]  # chain of the right arm
+MIRROR_SIGNS = np.array([1.0, -1.0, 1.0])  # signs that mirror a vector in the midline plane
 
 # gesture space in arm lengths: forward, outward, up
-DEPTHS = {"near": 0.4, "middle": 0.65, "far": 0.95}
-SIDEWAYS = (0.8, 0.5, 0.25, 0.0, -0.25)
-HEIGHTS = (1.2, 0.9, 0.6, 0.25, 0.0, -0.3, -0.5)
-UPRIGHT = {  # rows as HEIGHTS, columns as SIDEWAYS: sectors that need no torso
+SECTOR_DEPTHS = {"near": 0.4, "middle": 0.65, "far": 0.95}  # [arm lengths] forward position by sector
+SECTOR_OFFSETS = (0.8, 0.5, 0.25, 0.0, -0.25)  # [arm lengths] outward positions of sectors
+SECTOR_HEIGHTS = (1.2, 0.9, 0.6, 0.25, 0.0, -0.3, -0.5)  # [arm lengths] heights of sectors above the elbow
+# rows by height, columns by outward position; #: reached without the torso
+REACHED_SECTORS = {
     "near": ("#####", "#####", "#####", "#####", "#### ", "#### ", "     "),
     "middle": ("#####", "#####", "#####", "#####", "#### ", " ##  ", "     "),
     "far": ("     ", " ### ", "#### ", " ### ", "     ", "     ", "     "),
@@ -24,22 +26,22 @@ UPRIGHT = {  # rows as HEIGHTS, columns as SIDEWAYS: sectors that need no torso
 
 
 def _in_base(point: Floats) -> Floats:
-    frames = ROBOT.skeleton.frames(np.zeros(len(ROBOT.skeleton.hinges)))
-    return np.subtract(point, frames.origins[ROBOT.skeleton.segment(LEFT.base)])
+    frames = DEFAULT_ROBOT.skeleton.frames(np.zeros(len(DEFAULT_ROBOT.skeleton.hinges)))
+    return np.subtract(point, frames.origins[DEFAULT_ROBOT.skeleton.segment(LEFT_ARM.base)])
 
 
 def _check(solution: Solution, position: Floats) -> None:
-    assert np.all(LEFT.lower <= solution.angles)
-    assert np.all(solution.angles <= LEFT.upper)
-    assert solution.residual == pytest.approx(np.linalg.norm(LEFT.hand(solution.angles) - position), abs=1e-12)
+    assert np.all(LEFT_ARM.lower <= solution.angles)
+    assert np.all(solution.angles <= LEFT_ARM.upper)
+    assert solution.residual == pytest.approx(np.linalg.norm(LEFT_ARM.hand(solution.angles) - position), abs=1e-12)
     assert solution.reached == (solution.residual <= 1e-3)
 
 
 def test_over_99_percent_of_targets_of_random_postures_are_reached_from_rest() -> None:
     random, reached, precise = default_rng(12), 0, 0
     for _ in range(400):
-        position = LEFT.hand(random.uniform(LEFT.lower, LEFT.upper))
-        solution = solve(LEFT, Reach(position), start=LEFT.rest)
+        position = LEFT_ARM.hand(random.uniform(LEFT_ARM.lower, LEFT_ARM.upper))
+        solution = solve(LEFT_ARM, Reach(position), start=LEFT_ARM.rest)
         _check(solution, position)
         reached += solution.reached
         precise += solution.residual < 1e-4
@@ -49,33 +51,33 @@ def test_over_99_percent_of_targets_of_random_postures_are_reached_from_rest() -
 
 def test_ik_reaches_targets_from_straight_or_limit_start_postures() -> None:
     random = default_rng(13)
-    for start in (np.zeros(8), LEFT.lower, LEFT.upper):
+    for start in (np.zeros(8), LEFT_ARM.lower, LEFT_ARM.upper):
         for _ in range(40):
-            position = LEFT.hand(random.uniform(LEFT.lower, LEFT.upper))
-            assert solve(LEFT, Reach(position), start=start).reached
+            position = LEFT_ARM.hand(random.uniform(LEFT_ARM.lower, LEFT_ARM.upper))
+            assert solve(LEFT_ARM, Reach(position), start=start).reached
 
 
-@pytest.mark.parametrize("depth", list(DEPTHS))
+@pytest.mark.parametrize("depth", list(SECTOR_DEPTHS))
 def test_recorded_gesture_space_sectors_are_reached_within_2_cm_without_the_torso(depth: str) -> None:
-    for row, up in zip(UPRIGHT[depth], HEIGHTS, strict=True):
-        for mark, out in zip(row, SIDEWAYS, strict=True):
-            point = ROBOT.gesture_origin + ROBOT.arm_length * np.array([DEPTHS[depth], out, up])
-            solution = solve(LEFT, Reach(_in_base(point)), start=LEFT.rest)
+    for row, up in zip(REACHED_SECTORS[depth], SECTOR_HEIGHTS, strict=True):
+        for mark, out in zip(row, SECTOR_OFFSETS, strict=True):
+            point = DEFAULT_ROBOT.gesture_origin + DEFAULT_ROBOT.arm_length * np.array([SECTOR_DEPTHS[depth], out, up])
+            solution = solve(LEFT_ARM, Reach(_in_base(point)), start=LEFT_ARM.rest)
             assert mark != "#" or solution.residual < 0.02, (depth, up, out)
 
 
 def test_repeated_ik_calls_with_directions_give_the_same_solution() -> None:
     reach = Reach(np.array([-0.1, 0.3, 0.2]), pointing=np.array([0.0, 1.0, 0.0]), palm=np.array([0.0, 0.0, 1.0]))
-    one, two = (solve(LEFT, reach, start=LEFT.rest) for _ in range(2))
+    one, two = (solve(LEFT_ARM, reach, start=LEFT_ARM.rest) for _ in range(2))
     assert one.angles.tobytes() == two.angles.tobytes()
     assert one.iterations == two.iterations
 
 
 def test_ik_stretches_the_arm_towards_an_unreachable_target() -> None:
     position = np.array([3.0, 1.0, 0.5])
-    solution = solve(LEFT, Reach(position), start=LEFT.rest)
+    solution = solve(LEFT_ARM, Reach(position), start=LEFT_ARM.rest)
     _check(solution, position)
-    shoulder, elbow, hand = LEFT.frames(solution.angles)[1][1:4]
+    shoulder, elbow, hand = LEFT_ARM.frames(solution.angles)[1][1:4]
     upper, fore = elbow - shoulder, hand - elbow
     aim = (position - shoulder) / np.linalg.norm(position - shoulder)
     assert not solution.reached
@@ -86,23 +88,25 @@ def test_ik_stretches_the_arm_towards_an_unreachable_target() -> None:
 
 @pytest.mark.parametrize("position", [[0, 0.155, -0.035], [0, 0, 0], [1e6, -1e6, 1e6], [-2, -2, 0], [0, 0.155, 0.38]])
 def test_ik_returns_finite_solutions_for_degenerate_targets(position: list[float]) -> None:
-    solution = solve(LEFT, Reach(np.array(position, dtype=float)), start=LEFT.rest)
+    solution = solve(LEFT_ARM, Reach(np.array(position, dtype=float)), start=LEFT_ARM.rest)
     _check(solution, np.array(position))
     assert np.isfinite(solution.residual)
 
 
 def test_collar_bone_stays_at_rest_for_targets_within_easy_reach() -> None:
     for out in (0.0, 0.25, 0.5):
-        point = ROBOT.gesture_origin + ROBOT.arm_length * np.array([0.65, out, 0.25])
-        assert solve(LEFT, Reach(_in_base(point)), start=LEFT.rest).angles[0] == pytest.approx(LEFT.rest[0], abs=1e-9)
+        point = DEFAULT_ROBOT.gesture_origin + DEFAULT_ROBOT.arm_length * np.array([0.65, out, 0.25])
+        assert solve(LEFT_ARM, Reach(_in_base(point)), start=LEFT_ARM.rest).angles[0] == pytest.approx(
+            LEFT_ARM.rest[0], abs=1e-9
+        )
 
 
 def test_requested_swivel_is_met_within_the_joint_ranges() -> None:
     position, results = np.array([0.25, 0.15, -0.05]), []
     for wished in (-0.5, 0.0, 0.5, 1.0, 1.5, 3.0):
-        solution = solve(LEFT, Reach(position, swivel=wished), start=LEFT.rest)
+        solution = solve(LEFT_ARM, Reach(position, swivel=wished), start=LEFT_ARM.rest)
         assert solution.residual < 1e-6
-        results.append(swivel(LEFT, solution.angles))
+        results.append(swivel(LEFT_ARM, solution.angles))
     assert results[:5] == pytest.approx([-0.5, 0.0, 0.5, 1.0, 1.5], abs=1e-6)
     assert results[5] is not None
     assert 1.5 < results[5] < 3.0
@@ -110,43 +114,43 @@ def test_requested_swivel_is_met_within_the_joint_ranges() -> None:
 
 def test_ik_without_a_requested_swivel_lets_the_elbow_hang() -> None:
     for out in (0.0, 0.25, 0.5):
-        point = ROBOT.gesture_origin + ROBOT.arm_length * np.array([0.5, out, 0.25])
-        solution = solve(LEFT, Reach(_in_base(point)), start=LEFT.rest)
-        shoulder, elbow, hand = LEFT.frames(solution.angles)[1][1:4]
+        point = DEFAULT_ROBOT.gesture_origin + DEFAULT_ROBOT.arm_length * np.array([0.5, out, 0.25])
+        solution = solve(LEFT_ARM, Reach(_in_base(point)), start=LEFT_ARM.rest)
+        shoulder, elbow, hand = LEFT_ARM.frames(solution.angles)[1][1:4]
         assert elbow[2] < min(shoulder[2], hand[2])
-        assert 0.0 < (swivel(LEFT, solution.angles) or 0.0) < 0.8
+        assert 0.0 < (swivel(LEFT_ARM, solution.angles) or 0.0) < 0.8
 
 
 def test_reported_pointing_and_palm_errors_match_the_solved_posture() -> None:
     random = default_rng(14)
     for _ in range(30):
-        angles = random.uniform(LEFT.lower, LEFT.upper)
-        rotations, centres = LEFT.frames(angles)
+        angles = random.uniform(LEFT_ARM.lower, LEFT_ARM.upper)
+        rotations, centres = LEFT_ARM.frames(angles)
         pointing = (centres[-1] - centres[-2]) / np.linalg.norm(centres[-1] - centres[-2])
-        reach = Reach(centres[-2], pointing=pointing, palm=rotations[-1] @ LEFT.palm)
-        solution = solve(LEFT, reach, start=angles)
-        frames, points = LEFT.frames(solution.angles)
+        reach = Reach(centres[-2], pointing=pointing, palm=rotations[-1] @ LEFT_ARM.palm)
+        solution = solve(LEFT_ARM, reach, start=angles)
+        frames, points = LEFT_ARM.frames(solution.angles)
         along = (points[-1] - points[-2]) / np.linalg.norm(points[-1] - points[-2])
         assert solution.pointing_error == pytest.approx(np.arccos(min(1.0, along @ pointing)), abs=1e-6)
         assert solution.palm_error == pytest.approx(
-            np.arccos(np.clip((frames[-1] @ LEFT.palm) @ reach.palm, -1, 1)), abs=1e-6
+            np.arccos(np.clip((frames[-1] @ LEFT_ARM.palm) @ reach.palm, -1, 1)), abs=1e-6
         )
 
 
 def test_wrist_rests_and_reports_no_error_without_requested_directions() -> None:
-    solution = solve(LEFT, Reach(np.array([0.25, 0.15, -0.05])), start=LEFT.upper)
+    solution = solve(LEFT_ARM, Reach(np.array([0.25, 0.15, -0.05])), start=LEFT_ARM.upper)
     assert solution.pointing_error is None
     assert solution.palm_error is None
-    assert np.array_equal(solution.angles[5:], LEFT.rest[5:])
+    assert np.array_equal(solution.angles[5:], LEFT_ARM.rest[5:])
 
 
 def test_close_ik_targets_give_close_postures() -> None:
-    angles, laps = LEFT.rest, []
+    angles, laps = LEFT_ARM.rest, []
     for step in range(160):
         turn = 2 * np.pi * step / 80
         before = angles
         position = np.array([0.25, 0.1 + 0.18 * np.cos(turn), -0.05 + 0.15 * np.sin(turn)])
-        angles = solve(LEFT, Reach(position), start=angles).angles
+        angles = solve(LEFT_ARM, Reach(position), start=angles).angles
         assert step == 0 or np.abs(angles - before).max() < 0.2
         laps.append(angles)
     assert np.abs(laps[79] - laps[159]).max() < 0.01
@@ -156,34 +160,36 @@ def test_ik_solution_of_the_right_arm_mirrors_the_left() -> None:
     random = default_rng(15)
     for _ in range(60):
         position, pointing, palm = random.uniform(-0.5, 0.5, 3), random.normal(size=3), random.normal(size=3)
-        left = solve(LEFT, Reach(position, pointing=pointing, palm=palm, swivel=0.5), start=LEFT.rest)
-        mirrored = Reach(position * FLIP, pointing=pointing * FLIP, palm=palm * FLIP, swivel=0.5)
-        right = solve(RIGHT, mirrored, start=RIGHT.rest)
+        left = solve(LEFT_ARM, Reach(position, pointing=pointing, palm=palm, swivel=0.5), start=LEFT_ARM.rest)
+        mirrored = Reach(
+            position * MIRROR_SIGNS, pointing=pointing * MIRROR_SIGNS, palm=palm * MIRROR_SIGNS, swivel=0.5
+        )
+        right = solve(RIGHT_ARM, mirrored, start=RIGHT_ARM.rest)
         assert np.abs(left.angles - right.angles).max() < 1e-9
 
 
 def test_ik_accepts_a_rest_posture_and_joint_mobilities() -> None:
-    rest = LEFT.rest.copy()
+    rest = LEFT_ARM.rest.copy()
     rest[5] = 0.4
     reach = Reach(np.array([0.25, 0.15, -0.05]))
-    assert solve(LEFT, reach, start=LEFT.rest, rest=rest).angles[5] == 0.4
+    assert solve(LEFT_ARM, reach, start=LEFT_ARM.rest, rest=rest).angles[5] == 0.4
     still = np.array([0.0, *[1.0] * 7])
-    far = Reach(LEFT.hand(np.array([0.4, 1.5, 0.3, 0.2, 0.01, 0, 0, 0])))
-    assert np.all(np.isfinite(solve(LEFT, far, start=LEFT.rest, mobility=still).angles))
+    far = Reach(LEFT_ARM.hand(np.array([0.4, 1.5, 0.3, 0.2, 0.01, 0, 0, 0])))
+    assert np.all(np.isfinite(solve(LEFT_ARM, far, start=LEFT_ARM.rest, mobility=still).angles))
 
 
 def test_invalid_ik_arguments_raise_clear_errors() -> None:
     good = np.array([0.3, 0.2, 0.0])
     with pytest.raises(ValueError, match=r"reach.position is .*nan.*finite"):
-        solve(LEFT, Reach(np.array([np.nan, 0, 0])), start=LEFT.rest)
+        solve(LEFT_ARM, Reach(np.array([np.nan, 0, 0])), start=LEFT_ARM.rest)
     with pytest.raises(ValueError, match=r"reach.position has shape \(2,\).*\(3,\)"):
-        solve(LEFT, Reach(np.zeros(2)), start=LEFT.rest)
+        solve(LEFT_ARM, Reach(np.zeros(2)), start=LEFT_ARM.rest)
     with pytest.raises(ValueError, match=r"start has shape \(7,\).*\(8,\)"):
-        solve(LEFT, Reach(good), start=np.zeros(7))
+        solve(LEFT_ARM, Reach(good), start=np.zeros(7))
     with pytest.raises(ValueError, match=r"reach\.palm is the null vector"):
-        solve(LEFT, Reach(good, palm=np.zeros(3)), start=LEFT.rest)
+        solve(LEFT_ARM, Reach(good, palm=np.zeros(3)), start=LEFT_ARM.rest)
     with pytest.raises(ValueError, match=r"reach\.swivel is"):
-        solve(LEFT, Reach(good, swivel=np.inf), start=LEFT.rest)
+        solve(LEFT_ARM, Reach(good, swivel=np.inf), start=LEFT_ARM.rest)
 
 
 def test_ik_clips_and_reports_a_start_posture_outside_the_ranges() -> None:

@@ -1,4 +1,4 @@
-"""Keys of two hinges with too little time, and searches for their times."""
+"""Keys of two hinges with too little time, and searches for feasible times."""
 
 from collections.abc import Callable
 
@@ -45,7 +45,7 @@ def deficit_of(segment: SplineSegment, amount: float = 0.1, programs: int = 1, b
 
 
 def fake_measure(monkeypatch, answer: Callable[..., Infeasibility | None]) -> list[dict]:
-    """Replace the measured deficits, and record how they were asked for."""
+    """Replace the measurement of time deficits, and record its options."""
     asked: list[dict] = []
 
     def measure(segment, limits, **options):

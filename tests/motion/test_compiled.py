@@ -1,4 +1,4 @@
-"""Compiled samples and peaks of motions, against the formulas that define them."""
+"""Compiled samples and limit peaks of motions, compared with their defining formulas."""
 
 import numpy as np
 import pytest

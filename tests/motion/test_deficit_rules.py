@@ -169,7 +169,7 @@ def test_time_deficit_below_the_target_is_a_bound_without_slopes_and_binding_lim
 
 
 def relaxed(amount: float, multipliers: list[float], binding, *, is_bound: bool = False):
-    """Return a log relaxation of a straight line, whose velocity is 1 everywhere."""
+    """Return the relaxation of a motion with constant velocity 1 rad/s."""
     controls = (np.arange(43) - 1.0) * KNOT_INTERVAL
     return infeasibility._LogRelaxation(controls, amount, np.array(multipliers), binding, is_bound)
 
@@ -179,7 +179,7 @@ STRAIGHT_SEGMENT = segment(40, 0.4, (10.0, 0.1), (25.0, 0.25), marks=((0,), (1,)
 
 
 def measured_with(monkeypatch, relaxation, differences=(7.0, 9.0), **options):
-    """Measure a deficit from a given relaxation; the differences of its keys are given, too."""
+    """Measure a time deficit from a given relaxation and given finite differences."""
     monkeypatch.setattr(infeasibility, "_relax", lambda *given: relaxation)
     monkeypatch.setattr(infeasibility, "_compute_difference", lambda way, limits, key, amount: differences[key])
     return measure_time_deficit(STRAIGHT_SEGMENT, JOINT_LIMITS, **options)

@@ -1,4 +1,4 @@
-"""Velocities, accelerations and easings of desired motions, against formulas for one key of one hinge."""
+"""Velocities, accelerations and easings of desired motions, compared with formulas for one hinge."""
 
 from dataclasses import replace
 
@@ -18,7 +18,7 @@ WIDE_LIMITS = replace(JOINT_LIMITS, speed=sealed([1e6] * 2), acceleration=sealed
 
 
 def random_keys(seed: int) -> tuple[np.ndarray, np.ndarray, list[list[KeyPassage]]]:
-    """Return times, angles and passages of eight keys of two hinges, some with holds and reversals."""
+    """Return random times, angles and passages of eight keys of two hinges."""
     random = np.random.default_rng(seed)
     times = np.cumsum(random.uniform(0.1, 0.9, 8))
     angles = np.clip(np.cumsum(random.normal(0.0, 0.5, (8, 2)) * (random.random((8, 2)) < 0.8), axis=0), -1.1, 1.4)
@@ -41,7 +41,7 @@ def joined(times, angles, passages, limits: Limits = JOINT_LIMITS):
 
 
 def velocity_at(times, angles, passage: KeyPassage) -> float:
-    """Return the velocity at the middle one of three keys."""
+    """Return the velocity at the second of three keys."""
     (h, g), (d, e), middle = np.diff(times), np.diff(angles), angles[1]
     if min(abs(d), abs(e)) < 1e-9:
         return 0.0
@@ -57,7 +57,7 @@ def velocity_at(times, angles, passage: KeyPassage) -> float:
 
 
 def acceleration_at(times, angles, velocities, passage: KeyPassage) -> float:
-    """Return the acceleration at the middle one of three keys with given velocities."""
+    """Return the acceleration at the second of three keys with given velocities."""
     (h, g), (d, e), (u, v, w) = np.diff(times), np.diff(angles), velocities
     if min(abs(d), abs(e)) < 1e-9:
         return 0.0
@@ -158,7 +158,7 @@ def test_eased_motion_may_reach_three_times_each_limit_and_no_more(sign):
 
 
 def eased(easing: str, angles, times=(0.0, 1.0), limits: Limits = WIDE_LIMITS, **options):
-    """Return the samples of an eased motion minus those of the plain one, at sixteenths of the last interval."""
+    """Return the offsets that an easing adds at 17 times of the last interval."""
     asked = times[-2] + np.arange(17) / 16 * (times[-1] - times[-2])
     plain, changed = (
         joined(times, np.array(angles), [[own] * len(angles[0])] * len(times), limits).sample(asked)

@@ -21,7 +21,7 @@ from kinesic.motion.keys import KeyPosture, Keys
 
 
 def simulated(distance, speed, acceleration, jerk):
-    """Return the same time from the seven phases, with the peak speed found by bisection."""
+    """Return the duration of seven constant-jerk phases, by bisection of the peak velocity."""
 
     def phases(peak):
         top = min(acceleration, sqrt(peak * jerk))
@@ -120,7 +120,7 @@ def robot_limits():
 
 
 def can_stop(speed, acceleration, most, jerk, seconds, steps=150):
-    """Return whether a jerk profile brings speed and acceleration to 0 in time, by linear programming."""
+    """Return whether a linear program finds a stop within a given duration."""
     step = seconds / steps
     accelerations = step * np.tril(np.ones((steps, steps)))  # after each step, of jerks that are constant in it
     gained = step * (accelerations - 0.5 * step * np.eye(steps)).sum(axis=0)

@@ -175,6 +175,6 @@ def test_softened_easing_overshoots_by_the_requested_ratio_or_a_tenth():
 
 
 def played_overshoot(share: float) -> float:
-    """Return by how much the softened easing passes its end."""
+    """Return the overshoot of a softened easing beyond its end."""
     table = soften_easing("out_back", 8.0, share)
     return float(BPoly.from_derivatives(np.linspace(0.0, 1.0, 17), table.T)(SAMPLE_TIMES).max()) - 1.0

@@ -1,4 +1,4 @@
-"""Free motions of all hinges at once, against those of each hinge alone."""
+"""Unlimited motions of all hinges at once, compared with those of single hinges."""
 
 from dataclasses import replace
 
@@ -19,7 +19,7 @@ JOINT_LIMITS = Limits(*(sealed([value] * 3) for value in (-2, 2, 4, 40, 1e3, 0.0
 
 
 def keys(seed: int) -> Keys:
-    """Return random keys with moves, holds and paths; a hinge's last key may be a step before its rest."""
+    """Return random keys of three hinges with movements, holds and paths."""
     rng = np.random.default_rng(seed)
     times = np.cumsum(rng.choice([0.07, 0.31, 0.6, 1.3, 3.2], 12)) + rng.uniform(0.0, 0.01, 12)
     times[-1] = times[-2] + 0.008

@@ -24,7 +24,7 @@ JOINT_LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0
 
 
 def way(pieces: int, place: float) -> SplineSegment:
-    """Return a segment from 0 over 0.8 to 1.6 rad."""
+    """Return a segment from 0 rad through a key of 0.8 rad to 1.6 rad."""
     return SplineSegment(0, 0, grid(pieces, KNOT_INTERVAL), 0.0, 1.6, np.array([place]), np.array([0.8]))
 
 
@@ -67,7 +67,7 @@ def test_slopes_of_a_time_deficit_equal_its_finite_differences():
 
 
 def test_segment_end_between_two_knots_affects_the_deficit():
-    """The hinge is at rest from the knot before the last key."""
+    """Test a hinge that rests from the knot before its last key."""
     off = SplineSegment(0, 0, grid(41, KNOT_INTERVAL), 0.0, 1.6, np.array([25.3, 40.4]), np.array([0.8, 1.6]))
     infeasibility = measure_time_deficit(off, JOINT_LIMITS)
     assert infeasibility.slopes[3] < -1.0

@@ -1,4 +1,4 @@
-"""Motions without a robot, with nothing but what `kinesic.motion` exports."""
+"""Motions planned without a robot, by public names of `kinesic.motion` alone."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Which segments the search for key times measures, and which intervals it stretches together."""
+"""Measurement of segments and stretching of key intervals in the key-time search."""
 
 from collections import Counter
 from dataclasses import replace
@@ -111,7 +111,7 @@ def test_segments_whose_limit_ratio_exceeds_a_threshold_are_returned_as_fast(mon
 
 
 def stretched(monkeypatch, result, intervals, *, durations, **state):
-    """Stretch a search's intervals with given resulting times, and return it with what was asked for."""
+    """Stretch intervals to given key times, and record the calls."""
     search, asked = search_of(DISTANT_ROWS), []
 
     def stretch(problem, begin, limits, measure, budget):

@@ -53,7 +53,7 @@ def test_infeasible_cutting_planes_raise_an_error():
 
 
 def random_problem(seed: int) -> KeyTimeProblem:
-    """Return up to twelve keys that are too close, with planes over some of them and soft bonds."""
+    """Return a random problem of close keys, cutting planes and precedence constraints."""
     chance = np.random.default_rng(seed)
     count = int(chance.integers(3, 13))
     syncs = chance.choice(["start", "ready", "stroke", "strokeEnd", "relax", "end"], count)
@@ -118,7 +118,7 @@ def test_key_times_shift_relative_to_each_other_by_at_most_the_total_deficit(see
 
 
 def crowded(monkeypatch) -> tuple[Keys, KeyTimeProblem]:
-    """Return a problem that counts as very large, with a bond from first stroke to last key."""
+    """Return five keys and a problem that counts as too large to solve exactly."""
     rows = keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (1.3, 0.5, "relax"), (2, 0, "end"))
     keys = Keys.of(rows, JOINT_LIMITS)
     monkeypatch.setattr(key_time_lp, "MAX_PROGRAM_SIZE", 1.0)

@@ -1,4 +1,4 @@
-"""Constraints and costs of the linear program for key times, against those written out key by key."""
+"""Constraints and costs of the key-time linear program, compared with explicit rows."""
 
 from dataclasses import replace
 

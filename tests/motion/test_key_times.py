@@ -112,7 +112,7 @@ def test_feasible_requested_key_times_are_unchanged():
 
 
 def test_key_time_search_fails_with_the_hinge_name_if_a_segment_stays_infeasible(monkeypatch):
-    """The search ends with an error that names the hinge."""
+    """Report the first segment as infeasible a hundred times."""
     tune(monkeypatch, max_rest_factor=10.0)  # the longer a motion, the slower is each look at it
     keys = Keys.of(HURRIED_KEYS, FEASIBLE_LIMITS)
     search = KeyTimeSearch(keys, FEASIBLE_LIMITS, 0.6)
@@ -135,7 +135,7 @@ def test_motion_with_a_low_duty_limit_takes_long_and_reports_duty_as_bottleneck(
 
 
 def nods(count: int, seconds: float) -> Keys:
-    """Return keys of a hinge that moves there and back some times within a time [s]."""
+    """Return keys of a number of there-and-back movements within a time [s]."""
     turns = [0.0, *(0.35 * (k % 2) for k in range(2 * count + 1)), 0.0]
     times = [0.0, *(0.3 + seconds * k / (2 * count) for k in range(2 * count + 1)), seconds + 0.5]
     names = ["start", *("relax" if k % 2 == 0 else f"stroke:{k}" for k in range(2 * count + 1)), "end"]
@@ -169,7 +169,7 @@ def test_at_least_half_of_the_key_intervals_get_rest_to_rest_durations_if_stretc
 
 
 def write_rapid_head_block(gap: float, strokes: int = 6) -> tuple[KeyPosture, ...]:
-    """Return keys of strokes to and fro with one short gap between all of them."""
+    """Return keys of repeated head strokes with equal short gaps [s]."""
     turns = [
         (0.3, "ready"),
         *(way for k in range(strokes) for way in ((-0.3, f"strokeStart:{k}"), (0.3, f"stroke:{k + 1}"))),
@@ -179,7 +179,7 @@ def write_rapid_head_block(gap: float, strokes: int = 6) -> tuple[KeyPosture, ..
 
 
 def measured(monkeypatch) -> list[int]:
-    """Record the hinge of each time deficit that is measured from now on."""
+    """Record the hinge of each later measurement of a time deficit."""
     seen: list[int] = []
 
     def measure(segment, limits, **options):
@@ -192,7 +192,7 @@ def measured(monkeypatch) -> list[int]:
 
 @pytest.mark.parametrize("gap", [0.15, pytest.param(0.2, marks=pytest.mark.soak)])
 def test_stretching_repeated_strokes_needs_few_measurements_and_costs_no_more_than_planes(gap, monkeypatch):
-    """Cutting planes would need forty rounds and find no better times."""
+    """Compare with cutting planes, which need far more measurements."""
     seen = measured(monkeypatch)
     motion = condition(write_rapid_head_block(gap), JOINT_LIMITS)
     assert len(seen) <= 10
@@ -215,7 +215,7 @@ def test_cutting_planes_find_times_below_rest_to_rest_durations_without_stretchi
 
 @pytest.mark.parametrize(("seeds", "most"), [((1, 5, 7, 9), 185), ((2,), 10)])
 def test_number_of_time_deficits_measured_for_overlapping_gestures_is_bounded(seeds, most, known, monkeypatch):
-    """Measuring neighbours in every round, or beside each plane of the hinge, costs a fifth more."""
+    """Detect superfluous measurements, such as of unaffected neighbouring segments."""
     seen, hands_alone = measured(monkeypatch), replace(known, style=known.style.changed(["whole_body=0"]))
     for seed in seeds:
         plan(write_overlapping_block(seed, ["beat", "offer", "large"]), hands_alone)
@@ -223,7 +223,7 @@ def test_number_of_time_deficits_measured_for_overlapping_gestures_is_bounded(se
 
 
 def test_exceeded_evaluation_limit_ends_measurements_with_rest_to_rest_durations(monkeypatch):
-    """The budget counts work rather than time, so that every host finds the same key times."""
+    """Reduce the limit below the work of the first segment."""
     seen = measured(monkeypatch)
     keys = nods(6, 1.9)
     postures = keys_of(*zip(keys.requested_times, keys.angles[:, 0], [s[0][1] for s in keys.syncs], strict=True))
@@ -252,7 +252,7 @@ def test_spent_budget_gives_rest_to_rest_durations_without_measurements(monkeypa
 
 
 def test_time_deficits_of_segments_among_very_many_keys_are_measurable(known, monkeypatch):
-    """Without a solution the hinge would stop at each key, and strokes would be much later."""
+    """Plan a block of all gestures, whose deficits must all be measured."""
     deficits = []
 
     def measure(*given, **options):

@@ -27,7 +27,7 @@ def wandering(pieces, seed=4):
 
 
 def sampled(trajectory):
-    """Return times at 1 kHz and ratios to the limits by quantity, from the trajectory's samples."""
+    """Return sample times at 1 kHz, and sampled limit ratios by quantity."""
     times = np.arange(round(1000 * trajectory.duration) + 1) / 1000
     angles, speeds, accelerations = trajectory.sample(times)
     middle, half = (JOINT_LIMITS.upper + JOINT_LIMITS.lower) / 2, (JOINT_LIMITS.upper - JOINT_LIMITS.lower) / 2

@@ -1,4 +1,4 @@
-"""Constraints of the nonlinear program for key times, evaluated on motions with known derivatives."""
+"""Constraints of the nonlinear key-time program, evaluated on motions with known derivatives."""
 
 from dataclasses import replace
 from itertools import pairwise
@@ -103,7 +103,7 @@ def test_parabola_limits_are_required_at_three_points_that_enclose_the_parabola(
 
 
 def integrate(own: _HingeMotion, times, jerks, start: float) -> tuple[np.ndarray, ...]:
-    """Return durations of the intervals, and angles, velocities and accelerations at their ends from given jerks."""
+    """Integrate given jerks to durations, angles, velocities and accelerations of intervals."""
     h = np.concatenate([np.full(n, gap / n) for gap, n in zip(np.diff(times), own.counts, strict=True)])
     q, v, a = [start], [0.0], [0.0]
     for step, jerk in zip(h, jerks, strict=True):

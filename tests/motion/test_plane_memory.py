@@ -116,7 +116,7 @@ def test_cutting_planes_of_a_single_hinge_search_apply_to_the_search_of_all_hing
 
 @pytest.mark.parametrize("backwards", [False, True])
 def test_cutting_planes_at_open_ends_of_a_partial_search_are_not_reused(backwards):
-    """The hinge may continue to move beyond an end that is open."""
+    """Test a partial search whose hinge may move beyond one end."""
     turned = tuple((HURRIED_ROWS[-1][0] - time, *turn, sync) for time, *turn, sync in reversed(HURRIED_ROWS))
     rows, memory = turned if backwards else HURRIED_ROWS, PlaneMemory()
     condition(keys_of(rows), JOINT_LIMITS, memory=memory)

@@ -1,4 +1,4 @@
-"""Where the motion of a hinge is split, and how far a segment may leave its keys."""
+"""Splitting of motions into segments, and angle ranges of their control points."""
 
 from dataclasses import replace
 

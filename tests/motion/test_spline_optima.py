@@ -1,4 +1,4 @@
-"""Edges between splines that keep their limits, just exceed them, or need none."""
+"""Spline programs at the boundary between feasible and infeasible limits."""
 
 from dataclasses import replace
 

@@ -89,7 +89,7 @@ def many_keys() -> tuple[SplineSegment, Floats]:
 
 
 def test_spline_through_many_keys_matches_sparse_and_dense_references():
-    """The kernel agrees with solutions of the sparse and the dense system."""
+    """Compare the kernel with sparse and dense linear solvers."""
     way, wish = many_keys()
     matrix, values = way.fixed.matrix, way.fixed.values
     assert len(values) >= reference.DENSE_ROWS
@@ -107,7 +107,7 @@ def test_spline_through_many_keys_matches_sparse_and_dense_references():
 
 
 def random_segment(seed: int) -> tuple[SplineSegment, Floats]:
-    """Return a segment of up to seven keys, some too close, and rough desired angles."""
+    """Return a random segment of up to seven keys, with noisy desired angles."""
     rng = np.random.default_rng(seed)
     count = int(rng.integers(0, 8))
     places = 8 + np.cumsum(rng.uniform(4, 40, count))
@@ -131,7 +131,7 @@ def test_compiled_spline_programs_match_piqp():
 
 
 def compare(way: SplineSegment, wish: Floats, ours, relaxed, theirs, other) -> None:
-    """Assert that both found the same motion, or none, and equal relaxed limits."""
+    """Assert that kernel and PIQP agree on motion and relaxation."""
     assert relaxed is not None
     if other is not None:
         assert relaxed.amount == pytest.approx(other.amount, abs=2e-6)
@@ -171,7 +171,7 @@ def test_segment_becomes_feasible_with_the_wider_angle_range_of_its_desired_moti
 
 
 def test_no_random_feasible_change_of_control_points_improves_the_optimum():
-    """The objective's slope is not negative towards any other motion within the limits."""
+    """Test that the objective does not fall towards other feasible motions."""
     judged = 0
     for seed in range(20):
         way, wish = random_segment(seed)
@@ -222,7 +222,7 @@ def test_spline_kernel_arrays_of_wrong_length_raise_an_error(broken: int):
 
 @pytest.mark.parametrize("begins", [10, 150, 450, 560])
 def test_local_violation_changes_a_long_segment_only_locally(begins: int):
-    """The kernel solves only a part of the segment, with the optimum of the whole one."""
+    """Compare the kernel's local solution with the optimum of the whole segment."""
     way = segment(600, 0.0, 0.0, p80=0.1, p300=-0.1, p520=0.1)
     ends, angles = np.array([0, 80, 300, 520, 600]), np.array([0.0, 0.1, -0.1, 0.1, 0.0])
     way_of = np.clip(np.searchsorted(ends, np.arange(601), side="right") - 1, 0, 3)

@@ -1,4 +1,4 @@
-"""Which cutting planes are stored, reduced and recalled."""
+"""Storage, reduction and recall of cutting planes."""
 
 from dataclasses import fields, replace
 
@@ -18,7 +18,7 @@ SYNC_NAMES = ("start", "ready", "stroke", "relax", "pause", "end")  # sync point
 
 
 def keys_of(names=SYNC_NAMES, skipped: int | None = None) -> Keys:
-    """Return keys a second apart; the second hinge has none in one of them."""
+    """Return keys 1 s apart, one of them optionally without the second hinge."""
     return Keys.of(
         tuple(
             KeyPosture(float(k), sealed([0.1 * len(name), 0.2]), (True, k != skipped), (("b", name),))

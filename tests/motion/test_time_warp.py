@@ -1,4 +1,4 @@
-"""First-order model of how key times change limits, and key times found with it."""
+"""First-order model of limit ratios under time warps, and its key times."""
 
 from itertools import pairwise
 
@@ -85,7 +85,7 @@ def test_stretching_an_unmeasurable_segment_returns_none():
 
 
 def steps_of_search(deficits):
-    """Return the largest relative stretch of the key times of each step; `deficits` gets times and their number."""
+    """Return the largest relative stretch of each step under given deficits."""
     tried = []
     stretch_until_enough(
         TIME_PROBLEM,
@@ -148,7 +148,10 @@ def test_time_stretching_with_a_spent_budget_returns_none():
 
 
 def test_linear_warp_of_a_parabola_matches_calculus():
-    """Time stretched by s t takes 2 s t^2 off the speed of t^2, 6 s t off its acceleration and 6 s off its jerk."""
+    """Stretch the motion t^2 by the time warp s t.
+
+    Velocity falls by 2 s t^2, acceleration by 6 s t and jerk by 6 s.
+    """
     (segment, _) = measure(HURRIED_KEYS.requested_times)[0]
     grid, share = segment.grid, 0.3
     k, h = grid.pieces, grid.step
@@ -164,7 +167,10 @@ def test_linear_warp_of_a_parabola_matches_calculus():
 
 
 def test_parabolic_warp_of_a_uniform_motion_matches_calculus():
-    """Time stretched by s t^2 takes 2 s t v off the acceleration of v t, and 2 s v off its jerk."""
+    """Stretch the motion v t by the time warp s t^2.
+
+    Acceleration falls by 2 s t v and jerk by 2 s v.
+    """
     (segment, _) = measure(HURRIED_KEYS.requested_times)[0]
     grid, share, speed = segment.grid, 0.3, 2.0
     k, h = grid.pieces, grid.step

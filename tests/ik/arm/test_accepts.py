@@ -14,16 +14,21 @@ from kinesic.ik.arm.accepts import accept_chain
 from kinesic.ik.arm.linkage import linkage_of
 from kinesic.ik.solve import solve
 
-LEFT = Robot.load().arms["l"]
-AXES: Mapping[str, Floats] = {"x": np.array([1.0, 0, 0]), "y": np.array([0, 1.0, 0]), "z": np.array([0, 0, 1.0])}
+LEFT_ARM = Robot.load().arms["l"]  # chain of the left arm
+# unit vector by letter
+AXIS_VECTORS: Mapping[str, Floats] = {
+    "x": np.array([1.0, 0, 0]),
+    "y": np.array([0, 1.0, 0]),
+    "z": np.array([0, 0, 1.0]),
+}
 
 
 def _hinge(name: str, axis: str, lower: float = -1.5, upper: float = 1.5) -> Hinge:
-    return Hinge(name, name, sealed(AXES[axis]), lower, upper, 0.0)
+    return Hinge(name, name, sealed(AXIS_VECTORS[axis]), lower, upper, 0.0)
 
 
 def _arm(shoulder: str, elbow: str, wrist: str) -> Chain:
-    """Make an arm with bones along z; letters name the axis of each hinge."""
+    """Make an arm with bones along z and hinges about axes named by letters."""
     parts = (("s", shoulder, -0.3), ("e", elbow, -0.25), ("w", wrist, -0.08))
     joints = tuple(
         ChainJoint(name, tuple(_hinge(f"{name}{k}", a) for k, a in enumerate(axes)), sealed([0.0, 0.0, length]))
@@ -73,8 +78,8 @@ def test_common_arm_joint_layouts_are_accepted_and_solved_by_ik(arm):
 def test_ik_solves_arms_with_oblique_hinge_axes():
     random = np.random.default_rng(73)
     for _ in range(4):
-        chain = LEFT
-        for joint, part in enumerate(LEFT.joints):
+        chain = LEFT_ARM
+        for joint, part in enumerate(LEFT_ARM.joints):
             hinges = tuple(
                 hinge if abs(hinge.axis[2]) > 0.9 else replace(hinge, axis=_tilted(hinge.axis, random, 0.15))
                 for hinge in part.hinges
@@ -105,18 +110,18 @@ def test_two_parallel_hinges_of_one_joint_raise_an_error():
 
 def test_zero_length_bone_raises_an_error():
     with pytest.raises(ConfigError, match=r"chain l_arm: joint l_elbow: its bone is 0 m long; put hinges"):
-        accept_chain(_with(LEFT, 2, bone=sealed([0.0, 0.0, 0.0])))
-    assert accept_chain(_with(LEFT, 3, bone=sealed([0.0, 0.0, 0.0]))).lengths[-1] == 0.0
+        accept_chain(_with(LEFT_ARM, 2, bone=sealed([0.0, 0.0, 0.0])))
+    assert accept_chain(_with(LEFT_ARM, 3, bone=sealed([0.0, 0.0, 0.0]))).lengths[-1] == 0.0
 
 
 def test_invalid_arm_chain_raises_an_error():
     with pytest.raises(ConfigError, match=r"has 2 joints; an arm has at least shoulder, elbow, wrist"):
-        accept_chain(replace(LEFT, joints=LEFT.joints[:2]))
+        accept_chain(replace(LEFT_ARM, joints=LEFT_ARM.joints[:2]))
     with pytest.raises(ConfigError, match=r"bone of joint l_elbow is .*nan.*three finite numbers"):
-        accept_chain(_with(LEFT, 2, bone=sealed([np.nan, 0.0, -0.2])))
+        accept_chain(_with(LEFT_ARM, 2, bone=sealed([np.nan, 0.0, -0.2])))
     with pytest.raises(ConfigError, match=r"hinge a: range \[1, -1\] rad is empty; write the lower limit first"):
-        accept_chain(_with(LEFT, 0, hinges=(_hinge("a", "x", 1.0, -1.0),)))
+        accept_chain(_with(LEFT_ARM, 0, hinges=(_hinge("a", "x", 1.0, -1.0),)))
     with pytest.raises(ConfigError, match=r"hinge a: range \[-inf, 1.0\].*must be finite"):
-        accept_chain(_with(LEFT, 0, hinges=(_hinge("a", "x", -np.inf, 1.0),)))
+        accept_chain(_with(LEFT_ARM, 0, hinges=(_hinge("a", "x", -np.inf, 1.0),)))
     with pytest.raises(ConfigError, match=r"hinge a: axis \[2.0, 0.0, 0.0\] has length 2; divide"):
-        accept_chain(_with(LEFT, 0, hinges=(replace(_hinge("a", "x"), axis=sealed([2.0, 0.0, 0.0])),)))
+        accept_chain(_with(LEFT_ARM, 0, hinges=(replace(_hinge("a", "x"), axis=sealed([2.0, 0.0, 0.0])),)))

@@ -10,12 +10,14 @@ from kinesic.ik.arm.linkage import linkage_of
 
 from ...reference.ik.hinges import extract
 
-AXES = {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]}
+AXIS_VECTORS = {"x": [1, 0, 0], "y": [0, 1, 0], "z": [0, 0, 1]}  # unit vector by letter
 
 
 def _arm(shoulder: str, elbow: str, two_sided: bool) -> Chain:
     def hinges(segment: str, axes: str, lower: float, upper: float) -> tuple[Hinge, ...]:
-        return tuple(Hinge(f"{segment}{k}", segment, sealed(AXES[a]), lower, upper, 0.0) for k, a in enumerate(axes))
+        return tuple(
+            Hinge(f"{segment}{k}", segment, sealed(AXIS_VECTORS[a]), lower, upper, 0.0) for k, a in enumerate(axes)
+        )
 
     joints = (
         ChainJoint("shoulder", hinges("shoulder", shoulder, -1.9, 1.9), sealed([0, 0, -0.3])),
@@ -27,7 +29,7 @@ def _arm(shoulder: str, elbow: str, two_sided: bool) -> Chain:
 
 
 def _round_trips(chain: Chain, count: int) -> float:
-    """Return the share of random postures whose points are met within a micrometre."""
+    """Return the fraction of random postures whose joint positions are recovered."""
     random, linkage = default_rng(4), linkage_of(chain)
     met = 0
     for _ in range(count):

@@ -11,11 +11,11 @@ from kinesic.body.robot import Robot
 from kinesic.ik.arm.offset_hinges import nominal, solve_offset
 from kinesic.ik.solve import solve
 
-LEFT = Robot.load().arms["l"]
+LEFT_ARM = Robot.load().arms["l"]  # chain of the left arm
 
 
 def _split(chain: Chain, name: str, after: int, offset: tuple[float, float, float]) -> Chain:
-    """Split a joint's hinges into two joints with a short bone between them."""
+    """Split a joint into two joints with a short bone between them."""
     joints: list[ChainJoint] = []
     for joint in chain.joints:
         if joint.name == name:
@@ -27,7 +27,7 @@ def _split(chain: Chain, name: str, after: int, offset: tuple[float, float, floa
 
 def _apart(offset: float) -> Chain:
     """Return an arm whose shoulder, elbow and wrist hinges do not intersect."""
-    chain = _split(LEFT, "l_shoulder", 1, (offset, offset, 0.0))
+    chain = _split(LEFT_ARM, "l_shoulder", 1, (offset, offset, 0.0))
     chain = _split(chain, "l_elbow", 1, (offset, 0.0, 0.0))
     return _split(chain, "l_wrist", 1, (0.0, offset, -offset))
 
@@ -45,19 +45,19 @@ def test_arms_with_offset_joint_axes_reach_targets_of_random_postures(offset):
 
 def test_idealised_arm_merges_joints_that_are_split_by_axis_offsets():
     ideal = nominal(_apart(0.02))
-    assert [joint.name for joint in ideal.joints] == [joint.name for joint in LEFT.joints]
-    assert [h.name for j in ideal.joints for h in j.hinges] == [h.name for j in LEFT.joints for h in j.hinges]
-    assert nominal(LEFT) is LEFT
+    assert [joint.name for joint in ideal.joints] == [joint.name for joint in LEFT_ARM.joints]
+    assert [h.name for j in ideal.joints for h in j.hinges] == [h.name for j in LEFT_ARM.joints for h in j.hinges]
+    assert nominal(LEFT_ARM) is LEFT_ARM
 
 
 def test_joint_offset_along_a_bone_lengthens_the_ideal_bone():
-    ideal = nominal(_split(LEFT, "l_shoulder", 2, (0.02, 0.0, -0.02)))
+    ideal = nominal(_split(LEFT_ARM, "l_shoulder", 2, (0.02, 0.0, -0.02)))
     assert ideal.joints[1].bone == pytest.approx([0.0, 0.0, -0.24])
 
 
 def test_arm_without_offsets_is_solved_like_an_ideal_arm():
     reach = Reach(np.array([0.25, 0.15, -0.05]), pointing=np.array([1.0, 0.0, 0.0]))
-    plain, solution = solve(LEFT, reach, start=LEFT.rest), solve_offset(LEFT, reach, start=LEFT.rest)
+    plain, solution = solve(LEFT_ARM, reach, start=LEFT_ARM.rest), solve_offset(LEFT_ARM, reach, start=LEFT_ARM.rest)
     assert np.abs(plain.angles - solution.angles).max() < 1e-6
     assert solution.pointing_error == pytest.approx(plain.pointing_error, abs=1e-6)
 

@@ -14,7 +14,7 @@ from kinesic.ik.scalar3 import IDENTITY_ROTATION, rotated, unit, vector
 
 from ...reference.ik.pose import shortest_turn
 
-LEFT = Robot.load().arms["l"]
+LEFT_ARM = Robot.load().arms["l"]  # chain of the left arm
 
 
 @pytest.mark.parametrize("angle", [0.0, 1e-9, 0.3, 3.0, math.pi])
@@ -38,14 +38,14 @@ def test_half_turns_about_the_axes_are_exact():
 
 
 def test_pointing_and_palm_directions_define_a_hand_orientation():
-    random, along = default_rng(28), unit(vector(LEFT.joints[-1].bone))
+    random, along = default_rng(28), unit(vector(LEFT_ARM.joints[-1].bone))
     for turn in Rotation.random(20, random_state=3).as_matrix():
-        pointing, palm = (unit(rotated(_turn(turn), own)) for own in (along, vector(LEFT.palm)))
-        assert orientation_of(LEFT, pointing, palm) == pytest.approx(turn.ravel(), abs=1e-12)
+        pointing, palm = (unit(rotated(_turn(turn), own)) for own in (along, vector(LEFT_ARM.palm)))
+        assert orientation_of(LEFT_ARM, pointing, palm) == pytest.approx(turn.ravel(), abs=1e-12)
         skewed = unit(vector(np.array(palm) + random.uniform(-2.0, 2.0) * np.array(pointing)))
-        assert orientation_of(LEFT, pointing, skewed) == pytest.approx(turn.ravel(), abs=1e-12)
-        assert orientation_of(LEFT, pointing, pointing) is None
-        assert orientation_of(LEFT, pointing, (0.0, 0.0, 0.0)) is None
+        assert orientation_of(LEFT_ARM, pointing, skewed) == pytest.approx(turn.ravel(), abs=1e-12)
+        assert orientation_of(LEFT_ARM, pointing, pointing) is None
+        assert orientation_of(LEFT_ARM, pointing, (0.0, 0.0, 0.0)) is None
 
 
 def _turn(matrix: Floats) -> tuple[float, ...]:

@@ -7,13 +7,13 @@ from kinesic.ik.scalar3 import distance
 
 from ...reference.ik.multistart import nearest_seeds
 
-CHAIN = Robot.load().arms["l"]
-ARM = linkage_of(CHAIN)
+ARM_CHAIN = Robot.load().arms["l"]  # chain of the left arm
+ARM_LINKAGE = linkage_of(ARM_CHAIN)  # linkage of the left arm
 
 
 def test_ik_start_postures_cover_the_joint_ranges() -> None:
-    angles = np.array([seed.angles for seed in seeds(ARM)])
-    shares = (angles - CHAIN.lower[:5]) / (CHAIN.upper[:5] - CHAIN.lower[:5])
+    angles = np.array([seed.angles for seed in seeds(ARM_LINKAGE)])
+    shares = (angles - ARM_CHAIN.lower[:5]) / (ARM_CHAIN.upper[:5] - ARM_CHAIN.lower[:5])
     assert angles.shape == (SEED_COUNT, 5)
     assert np.all((shares >= 0.0) & (shares <= 1.0))
     for column in shares.T:
@@ -21,9 +21,9 @@ def test_ik_start_postures_cover_the_joint_ranges() -> None:
 
 
 def test_ik_start_postures_are_cached_and_sorted_by_hand_distance_to_the_target() -> None:
-    arm = linkage_of(CHAIN)
+    arm = linkage_of(ARM_CHAIN)
     assert seeds(arm) is seeds(arm)
-    result = nearest_seeds(ARM, (0.2, 0.1, 0.0), 5)
+    result = nearest_seeds(ARM_LINKAGE, (0.2, 0.1, 0.0), 5)
     spans = [distance(seed.hand, (0.2, 0.1, 0.0)) for seed in result]
     assert spans == sorted(spans)
     assert len(result) == 5

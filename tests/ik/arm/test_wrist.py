@@ -14,15 +14,15 @@ from ...reference.ik import wrist
 from ...reference.ik.wrist import TOLERANCE, HandDirection, direction_errors, orient
 from ...reference.ik.wrist import _best as best
 
-CHAIN = Robot.load().arms["l"]
-ARM = linkage_of(CHAIN)
-LINK = ARM.links[-1]
-PALM: Vector = (0.0, -1.0, 0.0)
-REST = (0.0, 0.0, 0.0)
+ARM_CHAIN = Robot.load().arms["l"]  # chain of the left arm
+ARM_LINKAGE = linkage_of(ARM_CHAIN)  # linkage of the left arm
+HAND_LINK = ARM_LINKAGE.links[-1]  # bone and hinges of the hand
+PALM_NORMAL: Vector = (0.0, -1.0, 0.0)  # unit normal of the palm in the hand's frame
+REST_ANGLES = (0.0, 0.0, 0.0)  # [rad] rest angles of three wrist hinges
 
 
 def _agreement(frame: Rotation, wishes: list[HandDirection], angles: tuple[float, ...]) -> float:
-    for pivot, angle in zip(LINK.pivots, angles, strict=True):
+    for pivot, angle in zip(HAND_LINK.pivots, angles, strict=True):
         frame = after(frame, pivot.axis, angle)
     return sum(dot(rotated(frame, wish.own), wish.wanted) for wish in wishes)
 
@@ -30,42 +30,45 @@ def _agreement(frame: Rotation, wishes: list[HandDirection], angles: tuple[float
 def test_wrist_solution_meets_feasible_hand_directions() -> None:
     random = default_rng(8)
     for _ in range(60):
-        angles = random.uniform(CHAIN.lower, CHAIN.upper).tolist()
-        before, behind = ARM.walk(angles, 3)[0], ARM.walk(angles, 4)[0]
+        angles = random.uniform(ARM_CHAIN.lower, ARM_CHAIN.upper).tolist()
+        before, behind = ARM_LINKAGE.walk(angles, 3)[0], ARM_LINKAGE.walk(angles, 4)[0]
         wishes = [
-            HandDirection("pointing", LINK.along, rotated(behind, LINK.along)),
-            HandDirection("palm", PALM, rotated(behind, PALM)),
+            HandDirection("pointing", HAND_LINK.along, rotated(behind, HAND_LINK.along)),
+            HandDirection("palm", PALM_NORMAL, rotated(behind, PALM_NORMAL)),
         ]
-        result = orient(LINK, before, wishes, REST)
+        result = orient(HAND_LINK, before, wishes, REST_ANGLES)
         assert math.acos(min(1.0, _agreement(before, wishes, result) - 1.0)) < math.radians(0.1)
 
 
 @pytest.mark.parametrize("named", [("pointing",), ("palm",), ("pointing", "palm")])
 def test_wrist_solution_has_no_larger_error_than_postures_on_a_grid(named: tuple[str, ...]) -> None:
     random = default_rng(9)
-    grid = list(itertools.product(*(np.linspace(p.lower, p.upper, 13).tolist() for p in LINK.pivots)))
+    grid = list(itertools.product(*(np.linspace(p.lower, p.upper, 13).tolist() for p in HAND_LINK.pivots)))
     for _ in range(4):
-        frame = ARM.walk(random.uniform(CHAIN.lower, CHAIN.upper).tolist(), 3)[0]
+        frame = ARM_LINKAGE.walk(random.uniform(ARM_CHAIN.lower, ARM_CHAIN.upper).tolist(), 3)[0]
         along, aside = (unit(tuple(random.normal(size=3).tolist())) for _ in range(2))
         all_wishes = [
-            HandDirection("pointing", LINK.along, along),
-            HandDirection("palm", PALM, unit(across(aside, along))),
+            HandDirection("pointing", HAND_LINK.along, along),
+            HandDirection("palm", PALM_NORMAL, unit(across(aside, along))),
         ]
         wishes = [wish for wish in all_wishes if wish.name in named]
-        result = orient(LINK, frame, wishes, REST)
-        assert all(p.lower <= a <= p.upper for p, a in zip(LINK.pivots, result, strict=True))
+        result = orient(HAND_LINK, frame, wishes, REST_ANGLES)
+        assert all(p.lower <= a <= p.upper for p, a in zip(HAND_LINK.pivots, result, strict=True))
         assert _agreement(frame, wishes, result) >= max(_agreement(frame, wishes, a) for a in grid) - 1e-3
 
 
 def test_wrist_solution_is_a_coordinatewise_optimum() -> None:
     random = default_rng(10)
     for _ in range(12):
-        frame = ARM.walk(random.uniform(CHAIN.lower, CHAIN.upper).tolist(), 3)[0]
+        frame = ARM_LINKAGE.walk(random.uniform(ARM_CHAIN.lower, ARM_CHAIN.upper).tolist(), 3)[0]
         along, aside = (unit(tuple(random.normal(size=3).tolist())) for _ in range(2))
-        wishes = [HandDirection("pointing", LINK.along, along), HandDirection("palm", PALM, unit(across(aside, along)))]
-        result = orient(LINK, frame, wishes, REST)
+        wishes = [
+            HandDirection("pointing", HAND_LINK.along, along),
+            HandDirection("palm", PALM_NORMAL, unit(across(aside, along))),
+        ]
+        result = orient(HAND_LINK, frame, wishes, REST_ANGLES)
         height = _agreement(frame, wishes, result)
-        for k, pivot in enumerate(LINK.pivots):
+        for k, pivot in enumerate(HAND_LINK.pivots):
             for step in (-0.02, 0.02):
                 aside_of = [angle + step * (j == k) for j, angle in enumerate(result)]
                 if pivot.lower <= aside_of[k] <= pivot.upper:
@@ -73,14 +76,14 @@ def test_wrist_solution_is_a_coordinatewise_optimum() -> None:
 
 
 def test_wrist_stays_at_rest_without_requested_directions() -> None:
-    frame = ARM.walk(CHAIN.rest.tolist(), 3)[0]
-    assert orient(LINK, frame, [], (0.1, 0.2, 0.0)) == (0.1, 0.2, 0.0)
+    frame = ARM_LINKAGE.walk(ARM_CHAIN.rest.tolist(), 3)[0]
+    assert orient(HAND_LINK, frame, [], (0.1, 0.2, 0.0)) == (0.1, 0.2, 0.0)
 
 
 def test_wrist_is_unchanged_if_directions_are_already_met() -> None:
-    frame = ARM.walk(CHAIN.rest.tolist(), 3)[0]
-    wishes = [HandDirection("pointing", LINK.along, rotated(frame, LINK.along))]
-    assert orient(LINK, frame, wishes, REST) == pytest.approx(REST, abs=1e-6)
+    frame = ARM_LINKAGE.walk(ARM_CHAIN.rest.tolist(), 3)[0]
+    wishes = [HandDirection("pointing", HAND_LINK.along, rotated(frame, HAND_LINK.along))]
+    assert orient(HAND_LINK, frame, wishes, REST_ANGLES) == pytest.approx(REST_ANGLES, abs=1e-6)
 
 
 def one_hinge(lower: float, upper: float) -> Link:
@@ -89,7 +92,7 @@ def one_hinge(lower: float, upper: float) -> Link:
 
 
 def level(angle: float) -> Vector:
-    """Return the unit vector in the xy plane at this angle to x."""
+    """Return the unit vector in the xy plane at an angle to the x axis."""
     return math.cos(angle), math.sin(angle), 0.0
 
 
@@ -112,7 +115,7 @@ def test_one_axis_wrist_turns_to_the_direction_or_the_nearer_limit(wanted: float
 
 @pytest.mark.parametrize(("rest", "found"), [(-0.5, (-1.0, -1.0)), (0.5, (1.0, 1.0))])
 def test_wrist_rest_posture_decides_between_equal_solutions(rest: float, found: tuple[float, float]) -> None:
-    """Two hinges about one axis cannot turn backwards, and both stops are equally near."""
+    """Use two hinges about one axis, whose limits are equally near the target."""
     hinge = one_hinge(-1.0, 1.0)
     twice = replace(hinge, pivots=hinge.pivots * 2)
     wishes = [HandDirection("pointing", (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0))]
@@ -123,7 +126,7 @@ def test_wrist_rest_posture_decides_between_equal_solutions(rest: float, found: 
 def test_wrist_search_ends_after_a_round_with_change_within_the_tolerance(
     rest: float, rounds: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """The hinge reaches its stop in the first round, and the target is 1e-3 beyond it."""
+    """Use a target 1e-3 rad beyond the hinge's limit, reached in the first round."""
     looked = []
     monkeypatch.setattr(wrist, "_best", lambda *asked: (looked.append(asked), best(*asked))[1])
     wishes = [HandDirection("pointing", level(0.0), level(1e-3))]
@@ -144,9 +147,9 @@ def test_wrist_ignores_directions_along_its_axis() -> None:
 
 @pytest.mark.parametrize("rest", [(0.4, 0.0, 0.0), (-1.2, 0.0, 0.0)])
 def test_wrist_hinges_without_effect_on_the_directions_stay_at_rest(rest: tuple[float, float, float]) -> None:
-    """The hand lies along the first hinge, so its twist does not change the direction."""
-    wishes = [HandDirection("pointing", LINK.along, LINK.along)]
-    assert orient(LINK, IDENTITY_ROTATION, wishes, rest) == pytest.approx(rest, abs=1e-6)
+    """Use a hand along the axis of its first hinge."""
+    wishes = [HandDirection("pointing", HAND_LINK.along, HAND_LINK.along)]
+    assert orient(HAND_LINK, IDENTITY_ROTATION, wishes, rest) == pytest.approx(rest, abs=1e-6)
 
 
 def test_requested_directions_override_the_wrist_rest_posture() -> None:
@@ -157,7 +160,7 @@ def test_requested_directions_override_the_wrist_rest_posture() -> None:
 
 @pytest.mark.parametrize("turn", [0.0, 1.0, -2.5])
 def test_wrist_solution_accounts_for_the_orientation_of_the_forearm(turn: float) -> None:
-    """Directions are given in the base frame, hinge angles in the forearm's frame."""
+    """Give directions in the base frame, although hinges turn in the forearm's frame."""
     wishes = [HandDirection("pointing", level(0.0), level(turn + 0.3))]
     frame = after(IDENTITY_ROTATION, (0.0, 0.0, 1.0), turn)
     assert orient(one_hinge(-1.0, 1.0), frame, wishes, (0.0,)) == pytest.approx((0.3,), abs=1e-3)

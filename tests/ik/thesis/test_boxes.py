@@ -7,10 +7,10 @@ from scipy.spatial.transform import Rotation
 
 from kinesic.ik.thesis.boxes import EulerBoxes, EulerOrder, angles_of, rotation_of
 
-ORDERS = get_args(EulerOrder)
+ROTATION_ORDERS = get_args(EulerOrder)  # all orders of Euler angles
 
 
-@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("order", ROTATION_ORDERS)
 def test_euler_angles_match_scipy(order: EulerOrder):
     random = default_rng(1)
     columns = ["xyz".index(axis) for axis in order]
@@ -20,7 +20,7 @@ def test_euler_angles_match_scipy(order: EulerOrder):
         assert rotation_of(angles, order) == pytest.approx(matrix, abs=1e-12)
 
 
-@pytest.mark.parametrize("order", ORDERS)
+@pytest.mark.parametrize("order", ROTATION_ORDERS)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_euler_angles_in_gimbal_lock_reproduce_the_rotation(order: EulerOrder, sign: float):
     angles = np.array([0.4, 0.4, 0.4])

@@ -4,11 +4,11 @@ import pytest
 from kinesic.ik.thesis.boxes import EulerBoxes
 from kinesic.ik.thesis.chain import BallChain, perpendicular
 
-POINTS = [(0.0, 0.0, 0.0), (0.3, 0.0, 0.0), (0.3, 0.0, 0.2)]
+CHAIN_POINTS = [(0.0, 0.0, 0.0), (0.3, 0.0, 0.0), (0.3, 0.0, 0.2)]  # [m] joint positions at rest
 
 
 def test_ball_joint_chain_derives_bone_lengths_and_frames_from_points():
-    chain = BallChain.of(POINTS)
+    chain = BallChain.of(CHAIN_POINTS)
     assert chain.lengths == pytest.approx([0.3, 0.2])
     assert chain.size == pytest.approx(0.5)
     for frame in chain.frames:
@@ -34,7 +34,7 @@ def test_curved_chain_has_the_requested_lengths_and_bend():
 
 def test_outer_part_of_a_ball_joint_chain_keeps_its_masses_stiffness_and_limits():
     boxes = EulerBoxes.of([-0.1, -0.2, -0.3], [0.1, 0.2, 0.3], joints=2)
-    chain = BallChain.of(POINTS, masses=[1.0, 2.0, 3.0], stiffness=[4.0, 5.0], damping=0.1, limits=boxes)
+    chain = BallChain.of(CHAIN_POINTS, masses=[1.0, 2.0, 3.0], stiffness=[4.0, 5.0], damping=0.1, limits=boxes)
     outer = chain.beyond(1)
     assert outer.points.tolist() == chain.points[1:].tolist()
     assert outer.masses.tolist() == [2.0, 3.0]
@@ -45,7 +45,7 @@ def test_outer_part_of_a_ball_joint_chain_keeps_its_masses_stiffness_and_limits(
 
 
 def test_ball_chain_arrays_are_read_only():
-    chain = BallChain.of(POINTS)
+    chain = BallChain.of(CHAIN_POINTS)
     for array in (chain.points, chain.ups, chain.masses, chain.stiffness, chain.lengths, chain.frames):
         assert not array.flags.writeable
 
@@ -53,8 +53,8 @@ def test_ball_chain_arrays_are_read_only():
 @pytest.mark.parametrize(
     ("change", "lesson"),
     [
-        ({"points": [POINTS[0], POINTS[1], POINTS[1]]}, "bone 1, from point 1 to 2, is 0 m long"),
-        ({"points": POINTS[:1]}, r"shape \(1, 3\); a chain needs"),
+        ({"points": [CHAIN_POINTS[0], CHAIN_POINTS[1], CHAIN_POINTS[1]]}, "bone 1, from point 1 to 2, is 0 m long"),
+        ({"points": CHAIN_POINTS[:1]}, r"shape \(1, 3\); a chain needs"),
         ({"points": [(0.0, 0.0, 0.0), (np.nan, 0.0, 0.0)]}, "points are .*nan.* must be finite"),
         ({"masses": [1.0, 0.0, 1.0]}, r"masses are \[1.0, 0.0, 1.0\]; each must be above zero"),
         ({"stiffness": -2.0}, "stiffness are .* above zero"),
@@ -64,4 +64,4 @@ def test_ball_chain_arrays_are_read_only():
 )
 def test_invalid_ball_joint_chains_raise_clear_errors(change, lesson):
     with pytest.raises(ValueError, match=lesson):
-        BallChain.of(**({"points": POINTS} | change))
+        BallChain.of(**({"points": CHAIN_POINTS} | change))

@@ -9,12 +9,12 @@ from kinesic.ik.thesis.limits import within_limits
 from kinesic.ik.thesis.rotations import Carrier, stance_of
 from kinesic.ik.thesis.solve import ChainStart, solve_ball_chain
 
-BOX = np.radians([20.0, 60.0, 60.0])
+EULER_LIMITS = np.radians([20.0, 60.0, 60.0])  # [rad] limit of each Euler angle to both sides
 
 
 def _limited(joints: int) -> BallChain:
     rest = BallChain.curved(np.full(joints, 1.0 / joints))
-    return BallChain.of(rest.points, limits=EulerBoxes.of(-BOX, BOX, joints=joints))
+    return BallChain.of(rest.points, limits=EulerBoxes.of(-EULER_LIMITS, EULER_LIMITS, joints=joints))
 
 
 @pytest.mark.parametrize("joints", [3, 6, 10, 20])
@@ -32,7 +32,7 @@ def test_random_ball_joint_postures_are_clipped_to_the_limits(joints: int):
 def test_ball_chain_posture_within_joint_limits_is_unchanged():
     chain = _limited(4)
     ground = Carrier.at_rest(chain)
-    stance = stance_of(chain, np.tile(rotation_of(0.9 * BOX, "xyz"), (4, 1, 1)), ground)
+    stance = stance_of(chain, np.tile(rotation_of(0.9 * EULER_LIMITS, "xyz"), (4, 1, 1)), ground)
     assert within_limits(chain, stance, np.ones(3), ground).rotations.tolist() == stance.rotations.tolist()
 
 
@@ -55,7 +55,7 @@ def test_most_feasible_targets_are_reached_within_limits(joints, least):
     chain, random, reached = _limited(joints), default_rng(40 + joints), []
     ground = Carrier.at_rest(chain)
     for _ in range(24):
-        angles = random.uniform(-BOX, BOX, (joints, 3))
+        angles = random.uniform(-EULER_LIMITS, EULER_LIMITS, (joints, 3))
         wished = stance_of(chain, np.array([rotation_of(row, "xyz") for row in angles]), ground)
         relaxed = solve_ball_chain(chain, wished.points[-1], method="direct")
         assert chain.limits is not None

@@ -1,4 +1,4 @@
-"""The three methods of the thesis, on chains of 3 to 32 joints."""
+"""The three relaxation methods of the thesis, on chains of 3 to 32 joints."""
 
 from functools import cache
 
@@ -14,8 +14,10 @@ from kinesic.ik.thesis.verlet import draw_by_force, swing_pinned
 
 from ...reference.ik.masses import settle_masses
 
-WAYS = {"force": draw_by_force, "position": swing_pinned, "direct": balance_springs}
-REACHABLE, BEYOND = 40, 15
+# relaxation method -> function
+METHOD_FUNCTIONS = {"force": draw_by_force, "position": swing_pinned, "direct": balance_springs}
+REACHABLE_COUNT = 40  # number of tested targets within reach
+BOUNDARY_COUNT = 15  # number of tested targets at the reach limit
 
 
 def _directions(count: int, seed: int) -> Floats:
@@ -29,10 +31,10 @@ def _task(joints: int, target: Floats, *, effort: Effort | None = None, damping:
 
 
 @cache
-def _rests(way: str, joints: int, count: int = REACHABLE, **given) -> list[tuple[Task, Rest]]:
+def _rests(way: str, joints: int, count: int = REACHABLE_COUNT, **given) -> list[tuple[Task, Rest]]:
     reaches = default_rng(joints).uniform(0.1, 0.97, count)
     tasks = [_task(joints, r * line, **given) for r, line in zip(reaches, _directions(count, joints), strict=True)]
-    return [(task, WAYS[way](task)) for task in tasks]
+    return [(task, METHOD_FUNCTIONS[way](task)) for task in tasks]
 
 
 # median iterations on 2000 targets, by a prototype for up to 10 joints and for 3 by position; a sample may differ by a
@@ -64,11 +66,11 @@ def test_mass_spring_methods_reach_most_targets_in_the_recorded_number_of_iterat
 
 
 @pytest.mark.parametrize("joints", [3, *(pytest.param(count, marks=pytest.mark.soak) for count in (6, 10)), 20])
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", METHOD_FUNCTIONS)
 def test_mass_spring_methods_approach_targets_at_the_reach_limit(way, joints):
     strict, loose = Effort(), Effort(tolerance=0.04 if joints == 20 else 0.01)
-    for line in _directions(BEYOND, 7):
-        rest = WAYS[way](_task(joints, line))
+    for line in _directions(BOUNDARY_COUNT, 7):
+        rest = METHOD_FUNCTIONS[way](_task(joints, line))
         assert _task(joints, line, effort=loose).arrived(rest.points)
         assert way != "direct" or _task(joints, line, effort=strict).arrived(rest.points)
 
@@ -99,10 +101,10 @@ def test_spring_energy_threshold_ends_the_iteration():
     assert coarse.iterations < fine.iterations
 
 
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", METHOD_FUNCTIONS)
 def test_springs_of_a_settled_chain_have_their_rest_lengths(way):
     task = _task(6, np.array([0.3, 0.3, 0.3]), effort=Effort(tolerance=0.0, threshold=1e-8, iterations=600))
-    points = WAYS[way](task).points
+    points = METHOD_FUNCTIONS[way](task).points
     assert np.linalg.norm(np.diff(points, axis=0), axis=1) == pytest.approx(task.rests, abs=1e-6)
     assert points[0] == pytest.approx(task.points[0])
     assert points[-1] == pytest.approx(task.target, abs=1e-6)

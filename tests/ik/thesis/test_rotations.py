@@ -6,9 +6,9 @@ from scipy.spatial.transform import Rotation
 from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.rotations import Carrier, aim_bones, stance_of, swivel_chain, transport_up
 
-CHAIN = BallChain.curved([0.2, 0.3, 0.25, 0.1])
-GROUND = Carrier.at_rest(CHAIN)
-UNTURNED = np.tile(np.eye(3), (4, 1, 1))
+CURVED_CHAIN = BallChain.curved([0.2, 0.3, 0.25, 0.1])  # chain of four bones, slightly bent at each joint
+FIXED_BASE = Carrier.at_rest(CURVED_CHAIN)  # unrotated base at the chain's first joint
+ZERO_ROTATIONS = np.tile(np.eye(3), (4, 1, 1))  # rotation matrices of an angle of zero, one per joint
 
 
 def _turns(seed: int, most: float = 1.2):
@@ -16,45 +16,45 @@ def _turns(seed: int, most: float = 1.2):
 
 
 def test_chain_without_rotations_is_in_its_rest_posture():
-    stance = stance_of(CHAIN, UNTURNED, GROUND)
-    assert stance.points == pytest.approx(CHAIN.points)
-    assert stance.frames == pytest.approx(CHAIN.frames)
+    stance = stance_of(CURVED_CHAIN, ZERO_ROTATIONS, FIXED_BASE)
+    assert stance.points == pytest.approx(CURVED_CHAIN.points)
+    assert stance.frames == pytest.approx(CURVED_CHAIN.frames)
     assert stance.end.rotation == pytest.approx(np.eye(3))
 
 
 def test_bones_aimed_at_the_points_of_a_posture_reproduce_its_joint_positions():
     for seed in range(20):
-        wished = stance_of(CHAIN, _turns(seed), GROUND)
-        stance = aim_bones(CHAIN, UNTURNED, wished.points, GROUND)
+        wished = stance_of(CURVED_CHAIN, _turns(seed), FIXED_BASE)
+        stance = aim_bones(CURVED_CHAIN, ZERO_ROTATIONS, wished.points, FIXED_BASE)
         assert stance.points == pytest.approx(wished.points, abs=1e-12)
-        assert stance.frames @ stance.frames.transpose(0, 2, 1) == pytest.approx(UNTURNED, abs=1e-12)
+        assert stance.frames @ stance.frames.transpose(0, 2, 1) == pytest.approx(ZERO_ROTATIONS, abs=1e-12)
         assert np.linalg.det(stance.rotations) == pytest.approx(np.ones(4))
 
 
 def test_aiming_a_bone_does_not_twist_it():
-    stance = aim_bones(CHAIN, UNTURNED, stance_of(CHAIN, _turns(3), GROUND).points, GROUND)
+    stance = aim_bones(CURVED_CHAIN, ZERO_ROTATIONS, stance_of(CURVED_CHAIN, _turns(3), FIXED_BASE).points, FIXED_BASE)
     twists = Rotation.from_matrix(stance.rotations).as_rotvec()[:, 0]
     assert twists == pytest.approx(np.zeros(4), abs=1e-12)
 
 
 def test_chain_aimed_at_its_current_joint_positions_keeps_its_rotations():
     rotations = _turns(5)
-    stance = aim_bones(CHAIN, rotations, stance_of(CHAIN, rotations, GROUND).points, GROUND)
+    stance = aim_bones(CURVED_CHAIN, rotations, stance_of(CURVED_CHAIN, rotations, FIXED_BASE).points, FIXED_BASE)
     assert stance.rotations == pytest.approx(rotations, abs=1e-12)
 
 
 def test_moving_the_base_moves_the_whole_ball_joint_chain():
     turn = Rotation.from_rotvec([0.3, -0.4, 0.5]).as_matrix()
-    carried = stance_of(CHAIN, _turns(2), Carrier(np.array([1.0, 2.0, 3.0]), turn))
-    alone = stance_of(CHAIN, _turns(2), GROUND)
+    carried = stance_of(CURVED_CHAIN, _turns(2), Carrier(np.array([1.0, 2.0, 3.0]), turn))
+    alone = stance_of(CURVED_CHAIN, _turns(2), FIXED_BASE)
     assert carried.points == pytest.approx(np.array([1.0, 2.0, 3.0]) + alone.points @ turn.T)
     assert carried.end.rotation == pytest.approx(turn @ alone.end.rotation)
 
 
 def test_bone_between_coincident_masses_keeps_its_direction():
-    points = CHAIN.points.copy()
+    points = CURVED_CHAIN.points.copy()
     points[2] = points[1]
-    stance = aim_bones(CHAIN, UNTURNED, points, GROUND)
+    stance = aim_bones(CURVED_CHAIN, ZERO_ROTATIONS, points, FIXED_BASE)
     assert stance.rotations[1] == pytest.approx(np.eye(3))
     assert np.isfinite(stance.points).all()
 
@@ -68,10 +68,10 @@ def test_up_vector_stays_perpendicular_to_its_bone(sign: float):
 
 
 def test_swivelled_chain_keeps_ends_and_lengths_and_bends_towards_the_up_vector():
-    points, up = CHAIN.points, np.array([0.1, 1.0, -0.2])
+    points, up = CURVED_CHAIN.points, np.array([0.1, 1.0, -0.2])
     turned = swivel_chain(points, up)
     assert turned[[0, -1]] == pytest.approx(points[[0, -1]])
-    assert np.linalg.norm(np.diff(turned, axis=0), axis=1) == pytest.approx(CHAIN.lengths)
+    assert np.linalg.norm(np.diff(turned, axis=0), axis=1) == pytest.approx(CURVED_CHAIN.lengths)
     axis = (points[-1] - points[0]) / np.linalg.norm(points[-1] - points[0])
     bend, wish = (v - (v @ axis) * axis for v in ((turned - turned[0]).mean(axis=0), up))
     assert bend @ wish == pytest.approx(np.linalg.norm(bend) * np.linalg.norm(wish))

@@ -12,21 +12,22 @@ from kinesic.ik.thesis.rotations import Carrier, stance_of
 from kinesic.ik.thesis.several import RelaxedTree, solve_several, standing_limbs, turn_joints
 from kinesic.ik.thesis.task import Effort
 
-LIMBS = Limbs.of_robot(Robot.load("upper22"))
-CHAINS = {limb.name: limb.chain for limb in LIMBS.members}
-TORN = {"l_arm": np.array([0.45, 0.45, 1.15]), "r_arm": np.array([-0.45, -0.45, 0.95])}  # both: out of the question
-REST = standing_limbs(LIMBS)
+ROBOT_LIMBS = Limbs.of_robot(Robot.load("upper22"))  # torso and arms of the robot
+LIMB_CHAINS = {limb.name: limb.chain for limb in ROBOT_LIMBS.members}  # chain of each limb, by name
+# [m] hand targets that are too far apart to be reached together
+DISTANT_TARGETS = {"l_arm": np.array([0.45, 0.45, 1.15]), "r_arm": np.array([-0.45, -0.45, 0.95])}
+REST_STANCES = standing_limbs(ROBOT_LIMBS)  # rest posture of each limb
 
 
 def _pair(random: Generator) -> dict[str, Floats]:
     """Return both hand positions in a random posture of torso and arms."""
-    torso = CHAINS["torso"]
+    torso = LIMB_CHAINS["torso"]
     bend = Rotation.from_rotvec(random.uniform(-0.4, 0.4, (len(torso.lengths), 3))).as_matrix()
     end = stance_of(torso, bend, Carrier.at_rest(torso)).end
     chest = Rotation.from_rotvec(random.uniform(-0.4, 0.4, 3)).as_matrix()
     hands = {}
     for name in ("l_arm", "r_arm"):
-        chain = CHAINS[name]
+        chain = LIMB_CHAINS[name]
         turns = Rotation.from_rotvec(random.uniform(-1.0, 1.0, (len(chain.lengths), 3))).as_matrix()
         turns[0] = chain.frames[0].T @ chest @ chain.frames[0]
         hands[name] = stance_of(chain, turns, end).points[-1]
@@ -38,13 +39,13 @@ def test_both_hands_reach_over_90_percent_of_compatible_target_pairs(priority):
     random, both = default_rng(1), []
     for _ in range(30):
         targets = _pair(random)
-        reached = solve_several(LIMBS, targets, priority=priority)
+        reached = solve_several(ROBOT_LIMBS, targets, priority=priority)
         both.append(max(reached.residuals.values()) < 1e-3)
         for name, stance in reached.stances.items():
-            assert np.linalg.norm(np.diff(stance.points, axis=0), axis=1) == pytest.approx(CHAINS[name].lengths)
+            assert np.linalg.norm(np.diff(stance.points, axis=0), axis=1) == pytest.approx(LIMB_CHAINS[name].lengths)
         left, right = (reached.stances[name].points for name in ("l_arm", "r_arm"))
         assert left[0] == pytest.approx(reached.stances["torso"].points[-1])
-        shoulders = np.linalg.norm(CHAINS["l_arm"].points[1] - CHAINS["r_arm"].points[1])
+        shoulders = np.linalg.norm(LIMB_CHAINS["l_arm"].points[1] - LIMB_CHAINS["r_arm"].points[1])
         assert np.linalg.norm(left[1] - right[1]) == pytest.approx(shoulders)
         assert all(
             residual == pytest.approx(np.linalg.norm(reached.stances[name].points[-1] - targets[name]))
@@ -54,17 +55,21 @@ def test_both_hands_reach_over_90_percent_of_compatible_target_pairs(priority):
 
 
 def test_limb_priority_decides_between_conflicting_targets():
-    alone = {name: solve_several(LIMBS, {name: target}).residuals[name] for name, target in TORN.items()}
+    alone = {
+        name: solve_several(ROBOT_LIMBS, {name: target}).residuals[name] for name, target in DISTANT_TARGETS.items()
+    }
     assert max(alone.values()) < 1e-3
     for first, second in (("l_arm", "r_arm"), ("r_arm", "l_arm")):
-        reached = solve_several(LIMBS, TORN, priority=(first, second)).residuals
+        reached = solve_several(ROBOT_LIMBS, DISTANT_TARGETS, priority=(first, second)).residuals
         assert reached[first] < 1e-3
         assert reached[second] > 0.05
 
 
 def test_larger_weight_of_a_limb_reduces_its_target_error():
     loss = {
-        weight: solve_several(LIMBS, TORN, weights={"l_arm": weight}, effort=Effort(rounds=5)).residuals
+        weight: solve_several(
+            ROBOT_LIMBS, DISTANT_TARGETS, weights={"l_arm": weight}, effort=Effort(rounds=5)
+        ).residuals
         for weight in (0.2, 1.0, 5.0)
     }
     assert loss[0.2]["l_arm"] > loss[1.0]["l_arm"] > loss[5.0]["l_arm"]
@@ -72,28 +77,30 @@ def test_larger_weight_of_a_limb_reduces_its_target_error():
 
 
 def test_torso_may_have_a_target_and_an_arm_may_have_none():
-    torso = CHAINS["torso"].points[-1] + np.array([0.1, 0.0, -0.0181])
-    reached = solve_several(LIMBS, {"torso": torso, "r_arm": np.array([0.3, -0.2, 0.8])})
+    torso = LIMB_CHAINS["torso"].points[-1] + np.array([0.1, 0.0, -0.0181])
+    reached = solve_several(ROBOT_LIMBS, {"torso": torso, "r_arm": np.array([0.3, -0.2, 0.8])})
     assert set(reached.residuals) == {"torso", "r_arm"}
     assert max(reached.residuals.values()) < 1e-3
 
 
 def test_limb_of_one_bone_rotates_like_the_other_limbs_at_their_common_joint():
-    top = CHAINS["torso"].points[-1]
+    top = LIMB_CHAINS["torso"].points[-1]
     head = Limb("head", BallChain.of([top, top + np.array([0.0, 0.0, 0.2])]), "torso")
-    reached = solve_several(Limbs((*LIMBS.members, head)), {"l_arm": np.array([0.35, 0.1, 0.9])})
+    reached = solve_several(Limbs((*ROBOT_LIMBS.members, head)), {"l_arm": np.array([0.35, 0.1, 0.9])})
     assert reached.residuals["l_arm"] < 1e-3
     turns = [
         s.frames[0] @ c.frames[0].T
-        for s, c in ((reached.stances["head"], head.chain), (reached.stances["l_arm"], CHAINS["l_arm"]))
+        for s, c in ((reached.stances["head"], head.chain), (reached.stances["l_arm"], LIMB_CHAINS["l_arm"]))
     ]
     assert turns[0] == pytest.approx(turns[1])
 
 
 def test_solution_of_several_limbs_is_independent_of_length_scale():
     targets = _pair(default_rng(3))
-    small = solve_several(LIMBS, targets)
-    scaled = Limbs(tuple(Limb(limb.name, BallChain.of(1e3 * limb.chain.points), limb.on) for limb in LIMBS.members))
+    small = solve_several(ROBOT_LIMBS, targets)
+    scaled = Limbs(
+        tuple(Limb(limb.name, BallChain.of(1e3 * limb.chain.points), limb.on) for limb in ROBOT_LIMBS.members)
+    )
     big = solve_several(scaled, {name: 1e3 * target for name, target in targets.items()})
     assert big.iterations == small.iterations
     for name, stance in small.stances.items():
@@ -108,7 +115,9 @@ def test_solution_of_several_limbs_keeps_joint_limits_in_every_limb():
         "l_arm": EulerBoxes.of(-arm, arm, joints=4),
         "r_arm": EulerBoxes.of(-arm, arm, joints=4),
     }
-    limbs = Limbs(tuple(Limb(x.name, BallChain.of(x.chain.points, limits=boxes[x.name]), x.on) for x in LIMBS.members))
+    limbs = Limbs(
+        tuple(Limb(x.name, BallChain.of(x.chain.points, limits=boxes[x.name]), x.on) for x in ROBOT_LIMBS.members)
+    )
     reached = solve_several(limbs, _pair(default_rng(4)), effort=Effort(rounds=5))
     for name, box in boxes.items():
         assert box.excess(reached.stances[name].rotations) < 1e-9
@@ -126,7 +135,7 @@ def test_solution_of_several_limbs_keeps_joint_limits_in_every_limb():
 )
 def test_invalid_limb_ik_arguments_raise_clear_errors(targets, given, lesson):
     with pytest.raises(ValueError, match=lesson):
-        solve_several(LIMBS, targets, **given)
+        solve_several(ROBOT_LIMBS, targets, **given)
 
 
 def _yaw(angle: float):
@@ -134,23 +143,25 @@ def _yaw(angle: float):
 
 
 def _postured(left: float, right: float, pulls, priority=()):
-    """Solve for both arms after turning each about the sub-base joint alone."""
-    centre = REST["torso"].points[-1]
-    points = {name: stance.points for name, stance in REST.items()}
+    """Turn joints towards masses of both arms that are yawed about their common joint."""
+    centre = REST_STANCES["torso"].points[-1]
+    points = {name: stance.points for name, stance in REST_STANCES.items()}
     points["l_arm"] = centre + (points["l_arm"] - centre) @ _yaw(left).T
     points["r_arm"] = centre + (points["r_arm"] - centre) @ _yaw(right).T
-    return turn_joints(LIMBS, REST, RelaxedTree(points, {}, pulls, priority), method="position", effort=Effort())
+    return turn_joints(
+        ROBOT_LIMBS, REST_STANCES, RelaxedTree(points, {}, pulls, priority), method="position", effort=Effort()
+    )
 
 
 def _turn(stances, name: str) -> float:
-    """Return the turn of a limb's first bone about the vertical [rad]."""
-    turn = stances[name].frames[0] @ REST[name].frames[0].T
+    """Return the yaw of a limb's first bone relative to rest [rad]."""
+    turn = stances[name].frames[0] @ REST_STANCES[name].frames[0].T
     return float(Rotation.from_matrix(turn).as_rotvec()[2])
 
 
 def test_limbs_at_rest_have_the_rest_positions_of_their_chains():
-    for limb in LIMBS.members:
-        assert REST[limb.name].points == pytest.approx(limb.chain.points)
+    for limb in ROBOT_LIMBS.members:
+        assert REST_STANCES[limb.name].points == pytest.approx(limb.chain.points)
 
 
 def test_limbs_at_a_common_joint_get_the_same_rotation():
@@ -161,7 +172,7 @@ def test_limbs_at_a_common_joint_get_the_same_rotation():
 
 def test_common_joint_of_differently_weighted_limbs_has_one_rotation():
     stances = _postured(0.3, -0.1, {"l_arm": 1.0, "r_arm": 3.0})
-    span = [np.linalg.norm(s["l_arm"].points[1] - s["r_arm"].points[1]) for s in (REST, stances)]
+    span = [np.linalg.norm(s["l_arm"].points[1] - s["r_arm"].points[1]) for s in (REST_STANCES, stances)]
     assert span[0] == pytest.approx(span[1])
 
 

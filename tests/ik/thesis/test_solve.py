@@ -7,16 +7,16 @@ from kinesic.ik.thesis.chain import BallChain
 from kinesic.ik.thesis.rotations import Carrier
 from kinesic.ik.thesis.solve import RELAXATION_METHODS, ChainStart, solve_ball_chain
 
-METHODS = list(RELAXATION_METHODS)
-JOINTS = (3, 6, 10, 20)
+METHOD_NAMES = list(RELAXATION_METHODS)  # names of all relaxation methods
+JOINT_COUNTS = (3, 6, 10, 20)  # numbers of joints of the tested chains
 
 
 def _chain(joints: int, size: float = 1.0) -> BallChain:
     return BallChain.curved(np.full(joints, size / joints))
 
 
-@pytest.mark.parametrize("joints", JOINTS)
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("joints", JOINT_COUNTS)
+@pytest.mark.parametrize("method", METHOD_NAMES)
 def test_ball_chain_residual_is_the_end_distance_and_bones_keep_their_lengths(method, joints):
     chain, random, reached = _chain(joints), default_rng(1), []
     for _ in range(12):
@@ -32,8 +32,8 @@ def test_ball_chain_residual_is_the_end_distance_and_bones_keep_their_lengths(me
     assert np.mean(reached) >= (0.8 if joints == 20 and method != "direct" else 1.0)
 
 
-@pytest.mark.parametrize("joints", JOINTS)
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("joints", JOINT_COUNTS)
+@pytest.mark.parametrize("method", METHOD_NAMES)
 def test_ball_joint_chain_points_straight_at_an_unreachable_target(method, joints):
     target = np.array([1.2, -0.6, 0.9])
     relaxed = solve_ball_chain(_chain(joints), target, method=method)
@@ -43,7 +43,7 @@ def test_ball_joint_chain_points_straight_at_an_unreachable_target(method, joint
     assert distance - 1.0 - 1e-9 <= relaxed.residual <= distance - 1.0 + slack
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", METHOD_NAMES)
 def test_ball_chain_solution_is_independent_of_length_scale(method):
     target = np.array([0.3, 0.4, 0.2])
     small = solve_ball_chain(_chain(6), target, method=method)
@@ -55,7 +55,7 @@ def test_ball_chain_solution_is_independent_of_length_scale(method):
         assert big.energy == pytest.approx(small.energy, abs=1e-12)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", METHOD_NAMES)
 @pytest.mark.parametrize("line", [(1.0, 0.0, 0.0), (0.0, 0.0, 1.0), (0.0, -0.6, 0.8)])
 def test_straight_ball_joint_chain_bends_sideways_to_reach_a_near_target(method, line):
     axis = np.array(line)
@@ -66,12 +66,12 @@ def test_straight_ball_joint_chain_bends_sideways_to_reach_a_near_target(method,
         assert np.linalg.norm(np.cross(relaxed.points, axis), axis=1).max() > 0.05
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", METHOD_NAMES)
 def test_ball_joint_chain_reaches_a_target_at_its_base(method):
     assert solve_ball_chain(_chain(6), np.zeros(3), method=method).residual <= 1e-3
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", METHOD_NAMES)
 def test_chain_of_one_bone_points_at_its_target(method):
     relaxed = solve_ball_chain(
         BallChain.of([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0)]), np.array([0.0, 0.3, 0.4]), method=method
@@ -79,7 +79,7 @@ def test_chain_of_one_bone_points_at_its_target(method):
     assert relaxed.points[-1] == pytest.approx([0.0, 0.3, 0.4], abs=1e-3)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", METHOD_NAMES)
 def test_chain_solved_again_from_its_solution_needs_no_iterations(method):
     target = np.array([0.3, 0.4, 0.2])
     first = solve_ball_chain(_chain(6), target, method=method)
@@ -112,7 +112,7 @@ def test_solved_chain_keeps_joint_limits_with_every_method():
     rest = _chain(6)
     box = np.radians([10.0, 40.0, 40.0])
     chain = BallChain.of(rest.points, limits=EulerBoxes.of(-box, box, joints=6))
-    for method in METHODS:
+    for method in METHOD_NAMES:
         relaxed = solve_ball_chain(chain, np.array([0.2, 0.5, 0.3]), method=method)
         assert chain.limits is not None
         assert chain.limits.excess(relaxed.rotations) < 1e-9
