@@ -1,7 +1,7 @@
 """Contents of a robot's TOML file, with both body sides complete."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from kinesic.body.arrays import Floats
@@ -9,6 +9,7 @@ from kinesic.body.calibration import NO_CALIBRATION, Calibration
 from kinesic.body.choices import Skin
 from kinesic.body.servo import Drive
 from kinesic.body.skeleton import Skeleton
+from kinesic.body.source_joints import SourceJoint
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,3 +66,4 @@ class Description:
     skin: Skin | None = None  # None: drawn without skin
     supply: Supply | None = None  # None: unknown
     calibration: Calibration = NO_CALIBRATION  # of these servos; the skeleton has its ranges already
+    sources: Mapping[str, SourceJoint] = field(default_factory=dict)  # hinge or coupling -> joint of the imported file

@@ -17,6 +17,7 @@ from kinesic.body.html_view import NotebookView
 from kinesic.body.robot_file import read_description
 from kinesic.body.servo import Drives
 from kinesic.body.skeleton import Coupling, Frames, Hinge
+from kinesic.body.source_joints import SourceJoints
 
 Side = Literal["l", "r"]
 SIDES: tuple[Side, Side] = ("l", "r")
@@ -103,6 +104,11 @@ class Robot(Description, NotebookView):
     def drives(self) -> Drives:
         """Drives of all hinges, in joint order."""
         return Drives(mount.drive for mount in self.mounts)
+
+    @cached_property
+    def source_joints(self) -> SourceJoints:
+        """Joints under the names, signs and zeros of the imported file."""
+        return SourceJoints.of(self.skeleton, self.sources)
 
     @cached_property
     def velocity_limits(self) -> Floats:

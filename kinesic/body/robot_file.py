@@ -14,9 +14,10 @@ from kinesic.body.description import Description, Exclusion, Mount, Site, Supply
 from kinesic.body.muscle import make_muscle
 from kinesic.body.robot_extension import read_robot
 from kinesic.body.robot_mirror import with_both_sides
-from kinesic.body.robot_schema import BodyTable, CouplingTable, HingeTable, RobotFile, ServoTable
+from kinesic.body.robot_schema import BodyTable, CouplingTable, HingeTable, RobotFile, ServoTable, SourceTable
 from kinesic.body.servo import Drive, ServoModel
 from kinesic.body.skeleton import Capsule, Coupling, Hinge, Segment, Skeleton
+from kinesic.body.source_joints import SourceJoint
 
 FINGER_CHAINS = {"l_fingers", "r_fingers"}  # Names of chains whose segments form one body in collision checks
 MAX_AXIS_LENGTH = 1e6  # Largest accepted length of an axis in the file; the smallest is its inverse
@@ -102,6 +103,11 @@ def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NO
         skin=file.robot.skin,
         supply=None if file.supply is None else Supply(file.supply.volts, file.supply.amps),
         calibration=calibration,
+        sources={
+            name: SourceJoint(source.joint, float(source.sign), radians(source.zero_deg))
+            for name, source in _source_tables(file).items()
+            if source is not None
+        },
     )
 
 
@@ -156,6 +162,7 @@ def _check(path: Path, file: RobotFile, servos: list[str]) -> None:
         hinges.append(hinge.name)
     _check_uniform_drives(path, file)
     _check_couplings(path, file, bodies, hinges)
+    _check_sources(path, file)
     for name, members in file.chains.items():
         for body_name in members:
             _check_known(path, f"chain {name}", body_name, bodies)
@@ -222,6 +229,22 @@ def _check_couplings(path: Path, file: RobotFile, bodies: list[str], hinges: lis
         if least < lower - RANGE_TOLERANCE or max_count > upper + RANGE_TOLERANCE:
             reached = f"{coupling.driver} leads it to {least:g}..{max_count:g} deg"
             raise ConfigError(f"{where}: {reached}, beyond its range_deg [{lower:g}, {upper:g}]; narrow the driver's")
+
+
+def _source_tables(file: RobotFile) -> Mapping[str, SourceTable | None]:
+    """Return the joints of the imported file by hinge or coupling."""
+    hinges = {hinge.name: hinge.source for hinge in file.hinge}
+    return hinges | {coupling.name: coupling.source for coupling in file.coupling}
+
+
+def _check_sources(path: Path, file: RobotFile) -> None:
+    """Refuse two hinges with the same joint of the imported file."""
+    names: list[str] = []
+    for hinge, source in _source_tables(file).items():
+        name = hinge if source is None else source.joint
+        if name in names:
+            raise ConfigError(f"{path}: hinge {hinge}: another hinge has the joint {name} of the imported file, too")
+        names.append(name)
 
 
 def _check_hinge_numbers(path: Path, hinge: HingeTable, rest: float) -> None:

@@ -83,6 +83,7 @@ def _mirrored_hinge(hinge: HingeTable, mirror: MirrorTable) -> HingeTable:
         axis=_mirrored_axis(hinge.axis),
         at=_flipped(hinge.at),
         mount=None if hinge.mount is None else MountTable(_renamed(hinge.mount.body, mirror), _flipped(hinge.mount.at)),
+        source=None,  # a joint of the imported file is on one side
     )
 
 
@@ -93,6 +94,7 @@ def _mirrored_coupling(coupling: CouplingTable, mirror: MirrorTable) -> Coupling
         body=_renamed(coupling.body, mirror),
         driver=_renamed(coupling.driver, mirror),
         axis=_mirrored_axis(coupling.axis),
+        source=None,
     )
 
 

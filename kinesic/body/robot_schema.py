@@ -2,6 +2,7 @@
 
 import json
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 import msgspec
 
@@ -72,6 +73,17 @@ class LimitsTable(Strict):
     torque: float  # [Nm]
 
 
+class SourceTable(Strict):
+    """TOML table `source`: joint of the imported file, as `kinesic robots import` found it.
+
+    joint angle = zero_deg + sign * angle of the hinge
+    """
+
+    joint: str  # name of the joint in the imported file
+    sign: Literal[1, -1] = 1  # -1: the joint rotates in the opposite direction
+    zero_deg: float = 0.0  # [deg] joint angle at hinge angle 0
+
+
 class HingeTable(Strict):
     """TOML table `[[hinge]]`, with a mounted servo or with limits."""
 
@@ -85,6 +97,7 @@ class HingeTable(Strict):
     count: int = 1  # servos on the same shaft
     reduction: float = 1.0  # servo revolutions per hinge revolution
     at: Triple = (0.0, 0.0, 0.0)  # [m] centre of rotation in the body's frame
+    source: SourceTable | None = None  # joint of the imported file, whose name and zero written motions have
 
 
 class CouplingTable(Strict):
@@ -97,6 +110,7 @@ class CouplingTable(Strict):
     driver: str  # hinge that drives it
     ratio: float = 1.0  # angle per angle of the driver
     offset_deg: float = 0.0  # [deg] angle at driver angle 0
+    source: SourceTable | None = None  # joint of the imported file
 
 
 class SiteTable(Strict):

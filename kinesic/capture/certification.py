@@ -64,10 +64,10 @@ class Certification:
         return self.nearest.motion.trajectory
 
     def save(self, path: str | Path, *, force: bool = False) -> Path:
-        """Write the nearest motion to a .npz, .csv or .bap file.
+        """Write the nearest motion to a file of the path's suffix.
 
         Args:
-            path: of the file.
+            path: ending in .npz, .csv, .bap, .bvh, .json or .mcap.
             force: whether to replace an existing file.
 
         Raises:

@@ -74,17 +74,17 @@ def _exceeds_limits(angles: Floats, side: Side, setup: Setup) -> bool:
 
 
 def _take_joints(clip: JointClip, times: Floats, robot: Robot, source: str) -> RobotMotion:
-    names = robot.skeleton.names
-    columns = {name: k for k, name in enumerate(clip.names)}
-    known = [name for name in names if name in columns]
-    if not known:
+    joints = robot.source_joints
+    columns = joints.find_hinges(clip.names)
+    if not columns:
         raise CaptureError(
-            f"{source}: no joint of {robot.name}; it has {_list_names(clip.names)}, the robot {_list_names(names)}"
+            f"{source}: no joint of {robot.name}; it has {_list_names(clip.names)}, "
+            f"the robot {_list_names(joints.names)}"
         )
     angles = np.tile(robot.skeleton.rest, (len(times), 1))
-    given = [columns[name] for name in known]
-    angles[:, [names.index(name) for name in known]] = resample(clip.times, clip.angles[:, given], times)
-    unknown = [name for name in clip.names if name not in names]
+    given = [joints.hinge_angles(hinge, clip.names[k], clip.angles[:, k]) for hinge, k in columns.items()]
+    angles[:, list(columns)] = resample(clip.times, np.stack(given, axis=1), times)
+    unknown = [name for name in clip.names if name not in {*joints.names, *joints.hinges}]
     notes = (*clip.guesses, *([f"unknown joints: {_list_names(unknown)}"] if unknown else ()))
     return RobotMotion(sealed(times), sealed(angles), _inside(angles, robot), arm_paths(robot, angles), {}, notes)
 

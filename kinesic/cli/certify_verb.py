@@ -16,7 +16,7 @@ from kinesic.cli.options import force_option, implemented_by
 @click.argument("file", type=click.Path(path_type=Path))
 @click.option("--robot", type=ROBOT_NAME, default="upper22", show_default=True, help="Name or TOML file of the robot.")
 @click.option("--check", is_flag=True, help="Only judge FILE: exit code 1 if it violates a limit.")
-@click.option("--out", type=click.Path(path_type=Path), help="motion.npz, .csv or .bap of the nearest motion.")
+@click.option("--out", type=click.Path(path_type=Path), help="Nearest motion: .npz, .csv, .bvh, .bap, .json, .mcap.")
 @force_option
 @click.option("--json", "as_json", is_flag=True, help="Print all violations and distances as JSON.")
 @implemented_by("certify:certify_file")

@@ -1,4 +1,4 @@
-"""Verb `kinesic export`: write a motion for Foxglove or Rerun."""
+"""Verb `kinesic export`: write a motion for viewers, ROS, animation and analysis."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -16,13 +16,25 @@ from kinesic.controller.dry_run import dry_run
 from kinesic.files.output_file import check_file
 from kinesic.files.plain_name import cut_name
 from kinesic.importing import import_at_once
+from kinesic.planning.files.motion_files import save_motion
 from kinesic.report.export.mcap_file import save_mcap
 from kinesic.report.export.recording import ExportedMotion
 from kinesic.report.export.rerun_file import save_rerun
 
-ExportKind = Literal["mcap", "rerun"]
-FILE_SUFFIXES: Mapping[ExportKind, str] = {"mcap": ".mcap", "rerun": ".rrd"}  # kind -> file suffix
-PACKAGE_NAMES: Mapping[ExportKind, str] = {"mcap": "foxglove", "rerun": "rerun"}  # kind -> import name of its package
+ExportKind = Literal["mcap", "rerun", "ros", "json", "csv", "npz", "bvh"]
+FILE_SUFFIXES: Mapping[ExportKind, str] = {  # kind -> file suffix
+    "mcap": ".mcap",
+    "rerun": ".rrd",
+    "ros": ".mcap",
+    "json": ".json",
+    "csv": ".csv",
+    "npz": ".npz",
+    "bvh": ".bvh",
+}
+PACKAGE_NAMES: Mapping[ExportKind, str] = {
+    "mcap": "foxglove",
+    "rerun": "rerun",
+}  # recording -> package
 MAX_NAME_LENGTH = 100  # [bytes] longest default file name without its suffix
 
 
@@ -32,7 +44,7 @@ def export_motion(
     """Plan a document and export its planned or performed motion.
 
     Raises:
-        ConfigError: the path has another suffix, or must not be written.
+        ConfigError: the path has another suffix, or must not be written; or a performed motion that is no recording.
         ModuleNotFoundError: the extra of this kind is missing.
     """
     path = out or Path(
@@ -40,19 +52,24 @@ def export_motion(
     )
     if path.suffix.lower() != FILE_SUFFIXES[kind]:
         raise ConfigError(f"{path}: --to {kind} writes {FILE_SUFFIXES[kind]}; name it {path.stem}{FILE_SUFFIXES[kind]}")
-    import_at_once(PACKAGE_NAMES[kind])
+    if performed and kind not in PACKAGE_NAMES:
+        raise ConfigError(f"--performed needs --to {' or '.join(PACKAGE_NAMES)}; --to {kind} writes the planned motion")
+    if kind in PACKAGE_NAMES:
+        import_at_once(PACKAGE_NAMES[kind])
     check_file(path, force=force)
     with show_stages() as stage:
         stage("planning")
         plan = plan_input(file, planning.set_up())
-        if performed:
-            stage("performing in the twin")
-        motion = ExportedMotion.of_performance(dry_run(plan)) if performed else ExportedMotion.of_plan(plan)
-        stage("writing")
-        if kind == "mcap":
-            save_mcap(motion, path, force=force)
+        if kind not in PACKAGE_NAMES:
+            stage("writing")
+            save_motion(plan.trajectory, plan.setup.robot, path, force=force)
         else:
-            save_rerun(motion, path, force=force)
+            if performed:
+                stage("performing in the twin")
+            motion = ExportedMotion.of_performance(dry_run(plan)) if performed else ExportedMotion.of_plan(plan)
+            stage("writing")
+            save = save_mcap if kind == "mcap" else save_rerun
+            save(motion, path, force=force)
     print_notices(plan, error_console())
-    click.echo(f"recording: {path}")
+    click.echo(f"{'recording' if kind in PACKAGE_NAMES else 'motion'}: {path}")
     return 0

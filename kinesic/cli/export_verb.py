@@ -19,17 +19,19 @@ from kinesic.cli.options import force_option, implemented_by, planning_options
     "--to",
     "kind",
     required=True,
-    type=click.Choice(["mcap", "rerun"]),
-    help="mcap: for Foxglove (extra mcap); rerun: for the Rerun viewer (extra rerun).",
+    type=click.Choice(["mcap", "rerun", "ros", "json", "csv", "npz", "bvh"]),
+    help="mcap: for Foxglove (extra mcap); rerun: for the Rerun viewer (extra rerun); ros, json: ROS joint trajectory "
+    "as MCAP or JSON; csv, npz: joint angles; bvh: for animation programs.",
 )
 @click.option("--performed", is_flag=True, help="Also perform FILE in the twin, and export its measured joint states.")
 @click.option(
-    "--out", type=click.Path(path_type=Path), help="X.mcap or X.rrd (default: the name of FILE, in this folder)."
+    "--out", type=click.Path(path_type=Path), help="File to write (default: the name of FILE, in this folder)."
 )
 @force_option
 @implemented_by("export:export_motion")
 def export_verb() -> None:
-    """Export the motion of FILE for the viewers Foxglove and Rerun.
+    """Export the motion of FILE for viewers, ROS, analysis and animation.
 
-    FILE is as in `kinesic plan`. The recording has joint states, transforms, surfaces, words and sync points.
+    FILE is as in `kinesic plan`. Recordings (mcap, rerun) have joint states, transforms, surfaces, words and sync
+    points. Other files have the angles of all joints; those of an imported robot have the names and zeros of its file.
     """

@@ -184,7 +184,7 @@ def _perform() -> None:
 @click.option(
     "--out",
     type=click.Path(path_type=Path),
-    help="motion.npz, .csv or .bap, or scene.glb with scene.wav (default: print a timeline).",
+    help="motion.npz, .csv, .bvh, .bap, .json or .mcap (ROS), or scene.glb with scene.wav (default: print a timeline).",
 )
 @force_option
 @click.option(

@@ -116,7 +116,7 @@ class Performance(DryRun, NotebookView):
         return State(*(sealed(row[0]) for row in self.motion.sample(np.array([when]))))
 
     def save(self, path: str | Path, *, force: bool = False) -> Path:
-        """Write the measured motion as .npz, .csv or .bap.
+        """Write the measured motion to a file, such as .npz or .csv.
 
         Args:
             path: path of the file; a motion saved there before is replaced.

@@ -13,6 +13,7 @@ from kinesic.capture.resampling import low_pass, resample_times
 from kinesic.capture.retarget import MAX_DURATION, retarget
 from kinesic.capture.robot_motion import arm_paths
 from kinesic.ik.arm.swivel import swivel
+from kinesic.session.setup import set_up
 
 from .clips import bvh, reach
 
@@ -88,6 +89,18 @@ def test_joint_columns_are_matched_by_name_and_unknown_columns_are_noted(robot, 
     assert motion.notes == ("unknown joints: tail",)
     with pytest.raises(CaptureError, match="no joint of upper22"):
         retarget(JointClip(sealed(TIMES), ("tail",), sealed(wave[:, None])), known, "a.csv")
+
+
+def test_joint_columns_of_the_imported_file_are_converted_to_hinge_angles(robot, tmp_path):
+    lines = 'name = "l_elbow_flexion"\nsource = { joint = "left_elbow", sign = -1, zero_deg = 90 }'
+    path = tmp_path / "mine.toml"
+    path.write_text(f'[robot]\nname = "mine"\nextends = "upper22"\n[[hinge]]\n{lines}\n', encoding="utf-8")
+    setup = set_up(Robot.load(path))
+    elbow, bent = robot.skeleton.names.index("l_elbow_flexion"), 0.5 + 0.1 * np.sin(2 * TIMES)
+    for name, column in (("left_elbow", np.pi / 2 - bent), ("l_elbow_flexion", bent)):
+        motion = retarget(JointClip(sealed(TIMES), (name,), sealed(column[:, None])), setup, "a.csv")
+        assert motion.notes == ()
+        assert motion.requested[100, elbow] == pytest.approx(0.5 + 0.1 * np.sin(2.0), abs=1e-4)
 
 
 def test_requested_angles_may_exceed_the_joint_range_but_desired_angles_are_clipped_to_it(robot, known):

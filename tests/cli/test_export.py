@@ -44,6 +44,17 @@ def test_export_refuses_a_wrong_file_suffix_and_suggests_the_right_one(kind: str
         export("nod.bml", "--to", kind, "--out", "x.glb")
 
 
+def test_export_writes_joint_trajectories_and_other_motion_files(capsys):
+    for kind, name, start in (("ros", "nod.mcap", b"\x89MCAP0"), ("json", "nod.json", b"{"), ("bvh", "nod.bvh", b"HI")):
+        assert export("nod.bml", "--to", kind) == 0
+        assert capsys.readouterr().out == f"motion: {name}\n"
+        assert Path(name).read_bytes().startswith(start)
+        with pytest.raises(ConfigError, match=name):
+            export("nod.bml", "--to", kind)
+    with pytest.raises(ConfigError, match="--performed needs --to mcap or rerun; --to csv writes the planned motion"):
+        export("nod.bml", "--to", "csv", "--performed")
+
+
 @pytest.fixture
 def steps(monkeypatch) -> list[object]:
     """Steps of an export, in their order, without planning and packages of viewers."""

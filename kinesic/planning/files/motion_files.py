@@ -1,4 +1,7 @@
-"""Write motions to npz, csv or BAP files."""
+"""Write motions to npz, csv, BAP, BVH and ROS trajectory files.
+
+All but BAP and BVH have the joint names, signs and zeros of the robot's own file.
+"""
 
 import csv
 from pathlib import Path
@@ -11,8 +14,11 @@ from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.files.output_file import new_file
 from kinesic.planning.files.bap import Sampled, make_bap_heading, write_bap
+from kinesic.planning.files.bvh_writer import write_bvh
+from kinesic.planning.files.joint_trajectory import SampledJoints, write_trajectory_json, write_trajectory_mcap
 
-MOTION_SUFFIXES = (".npz", ".csv", ".bap")  # suffixes of the motion files that can be written
+MOTION_SUFFIXES = (".npz", ".csv", ".bap", ".bvh", ".json", ".mcap")  # suffixes of the motion files that can be written
+RECOGNISED_SUFFIXES = (".npz", ".csv", ".bap")  # suffixes of files that are recognised as written by kinesic
 NPZ_ARRAYS = ("times", "names", "angles", "speeds", "accelerations")  # array names in npz files
 TIME_COLUMN = "time_s"  # first column of csv files
 HEADER_SIZE = 512  # [bytes] beginning of a file that is read to recognise kinesic's own files
@@ -26,7 +32,7 @@ def save_motion(motion: Sampled, robot: Robot, path: Path, *, force: bool) -> Pa
     Args:
         motion: planned or measured.
         robot: with the hinges.
-        path: ending in .npz, .csv or .bap.
+        path: ending in one of `MOTION_SUFFIXES`.
         force: whether to replace an existing file.
 
     Raises:
@@ -52,8 +58,11 @@ def replace_motion_file(motion: Sampled, robot: Robot, path: Path, *, force: boo
 
 
 def is_own_motion(path: Path) -> bool:
-    """Return whether a file looks like a motion file written by kinesic."""
-    if not path.is_file():
+    """Return whether a file looks like a motion file written by kinesic.
+
+    BVH files and joint trajectories of kinesic look like those of other programs.
+    """
+    if not path.is_file() or path.suffix not in RECOGNISED_SUFFIXES:
         return False
     try:
         if path.suffix == ".npz":
@@ -72,13 +81,14 @@ def write_motion(
     """Write a trajectory in the file format of the path's suffix.
 
     npz holds `times` [s], `names`, `angles` [rad], `speeds` [rad/s] and `accelerations` [rad/s^2]; csv holds time and
-    angles; bap is the MPEG-4 text format at 25 frames/s.
+    angles; json and mcap hold a ROS joint trajectory; bvh holds the skeleton and its motion; bap is the MPEG-4 text
+    format at 25 frames/s.
 
     Args:
         trajectory: planned or measured.
         robot: with the hinges.
         path: of the file.
-        rate: [Hz] of npz and csv.
+        rate: [Hz] of all formats but bap.
         called: final path of the file, whose name is written in bap; None: `path`.
 
     Raises:
@@ -90,16 +100,45 @@ def write_motion(
         return
     times = np.arange(int(np.ceil(trajectory.duration * rate)) + 1) / rate
     angles, speeds, accelerations = trajectory.sample(times)
-    names = robot.skeleton.names
-    if path.suffix == ".npz":
-        np.savez_compressed(
-            path, times=times, names=np.array(names), angles=angles, speeds=speeds, accelerations=accelerations
-        )
-    else:
-        with path.open("w", newline="", encoding="utf-8") as file:
-            rows = csv.writer(file)
-            rows.writerow([TIME_COLUMN, *(f"{name}_rad" for name in names)])
-            rows.writerows([f"{value:.9g}" for value in (time, *row)] for time, row in zip(times, angles, strict=True))
+    if path.suffix == ".bvh":
+        write_bvh(angles, robot, path, rate=rate)
+        return
+    source = robot.source_joints
+    joints = SampledJoints(
+        times,
+        source.names,
+        source.joint_angles(angles),
+        source.joint_rates(speeds),
+        source.joint_rates(accelerations),
+    )
+    match path.suffix:
+        case ".npz":
+            _write_npz(joints, path)
+        case ".csv":
+            _write_csv(joints, path)
+        case ".json":
+            write_trajectory_json(joints, path)
+        case _:
+            write_trajectory_mcap(joints, path)
+
+
+def _write_npz(joints: SampledJoints, path: Path) -> None:
+    np.savez_compressed(
+        path,
+        times=joints.times,
+        names=np.array(joints.names),
+        angles=joints.angles,
+        speeds=joints.velocities,
+        accelerations=joints.accelerations,
+    )
+
+
+def _write_csv(joints: SampledJoints, path: Path) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        rows = csv.writer(file)
+        rows.writerow([TIME_COLUMN, *(f"{name}_rad" for name in joints.names)])
+        table = zip(joints.times, joints.angles, strict=True)
+        rows.writerows([f"{value:.9g}" for value in (time, *row)] for time, row in table)
 
 
 def check_motion_file(path: Path, *, also: str = "") -> None:

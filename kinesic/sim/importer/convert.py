@@ -9,11 +9,11 @@ import msgspec
 
 from kinesic.body.robot import SIDE_NAMES, SIDES, Robot, Side
 from kinesic.body.robot_file import robot_from_tables
-from kinesic.body.robot_schema import ImportTable, RobotFile, ServoTable
+from kinesic.body.robot_schema import ImportTable, RobotFile, ServoTable, SourceTable
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.importer.hand import MappedHand, find_hand
 from kinesic.sim.importer.hand_tables import Hands, with_hands
-from kinesic.sim.importer.hinges import MappedHinge, name_hinges, spell_angle
+from kinesic.sim.importer.hinges import MappedHinge, describe_source, name_hinges, spell_angle
 from kinesic.sim.importer.load import load_robot_tree
 from kinesic.sim.importer.rest_pose import find_limits_nearest_to_zero, rest_pose, with_exclusions
 from kinesic.sim.importer.segments import lay_out_segments
@@ -67,13 +67,24 @@ def import_humanoid(path: Path) -> Mapped:
     rest = {name: angle for name, angle in draft.rest.items() if name in {hinge.name for hinge in fingers}}
     rest = {name: angle for name, angle in (rest_pose(geometry, hinges, file, path) | rest).items() if angle}
     file = with_exclusions(msgspec.structs.replace(file, rest=rest), path)
+    turns = (*hinges, *(turn for hand in hands.values() for finger in hand.fingers for turn in finger.turns))
+    joint_names = {turn.name: geometry.tree.joints[turn.joint].name for turn in turns}
+    file = _add_sources(file, {turn.name: describe_source(turn, joint_names[turn.name]) for turn in turns})
     confidence = _rate_confidence(geometry)
     file.robot.imported = ImportTable(
         path.name, round(confidence, 2), [*_review(geometry, hinges, hands), *_review_servos(sources)]
     )
-    joints = geometry.tree.joints
-    remarks = {hinge.name: spell_angle(hinge, joints[hinge.joint].name) for hinge in (*hinges, *fingers)}
+    remarks = {hinge.name: spell_angle(hinge, joint_names[hinge.name]) for hinge in (*hinges, *fingers)}
     return Mapped(file, geometry, hinges, hands, remarks | sources, confidence)
+
+
+def _add_sources(file: RobotFile, sources: Mapping[str, SourceTable]) -> RobotFile:
+    """Return a robot's tables with the joint of the imported file in each hinge and coupling."""
+    return msgspec.structs.replace(
+        file,
+        hinge=[msgspec.structs.replace(hinge, source=sources[hinge.name]) for hinge in file.hinge],
+        coupling=[msgspec.structs.replace(coupling, source=sources[coupling.name]) for coupling in file.coupling],
+    )
 
 
 def _choose_servos(

@@ -11,12 +11,14 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Side
+from kinesic.body.robot_schema import SourceTable
 from kinesic.sim.importer.arm import MIN_TWIST_COSINE
 from kinesic.sim.importer.hanging_pose import find_elbow_sense
 from kinesic.sim.importer.zero_pose import MIRROR_SIGNS, HumanoidGeometry
 
 SPINE_TURNS = ("roll", "tilt", "torsion")  # name suffixes of trunk and head hinges, by their nearest axis x, y, z
 VERTEBRA_NAMES = {"vl5": ("vl5", "vt10", "vt6", "vt1"), "skullbase": ("skullbase", "vc4", "vc7", "vc2")}
+ZERO_DIGITS = 6  # decimal digits of joint zeros [deg] in robot files
 MAX_USEFUL_RANGE = radians(350)  # [rad] widest joint range that is used; a default replaces wider ranges
 
 # Default ranges [deg] of hinges without a range in their file, after human anatomy.
@@ -164,6 +166,11 @@ def _find_default_range(name: str) -> tuple[float, float]:
         ANATOMICAL_RANGES[key] for key in sorted(ANATOMICAL_RANGES, key=len, reverse=True) if key in name
     )
     return radians(lower_deg), radians(upper_deg)
+
+
+def describe_source(hinge: MappedHinge, joint: str) -> SourceTable:
+    """Return the file's joint with its sign and zero, as the robot's file states it."""
+    return SourceTable(joint, 1 if hinge.sign > 0 else -1, round(degrees(hinge.zero), ZERO_DIGITS) + 0.0)
 
 
 def spell_angle(hinge: MappedHinge, joint: str) -> str:

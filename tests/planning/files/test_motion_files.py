@@ -62,6 +62,15 @@ def test_unknown_motion_file_suffix_error_names_the_supported_suffixes(motion, t
         save_motion(motion, ROBOT, tmp_path / "m.txt", force=False)
 
 
+def test_bvh_and_joint_trajectories_are_replaced_only_by_force(motion, tmp_path):
+    for ending in ("bvh", "json", "mcap"):
+        path = save_motion(motion, ROBOT, tmp_path / f"m.{ending}", force=False)
+        content = path.read_bytes()
+        with pytest.raises(ConfigError, match="is no motion written by kinesic; use force=True"):
+            replace_motion_file(motion, ROBOT, path, force=False)
+        assert replace_motion_file(motion, ROBOT, path, force=True).read_bytes() == content
+
+
 @pytest.mark.parametrize("ending", ["csv", "npz", "bap"])
 def test_only_files_written_by_kinesic_are_replaced_without_force(ending: str, motion, tmp_path):
     path = tmp_path / f"m.{ending}"

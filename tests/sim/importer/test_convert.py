@@ -1,5 +1,6 @@
 from types import SimpleNamespace
 
+import mujoco
 import numpy as np
 import pytest
 
@@ -34,6 +35,38 @@ def test_hand_positions_of_an_imported_robot_equal_those_of_the_original_model(r
             assert frames.origins[k] + frames.rotations[k] @ inside == pytest.approx(
                 turned.parts[tip].centre, abs=ROUNDING_TOLERANCE
             )
+
+
+@pytest.mark.filterwarnings("ignore:Inertia matrix")  # masses are not used
+def test_joint_angles_of_a_written_motion_move_the_original_model_alike(robot, tee_path):
+    """Compare with MuJoCo's forward kinematics of the model.
+
+    Each hand's body differs from the robot's segment by a constant pose, and the model's world by another one.
+    """
+    spec = mujoco.MjSpec.from_string(tee_path.read_text())
+    for geom in [geom for geom in spec.geoms if geom.type == mujoco.mjtGeom.mjGEOM_MESH]:
+        spec.delete(geom)
+    for mesh in list(spec.meshes):
+        spec.delete(mesh)
+    model = spec.compile()
+    data, joints, skeleton = mujoco.MjData(model), robot.source_joints, robot.skeleton
+    angles = np.random.default_rng(0).uniform(skeleton.lower, skeleton.upper, (40, len(skeleton.names)))
+    frames, places = skeleton.frames(angles), {"l": [], "r": []}
+    for row in joints.joint_angles(angles):
+        for name, angle in zip(joints.names, row, strict=True):
+            data.qpos[model.jnt_qposadr[model.joint(name).id]] = angle
+        mujoco.mj_kinematics(model, data)
+        for side, hands in places.items():
+            hands.append(data.body(f"{side}_hand").xpos.copy())
+    for side, hands in places.items():
+        k = skeleton.segment(f"{side}_wrist")
+        columns = [
+            np.concatenate([np.kron(np.eye(3), hand), np.eye(3), -rotation], axis=1)
+            for hand, rotation in zip(hands, frames.rotations[:, k], strict=True)
+        ]
+        matrix, target = np.concatenate(columns), frames.origins[:, k].ravel()
+        fit = np.linalg.lstsq(matrix, target, rcond=None)[0]
+        assert np.abs(matrix @ fit - target).max() < 2 * ROUNDING_TOLERANCE
 
 
 def test_hinge_limit_converts_back_to_the_joint_limit_of_the_robot_file(tee_mapped, robot):

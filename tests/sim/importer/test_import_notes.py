@@ -206,6 +206,8 @@ def test_converted_robot_has_servos_rest_pose_and_notes(monkeypatch):
         "_choose_servos": choose,
         "rest_pose": rest,
         "with_exclusions": lambda file, path: made.update(excluded=path) or file,
+        "describe_source": lambda turn, name: name,
+        "_add_sources": lambda file, sources: made.update(sources=sources) or file,
         "spell_angle": lambda turn, name: f"{turn.name} is {name}",
     }
     for name, stub in stubs.items():
@@ -221,6 +223,7 @@ def test_converted_robot_has_servos_rest_pose_and_notes(monkeypatch):
     assert made["rest"][:2] == (shape, hinges)
     assert made["rest"][2].servos == {"a": "servo"}
     assert (made["rest"][3], made["excluded"]) == (path, path)
+    assert made["sources"] == {"l_a": "j0", "r_a": "j3", "l_thumb1": "j2", "l_thumb2": "j6"}
     assert imported.file.servos == {"a": "servo"}
     assert imported.file.rest == {"l_a": 3.0, "l_thumb1": 7.0}
     table = imported.file.robot.imported
