@@ -11,14 +11,14 @@ from .device import Device
 from .line import Line, World
 from .pty import Port
 
-BAUD = 1_000_000
+BAUD_RATE = 1_000_000  # [bit/s] baud rate of servos and wire
 
 
 def main(fittings: list[str]) -> None:
-    """Build the servos and serve them."""
+    """Create servos from ID:MODEL texts and serve them."""
     pairs = [fitting.split(":") for fitting in fittings]
-    devices = [Device(int(servo), model, baud=BAUD) for servo, model in pairs]
-    port = Port(Line(World(devices), devices, baud=BAUD))
+    devices = [Device(int(servo), model, baud=BAUD_RATE) for servo, model in pairs]
+    port = Port(Line(World(devices), devices, baud=BAUD_RATE))
     sys.stdout.write(port.path + "\n")
     sys.stdout.flush()
     threading.Thread(target=lambda: (sys.stdin.read(), os._exit(0)), daemon=True).start()

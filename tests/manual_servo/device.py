@@ -9,11 +9,14 @@ from .packet import Packet
 from .physics import Shaft
 from .table import MODELS
 
-BOOTING = 0.25  # [s] in which a servo that starts hears nothing
-WHOLE, BUT_ID, BUT_ID_AND_BAUD = 0xFF, 0x01, 0x02  # what a factory reset resets
-CLEAR_KEY, BACKUP_KEY = bytes([0x44, 0x58, 0x4C, 0x22]), b"CTRL"
-BAUDS = (9600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000)
-NOBODY = 253  # secondary ids from here on are none
+BOOT_TIME = 0.25  # [s] time from a start until the servo receives instructions
+RESET_ALL = 0xFF  # option of the factory reset: every register
+RESET_ALL_BUT_ID = 0x01  # option of the factory reset: every register except the id
+RESET_ALL_BUT_ID_AND_BAUD = 0x02  # option of the factory reset: every register except id and baud rate
+CLEAR_KEY = bytes([0x44, 0x58, 0x4C, 0x22])  # parameters that an instruction CLEAR must have
+BACKUP_KEY = b"CTRL"  # parameters that an instruction BACKUP must have
+BAUD_RATES = (9600, 57_600, 115_200, 1_000_000, 2_000_000, 3_000_000, 4_000_000, 4_500_000)
+FIRST_UNUSED_ID = 253  # secondary ids from this value on are inactive
 
 
 @dataclass(frozen=True)
@@ -33,12 +36,12 @@ class Device:
     ) -> None:
         """Create a servo with id, baud rate and shaft angle [rad]."""
         self.memory = Memory(MODELS[model], servo, firmware)
-        self.memory["baud"] = BAUDS.index(baud)
+        self.memory["baud"] = BAUD_RATES.index(baud)
         self.memory["return_delay"] = 0
         self.shaft = Shaft(MODELS[model], angle)
         self.firmware = Firmware(self.memory, self.shaft)
         self.mute = self.deaf = False
-        self.wakes = 0.0  # [s] when it hears again after a start
+        self.wakes = 0.0  # [s] time from which on it receives instructions
         self._id_at = self.memory.item("id").address
         self._registered: tuple[int, bytes] | None = None
         self._backup: dict[str, int] | None = None
@@ -51,7 +54,7 @@ class Device:
     @property
     def baud(self) -> int:
         """Return the baud rate [bit/s] that the servo listens at."""
-        return BAUDS[self.memory["baud"]]
+        return BAUD_RATES[self.memory["baud"]]
 
     @property
     def delay(self) -> float:
@@ -71,7 +74,7 @@ class Device:
         """Restart the servo, which receives nothing for a while."""
         self._registered = None
         self.firmware.boot(time)
-        self.wakes = time + BOOTING
+        self.wakes = time + BOOT_TIME
 
     def write(self, address: int, data: bytes, *, shadow: bool = False) -> int:
         """Write registers, run the firmware, and return an error number.
@@ -85,7 +88,7 @@ class Device:
         before = {name: memory[name] for name in names}
         error = memory.write(address, data)
         if not error and "torque" in names and memory["torque"] and self.firmware.shut:
-            memory["torque"] = 0  # a reboot is the only way back
+            memory["torque"] = 0  # torque returns only after a reboot
             return p.RESULT_FAIL
         if not error:
             self.firmware.switched(before)
@@ -108,22 +111,22 @@ class Device:
 
     def answer(self, error: int, parameters: bytes = b"") -> Answer:
         """Make a status reply, with the alert bit during a hardware error."""
-        return Answer(self.id, error | (p.ALERT if self.memory["error"] else 0), parameters)
+        return Answer(self.id, error | (p.ALERT_BIT if self.memory["error"] else 0), parameters)
 
     def hear(self, packet: Packet, time: float) -> Answer | None:
         """Execute an instruction for one servo.
 
         None if the instruction is for another servo, or needs no reply.
         """
-        own, everybody = packet.servo == self.id, packet.servo == p.BROADCAST
-        shadow = not own and packet.servo == self.memory["secondary_id"] < NOBODY
+        own, everybody = packet.servo == self.id, packet.servo == p.BROADCAST_ID
+        shadow = not own and packet.servo == self.memory["secondary_id"] < FIRST_UNUSED_ID
         if packet.intact:
             self.firmware.heard = time
         if not (own or everybody or shadow):
             return None
         if not packet.intact:
             return self.answer(p.CRC_ERROR) if own and self.memory["status_return"] == 2 else None
-        level, me = self.memory["status_return"], self.id  # what it was when it was asked
+        level, me = self.memory["status_return"], self.id  # values before the instruction, which may change them
         answer = replace(self._do(packet, time, shadow), servo=me)
         least = {p.PING: 0, p.READ: 1}.get(packet.instruction, 2)
         if shadow or level < least or (everybody and packet.instruction != p.PING):
@@ -166,10 +169,12 @@ class Device:
         return self.write(address, data)
 
     def _factory_reset(self, packet: Packet, time: float) -> int:
-        kept = {WHOLE: (), BUT_ID: ("id",), BUT_ID_AND_BAUD: ("id", "baud")}.get(packet.parameters[0])
+        kept = {RESET_ALL: (), RESET_ALL_BUT_ID: ("id",), RESET_ALL_BUT_ID_AND_BAUD: ("id", "baud")}.get(
+            packet.parameters[0]
+        )
         if kept is None:
             return p.RANGE_ERROR
-        if packet.servo == p.BROADCAST and not kept:  # all would have one id
+        if packet.servo == p.BROADCAST_ID and not kept:  # otherwise all servos would have the same id
             return p.RESULT_FAIL
         self.memory.reset(lasting=True, keep=kept)
         if "id" not in kept:

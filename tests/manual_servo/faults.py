@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .device import Answer, Device
     from .line import Line
 
-Flying = list[tuple[float, bytes]]  # bytes, and how much later [s] than they should they come
+Flying = list[tuple[float, bytes]]  # (delay [s], bytes) of each part of a transmission
 
 
 class Fault:
@@ -33,7 +33,7 @@ class Fault:
         return data
 
     def say(self, device: Device, answer: Answer) -> Answer | None:
-        """Return the bytes that a servo sends instead of its reply."""
+        """Return the answer that a servo sends instead of its own."""
         return answer
 
     def frame(self, device: Device, data: bytes) -> bytes:
@@ -47,10 +47,10 @@ class Fault:
 
 @dataclass
 class Spoiled(Fault):
-    """Change a fraction of the transmissions by `spoil`."""
+    """Fault that changes a fraction of the transmissions with `spoil`."""
 
     share: float = 1.0
-    servos: tuple[int, ...] = ()  # whose; none: everybody's
+    servos: tuple[int, ...] = ()  # ids of the servos concerned; empty: all
     seed: int = 1
     rng: Random = field(init=False)
 
@@ -132,7 +132,7 @@ class Late(Spoiled):
 
 @dataclass
 class Replay(Spoiled):
-    """Replace a transmission by an earlier one."""
+    """Transmission that an earlier one replaces."""
 
     age: int = 5
     kept: list[bytes] = field(default_factory=list)
@@ -145,7 +145,7 @@ class Replay(Spoiled):
 
 
 class LostRequest(Spoiled):
-    """Loss of a part of the host's bytes."""
+    """Loss of a fraction of the host's requests."""
 
     def carry(self, device: Device, data: bytes) -> Flying:
         return [(0.0, data)]
@@ -261,6 +261,6 @@ class Misquoted(Fault):
     servo: int
 
     def frame(self, device: Device, data: bytes) -> bytes:
-        if device.id != self.servo or not data.startswith(p.HEADER):
+        if device.id != self.servo or not data.startswith(p.PACKET_HEADER):
             return data
         return p.sealed(data[:5] + (data[5] + 3 & 0xFF).to_bytes(1, "little") + data[6:-2])

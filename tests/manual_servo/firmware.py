@@ -2,18 +2,21 @@
 
 from collections.abc import Callable
 
-from .memory import TRIPPED, Memory
-from .motion import SPEED, Pid, Profile
-from .physics import TICKS, Shaft
-from .table import GOALS
+from .memory import WATCHDOG_TRIPPED, Memory
+from .motion import VELOCITY_UNIT, Pid, Profile
+from .physics import TICKS_PER_RADIAN, Shaft
+from .table import GOAL_REGISTERS
 
-VOLTAGE, OVERHEAT, ENCODER, SHOCK, OVERLOAD = 1, 4, 8, 16, 32
-FULL = 885  # PWM counts of full power
-HEATING, COOLING, AROUND = 0.3, 0.01, 25.0  # [C/s] at full power, [1/s], [C]
-OVERLOADED = 2.0  # [s] of full power without moving
-STALL_SHARE = 0.8  # of the current limit that a stalled motor takes
-POSITION, CURRENT_POSITION, PWM, VELOCITY = 3, 5, 16, 1
-PER_TURN, HOMING_MOST = 4096, 1024  # [ticks]; of the offset in position mode
+VOLTAGE, OVERHEAT, ENCODER, SHOCK, OVERLOAD = 1, 4, 8, 16, 32  # bits of the hardware error status
+FULL_PWM = 885  # [counts] PWM at full power
+HEATING_RATE = 0.3  # [C/s] heating at full power
+COOLING_RATE = 0.01  # [1/s] rate of approach to the room temperature
+ROOM_TEMPERATURE = 25.0  # [C] temperature of a servo that has not moved
+OVERLOAD_TIME = 2.0  # [s] duration of full power without motion after which the servo reports an overload
+STALL_CURRENT_RATIO = 0.8  # current of a stalled motor / current limit
+POSITION, CURRENT_POSITION, PWM, VELOCITY = 3, 5, 16, 1  # operating modes
+TICKS_PER_TURN = 4096
+MAX_HOMING_OFFSET = 1024  # [ticks] largest homing offset that position mode applies
 
 
 class Firmware:
@@ -23,17 +26,17 @@ class Firmware:
         self.memory, self.shaft = memory, shaft
         self.profile, self.pid = Profile(), Pid()
         self.time = self.booted = self.heard = self.strained = 0.0  # [s]
-        self.volts, self.celsius = memory.model.rated, AROUND
-        self.drift = 1.0  # of its clock
-        self.tampers: list[Callable[[Memory], None]] = []  # what lies about present values
-        self.base = 0  # [ticks] that folding took away
+        self.volts, self.celsius = memory.model.rated, ROOM_TEMPERATURE
+        self.drift = 1.0  # clock rate / true rate
+        self.tampers: list[Callable[[Memory], None]] = []  # functions that falsify present values
+        self.base = 0  # [ticks] whole turns that are subtracted from the position
         self._summed = 0.0
         self.boot(0.0)
 
     def boot(self, time: float) -> None:
         """Reset RAM, and bring the position into one turn."""
         self.memory.reset()
-        self.shut = False  # only a reboot brings torque back after a shutdown
+        self.shut = False  # whether the servo has shut down, until a reboot
         self.booted = self.heard = time
         self._orient()
         self.fold()
@@ -50,19 +53,19 @@ class Firmware:
         return self._sign * self.shaft.ticks + self._homing - self.base
 
     def _orient(self) -> None:
-        """Take over drive mode and homing offset from the registers."""
+        """Read rotation direction and homing offset from the registers."""
         memory = self.memory
         offset = memory["homing_offset"]
-        ignored = memory["operating_mode"] == POSITION and abs(offset) > HOMING_MOST
+        ignored = memory["operating_mode"] == POSITION and abs(offset) > MAX_HOMING_OFFSET
         self._homing = 0 if ignored else offset
         self._sign = -1 if memory["drive_mode"] & 1 else 1
 
     def fold(self) -> None:
-        """Bring the position into one turn."""
-        self.base += PER_TURN * (round(self.position) // PER_TURN)
+        """Reduce the position to one turn."""
+        self.base += TICKS_PER_TURN * (round(self.position) // TICKS_PER_TURN)
 
     def switched(self, before: dict[str, int]) -> None:
-        """React to a write, given the earlier values."""
+        """Apply changed registers, given their values before the write."""
         memory = self.memory
         self._orient()
         if before.get("operating_mode", memory["operating_mode"]) != memory["operating_mode"]:
@@ -74,7 +77,7 @@ class Firmware:
             self.pid.rest()
             self._summed = self.strained = 0.0
             self.head()
-        elif memory["torque"] and any(name in before for name in GOALS):
+        elif memory["torque"] and any(name in before for name in GOAL_REGISTERS):
             self.head()
         if "watchdog" in before:
             self.heard = self.time
@@ -92,7 +95,7 @@ class Firmware:
             memory["goal_position"] = round(self.position)
 
     def head(self) -> None:
-        """Start a profile to the goal."""
+        """Start a profile to the goal in the registers."""
         memory = self.memory
         timed = bool(memory["drive_mode"] & 4)
         speed, acceleration = memory["profile_velocity"], memory["profile_acceleration"]
@@ -106,7 +109,7 @@ class Firmware:
         self._gains = (memory["position_p"], memory["position_i"], memory["position_d"])
         self._limit = min(abs(memory["goal_pwm"]), memory["pwm_limit"])
         if self.mode == CURRENT_POSITION:
-            self._limit = min(self._limit, FULL * abs(memory["goal_current"]) / max(1, memory["current_limit"]))
+            self._limit = min(self._limit, FULL_PWM * abs(memory["goal_current"]) / max(1, memory["current_limit"]))
         counts = memory["watchdog"]
         self._patience = 0.02 * counts if counts > 0 and self.torque else None
         self._hottest, self._least, self._most = (
@@ -120,13 +123,13 @@ class Firmware:
         self.time += seconds
         if self._patience is not None and self.time - self.heard > self._patience:
             self.trip()
-        duty = self._control(seconds) / FULL if self.torque else None
+        duty = self._control(seconds) / FULL_PWM if self.torque else None
         self.shaft.step(seconds, duty, self.volts)
         work = duty or 0.0
-        self.celsius += (HEATING * work * work - COOLING * (self.celsius - AROUND)) * seconds
-        full = self.torque and abs(work) * FULL >= 0.95 * self._limit > 0.0 and abs(self.shaft.speed) < 0.05
+        self.celsius += (HEATING_RATE * work * work - COOLING_RATE * (self.celsius - ROOM_TEMPERATURE)) * seconds
+        full = self.torque and abs(work) * FULL_PWM >= 0.95 * self._limit > 0.0 and abs(self.shaft.speed) < 0.05
         self.strained = self.strained + seconds if full else 0.0
-        wrong = (self.celsius >= self._hottest and OVERHEAT) | (self.strained > OVERLOADED and OVERLOAD)
+        wrong = (self.celsius >= self._hottest and OVERHEAT) | (self.strained > OVERLOAD_TIME and OVERLOAD)
         if not self._least <= round(10 * self.volts) <= self._most:
             wrong |= VOLTAGE
         if wrong:
@@ -137,18 +140,20 @@ class Firmware:
         if self.mode == PWM:
             return self._sign * memory["goal_pwm"]
         if self.mode == VELOCITY:
-            error = memory["goal_velocity"] - self._sign * self.shaft.speed * TICKS / SPEED
+            error = memory["goal_velocity"] - self._sign * self.shaft.speed * TICKS_PER_RADIAN / VELOCITY_UNIT
             self._summed += error
             wish = memory["velocity_p"] / 128 * error + memory["velocity_i"] / 65536 * self._summed
             return self._sign * max(-self._limit, min(self._limit, wish))
         if self.mode == 0:
-            return self._sign * max(-FULL, min(FULL, FULL * memory["goal_current"] / max(1, memory["current_limit"])))
+            return self._sign * max(
+                -FULL_PWM, min(FULL_PWM, FULL_PWM * memory["goal_current"] / max(1, memory["current_limit"]))
+            )
         return self._sign * self.pid.step(self.profile.step(seconds) - self.position, self._gains, self._limit)
 
     def trip(self) -> None:
         """Stop because the bus was silent for too long."""
         memory = self.memory
-        memory["watchdog"] = TRIPPED
+        memory["watchdog"] = WATCHDOG_TRIPPED
         memory["profile_velocity"] = memory["profile_acceleration"] = memory["goal_velocity"] = 0
         self.profile.stand(self.position)
         self.reload()
@@ -165,8 +170,8 @@ class Firmware:
     def refresh(self) -> None:
         """Update the present values."""
         memory, shaft, model = self.memory, self.shaft, self.memory.model
-        counts = 1000 if model.amperes is None else STALL_SHARE * model.current_limit
-        speed = self._sign * shaft.speed * TICKS / SPEED
+        counts = 1000 if model.amperes is None else STALL_CURRENT_RATIO * model.current_limit
+        speed = self._sign * shaft.speed * TICKS_PER_RADIAN / VELOCITY_UNIT
         memory["present_position"] = round(self.position)
         memory["present_velocity"] = round(speed)
         memory["present_current"] = round(self._sign * shaft.share * counts) if self.torque else 0
@@ -174,5 +179,5 @@ class Firmware:
         memory["volts"], memory["celsius"] = round(10 * self.volts), round(self.celsius)
         memory["moving"] = int(abs(speed) > memory["moving_threshold"])
         memory["position_trajectory"] = round(self.profile.place)
-        memory["velocity_trajectory"] = round(self.profile.speed / SPEED)
+        memory["velocity_trajectory"] = round(self.profile.speed / VELOCITY_UNIT)
         memory["moving_status"] = int(self.profile.place == self.profile.goal) | (2 if self.profile.speed else 0)

@@ -12,7 +12,16 @@ from .servo_faults import OfServo
 if TYPE_CHECKING:
     from .device import Device
 
-PRESENT = ("tick", "present_current", "present_velocity", "present_position", "volts", "celsius", "error", "torque")
+PRESENT_REGISTERS = (
+    "tick",
+    "present_current",
+    "present_velocity",
+    "present_position",
+    "volts",
+    "celsius",
+    "error",
+    "torque",
+)
 
 
 @dataclass
@@ -37,7 +46,7 @@ class FrozenServo(Lying):
 
     def tamper(self, memory: Memory) -> None:
         if not self.record:
-            self.record = {name: memory[name] for name in PRESENT}
+            self.record = {name: memory[name] for name in PRESENT_REGISTERS}
         for name, value in self.record.items():
             memory[name] = value
 

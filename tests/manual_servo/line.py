@@ -10,16 +10,16 @@ from itertools import count
 from math import inf
 
 from . import packet as p
-from .device import NOBODY, Answer, Device
+from .device import FIRST_UNUSED_ID, Answer, Device
 from .faults import Fault
 from .packet import Decoder, Packet
 from .physics import Arm
 
-STEP = 0.001  # [s] of the servos' control
-BITS = 10  # on the wire for each byte
-FULL = 62  # bytes that an adapter hands over at once; fewer wait for its latency
-BULK = (p.BULK_READ, p.FAST_BULK_READ)
-GROUP_READS = (p.SYNC_READ, p.FAST_SYNC_READ, *BULK)
+TIME_STEP = 0.001  # [s] time step of the servos' control loop
+BITS_PER_BYTE = 10  # bits on the wire per byte, with start and stop bit
+BURST_SIZE = 62  # [bytes] amount that the adapter delivers at once; fewer bytes wait for its latency timer
+BULK_READS = (p.BULK_READ, p.FAST_BULK_READ)
+GROUP_READS = (p.SYNC_READ, p.FAST_SYNC_READ, *BULK_READS)
 GROUP_WRITES = (p.SYNC_WRITE, p.BULK_WRITE)
 
 
@@ -39,13 +39,13 @@ class World:
         """Advance the clock, which never decreases."""
         while True:
             self._ring()
-            if self.time + STEP > time + 1e-12:
+            if self.time + TIME_STEP > time + 1e-12:
                 return
             for arm in self.arms:
                 arm.pull()
             for device in self.devices:
-                device.firmware.run(STEP)
-            self.time += STEP
+                device.firmware.run(TIME_STEP)
+            self.time += TIME_STEP
 
     def _ring(self) -> None:
         while self._alarms and self._alarms[0][0] <= self.time + 1e-12:
@@ -124,7 +124,7 @@ class Line:
     # the servos' side
 
     def _lasts(self, data: bytes) -> float:
-        return len(data) * BITS / self.baud
+        return len(data) * BITS_PER_BYTE / self.baud
 
     def _awake(self, time: float) -> Iterator[Device]:
         return (device for device in self.devices if device.awake(time) and device.baud == self.baud)
@@ -135,7 +135,7 @@ class Line:
         if packet.instruction in GROUP_READS + GROUP_WRITES and packet.intact:
             for device in awake:
                 device.firmware.heard = device.firmware.time
-            if packet.servo != p.BROADCAST:
+            if packet.servo != p.BROADCAST_ID:
                 return time
             if packet.instruction in GROUP_WRITES:
                 self._write(packet, awake)
@@ -170,7 +170,7 @@ class Line:
         return data
 
     def _told(self, device: Device, answer: Answer | None) -> Answer | None:
-        """Return a servo's reply after all faults."""
+        """Return a servo's reply after the changes by all faults."""
         if device.mute:
             return None
         for fault in self.faults:
@@ -188,9 +188,9 @@ class Line:
                 self.post(part, end + self.latency + late)
             else:
                 self._piece += part
-        while len(self._piece) >= FULL:
-            self.post(bytes(self._piece[:FULL]), end)
-            del self._piece[:FULL]
+        while len(self._piece) >= BURST_SIZE:
+            self.post(bytes(self._piece[:BURST_SIZE]), end)
+            del self._piece[:BURST_SIZE]
         return end
 
     def _flush(self, time: float) -> float:
@@ -205,7 +205,7 @@ class Line:
             for device in awake:
                 if servo == device.id:
                     device.write(address, data)
-                elif servo == device.memory["secondary_id"] < NOBODY:
+                elif servo == device.memory["secondary_id"] < FIRST_UNUSED_ID:
                     device.write(address, data, shadow=True)
 
     def _read(self, packet: Packet, awake: Sequence[Device], time: float) -> float:
@@ -223,7 +223,7 @@ class Line:
         """Return one joint reply whose blocks end with a running CRC."""
         wanted = list(_reads(packet))
         size = 1 + sum(size + 4 for _, _, size in wanted)
-        head = p.HEADER + bytes([p.BROADCAST]) + size.to_bytes(2, "little") + bytes([p.STATUS])
+        head = p.PACKET_HEADER + bytes([p.BROADCAST_ID]) + size.to_bytes(2, "little") + bytes([p.STATUS])
         before = p.crc(head)
         for servo, address, size in wanted:
             mine = [device for device in awake if device.id == servo and device.fast and device.memory["status_return"]]
@@ -263,7 +263,7 @@ def _word(data: bytes, at: int) -> int:
 def _reads(packet: Packet) -> Iterator[tuple[int, int, int]]:
     """List id, address and size of each read."""
     said = packet.parameters
-    if packet.instruction in BULK:
+    if packet.instruction in BULK_READS:
         for at in range(0, len(said) - 4, 5):
             yield said[at], _word(said, at + 1), _word(said, at + 3)
     elif len(said) > 4:

@@ -3,13 +3,14 @@
 from struct import Struct
 
 from .packet import ACCESS_ERROR, LENGTH_ERROR, LIMIT_ERROR, RANGE_ERROR
-from .table import GOALS, Item, Model, items
+from .table import GOAL_REGISTERS, Item, Model, items
 
-RAM = 64  # where it begins
-CODES = {1: "Bb", 2: "Hh", 4: "Ii"}  # of numbers of so many bytes, without and with a sign
-TRIPPED = -1  # of the bus watchdog
-ONE_TURN, MANY_TURNS = 3, 1_048_575  # position mode; [ticks] of goals in the others
-DUAL_JOINT = 2  # of the drive mode, of the 540s alone
+RAM_START = 64  # first address of the RAM area
+STRUCT_CODES = {1: "Bb", 2: "Hh", 4: "Ii"}  # size [bytes] -> `struct` codes of an unsigned and a signed number
+WATCHDOG_TRIPPED = -1  # value of the watchdog register after the watchdog has tripped
+POSITION_MODE = 3  # operating mode whose goals are within one turn
+MAX_GOAL = 1_048_575  # [ticks] largest goal position in the other modes
+DUAL_JOINT_BIT = 2  # bit of the drive mode for dual joints, which only the 540 models have
 
 
 class Memory:
@@ -18,19 +19,20 @@ class Memory:
     def __init__(self, model: Model, servo: int, firmware: int) -> None:
         self.model, self.items = model, items(model, servo, firmware)
         self.bytes = bytearray(model.end)
-        # Thousands are read and written in a second of a servo's life.
+        # Prepared, because a servo reads and writes thousands of registers per simulated second
         self._getters = {
-            n: (Struct(f"<{CODES[i.size][i.signed]}").unpack_from, i.address) for n, i in self.items.items()
+            n: (Struct(f"<{STRUCT_CODES[i.size][i.signed]}").unpack_from, i.address) for n, i in self.items.items()
         }
         self._setters = {
-            n: (Struct(f"<{CODES[i.size][0]}").pack_into, i.address, 256**i.size - 1) for n, i in self.items.items()
+            n: (Struct(f"<{STRUCT_CODES[i.size][0]}").pack_into, i.address, 256**i.size - 1)
+            for n, i in self.items.items()
         }
         self._name = {item.address: name for name, item in self.items.items()}
         self._owner = {item.address + k: name for name, item in self.items.items() for k in range(item.size)}
         self._cells = {first + k: k for first, _ in model.windows for k in range(2 * model.cells)}
         self._windows = {
             data + k: first + 2 * k for first, data in model.windows for k in range(model.cells)
-        }  # address of data -> that of its pointer
+        }  # indirect data address -> address of its pointer
         for name, item in self.items.items():
             self[name] = item.initial
         self._reset_pointers()
@@ -49,8 +51,8 @@ class Memory:
         return name in self.items
 
     def reset(self, *, lasting: bool = False, keep: tuple[str, ...] = ()) -> None:
-        """Reset RAM as a power cycle does, optionally EEPROM, too."""
-        self.bytes[RAM:] = bytes(len(self.bytes) - RAM)
+        """Reset RAM_START as a power cycle does, optionally EEPROM, too."""
+        self.bytes[RAM_START:] = bytes(len(self.bytes) - RAM_START)
         for name, item in self.items.items():
             if name not in keep and (lasting or not item.lasting):
                 self[name] = item.initial
@@ -67,7 +69,7 @@ class Memory:
         return address in self._owner or address in self._cells or address in self._windows
 
     def _target(self, address: int) -> int:
-        """Resolve an indirect data address."""
+        """Return the target of an indirect data address, or another address unchanged."""
         pointer = self._windows.get(address)
         return address if pointer is None else int.from_bytes(self.bytes[pointer : pointer + 2], "little")
 
@@ -114,7 +116,7 @@ class Memory:
         return 0
 
     def named(self, address: int, size: int) -> set[str]:
-        """Return the registers that a write there changes, through indirect addresses too."""
+        """Return the registers that a write changes, also through indirect addresses."""
         places = range(address, min(address + size, len(self.bytes)))
         return {self._owner[place] for place in map(self._target, places) if place in self._owner}
 
@@ -124,7 +126,7 @@ class Memory:
             pair = [octets.get(cell + k) for k in range(2)]
             if None in pair:
                 return LENGTH_ERROR
-            if not RAM <= int.from_bytes(bytes(pair), "little") < len(self.bytes):
+            if not RAM_START <= int.from_bytes(bytes(pair), "little") < len(self.bytes):
                 return RANGE_ERROR
         return 0
 
@@ -132,15 +134,15 @@ class Memory:
         """Return the error number for these values, 0 if they are allowed."""
         for name, value in changed.items():
             item = self.items[name]
-            if self["watchdog"] == TRIPPED and name in GOALS:
+            if self["watchdog"] == WATCHDOG_TRIPPED and name in GOAL_REGISTERS:
                 return RANGE_ERROR
             if item.bounds is not None and not item.bounds[0] <= value <= item.bounds[1]:
                 return RANGE_ERROR
             if name == "operating_mode" and value not in self.model.modes:
                 return RANGE_ERROR
-            if name == "drive_mode" and value & DUAL_JOINT and not self.model.ports:
+            if name == "drive_mode" and value & DUAL_JOINT_BIT and not self.model.ports:
                 return RANGE_ERROR
-            if name == "goal_position" and self["operating_mode"] != ONE_TURN and abs(value) > MANY_TURNS:
+            if name == "goal_position" and self["operating_mode"] != POSITION_MODE and abs(value) > MAX_GOAL:
                 return RANGE_ERROR
             if (limit := self._limit(name, changed)) is not None and not limit[0] <= value <= limit[1]:
                 return LIMIT_ERROR
@@ -155,7 +157,7 @@ class Memory:
         ceilings = {"goal_pwm": "pwm_limit", "goal_current": "current_limit", "goal_velocity": "velocity_limit"}
         if name in ceilings:
             return -now(ceilings[name]), now(ceilings[name])
-        if name == "goal_position" and self["operating_mode"] == ONE_TURN:
+        if name == "goal_position" and self["operating_mode"] == POSITION_MODE:
             return now("min_position"), now("max_position")
         return None
 

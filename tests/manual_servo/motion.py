@@ -3,8 +3,8 @@
 from dataclasses import dataclass
 from math import copysign, inf, sqrt
 
-SPEED = 0.229 * 4096 / 60  # [ticks/s] per count
-ACCELERATION = 214.577 * 4096 / 3600  # [ticks/s^2] per count
+VELOCITY_UNIT = 0.229 * 4096 / 60  # [ticks/s] velocity per register count
+ACCELERATION_UNIT = 214.577 * 4096 / 3600  # [ticks/s^2] acceleration per register count
 
 
 @dataclass
@@ -18,19 +18,19 @@ class Profile:
     acceleration: float = inf
 
     def stand(self, place: float) -> None:
-        """Stop at the present set point."""
+        """Stop at a position [ticks]."""
         self.place = self.goal = place
         self.speed = 0.0
 
     def head(self, goal: float, speed: int, acceleration: int, timed: bool) -> None:
-        """Take a new goal with profile registers.
+        """Start a profile to a goal with values of the profile registers.
 
         With `timed`, the registers are times [ms].
         """
         self.goal = goal
         if not timed:
-            self.fastest = speed * SPEED or inf
-            self.acceleration = acceleration * ACCELERATION or inf
+            self.fastest = speed * VELOCITY_UNIT or inf
+            self.acceleration = acceleration * ACCELERATION_UNIT or inf
             return
         seconds, rising = speed / 1000, min(acceleration, speed / 2) / 1000
         self.fastest = abs(goal - self.place) / (seconds - rising) if seconds else inf
@@ -72,5 +72,5 @@ class Pid:
         return max(-limit, min(limit, wish))
 
     def rest(self) -> None:
-        """Reset the integral."""
+        """Reset integral and last error."""
         self.total = self.before = 0.0

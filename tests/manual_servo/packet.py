@@ -2,37 +2,39 @@
 
 from dataclasses import dataclass
 
-HEADER = b"\xff\xff\xfd\x00"
-BROADCAST = 0xFE
-POLYNOMIAL = 0x8005
-STALE = 0.05  # [s] of silence after which half a packet is forgotten
-LONGEST = 1024  # bytes that a servo can buffer
+PACKET_HEADER = b"\xff\xff\xfd\x00"
+BROADCAST_ID = 0xFE  # id that addresses all servos
+CRC_POLYNOMIAL = 0x8005
+MAX_SILENCE = 0.05  # [s] silence after which an incomplete packet is discarded
+MAX_LENGTH = 1024  # [bytes] longest packet that a servo can buffer
 
+# Codes of the instructions
 PING, READ, WRITE, REG_WRITE, ACTION = 0x01, 0x02, 0x03, 0x04, 0x05
 FACTORY_RESET, REBOOT, CLEAR, BACKUP, STATUS = 0x06, 0x08, 0x10, 0x20, 0x55
 SYNC_READ, SYNC_WRITE, FAST_SYNC_READ = 0x82, 0x83, 0x8A
 BULK_READ, BULK_WRITE, FAST_BULK_READ = 0x92, 0x93, 0x9A
 
+# Error numbers of status packets
 RESULT_FAIL, INSTRUCTION_ERROR, CRC_ERROR, RANGE_ERROR = 1, 2, 3, 4
 LENGTH_ERROR, LIMIT_ERROR, ACCESS_ERROR = 5, 6, 7
-ALERT = 0x80
+ALERT_BIT = 0x80  # bit of the error byte during a hardware error
 
 
 def _row(byte: int) -> int:
     value = byte << 8
     for _ in range(8):
-        value = (value << 1) ^ POLYNOMIAL if value & 0x8000 else value << 1
+        value = (value << 1) ^ CRC_POLYNOMIAL if value & 0x8000 else value << 1
     return value & 0xFFFF
 
 
-TABLE = tuple(_row(byte) for byte in range(256))
+CRC_TABLE = tuple(_row(byte) for byte in range(256))
 
 
 def crc(data: bytes, start: int = 0) -> int:
     """Compute CRC-16/BUYPASS, continuing from an earlier value."""
     value = start
     for byte in data:
-        value = (value << 8) & 0xFF00 ^ TABLE[(value >> 8) ^ byte]
+        value = (value << 8) & 0xFF00 ^ CRC_TABLE[(value >> 8) ^ byte]
     return value
 
 
@@ -54,7 +56,7 @@ def unstuff(body: bytes) -> bytes:
 def frame(servo: int, body: bytes) -> bytes:
     """Pack an instruction with parameters, or a status, into a packet."""
     stuffed = stuff(body)
-    return sealed(HEADER + bytes([servo]) + (len(stuffed) + 2).to_bytes(2, "little") + stuffed)
+    return sealed(PACKET_HEADER + bytes([servo]) + (len(stuffed) + 2).to_bytes(2, "little") + stuffed)
 
 
 def instruct(servo: int, instruction: int, parameters: bytes = b"") -> bytes:
@@ -74,7 +76,7 @@ class Packet:
     servo: int
     instruction: int
     parameters: bytes
-    intact: bool  # whether its CRC is right
+    intact: bool  # whether the CRC is correct
 
 
 class Decoder:
@@ -88,7 +90,7 @@ class Decoder:
 
         Half a packet is forgotten after a silence.
         """
-        if time - self._last > STALE:
+        if time - self._last > MAX_SILENCE:
             self._heard = b""
         self._last = time
         self._heard += data
@@ -99,7 +101,7 @@ class Decoder:
 
     def _next(self) -> Packet | None:
         while True:
-            begin = self._heard.find(HEADER)
+            begin = self._heard.find(PACKET_HEADER)
             if begin < 0:
                 self._heard = self._heard[-3:]
                 return None
@@ -107,7 +109,7 @@ class Decoder:
             if len(heard) < 7:
                 return None
             size = int.from_bytes(heard[5:7], "little")
-            if not 3 <= size <= LONGEST:
+            if not 3 <= size <= MAX_LENGTH:
                 self._heard = heard[1:]
                 continue
             if len(heard) < 7 + size:

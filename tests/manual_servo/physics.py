@@ -5,10 +5,10 @@ from math import pi, sin
 
 from .table import Model
 
-TICKS = 4096 / (2 * pi)  # [1/rad]
-MIDDLE = 2048  # [ticks] where a shaft's angle is 0
-FRICTION = 0.004  # of the stall torque
-GEARS = 0.1  # of the motor's braking that is left without power
+TICKS_PER_RADIAN = 4096 / (2 * pi)  # [1/rad]
+MID_TICKS = 2048  # [ticks] encoder position at shaft angle 0
+FRICTION_RATIO = 0.004  # friction torque / stall torque
+UNPOWERED_BRAKING = 0.1  # braking torque without power / braking torque with power, at equal velocity
 
 
 @dataclass
@@ -18,14 +18,14 @@ class Shaft:
     model: Model
     angle: float = 0.0  # [rad]
     speed: float = 0.0  # [rad/s]
-    pull: float = 0.0  # [Nm] from outside
+    pull: float = 0.0  # [Nm] external torque
     jammed: bool = False
-    share: float = 0.0  # of the motor's stall torque, with sign
+    share: float = 0.0  # motor torque / stall torque, with sign
 
     @property
     def ticks(self) -> float:
         """Return the encoder position [ticks] with turns counted."""
-        return self.angle * TICKS + MIDDLE
+        return self.angle * TICKS_PER_RADIAN + MID_TICKS
 
     def step(self, seconds: float, duty: float | None, volts: float) -> None:
         """Advance the shaft by one time step.
@@ -38,8 +38,8 @@ class Shaft:
             return
         spin = self.speed / model.no_load
         self.share = 0.0 if duty is None else duty * volts / model.rated - spin
-        torque = model.stall * (self.share if duty is not None else -GEARS * spin) + self.pull
-        rub = FRICTION * model.stall
+        torque = model.stall * (self.share if duty is not None else -UNPOWERED_BRAKING * spin) + self.pull
+        rub = FRICTION_RATIO * model.stall
         if self.speed == 0.0 and abs(torque) <= rub:
             return
         way = self.speed or torque
@@ -53,9 +53,9 @@ class Link:
     """Link of an arm, turned by one shaft."""
 
     shaft: Shaft
-    hang: float  # [rad] of the shaft where it hangs straight down
+    hang: float  # [rad] shaft angle at which the link hangs straight down
     turns: float  # signed turns of the shaft per turn of the joint
-    pull: float  # [Nm] of its weight where it is level
+    pull: float  # [Nm] gravity torque of the horizontal link
 
 
 @dataclass

@@ -8,7 +8,7 @@ from math import inf
 
 from .line import Line
 
-LOOK = 0.005  # [s] between two looks at the world while nobody talks
+POLL_PERIOD = 0.005  # [s] longest pause between two steps of the simulation without incoming bytes
 
 
 class Port:
@@ -26,7 +26,7 @@ class Port:
         end = self._now() + seconds
         while (now := self._now()) < end:
             self.line.world.advance(now)
-            wait = min(LOOK, max(0.0, self.line.arrives() - now))
+            wait = min(POLL_PERIOD, max(0.0, self.line.arrives() - now))
             if select.select([self._master], [], [], wait)[0]:
                 self.line.send(os.read(self._master, 4096), self._now())
             if came := self.line.receive(self._now()):

@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from .device import Answer, Device
     from .line import Line
 
-EVERY = 0.01  # [s] between two steps of a ramp
+RAMP_STEP = 0.01  # [s] time step of a ramp
 
 
 @dataclass
@@ -113,7 +113,7 @@ class Stalled(OfServo):
 class Ramp(OfServo):
     """Steady change of a quantity while the fault lasts."""
 
-    rate: float = 0.0  # per second
+    rate: float = 0.0  # [1/s] change of the quantity per second
     on: bool = False
 
     def begin(self, line: Line) -> None:
@@ -126,8 +126,8 @@ class Ramp(OfServo):
 
     def _move(self, line: Line, device: Device) -> None:
         if self.on:
-            self.change(device.firmware, self.rate * EVERY)
-            line.world.call(line.world.time + EVERY, lambda: self._move(line, device))
+            self.change(device.firmware, self.rate * RAMP_STEP)
+            line.world.call(line.world.time + RAMP_STEP, lambda: self._move(line, device))
 
     def change(self, firmware: Firmware, amount: float) -> None:
         """Change the quantity by one time step."""

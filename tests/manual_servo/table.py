@@ -2,8 +2,7 @@
 
 from dataclasses import dataclass
 
-U16, I32 = (0, 65535), (-(2**31), 2**31 - 1)
-ANY = None  # every value that fits
+ANY_VALUE = None  # bounds of a register that accepts every value of its size
 
 
 @dataclass(frozen=True)
@@ -13,7 +12,7 @@ class Item:
     address: int
     size: int
     initial: int
-    bounds: tuple[int, int] | None = ANY
+    bounds: tuple[int, int] | None = ANY_VALUE
     writable: bool = True
     signed: bool = False
 
@@ -30,7 +29,7 @@ class Model:
     number: int
     stall: float  # [Nm] at 12 V
     no_load: float  # [rad/s]
-    amperes: float | None  # [A] per count of Present Current; None: it shows a load
+    amperes: float | None  # [A] current per count of Present Current; None: the register shows the load
     current_limit: int
     speed_limit: int  # [0.229 rpm]
     gains: tuple[int, int, int]  # position P, I, D
@@ -40,7 +39,7 @@ class Model:
     cells: int = 28
     windows: tuple[tuple[int, int], ...] = ((168, 224), (578, 634))  # indirect addresses, data
     rated: float = 12.0  # [V]
-    fast: int = 45  # the first firmware with fast reads
+    fast: int = 45  # first firmware version with fast reads
     ports: bool = False  # whether it has external ports
     inner: tuple[int, int] = (1920, 100)  # velocity I, P
 
@@ -55,21 +54,21 @@ class Model:
         return self.windows[-1][1] + self.cells
 
 
-SMALL = {"cells": 20, "windows": ((168, 208),), "fast": 46}  # the 330s
+SERIES_330 = {"cells": 20, "windows": ((168, 208),), "fast": 46}  # properties that all models of the 330 series share
 MODELS = {
     "xm430_w210": Model(1030, 3.0, 8.06, 0.00269, 1193, 330, (800, 0, 0), 80, (95, 160), 0.0163),
     "xm430_w350": Model(1020, 4.1, 4.82, 0.00269, 1193, 350, (800, 0, 0), 80, (95, 160), 0.03),
     "xm540_w150": Model(1130, 7.3, 5.55, 0.00269, 2047, 230, (800, 0, 0), 80, (95, 160), 0.031, ports=True),
     "xm540_w270": Model(1120, 10.6, 3.14, 0.00269, 2047, 128, (800, 0, 0), 80, (95, 160), 0.1, ports=True),
     "xl430_w250": Model(1060, 1.4, 5.97, None, 0, 265, (640, 0, 4000), 72, (60, 140), 0.008),
-    "xl330_m288": Model(1200, 0.52, 10.8, 0.001, 1750, 445, (400, 0, 0), 70, (35, 70), 0.0008, rated=5.0, **SMALL),
+    "xl330_m288": Model(1200, 0.52, 10.8, 0.001, 1750, 445, (400, 0, 0), 70, (35, 70), 0.0008, rated=5.0, **SERIES_330),
     "xc430_w240": Model(1080, 1.9, 7.33, None, 0, 306, (700, 0, 0), 80, (60, 160), 0.01),
     "xc330_t288": Model(
-        1220, 1.0, 7.43, 0.001, 910, 320, (900, 0, 0), 70, (55, 140), 0.0018, inner=(1200, 40), **SMALL
+        1220, 1.0, 7.43, 0.001, 910, 320, (900, 0, 0), 70, (55, 140), 0.0018, inner=(1200, 40), **SERIES_330
     ),
 }
 
-GOALS = ("goal_pwm", "goal_current", "goal_velocity", "goal_position")
+GOAL_REGISTERS = ("goal_pwm", "goal_current", "goal_velocity", "goal_position")
 
 
 def items(model: Model, servo: int, firmware: int) -> dict[str, Item]:
@@ -111,12 +110,12 @@ def items(model: Model, servo: int, firmware: int) -> dict[str, Item]:
         "feed_forward_2": Item(88, 2, 0, (0, 16383)),
         "feed_forward_1": Item(90, 2, 0, (0, 16383)),
         "watchdog": Item(98, 1, 0, (0, 127), signed=True),
-        "goal_pwm": Item(100, 2, 885, ANY, signed=True),
-        "goal_current": Item(102, 2, model.current_limit, ANY, signed=True),
-        "goal_velocity": Item(104, 4, 0, ANY, signed=True),
+        "goal_pwm": Item(100, 2, 885, ANY_VALUE, signed=True),
+        "goal_current": Item(102, 2, model.current_limit, ANY_VALUE, signed=True),
+        "goal_velocity": Item(104, 4, 0, ANY_VALUE, signed=True),
         "profile_acceleration": Item(108, 4, 0, (0, 32767)),
         "profile_velocity": Item(112, 4, 0, (0, 32767)),
-        "goal_position": Item(116, 4, 0, ANY, signed=True),
+        "goal_position": Item(116, 4, 0, ANY_VALUE, signed=True),
         "tick": Item(120, 2, 0, writable=False),
         "moving": Item(122, 1, 0, writable=False),
         "moving_status": Item(123, 1, 0, writable=False),

@@ -17,10 +17,10 @@ from kinesic.hardware.virtual.wiring import Cable, ServoFitting
 from ...manual_servo import faults as wire
 from ...manual_servo import servo_faults as servos
 from ...manual_servo import strangers
-from ...manual_servo.device import BAUDS, Device
+from ...manual_servo.device import BAUD_RATES, Device
 from ...manual_servo.faults import Fault
 from ...manual_servo.line import Line, World
-from ...manual_servo.physics import MIDDLE, TICKS, Shaft
+from ...manual_servo.physics import MID_TICKS, TICKS_PER_RADIAN, Shaft
 from ...manual_servo.table import MODELS
 
 REBOOT_TIME = 0.25  # [s] default time from a reboot until a servo receives instructions
@@ -123,10 +123,10 @@ class Physics:
         self.jammed = Jams(self._shafts)
 
     def shafts(self) -> list[Turned]:
-        return [Turned(shaft.ticks / TICKS) for shaft in self._shafts]
+        return [Turned(shaft.ticks / TICKS_PER_RADIAN) for shaft in self._shafts]
 
     def turn(self, place: int, angle: float) -> None:
-        self._shafts[place].angle = angle - MIDDLE / TICKS
+        self._shafts[place].angle = angle - MID_TICKS / TICKS_PER_RADIAN
 
 
 class Plant:
@@ -217,7 +217,7 @@ def build_manual(cables: Sequence[Cable]) -> tuple[Plant, Mapping[str, Bus]]:
 
 
 def _build(fitting: ServoFitting, cable: Cable) -> Device:
-    angle = (fitting.ticks - MIDDLE) / TICKS
+    angle = (fitting.ticks - MID_TICKS) / TICKS_PER_RADIAN
     device = Device(fitting.servo, fitting.model, baud=cable.baud, firmware=fitting.firmware, angle=angle)
     device.memory["return_delay"] = fitting.return_delay
     return device
@@ -261,7 +261,7 @@ def _translate(planned: PlannedFault, line: Line, seed: int) -> list[Fault]:
 def _double(line: Line, servo: int) -> Fault:
     """Add a second servo with the same id to the wire."""
     model = next(name for name, known in MODELS.items() if known is line.device(servo).memory.model)
-    other = Device(servo, model, baud=BAUDS[line.device(servo).memory["baud"]], angle=-1.0)
+    other = Device(servo, model, baud=BAUD_RATES[line.device(servo).memory["baud"]], angle=-1.0)
     line.world.devices += (other,)
     line.devices.append(other)
     return Fault()

@@ -6,7 +6,7 @@ from math import pi
 import pytest
 
 from ...manual_servo import packet as p
-from ...manual_servo.device import BOOTING
+from ...manual_servo.device import BOOT_TIME
 from ...manual_servo.physics import Arm, Link
 from .conftest import words
 
@@ -22,7 +22,7 @@ def test_ping_but_not_read_is_answered_at_status_return_level_zero(bench: Make):
 
 
 def test_broadcast_ping_is_answered_by_all_servos_in_order_of_id(bench: Make):
-    assert [said.servo for said in bench(7, 2, 5).ask(p.BROADCAST, p.PING)] == [2, 5, 7]
+    assert [said.servo for said in bench(7, 2, 5).ask(p.BROADCAST_ID, p.PING)] == [2, 5, 7]
 
 
 @pytest.mark.parametrize(
@@ -69,7 +69,7 @@ def test_reg_write_instruction_takes_effect_at_the_action_instruction(bench: Mak
     made.ask(1, p.REG_WRITE, words(65) + b"\1")
     assert made.read("registered") == (0, 1)
     assert made.read("led") == (0, 0)
-    made.ask(p.BROADCAST, p.ACTION)
+    made.ask(p.BROADCAST_ID, p.ACTION)
     assert made.read("led") == (0, 1)
     assert made.read("registered") == (0, 0)
 
@@ -93,22 +93,22 @@ def test_secondary_id_accepts_ram_writes_without_reply(bench: Make):
 
 def test_sync_and_bulk_instructions_address_several_servos(bench: Make):
     made = bench(1, 2, 3)
-    assert made.ask(p.BROADCAST, p.SYNC_WRITE, words(116, 4) + b"\1" + words(2000, 0) + b"\3" + words(2100, 0)) == []
+    assert made.ask(p.BROADCAST_ID, p.SYNC_WRITE, words(116, 4) + b"\1" + words(2000, 0) + b"\3" + words(2100, 0)) == []
     bulk = b"\2" + words(65, 1) + b"\1" + b"\3" + words(102, 2) + words(7)
-    made.ask(p.BROADCAST, p.BULK_WRITE, bulk)
+    made.ask(p.BROADCAST_ID, p.BULK_WRITE, bulk)
     assert [device.memory["goal_position"] for device in made.devices] == [2000, 2048, 2100]
     assert made.devices[1].memory["led"] == 1
     assert made.devices[2].memory["goal_current"] == 7
-    answer = made.ask(p.BROADCAST, p.SYNC_READ, words(116, 4) + b"\3\1")
+    answer = made.ask(p.BROADCAST_ID, p.SYNC_READ, words(116, 4) + b"\3\1")
     assert [(said.servo, said.parameters[1:3]) for said in answer] == [(3, words(2100)), (1, words(2000))]
-    answer = made.ask(p.BROADCAST, p.BULK_READ, b"\2" + words(65, 1) + b"\1" + words(116, 2))
+    answer = made.ask(p.BROADCAST_ID, p.BULK_READ, b"\2" + words(65, 1) + b"\1" + words(116, 2))
     assert [said.parameters for said in answer] == [b"\0\1", b"\0" + words(2000)]
 
 
 def test_reference_servos_listed_after_a_silent_servo_do_not_reply_to_a_sync_read(bench: Make):
     made = bench(1, 2, 3)
     made.devices[1].mute = True
-    assert [said.servo for said in made.ask(p.BROADCAST, p.SYNC_READ, words(116, 4) + b"\1\2\3")] == [1]
+    assert [said.servo for said in made.ask(p.BROADCAST_ID, p.SYNC_READ, words(116, 4) + b"\1\2\3")] == [1]
 
 
 def test_bus_watchdog_stops_the_servo_and_locks_its_goals(bench: Make):
@@ -186,14 +186,14 @@ def test_alert_is_in_every_reply_and_the_shutdown_mask_decides_on_torque(bench: 
     made = bench()
     made.write("torque", 1)
     made.device.firmware.alert(1)
-    assert made.read("torque") == (p.ALERT, 1)
+    assert made.read("torque") == (p.ALERT_BIT, 1)
     made.device.firmware.alert(32)
-    assert made.read("torque") == (p.ALERT, 0)
-    assert made.write("torque", 1) == p.ALERT | p.RESULT_FAIL
-    assert made.read("torque") == (p.ALERT, 0)
+    assert made.read("torque") == (p.ALERT_BIT, 0)
+    assert made.write("torque", 1) == p.ALERT_BIT | p.RESULT_FAIL
+    assert made.read("torque") == (p.ALERT_BIT, 0)
     made.ask(1, p.REBOOT)
     assert made.ask(1, p.PING) == []
-    made.rest(BOOTING)
+    made.rest(BOOT_TIME)
     assert made.write("torque", 1) == 0
 
 
@@ -202,7 +202,7 @@ def test_reboot_resets_ram_and_keeps_eeprom(bench: Make):
     made.write("moving_threshold", 3)
     made.write("profile_velocity", 9)
     made.ask(1, p.REBOOT)
-    made.rest(BOOTING)
+    made.rest(BOOT_TIME)
     assert made.read("moving_threshold") == (0, 3)
     assert made.read("profile_velocity") == (0, 0)
     assert made.read("goal_position")[1] == made.read("present_position")[1]
@@ -214,15 +214,15 @@ def test_factory_reset_and_backup_restore_registers(bench: Make):
     assert made.ask(4, p.BACKUP, b"\1CTRL")[0].parameters == b"\0"
     made.write("moving_threshold", 8, servo=4)
     assert made.ask(4, p.BACKUP, b"\2CTRL")[0].parameters == b"\0"
-    made.rest(BOOTING)
+    made.rest(BOOT_TIME)
     assert made.read("moving_threshold", servo=4) == (0, 3)
-    assert made.ask(p.BROADCAST, p.FACTORY_RESET, b"\xff") == []
+    assert made.ask(p.BROADCAST_ID, p.FACTORY_RESET, b"\xff") == []
     assert made.device.memory["moving_threshold"] == 3
     made.ask(4, p.FACTORY_RESET, b"\2")
-    made.rest(BOOTING)
+    made.rest(BOOT_TIME)
     assert made.read("moving_threshold", servo=4) == (0, 10)
     made.ask(4, p.FACTORY_RESET, b"\1")
-    made.rest(BOOTING)
+    made.rest(BOOT_TIME)
     assert made.device.id == 4
     assert made.device.baud == 57_600
 
@@ -274,5 +274,5 @@ def test_stalled_shaft_causes_an_overload_shutdown(bench: Make):
     made.device.shaft.jammed = True
     made.write("goal_position", 3000)
     made.rest(2.5)
-    assert made.read("error") == (p.ALERT, 32)
-    assert made.read("torque") == (p.ALERT, 0)
+    assert made.read("error") == (p.ALERT_BIT, 32)
+    assert made.read("torque") == (p.ALERT_BIT, 0)

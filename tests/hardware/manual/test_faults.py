@@ -13,7 +13,7 @@ from .conftest import Bench, words
 
 Make = Callable  # of a bench, see conftest
 VOLTAGE, OVERHEAT, ENCODER, SHOCK, OVERLOAD = 1, 4, 8, 16, 32  # bits of the hardware error status
-POSITION_QUERY = p.instruct(p.BROADCAST, p.SYNC_READ, words(132, 4) + b"\1\2")  # sync read of both servos' positions
+POSITION_QUERY = p.instruct(p.BROADCAST_ID, p.SYNC_READ, words(132, 4) + b"\1\2")  # sync read of both servos' positions
 
 
 def record(made: Bench) -> bytes:
@@ -86,7 +86,7 @@ CASES = {
         lambda: servo_faults.Unhearing(2),
         lambda made: made.write("led", 1 - made.devices[1].memory["led"], 2) == -1,
     ),
-    "boasting": Case(lambda: servo_faults.Boasting(1), lambda made: made.read("error") == (p.ALERT, 0)),
+    "boasting": Case(lambda: servo_faults.Boasting(1), lambda made: made.read("error") == (p.ALERT_BIT, 0)),
     "goal ignored": Case(lambda: servo_faults.GoalIgnored(1), lambda made: not moves(made)),
     "stalled": Case(lambda: servo_faults.Stalled(1), lambda made: not moves(made)),
     "undervoltage": Case(lambda: servo_faults.Undervoltage(1), lambda made: made.read("volts")[1] == 90),
@@ -125,7 +125,7 @@ def test_servo_error_sets_the_alert_bit_and_obeys_the_shutdown_mask(bench: Make,
     made = bench(1, 2)
     made.write("torque", 1)
     made.line.expose(servo_faults.Alert(1, bit))
-    assert made.read("error") == (p.ALERT, bit)
+    assert made.read("error") == (p.ALERT_BIT, bit)
     assert torque(made) == (not bit & made.device.memory["shutdown"])
 
 
@@ -158,7 +158,7 @@ def test_simulated_temperature_ramp_and_voltage_sag_reach_the_registers(bench: M
     assert made.read("celsius")[1] == pytest.approx(45, abs=2)
     assert made.read("volts", 2)[1] == pytest.approx(100, abs=2)
     made.rest(1.0)
-    assert made.read("error", 2) == (p.ALERT, VOLTAGE)
+    assert made.read("error", 2) == (p.ALERT_BIT, VOLTAGE)
 
 
 def test_replay_fault_repeats_once_the_reply_sent_three_exchanges_earlier(bench: Make):

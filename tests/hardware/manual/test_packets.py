@@ -13,7 +13,7 @@ from ...manual_servo.packet import Decoder
 Make = Callable  # of a bench, see conftest
 EXAMPLES = {  # bytes as the manual prints them
     "ping": (p.instruct(1, p.PING), "FF FF FD 00 01 03 00 01 19 4E"),
-    "ping of all": (p.instruct(p.BROADCAST, p.PING), "FF FF FD 00 FE 03 00 01 31 42"),
+    "ping of all": (p.instruct(p.BROADCAST_ID, p.PING), "FF FF FD 00 FE 03 00 01 31 42"),
     "read": (p.instruct(1, p.READ, bytes.fromhex("84000400")), "FF FF FD 00 01 07 00 02 84 00 04 00 1D 15"),
     "write": (
         p.instruct(1, p.WRITE, bytes.fromhex("7400 00020000")),
@@ -28,11 +28,11 @@ EXAMPLES = {  # bytes as the manual prints them
     "reboot": (p.instruct(1, p.REBOOT), "FF FF FD 00 01 03 00 08 2F 4E"),
     "clear": (p.instruct(1, p.CLEAR, bytes.fromhex("0144584C22")), "FF FF FD 00 01 08 00 10 01 44 58 4C 22 B1 DC"),
     "sync read": (
-        p.instruct(p.BROADCAST, p.SYNC_READ, bytes.fromhex("84000400 01 02")),
+        p.instruct(p.BROADCAST_ID, p.SYNC_READ, bytes.fromhex("84000400 01 02")),
         "FF FF FD 00 FE 09 00 82 84 00 04 00 01 02 CE FA",
     ),
     "fast sync read": (
-        p.instruct(p.BROADCAST, p.FAST_SYNC_READ, bytes.fromhex("84000400 03 07 04")),
+        p.instruct(p.BROADCAST_ID, p.FAST_SYNC_READ, bytes.fromhex("84000400 03 07 04")),
         "FF FF FD 00 FE 0A 00 8A 84 00 04 00 03 07 04 20 F2",
     ),
     "an answer without data": (p.status(1, 0), "FF FF FD 00 01 04 00 55 00 A1 0C"),

@@ -108,7 +108,7 @@ class Observer:
         places = {member.id: k for k, member in enumerate(self.manifest.members) if member.bus == bus}
 
         def meant(servo: int) -> list[int]:
-            return list(places.values()) if servo == p.BROADCAST else [places[servo]] if servo in places else []
+            return list(places.values()) if servo == p.BROADCAST_ID else [places[servo]] if servo in places else []
 
         if packet.instruction in (p.REBOOT, p.FACTORY_RESET):
             for place in meant(packet.servo):

@@ -61,7 +61,7 @@ EDGE_VALUES = (
 WRITE_VALUES = st.sampled_from([*EDGE_VALUES, -1, -100, 16_383, 16_384, 32_767, 1_048_576]) | st.integers(
     -(2**31), 2**32 - 1
 )
-TARGET_IDS = st.sampled_from([1, 1, 2, 5, p.BROADCAST])
+TARGET_IDS = st.sampled_from([1, 1, 2, 5, p.BROADCAST_ID])
 
 
 def words(*values: int) -> bytes:
@@ -92,20 +92,20 @@ def instructions(draw: st.DrawFn) -> bytes:
         return p.instruct(whom, p.ACTION)
     if kind == "sync":
         both = b"".join(bytes([servo]) + data for servo in SERVO_IDS)
-        return p.instruct(p.BROADCAST, p.SYNC_WRITE, words(address, len(data)) + both)
+        return p.instruct(p.BROADCAST_ID, p.SYNC_WRITE, words(address, len(data)) + both)
     if kind == "bulk":
         return p.instruct(
-            p.BROADCAST, p.BULK_WRITE, b"\1" + words(address, len(data)) + data + b"\2" + words(65, 1) + b"\1"
+            p.BROADCAST_ID, p.BULK_WRITE, b"\1" + words(address, len(data)) + data + b"\2" + words(65, 1) + b"\1"
         )
     if kind == "group":
         start, size = draw(WRITE_PLACES)
         order = bytes(draw(st.permutations(SERVO_IDS)))
         if draw(st.booleans()):
             return p.instruct(
-                p.BROADCAST, draw(st.sampled_from([p.SYNC_READ, p.FAST_SYNC_READ])), words(start, size) + order
+                p.BROADCAST_ID, draw(st.sampled_from([p.SYNC_READ, p.FAST_SYNC_READ])), words(start, size) + order
             )
         asked = b"".join(bytes([servo]) + words(start, size) for servo in order)
-        return p.instruct(p.BROADCAST, draw(st.sampled_from([p.BULK_READ, p.FAST_BULK_READ])), asked)
+        return p.instruct(p.BROADCAST_ID, draw(st.sampled_from([p.BULK_READ, p.FAST_BULK_READ])), asked)
     rest = [(p.PING, b""), (p.REBOOT, b""), (p.FACTORY_RESET, b"\2"), (p.CLEAR, bytes.fromhex("0144584C22"))]
     return p.instruct(whom, *draw(st.sampled_from([*rest, (0x77, b"")])))
 
@@ -139,7 +139,7 @@ class Host:
         if data[7] in RESTART_INSTRUCTIONS:
             self.wire.sleep(self.wire.now() + MAX_START_TIME)
         if data[7] in FAST_READS:
-            return [StatusReply(p.BROADCAST, 0, raw)]
+            return [StatusReply(p.BROADCAST_ID, 0, raw)]
         result = self._decoder.feed(raw, self.wire.now())
         return [StatusReply(s.servo, s.parameters[0], s.parameters[1:]) for s in result]
 
