@@ -16,8 +16,8 @@ from kinesic.planning.postures import solve_postures
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
-ROBOT = Robot.load()
-REST = ROBOT.skeleton.rest
+DEFAULT_ROBOT = Robot.load()
+REST_ANGLES = DEFAULT_ROBOT.skeleton.rest  # (n,) [rad] rest posture
 HAND_POSITIONS = [
     (0.25, 0.12, 0.75),
     (0.2, 0.2, 0.9),
@@ -29,12 +29,12 @@ def solved(place, *, side="l", palm=None, **manner):
     forward, outward, up = place
     position = sealed([forward, outward if side == "l" else -outward, up])
     hand = Hand(Reach(position, palm=palm), **manner)
-    return with_arms(REST, {side: hand}, {side: hand.reach}, ROBOT)
+    return with_arms(REST_ANGLES, {side: hand}, {side: hand.reach}, DEFAULT_ROBOT)
 
 
 def elbow(angles, side="l"):
-    origins = ROBOT.skeleton.frames(angles).origins
-    return abs(float(origins[ROBOT.skeleton.segment(f"{side}_elbow")][1])) / ROBOT.arm_length
+    origins = DEFAULT_ROBOT.skeleton.frames(angles).origins
+    return abs(float(origins[DEFAULT_ROBOT.skeleton.segment(f"{side}_elbow")][1])) / DEFAULT_ROBOT.arm_length
 
 
 @pytest.mark.parametrize("place", HAND_POSITIONS)
@@ -48,8 +48,8 @@ def test_growing_elbow_openness_moves_the_elbow_outwards_without_a_jump(place):
 
 @pytest.mark.parametrize("palm", [[0.0, 0.0, 1.0], [0.0, -1.0, 0.0], [1.0, 0.0, 0.0]])
 def test_elbow_openness_has_priority_over_the_palm_direction(palm):
-    arm = list(ROBOT.joints("l_arm"))
-    swivel_angle = swivel(ROBOT.arms["l"], solved(HAND_POSITIONS[0], palm=sealed(palm), openness=1.0)[arm])
+    arm = list(DEFAULT_ROBOT.joints("l_arm"))
+    swivel_angle = swivel(DEFAULT_ROBOT.arms["l"], solved(HAND_POSITIONS[0], palm=sealed(palm), openness=1.0)[arm])
     assert swivel_angle == pytest.approx(OPEN_SWIVEL, abs=1e-6)
 
 
@@ -57,14 +57,14 @@ def test_elbow_openness_has_priority_over_the_palm_direction(palm):
 def test_elbow_openness_and_effort_keep_the_hand_position_on_both_sides(manner):
     angles = [solved(HAND_POSITIONS[1], side=side, **manner) for side in SIDES]
     for side, found in zip(SIDES, angles, strict=True):
-        wrist = ROBOT.skeleton.frames(found).origins[ROBOT.skeleton.segment(f"{side}_wrist")]
+        wrist = DEFAULT_ROBOT.skeleton.frames(found).origins[DEFAULT_ROBOT.skeleton.segment(f"{side}_wrist")]
         np.testing.assert_allclose(np.abs(wrist), HAND_POSITIONS[1], atol=1e-6)
-    left, right = (found[list(ROBOT.joints(f"{side}_arm"))] for side, found in zip(SIDES, angles, strict=True))
+    left, right = (found[list(DEFAULT_ROBOT.joints(f"{side}_arm"))] for side, found in zip(SIDES, angles, strict=True))
     np.testing.assert_allclose(left, right, atol=1e-9)
 
 
 def test_collar_bone_rotation_increases_with_shoulder_effort():
-    collar = ROBOT.joints("l_arm")[0]
+    collar = DEFAULT_ROBOT.joints("l_arm")[0]
     turned = [abs(solved(HAND_POSITIONS[1], effort=share)[collar]) for share in (0.0, 0.5, 1.0)]
     assert turned[0] == 0.0
     assert np.radians(2) < turned[1] < turned[2]
@@ -72,45 +72,45 @@ def test_collar_bone_rotation_increases_with_shoulder_effort():
 
 def test_arm_without_a_hand_target_takes_the_rest_posture():
     angles = solved(HAND_POSITIONS[0])
-    np.testing.assert_array_equal(with_arms(angles, {"l": Hand()}, {"l": None}, ROBOT), REST)
+    np.testing.assert_array_equal(with_arms(angles, {"l": Hand()}, {"l": None}, DEFAULT_ROBOT), REST_ANGLES)
 
 
 @pytest.mark.parametrize("place", [(2.0, 0.5, 1.2), (0.6, 1.5, 2.0), (1.0, -0.3, 0.5)])
 def test_arm_points_at_distant_target(place):
-    origins = ROBOT.skeleton.frames(solved(place)).origins
-    shoulder, _, wrist = (origins[ROBOT.skeleton.segment(name)] for name in ROBOT.chains["l_arm"][-3:])
+    origins = DEFAULT_ROBOT.skeleton.frames(solved(place)).origins
+    shoulder, _, wrist = (origins[DEFAULT_ROBOT.skeleton.segment(name)] for name in DEFAULT_ROBOT.chains["l_arm"][-3:])
     line, wanted = wrist - shoulder, np.array(place) - shoulder
     cosine = line @ wanted / np.linalg.norm(line) / np.linalg.norm(wanted)
     assert np.degrees(np.arccos(min(1.0, cosine))) < 1.0
-    assert np.linalg.norm(line) > 0.99 * ROBOT.arm_length
+    assert np.linalg.norm(line) > 0.99 * DEFAULT_ROBOT.arm_length
 
 
 @pytest.mark.parametrize("side", SIDES)
 @pytest.mark.parametrize("place", HAND_POSITIONS)
 def test_shoulder_lift_raises_the_shoulder_and_keeps_the_hand(place, side):
     low, high = (solved(place, side=side, lift=lift) for lift in (0.0, 0.2))
-    arm = ROBOT.arm(side)
+    arm = DEFAULT_ROBOT.arm(side)
     (collar,) = arm.shoulder_lift_joints
     assert high[collar] - low[collar] == pytest.approx(0.2)
-    below, above = (ROBOT.skeleton.frames(angles).origins for angles in (low, high))
+    below, above = (DEFAULT_ROBOT.skeleton.frames(angles).origins for angles in (low, high))
     assert above[arm.shoulder][2] > below[arm.shoulder][2] + 0.01
     np.testing.assert_allclose(above[arm.wrist], below[arm.wrist], atol=1e-6)
     most = solved(place, side=side, lift=2.0)
-    assert most[collar] == pytest.approx(ROBOT.skeleton.upper[collar])
+    assert most[collar] == pytest.approx(DEFAULT_ROBOT.skeleton.upper[collar])
 
 
 def test_another_palm_direction_turns_no_arm_hinge_by_110_degrees():
-    angles, arm = np.array(REST), list(ROBOT.arm("l").joints)
-    angles[list(ROBOT.joints("torso"))] = np.radians([0.0, -2.6, 0.0])
+    angles, arm = np.array(REST_ANGLES), list(DEFAULT_ROBOT.arm("l").joints)
+    angles[list(DEFAULT_ROBOT.joints("torso"))] = np.radians([0.0, -2.6, 0.0])
     angles[arm] = np.radians([14, 99, 39, -50, 89, 31, -21, 30])  # forward and up, elbow out
     reach = Reach(sealed([0.235, 0.374, 0.937]), sealed([0.999, 0.0, 0.045]), sealed([0.032, -0.707, -0.706]))
-    result = with_arms(angles, {"l": Hand(reach, openness=0.68, effort=0.635, lift=0.063)}, {"l": reach}, ROBOT)
+    result = with_arms(angles, {"l": Hand(reach, openness=0.68, effort=0.635, lift=0.063)}, {"l": reach}, DEFAULT_ROBOT)
     assert np.abs(result - angles)[arm].max() < np.radians(110)
-    wrist = ROBOT.skeleton.frames(result).origins[ROBOT.arm("l").wrist]
+    wrist = DEFAULT_ROBOT.skeleton.frames(result).origins[DEFAULT_ROBOT.arm("l").wrist]
     assert np.linalg.norm(wrist - reach.position) < 0.12, "and the hand is there"
 
 
-KNOWN = set_up()
+DEFAULT_SETUP = set_up()  # setup with default options
 
 
 class _EnoughError(Exception):
@@ -129,7 +129,7 @@ def frames_of(monkeypatch):
     def frames_of(text):
         monkeypatch.setattr(planning, "solve_postures", stop)
         with pytest.raises(_EnoughError):
-            plan(text, KNOWN)
+            plan(text, DEFAULT_SETUP)
         return asked[-1]
 
     return frames_of
@@ -149,16 +149,16 @@ def calls(monkeypatch):
 
 
 def _texts():
-    lexemes = [form.id for form in KNOWN.lexicon.forms]
+    lexemes = [form.id for form in DEFAULT_SETUP.lexicon.forms]
     return [write_passage(1), write_overlapping_block(3, lexemes), write_overlapping_block(17, lexemes)]
 
 
 @pytest.mark.parametrize("text", _texts(), ids=["passage", "crowd 3", "crowd 17"])
 def test_arm_keys_solved_together_equal_keys_solved_singly(text, frames_of, monkeypatch):
     frames = frames_of(text)
-    together = solve_postures(frames, KNOWN.robot, KNOWN.distances)
+    together = solve_postures(frames, DEFAULT_SETUP.robot, DEFAULT_SETUP.distances)
     monkeypatch.setattr(arm_postures, "MAX_KEYS_PER_CALL", 1)
-    alone = solve_postures(frames, KNOWN.robot, KNOWN.distances)
+    alone = solve_postures(frames, DEFAULT_SETUP.robot, DEFAULT_SETUP.distances)
     for one, other in zip(together.postures, alone.postures, strict=True):
         assert np.array_equal(one.angles, other.angles)
     assert together.misses == alone.misses
@@ -166,15 +166,15 @@ def test_arm_keys_solved_together_equal_keys_solved_singly(text, frames_of, monk
 
 def test_ik_of_a_text_passage_needs_one_kernel_call_per_arm(frames_of, calls):
     frames = frames_of(write_passage(1))
-    solve_postures(frames, KNOWN.robot, KNOWN.distances)
+    solve_postures(frames, DEFAULT_SETUP.robot, DEFAULT_SETUP.distances)
     assert len(calls) == 2
     assert sum(calls) > 10
 
 
 def test_ik_solves_at_most_twice_as_many_keys_plus_one_batch_if_hands_collide(frames_of, calls):
-    """Batches double without collisions, so that at least half of the solved keys are kept."""
+    """Rely on batches that double in size until a collision occurs."""
     frames = frames_of(_texts()[2])
-    solve_postures(frames, KNOWN.robot, KNOWN.distances)
+    solve_postures(frames, DEFAULT_SETUP.robot, DEFAULT_SETUP.distances)
     asked = sum(side in frame.given for frame in frames.frames for side in ("l_hand", "r_hand"))
     assert asked <= sum(calls) <= 4 * len(frames.frames) + arm_postures.MAX_KEYS_PER_CALL
 
@@ -184,32 +184,36 @@ def with_offset_axes(robot):
     return replace(robot, skeleton=replace(robot.skeleton, hinges=hinges))
 
 
-@pytest.mark.parametrize("robot", [ROBOT, with_offset_axes(ROBOT)], ids=["intersecting axes", "offset axes"])
+@pytest.mark.parametrize(
+    "robot", [DEFAULT_ROBOT, with_offset_axes(DEFAULT_ROBOT)], ids=["intersecting axes", "offset axes"]
+)
 @pytest.mark.parametrize("passing", [True, False])
 def test_only_a_passing_key_continues_the_current_hand_path(robot, passing):
     reach = Reach(sealed(HAND_POSITIONS[1]))
     hand = Hand(reach, passing=passing)
-    key = ArmKey.of(robot, "l", hand, reach, robot.body_frames(REST))
-    path_start = with_arms(REST, {"l": hand}, {"l": Reach(sealed(HAND_POSITIONS[0]))}, robot)[
+    key = ArmKey.of(robot, "l", hand, reach, robot.body_frames(REST_ANGLES))
+    path_start = with_arms(REST_ANGLES, {"l": hand}, {"l": Reach(sealed(HAND_POSITIONS[0]))}, robot)[
         list(robot.arms["l"].indices)
     ]
-    angles, beginnings = solve_keys(robot, "l", [key], REST[None], path_start=path_start)
+    angles, beginnings = solve_keys(robot, "l", [key], REST_ANGLES[None], path_start=path_start)
     solved_arm = angles[0, list(robot.arms["l"].indices)]
     np.testing.assert_array_equal(beginnings[0], path_start if passing else solved_arm)
     assert np.abs(solved_arm - path_start).max() > 0.05
 
 
-@pytest.mark.parametrize("robot", [ROBOT, with_offset_axes(ROBOT)], ids=["intersecting axes", "offset axes"])
+@pytest.mark.parametrize(
+    "robot", [DEFAULT_ROBOT, with_offset_axes(DEFAULT_ROBOT)], ids=["intersecting axes", "offset axes"]
+)
 def test_passing_key_without_a_current_path_starts_one(robot):
     reach = Reach(sealed(HAND_POSITIONS[1]))
-    key = ArmKey.of(robot, "l", Hand(reach, passing=True), reach, robot.body_frames(REST))
-    angles, beginnings = solve_keys(robot, "l", [key], REST[None], path_start=None)
+    key = ArmKey.of(robot, "l", Hand(reach, passing=True), reach, robot.body_frames(REST_ANGLES))
+    angles, beginnings = solve_keys(robot, "l", [key], REST_ANGLES[None], path_start=None)
     np.testing.assert_array_equal(beginnings[0], angles[0, list(robot.arms["l"].indices)])
 
 
 def test_arms_with_offset_joint_axes_are_solved_key_by_key(frames_of, calls):
-    foreign = with_offset_axes(KNOWN.robot)
+    foreign = with_offset_axes(DEFAULT_SETUP.robot)
     frames = frames_of(write_passage(2))
-    postures = solve_postures(frames, foreign, KNOWN.distances)
+    postures = solve_postures(frames, foreign, DEFAULT_SETUP.distances)
     assert set(calls) == {1}
     assert max(postures.misses.values()) < 5e-3

@@ -227,7 +227,7 @@ def test_long_motion_is_checked_to_its_end(known: Setup):
 
 
 def moving_slowly(known: Setup, knots: int, *, bump: int) -> Trajectory:
-    """Return a motion of one hinge that never repeats a state; the loaded hinge has a bump at one knot."""
+    """Return a motion without repeated states, in which one knot moves the loaded hinge."""
     heights = np.zeros((knots + 3, len(known.limits.lower)))
     heights[:, MOVING_HINGE] = np.random.default_rng(8).uniform(0.0, 1e-3, knots + 3)
     heights[bump + 1, LOADED_HINGE] = 1e-3
@@ -244,7 +244,7 @@ def test_time_between_two_low_duties_is_evaluated_only_if_they_are_over_two_knot
     at_rest = Trajectory(sealed(np.zeros_like(motion.controls)), 0.0)
 
     def found(*knots: int) -> tuple[list[int], int]:
-        """Return the overloaded knots and the number of evaluated states of the changed motion."""
+        """Return the overloaded knots and the number of evaluated states."""
         setup.dynamics.asked.clear()
         times = KNOT_INTERVAL * np.array(knots)
         overloaded = np.rint(find_overloaded_times(at_rest, motion, times, setup) / KNOT_INTERVAL)

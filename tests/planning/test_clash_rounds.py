@@ -1,4 +1,4 @@
-"""Clashes of one round, and the keys of their searches."""
+"""Timing conflicts resolved per planning round, and the keys of their searches."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,8 @@ from kinesic.planning.clashes import (
     Neighbours,
 )
 
-ROW = {"ab": 0.3, "bc": 0.5, "cd": 0.4, "de": 0.45, "ef": 0.3}
+# [s] separation of each pair in a row of gestures a to f
+PAIR_SEPARATIONS = {"ab": 0.3, "bc": 0.5, "cd": 0.4, "de": 0.45, "ef": 0.3}
 
 
 @pytest.fixture
@@ -44,13 +45,13 @@ def look(finder: ClashFinder) -> str:
 
 
 def test_worst_timing_conflict_is_resolved_first_and_those_of_its_neighbours_are_postponed(row):
-    finder = row(ROW)
+    finder = row(PAIR_SEPARATIONS)
     assert look(finder) == "bcef"
     assert {"".join(sorted(pair)): clash.delay for pair, clash in finder.clashes.items()} == {"bc": 0.5, "ef": 0.3}
 
 
 def test_only_every_second_timing_conflict_is_resolved_once_the_budget_is_spent(row):
-    finder = row(ROW)
+    finder = row(PAIR_SEPARATIONS)
     finder._budget.spend(2 * SEARCH_BUDGET)
     assert finder.spent
     assert look(finder) == "bcde"

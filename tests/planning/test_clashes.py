@@ -1,4 +1,4 @@
-"""One of two gestures too close for their hand yields, the rest keeps its times."""
+"""Timing conflicts: one of two gestures is dropped, all other times are kept."""
 
 import pytest
 
@@ -10,13 +10,15 @@ from kinesic.planning.clashes import NEGLIGIBLE_CLASH, VISIBLE_CLASH, Neighbours
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.quick_plan import plan_quickly
 
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-OTHERS = (
+# document whose {} is replaced by behaviours
+BML_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+OTHER_BEHAVIOURS = (  # behaviours that move no hand
     '<speech id="s"><text>Let me <sync id="m"/>ask you about it.</text></speech>'
     '<gaze id="z" target="left" start="1.0" end="2.6"/><torso id="t" lexeme="lean forward" ready="1.3" end="3.0"/>'
 )
-ASK = '<gesture id="ask" lexeme="{}" {} stroke="1.8"/>'
-NEXT = '<gesture id="next" lexeme="{}" {} stroke="{}"/>'
+FIRST_GESTURE = '<gesture id="ask" lexeme="{}" {} stroke="1.8"/>'  # earlier gesture with a given lexeme and attributes
+# later gesture with a given lexeme, attributes and stroke time [s]
+SECOND_GESTURE = '<gesture id="next" lexeme="{}" {} stroke="{}"/>'
 
 
 def document(first: str, second: str, later: float, mode: str) -> tuple[str, str, str]:
@@ -24,8 +26,8 @@ def document(first: str, second: str, later: float, mode: str) -> tuple[str, str
 
     Each has speech, gaze and torso motion in addition.
     """
-    one, two = ASK.format(first, mode), NEXT.format(second, mode, 1.8 + later)
-    a, b, c = (ROOT.format(OTHERS + inside) for inside in (one + two, one, two))
+    one, two = FIRST_GESTURE.format(first, mode), SECOND_GESTURE.format(second, mode, 1.8 + later)
+    a, b, c = (BML_TEMPLATE.format(OTHER_BEHAVIOURS + inside) for inside in (one + two, one, two))
     return a, b, c
 
 
@@ -42,15 +44,16 @@ def fates(plan: Plan) -> dict[str, str]:
     return {id: outcome.kind for id, outcome in plan.keyframes.outcomes.items() if id in ("ask", "next")}
 
 
-BOTH, RIGHT = 'mode="BOTH_HANDS"', 'mode="RIGHT_HAND"'
+BOTH_HANDS = 'mode="BOTH_HANDS"'  # attribute of a two-handed gesture
+RIGHT_HAND = 'mode="RIGHT_HAND"'  # attribute of a gesture of the right hand
 
 
 @pytest.mark.parametrize(
     ("first", "second", "later", "mode"),
     [
-        ("love", "contrast_left_right", 0.55, BOTH),
-        ("air_quotes", "sorry", 0.4, BOTH),
-        ("usher", "victory", 0.33, RIGHT),
+        ("love", "contrast_left_right", 0.55, BOTH_HANDS),
+        ("air_quotes", "sorry", 0.4, BOTH_HANDS),
+        ("usher", "victory", 0.33, RIGHT_HAND),
     ],
 )
 def test_later_of_two_gestures_in_timing_conflict_is_dropped(planned, first, second, later, mode):
@@ -63,16 +66,16 @@ def test_later_of_two_gestures_in_timing_conflict_is_dropped(planned, first, sec
 
 
 def test_notice_of_a_timing_conflict_suggests_a_feasible_stroke_time(planned):
-    both, _, _ = document("love", "contrast_left_right", 0.55, BOTH)
+    both, _, _ = document("love", "contrast_left_right", 0.55, BOTH_HANDS)
     why = planned(both).keyframes.outcomes["next"].why
     at = float(why.split("with its stroke at ")[1].split(" s")[0])
-    later = planned(document("love", "contrast_left_right", at - 1.8, BOTH)[0])
+    later = planned(document("love", "contrast_left_right", at - 1.8, BOTH_HANDS)[0])
     assert "dropped" not in fates(later).values()
     assert abs(times(later)["ask:stroke"] - 1.8) < VISIBLE_CLASH
 
 
 def test_beat_is_dropped_for_a_later_more_important_gesture(planned):
-    both, _, alone = document("beat_fist_palm", "large", 0.3, BOTH)
+    both, _, alone = document("beat_fist_palm", "large", 0.3, BOTH_HANDS)
     result = planned(both)
     assert fates(result)["ask"] == "dropped"
     assert "gives way to next, which is more important" in result.keyframes.outcomes["ask"].why
@@ -81,7 +84,7 @@ def test_beat_is_dropped_for_a_later_more_important_gesture(planned):
 
 def test_two_gestures_with_strokes_0_6_s_apart_are_both_performed(planned):
     for later in (0.6, 0.8):
-        result = planned(document("offer", "large", later, BOTH)[0])
+        result = planned(document("offer", "large", later, BOTH_HANDS)[0])
         assert "dropped" not in fates(result).values()
         strokes = [times(result)[f"{id}:stroke"] for id in ("ask", "next")]
         assert strokes[1] - strokes[0] - later < VISIBLE_CLASH
@@ -94,7 +97,7 @@ def test_gesture_in_timing_conflict_moves_to_the_free_hand(planned):
 
 
 def test_quick_and_full_plans_drop_the_same_conflicting_gestures(known):
-    for case in (("love", "contrast_left_right", 0.55, BOTH), ("offer", "large", 0.6, BOTH)):
+    for case in (("love", "contrast_left_right", 0.55, BOTH_HANDS), ("offer", "large", 0.6, BOTH_HANDS)):
         block = parse(document(*case)[0])
         assert fates(plan_quickly(block, known)) == fates(plan_block(block, known))
 
@@ -106,7 +109,7 @@ def test_dropping_few_gestures_stops_small_delays_from_adding_up(planned):
         f'<gesture id="g{k}" lexeme="{name}" mode="BOTH_HANDS" stroke="{1 + 0.6 * k:.1f}"/>'
         for k, name in enumerate(names)
     )
-    result = planned(ROOT.format(row))
+    result = planned(BML_TEMPLATE.format(row))
     kinds = [outcome.kind for outcome in result.keyframes.outcomes.values()]
     assert 1 <= kinds.count("dropped") <= 3
     drift = max(abs(sync.planned - sync.requested) for sync in result.syncs if sync.sync == "stroke")
@@ -124,8 +127,11 @@ def test_delays_add_up_over_the_longest_unbroken_chain_of_gestures():
 
 def test_conflicting_rest_pose_is_deferred_to_the_gesture_retraction(planned):
     pose = '<gesture id="next" lexeme="hands_low" start="1.95" end="2.2"/>'
-    ask = ASK.format("offer", 'relax="2.6"')
-    result, alone = planned(ROOT.format(OTHERS + ask + pose)), planned(ROOT.format(OTHERS + ask))
+    ask = FIRST_GESTURE.format("offer", 'relax="2.6"')
+    result, alone = (
+        planned(BML_TEMPLATE.format(OTHER_BEHAVIOURS + ask + pose)),
+        planned(BML_TEMPLATE.format(OTHER_BEHAVIOURS + ask)),
+    )
     assert set(fates(result).values()) == {"realised"}
     assert any("as the hands go back from ask" in notice.text for notice in result.notices)
     for sync in ("ask:stroke", "ask:relax", "z:start", "t:ready"):
@@ -133,10 +139,13 @@ def test_conflicting_rest_pose_is_deferred_to_the_gesture_retraction(planned):
 
 
 def test_timing_conflict_drops_no_required_gesture_and_refuses_two_required_ones(planned):
-    one, two = ASK.format("love", BOTH), NEXT.format("contrast_left_right", BOTH, 2.35)
-    assert fates(planned(ROOT.format(f"{one}<required>{two}</required>"))) == {"ask": "dropped", "next": "realised"}
+    one, two = FIRST_GESTURE.format("love", BOTH_HANDS), SECOND_GESTURE.format("contrast_left_right", BOTH_HANDS, 2.35)
+    assert fates(planned(BML_TEMPLATE.format(f"{one}<required>{two}</required>"))) == {
+        "ask": "dropped",
+        "next": "realised",
+    }
     with pytest.raises(BmlError, match="next is required"):
-        planned(ROOT.format(f"<required>{one}{two}</required>"))
+        planned(BML_TEMPLATE.format(f"<required>{one}{two}</required>"))
 
 
 def test_minimum_time_of_a_hinge_is_computed_between_its_reversals(known):
@@ -155,7 +164,7 @@ def test_minimum_time_of_a_hinge_is_computed_between_its_reversals(known):
 def test_gesture_whose_stroke_has_no_hand_motion_is_not_dropped(planned):
     lexemes = {"own_mouth": 7.78, "hands_ready": 8.09, "crossed_fingers": 8.61}
     lines = [f'<gesture id="{name}" lexeme="{name}" stroke="{stroke}"/>' for name, stroke in lexemes.items()]
-    outcomes = planned(ROOT.format("".join(lines))).keyframes.outcomes.values()
+    outcomes = planned(BML_TEMPLATE.format("".join(lines))).keyframes.outcomes.values()
     assert all(outcome.kind != "dropped" for outcome in outcomes)
 
 
@@ -168,8 +177,8 @@ def test_timing_conflicts_are_estimated_after_the_maximum_of_exact_searches(plan
         return exactly(pair, postures, setup, budget, memory)
 
     monkeypatch.setattr(clashes, "_search", search)
-    crowd = ROOT.format(
-        "".join(f'<gesture id="g{k}" lexeme="beat" {RIGHT} stroke="{1 + 0.25 * k}"/>' for k in range(3))
+    crowd = BML_TEMPLATE.format(
+        "".join(f'<gesture id="g{k}" lexeme="beat" {RIGHT_HAND} stroke="{1 + 0.25 * k}"/>' for k in range(3))
     )
     every = planned(crowd)
     assert len(searched) > 1
@@ -194,8 +203,8 @@ def test_block_of_too_many_gestures_drops_some_by_estimated_timing_conflicts(pla
     monkeypatch.setattr(clashes.ClashFinder, "look", counted)
     monkeypatch.setattr(clashes, "_search", search)
     monkeypatch.setattr(clashes, "MAX_EXACT_PAIRS", 3)
-    lines = (f'<gesture id="g{k}" lexeme="large" {BOTH} stroke="{1 + 0.3 * k}"/>' for k in range(12))
-    outcomes = planned(ROOT.format("".join(lines))).keyframes.outcomes
+    lines = (f'<gesture id="g{k}" lexeme="large" {BOTH_HANDS} stroke="{1 + 0.3 * k}"/>' for k in range(12))
+    outcomes = planned(BML_TEMPLATE.format("".join(lines))).keyframes.outcomes
     thinned = {id for id, found in outcomes.items() if found.why.startswith("12 behaviours overlap")}
     kept = {id for id, found in outcomes.items() if found.kind != "dropped"}
     assert thinned >= {f"g{k}" for k in range(6, 12)}
@@ -206,7 +215,9 @@ def test_block_of_too_many_gestures_drops_some_by_estimated_timing_conflicts(pla
 
 def counted(apart: float) -> str:
     numbers = enumerate(("one", "two", "three", "four", "five"))
-    return ROOT.format("".join(f'<gesture id="g{k}" lexeme="count_{n}" stroke="{1 + apart * k}"/>' for k, n in numbers))
+    return BML_TEMPLATE.format(
+        "".join(f'<gesture id="g{k}" lexeme="count_{n}" stroke="{1 + apart * k}"/>' for k, n in numbers)
+    )
 
 
 @pytest.mark.parametrize("apart", [0.24, 0.28, 0.3, 0.31])
@@ -239,7 +250,7 @@ def test_timing_conflict_search_that_exceeds_its_budget_keeps_the_estimated_dela
         return 99.0
 
     monkeypatch.setattr(clashes, "_search", search)
-    both, _, _ = document("love", "contrast_left_right", 0.55, BOTH)
+    both, _, _ = document("love", "contrast_left_right", 0.55, BOTH_HANDS)
     result = planned(both)
     assert result.keyframes.outcomes["next"].kind == "dropped"
     assert float(result.keyframes.outcomes["next"].why.split(" s late")[0].rsplit(" ", 1)[1]) < 1.0
@@ -255,8 +266,8 @@ def test_each_round_resolves_at_most_one_timing_conflict_per_gesture(planned, mo
         return result
 
     monkeypatch.setattr(clashes.ClashFinder, "look", spied)
-    lines = (f'<gesture id="g{k}" lexeme="large" {BOTH} stroke="{1 + 0.35 * k:.2f}"/>' for k in range(6))
-    planned(ROOT.format("".join(lines)))
+    lines = (f'<gesture id="g{k}" lexeme="large" {BOTH_HANDS} stroke="{1 + 0.35 * k:.2f}"/>' for k in range(6))
+    planned(BML_TEMPLATE.format("".join(lines)))
     assert len(rounds) > 1
     for added in rounds:
         ids = [id for pair in added for id in pair]

@@ -16,15 +16,20 @@ from kinesic.planning.clearance import LAG_RESERVE, find_colliding_behaviours
 from kinesic.planning.plan import plan_block
 from kinesic.session.setup import set_up
 
-SETUP = set_up()
-ROBOT = SETUP.robot
-MIN_CLEARANCE = ROBOT.min_clearance + LAG_RESERVE
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-WILD = Style.uniform(
+DEFAULT_SETUP = set_up()  # setup with default options
+DEFAULT_ROBOT = DEFAULT_SETUP.robot
+# [m] clearance of plans, with reserve for the tracking lag
+PLANNED_CLEARANCE = DEFAULT_ROBOT.min_clearance + LAG_RESERVE
+# document whose {} is replaced by behaviours
+BML_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+WILD_STYLE = Style.uniform(  # style with large, fast and loose movements
     Expressivity(spatial=1, temporal=1, fluidity=1, power=1, tension=-1, repetition=1, openness=1), "wild"
 )
-TIGHT = Style.uniform(Expressivity(spatial=-1, temporal=-1, fluidity=-1, power=-1, tension=1, repetition=-1), "tight")
-TOUCHES = {
+# style with small, slow and tense movements
+TIGHT_STYLE = Style.uniform(
+    Expressivity(spatial=-1, temporal=-1, fluidity=-1, power=-1, tension=1, repetition=-1), "tight"
+)
+TOUCHED_PAIRS = {  # lexeme -> segments that touch
     "hands_together": {("l_wrist", "r_wrist")},
     "hands_together_forward": {("l_wrist", "r_wrist")},
     "arms_crossed": {("l_wrist", "r_elbow"), ("l_shoulder", "r_wrist")},
@@ -34,11 +39,11 @@ TOUCHES = {
 
 
 def planned(body, **changes):
-    return plan_block(parse(ROOT.format(body)), replace(SETUP, **changes))
+    return plan_block(parse(BML_TEMPLATE.format(body)), replace(DEFAULT_SETUP, **changes))
 
 
 def gaps(posture):
-    return dict(zip(ROBOT.counted_pairs, SETUP.distances.gaps(posture[None])[0], strict=True))
+    return dict(zip(DEFAULT_ROBOT.counted_pairs, DEFAULT_SETUP.distances.gaps(posture[None])[0], strict=True))
 
 
 def at_sync(made, sync):
@@ -46,41 +51,43 @@ def at_sync(made, sync):
     return made.trajectory.sample(np.array([time + made.trajectory.zero]))[0][0]
 
 
-@pytest.mark.parametrize("style", [Style(), WILD, TIGHT], ids=lambda style: style.name)
-@pytest.mark.parametrize("lexeme", TOUCHES)
+@pytest.mark.parametrize("style", [Style(), WILD_STYLE, TIGHT_STYLE], ids=lambda style: style.name)
+@pytest.mark.parametrize("lexeme", TOUCHED_PAIRS)
 def test_hand_that_touches_the_body_hovers_10_to_30_mm_away(lexeme, style):
     made = planned(f'<gesture id="g" lexeme="{lexeme}" start="0.5"/>', style=style)
     assert made.keyframes.outcomes["g"].kind == "realised"
     for sync in ("stroke", "relax"):
         posture = gaps(at_sync(made, sync))
-        for pair in TOUCHES[lexeme]:
+        for pair in TOUCHED_PAIRS[lexeme]:
             assert 0.010 <= posture[pair] <= 0.030
-    assert made.clearance.distances.min() >= MIN_CLEARANCE
+    assert made.clearance.distances.min() >= PLANNED_CLEARANCE
 
 
-@pytest.mark.parametrize("lexeme", TOUCHES)
+@pytest.mark.parametrize("lexeme", TOUCHED_PAIRS)
 def test_touching_arm_posture_is_held_until_relax(lexeme):
     body = (
         f'<gesture id="g" lexeme="{lexeme}" start="0" relax="4"/><head id="h" lexeme="NOD" start="2.5" amount="0.2"/>'
     )
     made = planned(body)
-    arms = [*ROBOT.joints("l_arm"), *ROBOT.joints("r_arm")]
+    arms = [*DEFAULT_ROBOT.joints("l_arm"), *DEFAULT_ROBOT.joints("r_arm")]
     strokeless = [made.trajectory.zero + time for time in np.linspace(2.4, 3.9, 30)]
     samples = made.trajectory.sample(np.array(strokeless))[0][:, arms]
     if lexeme != "chin":  # which gives way to the nodding head
         assert np.ptp(samples, axis=0).max() < np.radians(1.0)
-    assert made.clearance.distances.min() >= MIN_CLEARANCE
+    assert made.clearance.distances.min() >= PLANNED_CLEARANCE
 
 
-@pytest.mark.parametrize("lexeme", TOUCHES)
+@pytest.mark.parametrize("lexeme", TOUCHED_PAIRS)
 def test_touching_postures_of_left_and_right_are_mirror_images(lexeme):
-    turned = SETUP.lexicon.changed(lambda form: mirror_form(form) if form.id == lexeme else form)
+    turned = DEFAULT_SETUP.lexicon.changed(lambda form: mirror_form(form) if form.id == lexeme else form)
     body = f'<gesture id="g" lexeme="{lexeme}" start="0"/>'
     one = at_sync(planned(body), "stroke")
     other = at_sync(planned(body, lexicon=turned), "stroke")
     for side, across in (("l", "r"), ("r", "l")):
         np.testing.assert_allclose(
-            one[list(ROBOT.joints(f"{side}_arm"))], other[list(ROBOT.joints(f"{across}_arm"))], atol=1e-6
+            one[list(DEFAULT_ROBOT.joints(f"{side}_arm"))],
+            other[list(DEFAULT_ROBOT.joints(f"{across}_arm"))],
+            atol=1e-6,
         )
 
 
@@ -90,7 +97,7 @@ def test_hands_move_between_two_touching_poses_without_collision(first, second):
     for names in ((first, second), (second, first)):
         made = planned(body.format(*names))
         assert {outcome.kind for outcome in made.keyframes.outcomes.values()} == {"realised"}
-        assert made.clearance.distances.min() >= MIN_CLEARANCE
+        assert made.clearance.distances.min() >= PLANNED_CLEARANCE
 
 
 def test_hands_that_exchange_positions_avoid_each_other():
@@ -101,17 +108,17 @@ def test_hands_that_exchange_positions_avoid_each_other():
     )
     made = planned(body)
     assert not [outcome.why for outcome in made.keyframes.outcomes.values() if outcome.kind == "dropped"]
-    assert made.clearance.distances.min() >= MIN_CLEARANCE
+    assert made.clearance.distances.min() >= PLANNED_CLEARANCE
 
 
 def test_unavoidable_collision_drops_behaviour_with_reason():
-    made = planned('<gesture id="g" lexeme="offer" start="0"/>', robot=replace(ROBOT, min_clearance=0.2))
+    made = planned('<gesture id="g" lexeme="offer" start="0"/>', robot=replace(DEFAULT_ROBOT, min_clearance=0.2))
     why = made.keyframes.outcomes["g"].why
     assert re.fullmatch(r"brings \w+ within -?\d+ mm of \w+ at -?\d+\.\d\d s", why)
 
 
 def test_behaviours_that_collide_at_distant_times_are_dropped_in_one_planning_round():
-    """The clear behaviour is kept."""
+    """Require a clearance that no gesture can keep."""
     conditioned: list[int] = []
 
     def counted(keys, setup, bonds=(), /, *, limit_scale=1.0, budget=UNLIMITED_BUDGET, memory=None):
@@ -119,21 +126,21 @@ def test_behaviours_that_collide_at_distant_times_are_dropped_in_one_planning_ro
         return certify(keys, setup, bonds, limit_scale=limit_scale, budget=budget, memory=memory)
 
     body = "".join(f'<gesture id="g{k}" lexeme="offer" start="{10 * k}"/>' for k in range(4))
-    tight = replace(SETUP, robot=replace(ROBOT, min_clearance=0.2))
-    made = plan_block(parse(ROOT.format(body)), tight, conditioned=counted)
+    tight = replace(DEFAULT_SETUP, robot=replace(DEFAULT_ROBOT, min_clearance=0.2))
+    made = plan_block(parse(BML_TEMPLATE.format(body)), tight, conditioned=counted)
     assert {outcome.kind for outcome in made.keyframes.outcomes.values()} == {"dropped"}
     rounds = len([keys for before, keys in zip([0, *conditioned], conditioned, strict=False) if keys < before])
     assert rounds <= 1
 
 
 def test_crossed_arms_in_a_calm_style_are_performed_with_the_required_clearance():
-    """Crossed arms in a calm style deviate by 1 mm, and the first detour hardly helps."""
+    """Plan a motion with 1 mm too little clearance, which one detour hardly improves."""
     block_plan = plan_block(
-        parse(ROOT.format('<gesture id="g" lexeme="arms_crossed" stroke="2"/>')),
-        replace(SETUP, style=Style.load("calm")),
+        parse(BML_TEMPLATE.format('<gesture id="g" lexeme="arms_crossed" stroke="2"/>')),
+        replace(DEFAULT_SETUP, style=Style.load("calm")),
     )
     assert block_plan.keyframes.outcomes["g"].kind == "realised"
-    assert block_plan.clearance.distances.min() >= MIN_CLEARANCE
+    assert block_plan.clearance.distances.min() >= PLANNED_CLEARANCE
 
 
 def named(pair, at, body):
@@ -141,10 +148,10 @@ def named(pair, at, body):
     made = planned(body)
     times = np.array([at + made.trajectory.zero])
     close = Clearance(np.array([0.0]), [pair])
-    return list(find_colliding_behaviours(made.keyframes, made.motion, times, close, ROBOT))
+    return list(find_colliding_behaviours(made.keyframes, made.motion, times, close, DEFAULT_ROBOT))
 
 
-BUSY = (
+BUSY_BEHAVIOURS = (  # behaviours of both hands and the head, 3 s apart
     '<gesture id="right" lexeme="beat" mode="RIGHT_HAND" stroke="1"/>'
     '<gesture id="left" lexeme="beat" mode="LEFT_HAND" stroke="4"/>'
     '<head id="nod" lexeme="NOD" stroke="7"/>'
@@ -167,9 +174,9 @@ BUSY = (
     ],
 )
 def test_nearest_behaviour_that_moves_the_colliding_segments_is_dropped(pair, at, name):
-    assert named(pair, at, BUSY) == [name]
+    assert named(pair, at, BUSY_BEHAVIOURS) == [name]
 
 
 def test_nearest_behaviour_is_dropped_if_none_moves_the_colliding_segments():
-    gestures = "".join(part + "/>" for part in BUSY.split("/>") if "gesture" in part)
+    gestures = "".join(part + "/>" for part in BUSY_BEHAVIOURS.split("/>") if "gesture" in part)
     assert named(("skullbase", "humanoid_root"), 3.5, gestures) == ["left"]

@@ -8,7 +8,7 @@ from kinesic.bench.plan import count_violations
 from kinesic.expressivity.style.style import Style
 from kinesic.studies.gestures.isolated import BEHAVIOUR_ID, plan_gesture, stroke_error
 
-MIN_CLEARANCE = 0.010  # [m]
+MIN_CLEARANCE = 0.010  # [m] smallest accepted clearance of planned gestures
 
 
 @pytest.mark.parametrize("style", ["neutral", "joyful", "sad"])

@@ -1,4 +1,4 @@
-"""Documents with far too many behaviours: bounded work and reported drops."""
+"""Documents with too many behaviours: bounded planning work and reported drops."""
 
 import random
 from collections.abc import Callable, Mapping
@@ -27,16 +27,16 @@ from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 from kinesic.session.plan import plan
 
-NAMESPACE = "http://www.bml-initiative.org/bml/bml-1.0"
+BML_NAMESPACE = "http://www.bml-initiative.org/bml/bml-1.0"  # namespace of BML 1.0
 
 
 @pytest.fixture
 def planned(known: Setup) -> Callable[[str], Plan]:
     """Plan behaviours as one block."""
-    return lambda behaviours: plan_block(parse(f'<bml xmlns="{NAMESPACE}" id="b">{behaviours}</bml>'), known)
+    return lambda behaviours: plan_block(parse(f'<bml xmlns="{BML_NAMESPACE}" id="b">{behaviours}</bml>'), known)
 
 
-PILE = "".join(
+OVERLAPPING_GESTURES = "".join(  # 24 gestures with strokes 0.11 s apart
     f'<gesture id="g{k}" lexeme="{("offer", "large")[k % 2]}" stroke="{1 + 0.11 * k:.2f}"/>' for k in range(24)
 )
 
@@ -73,7 +73,7 @@ def test_cutting_planes_of_clash_searches_are_reused(
 def test_block_of_many_overlapping_gestures_is_planned_within_budget(planned, monkeypatch, measured):
     monkeypatch.setattr(plan_module, "WORK_BUDGET", 0)
     monkeypatch.setattr(clashes, "SEARCH_BUDGET", 0)
-    made, again = planned(PILE), planned(PILE)
+    made, again = planned(OVERLAPPING_GESTURES), planned(OVERLAPPING_GESTURES)
     outcomes = made.keyframes.outcomes
     kinds = [outcome.kind for outcome in outcomes.values()]
     assert 0 < kinds.count("dropped") < len(kinds)

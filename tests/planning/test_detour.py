@@ -11,26 +11,41 @@ from kinesic.planning.posture_course import MIN_KEY_INTERVAL
 from kinesic.sim.distances import CapsuleDistances
 
 from ..performances import ROBOT
-from .courses import DISTANCES, HIGHER, IN_FRONT, LEFT, MIN_CLEARANCE, REST, RIGHT, course, key, least
+from .courses import (
+    ARM_IN_FRONT,
+    ARM_RAISED,
+    CAPSULE_DISTANCES,
+    LEFT_JOINTS,
+    MIN_CLEARANCE,
+    REST_ANGLES,
+    RIGHT_JOINTS,
+    course,
+    key,
+    least,
+)
 
 
 def test_collision_free_motion_has_no_detour():
-    clear = course(key(0.0), key(1.0, right=IN_FRONT), key(2.0))
+    clear = course(key(0.0), key(1.0, right=ARM_IN_FRONT), key(2.0))
     assert least(clear) >= MIN_CLEARANCE
-    assert add_detours(clear, DISTANCES, min_clearance=MIN_CLEARANCE) is clear
+    assert add_detours(clear, CAPSULE_DISTANCES, min_clearance=MIN_CLEARANCE) is clear
 
 
 def test_detours_separate_hands_that_pass_the_same_position():
-    together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
+    together = course(
+        key(0.0), key(1.0, left=ARM_IN_FRONT), key(1.4, right=ARM_IN_FRONT), key(1.8, left=ARM_RAISED), key(3.0)
+    )
     assert least(together) < 0
-    led = add_detours(together, DISTANCES, min_clearance=MIN_CLEARANCE)
+    led = add_detours(together, CAPSULE_DISTANCES, min_clearance=MIN_CLEARANCE)
     assert least(led) >= MIN_CLEARANCE - 1e-3
 
 
 def test_detours_keep_arm_keys_apart_and_in_order():
-    together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
-    led = add_detours(together, DISTANCES, min_clearance=MIN_CLEARANCE)
-    for arm in (LEFT, RIGHT):
+    together = course(
+        key(0.0), key(1.0, left=ARM_IN_FRONT), key(1.4, right=ARM_IN_FRONT), key(1.8, left=ARM_RAISED), key(3.0)
+    )
+    led = add_detours(together, CAPSULE_DISTANCES, min_clearance=MIN_CLEARANCE)
+    for arm in (LEFT_JOINTS, RIGHT_JOINTS):
         own = [k for k, posture in enumerate(led.postures) if posture.keyed[arm[0]]]
         assert np.diff(led.planned[own]).min() >= MIN_KEY_INTERVAL - 1e-9
         assert np.diff([led.postures[k].time for k in own]).min() > 0
@@ -38,7 +53,7 @@ def test_detours_keep_arm_keys_apart_and_in_order():
 
 
 def test_detour_search_checks_collisions_only_in_changed_motion_samples(monkeypatch):
-    """The cost of a change depends only on the changed samples."""
+    """Count the samples whose clearance is measured after each change."""
     asked: list[int] = []
     clearance = CapsuleDistances.clearance
 
@@ -48,10 +63,11 @@ def test_detour_search_checks_collisions_only_in_changed_motion_samples(monkeypa
 
     monkeypatch.setattr(CapsuleDistances, "clearance", counted)
     first, second = (
-        (key(at, left=IN_FRONT), key(at + 0.4, right=IN_FRONT), key(at + 0.8, left=HIGHER)) for at in (1.0, 61.0)
+        (key(at, left=ARM_IN_FRONT), key(at + 0.4, right=ARM_IN_FRONT), key(at + 0.8, left=ARM_RAISED))
+        for at in (1.0, 61.0)
     )
     long = course(key(0.0), *first, key(3.0), key(60.0), *second, key(63.0))
-    led = add_detours(long, DISTANCES, min_clearance=MIN_CLEARANCE)
+    led = add_detours(long, CAPSULE_DISTANCES, min_clearance=MIN_CLEARANCE)
     assert asked[0] >= 6300
     assert len(asked) > 2
     assert max(asked[1:]) < 700
@@ -59,22 +75,22 @@ def test_detour_search_checks_collisions_only_in_changed_motion_samples(monkeypa
 
 
 def test_overshoot_near_a_collision_is_halved_before_the_path_is_changed():
-    """Overshoot is reduced only at keys near the collision, and no more than needed."""
+    """Expect reduced overshoot only at keys near the collision."""
     inner, outer = np.radians([-6, 30, 11, -32, 104, -72, 37, 30]), np.radians([-6, 22, 28, 2, 104, -66, 36, 1])
 
     def swinging(time, arm):
         plain = key(time, left=arm, right=arm)
-        return replace(plain, passages=(KeyPassage(continuity=-0.5, swing=0.75),) * len(REST))
+        return replace(plain, passages=(KeyPassage(continuity=-0.5, swing=0.75),) * len(REST_ANGLES))
 
     def swings(course):
-        return [posture.passages[LEFT[0]].swing if posture.passages else None for posture in course.postures]
+        return [posture.passages[LEFT_JOINTS[0]].swing if posture.passages else None for posture in course.postures]
 
     near = course(key(0.0), swinging(0.5, inner), swinging(0.8, outer), swinging(4.0, outer), key(6.0))
     assert least(near) < 0.0
     calm = near.reduce_overshoot(0.45)
     assert swings(calm) == [None, 0.0, 0.75, 0.75, None]
     assert least(calm) > MIN_CLEARANCE
-    led = add_detours(near, DISTANCES, min_clearance=MIN_CLEARANCE)
+    led = add_detours(near, CAPSULE_DISTANCES, min_clearance=MIN_CLEARANCE)
     assert least(led) > MIN_CLEARANCE
     assert [posture.time for posture in led.postures] == [posture.time for posture in near.postures]
     assert swings(led)[1] == 0.375
@@ -93,26 +109,30 @@ def between(one, other, share):
 
 
 def test_detours_reduce_a_collision_of_a_trajectory_that_deviates_from_its_course():
-    together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
-    clear = add_detours(together, DISTANCES, min_clearance=MIN_CLEARANCE)
+    together = course(
+        key(0.0), key(1.0, left=ARM_IN_FRONT), key(1.4, right=ARM_IN_FRONT), key(1.8, left=ARM_RAISED), key(3.0)
+    )
+    clear = add_detours(together, CAPSULE_DISTANCES, min_clearance=MIN_CLEARANCE)
     trajectory = between(clear, together, 0.5)
     straying = clear.with_deviation(trajectory)
     np.testing.assert_allclose(straying.at(1.2), trajectory.at(1.2 + trajectory.zero).angles, atol=1e-3)
     last = float(clear.planned[-1])
     np.testing.assert_allclose(straying.at(last), trajectory.at(last + trajectory.zero).angles, atol=1e-3)
-    lacking = MIN_CLEARANCE - DISTANCES.clearance(straying.samples()).distances.min()
+    lacking = MIN_CLEARANCE - CAPSULE_DISTANCES.clearance(straying.samples()).distances.min()
     assert lacking > 0.002
-    led = add_detours(straying, DISTANCES, min_clearance=MIN_CLEARANCE)
-    assert MIN_CLEARANCE - DISTANCES.clearance(led.samples()).distances.min() < 0.2 * lacking
+    led = add_detours(straying, CAPSULE_DISTANCES, min_clearance=MIN_CLEARANCE)
+    assert MIN_CLEARANCE - CAPSULE_DISTANCES.clearance(led.samples()).distances.min() < 0.2 * lacking
 
 
 def test_search_for_collision_free_postures_is_cached(monkeypatch):
     asked = []
     separate = detour.separate
     monkeypatch.setattr(detour, "separate", lambda *given: asked.append(given) or separate(*given))
-    together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
-    known = ClearPostures(ROBOT, DISTANCES)
-    detoured = [add_detours(together, DISTANCES, min_clearance=MIN_CLEARANCE, cache=known) for _ in range(2)]
+    together = course(
+        key(0.0), key(1.0, left=ARM_IN_FRONT), key(1.4, right=ARM_IN_FRONT), key(1.8, left=ARM_RAISED), key(3.0)
+    )
+    known = ClearPostures(ROBOT, CAPSULE_DISTANCES)
+    detoured = [add_detours(together, CAPSULE_DISTANCES, min_clearance=MIN_CLEARANCE, cache=known) for _ in range(2)]
     here = [(given[0].tobytes(), given[1], given[-1]) for given in asked]
     assert here
     assert len(here) == len(set(here))
@@ -132,8 +152,10 @@ def test_maximum_detour_count_grows_up_to_40_s_and_falls_for_longer_motions():
 
 def test_detour_search_keeps_a_motion_with_an_unavoidable_collision(monkeypatch):
     monkeypatch.setattr(detour, "separate", lambda *given: None)
-    together = course(key(0.0), key(1.0, left=IN_FRONT), key(1.4, right=IN_FRONT), key(1.8, left=HIGHER), key(3.0))
-    assert add_detours(together, DISTANCES, min_clearance=MIN_CLEARANCE) is together
+    together = course(
+        key(0.0), key(1.0, left=ARM_IN_FRONT), key(1.4, right=ARM_IN_FRONT), key(1.8, left=ARM_RAISED), key(3.0)
+    )
+    assert add_detours(together, CAPSULE_DISTANCES, min_clearance=MIN_CLEARANCE) is together
 
 
 def test_detours_start_from_the_closest_sample_of_each_collision():
@@ -149,14 +171,14 @@ def test_unsolved_collision_does_not_block_detours_around_later_ones(monkeypatch
         detour, "_propose_detours", lambda course, time, *more: usual(course, time, *more) if time > 5.0 else iter(())
     )
     first, second = (
-        (key(at, left=IN_FRONT + off), key(at + 0.4, right=IN_FRONT + off), key(at + 0.8, left=HIGHER))
+        (key(at, left=ARM_IN_FRONT + off), key(at + 0.4, right=ARM_IN_FRONT + off), key(at + 0.8, left=ARM_RAISED))
         for at, off in ((1.0, 0.0), (11.0, 0.001))  # in other postures, so that no key moves with those of the other
     )
     made = course(key(0.0), *first, key(3.0), key(10.0), *second, key(13.0))
-    led = add_detours(made, DISTANCES, min_clearance=MIN_CLEARANCE)
+    led = add_detours(made, CAPSULE_DISTANCES, min_clearance=MIN_CLEARANCE)
     assert led is not made
     angles = led.samples()
-    clearance = DISTANCES.clearance(angles).distances
+    clearance = CAPSULE_DISTANCES.clearance(angles).distances
     assert clearance[:500].min() < MIN_CLEARANCE
     assert clearance[500:].min() >= MIN_CLEARANCE - 1e-3
 
@@ -165,7 +187,7 @@ class Asked:
     """Clear-posture cache without collisions that records its queries."""
 
     def __init__(self):
-        self.distances, self.near_to = DISTANCES, []
+        self.distances, self.near_to = CAPSULE_DISTANCES, []
 
     def near(self, angles, joints, spacing):
         self.near_to.append((angles, joints, spacing))
@@ -173,13 +195,15 @@ class Asked:
 
 
 def test_new_detour_key_is_tried_on_the_path_first_and_then_nearer_to_rest():
-    room, arm = Asked(), tuple(LEFT)
-    before = course(key(0.0), key(1.0, left=IN_FRONT), key(3.0))
+    room, arm = Asked(), tuple(LEFT_JOINTS)
+    before = course(key(0.0), key(1.0, left=ARM_IN_FRONT), key(3.0))
     changes = list(detour._add_key_candidates(before, 1.5, [arm], room, MIN_CLEARANCE))
     here = before.at(1.5)
     for share, (start, joints, spacing), change in zip(detour.WITHDRAWAL_FRACTIONS, room.near_to, changes, strict=True):
-        np.testing.assert_allclose(start[LEFT], here[LEFT] + share * (REST[LEFT] - here[LEFT]))
-        np.testing.assert_array_equal(start[RIGHT], here[RIGHT])
+        np.testing.assert_allclose(
+            start[LEFT_JOINTS], here[LEFT_JOINTS] + share * (REST_ANGLES[LEFT_JOINTS] - here[LEFT_JOINTS])
+        )
+        np.testing.assert_array_equal(start[RIGHT_JOINTS], here[RIGHT_JOINTS])
         assert joints == arm
         assert (spacing.min_distance, spacing.desired_distance) == (MIN_CLEARANCE, MIN_CLEARANCE + detour.DETOUR_MARGIN)
         (added,) = set(change.postures) - set(before.postures)
@@ -188,25 +212,25 @@ def test_new_detour_key_is_tried_on_the_path_first_and_then_nearer_to_rest():
 
 def test_detour_moves_a_key_only_for_arms_that_are_not_at_rest():
     room = Asked()
-    before = course(key(0.0), key(1.0, left=IN_FRONT, right=REST[RIGHT]), key(3.0))
-    assert len(list(detour._move_key_candidates(before, 1, [tuple(LEFT), tuple(RIGHT)], room, MIN_CLEARANCE))) == len(
-        detour.KEY_OFFSETS
-    )
-    gap = DISTANCES.gaps(before.at(1.0)[None])[0].min()
+    before = course(key(0.0), key(1.0, left=ARM_IN_FRONT, right=REST_ANGLES[RIGHT_JOINTS]), key(3.0))
+    assert len(
+        list(detour._move_key_candidates(before, 1, [tuple(LEFT_JOINTS), tuple(RIGHT_JOINTS)], room, MIN_CLEARANCE))
+    ) == len(detour.KEY_OFFSETS)
+    gap = CAPSULE_DISTANCES.gaps(before.at(1.0)[None])[0].min()
     for more, (start, joints, spacing) in zip(detour.KEY_OFFSETS, room.near_to, strict=True):
         np.testing.assert_array_equal(start, before.at(1.0))
-        assert joints == tuple(LEFT)
+        assert joints == tuple(LEFT_JOINTS)
         assert spacing.min_distance == pytest.approx(max(gap, MIN_CLEARANCE) + more)
-    assert list(detour._move_key_candidates(before, 0, [tuple(LEFT)], room, MIN_CLEARANCE)) == []
+    assert list(detour._move_key_candidates(before, 0, [tuple(LEFT_JOINTS)], room, MIN_CLEARANCE)) == []
 
 
 @pytest.mark.parametrize("side", ["left", "right"])
 @pytest.mark.parametrize("has_rest_key", [False, True])
 def test_detours_turn_only_the_arm_that_is_too_close(side, has_rest_key):
     at_the_head = np.radians([20, 131, 23, -6, 111, 31, 40, 15])
-    close_arm, other_arm = (LEFT, RIGHT) if side == "left" else (RIGHT, LEFT)
+    close_arm, other_arm = (LEFT_JOINTS, RIGHT_JOINTS) if side == "left" else (RIGHT_JOINTS, LEFT_JOINTS)
     other_side = {"left": "right", "right": "left"}[side]
-    rest_key = {other_side: IN_FRONT} if has_rest_key else {}
+    rest_key = {other_side: ARM_IN_FRONT} if has_rest_key else {}
     made = course(key(0.0), key(1.0, **{side: at_the_head}, **rest_key), key(3.0))
     clear_postures = Asked()
     changes = list(detour._propose_detours(made, 1.0, clear_postures, MIN_CLEARANCE))

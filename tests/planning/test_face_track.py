@@ -22,18 +22,20 @@ from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.session.plan import plan
 
-BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-SMILE = '<faceLexeme id="f" lexeme="smile" amount="1" start="1" attackPeak="1.5" relax="3" end="3.5"/>'
+# document whose {} is replaced by behaviours
+BML_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+# smile from 1 to 3.5 s
+SMILE_ELEMENT = '<faceLexeme id="f" lexeme="smile" amount="1" start="1" attackPeak="1.5" relax="3" end="3.5"/>'
 
 
 def planned(inside: str, known: Setup) -> Plan:
-    return plan(BLOCK.format(inside), known)
+    return plan(BML_TEMPLATE.format(inside), known)
 
 
 @pytest.fixture(scope="module")
 def smiling(known: Setup) -> Plan:
     return planned(
-        '<speech id="s"><text>Papa, mama.</text></speech><head id="h" lexeme="NOD" stroke="2"/>' + SMILE, known
+        '<speech id="s"><text>Papa, mama.</text></speech><head id="h" lexeme="NOD" stroke="2"/>' + SMILE_ELEMENT, known
     )
 
 
@@ -73,8 +75,8 @@ def test_lips_close_on_p_and_m(smiling: Plan):
 
 
 def test_face_expressivity_of_the_style_scales_facial_expressions(known: Setup):
-    wide = planned(SMILE, replace(known, style=Style.load("neutral").changed(["face.spatial=-1"])))
-    plain = planned(SMILE, known)
+    wide = planned(SMILE_ELEMENT, replace(known, style=Style.load("neutral").changed(["face.spatial=-1"])))
+    plain = planned(SMILE_ELEMENT, known)
     moments = np.array([0.0, 2.0])
     assert compute_action_units(wide, moments + wide.trajectory.zero)["L12"][1] == pytest.approx(
         0.5 * compute_action_units(plain, moments + plain.trajectory.zero)["L12"][1]
@@ -109,7 +111,7 @@ def test_eyes_stay_on_the_gaze_target_while_the_head_nods(known: Setup):
 def test_head_direction_of_a_robot_without_neck_is_straight_ahead(known: Setup):
     robot = known.robot
     stiff = replace(robot, chains={name: parts for name, parts in robot.chains.items() if name != "neck"})
-    result = planned(SMILE, known)
+    result = planned(SMILE_ELEMENT, known)
     np.testing.assert_array_equal(
         compute_head_directions(replace(result, setup=replace(known, robot=stiff)), command_times(1.0)), 0.0
     )
@@ -118,7 +120,7 @@ def test_head_direction_of_a_robot_without_neck_is_straight_ahead(known: Setup):
 @pytest.mark.parametrize(
     ("inside", "asked"),
     [
-        (SMILE, True),
+        (SMILE_ELEMENT, True),
         ('<gaze id="g" target="left" start="0" end="2"/>', True),
         ('<head id="h" lexeme="NOD"/>', False),
         ('<faceLexeme id="f" lexeme="Qwrtz" start="0" end="2"/>', False),

@@ -27,14 +27,16 @@ from kinesic.planning.plan import plan_block
 from kinesic.planning.posture_course import PostureCourse
 from kinesic.planning.postures import Postures
 
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-BEATS = "".join(f'<gesture id="g{k}" lexeme="beat" mode="RIGHT_HAND" stroke="{1 + 4 * k}"/>' for k in range(3))
-HAND = ("humanoid_root", "r_wrist")
+# document whose {} is replaced by behaviours
+BML_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+# beats of the right hand, 4 s apart
+THREE_BEATS = "".join(f'<gesture id="g{k}" lexeme="beat" mode="RIGHT_HAND" stroke="{1 + 4 * k}"/>' for k in range(3))
+COLLIDING_PAIR = ("humanoid_root", "r_wrist")  # segments that collide
 
 
 @pytest.fixture(scope="module")
 def beats(known):
-    return plan_block(parse(ROOT.format(BEATS)), known)
+    return plan_block(parse(BML_TEMPLATE.format(THREE_BEATS)), known)
 
 
 def test_collision_scan_covers_the_motion_from_start_to_end(beats, known):
@@ -49,7 +51,7 @@ def test_collision_scan_covers_the_motion_from_start_to_end(beats, known):
 def blamed(made, gaps: dict[float, float]) -> dict[str, str]:
     """Return the behaviours dropped for given gaps [m] at block times [s]."""
     least, zero = made.setup.robot.min_clearance, made.trajectory.zero
-    close = Clearance(np.array([least + gap for gap in gaps.values()]), [HAND] * len(gaps))
+    close = Clearance(np.array([least + gap for gap in gaps.values()]), [COLLIDING_PAIR] * len(gaps))
     return find_colliding_behaviours(made.keyframes, made.motion, np.array([*gaps]) + zero, close, made.setup.robot)
 
 
@@ -62,8 +64,8 @@ def test_collisions_close_in_time_are_merged_and_distant_ones_are_not(beats):
     least = beats.setup.robot.min_clearance
     result = blamed(beats, {1.0: -0.004, 1.2: -0.007, 5.0: -0.001, 9.0: 0.1})
     assert result == {
-        "g0": f"brings {HAND[0]} within {1000 * (least - 0.007):.0f} mm of {HAND[1]} at 1.20 s",
-        "g1": f"brings {HAND[0]} within {1000 * (least - 0.001):.0f} mm of {HAND[1]} at 5.00 s",
+        "g0": f"brings {COLLIDING_PAIR[0]} within {1000 * (least - 0.007):.0f} mm of {COLLIDING_PAIR[1]} at 1.20 s",
+        "g1": f"brings {COLLIDING_PAIR[0]} within {1000 * (least - 0.001):.0f} mm of {COLLIDING_PAIR[1]} at 5.00 s",
     }
     assert list(blamed(beats, {1.0: -0.001, 5.0: -0.007})) == ["g1", "g0"]
     near = {3.0: -0.009, 3.0 + 0.9 * COLLISION_SPAN: -0.001, 3.0 - 0.9 * COLLISION_SPAN: -0.001}
@@ -71,10 +73,10 @@ def test_collisions_close_in_time_are_merged_and_distant_ones_are_not(beats):
 
 
 def test_collision_in_an_empty_block_drops_no_behaviour(known):
-    empty = plan_block(parse(ROOT.format("")), known)
+    empty = plan_block(parse(BML_TEMPLATE.format("")), known)
     assert (
         find_colliding_behaviours(
-            empty.keyframes, empty.motion, np.zeros(1), Clearance(np.zeros(1), [HAND]), known.robot
+            empty.keyframes, empty.motion, np.zeros(1), Clearance(np.zeros(1), [COLLIDING_PAIR]), known.robot
         )
         == {}
     )
@@ -82,7 +84,7 @@ def test_collision_in_an_empty_block_drops_no_behaviour(known):
 
 @pytest.fixture
 def asked(known):
-    """Return two rest keys and one of the right arm with too little clearance."""
+    """Return keys at rest, with a raised right forearm and at rest again."""
     angles = known.robot.skeleton.rest.copy()
     angles[known.robot.arm("r").joints[3]] -= 0.3
     keys = tuple(
@@ -157,7 +159,7 @@ def test_single_posture_gives_a_motion_at_rest_in_this_posture(known):
 
 @pytest.fixture
 def changes(monkeypatch, known):
-    """Add detours with given remaining violations [m] and return the chosen one."""
+    """Return a function that chooses among detours with given remaining violations [m]."""
     rest = known.robot.skeleton.rest
 
     def taken(*left: float) -> int | None:

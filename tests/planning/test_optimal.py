@@ -1,4 +1,4 @@
-"""Plans with key times found by IPOPT are certified and move no more than plans by linear programs."""
+"""Plans with key times found by IPOPT, compared with plans by linear programs."""
 
 import numpy as np
 import pytest
@@ -15,7 +15,7 @@ from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import find_bonds
 
 HURRIED_SEED = 1  # random seed of nods with too little time; IPOPT finds their optimum within two seconds
-MAX_LIMIT_RATIO = 1.001
+MAX_LIMIT_RATIO = 1.001  # largest accepted value / limit
 
 
 def plan_shift_cost(plan: Plan) -> float:
@@ -25,7 +25,7 @@ def plan_shift_cost(plan: Plan) -> float:
 
 @pytest.fixture(scope="module")
 def plans(known: Setup) -> tuple[Plan, Plan]:
-    """The same hurried block, planned as usual and optimally."""
+    """Return two plans of a hurried block: by linear programs and by IPOPT."""
     block = parse(write_rapid_head_block(HURRIED_SEED))
     return plan_block(block, known), plan_block(block, known, conditioned=certify_optimal)
 

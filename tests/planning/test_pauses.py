@@ -9,23 +9,23 @@ from kinesic.planning import speech
 from kinesic.planning.speech import SpeechPause, find_required_pauses, lengthen_pauses
 from kinesic.planning.syncs import SHIFT_TO_WARN
 
-TEXT = (
+SPEECH_DOCUMENT = (  # speech with three marks
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><speech id="s"><text>See <sync id="a"/>this, '
     '<sync id="b"/>this and <sync id="c"/>that.</text></speech></bml>'
 )
-STROKE = ("g", "stroke")
-MARKS = {"a": 1.0, "b": 2.0, "c": 3.0}
+STROKE_POINT = ("g", "stroke")  # behaviour and sync point that is late
+MARK_TIMES = {"a": 1.0, "b": 2.0, "c": 3.0}  # [s] time of each mark after the start of the speech
 
 
 @pytest.fixture
 def pauses(monkeypatch):
-    """Return the pauses of a speech from 10 s on with given delays."""
+    """Return a function that computes speech pauses from delays of marks [s]."""
 
     def of(missed: dict[str, float], most: float = 9.0, before: tuple[SpeechPause, ...] = ()):
-        block = parse(TEXT)
-        times = {"start": 10.0, "end": 14.0} | {mark: 10.0 + time for mark, time in MARKS.items()}
+        block = parse(SPEECH_DOCUMENT)
+        times = {"start": 10.0, "end": 14.0} | {mark: 10.0 + time for mark, time in MARK_TIMES.items()}
         timeline = Timeline(block, (TimedBehaviour(block.behaviours[0], times),))
-        delays = {("s", mark): (late, STROKE) for mark, late in missed.items()}
+        delays = {("s", mark): (late, STROKE_POINT) for mark, late in missed.items()}
         monkeypatch.setattr(speech, "compute_mark_delays", lambda *_: delays)
         return find_required_pauses(timeline, (), {"s": most}, before)
 
@@ -60,7 +60,7 @@ def test_speech_pauses_are_limited_to_the_maximum_duration(pauses):
 
 
 def test_existing_speech_pause_without_a_new_delay_is_kept(pauses):
-    made = SpeechPause("s", "b", 2.4, STROKE, later=0.4, duration=0.4)
+    made = SpeechPause("s", "b", 2.4, STROKE_POINT, later=0.4, duration=0.4)
     assert told(pauses({}, before=(made,))) == {"b": (2.0, 0.4)}
 
 
@@ -69,11 +69,13 @@ def lengthened(waiting: tuple[SpeechPause, ...], **marks: float) -> list[float]:
 
 
 def test_speech_pauses_grow_in_whole_milliseconds():
-    waiting = tuple(SpeechPause("s", mark, until, STROKE, duration=0.1) for mark, until in (("a", 1.5), ("b", 2.75)))
+    waiting = tuple(
+        SpeechPause("s", mark, until, STROKE_POINT, duration=0.1) for mark, until in (("a", 1.5), ("b", 2.75))
+    )
     assert lengthened(waiting, a=1.0, b=2.0) == pytest.approx([0.6, 0.35])
     assert lengthened(waiting, a=1.4921, b=2.75) == pytest.approx([0.108, 0.1])
 
 
 def test_speech_pause_before_a_late_mark_is_not_shortened():
-    waiting = (SpeechPause("s", "a", 1.5, STROKE, duration=0.1),)
+    waiting = (SpeechPause("s", "a", 1.5, STROKE_POINT, duration=0.1),)
     assert lengthened(waiting, a=1.5) == lengthened(waiting, a=1.9) == [0.1]

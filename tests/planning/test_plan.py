@@ -17,19 +17,20 @@ from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 from kinesic.session.setup import set_up
 
-HAND = 'palm = "forward", pointing = "forward up"'
-LEXICON = f"""category = "iconic"
+HAND_DIRECTION = 'palm = "forward", pointing = "forward up"'  # palm and pointing direction of all keys
+# gesture file with hand paths
+GESTURE_FILE = f"""category = "iconic"
 [[gesture]]
 id = "circling"
 keys = [
-  {{ right = {{ at = [0.30, 0.45, 0.60], {HAND} }} }},
-  {{ right = {{ at = [0.30, 0.45, 0.60], {HAND} }}, path = {{ kind = "circle" }} }},
+  {{ right = {{ at = [0.30, 0.45, 0.60], {HAND_DIRECTION} }} }},
+  {{ right = {{ at = [0.30, 0.45, 0.60], {HAND_DIRECTION} }}, path = {{ kind = "circle" }} }},
 ]
 [[gesture]]
 id = "waving"
 keys = [
-  {{ right = {{ at = [0.46, 0.80, 0.46], {HAND} }} }},
-  {{ right = {{ at = [0.46, 0.80, 0.46], {HAND} }}, path = {{ kind = "wave", frequency = 3 }} }},
+  {{ right = {{ at = [0.46, 0.80, 0.46], {HAND_DIRECTION} }} }},
+  {{ right = {{ at = [0.46, 0.80, 0.46], {HAND_DIRECTION} }}, path = {{ kind = "wave", frequency = 3 }} }},
 ]
 [[gesture]]
 id = "beating"
@@ -40,17 +41,19 @@ keys = [
 """
 
 Planner = Callable[..., Plan]
-KINESIC = 'xmlns:kinesic="urn:kinesic"'
+KINESIC_ATTRIBUTE = 'xmlns:kinesic="urn:kinesic"'  # declaration of the kinesic namespace
 
 
 @pytest.fixture(scope="module")
 def planned(known: Setup, tmp_path_factory: pytest.TempPathFactory) -> Planner:
     path: Path = tmp_path_factory.mktemp("own") / "own.toml"
-    path.write_text(LEXICON)
+    path.write_text(GESTURE_FILE)
     setup = replace(known, lexicon=Lexicon.load(path))
 
     def of(inside: str, *settings: str) -> Plan:
-        block = parse(f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" {KINESIC} id="b">{inside}</bml>')
+        block = parse(
+            f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" {KINESIC_ATTRIBUTE} id="b">{inside}</bml>'
+        )
         return plan_block(block, replace(setup, style=setup.style.changed(settings)))
 
     return of
@@ -120,7 +123,7 @@ def test_simultaneous_gestures_of_both_hands_are_both_performed(planned):
 
 
 def test_held_posture_moves_slightly_by_breath_and_drift():
-    """Breath and drift continue during a hold."""
+    """Plan a hold with idle motion."""
     pose = '<pose part="ARMS" lexeme="ARMS_CROSSED"/>'
     text = f'<bml id="b"><posture id="p" start="0" ready="1" relax="11" end="12">{pose}</posture></bml>'
     block_plan = plan_block(parse(text), set_up(idle=1.0))
@@ -153,7 +156,7 @@ def test_collisions_are_repaired_only_within_the_planning_budget(planned, monkey
 
 @pytest.mark.parametrize(("work", "gone"), [(300_000, {"b"}), (-1, {"b", "c"})])
 def test_colliding_behaviour_is_dropped_and_the_block_is_planned_again(planned, monkeypatch, work, gone):
-    """With a spent budget, half of the overlapping behaviours are dropped, too."""
+    """Repeat with a spent budget, which also drops overlapping behaviours."""
     monkeypatch.setattr(plan_module, "WORK_BUDGET", work)
     monkeypatch.setattr(
         plan_module,
@@ -166,7 +169,7 @@ def test_colliding_behaviour_is_dropped_and_the_block_is_planned_again(planned, 
     assert outcomes["b"].why == "it is in the way"
 
 
-SPOKEN = (
+SPOKEN_BEHAVIOURS = (  # speech that may pause for its two gestures
     '<speech id="s" kinesic:pause="true"><text>See <sync id="a"/>this, <sync id="b"/>this and that one.</text></speech>'
     '<gesture id="g1" lexeme="offer" mode="RIGHT_HAND" stroke="s:a"/>'
     '<gesture id="g2" lexeme="large" mode="BOTH_HANDS" stroke="s:b"/>'
@@ -187,7 +190,7 @@ def rounds(monkeypatch) -> list[bool]:
 
 
 def test_speech_pauses_are_inserted_before_timing_conflicts_are_resolved(planned, rounds):
-    made = planned(SPOKEN)
+    made = planned(SPOKEN_BEHAVIOURS)
     assert any(notice.text.startswith("a pause of") for notice in made.notices)
     assert len(rounds) >= 3
     assert rounds == [False] * (len(rounds) - 1) + [True]
@@ -202,13 +205,13 @@ def test_speech_pauses_are_adapted_in_at_most_three_rounds(planned, rounds, monk
 
     monkeypatch.setattr(plan_module, "find_required_pauses", find_longer_pauses)
     monkeypatch.setattr(plan_module, "_max_sync_error", lambda plan: next(errors))  # the new plan is asked first
-    planned(SPOKEN)
+    planned(SPOKEN_BEHAVIOURS)
     assert rounds == [False] * (1 + 3) + [True]
 
 
 def test_speech_pause_is_not_inserted_after_the_planning_budget_is_spent(planned, rounds, monkeypatch):
     monkeypatch.setattr(plan_module, "WORK_BUDGET", -1)
-    made = planned(SPOKEN)
+    made = planned(SPOKEN_BEHAVIOURS)
     assert not any(notice.text.startswith("a pause of") for notice in made.notices)
     assert rounds == [False, True]
 
@@ -227,7 +230,7 @@ def test_block_with_allowed_speech_pauses_is_planned_without_and_then_with_confl
     ],
 )
 def test_block_is_replanned_without_repairs_if_replanning_costs_exceed_the_budget(planned, monkeypatch, constant, cost):
-    """A discarded motion costs as much as its samples, of which there are hundreds."""
+    """Raise the cost of discarded motions above the budget."""
     usual, asked = plan_module.keep_clear, []
 
     def spied(*given, **named):

@@ -8,31 +8,31 @@ from kinesic.motion.keys import KeyPassage
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.planning.posture_course import MIN_KEY_INTERVAL
 
-from .courses import CROSSING, HIGHER, IN_FRONT, LEFT, REST, RIGHT, course, key
+from .courses import ARM_IN_FRONT, ARM_RAISED, CROSSING_COURSE, LEFT_JOINTS, REST_ANGLES, RIGHT_JOINTS, course, key
 
 
 def test_moving_a_hold_key_moves_all_keys_of_the_hold():
-    held = course(key(0.0), key(1.0, right=IN_FRONT), key(2.0, right=IN_FRONT), key(3.0))
+    held = course(key(0.0), key(1.0, right=ARM_IN_FRONT), key(2.0, right=ARM_IN_FRONT), key(3.0))
     aside = held.at(1.0)
-    aside[RIGHT] += 0.05
-    moved = held.moved(1, aside, tuple(RIGHT))
+    aside[RIGHT_JOINTS] += 0.05
+    moved = held.moved(1, aside, tuple(RIGHT_JOINTS))
     np.testing.assert_array_equal(moved.postures[1].angles, moved.postures[2].angles)
-    np.testing.assert_array_equal(moved.postures[3].angles, REST)
+    np.testing.assert_array_equal(moved.postures[3].angles, REST_ANGLES)
 
 
 def test_new_detour_key_has_an_interpolated_requested_time():
-    late = replace(CROSSING, planned=sealed([0.0, 1.5, 3.0, 4.0]))
-    longer = late.extended(2.25, late.at(2.25), tuple(LEFT))
+    late = replace(CROSSING_COURSE, planned=sealed([0.0, 1.5, 3.0, 4.0]))
+    longer = late.extended(2.25, late.at(2.25), tuple(LEFT_JOINTS))
     (added,) = set(longer.postures) - set(late.postures)
     assert added.time == pytest.approx(1.5)
     assert longer.planned[list(longer.postures).index(added)] == 2.25
-    assert [joint for joint, keyed in enumerate(added.keyed) if keyed] == LEFT
+    assert [joint for joint, keyed in enumerate(added.keyed) if keyed] == LEFT_JOINTS
 
 
 def test_requested_time_of_a_new_key_depends_only_on_keys_of_its_arm():
-    both = course(key(0.0), key(1.0, left=IN_FRONT), key(2.0, right=IN_FRONT), key(3.0))
+    both = course(key(0.0), key(1.0, left=ARM_IN_FRONT), key(2.0, right=ARM_IN_FRONT), key(3.0))
     late = replace(both, planned=sealed([0.0, 1.5, 1.6, 3.0]))
-    (added,) = set(late.extended(2.4, late.at(2.4), tuple(LEFT)).postures) - set(late.postures)
+    (added,) = set(late.extended(2.4, late.at(2.4), tuple(LEFT_JOINTS)).postures) - set(late.postures)
     assert added.time == pytest.approx(2.2)
 
 
@@ -44,66 +44,70 @@ def synced(posture, name):
 def test_keys_of_a_stroke_or_its_hold_are_not_detour_keys():
     made = course(
         key(0.0),
-        synced(key(1.0, right=IN_FRONT), "g"),
-        key(1.5, right=HIGHER),
-        key(2.0, right=IN_FRONT),
-        key(2.5, right=REST[RIGHT]),
+        synced(key(1.0, right=ARM_IN_FRONT), "g"),
+        key(1.5, right=ARM_RAISED),
+        key(2.0, right=ARM_IN_FRONT),
+        key(2.5, right=REST_ANGLES[RIGHT_JOINTS]),
         key(3.0),
     )
-    assert made.detours(1.7, [tuple(RIGHT)]) == {2}  # the key at 2.0 is a hold of the stroke
-    assert made.detours(1.2, [tuple(RIGHT)]) == {2}
-    assert made.detours(0.0, [tuple(RIGHT)]) <= {0}
+    assert made.detours(1.7, [tuple(RIGHT_JOINTS)]) == {2}  # the key at 2.0 is a hold of the stroke
+    assert made.detours(1.2, [tuple(RIGHT_JOINTS)]) == {2}
+    assert made.detours(0.0, [tuple(RIGHT_JOINTS)]) <= {0}
 
 
 @pytest.mark.parametrize(("away", "is_near"), [(0.0, True), (0.9, True), (1.1, False)])
 def test_arm_key_within_the_minimum_interval_of_a_time_is_found(away, is_near):
-    only_left = course(key(0.0), key(1.0, left=IN_FRONT), key(2.0, right=IN_FRONT), key(3.0))
+    only_left = course(key(0.0), key(1.0, left=ARM_IN_FRONT), key(2.0, right=ARM_IN_FRONT), key(3.0))
     for side in (-1, 1):
         time = 1.0 + side * away * MIN_KEY_INTERVAL
-        assert only_left.near(tuple(LEFT), time) == (1 if is_near else None)
-        assert only_left.near(tuple(RIGHT), time) is None
+        assert only_left.near(tuple(LEFT_JOINTS), time) == (1 if is_near else None)
+        assert only_left.near(tuple(RIGHT_JOINTS), time) is None
 
 
 def test_requested_key_times_are_distinct_and_ordered():
-    longer = CROSSING
-    for time, arm in ((1.5, LEFT), (1.5, RIGHT), (0.5, LEFT)):
+    longer = CROSSING_COURSE
+    for time, arm in ((1.5, LEFT_JOINTS), (1.5, RIGHT_JOINTS), (0.5, LEFT_JOINTS)):
         longer = longer.extended(time, longer.at(time), tuple(arm))
     times = [posture.time for posture in longer.postures]
     assert times == sorted(set(times))
-    assert len(times) == len(CROSSING.postures) + 3
+    assert len(times) == len(CROSSING_COURSE.postures) + 3
     assert np.all(np.diff(longer.planned) >= 0.0)
 
 
 def test_arms_are_grouped_only_if_they_have_equal_key_times():
-    arms = [tuple(LEFT), tuple(RIGHT)]
-    assert CROSSING.group_by_key_times(arms) == [(*LEFT, *RIGHT)]
-    apart = course(key(0.0), key(1.0, left=IN_FRONT), key(3.0))
+    arms = [tuple(LEFT_JOINTS), tuple(RIGHT_JOINTS)]
+    assert CROSSING_COURSE.group_by_key_times(arms) == [(*LEFT_JOINTS, *RIGHT_JOINTS)]
+    apart = course(key(0.0), key(1.0, left=ARM_IN_FRONT), key(3.0))
     assert apart.group_by_key_times(arms) == arms
 
 
 def test_moving_an_arm_keeps_other_arm_and_postures():
-    moved = CROSSING.moved(1, CROSSING.postures[1].angles + 0.1, tuple(LEFT))
-    for k, (before, after) in enumerate(zip(CROSSING.postures, moved.postures, strict=True)):
-        np.testing.assert_allclose(after.angles[LEFT] - before.angles[LEFT], 0.1 if k == 1 else 0.0)
-        np.testing.assert_array_equal(after.angles[RIGHT], before.angles[RIGHT])
+    moved = CROSSING_COURSE.moved(1, CROSSING_COURSE.postures[1].angles + 0.1, tuple(LEFT_JOINTS))
+    for k, (before, after) in enumerate(zip(CROSSING_COURSE.postures, moved.postures, strict=True)):
+        np.testing.assert_allclose(after.angles[LEFT_JOINTS] - before.angles[LEFT_JOINTS], 0.1 if k == 1 else 0.0)
+        np.testing.assert_array_equal(after.angles[RIGHT_JOINTS], before.angles[RIGHT_JOINTS])
 
 
 def test_existing_detour_keys_before_and_after_a_time_are_found():
     made = course(
-        key(0.0), key(1.0, right=HIGHER), key(2.0, right=IN_FRONT), synced(key(2.5, right=REST[RIGHT]), "g"), key(3.0)
+        key(0.0),
+        key(1.0, right=ARM_RAISED),
+        key(2.0, right=ARM_IN_FRONT),
+        synced(key(2.5, right=REST_ANGLES[RIGHT_JOINTS]), "g"),
+        key(3.0),
     )
-    assert made.detours(1.5, [tuple(RIGHT)]) == {1, 2}
-    assert made.detours(2.2, [tuple(RIGHT)]) == {2}
+    assert made.detours(1.5, [tuple(RIGHT_JOINTS)]) == {1, 2}
+    assert made.detours(2.2, [tuple(RIGHT_JOINTS)]) == {2}
     assert made.detours(1.5, []) == set()
 
 
 def test_overshoot_is_removed_only_from_keys_adjacent_to_a_time():
     def lively(time):
-        return replace(key(time, left=IN_FRONT), passages=(KeyPassage(swing=1.0),) * len(REST))
+        return replace(key(time, left=ARM_IN_FRONT), passages=(KeyPassage(swing=1.0),) * len(REST_ANGLES))
 
     made = course(key(0.0), *map(lively, (0.5, 1.0, 2.0, 3.0, 4.0)), key(5.0))
     calm = made.reduce_overshoot(2.5)
-    assert [bool(posture.passages) and posture.passages[LEFT[0]].swing for posture in calm.postures] == [
+    assert [bool(posture.passages) and posture.passages[LEFT_JOINTS[0]].swing for posture in calm.postures] == [
         False,
         1.0,
         1.0,
@@ -112,14 +116,14 @@ def test_overshoot_is_removed_only_from_keys_adjacent_to_a_time():
         1.0,
         False,
     ]
-    assert all(calm.postures[3].passages[joint] == KeyPassage(swing=1.0) for joint in RIGHT)
+    assert all(calm.postures[3].passages[joint] == KeyPassage(swing=1.0) for joint in RIGHT_JOINTS)
 
 
 def test_posture_course_follows_a_trajectory_with_another_start_time():
-    early = course(key(-0.4), key(0.6, left=IN_FRONT), key(1.6))
+    early = course(key(-0.4), key(0.6, left=ARM_IN_FRONT), key(1.6))
     speed, zero = 0.2, 0.7  # [rad/s], [s]
     block_times = KNOT_INTERVAL * np.arange(-1.0, 299.0) - zero  # a B-spline follows control points on a line
-    controls = sealed(np.repeat(speed * block_times[:, None], len(REST), axis=1))
+    controls = sealed(np.repeat(speed * block_times[:, None], len(REST_ANGLES), axis=1))
     followed = early.with_deviation(Trajectory(controls, zero))
     for time in (-0.4, 0.3, 1.5):
-        assert followed.at(time) == pytest.approx(np.full(len(REST), speed * time))
+        assert followed.at(time) == pytest.approx(np.full(len(REST_ANGLES), speed * time))

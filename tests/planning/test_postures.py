@@ -28,9 +28,9 @@ from kinesic.sim.distances import CapsuleDistances
 
 from ..performances import LIMITS, ROBOT
 
-PACE = Pace(ROBOT, LIMITS)
-DISTANCES = CapsuleDistances(ROBOT)
-LEXICON = Lexicon.load()
+ROBOT_PACE = Pace(ROBOT, LIMITS)  # rest-to-rest durations of the robot's movements
+CAPSULE_DISTANCES = CapsuleDistances(ROBOT)  # self-distances of the robot
+BUILTIN_LEXICON = Lexicon.load()
 
 
 def solved(*actions, start: float = 1.0):
@@ -39,8 +39,8 @@ def solved(*actions, start: float = 1.0):
         TimedBehaviour(Behaviour(f"b{k}", "x", action, Place(1, 1)), times) for k, action in enumerate(actions)
     )
     timeline = Timeline(Block("b", tuple(one.behaviour for one in timed)), timed)
-    context = BlockContext(timeline.block, Context(Style(), LEXICON, PACE))
-    return solve_postures(make_keyframes(timeline, context), ROBOT, DISTANCES)
+    context = BlockContext(timeline.block, Context(Style(), BUILTIN_LEXICON, ROBOT_PACE))
+    return solve_postures(make_keyframes(timeline, context), ROBOT, CAPSULE_DISTANCES)
 
 
 def at_sync(found, sync: str):
@@ -67,7 +67,7 @@ def test_hand_in_a_touching_posture_keeps_the_hover_distance(lexeme):
     for posture in solved(Gesture(lexeme)).postures:
         if all(posture.keyed):
             continue
-        assert DISTANCES.clearance(posture.angles[None]).distances[0] >= HOVER_DISTANCE - 1e-6
+        assert CAPSULE_DISTANCES.clearance(posture.angles[None]).distances[0] >= HOVER_DISTANCE - 1e-6
 
 
 def line_of_arm(angles, side: str = "l"):
@@ -129,7 +129,9 @@ def frames_of_left_hand(*places, uses=frozenset({"l_hand"})) -> KeyFrames:
 
 def test_torso_leans_only_at_the_key_with_a_far_hand_target():
     near, far = (0.3, 0.2, 0.8), (0.55, 0.2, 0.8)
-    postures = solve_postures(frames_of_left_hand(None, near, near, far, near, near, None), ROBOT, DISTANCES).postures
+    postures = solve_postures(
+        frames_of_left_hand(None, near, near, far, near, near, None), ROBOT, CAPSULE_DISTANCES
+    ).postures
     torso = list(ROBOT.joints("torso"))
     assert [bool(np.any(posture.angles[torso])) for posture in postures] == [
         False,
@@ -168,13 +170,16 @@ def test_only_path_keys_of_a_hand_without_sync_point_are_optional(given, syncs, 
 
 def test_distance_to_an_unreachable_target_is_assigned_to_the_behaviour():
     away = (3.0, 0.2, 0.8)
-    postures = solve_postures(frames_of_left_hand(None, (0.3, 0.2, 0.8), away, None), ROBOT, DISTANCES)
+    postures = solve_postures(frames_of_left_hand(None, (0.3, 0.2, 0.8), away, None), ROBOT, CAPSULE_DISTANCES)
     at = next(posture for posture in postures.postures if posture.time == 2.0)
     wrist = ROBOT.skeleton.frames(at.angles).origins[ROBOT.arm("l").wrist]
     assert postures.misses == {"b0": pytest.approx(np.linalg.norm(wrist - away))}
     assert postures.misses["b0"] > 1.0
     assert (
-        solve_postures(frames_of_left_hand(None, away, None, uses=frozenset({"r_hand"})), ROBOT, DISTANCES).misses == {}
+        solve_postures(
+            frames_of_left_hand(None, away, None, uses=frozenset({"r_hand"})), ROBOT, CAPSULE_DISTANCES
+        ).misses
+        == {}
     )
 
 
@@ -187,32 +192,36 @@ def test_rest_pose_at_start_is_not_duplicated(start, begins):
 
 
 def left_arms(*reaches: Reach) -> list[np.ndarray]:
-    """Return the left arm [rad] at consecutive keys that reach one after the other, after a key at rest."""
+    """Return the left arm's angles [rad] at successive keys with given reaches."""
     hands = [Hand(), *(Hand(reach) for reach in reaches), Hand()]
     frames = tuple(
         KeyFrame(float(k), Turn(), Turn(), {"l": hand, "r": Hand()}, frozenset({"l_hand"}), ())
         for k, hand in enumerate(hands)
     )
     given = KeyFrames(Timeline(Block("b", ()), ()), frames, {}, {})
-    postures = solve_postures(given, ROBOT, DISTANCES).postures
+    postures = solve_postures(given, ROBOT, CAPSULE_DISTANCES).postures
     return [posture.angles[list(ROBOT.joints("l_arm"))] for posture in postures[1:-1]]
 
 
-PLACE = sealed([0.3, 0.2, 0.8])
-TURNED = {
+HAND_POSITION = sealed([0.3, 0.2, 0.8])  # (3,) [m]
+CHANGED_TARGETS = {  # change of a hand target -> attributes of `Reach`
     "swivel": {"swivel": 0.5},
     "palm": {"palm": sealed([0.0, 0.0, 1.0])},
     "pointing": {"pointing": sealed([1.0, 0.0, 0.0])},
 }
 
 
-@pytest.mark.parametrize("field", TURNED)
+@pytest.mark.parametrize("field", CHANGED_TARGETS)
 def test_arm_turns_at_the_same_hand_position_if_swivel_palm_or_pointing_changes(field: str):
-    plain, turned, again = left_arms(Reach(PLACE), Reach(PLACE, **TURNED[field]), Reach(PLACE, **TURNED[field]))
+    plain, turned, again = left_arms(
+        Reach(HAND_POSITION),
+        Reach(HAND_POSITION, **CHANGED_TARGETS[field]),
+        Reach(HAND_POSITION, **CHANGED_TARGETS[field]),
+    )
     assert np.abs(turned - plain).max() > 0.05
     np.testing.assert_array_equal(turned, again)
 
 
 def test_arm_posture_follows_a_changed_hand_target():
-    first, second = left_arms(Reach(PLACE), Reach(sealed([0.3, 0.25, 0.8])))
+    first, second = left_arms(Reach(HAND_POSITION), Reach(sealed([0.3, 0.25, 0.8])))
     assert np.abs(first - second).max() > 0.02

@@ -22,7 +22,8 @@ from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 from kinesic.speech.espeak_pool import espeak_fault
 
-HURRIED = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic" id="b" {block}>
+# speech with three gestures that need more time than the words
+HURRIED_DOCUMENT = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic" id="b" {block}>
   <speech id="s" {speech}>
     <text>See <sync id="a"/>this, <sync id="b"/>this and <sync id="c"/>that one.</text>
   </speech>
@@ -31,15 +32,16 @@ HURRIED = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesi
   <gesture id="g3" lexeme="greet_wave" mode="RIGHT_HAND" stroke="s:c"/>
 </bml>
 """
-MARKS = {"g1": "a", "g2": "b", "g3": "c"}
+GESTURE_MARKS = {"g1": "a", "g2": "b", "g3": "c"}  # gesture -> mark of its stroke
 
 
-ONE_VOICE = pytest.mark.parametrize("known", ["durations"], indirect=True)  # the voice does not matter
+# runs a test with one voice, if the voice does not matter
+SILENT_VOICE = pytest.mark.parametrize("known", ["durations"], indirect=True)
 
 
 @cache
 def hurried(known: Setup, *, block: str = "", speech: str = "") -> Plan:
-    return plan(HURRIED.format(block=block, speech=speech), known)
+    return plan(HURRIED_DOCUMENT.format(block=block, speech=speech), known)
 
 
 def missed(planned: Plan) -> Iterator[float]:
@@ -47,8 +49,8 @@ def missed(planned: Plan) -> Iterator[float]:
     said = planned.utterances["s"].marks
     start = next(t.times["start"] for t in planned.timeline.timed if isinstance(t.behaviour.action, Speech))
     for sync in planned.syncs:
-        if sync.sync == "stroke" and sync.behaviour in MARKS:
-            yield abs(sync.planned - start - said[MARKS[sync.behaviour]])
+        if sync.sync == "stroke" and sync.behaviour in GESTURE_MARKS:
+            yield abs(sync.planned - start - said[GESTURE_MARKS[sync.behaviour]])
 
 
 def pauses(planned: Plan) -> list[str]:
@@ -86,7 +88,7 @@ def test_prediction_feedback_includes_pauses(waiting: Plan):
     assert f'<sync id="c" time="{round(start + said.marks["c"], 6)!r}"' in prediction
 
 
-@ONE_VOICE
+@SILENT_VOICE
 def test_speech_pauses_are_inserted_only_if_allowed(known: Setup):
     without = hurried(known)
     assert pauses(without) == []
@@ -103,14 +105,14 @@ def test_speech_pauses_stay_within_their_requested_limit(known: Setup):
     assert said["c"] - usual["c"] <= 0.24 + 0.06
 
 
-@ONE_VOICE
+@SILENT_VOICE
 def test_voice_that_ignores_pauses_is_retried_three_times(known: Setup, monkeypatch: pytest.MonkeyPatch):
     requested: list[tuple[SpeechPause, ...]] = []
     usual = hurried(known).utterances
     monkeypatch.setattr(
         plan_module, "synthesise_block", lambda block, setup, pauses=(): requested.append(pauses) or usual
     )
-    planned = plan(HURRIED.format(block="", speech='kinesic:pause="true"'), known)
+    planned = plan(HURRIED_DOCUMENT.format(block="", speech='kinesic:pause="true"'), known)
     assert requested[0] == ()
     assert len(requested) == 4
     assert pauses(planned) == []
@@ -140,9 +142,9 @@ def test_planning_keeps_utterances_given_by_the_caller(known: Setup, waiting: Pl
     assert pauses(again) == []
 
 
-@ONE_VOICE
+@SILENT_VOICE
 def test_schedule_of_the_caller_is_used_unless_pauses_or_busy_hands_change_it(known: Setup):
-    plain, paused = (parse(HURRIED.format(block="", speech=speech)) for speech in ("", 'kinesic:pause="true"'))
+    plain, paused = (parse(HURRIED_DOCUMENT.format(block="", speech=speech)) for speech in ("", 'kinesic:pause="true"'))
     without_pause = plan_block(paused, known, utterances=speech.synthesise_block(paused, known)).timeline
     first = plan_block(plain, known)
     assert plan_block(plain, known, timeline=first.timeline).timeline is first.timeline
@@ -163,9 +165,9 @@ def test_speech_pause_is_inserted_before_its_mark():
     assert result.stops() == (Pause(4, 0.1), Mark("a", 4), Pause(4, 0.2, 1), Mark("b", 4))
 
 
-@ONE_VOICE
+@SILENT_VOICE
 def test_recorded_speech_gets_no_pause(known: Setup, tmp_path: Path):
-    text = HURRIED.format(block='kinesic:pause="true"', speech="").replace(
+    text = HURRIED_DOCUMENT.format(block='kinesic:pause="true"', speech="").replace(
         "</speech>", '<description type="audio/wav" ref="missing.wav"/></speech>'
     )
     planned = plan(text, known, source=str(tmp_path / "hurried.bml"))

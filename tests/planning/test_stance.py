@@ -15,7 +15,8 @@ from kinesic.planning.stance import (
     read_stances,
 )
 
-FOREARMS = [STANCE_FEATURES.index(f"{side}_forearm_forward") for side in "lr"]
+# indices of the forearms' forward angles
+FOREARM_FEATURES = [STANCE_FEATURES.index(f"{side}_forearm_forward") for side in "lr"]
 
 
 def test_stance_distribution_contains_only_defined_features():
@@ -43,7 +44,7 @@ def test_arm_poses_are_drawn_with_the_probability_of_their_weights():
     drawn = [draw_arm_pose(table, np.random.default_rng(seed)) for seed in range(2000)]
     total = table.hanging.weight + sum(pose.weight for pose in table.poses)
     assert sum(pose is None for pose in drawn) / 2000 == pytest.approx(table.hanging.weight / total, abs=0.06)
-    before = np.array([pose.mean[FOREARMS] > 45.0 for pose in drawn if pose is not None])
+    before = np.array([pose.mean[FOREARM_FEATURES] > 45.0 for pose in drawn if pose is not None])
     one_hand = before.sum(axis=1) == 1
     assert one_hand.sum() / 2000 == pytest.approx(table.poses[0].weight / total, abs=0.05)
     assert before[one_hand, 0].mean() == pytest.approx(0.5, abs=0.12)  # either hand
@@ -52,7 +53,7 @@ def test_arm_poses_are_drawn_with_the_probability_of_their_weights():
 def test_drawn_arm_poses_have_the_standard_deviation_of_their_components():
     table = read_stances()
     drawn = [draw_arm_pose(table, np.random.default_rng(seed)) for seed in range(2000)]
-    both = [pose.deviation for pose in drawn if pose is not None and min(pose.mean[FOREARMS]) > 45.0]
+    both = [pose.deviation for pose in drawn if pose is not None and min(pose.mean[FOREARM_FEATURES]) > 45.0]
     sizes = [row.get("head_tilt", 0.0) for row in table.poses[1].components]
     spread = np.std(both, axis=0)[STANCE_FEATURES.index("head_tilt")]
     assert spread == pytest.approx(0.93 * np.linalg.norm(sizes), rel=0.15)  # of clipped normal draws

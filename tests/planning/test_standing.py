@@ -1,4 +1,4 @@
-"""Standing postures of styles: where the body stands, what it keeps clear of, and what documents override."""
+"""Standing postures of styles: ranges, clearance, variation and overriding documents."""
 
 from dataclasses import replace
 
@@ -23,8 +23,9 @@ from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 from kinesic.sim.distances import CapsuleDistances
 
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-ROBOTS = {name: Robot.load(name) for name in ("human", "upper22", "upper36")}
+# document whose {} is replaced by behaviours
+BML_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+TESTED_ROBOTS = {name: Robot.load(name) for name in ("human", "upper22", "upper36")}  # robots by name
 
 
 @pytest.fixture(scope="module")
@@ -41,10 +42,10 @@ def wrist(robot, side="l"):
     return (robot.skeleton.rest_frames.origins[robot.arm(side).wrist] - robot.gesture_origin) / robot.arm_length
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", TESTED_ROBOTS)
 @pytest.mark.parametrize("style", names_of("style"))
 def test_standing_posture_keeps_joint_ranges_and_clearance(name, style, lexicon):
-    robot = ROBOTS[name]
+    robot = TESTED_ROBOTS[name]
     standing = standing_robot(robot, Style.load(style), lexicon, CapsuleDistances(robot))
     rest, skeleton = standing.skeleton.rest, standing.skeleton
     gaps, own_gaps = CapsuleDistances(standing).gaps(np.stack([rest, robot.skeleton.rest]))
@@ -56,14 +57,14 @@ def test_standing_posture_keeps_joint_ranges_and_clearance(name, style, lexicon)
 @pytest.mark.parametrize("style", ["sad", "angry"])
 def test_robot_keeps_its_rest_posture_if_no_standing_posture_is_collision_free(style, lexicon, monkeypatch):
     monkeypatch.setattr(standing_module, "_is_clear", lambda *_: False)
-    robot = ROBOTS["upper22"]
+    robot = TESTED_ROBOTS["upper22"]
     without_gesture = replace(Style.load(style), standing=replace(Style.load(style).standing, rest=""))
     assert standing_robot(robot, without_gesture, lexicon, CapsuleDistances(robot)) is robot
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", TESTED_ROBOTS)
 def test_standing_postures_of_styles_differ_in_head_trunk_shoulders_and_hands(name, lexicon):
-    robot = ROBOTS[name]
+    robot = TESTED_ROBOTS[name]
     bodies = {s: standing_robot(robot, Style.load(s), lexicon, CapsuleDistances(robot)) for s in names_of("style")}
     tilts = {style: np.degrees(rest_head_turn(body).tilt) for style, body in bodies.items()}
     leans = {style: np.degrees(rest_turn(body, "torso").tilt) for style, body in bodies.items()}
@@ -75,7 +76,7 @@ def test_standing_postures_of_styles_differ_in_head_trunk_shoulders_and_hands(na
 
 
 def test_middle_finger_of_an_angry_standing_posture_is_bent_by_over_20_degrees(lexicon):
-    robot = ROBOTS["upper36"]
+    robot = TESTED_ROBOTS["upper36"]
     angry = standing_robot(robot, Style.load("angry"), lexicon, CapsuleDistances(robot))
     bend = robot.skeleton.joint("l_middle_flexion1")
     assert np.degrees(angry.skeleton.rest[bend] - robot.skeleton.rest[bend]) > 20.0
@@ -84,12 +85,12 @@ def test_middle_finger_of_an_angry_standing_posture_is_bent_by_over_20_degrees(l
 def test_posture_weight_zero_keeps_the_rest_posture_and_a_neutral_face():
     plain = set_up(style="sad", settings=["posture=0"])
     assert np.array_equal(plain.robot.skeleton.rest, set_up().robot.skeleton.rest)
-    made = plan_quickly(parse(ROOT.format('<wait id="w" duration="2"/>')), plain)
+    made = plan_quickly(parse(BML_TEMPLATE.format('<wait id="w" duration="2"/>')), plain)
     assert "L15" not in compute_action_units(made, np.linspace(0.0, 1.5, 4))
 
 
 def test_lowered_standing_head_nods_from_its_lowered_position(sad):
-    made = plan_quickly(parse(ROOT.format('<head id="h" lexeme="NOD" start="0.5"/>')), sad)
+    made = plan_quickly(parse(BML_TEMPLATE.format('<head id="h" lexeme="NOD" start="0.5"/>')), sad)
     tilt = sad.robot.skeleton.joint("skullbase_tilt")
     angles = made.trajectory.sample(np.linspace(0.0, made.trajectory.duration, 200))[0][:, tilt]
     rest = sad.robot.skeleton.rest[tilt]
@@ -101,7 +102,7 @@ def test_lowered_standing_head_nods_from_its_lowered_position(sad):
 def test_explicit_trunk_posture_overrides_the_standing_one(sad):
     made = plan_quickly(
         parse(
-            ROOT.format(
+            BML_TEMPLATE.format(
                 '<postureShift id="p" start="0" end="2"><stance type="STANDING"/>'
                 '<pose part="TRUNK" lexeme="upright"/></postureShift>'
             )
@@ -115,14 +116,14 @@ def test_explicit_trunk_posture_overrides_the_standing_one(sad):
 
 def test_face_shows_the_affect_of_the_style_until_the_document_shows_another(sad):
     face = '<faceLexeme id="f" lexeme="joy" amount="1" start="1" attackPeak="1.3" relax="3" end="3.3"/>'
-    made = plan_quickly(parse(ROOT.format(face)), sad)
+    made = plan_quickly(parse(BML_TEMPLATE.format(face)), sad)
     units = compute_action_units(made, np.array([0.2, 2.0]) + made.trajectory.zero)
     assert units["L15"][0] > 0.2
     assert units["L15"][1] < 0.02 < units["L12"][1]
 
 
 def test_style_of_a_block_sets_its_facial_affect():
-    text = ROOT.replace(' id="b"', ' xmlns:k="urn:kinesic" id="b" k:style="sad"')
+    text = BML_TEMPLATE.replace(' id="b"', ' xmlns:k="urn:kinesic" id="b" k:style="sad"')
     made = plan_quickly(parse(text.format('<wait id="w" duration="2"/>')), set_up())
     assert "L15" in compute_action_units(made, np.linspace(0.0, 1.5, 4))
 
@@ -135,11 +136,11 @@ def test_standing_posture_with_negligible_variation_equals_that_of_the_style(sty
 
 def test_standing_posture_varies_with_the_seed_and_is_asymmetric():
     bodies = [set_up(variation=1.0, seed=seed).robot.skeleton.rest for seed in (0, 0, 1)]
-    mirrored = [ROBOTS["upper22"].skeleton.joint(f"{side}_elbow_flexion") for side in "lr"]
+    mirrored = [TESTED_ROBOTS["upper22"].skeleton.joint(f"{side}_elbow_flexion") for side in "lr"]
     assert np.array_equal(bodies[0], bodies[1])
     assert np.degrees(np.abs(bodies[0] - bodies[2]).max()) > 3.0
     assert abs(np.degrees(bodies[0][mirrored[0]] - bodies[0][mirrored[1]])) > 0.5
-    assert np.array_equal(set_up(seed=1).robot.skeleton.rest, ROBOTS["upper22"].skeleton.rest)
+    assert np.array_equal(set_up(seed=1).robot.skeleton.rest, TESTED_ROBOTS["upper22"].skeleton.rest)
 
 
 def find_seeds(*, hanging, count):
@@ -152,9 +153,9 @@ def find_seeds(*, hanging, count):
     return [seed for seed, pose in drawn.items() if (pose is None) == hanging][:count]
 
 
-@pytest.mark.parametrize("name", ROBOTS)
+@pytest.mark.parametrize("name", TESTED_ROBOTS)
 def test_varied_standing_arm_postures_keep_limits_and_clearance(name):
-    robot = ROBOTS[name]
+    robot = TESTED_ROBOTS[name]
     for seed in find_seeds(hanging=False, count=8):
         setup = set_up(name, variation=1.0, seed=seed)
         rest, skeleton = setup.robot.skeleton.rest, robot.skeleton
@@ -221,14 +222,16 @@ def test_changed_rest_posture_moves_arms_and_trunk_but_keeps_the_head_level(name
 
 def test_eyes_of_a_sad_robot_look_down_for_40_to_95_percent_of_the_time(sad):
     setup = replace(sad, idling=replace(sad.idling, amount=1.0))
-    made = plan_quickly(parse(ROOT.format('<wait id="w" duration="12"/>')), setup)
+    made = plan_quickly(parse(BML_TEMPLATE.format('<wait id="w" duration="12"/>')), setup)
     units = compute_action_units(made, np.arange(0.0, 11.0, 0.1))
     down = units["64"] > 0.3
     assert 0.4 < down.mean() < 0.95
 
 
 def test_robot_stands_in_the_style_of_the_block_unless_the_posture_weight_is_set(sad):
-    text = ROOT.replace(' id="b"', ' xmlns:k="urn:kinesic" id="b" k:style="sad"').format('<wait id="w" duration="1"/>')
+    text = BML_TEMPLATE.replace(' id="b"', ' xmlns:k="urn:kinesic" id="b" k:style="sad"').format(
+        '<wait id="w" duration="1"/>'
+    )
     setup = set_up()
     made = plan(text, setup)
     assert made.trajectory.controls[0] == pytest.approx(sad.robot.skeleton.rest, abs=1e-9)
@@ -239,7 +242,7 @@ def test_robot_stands_in_the_style_of_the_block_unless_the_posture_weight_is_set
 
 
 def test_document_without_a_style_keeps_the_posture_of_the_performance(sad):
-    made = plan(ROOT.format('<wait id="w" duration="1"/>'), sad)
+    made = plan(BML_TEMPLATE.format('<wait id="w" duration="1"/>'), sad)
     assert made.setup is sad
 
 
@@ -252,7 +255,7 @@ def test_arms_reach_a_rest_gesture_from_the_rest_posture_with_only_the_shoulders
         return start
 
     monkeypatch.setattr(standing_module, "with_arms", reach)
-    robot = ROBOTS["upper22"]
+    robot = TESTED_ROBOTS["upper22"]
     rest = robot.skeleton.rest
     arms = (("sternoclavicular_abduct", 0.05), ("shoulder_flexion", 0.1))
     standing = Standing(rest="hand_on_hip", arms=arms, mirrored=mirrored)
@@ -270,7 +273,7 @@ def test_gesture_positions_follow_the_lean_of_the_standing_trunk(lexeme):
         setup = set_up("human", style=lean)
         body = setup.robot
         text = f'<gesture id="g" lexeme="{lexeme}" mode="RIGHT_HAND" stroke="2"/>'
-        made = plan_quickly(parse(ROOT.format(text)), setup)
+        made = plan_quickly(parse(BML_TEMPLATE.format(text)), setup)
         stroke = next(key for key in made.postures.postures if any(sync == "stroke" for _, sync in key.syncs))
         frames, arm = body.skeleton.frames(stroke.angles), body.arm("r")
         trunk = body.skeleton.segment("vt1")

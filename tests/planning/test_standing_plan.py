@@ -1,4 +1,4 @@
-"""Plans of blocks in standing postures: arms hang where a raised hand would be in the way of a gesture."""
+"""Plans in standing postures, whose arms hang if a raised hand obstructs gestures."""
 
 from dataclasses import replace
 
@@ -11,7 +11,8 @@ from kinesic.planning.standing_plan import plan_standing_block
 from kinesic.session.documents import read_block
 from kinesic.session.setup import set_up
 
-DOCUMENT = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
+# document with one gesture of a given lexeme
+GESTURE_DOCUMENT = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
   <gesture id="g" lexeme="{}" start="0.5"/>
 </bml>"""
 
@@ -23,7 +24,7 @@ def with_raised_hand():
 
 
 def plan_gesture(setup, lexeme):
-    return plan_standing_block(read_block(DOCUMENT.format(lexeme), setup, source="test"), setup)
+    return plan_standing_block(read_block(GESTURE_DOCUMENT.format(lexeme), setup, source="test"), setup)
 
 
 def refuse_raised_hands(monkeypatch, setup):

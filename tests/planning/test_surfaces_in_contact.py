@@ -1,4 +1,4 @@
-"""Surfaces that meet in a gesture, measured on the drawn meshes instead of the planner's capsules."""
+"""Contact of palms in gestures, measured on the drawn meshes."""
 
 from collections.abc import Sequence
 from types import ModuleType
@@ -66,7 +66,7 @@ class Meshes:
         return np.asarray(points), mesh.face_normals[faces]
 
     def gap(self, one, other) -> tuple[float, float]:
-        """Return the distance of two meshes and the depth of the first in the second [m]."""
+        """Return distance and penetration depth [m] of two meshes."""
         (points, _), (places, normals) = self.sample(one), self.sample(other)
         distances, nearest = KDTree(places).query(points)
         inward = -np.einsum("ij,ij->i", points - places[nearest], normals[nearest])

@@ -1,4 +1,4 @@
-"""Punctual nods, and crowded gestures without overshoot."""
+"""Stroke times of nods, and overshoot of gestures close in time."""
 
 import numpy as np
 import pytest
@@ -7,17 +7,19 @@ from kinesic.bml.parse import parse
 from kinesic.planning.plan import plan_block
 from kinesic.planning.syncs import SHIFT_TO_WARN
 
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-NOD = (
+# document whose {} is replaced by behaviours
+BML_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+NOD_BEHAVIOURS = (  # speech with two marks, and a nod with given attributes
     '<speech id="s" start="1"><text>Yes, <sync id="m"/>indeed it is so, <sync id="n"/>always.</text></speech>'
     '<head id="h" lexeme="NOD" amount="0.8" {}/>'
 )
-GESTURES = ("beat", "offer", "large", "beat_edge", "oath", "me", "up", "beat", "take_out", "cut_off")
+# lexemes of ten successive gestures
+GESTURE_LEXEMES = ("beat", "offer", "large", "beat_edge", "oath", "me", "up", "beat", "take_out", "cut_off")
 
 
 @pytest.fixture
 def planned(known):
-    return lambda text: plan_block(parse(ROOT.format(text)), known)
+    return lambda text: plan_block(parse(BML_TEMPLATE.format(text)), known)
 
 
 def down_strokes(plan):
@@ -34,19 +36,19 @@ def crowd(gap):
     """Write ten strokes of one hand at a given interval [s]."""
     return "".join(
         f'<gesture id="g{k}" lexeme="{lexeme}" mode="RIGHT_HAND" stroke="{1.5 + gap * k:.2f}"/>'
-        for k, lexeme in enumerate(GESTURES)
+        for k, lexeme in enumerate(GESTURE_LEXEMES)
     )
 
 
 def test_nod_is_lowest_at_the_word_of_its_stroke(planned):
-    plan = planned(NOD.format('stroke="s:m"'))
+    plan = planned(NOD_BEHAVIOURS.format('stroke="s:m"'))
     assert down_strokes(plan) == pytest.approx([plan.syncs["s:m"].planned], abs=0.02)
     assert plan.syncs["h:strokeEnd"].planned > plan.syncs["s:m"].planned  # it comes up after the word
 
 
 def test_two_nods_are_lowest_at_the_words_of_their_strokes(planned):
     tie = '<constraint><synchronize><sync ref="s:n"/><sync ref="h:stroke:2"/></synchronize></constraint>'
-    plan = planned(NOD.format('repetition="2" stroke="s:m"') + tie)
+    plan = planned(NOD_BEHAVIOURS.format('repetition="2" stroke="s:m"') + tie)
     assert down_strokes(plan) == pytest.approx([plan.syncs[f"s:{mark}"].planned for mark in "mn"], abs=0.06)
 
 
@@ -55,7 +57,7 @@ def test_gestures_close_in_time_lose_overshoot_but_no_stroke(planned):
     for plan in (roomy, near):
         assert {outcome.kind for outcome in plan.keyframes.outcomes.values()} <= {"realised", "partly"}
         late = {sync.name: sync.planned - sync.requested for sync in plan.syncs if sync.sync == "stroke"}
-        assert len(late) == len(GESTURES)
+        assert len(late) == len(GESTURE_LEXEMES)
         assert max(map(abs, late.values())) <= SHIFT_TO_WARN, late
     assert swinging(near) < 0.5 * swinging(roomy)
 

@@ -25,7 +25,8 @@ from kinesic.planning.syncs import (
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
-BLOCK = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
+# three beats with an offset and a precedence constraint
+ORDERED_DOCUMENT = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">
   <gesture id="one" lexeme="BEAT" start="0" stroke="1" end="3"/>
   <gesture id="two" lexeme="BEAT" stroke="one:stroke+0.5"/>
   <gesture id="three" lexeme="BEAT" start="4"/>
@@ -74,13 +75,14 @@ def test_delay_is_explained_first_by_limits_of_joints_that_the_behaviour_moves(c
     assert find_limit_met(late, plan.keyframes, motion, robot) == met[0, last], "the nearer one comes first"
 
 
-SETUP = set_up()
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+DEFAULT_SETUP = set_up()  # setup with default options
+# document whose {} is replaced by behaviours
+BML_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 
 
 def planned(lexeme: str, seconds: float):
     gesture = f'<gesture id="g" lexeme="{lexeme}" strokeStart="1" stroke="{1 + seconds}"/>'
-    return plan(ROOT.format(gesture), SETUP)
+    return plan(BML_TEMPLATE.format(gesture), DEFAULT_SETUP)
 
 
 def said(made) -> list[str]:
@@ -97,9 +99,9 @@ def test_rushed_circular_gesture_shrinks_instead_of_delaying_its_stroke(lexeme):
 def test_slow_hand_path_is_followed_within_1_cm():
     made = planned("stir", 2.0)
     assert not said(made)
-    hand = SETUP.robot.skeleton.segment("r_wrist")
+    hand = DEFAULT_SETUP.robot.skeleton.segment("r_wrist")
     asked, result = (
-        SETUP.robot.skeleton.frames(angles).origins[:, hand]
+        DEFAULT_SETUP.robot.skeleton.frames(angles).origins[:, hand]
         for angles in (
             np.array([posture.angles for posture in made.postures.postures]),
             made.trajectory.sample(made.motion.planned + made.trajectory.zero)[0],
@@ -119,14 +121,14 @@ def test_only_hand_path_shortenings_above_a_tenth_are_reported():
             posture if posture.is_exact else replace(posture, angles=middle + (posture.angles - middle) * share)
             for posture in made.postures.postures
         )
-        return describe_path_changes(made.timeline.block, postures, made.keyframes, made.motion, SETUP.robot)
+        return describe_path_changes(made.timeline.block, postures, made.keyframes, made.motion, DEFAULT_SETUP.robot)
 
     assert not wider(1.0 + MIN_REPORTED_SHORTENING / 2)
     assert wider(2.0)
 
 
 def test_synchronised_sync_points_have_precedences_in_both_directions():
-    block = parse(BLOCK)
+    block = parse(ORDERED_DOCUMENT)
     natural = {name: {"ready": 0.3, "stroke": 0.2, "relax": 0.1, "end": 0.3} for name in ("one", "two", "three")}
     bonds = set(find_bonds(schedule(block, {}, natural)))
     one, two = ("one", "stroke"), ("two", "stroke")
@@ -140,7 +142,7 @@ def test_synchronised_sync_points_have_precedences_in_both_directions():
 
 def test_each_sync_point_of_a_performed_behaviour_is_listed_once_in_planned_order():
     speech = '<speech id="s" start="0.5"><text>Good morning.</text></speech>'
-    made = plan(ROOT.format(f'{speech}<gesture id="g" lexeme="BEAT" start="0"/>'), SETUP)
+    made = plan(BML_TEMPLATE.format(f'{speech}<gesture id="g" lexeme="BEAT" start="0"/>'), DEFAULT_SETUP)
     syncs = list_sync_times(made.keyframes, made.motion)
     assert len({sync.name for sync in syncs}) == len(syncs)
     assert {sync.behaviour for sync in syncs} == {"s", "g"}
@@ -165,7 +167,7 @@ def test_unknown_sync_point_error_suggests_points_of_its_behaviour(known) -> Non
 
 def test_sync_points_of_one_behaviour_have_no_precedence_constraint():
     block = parse(
-        ROOT.format(
+        BML_TEMPLATE.format(
             '<gesture id="one" lexeme="BEAT" start="0" relax="one:stroke+0.5"/><head id="h" lexeme="NOD" '
             'stroke="one:stroke"/>'
         )
@@ -191,7 +193,7 @@ def test_keys_of_a_hand_path_include_both_ends_of_the_stroke(known):
     def postures(*is_exact: bool) -> list[KeyPosture]:
         return [KeyPosture(float(k), rest, keyed, (), (), each) for k, each in enumerate(is_exact)]
 
-    action = parse(ROOT.format('<gesture id="g" lexeme="stir"/>')).behaviours[0]
+    action = parse(BML_TEMPLATE.format('<gesture id="g" lexeme="stir"/>')).behaviours[0]
     timed = TimedBehaviour(action, {"strokeStart": 1.0, "strokeEnd": 3.0})
     assert _on_path(postures(True, True, False, True, True), timed, known.robot, "r") == [1, 2, 3]
     assert _on_path(postures(False, True, True, True, False), timed, known.robot, "r") == []

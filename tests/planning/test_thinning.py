@@ -1,4 +1,4 @@
-"""Overlapping behaviours that are dropped by priority."""
+"""Dropping of overlapping behaviours by priority."""
 
 import re
 from dataclasses import replace
@@ -10,16 +10,19 @@ from kinesic.bml.parse import parse
 from kinesic.expressivity.keyframes import KeyFrames, Outcome
 from kinesic.planning.thinning import drop_by_priority
 
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-SPANS = {"a": (0.0, 2.0), "b": (1.0, 3.0), "c": (2.5, 4.0), "d": (3.0, 5.0), "aside": (5.5, 6.0)}
-ALONE = {"aside": (5.5, 6.0)}
+# document whose {} is replaced by behaviours
+BML_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+# [s] start and end of each behaviour; only the last one overlaps no other
+BEHAVIOUR_SPANS = {"a": (0.0, 2.0), "b": (1.0, 3.0), "c": (2.5, 4.0), "d": (3.0, 5.0), "aside": (5.5, 6.0)}
 
 
 def frames(spans, *, required=(), waiting=(), uses=None):
     """Return key frames of right-hand gestures, some without a free hand."""
     lines = {id: f'<gesture id="{id}" lexeme="BEAT"/>' for id in spans}
     block = parse(
-        ROOT.format("".join(f"<required>{lines[id]}</required>" if id in required else lines[id] for id in lines))
+        BML_TEMPLATE.format(
+            "".join(f"<required>{lines[id]}</required>" if id in required else lines[id] for id in lines)
+        )
     )
     by_id = {behaviour.id: behaviour for behaviour in block.behaviours}
     timed = tuple(TimedBehaviour(by_id[id], {"start": begin, "end": end}) for id, (begin, end) in spans.items())
@@ -30,32 +33,32 @@ def frames(spans, *, required=(), waiting=(), uses=None):
 
 
 def test_last_half_of_overlapping_behaviours_is_dropped():
-    assert drop_by_priority(frames(SPANS), {"b"}, 0.5).keys() == {"c", "d"}
-    assert drop_by_priority(frames(SPANS), {"aside"}, 0.5) == {}
+    assert drop_by_priority(frames(BEHAVIOUR_SPANS), {"b"}, 0.5).keys() == {"c", "d"}
+    assert drop_by_priority(frames(BEHAVIOUR_SPANS), {"aside"}, 0.5) == {}
 
 
 def test_required_overlapping_behaviours_are_dropped_last():
-    assert drop_by_priority(frames(SPANS, required=("d",)), {"b"}, 0.5).keys() == {"b", "c"}
+    assert drop_by_priority(frames(BEHAVIOUR_SPANS, required=("d",)), {"b"}, 0.5).keys() == {"b", "c"}
 
 
 def test_overlapping_behaviours_without_free_hand_are_dropped_first():
-    spans = {**SPANS, "late": (7.0, 8.0)}
+    spans = {**BEHAVIOUR_SPANS, "late": (7.0, 8.0)}
     assert drop_by_priority(frames(spans, waiting=("b", "late")), {"c"}).keys() == {"b"}
 
 
 def test_behaviours_of_different_body_parts_do_not_count_as_overlapping():
     head = {id: frozenset({"head"}) for id in ("c", "d")}
-    assert drop_by_priority(frames(SPANS, uses=head), {"a"}, 0.5).keys() == {"b"}
+    assert drop_by_priority(frames(BEHAVIOUR_SPANS, uses=head), {"a"}, 0.5).keys() == {"b"}
 
 
 def test_behaviour_with_two_body_parts_joins_both_groups_of_overlaps():
     parts = {"b": frozenset({"r_hand", "head"}), "c": frozenset({"head"}), "d": frozenset({"head"})}
-    assert drop_by_priority(frames(SPANS, uses=parts), {"a"}, 0.5).keys() == {"c", "d"}
+    assert drop_by_priority(frames(BEHAVIOUR_SPANS, uses=parts), {"a"}, 0.5).keys() == {"c", "d"}
 
 
 @pytest.mark.parametrize("share", [0.5, 1.0])
 def test_drop_reason_of_overlapping_behaviours_names_counts_and_times(share):
-    reasons = set(drop_by_priority(frames(SPANS, waiting=("b",)), {"c"}, share).values())
+    reasons = set(drop_by_priority(frames(BEHAVIOUR_SPANS, waiting=("b",)), {"c"}, share).values())
     (why,) = reasons
     assert re.match(r"\d behaviours overlap from 2\.50 to 5\.00 s", why)
     assert f"{round(2 * share)} of them are kept, the others need other times" in why
@@ -63,7 +66,7 @@ def test_drop_reason_of_overlapping_behaviours_names_counts_and_times(share):
 
 def test_number_of_kept_overlapping_behaviours_is_rounded_up():
     assert drop_by_priority(frames({"a": (0.0, 1.0)}), {"a"}, 0.0) == {}
-    three = {id: SPANS[id] for id in "abc"}
+    three = {id: BEHAVIOUR_SPANS[id] for id in "abc"}
     assert drop_by_priority(frames(three), {"a"}, 0.5).keys() == {"c"}
     assert drop_by_priority(frames(three), {"a"}, 0.0).keys() == {"a", "b", "c"}
 
@@ -87,7 +90,7 @@ def test_behaviour_without_free_hand_is_dropped_only_inside_the_overlap():
 
 
 def test_only_behaviours_that_lack_a_free_hand_are_dropped_with_an_overlap():
-    result = frames(SPANS, waiting=("b",))
+    result = frames(BEHAVIOUR_SPANS, waiting=("b",))
     other = replace(result, notices=())
     assert drop_by_priority(other, {"c"}).keys() == set()
     assert drop_by_priority(result, {"c"}).keys() == {"b"}

@@ -9,9 +9,9 @@ from kinesic.body.robot import Robot
 from kinesic.motion.trajectory import stay
 from kinesic.planning.files.bap import FRAME_RATE, PARAMETER_COUNT, PARAMETER_NUMBERS, _columns, read_bap, write_bap
 
-ROBOT = Robot.load()
-NAMES = ROBOT.skeleton.names
-HEADER = "3.2 made 25 {}"
+DEFAULT_ROBOT = Robot.load()
+HINGE_NAMES = DEFAULT_ROBOT.skeleton.names
+HEADER_TEMPLATE = "3.2 made 25 {}"  # BAP header with 25 frames/s and a given number of frames
 
 
 def mask(*numbers: int, of: int = PARAMETER_COUNT) -> str:
@@ -31,49 +31,49 @@ def written(tmp_path):
 
 
 def angle(frames, name: str) -> list[float]:
-    return frames.angles[:, NAMES.index(name)].tolist()
+    return frames.angles[:, HINGE_NAMES.index(name)].tolist()
 
 
 def test_written_bap_is_read_back(through, tmp_path):
-    angles = np.stack([ROBOT.skeleton.rest, ROBOT.skeleton.clamp(ROBOT.skeleton.rest + 0.3)])
+    angles = np.stack([DEFAULT_ROBOT.skeleton.rest, DEFAULT_ROBOT.skeleton.clamp(DEFAULT_ROBOT.skeleton.rest + 0.3)])
     motion = through(np.array([0.0, 1.0]), angles)
-    write_bap(motion, ROBOT, tmp_path / "m.bap")
-    frames = read_bap(tmp_path / "m.bap", ROBOT)
+    write_bap(motion, DEFAULT_ROBOT, tmp_path / "m.bap")
+    frames = read_bap(tmp_path / "m.bap", DEFAULT_ROBOT)
     np.testing.assert_allclose(frames.times, np.arange(26) / FRAME_RATE)
     np.testing.assert_allclose(frames.angles, motion.sample(frames.times)[0], atol=0.5e-5 + 1e-12)
-    assert sorted(frames.given) == sorted(NAMES)
+    assert sorted(frames.given) == sorted(HINGE_NAMES)
     assert frames.strangers == ()
 
 
 def test_bap_angle_signs_follow_the_standard(written):
-    """Arms forward, elbows bent, arms outward: a positive angle turns both sides about the same axis."""
+    """Expect mirrored angles to differ in sign unless their axis is lateral."""
     numbers = [PARAMETER_NUMBERS[f"{side}_shoulder_{turn}"] for turn in ("flexion", "abduct") for side in "lr"]
-    frames = read_bap(written(HEADER.format(1), mask(*numbers), "0 10000 10000 20000 -20000"), ROBOT)
+    frames = read_bap(written(HEADER_TEMPLATE.format(1), mask(*numbers), "0 10000 10000 20000 -20000"), DEFAULT_ROBOT)
     assert angle(frames, "l_shoulder_flexion") == angle(frames, "r_shoulder_flexion") == [0.1]
     assert angle(frames, "l_shoulder_abduct") == angle(frames, "r_shoulder_abduct") == [0.2]  # mirror images
 
 
 def test_negative_bap_tilt_of_the_spine_is_a_positive_hinge_angle(written):
-    frames = read_bap(written(HEADER.format(1), mask(PARAMETER_NUMBERS["vl5_tilt"]), "0 -5000"), ROBOT)
+    frames = read_bap(written(HEADER_TEMPLATE.format(1), mask(PARAMETER_NUMBERS["vl5_tilt"]), "0 -5000"), DEFAULT_ROBOT)
     assert angle(frames, "vl5_tilt") == [0.05]
 
 
 def test_bap_parameter_missing_in_a_frame_keeps_its_previous_value(written):
     elbow, neck = PARAMETER_NUMBERS["l_elbow_flexion"], PARAMETER_NUMBERS["skullbase_torsion"]
     frames = read_bap(
-        written(HEADER.format(3), mask(elbow), "0 50000", mask(neck), "1 20000", mask(), "4"),
-        ROBOT,
+        written(HEADER_TEMPLATE.format(3), mask(elbow), "0 50000", mask(neck), "1 20000", mask(), "4"),
+        DEFAULT_ROBOT,
     )
     assert frames.times.tolist() == [0.0, 1 / 25, 4 / 25]
     assert angle(frames, "l_elbow_flexion") == [0.5, 0.5, 0.5]
     assert angle(frames, "skullbase_torsion") == [0.0, 0.2, 0.2]
-    rest = ROBOT.skeleton.rest[NAMES.index("r_elbow_flexion")]
+    rest = DEFAULT_ROBOT.skeleton.rest[HINGE_NAMES.index("r_elbow_flexion")]
     assert angle(frames, "r_elbow_flexion") == [rest] * 3
     assert set(frames.given) == {"l_elbow_flexion", "skullbase_torsion"}
 
 
 def test_bap_file_of_version_2_is_read_and_its_leg_parameter_listed_as_unknown(written):
-    frames = read_bap(written("2.1 old name 30 1", mask(4, 38, of=186), "0 7 60000"), ROBOT)
+    frames = read_bap(written("2.1 old name 30 1", mask(4, 38, of=186), "0 7 60000"), DEFAULT_ROBOT)
     assert frames.strangers == (4,)
     assert angle(frames, "l_elbow_flexion") == [0.6]
 
@@ -85,32 +85,32 @@ def test_bap_file_of_version_2_is_read_and_its_leg_parameter_listed_as_unknown(w
         (("3.2 made fast 3",), r":1: .* is no header; write VERSION NAME RATE FRAMES"),
         (("3.2 made 0 1",), r":1: 0 frames/s; must be above 0"),
         (("3.2 made nan 1",), r":1: nan frames/s; must be above 0"),
-        ((HEADER.format(1), "1 0 1", "0 1 1"), r":2: a mask of 3 words; must be 296 flags"),
-        ((HEADER.format(1), mask().replace("0", "2", 1), "0"), r":2: a mask of 296 words"),
-        ((HEADER.format(1), mask(38), "0 1.5"), r":3: only whole numbers"),
-        ((HEADER.format(1), mask(38), "0 1 2"), r":3: 2 values for 1 parameters"),
-        ((HEADER.format(2), mask(38), "3 1", mask(38), "3 2"), r":5: frame 3 after frame 3"),
-        ((HEADER.format(1), mask(38), "-1 1"), r":3: frame -1 after"),
-        ((HEADER.format(1), mask(38)), r":2: a mask without a frame"),
-        ((HEADER.format(4), mask(38), "0 1"), r":3: ends after 1 of 4 frames"),
+        ((HEADER_TEMPLATE.format(1), "1 0 1", "0 1 1"), r":2: a mask of 3 words; must be 296 flags"),
+        ((HEADER_TEMPLATE.format(1), mask().replace("0", "2", 1), "0"), r":2: a mask of 296 words"),
+        ((HEADER_TEMPLATE.format(1), mask(38), "0 1.5"), r":3: only whole numbers"),
+        ((HEADER_TEMPLATE.format(1), mask(38), "0 1 2"), r":3: 2 values for 1 parameters"),
+        ((HEADER_TEMPLATE.format(2), mask(38), "3 1", mask(38), "3 2"), r":5: frame 3 after frame 3"),
+        ((HEADER_TEMPLATE.format(1), mask(38), "-1 1"), r":3: frame -1 after"),
+        ((HEADER_TEMPLATE.format(1), mask(38)), r":2: a mask without a frame"),
+        ((HEADER_TEMPLATE.format(4), mask(38), "0 1"), r":3: ends after 1 of 4 frames"),
     ],
 )
 def test_bap_errors_name_the_line(written, lines, message):
     with pytest.raises(ConfigError, match=message):
-        read_bap(written(*lines), ROBOT)
+        read_bap(written(*lines), DEFAULT_ROBOT)
 
 
 def test_missing_bap_file_is_refused(tmp_path):
     with pytest.raises(ConfigError, match=r"none\.bap: No such file"):
-        read_bap(tmp_path / "none.bap", ROBOT)
+        read_bap(tmp_path / "none.bap", DEFAULT_ROBOT)
 
 
 def test_motion_name_in_a_bap_file_is_one_ascii_word(through, tmp_path):
-    motion = through(np.array([0.0, 0.5]), np.stack([ROBOT.skeleton.rest] * 2))
+    motion = through(np.array([0.0, 0.5]), np.stack([DEFAULT_ROBOT.skeleton.rest] * 2))
     path = tmp_path / "gr\u00fc\u00df dich.bap"
-    write_bap(motion, ROBOT, path)
+    write_bap(motion, DEFAULT_ROBOT, path)
     assert path.read_text(encoding="ascii").split()[1] == "gr___dich"
-    assert len(read_bap(path, ROBOT).times) == 14
+    assert len(read_bap(path, DEFAULT_ROBOT).times) == 14
 
 
 def test_hinges_without_a_bap_parameter_are_not_written(tmp_path):
@@ -121,12 +121,12 @@ def test_hinges_without_a_bap_parameter_are_not_written(tmp_path):
 
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 def test_sign_of_a_bap_parameter_follows_the_axis_of_its_hinge(sign: float):
-    """Every parameter names an axis of the body, so that the axis of a hinge decides the sign."""
-    names = [*NAMES, "l_sternoclavicular_rotate", "r_acromioclavicular_rotate"]
-    axes = {hinge.name: hinge.axis for hinge in ROBOT.skeleton.hinges}
+    """Reverse all hinge axes and expect reversed signs."""
+    names = [*HINGE_NAMES, "l_sternoclavicular_rotate", "r_acromioclavicular_rotate"]
+    axes = {hinge.name: hinge.axis for hinge in DEFAULT_ROBOT.skeleton.hinges}
     hinges = [SimpleNamespace(name=name, axis=sign * np.array(axes.get(name, (0.0, 0.0, 1.0)))) for name in names]
     columns = _columns.__wrapped__(SimpleNamespace(skeleton=SimpleNamespace(hinges=hinges)))
-    usual = {column.number: column.sign for column in _columns(ROBOT)}
+    usual = {column.number: column.sign for column in _columns(DEFAULT_ROBOT)}
     assert {column.number: sign * column.sign for column in columns if column.number in usual} == usual
     others = [column for column in columns if column.number not in usual]
     assert [column.sign for column in others] == [sign, sign]
@@ -148,7 +148,7 @@ def test_sign_of_a_bap_parameter_follows_the_axis_of_its_hinge(sign: float):
 )
 @pytest.mark.parametrize("tilt", [(0.0, 0.0, 0.0), *np.eye(3), *-np.eye(3)], ids=lambda tilt: f"{tilt}")
 def test_oblique_hinge_has_the_sign_of_the_body_axis_of_its_parameter(name, axis, tilt):
-    """The other two components of its axis do not count, even if they are larger."""
+    """Add larger components along the other two axes of the body."""
     across = np.where(np.array(axis) == 0.0, np.array(tilt), 0.0)
     for sign in (1.0, -1.0):
         hinge = SimpleNamespace(name=name, axis=sign * (np.array(axis) + 1.5 * across))

@@ -17,7 +17,7 @@ from kinesic.planning.files.imported_motion import (
 from kinesic.report.checks import checks
 from kinesic.session.plan import plan
 
-OFFER = (
+OFFER_DOCUMENT = (  # document with a gesture and a nod
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">'
     '<gesture id="g" lexeme="offer" stroke="1.5"/><head id="h" lexeme="NOD" start="0.5"/></bml>'
 )
@@ -27,7 +27,7 @@ OFFER = (
 def offer(known, tmp_path_factory) -> BapFrames:
     """Return frames of a motion within all limits."""
     path = tmp_path_factory.mktemp("bap") / "offer.bap"
-    write_bap(plan(OFFER, known).trajectory, known.robot, path)
+    write_bap(plan(OFFER_DOCUMENT, known).trajectory, known.robot, path)
     return read_bap(path, known.robot)
 
 

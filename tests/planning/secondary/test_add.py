@@ -11,8 +11,9 @@ from kinesic.planning.secondary import add
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-TOLD = ROOT.format(
+# document whose {} is replaced by behaviours
+BML_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+STORY_DOCUMENT = BML_TEMPLATE.format(  # two sentences with two gestures
     '<speech id="s" start="1"><text>Once there was a <sync id="h"/>large garden in the middle of a town, and '
     '<sync id="t"/>nobody thought of it at all, until one day the gate was open.</text></speech>'
     '<gesture id="large" lexeme="large" stroke="s:h" relax="s:h+1.5"/>'
@@ -28,12 +29,12 @@ def known():
 
 @pytest.fixture(scope="module")
 def still(known):
-    return plan(TOLD, known)
+    return plan(STORY_DOCUMENT, known)
 
 
 @pytest.fixture(scope="module")
 def alive(known):
-    return plan(TOLD, replace(known, idling=Idling(1.0, 2)))
+    return plan(STORY_DOCUMENT, replace(known, idling=Idling(1.0, 2)))
 
 
 def moving(planned, chain, span=None):
@@ -80,20 +81,20 @@ def test_secondary_motion_keeps_limits_torques_and_distances(known, alive):
 
 
 def test_secondary_motion_is_repeatable_for_one_seed_and_differs_for_another(known, alive):
-    again, other = (plan(TOLD, replace(known, idling=Idling(1.0, seed))) for seed in (2, 3))
+    again, other = (plan(STORY_DOCUMENT, replace(known, idling=Idling(1.0, seed))) for seed in (2, 3))
     np.testing.assert_array_equal(again.trajectory.controls, alive.trajectory.controls)
     assert np.abs(other.trajectory.controls[: len(alive.trajectory.controls)] - alive.trajectory.controls).max() > 1e-3
 
 
 def test_secondary_motion_keeps_the_clearance_of_touching_hands(known):
-    tight = ROOT.format('<gesture id="g" lexeme="hands_together" stroke="2" relax="9"/>')
+    tight = BML_TEMPLATE.format('<gesture id="g" lexeme="hands_together" stroke="2" relax="9"/>')
     still, alive = (plan(tight, replace(known, idling=idling)) for idling in (Idling(), Idling(2.0, 1)))
     least = min(float(still.clearance.distances.min()), known.robot.min_clearance + 0.004)
     assert alive.clearance.distances.min() >= least - 1e-6
 
 
 def test_body_has_no_secondary_motion_while_pointing(known):
-    aimed = ROOT.format(
+    aimed = BML_TEMPLATE.format(
         '<pointing id="p" target="left" start="4" ready="5" relax="7" end="8"/><wait id="w" duration="14"/>'
     )
     still, alive = (plan(aimed, replace(known, idling=idling)) for idling in (Idling(), Idling(1.0, 1)))
@@ -108,7 +109,7 @@ def test_style_with_whole_body_zero_still_moves_the_torso_but_turns_the_head_les
     def turned(whole_body):
         style = replace(Style.load("neutral"), whole_body=whole_body)
         planned = plan(
-            ROOT.format('<speech id="s" start="0"><text>' + "one or another " * 12 + "</text></speech>"),
+            BML_TEMPLATE.format('<speech id="s" start="0"><text>' + "one or another " * 12 + "</text></speech>"),
             replace(known, idling=Idling(1.0, 2), style=style),
         )
         return moving(planned, "torso"), np.degrees(
@@ -124,7 +125,7 @@ def test_head_arcs_are_omitted_during_a_nod_but_not_during_a_gaze(known, monkeyp
     monkeypatch.setattr(add, "make_head_arcs", lambda motion, spans, *_: taken.append(spans) or iter(()))
     nod = '<head id="h" lexeme="NOD" start="1" end="2"/>'
     gaze = '<gaze id="g" target="left" start="3" ready="3.5" relax="4" end="4.5"/>'
-    made = plan(ROOT.format(nod + gaze), replace(known, idling=Idling(1.0, 2)))
+    made = plan(BML_TEMPLATE.format(nod + gaze), replace(known, idling=Idling(1.0, 2)))
     ((span,),) = taken
     times = next(timed.times.values() for timed in made.timeline.timed if timed.behaviour.id == "h")
     assert span == pytest.approx((made.trajectory.zero + min(times), made.trajectory.zero + max(times)), abs=0.02)

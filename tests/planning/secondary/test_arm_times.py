@@ -19,7 +19,7 @@ from kinesic.planning.secondary.arm_times import (
     find_arm_courses,
 )
 
-START = 5.0  # [s]
+MOTION_START = 5.0  # [s] start of the tested motions
 
 
 def moving(*spans: tuple[int, int], count: int = 100) -> Trajectory:
@@ -27,12 +27,12 @@ def moving(*spans: tuple[int, int], count: int = 100) -> Trajectory:
     steps = np.zeros(count)
     for begin, end in spans:
         steps[begin:end] = 0.01
-    return Trajectory(sealed(np.cumsum(steps)[:, None]), START, START)
+    return Trajectory(sealed(np.cumsum(steps)[:, None]), MOTION_START, MOTION_START)
 
 
 def test_rest_between_two_arm_strokes_lasts_from_the_end_to_the_start_of_motion():
     motion = moving((30, 50), (70, 90))
-    times = np.arange(START, motion.end, KNOT_INTERVAL / 50)
+    times = np.arange(MOTION_START, motion.end, KNOT_INTERVAL / 50)
     is_moving = np.abs(motion.sample(times)[1][:, 0]) > 1e-6
     edges = times[1:][np.diff(is_moving.astype(int)) != 0]
     middle = float(edges[1] + edges[2]) / 2
@@ -50,7 +50,7 @@ def test_rest_between_two_arm_strokes_lasts_from_the_end_to_the_start_of_motion(
 
 def test_short_standstill_of_an_arm_does_not_count_as_rest():
     motion = moving((30, 50), (51, 70))
-    (_, after) = _find_gaps(motion, [0], [ArmStroke("a", START, START + 0.2)])
+    (_, after) = _find_gaps(motion, [0], [ArmStroke("a", MOTION_START, MOTION_START + 0.2)])
     assert len(after.rests) == 2
     assert after.rests[-1][1] == inf
 
@@ -68,11 +68,11 @@ def test_return_motion_of_a_gap_ends_at_the_start_of_its_last_rest(gap: Gap, way
     assert gap.return_span == way
 
 
-BOTH = frozenset({"l_hand", "r_hand"})
+BOTH_HANDS = frozenset({"l_hand", "r_hand"})  # names of both hands
 
 
 def strokes_of(spans, *, uses=None, successions=None, side="r") -> list[ArmStroke]:
-    frames = SimpleNamespace(uses=uses or dict.fromkeys(spans, BOTH), successions=successions or {})
+    frames = SimpleNamespace(uses=uses or dict.fromkeys(spans, BOTH_HANDS), successions=successions or {})
     return _list_strokes(side, spans, frames)
 
 
@@ -83,7 +83,7 @@ def test_stroke_without_a_succession_has_no_delay():
 
 def test_strokes_of_an_arm_are_those_of_behaviours_that_use_its_hand_in_time_order():
     spans = {"late": (3.0, 3.2), "other": (2.0, 2.1), "early": (1.0, 1.4), "unknown": (0.1, 0.2)}
-    uses = {"late": BOTH, "other": frozenset({"l_hand", "head"}), "early": frozenset({"r_hand"})}
+    uses = {"late": BOTH_HANDS, "other": frozenset({"l_hand", "head"}), "early": frozenset({"r_hand"})}
     assert [stroke.id for stroke in strokes_of(spans, uses=uses)] == ["early", "late"]
     assert [stroke.id for stroke in strokes_of(spans, uses=uses, side="l")] == ["other", "late"]
 
@@ -134,37 +134,37 @@ def test_strokes_of_a_behaviour_span_its_first_and_last_stroke_sync(monkeypatch)
 def test_only_arms_with_strokes_have_a_course_of_their_own_joints(monkeypatch):
     monkeypatch.setattr(arm_times, "list_keyed_syncs", lambda frames, motion: [("a", "stroke", 0.0, 0.4)])
     still, moves = np.zeros(100), moving((30, 50)).controls[:, 0]
-    motion = SimpleNamespace(trajectory=Trajectory(np.stack([still, moves], axis=1), START, START))
+    motion = SimpleNamespace(trajectory=Trajectory(np.stack([still, moves], axis=1), MOTION_START, MOTION_START))
     robot = SimpleNamespace(arm=lambda side: SimpleNamespace(joints=(0,) if side == "l" else (1,)))
-    for used, counts in ((BOTH, {"l": 1, "r": 1}), (frozenset({"r_hand"}), {"r": 1}), (frozenset(), {})):
+    for used, counts in ((BOTH_HANDS, {"l": 1, "r": 1}), (frozenset({"r_hand"}), {"r": 1}), (frozenset(), {})):
         frames = SimpleNamespace(uses={"a": used}, successions={})
         courses = {course.side: course for course in find_arm_courses(frames, motion, robot)}
         assert {side: len(course.strokes) for side, course in courses.items()} == counts
         if "r" in courses:
-            assert courses["r"].gaps[1].rests == ((pytest.approx(START + 0.48), inf),)
+            assert courses["r"].gaps[1].rests == ((pytest.approx(MOTION_START + 0.48), inf),)
         if "l" in courses:
-            assert courses["l"].gaps[1].rests == ((START + 0.4, inf),)
+            assert courses["l"].gaps[1].rests == ((MOTION_START + 0.4, inf),)
 
 
 @pytest.mark.parametrize(("step", "is_still"), [(4.9e-5, True), (5e-5, False), (-4.9e-5, True), (-6e-5, False)])
 def test_arm_counts_as_moving_from_0_05_mrad_per_knot(step, is_still):
     controls = np.zeros((100, 2))
     controls[31:50:2, 0] = step
-    motion = Trajectory(sealed(controls), START, START)
-    (before, _) = _find_gaps(motion, [1, 0], [ArmStroke("a", START + 0.9, START + 0.95)])
+    motion = Trajectory(sealed(controls), MOTION_START, MOTION_START)
+    (before, _) = _find_gaps(motion, [1, 0], [ArmStroke("a", MOTION_START + 0.9, MOTION_START + 0.95)])
     assert len(before.rests) == (1 if is_still else 2)
-    assert before.rests[0][1] == pytest.approx(START + (0.9 if is_still else 0.29))
-    (before, _) = _find_gaps(motion, [1], [ArmStroke("a", START + 0.9, START + 0.95)])
-    assert [end for _, end in before.rests] == [START + 0.9], "the other joint stands still"
+    assert before.rests[0][1] == pytest.approx(MOTION_START + (0.9 if is_still else 0.29))
+    (before, _) = _find_gaps(motion, [1], [ArmStroke("a", MOTION_START + 0.9, MOTION_START + 0.95)])
+    assert [end for _, end in before.rests] == [MOTION_START + 0.9], "the other joint stands still"
 
 
 @pytest.mark.parametrize(("knots", "is_rest"), [(2, False), (4, True)])
 def test_standstill_of_at_least_30_ms_is_a_rest(knots, is_rest):
     motion = moving((30, 50), (50 + knots, 70))
-    (_, after) = _find_gaps(motion, [0], [ArmStroke("a", START, START + 0.2)])
-    begin, end = START + 0.48, START + 0.48 + 0.01 * knots
-    expected = [pytest.approx((START + 0.2, START + 0.28))]
-    expected += [pytest.approx((begin, end))] * is_rest + [(pytest.approx(START + 0.68), inf)]
+    (_, after) = _find_gaps(motion, [0], [ArmStroke("a", MOTION_START, MOTION_START + 0.2)])
+    begin, end = MOTION_START + 0.48, MOTION_START + 0.48 + 0.01 * knots
+    expected = [pytest.approx((MOTION_START + 0.2, MOTION_START + 0.28))]
+    expected += [pytest.approx((begin, end))] * is_rest + [(pytest.approx(MOTION_START + 0.68), inf)]
     assert list(after.rests) == expected
 
 
@@ -174,15 +174,25 @@ def test_return_to_rest_starts_at_the_end_of_a_rest_at_the_gap_start():
 
 
 def test_arm_without_movement_rests_before_between_and_after_its_strokes():
-    strokes = [ArmStroke("a", START + 0.2, START + 0.3), ArmStroke("b", START + 0.5, START + 0.6)]
+    strokes = [
+        ArmStroke("a", MOTION_START + 0.2, MOTION_START + 0.3),
+        ArmStroke("b", MOTION_START + 0.5, MOTION_START + 0.6),
+    ]
     rests = [gap.rests for gap in _find_gaps(moving(), [0], strokes)]
-    assert rests == [((-inf, START + 0.2),), ((START + 0.3, START + 0.5),), ((START + 0.6, inf),)]
+    assert rests == [
+        ((-inf, MOTION_START + 0.2),),
+        ((MOTION_START + 0.3, MOTION_START + 0.5),),
+        ((MOTION_START + 0.6, inf),),
+    ]
 
 
 def test_arm_that_already_moves_at_the_motion_start_first_rests_when_it_stands_still():
-    stroke = ArmStroke("a", START + 0.7, START + 0.75)
+    stroke = ArmStroke("a", MOTION_START + 0.7, MOTION_START + 0.75)
     (before, after) = _find_gaps(moving((0, 40), (60, 99)), [0], [stroke])
-    assert list(before.rests) == [(-inf, pytest.approx(START - 0.01)), pytest.approx((START + 0.38, START + 0.58))]
-    assert [begin for begin, _ in after.rests] == [pytest.approx(START + 0.97)]
+    assert list(before.rests) == [
+        (-inf, pytest.approx(MOTION_START - 0.01)),
+        pytest.approx((MOTION_START + 0.38, MOTION_START + 0.58)),
+    ]
+    assert [begin for begin, _ in after.rests] == [pytest.approx(MOTION_START + 0.97)]
     (before, _) = _find_gaps(moving((0, 99)), [0], [stroke])
-    assert list(before.rests) == [(-inf, pytest.approx(START - 0.01))]
+    assert list(before.rests) == [(-inf, pytest.approx(MOTION_START - 0.01))]

@@ -6,31 +6,33 @@ import pytest
 from kinesic.body.robot import Robot
 from kinesic.planning.secondary.breath import MAX_COLLAR_BONE_LIFT, make_breaths
 
-ROBOT = Robot.load()
-NAMES = ROBOT.skeleton.names
+DEFAULT_ROBOT = Robot.load()
+HINGE_NAMES = DEFAULT_ROBOT.skeleton.names
 
 
-def found(span, amount=1.0, seed=3, robot=ROBOT):
+def found(span, amount=1.0, seed=3, robot=DEFAULT_ROBOT):
     return [*make_breaths(span, amount, robot, np.random.default_rng(seed))]
 
 
 def of(swells, name):
-    return [swell for swell in swells if swell.away[NAMES.index(name)]]
+    return [swell for swell in swells if swell.away[HINGE_NAMES.index(name)]]
 
 
 def test_breathing_rate_is_12_to_18_breaths_per_minute():
     trunk = of(found((0.0, 60.6)), "vl5_tilt")
     assert 0.2 <= len(trunk) / 60.0 <= 0.3
     assert all(a.end == b.begin for a, b in pairwise(trunk)), "one breath after the other"
-    assert all(np.radians(0.6) < -swell.away[NAMES.index("vl5_tilt")] <= np.radians(1.0) for swell in trunk)
+    assert all(np.radians(0.6) < -swell.away[HINGE_NAMES.index("vl5_tilt")] <= np.radians(1.0) for swell in trunk)
 
 
 def test_breath_keeps_face_level_and_lifts_collar_bones():
     swells = found((0.0, 20.0))
     for swell in of(swells, "vl5_tilt"):
-        assert swell.away[NAMES.index("skullbase_tilt")] == pytest.approx(-swell.away[NAMES.index("vl5_tilt")])
+        assert swell.away[HINGE_NAMES.index("skullbase_tilt")] == pytest.approx(
+            -swell.away[HINGE_NAMES.index("vl5_tilt")]
+        )
     for side in "lr":
-        rises = [swell.away[NAMES.index(f"{side}_sternoclavicular_abduct")] for swell in swells]
+        rises = [swell.away[HINGE_NAMES.index(f"{side}_sternoclavicular_abduct")] for swell in swells]
         assert 0.6 * MAX_COLLAR_BONE_LIFT < max(rises) <= MAX_COLLAR_BONE_LIFT
 
 

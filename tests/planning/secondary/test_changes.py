@@ -9,7 +9,7 @@ from kinesic.planning.secondary import changes
 from kinesic.planning.secondary.changes import REDUCED_AMOUNT, Changes
 
 from ...performances import LIMITS
-from .tilts import REST, STILL, TILT, swell
+from .tilts import REST_ANGLES, STILL_MOTION, TILT_HINGE, swell
 
 
 def allowed(motion, swells):
@@ -23,16 +23,16 @@ def largest(motion):
 
 def test_secondary_motion_is_reduced_where_it_would_exceed_joint_limits():
     small, wide = swell(1.0, 2.0, 3.0), swell(1.0, 2.0, 3.0, degrees=-16.0)
-    assert allowed(STILL, [small]) == [1.0]
-    assert allowed(STILL, [wide]) == [REDUCED_AMOUNT], "the range ends at -15 degrees"
-    assert allowed(STILL, [replace(wide, away=4.0 * wide.away)]) == [0.0]
-    elsewhere = swell(3.5, 4.0, 4.5), swell(1.0, 2.0, 3.0, hinge=TILT - 1)
-    assert allowed(STILL, [wide, *elsewhere]) == [REDUCED_AMOUNT, 1.0, 1.0]
+    assert allowed(STILL_MOTION, [small]) == [1.0]
+    assert allowed(STILL_MOTION, [wide]) == [REDUCED_AMOUNT], "the range ends at -15 degrees"
+    assert allowed(STILL_MOTION, [replace(wide, away=4.0 * wide.away)]) == [0.0]
+    elsewhere = swell(3.5, 4.0, 4.5), swell(1.0, 2.0, 3.0, hinge=TILT_HINGE - 1)
+    assert allowed(STILL_MOTION, [wide, *elsewhere]) == [REDUCED_AMOUNT, 1.0, 1.0]
 
 
 def test_existing_limit_violation_reduces_no_secondary_motion_elsewhere():
-    sharp = np.tile(REST, (200, 1))
-    sharp[100:, TILT] += np.radians(20.0)
+    sharp = np.tile(REST_ANGLES, (200, 1))
+    sharp[100:, TILT_HINGE] += np.radians(20.0)
     motion = Trajectory(sealed(sharp), 0.0)
     assert largest(motion) > 1.0
     aside = swell(0.1, 0.4, 0.7)
@@ -42,24 +42,24 @@ def test_existing_limit_violation_reduces_no_secondary_motion_elsewhere():
 
 
 def test_motion_offset_is_reduced_for_a_violation_just_before_its_start():
-    jerks = 0.999 * LIMITS.jerk[TILT] * np.repeat([0.0, 1.0, -0.5, 0.5, 0.0], [100, 2, 8, 4, 100])
-    reach = np.tile(REST, (len(jerks) + 3, 1))
-    reach[3:, TILT] += np.cumsum(np.cumsum(np.cumsum(jerks))) * KNOT_INTERVAL**3
+    jerks = 0.999 * LIMITS.jerk[TILT_HINGE] * np.repeat([0.0, 1.0, -0.5, 0.5, 0.0], [100, 2, 8, 4, 100])
+    reach = np.tile(REST_ANGLES, (len(jerks) + 3, 1))
+    reach[3:, TILT_HINGE] += np.cumsum(np.cumsum(np.cumsum(jerks))) * KNOT_INTERVAL**3
     motion, switch = Trajectory(sealed(reach), 0.0), 102 * KNOT_INTERVAL
     begun = swell(switch + 0.1 * KNOT_INTERVAL, switch + 0.3, switch + 0.7, degrees=5.0)
     laid = Changes(motion, [begun]).added(np.ones(1))
-    over = np.flatnonzero(np.abs(np.diff(laid.controls[:, TILT], 3)) / KNOT_INTERVAL**3 > LIMITS.jerk[TILT])
+    over = np.flatnonzero(np.abs(np.diff(laid.controls[:, TILT_HINGE], 3)) / KNOT_INTERVAL**3 > LIMITS.jerk[TILT_HINGE])
     assert largest(motion) < 1.0 < largest(laid)
     assert over.max() * KNOT_INTERVAL < begun.begin
     assert allowed(motion, [begun]) == [0.0]
 
 
 def test_secondary_motion_beyond_joint_limits_after_the_motion_end_is_omitted():
-    end = STILL.end
+    end = STILL_MOTION.end
     over, after = (swell(end + first, end + first + 1.0, end + first + 2.0, degrees=-60.0) for first in (-1.0, 0.5))
     small = swell(0.5, 1.0, 1.5)
-    assert allowed(STILL, [small, over, after]) == [1.0, 0.0, 0.0]
-    assert Changes(STILL, [small, over, after]).added(np.array([1.0, 0.0, 0.0])).end == end
+    assert allowed(STILL_MOTION, [small, over, after]) == [1.0, 0.0, 0.0]
+    assert Changes(STILL_MOTION, [small, over, after]).added(np.array([1.0, 0.0, 0.0])).end == end
 
 
 def test_joint_limits_are_rechecked_only_near_reduced_secondary_motion(monkeypatch):
@@ -71,11 +71,11 @@ def test_joint_limits_are_rechecked_only_near_reduced_secondary_motion(monkeypat
 
     monkeypatch.setattr(changes, "find_beyond", find)
     wide, far = swell(1.0, 1.5, 2.0, degrees=-16.0), swell(3.5, 4.0, 4.5)
-    assert allowed(STILL, [wide, far]) == [REDUCED_AMOUNT, 1.0]
+    assert allowed(STILL_MOTION, [wide, far]) == [REDUCED_AMOUNT, 1.0]
     assert looked_at[-1] < 1.2 / KNOT_INTERVAL < looked_at[0], "a second of a swell, and not the whole motion"
 
 
 def test_motion_offset_before_the_motion_start_has_no_effect():
     early, late = swell(0.0, 0.004, 0.008), swell(1.0, 1.5, 2.0)
-    alone, both = (Changes(STILL, every).added(np.ones(len(every))) for every in ([late], [early, late]))
+    alone, both = (Changes(STILL_MOTION, every).added(np.ones(len(every))) for every in ([late], [early, late]))
     np.testing.assert_array_equal(both.controls, alone.controls)

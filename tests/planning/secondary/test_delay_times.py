@@ -1,4 +1,4 @@
-"""Delays of joints over time in hand-computed gaps between strokes, with and without rests."""
+"""Joint delays over time in gaps between strokes, with and without rests."""
 
 from math import inf
 
@@ -14,12 +14,14 @@ from kinesic.planning.secondary.succession import (
     _delay_on_return,
 )
 
-BEHIND = 0.07  # [s], built up in 0.2 s of rest or reduced in 0.47 s of motion
-STROKE = ArmStroke("g", 1.5, 2.0, behind=BEHIND)
-RESTING_BEFORE = Gap(0.0, 1.5, ((0.0, 1.0),))
-RESTING_AFTER = Gap(2.0, inf, ((3.0, 3.1), (4.0, inf)))
-MOVING_BEFORE, MOVING_AFTER = Gap(0.0, 1.5, ()), Gap(2.0, 3.0, ())
-SHORT_BEFORE, SHORT_AFTER = Gap(1.1, 1.5, ()), Gap(2.0, 2.4, ())
+HAND_DELAY = 0.07  # [s] delay of the following hand: built up in 0.2 s of rest, or reduced in 0.47 s of motion
+DELAYED_STROKE = ArmStroke("g", 1.5, 2.0, behind=HAND_DELAY)  # stroke from 1.5 to 2 s
+RESTING_BEFORE = Gap(0.0, 1.5, ((0.0, 1.0),))  # gap before the stroke, with a rest of 1 s
+RESTING_AFTER = Gap(2.0, inf, ((3.0, 3.1), (4.0, inf)))  # gap after the stroke, with a short and an infinite rest
+MOVING_BEFORE = Gap(0.0, 1.5, ())  # gap before the stroke, without a rest
+MOVING_AFTER = Gap(2.0, 3.0, ())  # gap after the stroke, without a rest
+SHORT_BEFORE = Gap(1.1, 1.5, ())  # gap of 0.4 s before the stroke
+SHORT_AFTER = Gap(2.0, 2.4, ())  # gap of 0.4 s after the stroke
 
 
 @pytest.mark.parametrize(
@@ -34,9 +36,9 @@ SHORT_BEFORE, SHORT_AFTER = Gap(1.1, 1.5, ()), Gap(2.0, 2.4, ())
     ],
 )
 def test_hand_builds_up_its_delay_in_a_long_rest_or_else_in_the_whole_gap(before: Gap, after: Gap, times: list[float]):
-    lateness = _delay_hand(STROKE, before, after)
+    lateness = _delay_hand(DELAYED_STROKE, before, after)
     assert [time for time, _ in lateness] == pytest.approx(times)
-    assert [delay for _, delay in lateness] == [0.0, BEHIND, BEHIND, 0.0]
+    assert [delay for _, delay in lateness] == [0.0, HAND_DELAY, HAND_DELAY, 0.0]
 
 
 @pytest.mark.parametrize(
@@ -44,7 +46,7 @@ def test_hand_builds_up_its_delay_in_a_long_rest_or_else_in_the_whole_gap(before
     [(SHORT_BEFORE, RESTING_AFTER), (RESTING_BEFORE, SHORT_AFTER), (SHORT_BEFORE, SHORT_AFTER)],
 )
 def test_hand_without_time_to_catch_up_is_not_delayed(before: Gap, after: Gap):
-    assert _delay_hand(STROKE, before, after) == ()
+    assert _delay_hand(DELAYED_STROKE, before, after) == ()
 
 
 @pytest.mark.parametrize(

@@ -11,18 +11,20 @@ from kinesic.planning.secondary.free_arm import swing_free_arms
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-OFFER = '<gesture id="{id}" lexeme="offer" mode="{mode}_HAND" start="{start}" stroke="{stroke}" end="{end}"/>'
+# document whose {} is replaced by behaviours
+BML_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+# gesture of one hand at given times [s]
+OFFER_TEMPLATE = '<gesture id="{id}" lexeme="offer" mode="{mode}_HAND" start="{start}" stroke="{stroke}" end="{end}"/>'
 
 
 def describe(mode, at, id="g"):
-    return OFFER.format(id=id, mode=mode, start=at, stroke=at + 1.0, end=at + 3.0)
+    return OFFER_TEMPLATE.format(id=id, mode=mode, start=at, stroke=at + 1.0, end=at + 3.0)
 
 
 @pytest.fixture(scope="module")
 def exact():
     """Plan a gesture of the right hand without secondary motion."""
-    return plan(ROOT.format(describe("RIGHT", 0.5)), set_up("human"))
+    return plan(BML_TEMPLATE.format(describe("RIGHT", 0.5)), set_up("human"))
 
 
 def find_swings(exact, amount=1.0, **options):
@@ -63,12 +65,12 @@ def test_arm_that_the_other_hand_touches_stays_still(exact):
 
 
 def test_arms_that_both_perform_gestures_do_not_swing():
-    both = plan(ROOT.format(describe("RIGHT", 0.5) + describe("LEFT", 1.0, "h")), set_up("human"))
+    both = plan(BML_TEMPLATE.format(describe("RIGHT", 0.5) + describe("LEFT", 1.0, "h")), set_up("human"))
     assert not find_swings(both)
 
 
 def test_performance_moves_the_free_arm_only_with_idle_motion(exact):
-    text, setup = ROOT.format(describe("RIGHT", 0.5)), exact.setup
+    text, setup = BML_TEMPLATE.format(describe("RIGHT", 0.5)), exact.setup
     paths = []
     for amount in (0.0, 1.0):
         made = plan(text, replace(setup, idling=replace(setup.idling, amount=amount)))

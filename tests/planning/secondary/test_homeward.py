@@ -10,8 +10,9 @@ from kinesic.planning.secondary.homeward import MAX_REST_OFFSET, MAX_RETURN_OFFS
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-OFFERS = "".join(
+# document whose {} is replaced by behaviours
+BML_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+THREE_OFFERS = "".join(  # the same gesture three times, 5 s apart
     f'<gesture id="g{k}" lexeme="offer" mode="RIGHT_HAND" '
     f'start="{at}" stroke="{at + 1}" relax="{at + 1.8}" end="{at + 3}"/>'
     for k, at in enumerate((0.5, 5.5, 10.5))
@@ -21,7 +22,7 @@ OFFERS = "".join(
 @pytest.fixture(scope="module")
 def exact():
     """Plan one gesture three times without variation."""
-    return plan(ROOT.format(OFFERS), set_up())
+    return plan(BML_TEMPLATE.format(THREE_OFFERS), set_up())
 
 
 @pytest.fixture(scope="module")
@@ -81,5 +82,5 @@ def test_return_variation_is_bounded_and_repeatable_by_seed(exact, courses):
 
 
 def test_varied_return_paths_keep_clearance(exact):
-    varied = plan(ROOT.format(OFFERS), replace(exact.setup, variation=Variation(2.0, 4)))
+    varied = plan(BML_TEMPLATE.format(THREE_OFFERS), replace(exact.setup, variation=Variation(2.0, 4)))
     assert varied.clearance.distances.min() >= exact.setup.robot.min_clearance

@@ -1,4 +1,4 @@
-"""Secondary motion of a motion that begins later is the same, only later."""
+"""Invariance of secondary motion to a delay of the underlying motion."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -18,40 +18,40 @@ from kinesic.planning.secondary.offset_bumps import OffsetBump
 from kinesic.planning.secondary.rest_changes import CHANGE_DURATIONS, REST_MARGIN, make_rest_changes
 from kinesic.session.setup import set_up
 
-SETUP = set_up(idle=1.0)
-ROBOT: Robot = SETUP.robot
-DURATION = 40.0  # [s]
+IDLE_SETUP = set_up(idle=1.0)  # setup with full idle motion
+DEFAULT_ROBOT: Robot = IDLE_SETUP.robot
+MOTION_DURATION = 40.0  # [s]
 Maker = Callable[[Trajectory, np.random.Generator], list[OffsetBump]]
 
 
 def held(begin: float) -> Trajectory:
-    """Return a motion that turns the head and raises the left forearm for ten seconds, then rests."""
-    times = np.arange(0.0, DURATION, KNOT_INTERVAL)
-    controls = np.tile(ROBOT.skeleton.rest, (len(times), 1))
+    """Return a motion of head and left forearm that holds 10 s and returns."""
+    times = np.arange(0.0, MOTION_DURATION, KNOT_INTERVAL)
+    controls = np.tile(DEFAULT_ROBOT.skeleton.rest, (len(times), 1))
     there = minimum_jerk(times - 0.5) - minimum_jerk(times - 11.5)
     for name in ("l_elbow_flexion", "skullbase_torsion"):
-        controls[:, ROBOT.skeleton.joint(name)] += 0.7 * there
+        controls[:, DEFAULT_ROBOT.skeleton.joint(name)] += 0.7 * there
     return Trajectory(controls, 0.0, begin)
 
 
 def span(motion: Trajectory) -> tuple[float, float]:
-    return motion.start, motion.start + DURATION - 0.1
+    return motion.start, motion.start + MOTION_DURATION - 0.1
 
 
 def breaths(motion: Trajectory, chance: np.random.Generator) -> list[OffsetBump]:
-    return [*make_breaths(span(motion), 1.0, ROBOT, chance)]
+    return [*make_breaths(span(motion), 1.0, DEFAULT_ROBOT, chance)]
 
 
 def drifts(motion: Trajectory, chance: np.random.Generator) -> list[OffsetBump]:
-    return [*make_drifts(motion, 1.0, ROBOT, chance)]
+    return [*make_drifts(motion, 1.0, DEFAULT_ROBOT, chance)]
 
 
 def arcs(motion: Trajectory, chance: np.random.Generator) -> list[OffsetBump]:
-    return [*make_head_arcs(motion, (), 1.0, ROBOT, chance)]
+    return [*make_head_arcs(motion, (), 1.0, DEFAULT_ROBOT, chance)]
 
 
 def rest_changes(motion: Trajectory, chance: np.random.Generator) -> list[OffsetBump]:
-    return [*make_rest_changes(motion, span(motion), SETUP, UNPOSED_STANDING, chance)]
+    return [*make_rest_changes(motion, span(motion), IDLE_SETUP, UNPOSED_STANDING, chance)]
 
 
 @pytest.mark.parametrize("make", [breaths, drifts, arcs, rest_changes])
@@ -67,7 +67,7 @@ def test_secondary_motion_is_equal_but_later_if_the_underlying_motion_starts_lat
 
 @pytest.mark.parametrize("begin", [0.0, 50.0])
 def test_breaths_vary_around_their_period_and_inhale_for_a_fixed_fraction(begin: float):
-    tilt = ROBOT.skeleton.joint("vl5_tilt")
+    tilt = DEFAULT_ROBOT.skeleton.joint("vl5_tilt")
     trunk = [bump for bump in breaths(held(begin), np.random.default_rng(1)) if bump.away[tilt]]
     lengths = np.array([bump.end - bump.begin for bump in trunk])
     assert np.all(lengths > BREATH_PERIOD * (1.0 - PERIOD_VARIATION) / (1.0 + PERIOD_VARIATION) * 0.9)
@@ -91,7 +91,7 @@ def test_rest_changes_lie_within_the_rest_and_follow_one_another_without_gaps(be
     motion = held(begin)
     bumps = rest_changes(motion, np.random.default_rng(1))
     assert bumps[0].begin == pytest.approx(begin + 12.4 + REST_MARGIN, abs=0.3)
-    assert bumps[-1].end <= begin + DURATION - REST_MARGIN
+    assert bumps[-1].end <= begin + MOTION_DURATION - REST_MARGIN
     for bump in bumps:
         assert CHANGE_DURATIONS[0] <= bump.peak - bump.begin <= CHANGE_DURATIONS[1]
         assert CHANGE_DURATIONS[0] <= bump.end - bump.peak - bump.stays <= CHANGE_DURATIONS[1]
@@ -103,7 +103,7 @@ def test_half_the_amount_of_idle_motion_halves_the_rest_changes():
     motion = held(0.0)
     full, half = (
         [*make_rest_changes(motion, span(motion), setup, UNPOSED_STANDING, np.random.default_rng(4))]
-        for setup in (SETUP, replace(SETUP, idling=replace(SETUP.idling, amount=0.5)))
+        for setup in (IDLE_SETUP, replace(IDLE_SETUP, idling=replace(IDLE_SETUP.idling, amount=0.5)))
     )
     for one, other in zip(full, half, strict=True):
         np.testing.assert_allclose(other.away, 0.5 * one.away, atol=1e-9)

@@ -1,4 +1,4 @@
-"""Punctual strokes at the beginning and the end of a story."""
+"""Stroke times at the beginning and the end of a story."""
 
 from dataclasses import replace
 
@@ -10,7 +10,8 @@ from kinesic.expressivity.variation import Variation
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
-TEXT = (CONFIGS / "bml" / "story.bml").read_text(encoding="utf-8")
+# document with speech and gestures of half a minute
+STORY_TEXT = (CONFIGS / "bml" / "story.bml").read_text(encoding="utf-8")
 
 
 @pytest.fixture(scope="module")
@@ -20,7 +21,7 @@ def known():
 
 @pytest.mark.parametrize("style", [pytest.param("neutral", marks=pytest.mark.soak), "joyful"])
 def test_story_strokes_stay_within_0_1_s_of_their_words(known, style):
-    result = plan(TEXT, replace(known, style=Style.load(style)))
+    result = plan(STORY_TEXT, replace(known, style=Style.load(style)))
     late = {
         f"{s.behaviour}:{s.sync}": s.planned - s.requested for s in result.syncs if s.sync in ("strokeStart", "stroke")
     }

@@ -15,9 +15,10 @@ from kinesic.planning.secondary.talking import (
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-WORDS = "There was a garden, and a man who came to it every morning, and he talked to all of its trees in turn."
-SPEECH = f'<speech id="s" start="1"><text>{WORDS}</text></speech>'
+# document whose {} is replaced by behaviours
+BML_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+SPOKEN_WORDS = "There was a garden, and a man who came to it every morning, and he talked to all of its trees in turn."
+SPEECH_ELEMENT = f'<speech id="s" start="1"><text>{SPOKEN_WORDS}</text></speech>'  # speech that starts at 1 s
 
 
 @pytest.fixture(scope="module")
@@ -26,7 +27,7 @@ def known():
 
 
 def swells(known, document, amount=1.0, seed=1):
-    planned = plan(ROOT.format(document), known)
+    planned = plan(BML_TEMPLATE.format(document), known)
     chance = np.random.default_rng(seed)
     names = known.robot.skeleton.names
     results = [
@@ -38,7 +39,7 @@ def swells(known, document, amount=1.0, seed=1):
 
 
 def test_head_and_trunk_move_during_speech(known):
-    planned, result, moved = swells(known, SPEECH)
+    planned, result, moved = swells(known, SPEECH_ELEMENT)
     begin, end = planned.timeline.timed[0].times["start"], planned.timeline.timed[0].times["end"]
     assert min(swell.begin for swell in result) >= begin - 1e-9
     assert max(swell.end for swell in result) <= end + 1e-9
@@ -49,7 +50,7 @@ def test_head_and_trunk_move_during_speech(known):
 
 
 def test_head_dips_on_accents_with_minimum_spacing(known):
-    planned, result, moved = swells(known, SPEECH)
+    planned, result, moved = swells(known, SPEECH_ELEMENT)
     dips = [swell for swell, names in zip(result, moved, strict=True) if names == {"skullbase_tilt"}]
     vowels = [1.0 + p.start + p.duration / 2 for p in planned.utterances["s"].phonemes if p.symbol in "aeiou"]
     assert all(min(abs(swell.peak - vowel) for vowel in vowels) < 1e-6 for swell in dips)
@@ -61,7 +62,7 @@ def test_head_dips_on_accents_with_minimum_spacing(known):
 
 def test_speech_motion_of_the_head_is_omitted_during_a_requested_nod(known):
     nod = '<head id="n" lexeme="NOD" start="s:start+1" end="s:start+3"/>'
-    planned, result, _ = swells(known, SPEECH + nod)
+    planned, result, _ = swells(known, SPEECH_ELEMENT + nod)
     taken = next(timed.times for timed in planned.timeline.timed if timed.behaviour.id == "n")
     assert result
     assert all(swell.end <= taken["start"] + 1e-9 or swell.begin >= taken["end"] - 1e-9 for swell in result)
@@ -69,14 +70,14 @@ def test_speech_motion_of_the_head_is_omitted_during_a_requested_nod(known):
 
 def test_speech_motion_scales_with_amount(known):
     most = max(*MAX_HEAD_DRIFT, *MAX_TRUNK_DRIFT, *DIP_ANGLES)
-    _, one, _ = swells(known, SPEECH)
-    _, two, _ = swells(known, SPEECH, 2.0)
+    _, one, _ = swells(known, SPEECH_ELEMENT)
+    _, two, _ = swells(known, SPEECH_ELEMENT, 2.0)
     assert max(np.abs(swell.away).max() for swell in one) <= most
     assert all(np.allclose(b.away, 2.0 * a.away) for a, b in zip(one, two, strict=True))
 
 
 def test_nods_and_head_turns_during_speech_have_separate_amounts(known):
-    planned = plan(ROOT.format(SPEECH), known)
+    planned = plan(BML_TEMPLATE.format(SPEECH_ELEMENT), known)
     for amount, prosody, parts in ((0.0, 1.0, {"skullbase_tilt"}), (1.0, 0.0, {"skullbase_torsion", "vl5_torsion"})):
         chance = np.random.default_rng(1)
         result = [
@@ -90,13 +91,15 @@ def test_nods_and_head_turns_during_speech_have_separate_amounts(known):
 
 
 def test_emphasised_word_gets_a_larger_nod_than_any_word_without_emphasis(known):
-    stressed = SPEECH.replace("every", "<emphasis>every</emphasis>")
+    stressed = SPEECH_ELEMENT.replace("every", "<emphasis>every</emphasis>")
     _, result, moved = swells(known, stressed)
     dips = [swell.away.max() for swell, names in zip(result, moved, strict=True) if names == {"skullbase_tilt"}]
     assert max(dips) > 1.5 * DIP_ANGLES[0]
     assert min(dips) >= DIP_ANGLES[0]
     assert max(dips) > max(
-        swell.away.max() for swell, names in zip(*swells(known, SPEECH)[1:], strict=True) if names == {"skullbase_tilt"}
+        swell.away.max()
+        for swell, names in zip(*swells(known, SPEECH_ELEMENT)[1:], strict=True)
+        if names == {"skullbase_tilt"}
     )
 
 
