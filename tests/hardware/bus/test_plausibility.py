@@ -6,6 +6,7 @@ import pytest
 from kinesic.hardware.bus.cycle import BLOCK_DTYPE, Records
 from kinesic.hardware.bus.plausibility import PLAUSIBILITY_TUNING, PlausibilityFilter
 from kinesic.hardware.bus.query import ServoReplies
+from kinesic.hardware.protocol.registers import CLOCK_WRAP
 
 from .records import ALL_SERVOS, answer, blocks, gate, make_filter, told
 
@@ -158,7 +159,7 @@ def test_temperature_of_a_servo_may_rise_during_long_silence(gate: PlausibilityF
     ]
 
 
-@pytest.mark.parametrize("tick", [1000, 990, 900])
+@pytest.mark.parametrize("tick", [1000, 990, 900, 1000 + CLOCK_WRAP // 2])
 def test_servo_record_with_an_earlier_clock_value_is_rejected(gate: PlausibilityFilter, tick: int):
     assert told(gate, blocks(tick, 2060)) == [False, False]
     assert gate.blocks["position"].tolist() == [2048, 2048]
@@ -190,6 +191,10 @@ def test_records_of_a_servo_with_a_stopped_clock_are_rejected(gate: Plausibility
         heard.append(told(gate, frozen, time + 0.001 * k))
     assert heard == [[True, False]] * 20
     assert gate.times[1] == 1.0
+
+
+def test_servo_record_one_millisecond_newer_is_compared_like_all_new_records(gate: PlausibilityFilter):
+    assert told(gate, blocks(1001, 2048 + 218 + POSITION_TOLERANCE)) == [True, True]
 
 
 def test_earlier_clock_value_of_one_servo_rejects_only_its_record(gate: PlausibilityFilter):
