@@ -9,6 +9,7 @@ from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from pathlib import Path
 from time import monotonic, sleep
+from types import ModuleType
 
 import pytest
 
@@ -172,13 +173,28 @@ def becomes() -> Callable[[Callable[[], bool]], bool]:
     return waited
 
 
+def patch_in_this_thread(
+    monkeypatch: pytest.MonkeyPatch, module: ModuleType, name: str, simulated: Callable[..., object]
+) -> None:
+    """Replace a function of a module for calls of the current thread only.
+
+    The loop of the shared server runs meanwhile and must not use simulated time.
+    """
+    real, owner = getattr(module, name), threading.get_ident()
+
+    def chosen(*arguments: object) -> object:
+        return simulated(*arguments) if threading.get_ident() == owner else real(*arguments)
+
+    monkeypatch.setattr(module, name, chosen)
+
+
 @pytest.fixture
 def simulation(known: Setup, monkeypatch: pytest.MonkeyPatch) -> Simulation:
     made = Simulation(known)
     for module in (loop_module, messages):
-        monkeypatch.setattr(module, "monotonic", made.read)
-    monkeypatch.setattr(loop_module, "sleep", made.sleep)
-    monkeypatch.setattr(loop_module, "wait", made.wait)
+        patch_in_this_thread(monkeypatch, module, "monotonic", made.read)
+    patch_in_this_thread(monkeypatch, loop_module, "sleep", made.sleep)
+    patch_in_this_thread(monkeypatch, loop_module, "wait", made.wait)
     return made
 
 
@@ -186,7 +202,7 @@ def simulation(known: Setup, monkeypatch: pytest.MonkeyPatch) -> Simulation:
 def make_planning(known: Setup, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Planning]:
     """Factory of planners in simulated time."""
     made: list[Planning] = []
-    monkeypatch.setattr(messages, "monotonic", lambda: made[-1].time if made else 0.0)
+    patch_in_this_thread(monkeypatch, messages, "monotonic", lambda: made[-1].time if made else 0.0)
 
     def making(setup: Setup = known, **options: object) -> Planning:
         made.append(Planning(setup, **options))
