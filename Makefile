@@ -30,8 +30,9 @@ demo: .venv/.stamp-demo
 
 # Tests start many processes: compiled modules are kept for them, whatever the caller's environment says. Files in an
 # order of their own, the longest first (tests/scheduling.py): sorted by their number of tests, they would come last.
-# A test that fails is tried once more, and named at the end: of 12 600, hundreds depend on processes and on a clock.
-TEST := PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder --reruns 1 -rR
+# A test that fails is tried once more, and shown at the end with its error: hundreds depend on processes and on a clock.
+TEST := PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --dist loadfile --no-loadscope-reorder --reruns 1 -rR \
+	--rerun-show-tracebacks
 test: .venv/.stamp-test
 	@$(TEST)
 

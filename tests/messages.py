@@ -1,7 +1,8 @@
 """Fewer messages from test processes to the process that prints their results.
 
-For each test, xdist sends six messages and pytest-rerunfailures two more, letter by letter. This takes 4 ms of
-processor time, as much as most tests take. Short output needs only two of them: the result, and that the test is over.
+For each test, xdist sends six messages, which take 4 ms of processor time, as much as most tests take. Short output
+needs only two of them: the result, and that the test is over. pytest-rerunfailures also asks for the number of attempts
+over TCP, where each test waits 40 ms for a delayed acknowledgement. Each process therefore counts attempts by itself.
 """
 
 from collections.abc import Mapping
@@ -13,11 +14,13 @@ UNPRINTED_EVENTS = frozenset({"logstart", "logfinish"})  # events that only verb
 
 
 def send_few_messages(config: pytest.Config) -> None:
-    """Send only messages that short output needs, in a process of xdist."""
-    if not hasattr(config, "workerinput") or not uses_short_output(config):
+    """Send only messages that the requested output needs, in a process of xdist."""
+    if not hasattr(config, "workerinput"):
         return
     config.failures_db.sock.close()
     config.failures_db = StatusDB()  # attempts are counted here; a test that ends its process is not tried again
+    if not uses_short_output(config):
+        return
     sender = next(plugin for plugin in config.pluginmanager.get_plugins() if hasattr(plugin, "sendevent"))
     send = sender.sendevent
 

@@ -2,10 +2,12 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+from pytest_rerunfailures import StatusDB
 
-from .messages import is_needed, uses_short_output
+from .messages import is_needed, send_few_messages, uses_short_output
 
 ROOT_FOLDER = Path(__file__).parents[1]
 ENVIRONMENT = {name: value for name, value in os.environ.items() if not name.startswith("PYTEST_")} | {
@@ -36,6 +38,16 @@ def test_short_output_is_used_unless_verbose_durations_or_xml_are_requested(pyte
     assert uses_short_output(pytestconfig) == (
         pytestconfig.option.verbose <= 0 and not pytestconfig.option.durations and not pytestconfig.option.xmlpath
     )
+
+
+def test_worker_with_verbose_output_counts_attempts_without_a_connection():
+    closed = []
+    connected = SimpleNamespace(sock=SimpleNamespace(close=lambda: closed.append("socket")))
+    option = SimpleNamespace(verbose=1, durations=None, xmlpath=None)
+    config = SimpleNamespace(workerinput={}, option=option, failures_db=connected)
+    send_few_messages(config)
+    assert type(config.failures_db) is StatusDB
+    assert closed == ["socket"]
 
 
 SUITE = """
