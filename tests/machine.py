@@ -11,25 +11,27 @@ from dataclasses import dataclass
 
 import pytest
 
-WAKES, NAP = 12, 0.001  # [s] sleeps of one check
-LOOP_COUNT = 40_000  # Python loop iterations, a few milliseconds
+WAKE_COUNT = 12  # number of sleeps per check
+SLEEP_TIME = 0.001  # [s] duration of each sleep
+LOOP_COUNT = 40_000  # number of Python loop iterations per check, which take a few milliseconds
 MAX_WAKE_DELAY = 0.020  # [s] acceptable delay of a wake-up
 MIN_CORE_FRACTION = 0.3  # smallest fraction of a core that this process gets during a check
 MAX_LOOP_TIME = 0.040  # [s] largest processor time of `LOOP_COUNT` loop iterations
 CHECK_VALIDITY = 1.0  # [s] time for which a successful check is valid
-PATIENCE, AGAIN = 6.0, 0.1  # [s] before the machine counts as too slow, normally and after a slow check
+PATIENCE_TIME = 6.0  # [s] duration of repeated failed checks after which the machine counts as too slow
+REPEATED_PATIENCE_TIME = 0.1  # [s] likewise, if the previous check has found the machine too slow
 LONG_CHECK_FACTOR = 20  # factor of the loop count after a failure, so that a check exceeds a scheduler time slice
 FAIR_CORE_FRACTION = 0.5  # fraction of a core below which a failed test is inconclusive
 MAX_EXCUSED_FAILURES = 3  # number of inconclusive failures after which the machine counts as too slow
 
-MISTAKES = (
+CODE_ERRORS = (
     AttributeError,
     FileNotFoundError,
     ImportError,
     NameError,
     TypeError,
-)  # errors that also occur on a fast machine
-WRONG_WORDS = "Regex pattern did not match"  # pytest's text for an error with an unexpected message
+)  # types of errors that a slow machine does not cause
+WRONG_MESSAGE_TEXT = "Regex pattern did not match"  # pytest's text for an error with an unexpected message
 
 
 @dataclass(frozen=True)
@@ -55,9 +57,9 @@ class Look:
 def look(loops: int = LOOP_COUNT) -> Look:
     """Measure wake-ups and processor time, for about 20 ms or longer."""
     late = []
-    for _ in range(WAKES):
-        due = time.perf_counter() + NAP
-        time.sleep(NAP)
+    for _ in range(WAKE_COUNT):
+        due = time.perf_counter() + SLEEP_TIME
+        time.sleep(SLEEP_TIME)
         late.append(time.perf_counter() - due)
     wall, own = time.perf_counter(), time.thread_time()
     for _ in range(loops):
@@ -70,7 +72,7 @@ class Watch:
     """Periodic checks of the machine before realtime tests and after failures."""
 
     def __init__(self) -> None:
-        self._good, self._patience, self._failures = -CHECK_VALIDITY, PATIENCE, 0
+        self._good, self._patience, self._failures = -CHECK_VALIDITY, PATIENCE_TIME, 0
 
     def complaint(self) -> str:
         """Return why the machine does not keep time, after some waiting, or empty."""
@@ -81,9 +83,9 @@ class Watch:
             return ""
         while missing := look().complaint:
             if time.monotonic() - began > self._patience:
-                self._patience = AGAIN
+                self._patience = REPEATED_PATIENCE_TIME
                 return missing
-        self._good, self._patience = time.monotonic(), PATIENCE
+        self._good, self._patience = time.monotonic(), PATIENCE_TIME
         return ""
 
     def excuse(self) -> str:
@@ -97,5 +99,5 @@ class Watch:
 
 
 def depends_on_time(failure: pytest.ExceptionInfo[BaseException] | None) -> bool:
-    """Tell whether a slow machine could have caused this failure."""
-    return failure is None or not (isinstance(failure.value, MISTAKES) or WRONG_WORDS in str(failure.value))
+    """Return whether a slow machine could have caused this failure."""
+    return failure is None or not (isinstance(failure.value, CODE_ERRORS) or WRONG_MESSAGE_TEXT in str(failure.value))

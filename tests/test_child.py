@@ -19,7 +19,7 @@ from kinesic.expressivity.lexicon.entries import builtin_gestures
 pytestmark = pytest.mark.realtime
 
 CONTEXT = child_context()
-MAX_COPIED = 2000  # [kB] largest preloaded memory that a garbage collection may copy
+MAX_COPIED = 2000  # [kB] largest shared memory that a garbage collection may copy
 
 
 def answer(line: Connection, word: str) -> None:

@@ -16,7 +16,7 @@ from kinesic.cli import kinesic as command
 from kinesic.report.run import Performance
 
 ROOT = Path(__file__).resolve().parent.parent
-GENERATED = {
+GENERATED_PAGES = {
     "command-line.md",
     "examples.md",
 }  # generated pages, with usage lines and whole programs instead of examples
@@ -25,17 +25,17 @@ PAGES = [
     ROOT / "README.md",
     ROOT / "AGENTS.md",
     *SKILLS,
-    *sorted(page for page in (ROOT / "docs").rglob("*.md") if page.name not in GENERATED),
+    *sorted(page for page in (ROOT / "docs").rglob("*.md") if page.name not in GENERATED_PAGES),
 ]
 SHELL_LINE = re.compile(r"^(?:\$ )?(?:\w+=\S* )*(?:\.venv/bin/)?kinesic (?P<words>.*)$", re.MULTILINE)
-PLACEHOLDER = re.compile(r"^(\.\.\.|[A-Z]+|\W+)$")
+PLACEHOLDER_PATTERN = re.compile(r"^(\.\.\.|[A-Z]+|\W+)$")
 CHEAP_SKILLS = {
     "write-a-sink",
     "read-a-report",
     "stream-bml",
     "export-gltf",
 }  # skills whose examples run in the test; the others would perform several times
-RUN_PAGES = [
+RUN_PAGES = [  # pages whose Python examples run in the test; other examples need a display
     *(page for page in SKILLS if page.parent.name in CHEAP_SKILLS),
     ROOT / "README.md",
     ROOT / "docs" / "explanation" / "inverse-kinematics.md",
@@ -96,7 +96,7 @@ def test_commands_and_options_in_documentation_text_exist():
             count += 1
             first = text.split("#")[0].replace("|", " ").split()
             try:
-                verb, rest = find_verb([word for word in first if not PLACEHOLDER.match(word)])
+                verb, rest = find_verb([word for word in first if not PLACEHOLDER_PATTERN.match(word)])
             except click.UsageError as error:
                 failures.append(f"{page.name}: {text}: {error.message}")
                 continue

@@ -25,7 +25,7 @@ GUIDES = ROOT / "docs" / "how-to"
 REFERENCE = ROOT / "docs" / "reference"
 THESIS_MAP = ROOT / "docs" / "explanation" / "thesis-map.md"
 SKILLS = sorted((ROOT / "skills").glob("*/SKILL.md"))
-MAPS = [ROOT / "CONTRIBUTING.md", ROOT / "AGENTS.md", ARCHITECTURE, THESIS_MAP, GUIDES / "run-the-tests.md"]
+CODE_MAP_PAGES = [ROOT / "CONTRIBUTING.md", ROOT / "AGENTS.md", ARCHITECTURE, THESIS_MAP, GUIDES / "run-the-tests.md"]
 PAGES = sorted([*ROOT.glob("*.md"), *SKILLS, *(ROOT / "docs").rglob("*.md")])
 
 
@@ -62,7 +62,7 @@ def test_index_of_each_documentation_section_links_each_page_once(section: str):
     assert sorted(links) == sorted(pages), f"edit docs/{section}/index.md"
 
 
-@pytest.mark.parametrize("page", MAPS, ids=lambda page: str(page.relative_to(ROOT)))
+@pytest.mark.parametrize("page", CODE_MAP_PAGES, ids=lambda page: str(page.relative_to(ROOT)))
 def test_file_paths_in_contributor_pages_exist(page: Path):
     """Paths in backticks contain a slash or a file suffix; NAME is a placeholder."""
     prose = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)

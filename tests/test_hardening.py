@@ -7,9 +7,10 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 KERNELS = sorted((ROOT / "kinesic" / "_kernel").glob("*.so"))
-DYNAMIC_SEGMENT, STACK_SEGMENT, RELRO_SEGMENT = 2, 0x6474E551, 0x6474E552
-EXECUTABLE = 1  # flag of an executable segment
-FLAGS_1_ENTRY, NOW = 0x6FFFFFFB, 1  # entry of the dynamic segment and its flag: all addresses are bound at load time
+DYNAMIC_SEGMENT, STACK_SEGMENT, RELRO_SEGMENT = 2, 0x6474E551, 0x6474E552  # ELF segment types
+EXECUTABLE_FLAG = 1  # flag of an executable segment
+FLAGS_1_ENTRY = 0x6FFFFFFB  # tag DT_FLAGS_1 of an entry of the dynamic segment
+BIND_NOW_FLAG = 1  # flag in DT_FLAGS_1: all addresses are bound at load time
 
 
 def segments(image: bytes) -> dict[int, tuple[int, bytes]]:
@@ -32,5 +33,5 @@ def test_compiled_kernels_have_full_relro_and_a_non_executable_stack(kernel: Pat
     result = segments(image)
     entries = dict(struct.iter_unpack("<QQ", result[DYNAMIC_SEGMENT][1]))
     assert RELRO_SEGMENT in result
-    assert entries.get(FLAGS_1_ENTRY, 0) & NOW
-    assert not result[STACK_SEGMENT][0] & EXECUTABLE
+    assert entries.get(FLAGS_1_ENTRY, 0) & BIND_NOW_FLAG
+    assert not result[STACK_SEGMENT][0] & EXECUTABLE_FLAG

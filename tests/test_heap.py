@@ -31,7 +31,7 @@ blocks.clear()
 sleep(1.0)
 print((resident() - before) // 1_000_000)
 """
-MAX_RETAINED = 10  # [MB] memory that may stay allocated after 100 MB were freed
+MAX_RETAINED = 10  # [MB] largest memory that stays allocated after 100 MB were freed
 MIN_FROZEN_OBJECTS = 10_000  # smallest number of frozen objects; the imports of this test alone have more
 
 

@@ -11,27 +11,31 @@ from .naming import about
 
 ROOT = Path(__file__).resolve().parent.parent
 EXTRAS = ("speech", "face", "voice", "dev")
-TOOLS = ("docs", "release", "compiler")  # lock files without the packages of the core
-LISTS = {name: ROOT / f"requirements-{name}.lock" for name in (*EXTRAS, *TOOLS)} | {"": ROOT / "requirements.lock"}
+TOOL_NAMES = ("docs", "release", "compiler")  # lock files without the packages of the core
+LOCK_FILES = {name: ROOT / f"requirements-{name}.lock" for name in (*EXTRAS, *TOOL_NAMES)} | {
+    "": ROOT / "requirements.lock"
+}
 MODULE_NAMES = {"hibari-tts": "hibari", "pillow": "PIL"}  # names of modules that differ from those of their packages
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 PROJECT = PYPROJECT["project"]
-ENTRY = re.compile(
+PIN_PATTERN = re.compile(
     r"([A-Za-z0-9._-]+)==([A-Za-z0-9.!+_-]+)(?: ; ([^\\\n]+))?((?: \\\n    --hash=sha256:[0-9a-f]{64})+)\n"
 )
 
 
 def pins(extra: str) -> dict[str, str]:
     """Return the versions in a lock file by package name."""
-    return {normalised(entry[1]): entry[2] for entry in ENTRY.finditer(LISTS[extra].read_text(encoding="utf-8"))}
+    return {
+        normalised(entry[1]): entry[2] for entry in PIN_PATTERN.finditer(LOCK_FILES[extra].read_text(encoding="utf-8"))
+    }
 
 
 def normalised(name: str) -> str:
     return re.sub(r"[-_.]+", "-", name).lower()
 
 
-NEEDED = [
-    *((extra, item) for extra in TOOLS for item in PROJECT["optional-dependencies"][extra]),
+LOCKED_REQUIREMENTS = [  # name of a lock file, requirement that it must satisfy
+    *((extra, item) for extra in TOOL_NAMES for item in PROJECT["optional-dependencies"][extra]),
     *(("", item) for item in (*PROJECT["dependencies"], *PYPROJECT["build-system"]["requires"])),
     *(
         (extra, item)
@@ -42,28 +46,30 @@ NEEDED = [
 
 
 def test_locked_versions_satisfy_the_project_requirements():
-    for extra, needed in NEEDED:
+    for extra, needed in LOCKED_REQUIREMENTS:
         requirement = Requirement(needed)
         with about(f"{needed} of {extra or 'the core'}"):
             assert requirement.specifier.contains(pins(extra)[normalised(requirement.name)])
 
 
-@pytest.mark.parametrize("extra", LISTS)
+@pytest.mark.parametrize("extra", LOCK_FILES)
 def test_locked_files_have_hashes_and_no_urls(extra: str):
-    text = LISTS[extra].read_text(encoding="utf-8")
-    assert ENTRY.sub("", text) == ""
+    text = LOCK_FILES[extra].read_text(encoding="utf-8")
+    assert PIN_PATTERN.sub("", text) == ""
     assert "kinesic" not in pins(extra)
 
 
 def test_lock_files_have_equal_versions():
     everything: dict[str, str] = {}
-    for extra in LISTS:
+    for extra in LOCK_FILES:
         for name, version in pins(extra).items():
             assert everything.setdefault(name, version) == version
 
 
 def test_pyopengl_and_glfw_are_installed_only_where_films_need_them():
-    markers = {normalised(entry[1]): entry[3] for entry in ENTRY.finditer(LISTS[""].read_text(encoding="utf-8"))}
+    markers = {
+        normalised(entry[1]): entry[3] for entry in PIN_PATTERN.finditer(LOCK_FILES[""].read_text(encoding="utf-8"))
+    }
     assert markers["pyopengl"] == markers["glfw"] == "sys_platform != 'linux'"
     (rendering,) = [item for item in map(Requirement, PROJECT["dependencies"]) if item.extras == {"rendering"}]
     assert str(rendering.marker) == 'sys_platform != "linux"'

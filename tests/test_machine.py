@@ -30,15 +30,15 @@ def test_machine_check_is_repeated_after_a_disturbance_and_its_success_is_cached
 
 
 def test_persistently_slow_machine_is_reported(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(f"{Watch.__module__}.PATIENCE", 0.0)
+    monkeypatch.setattr(f"{Watch.__module__}.PATIENCE_TIME", 0.0)
     monkeypatch.setattr(f"{Watch.__module__}.look", lambda: Look(0.1, 1.0, 0.002))
     assert Watch().complaint() == "it wakes 100 ms late (at most 20)"
 
 
 def test_second_check_of_a_slow_machine_measures_only_once(monkeypatch: pytest.MonkeyPatch):
     slow, looks = Look(0.1, 1.0, 0.002), []
-    monkeypatch.setattr(f"{Watch.__module__}.PATIENCE", 0.1)
-    monkeypatch.setattr(f"{Watch.__module__}.AGAIN", 0.0)
+    monkeypatch.setattr(f"{Watch.__module__}.PATIENCE_TIME", 0.1)
+    monkeypatch.setattr(f"{Watch.__module__}.REPEATED_PATIENCE_TIME", 0.0)
     monkeypatch.setattr(f"{Watch.__module__}.look", lambda: looks.append(slow) or slow)
     watch = Watch()
     assert watch.complaint()

@@ -9,8 +9,8 @@ from packaging.utils import canonicalize_name
 
 ROOT = Path(__file__).resolve().parent.parent
 PYPROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
-LICENCES = re.compile(r"MIT|BSD|ISC|Apache|L?GPL|MPL|its own")
-ROW = re.compile(r"^  (\S+) +(\S.+)$", re.MULTILINE)
+LICENCE_PATTERN = re.compile(r"MIT|BSD|ISC|Apache|L?GPL|MPL|its own")
+LICENCE_ROW = re.compile(r"^  (\S+) +(\S.+)$", re.MULTILINE)
 
 
 def direct_dependencies() -> set[str]:
@@ -22,6 +22,6 @@ def direct_dependencies() -> set[str]:
 
 
 def test_notice_lists_licences_of_exactly_the_direct_dependencies():
-    rows = dict(ROW.findall((ROOT / "NOTICE").read_text(encoding="utf-8")))
+    rows = dict(LICENCE_ROW.findall((ROOT / "NOTICE").read_text(encoding="utf-8")))
     assert {canonicalize_name(name) for name in rows} == direct_dependencies()
-    assert [name for name, licence in rows.items() if not LICENCES.search(licence)] == []
+    assert [name for name, licence in rows.items() if not LICENCE_PATTERN.search(licence)] == []

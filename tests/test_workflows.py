@@ -37,7 +37,7 @@ def test_each_github_workflow_job_has_a_time_limit():
         assert text.count("runs-on:") == text.count("timeout-minutes:")
 
 
-def test_test_workflow_runs_on_successive_python_versions_from_the_oldest_supported():
+def test_workflow_of_tests_covers_successive_python_versions_from_the_oldest_supported():
     (listed,) = re.findall(r"python: \[(.+)\]", (ROOT / ".github/workflows/test.yml").read_text(encoding="utf-8"))
     (oldest,) = re.findall(r'requires-python = ">=(3\.\d+)"', (ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     versions = re.findall(r'"(3\.\d+)"', listed)

@@ -22,8 +22,8 @@ from kinesic.tasks.store import JOURNAL_FILE
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>\n'
 NOD = '<head id="h" lexeme="NOD" start="{:.4f}" end="0.9"/>'
 BEAT = '<gesture id="g" lexeme="beat" stroke="{:.4f}"/>'
-SPREAD = 0.5  # share of the time between two kills by which a kill comes earlier or later
-TELL = 30.0  # [s] between two lines of progress
+KILL_JITTER = 0.5  # largest deviation of a kill from its planned time / time between two kills
+REPORT_PERIOD = 30.0  # [s] time between two lines of progress
 
 
 @dataclass(frozen=True)
@@ -37,8 +37,8 @@ class Outcome:
     kills: int
     begun: int  # workers that were ready to work
     seconds: float
-    cpu: float  # [s] of who called
-    memory: float  # [MB] of who called, at most
+    cpu: float  # [s] processor time of the calling process
+    memory: float  # [MB] peak memory of the calling process
 
     @property
     def is_good(self) -> bool:
@@ -92,7 +92,7 @@ def perform_under_fire(
             if verdict.outcome != "performed":
                 crashed += 1
                 tell(f"{verdict.outcome} {verdict.error}")
-            if monotonic() - began > result + TELL:
+            if monotonic() - began > result + REPORT_PERIOD:
                 result = monotonic() - began
                 tell(f"{result:.0f} s: {len(seen)} of {count}, {len(kills)} kills")
     lines = Counter((folder / "reports" / JOURNAL_FILE).read_bytes().splitlines())
@@ -131,7 +131,7 @@ def _kills(folder: Path, every: float, chance: random.Random) -> Iterator[list[i
     over = Event()
 
     def kill() -> None:
-        while not over.wait(every * chance.uniform(1.0 - SPREAD, 1.0 + SPREAD)):
+        while not over.wait(every * chance.uniform(1.0 - KILL_JITTER, 1.0 + KILL_JITTER)):
             notes = [note.name.split() for note in sorted(folder.iterdir())]
             alive = [int(pid) for pid, age in notes if _age(int(pid)) == age]
             if alive:

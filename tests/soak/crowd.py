@@ -22,16 +22,16 @@ from kinesic.bench.bml import flood
 from kinesic.bench.bml.server import Server, open_server
 from kinesic.client import Client
 from tests.soak.feedback_journal import FeedbackJournal
-from tests.soak.memory_log import SETTLED, MemoryLog
+from tests.soak.memory_log import WARM_UP_TIME, MemoryLog
 
-CLIENTS = 6
-LOOK = 5.0  # [s] between two samples of memory
-PAUSE = 1.2  # [s] between two deeds of a client, on average
-SYNCHRONIZED = 2.0  # [s] between two questions for the server's time
-FLOOD_DURATION = 4.0  # [s]
-FLOOD_PERIOD = 30.0  # [s] of one kind after the other: each comes every 150 s
-QUESTION_PERIOD = 12.0  # [s] between two questions of one client
-LAST_BLOCKS = 40.0  # [s] in which the last blocks end
+CLIENT_COUNT = 6
+SAMPLE_PERIOD = 5.0  # [s] time between two samples of memory
+MEAN_PAUSE = 1.2  # [s] mean time between two blocks, stops or interruptions of a client
+CLOCK_QUERY_PERIOD = 2.0  # [s] time between two queries of the server's time
+FLOOD_DURATION = 4.0  # [s] duration of one flood
+FLOOD_PERIOD = 30.0  # [s] time between two floods; with five kinds in turn, each kind comes every 150 s
+QUESTION_PERIOD = 12.0  # [s] time between two queries of one client
+END_TIMEOUT = 40.0  # [s] time limit for the end of the last blocks
 COMPOSITIONS = ("MERGE", "MERGE", "APPEND", "APPEND", "REPLACE")
 BEHAVIOURS = (
     '<head id="h" lexeme="NOD" start="0.1" repetition="2"/>',
@@ -49,8 +49,8 @@ QUESTIONS: tuple[tuple[str, dict[str, object]], ...] = (
     ("gesture", {"toml": flood.GESTURE_TEMPLATE % 0.3}),
     ("export", {"format": "csv", "bml": '<bml id="asked"><head id="h" lexeme="NOD" start="0"/></bml>'}),
 )
-FAULTS = ("duplicate", "lost", "no end", "disorder", "early")  # words of the journal
-BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}" composition="{}">{}</bml>'
+FAULT_WORDS = ("duplicate", "lost", "no end", "disorder", "early")  # words with which the journal names kinds of faults
+BLOCK_BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}" composition="{}">{}</bml>'
 
 
 @dataclass
@@ -64,12 +64,12 @@ class Report:
 
 
 class _Member(Thread):
-    """A client that sends blocks, stops and interrupts, and reads all feedback."""
+    """Client that sends blocks, stops and interruptions, and reads all feedback."""
 
     def __init__(self, number: int, port: int, done: Event) -> None:
         super().__init__(name=f"client {number}", daemon=True)
         self.number, self.journal = number, FeedbackJournal()
-        self.is_complete = False  # whether it has read its last feedback
+        self.is_complete = False  # whether the client has read its last feedback
         self._port, self._done = port, done
         self._chance = random.Random(number)
         self._asked: dict[int, float] = {}
@@ -81,11 +81,11 @@ class _Member(Thread):
             while not self._done.is_set():
                 now = monotonic()
                 if now >= asking:
-                    asking = now + SYNCHRONIZED
+                    asking = now + CLOCK_QUERY_PERIOD
                     self._asked[len(self._asked) + 1] = monotonic()
                     client.do("status", id=len(self._asked))
                 if now >= coming:
-                    coming = now + self._chance.expovariate(1.0 / PAUSE)
+                    coming = now + self._chance.expovariate(1.0 / MEAN_PAUSE)
                     self._act(client)
                 if now >= questioning:
                     questioning = now + QUESTION_PERIOD
@@ -93,11 +93,11 @@ class _Member(Thread):
                     client.do(verb, **values)
                 self._hear(client, min(asking, coming, questioning))
             client.do("interrupt")
-            self._hear(client, monotonic() + LAST_BLOCKS, quiet=8.0)
+            self._hear(client, monotonic() + END_TIMEOUT, quiet=8.0)
         self.is_complete = True
 
     def faults(self) -> Iterator[str]:
-        """Yield the broken promises of feedback, and a premature end."""
+        """Yield violations of the feedback rules, and a premature end."""
         if not self.is_complete:
             yield f"{self.name}: lost, it ended before its time"
         yield from self.journal.faults()
@@ -116,7 +116,7 @@ class _Member(Thread):
         else:
             name = f"c{self.number}n{len(self.journal.sent)}"
             self.journal.sent.append(name)
-            client.send(BML.format(name, self._chance.choice(COMPOSITIONS), self._chance.choice(BEHAVIOURS)))
+            client.send(BLOCK_BML.format(name, self._chance.choice(COMPOSITIONS), self._chance.choice(BEHAVIOURS)))
 
     def _hear(self, client: Client, until: float, quiet: float = 1e9) -> None:
         last = monotonic()
@@ -137,7 +137,7 @@ class _Member(Thread):
 def crowd(server: Server, seconds: float) -> Report:
     """Load a server with clients, floods and unfinished connections for some time [s]."""
     done = Event()
-    members = [_Member(number, server.port, done) for number in range(CLIENTS)]
+    members = [_Member(number, server.port, done) for number in range(CLIENT_COUNT)]
     memory = MemoryLog()
     began = monotonic()
     with ExitStack() as closing:
@@ -148,9 +148,9 @@ def crowd(server: Server, seconds: float) -> Report:
         hostile.start()
         while (time := monotonic() - began) < seconds and server.process.poll() is None:
             memory.record(round(time, 2), server.process.pid)
-            done.wait(max(0.0, min(LOOK, seconds - (monotonic() - began))))
+            done.wait(max(0.0, min(SAMPLE_PERIOD, seconds - (monotonic() - began))))
     for each in members:
-        each.join(LAST_BLOCKS + 10.0)
+        each.join(END_TIMEOUT + 10.0)
     hostile.join(20.0)
     exit_code = server.process.poll()
     ended = [] if exit_code is None else [f"lost, the server ended with exit code {exit_code}"]
@@ -163,7 +163,7 @@ def crowd(server: Server, seconds: float) -> Report:
 
 
 def _annoy(port: int, done: Event) -> None:
-    """Flood the server periodically, and leave connections unfinished meanwhile."""
+    """Flood the server periodically, and leave connections with incomplete messages."""
     kinds = [kind for kind in flood.FLOOD_FUNCTIONS if kind != "blocks"]
     number = 0
     while not done.wait(FLOOD_PERIOD / 2):
@@ -183,7 +183,7 @@ def _annoy(port: int, done: Event) -> None:
 def _text(report: Report, settled: float, duration: float) -> Iterator[str]:
     """Yield the lines of a report."""
     yield f"{report.blocks} blocks, {report.messages} messages, {len(report.faults)} faults"
-    yield ", ".join(f"{word}: {sum(word in fault for fault in report.faults)}" for word in FAULTS)
+    yield ", ".join(f"{word}: {sum(word in fault for fault in report.faults)}" for word in FAULT_WORDS)
     yield from report.faults[:60]
     yield from report.memory.lines(settled, duration)
 
@@ -192,4 +192,4 @@ if __name__ == "__main__":
     seconds = float(sys.argv[1])
     with open_server(*sys.argv[2:]) as opened:
         found = crowd(opened, seconds)
-    print("\n".join(_text(found, min(SETTLED, seconds / 4), seconds)))  # noqa: T201 - a program of its own
+    print("\n".join(_text(found, min(WARM_UP_TIME, seconds / 4), seconds)))  # noqa: T201 - a program of its own

@@ -27,12 +27,12 @@ class Arrival:
 
 @dataclass
 class FeedbackJournal:
-    """All feedback of one client."""
+    """All feedback of one client, with checks of its order and times."""
 
     arrivals: list[Arrival] = field(default_factory=list)
-    sent: list[str] = field(default_factory=list)  # ids of the blocks that it sent
+    sent: list[str] = field(default_factory=list)  # ids of the sent blocks
     refused: set[str] = field(default_factory=set)
-    lost_messages: int = 0  # that the server dropped, because they were not read in time
+    lost_messages: int = 0  # number of messages that the server dropped, because they were not read in time
     _offset: float = -inf  # [s] from the server's clock to the machine's, at least
 
     def synchronize(self, asked: float, time: float) -> None:
@@ -49,7 +49,7 @@ class FeedbackJournal:
             self.lost_messages += "rule unread" in message
 
     def faults(self) -> Iterator[str]:
-        """Yield every broken promise."""
+        """Yield all violations of the feedback rules."""
         blocks = defaultdict[str, list[Arrival]](list)
         for arrival in self.arrivals:
             blocks[arrival.block].append(arrival)
@@ -61,7 +61,7 @@ class FeedbackJournal:
 
 
 def _faults(arrivals: list[Arrival]) -> Iterator[str]:
-    """Yield the broken promises of one block."""
+    """Yield violations of the feedback rules for one block."""
     points = [arrival.point for arrival in arrivals]
     for point in dict.fromkeys(points):
         if (times := points.count(point)) > 1:

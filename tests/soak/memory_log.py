@@ -1,9 +1,9 @@
-"""Memory of a server's processes over time, judged by one rule.
+"""Memory of a server's processes over time, with limited growth.
 
-After `SETTLED` seconds memory stays: the median of the last fifth of the remaining time exceeds the median of its first
-fifth by at most 2 %. The sum counts anonymous and shared pages, each page once, however many forks share it; pages of
-program files are left out, because other programs on the machine share them. Each role is also judged alone, by the
-pages that only its processes hold, so that one that shrinks hides no other that grows.
+The median memory of the last fifth of the time after `WARM_UP_TIME` exceeds that of its first fifth by at most 2 %. The
+sum counts anonymous and shared pages, each page once, however many forks share it. Pages of program files are excluded,
+because other programs on the machine share them. Each role is also judged alone, by the pages that only its processes
+hold, so that a role that shrinks hides no other that grows.
 """
 
 from collections.abc import Callable, Iterator
@@ -14,9 +14,9 @@ from statistics import median
 
 from kinesic.bench.bml.server import _list_process_tree
 
-SETTLED = 300.0  # [s] in which every process is begun and every kind of request and flood comes
-WINDOW = 0.2  # share of the settled time, at its beginning and at its end
-KNOWN_PROGRAMS = ("forkserver", "resource_tracker", "espeak_process")  # in the command lines of other processes
+WARM_UP_TIME = 300.0  # [s] time in which all processes start, and each kind of request and flood occurs
+WINDOW_FRACTION = 0.2  # length of the first and the last compared window / time after the warm-up
+KNOWN_PROGRAMS = ("forkserver", "resource_tracker", "espeak_process")  # program names that are found in command lines
 
 
 @dataclass(frozen=True)
@@ -25,8 +25,8 @@ class ProcessSize:
 
     pid: int
     role: str
-    private: int  # [bytes] of pages that no other process holds
-    share: int  # [bytes] of anonymous and shared pages, divided by the number of their holders
+    private: int  # [bytes] memory that no other process shares
+    share: int  # [bytes] anonymous and shared memory, each page divided by the number of its processes
 
 
 @dataclass
@@ -45,15 +45,15 @@ class MemoryLog:
         return tuple(dict.fromkeys(size.role for _, sizes in self.samples for size in sizes))
 
     def total(self, settled: float, duration: float) -> tuple[float, float]:
-        """Return the memory [bytes] of all processes in both windows."""
+        """Return the memory [bytes] of all processes in the two compared windows."""
         return self._windows(settled, duration, lambda each: each.share)
 
     def private(self, settled: float, duration: float, role: str | None = None) -> tuple[float, float]:
-        """Return the private memory [bytes] of a role, or of all processes, in both windows."""
+        """Return a role's private memory [bytes] in the two compared windows."""
         return self._windows(settled, duration, lambda each: each.private if role in (None, each.role) else 0)
 
     def _windows(self, settled: float, duration: float, size: Callable[[ProcessSize], int]) -> tuple[float, float]:
-        width = WINDOW * (duration - settled)
+        width = WINDOW_FRACTION * (duration - settled)
         sums = [(time, sum(map(size, sizes))) for time, sizes in self.samples]
         first = median(held for time, held in sums if settled <= time <= settled + width)
         last = median(held for time, held in sums if duration - width <= time <= duration)

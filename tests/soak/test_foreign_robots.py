@@ -16,25 +16,25 @@ from kinesic.sim.importer.convert import import_humanoid
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 GESTURE = '<gesture id="{}" lexeme="{}" mode="{}_HAND" {}/>'
-NOW = 'start="0.2"'
+EARLY_START = 'start="0.2"'
 BLOCKS = (
-    GESTURE.format("a", "greet_wave", "RIGHT", NOW) + '<head id="h" lexeme="NOD" start="0.6"/>',
-    GESTURE.format("a", "welcome", "BOTH", NOW).replace("BOTH_HAND", "BOTH_HANDS"),
-    GESTURE.format("a", "beat", "RIGHT", NOW) + GESTURE.format("b", "beat", "LEFT", 'start="a:end"'),
+    GESTURE.format("a", "greet_wave", "RIGHT", EARLY_START) + '<head id="h" lexeme="NOD" start="0.6"/>',
+    GESTURE.format("a", "welcome", "BOTH", EARLY_START).replace("BOTH_HAND", "BOTH_HANDS"),
+    GESTURE.format("a", "beat", "RIGHT", EARLY_START) + GESTURE.format("b", "beat", "LEFT", 'start="a:end"'),
     '<pointing id="p" target="left" mode="LEFT_HAND" start="0.2"/><gaze id="g" target="left" start="0.4" end="2.0"/>',
-    GESTURE.format("a", "offer", "BOTH", NOW).replace("BOTH_HAND", "BOTH_HANDS")
+    GESTURE.format("a", "offer", "BOTH", EARLY_START).replace("BOTH_HAND", "BOTH_HANDS")
     + '<head id="h" lexeme="SHAKE" start="0.6"/>',
-    GESTURE.format("a", "large", "BOTH", NOW).replace("BOTH_HAND", "BOTH_HANDS")
+    GESTURE.format("a", "large", "BOTH", EARLY_START).replace("BOTH_HAND", "BOTH_HANDS")
     + '<posture id="l" start="0.2" end="2.5"><pose part="WHOLEBODY" lexeme="LEANING_FORWARD"/></posture>',
-    GESTURE.format("a", "me", "RIGHT", NOW),
-    GESTURE.format("a", "contrast_left_right", "BOTH", NOW).replace("BOTH_HAND", "BOTH_HANDS")
+    GESTURE.format("a", "me", "RIGHT", EARLY_START),
+    GESTURE.format("a", "contrast_left_right", "BOTH", EARLY_START).replace("BOTH_HAND", "BOTH_HANDS")
     + '<gaze id="g" target="audience" start="0.2" end="2"/>',
-    GESTURE.format("a", "process_roll", "RIGHT", NOW),
+    GESTURE.format("a", "process_roll", "RIGHT", EARLY_START),
     '<speech id="s"><text>This is <sync id="t"/>tall, and <sync id="y"/>you know.</text></speech>'
     + GESTURE.format("a", "tall", "RIGHT", 'stroke="s:t"')
     + GESTURE.format("b", "you", "LEFT", 'stroke="s:y"'),
 )
-MODELS = {
+MODEL_NAMES = {
     "playground": ("op3_mjx", "g1_mjx_feetonly.", "h1_mjx", "t1_mjx", "apollo_mjx"),
     "example-robot-data": (
         "g1_29dof_rev_1_0.",
@@ -52,7 +52,7 @@ MODELS = {
 pytestmark = pytest.mark.soak
 
 
-@pytest.mark.parametrize(("wheel", "stem"), [(wheel, stem) for wheel, stems in MODELS.items() for stem in stems])
+@pytest.mark.parametrize(("wheel", "stem"), [(wheel, stem) for wheel, stems in MODEL_NAMES.items() for stem in stems])
 def test_imported_third_party_robots_perform_all_blocks_without_failed_checks(wheel, stem, tmp_path):
     try:
         named = [file for file in files(wheel) or () if Path(file).name.startswith(stem)]

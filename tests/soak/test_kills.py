@@ -11,12 +11,13 @@ pytestmark = [
     pytest.mark.soak,
     pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"),
 ]
-COUNT, EVERY = 600, 4.0  # [s] between two kills
-MOST = 300.0  # [MB] of who called
+DOCUMENT_COUNT = 600
+KILL_PERIOD = 4.0  # [s] mean time between two kills of a worker
+MAX_MEMORY = 300.0  # [MB] largest memory of the calling process
 
 
 def test_dry_runs_of_killed_worker_processes_are_neither_lost_nor_repeated(tmp_path):
-    outcome = perform_under_fire(Processes(2), COUNT, EVERY, tmp_path)
+    outcome = perform_under_fire(Processes(2), DOCUMENT_COUNT, KILL_PERIOD, tmp_path)
     assert outcome.is_good, outcome
     assert outcome.kills
 
@@ -24,7 +25,7 @@ def test_dry_runs_of_killed_worker_processes_are_neither_lost_nor_repeated(tmp_p
 def test_dry_runs_of_killed_dask_workers_are_neither_lost_nor_repeated(tmp_path):
     pytest.importorskip("distributed", reason="the extra cluster is not installed")
     with cluster("local:2") as engine:
-        outcome = perform_under_fire(engine, COUNT, EVERY, tmp_path)
+        outcome = perform_under_fire(engine, DOCUMENT_COUNT, KILL_PERIOD, tmp_path)
     assert outcome.is_good, outcome
     assert outcome.kills
-    assert outcome.memory <= MOST, outcome
+    assert outcome.memory <= MAX_MEMORY, outcome

@@ -1,4 +1,4 @@
-"""Gestures of the lexicon, each in every style and beside its mirror image (`make soak`)."""
+"""Gestures of the lexicon in every style and with their mirror images."""
 
 import numpy as np
 import pytest

@@ -16,14 +16,14 @@ from kinesic.session.setup import set_up
 
 pytestmark = pytest.mark.soak
 
-SENTENCE_COUNT = 1770  # sentences of 20 000 words
-PARAGRAPH_LENGTH = 6  # sentences of a paragraph
-WARM_PHRASES = 200  # phrases after which memory is steady
-MAX_GROWTH = 40e6  # [bytes] of resident memory afterwards
-TICK_PERIOD = 0.02  # [s]
-LONGEST_STEP = 5.0  # [s] between two looks at the scene
-PARAGRAPH_GAP = 0.9  # [s] of silence between paragraphs
-GAP_TOLERANCE = 0.02  # [s]
+SENTENCE_COUNT = 1770  # number of sentences with 20 000 words together
+PARAGRAPH_LENGTH = 6  # number of sentences per paragraph
+WARM_PHRASES = 200  # number of phrases after which memory growth is measured
+MAX_GROWTH = 40e6  # [bytes] largest growth of resident memory after the first phrases
+TICK_PERIOD = 0.02  # [s] shortest simulated time step
+MAX_STEP = 5.0  # [s] longest simulated time step
+PARAGRAPH_GAP = 0.9  # [s] longest silence between two paragraphs
+GAP_TOLERANCE = 0.02  # [s] tolerance of silences between phrases
 
 
 def resident_memory() -> float:
@@ -32,7 +32,7 @@ def resident_memory() -> float:
 
 
 def perform(scene: Scene, phrase: Phrase, now: float) -> Scene:
-    """Begin a phrase as the planner does."""
+    """Start the block of a phrase as the planner does."""
     scene = phrase.scene_change(scene, now) if phrase.replaced else scene
     request = read_request(Message(phrase.bml, 1, "<words>"), scene.setup, context=scene.context(now))
     prepared = prepare_block(with_busy_hands(scene, request), scene.setup)
@@ -52,7 +52,7 @@ def stream(text: str, setup: Setup) -> tuple[list[str], list[float], list[float]
             last_end = speech.end
             phrases.append(phrase.text)
             memory.append(resident_memory())
-        now = max(now + TICK_PERIOD, min(scene.next_time, talks.next_time(scene), now + LONGEST_STEP))
+        now = max(now + TICK_PERIOD, min(scene.next_time, talks.next_time(scene), now + MAX_STEP))
         scene = advance(replace(scene, outgoing_feedback=(), replans=()), now)
     return phrases, gaps, memory
 

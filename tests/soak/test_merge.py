@@ -21,8 +21,9 @@ from kinesic.session.setup import set_up
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
-BLOCKS, STEPS = 60, 400
-PAST = 0.1  # [s] that is kept
+BLOCK_COUNT = 60  # number of prepared random blocks
+MERGE_COUNT = 400  # number of merges or replacements
+KEPT_PAST = 0.1  # [s] duration of past motion that is kept
 
 pytestmark = pytest.mark.soak
 
@@ -58,13 +59,13 @@ def test_merged_stream_of_blocks_keeps_limits_and_clearance(seed, known):
     chance = random.Random(seed)
     lexemes = [form.id for form in known.lexicon.forms]
     planner = plan_quickly if seed % 2 else plan_block
-    pool = [planner(parse(random_block(chance, lexemes)), known) for _ in range(BLOCKS)]
+    pool = [planner(parse(random_block(chance, lexemes)), known) for _ in range(BLOCK_COUNT)]
     motion, now, playing = stay(known.robot.skeleton.rest), 0.0, []
     least = known.robot.min_clearance + LAG_RESERVE
-    for step in range(STEPS):
+    for step in range(MERGE_COUNT):
         now += chance.expovariate(1 / 0.6)
-        motion = motion.since(now - PAST)
-        playing = [item.since(now - PAST) for item in playing]
+        motion = motion.since(now - KEPT_PAST)
+        playing = [item.since(now - KEPT_PAST) for item in playing]
         playing = [item for item in playing if any(need.end > now or need.is_held for need in item.occupancy)]
         needs = remaining_occupancy((need for item in playing for need in item.occupancy), now)
         deed = chance.random()

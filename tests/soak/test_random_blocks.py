@@ -14,7 +14,7 @@ from kinesic.session.setup import set_up
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
-BLOCKS = 100  # for each seed
+BLOCK_COUNT = 100  # number of random blocks per seed
 
 pytestmark = pytest.mark.soak
 
@@ -54,7 +54,7 @@ def random_block(chance: random.Random, lexemes: list[str]) -> str:
 def test_random_blocks_in_random_styles_pass_all_checks(seed, known):
     chance = random.Random(seed)
     lexemes = [form.id for form in known.lexicon.forms]
-    for _ in range(BLOCKS):
+    for _ in range(BLOCK_COUNT):
         text, style = random_block(chance, lexemes), random_style(chance)
         performance = dry_run(plan(text, replace(known, style=style)))
         failed = [check for check in checks(performance) if check.status == "fail"]

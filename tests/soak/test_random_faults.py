@@ -12,8 +12,8 @@ from ..hardware.proof.drill import RAISED_ANGLES, Drill, Strike, drill, random_s
 
 pytestmark = pytest.mark.soak
 
-KINDS = ("kinesic", "manual")
-OUTAGES = (0.1, 0.3, 0.6, 1.0, 2.0, 5.0, 10.0)  # [s]
+SERVO_KINDS = ("kinesic", "manual")  # implementations of virtual servos
+OUTAGE_DURATIONS = (0.1, 0.3, 0.6, 1.0, 2.0, 5.0, 10.0)  # [s]
 
 
 def suffer(made: Drill, strike: Strike) -> None:
@@ -25,16 +25,16 @@ def suffer(made: Drill, strike: Strike) -> None:
 
 
 @pytest.mark.parametrize("seed", range(200))
-@pytest.mark.parametrize("servos", KINDS)
+@pytest.mark.parametrize("servos", SERVO_KINDS)
 def test_random_servo_faults_break_no_safety_rule(servos: str, tmp_path: Path, seed: int):
     made = drill(servos, tmp_path)
     made.raise_arms()
     suffer(made, random_strike(servos, seed))
 
 
-@pytest.mark.parametrize("seconds", OUTAGES)
+@pytest.mark.parametrize("seconds", OUTAGE_DURATIONS)
 @pytest.mark.parametrize("kind", ["silent", "all silent", "lost", "unplug"])
-@pytest.mark.parametrize("servos", KINDS)
+@pytest.mark.parametrize("servos", SERVO_KINDS)
 def test_bus_outage_is_never_reported_as_a_stuck_servo(servos: str, tmp_path: Path, kind: str, seconds: float):
     made = drill(servos, tmp_path)
     made.raise_arms(RAISED_ANGLES * Random(f"{kind} {seconds}").uniform(0.0, 1.3))

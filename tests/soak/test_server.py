@@ -21,20 +21,21 @@ from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
 
 from ..serve.mutations import mutate
 from .crowd import crowd
-from .memory_log import SETTLED, growth
+from .memory_log import WARM_UP_TIME, growth
 
-DOCUMENTS = 10_000
-MINUTES = 10
-CROWD_MINUTES = 20  # of six clients and floods; KINESIC_SOAK_MINUTES says otherwise
-MAX_GROWTH = 2.0  # [%] of the memory of all processes, after its first five minutes
-STOPS, LOAD = 200, 4.0
+DOCUMENT_COUNT = 10_000
+LOAD_MINUTES = 10
+CROWD_MINUTES = 20  # duration of the test with six clients and floods, unless KINESIC_SOAK_MINUTES is set
+MAX_GROWTH = 2.0  # [%] largest growth of the memory of all processes after the first five minutes
+STOP_COUNT = 200  # number of emergency stops per kind of flood
+MAX_LOAD = 4.0  # load average above which latencies are not guaranteed
 
 pytestmark = pytest.mark.soak
 
 
 def test_server_loses_no_block_at_ten_per_second_with_bounded_memory_growth():
     with open_server() as server:
-        lasting = run_endurance(server, 60.0 * MINUTES)
+        lasting = run_endurance(server, 60.0 * LOAD_MINUTES)
     assert lasting.lost == 0, lasting
     assert lasting.growth is None or lasting.growth <= MAX_MEMORY_GROWTH, lasting
 
@@ -44,7 +45,7 @@ def test_six_clients_get_all_feedback_once_in_order_with_bounded_memory_growth()
     with open_server() as server:
         report = crowd(server, duration)
     assert not report.faults, report.faults
-    window = min(SETTLED, duration / 4), duration
+    window = min(WARM_UP_TIME, duration / 4), duration
     total = report.memory.total(*window)
     assert growth(total) <= MAX_GROWTH, "\n".join(report.memory.lines(*window))
     for role in report.memory.roles:
@@ -54,10 +55,10 @@ def test_six_clients_get_all_feedback_once_in_order_with_bounded_memory_growth()
 
 @pytest.mark.parametrize("name", [NO_FLOOD, *FLOOD_FUNCTIONS])
 def test_emergency_stops_meet_their_latency_limits_under_each_network_flood(name):
-    if (load := os.getloadavg()[0]) > LOAD:
-        pytest.skip(f"the load is {load:.1f}, stops are promised up to {LOAD:g}")
+    if (load := os.getloadavg()[0]) > MAX_LOAD:
+        pytest.skip(f"the load is {load:.1f}, stops are promised up to {MAX_LOAD:g}")
     with watched_server() as server:
-        acknowledged, still = stop_metrics(name, measure_stops(server, name, STOPS))
+        acknowledged, still = stop_metrics(name, measure_stops(server, name, STOP_COUNT))
     assert acknowledged.ok, acknowledged
     assert still.ok, still
 
@@ -69,7 +70,7 @@ def test_mutated_documents_neither_crash_nor_stall_the_server():
     texts = [file.read_bytes()[:6000] for file in files]
     patient = ("--rule", "planning=120", "--rule", "rate=1000", "--rule", "burst=1000")
     with open_server(*patient) as server, Client(port=server.port) as client:
-        for seed in range(DOCUMENTS):
+        for seed in range(DOCUMENT_COUNT):
             text = mutate(chance.choice(texts), seed).replace(b"\0", b" ")
             if len(text) > DEFAULT_QUOTAS.message:
                 _sent_home(server.port, text)
