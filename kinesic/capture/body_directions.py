@@ -1,6 +1,8 @@
-"""Arm paths and head rotations of captured skeletons, in the chest frame."""
+"""Arms, hands, head and trunk of captured skeletons, in the chest frame."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -8,7 +10,8 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES
 from kinesic.body.rotation import rotation_to_vector
 from kinesic.capture.body_joints import BodyJoints, find_body_joints
-from kinesic.capture.clip import ArmPath, BodyClip
+from kinesic.capture.clip import ArmPath, BodyClip, HandTrack
+from kinesic.capture.hand_joints import find_fingers, measure_hand_pose
 from kinesic.capture.reading.text import CaptureError, check_numbers
 from kinesic.capture.skeleton_motion import (
     NEUTRAL_POSE,
@@ -28,7 +31,7 @@ MIN_UPRIGHT_COSINE = 0.8  # cosine between spine and neck-head line below which 
 
 
 def clip_of_skeleton(skeleton: Sequence[CapturedJoint], motion: CapturedMotion, source: str) -> BodyClip:
-    """Convert a skeleton and its motion to arm paths and head rotations.
+    """Convert a skeleton and its motion to arms, hands, head and trunk.
 
     The chest frame has z from the hips to the neck and y from the right to the left shoulder, so that heading, up axis
     and unit of the file drop out.
@@ -37,12 +40,17 @@ def clip_of_skeleton(skeleton: Sequence[CapturedJoint], motion: CapturedMotion, 
         CaptureError: the skeleton is unknown, or has bones of zero length.
     """
     joints = find_body_joints(skeleton, source)
-    used = select_ancestors(skeleton, _names(joints))
+    fingers = {side: find_fingers(skeleton, joints.arms[side][-1]) for side in SIDES}
+    finger_names = {name for chains in fingers.values() for chain in chains.values() for name in chain}
+    used = select_ancestors(skeleton, _names(joints) | finger_names)
     if len(used) * len(motion.times) > MAX_JOINT_FRAMES:
         raise CaptureError(f"{source}: {len(motion.times)} frames of {len(used)} joints are too many; cut the file")
     frames, neutral = joint_frames(used, motion), joint_frames(used, NEUTRAL_POSE)
     chest = chest_frames(frames.positions, joints, source)
     arms = {side: _arm_path(frames.positions, chest, joints.arms[side], source) for side in SIDES}
+    hands = {
+        side: measure_hand_pose(frames.positions, chest, joints.arms[side][-1], fingers[side], side) for side in SIDES
+    }
     head, head_guess = _head_rotations(frames, neutral, chest, joints)
     check_numbers(np.concatenate([path for arm in arms.values() for path in (arm.elbow, arm.wrist)]), source)
     start = float(motion.times[0])
@@ -52,6 +60,10 @@ def clip_of_skeleton(skeleton: Sequence[CapturedJoint], motion: CapturedMotion, 
         head=sealed(head),
         syncs={name: time - start for name, time in motion.syncs.items()},
         guesses=tuple(guess for guess in (joints.guess, head_guess) if guess),
+        hands={side: hand for side, hand in hands.items() if hand is not None},
+        trunk=sealed(rotation_to_vector(_mean_frame(chest).T @ chest)),
+        half_width=_half_width(frames.positions, joints),
+        upper_arm=float(np.median([np.linalg.norm(arm.elbow, axis=1) for arm in arms.values()])),
     )
     return skip_calibration(clip)
 
@@ -66,12 +78,18 @@ def skip_calibration(clip: BodyClip) -> BodyClip:
         return clip
     first = int(lowered[0])
     start = float(clip.times[first])
-    return BodyClip(
+    return replace(
+        clip,
         times=sealed(clip.times[first:] - start),
         arms={side: ArmPath(sealed(arm.elbow[first:]), sealed(arm.wrist[first:])) for side, arm in clip.arms.items()},
         head=sealed(clip.head[first:]),
         syncs={name: time - start for name, time in clip.syncs.items()},
         guesses=(*clip.guesses, f"T-pose of the first {start:.2f} s left out"),
+        hands={
+            side: HandTrack(sealed(hand.pointing[first:]), sealed(hand.palm[first:]), sealed(hand.straight[first:]))
+            for side, hand in clip.hands.items()
+        },
+        trunk=None if clip.trunk is None else sealed(clip.trunk[first:]),
     )
 
 
@@ -112,9 +130,26 @@ def _head_rotations(frames: JointFrames, neutral: JointFrames, chest: Floats, jo
     upright = _upright_head(neutral, joints)
     if upright is not None:
         return rotation_to_vector(head @ upright.T), ""
-    left, _, right = np.linalg.svd(head.mean(axis=0))
-    flip = np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))])
-    return rotation_to_vector(head @ (left @ flip @ right).T), "head measured from its mean orientation"
+    return rotation_to_vector(head @ _mean_frame(head).T), "head measured from its mean orientation"
+
+
+def _mean_frame(frames: Floats) -> Floats:
+    """Return the rotation (3, 3) nearest to the mean of rotations (m, 3, 3)."""
+    left, _, right = np.linalg.svd(frames.mean(axis=0))
+    mean: Floats = left @ np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))]) @ right
+    return mean
+
+
+def _half_width(positions: Mapping[str, Floats], joints: BodyJoints) -> float:
+    """Return half the distance between the shoulders [arm lengths]."""
+    bones = [
+        np.linalg.norm(positions[b] - positions[a], axis=1)
+        for names in joints.arms.values()
+        for a, b in pairwise(names)
+    ]
+    arm_length = float(np.median(np.sum(bones, axis=0))) / len(SIDES)
+    left, right = (positions[joints.arms[side][0]] for side in SIDES)
+    return float(np.median(np.linalg.norm(left - right, axis=1))) / (2.0 * arm_length)
 
 
 def _upright_head(neutral: JointFrames, joints: BodyJoints) -> Floats | None:

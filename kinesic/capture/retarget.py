@@ -59,7 +59,7 @@ def _follow_body(clip: BodyClip, times: Floats, setup: Setup) -> RobotMotion:
         angles[:, list(chain.indices)], leaps = track_arm(chain, arms[side], robot.arm_length)
         if leaps:
             notes.append(f"{leaps} leaps of the {SIDE_NAMES[side]} arm bridged, where it cannot follow")
-    heads = low_pass(resample(clip.times, _unwrap_vectors(clip.head), times))
+    heads = low_pass(resample(clip.times, unwrap_vectors(clip.head), times))
     turns = Rotation.from_rotvec(heads).as_euler(HEAD_AXES)
     set_turn(robot, "neck", turns - compute_torso_turn(robot, "torso", angles), angles)
     fast = {side: arm for side, arm in arms.items() if _exceeds_limits(angles, side, setup)}
@@ -96,7 +96,7 @@ def _inside(angles: Floats, robot: Robot) -> Floats:
     return sealed(np.clip(angles, lower + margin, upper - margin))
 
 
-def _unwrap_vectors(vectors: Floats) -> Floats:
+def unwrap_vectors(vectors: Floats) -> Floats:
     """Make rotation vectors (m, 3) continuous over time."""
     rotations = Rotation.from_rotvec(vectors.copy())
     quaternions = rotations.as_quat()

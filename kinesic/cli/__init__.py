@@ -9,6 +9,7 @@ with exit_at_once_on_interrupt():  # Ctrl-C prints one line even during imports.
 
     from kinesic.bml.block import BmlError
     from kinesic.body.config import ConfigError
+    from kinesic.cli.capture_verbs import capture_verbs
     from kinesic.cli.certify_verb import certify_verb
     from kinesic.cli.examples import attach_examples
     from kinesic.cli.export_verb import export_verb
@@ -39,6 +40,7 @@ for verb in (
     sweep_verb,
     validate_verb,
     export_verb,
+    capture_verbs,
     certify_verb,
 ):
     kinesic.add_command(verb)

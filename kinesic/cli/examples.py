@@ -6,6 +6,7 @@ import click
 
 EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "bench": ("kinesic bench ik", "kinesic bench naturalness --style joyful --json"),
+    "capture import": ('kinesic capture import clips --out mine --licence "CC BY 4.0"',),
     "certify": ("kinesic certify motion.bvh --robot upper36 --out motion.npz", "kinesic certify motion.csv --check"),
     "completion": ("kinesic completion bash >> ~/.bashrc", "kinesic completion fish"),
     "demo": ("kinesic demo", "kinesic demo --robot human --style joyful --out greeting"),
@@ -17,7 +18,9 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
         "kinesic gestures find hand to the temple",
         "kinesic gestures find big --category iconic --json",
     ),
+    "gestures install": ("kinesic gestures install mine.zip", "kinesic gestures install mine --library shared"),
     "gestures list": ("kinesic gestures list --category emblem", "kinesic gestures list --json"),
+    "gestures remove": ("kinesic gestures remove mine",),
     "gestures render": ("kinesic gestures render offer --out offer.png", "kinesic gestures render --all --out all.png"),
     "gestures show": ("kinesic gestures show offer",),
     "mcp": ("kinesic mcp --robot upper36", "kinesic mcp --connect localhost:8864"),

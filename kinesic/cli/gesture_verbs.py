@@ -71,3 +71,32 @@ def _show_gesture() -> None:
 @implemented_by("gestures:render_gestures")
 def _render_gestures() -> None:
     """Draw gesture LEXEME as key postures or turntable, or all gestures."""
+
+
+library_option = click.option(
+    "--library",
+    type=click.Path(path_type=Path),
+    default="gestures",
+    show_default=True,
+    help="Folder of installed gestures.",
+)
+
+
+@gesture_verbs.command("install")
+@click.argument("source", type=click.Path(path_type=Path))
+@library_option
+@force_option
+@implemented_by("gesture_sharing:install_gestures")
+def _install_gestures() -> None:
+    """Install a collection of gestures from SOURCE, a folder or .zip.
+
+    The collection needs a card.toml with name, licence and source. All gestures are read before anything is installed.
+    """
+
+
+@gesture_verbs.command("remove")
+@click.argument("name")
+@library_option
+@implemented_by("gesture_sharing:remove_gestures")
+def _remove_gestures() -> None:
+    """Remove the installed collection NAME."""

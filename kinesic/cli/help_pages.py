@@ -7,7 +7,7 @@ import click
 VERBS_BY_TASK: Mapping[str, tuple[str, ...]] = {
     "Perform": ("demo", "perform", "say", "plan", "validate", "certify", "face", "export"),
     "Perform live": ("serve", "studio", "mcp"),
-    "Gestures, styles and robots": ("gestures", "styles", "new", "robots"),
+    "Gestures, styles and robots": ("gestures", "capture", "styles", "new", "robots"),
     "Servos": ("servos", "twin"),
     "Measure and study": ("sweep", "study", "results", "bench"),
     "Set up": ("doctor", "completion"),

@@ -70,6 +70,23 @@ def new_folder(folder: Path, *, force: bool = False) -> Iterator[Path]:
             remove_folder(aside, earlier.renamed(aside), parent=parent)
 
 
+def remove_made_folder(folder: Path) -> None:
+    """Remove a folder that kinesic made, with its contents.
+
+    Raises:
+        ConfigError: the folder is missing, a link, or not made by kinesic.
+    """
+    place = find_place(folder)
+    with name_failures(folder), ExitStack() as held:
+        parent = held.enter_context(hold_folder(place.parent))
+        earlier = held.enter_context(_hold_replaceable(place.name or ".", folder, parent=parent, force=True))
+        if earlier is None:
+            raise ConfigError(f"{folder}: there is no such folder, or it is empty")
+        aside = _put_aside(place.name, earlier, folder, parent=parent)
+        mark_as_abandoned(earlier.renamed(aside))
+        remove_folder(aside, earlier.renamed(aside), parent=parent)
+
+
 def is_made(folder: Path) -> bool:
     """Return whether a folder has kinesic's marker file.
 

@@ -20,6 +20,7 @@ SET_HELP = (
     "One style parameter, which also overrides documents, -1 to 1: power=0.8 of all modalities, head.power=0.8 of one; "
     f"of {', '.join(EXPRESSIVITY_RANGES)} (openness 0 to 1). Repeat for more."
 )
+LIBRARY_HELP = "Folder of imported or installed gestures, in addition to --lexicon."
 VOICE_HELP = "Voice: hibari and espeak are audible, durations is silent; auto: hibari for English, else espeak."
 ENGINE_HELP = "Program that speaks in place of the voice, on standard input and output: 'python my_voice.py'."
 RECORDINGS_HELP = "Folder with the recordings of documents that are not files, such as those sent to `serve`."
@@ -56,6 +57,7 @@ class PlanningOptions(TypedDict, total=False):
         Mapping[str, float] | Sequence[str], CliOption(SET_HELP, flag="--set", metavar="NAME=VALUE", many=True)
     ]
     lexicon: Annotated[str | Path | None, CliOption("Gestures: TOML, a folder of TOML, or Greta's XML.", kind=Path)]
+    library: Annotated[str | Path | None, CliOption(LIBRARY_HELP, kind=Path, metavar="FOLDER")]
     dialect: Annotated[Dialect | Literal["auto"], CliOption("Dialect of the documents.", "auto")]
     gather: Annotated[
         KeyFrameFilling, CliOption("Interpolation of body parts that have no key at a key frame.", "complex")

@@ -11,6 +11,7 @@ from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.expressivity.context import read_targets
 from kinesic.expressivity.idle import Idling
+from kinesic.expressivity.lexicon.gesture_collection import find_collections
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.expressivity.variation import Variation
@@ -46,7 +47,7 @@ def set_up(
     body = robot if isinstance(robot, Robot) else load_robot(robot)
     base_style = style if isinstance(style, Style) else Style.load(style)
     performed_style = base_style.changed(_format_settings(options.get("settings", ())))
-    lexicon, seed = Lexicon.load(_to_path(options.get("lexicon"))), options.get("seed", 0)
+    lexicon, seed = _read_lexicon(options), options.get("seed", 0)
     variation = Variation(options.get("variation", 0.0), seed)
     unstyled, distances = body, CapsuleDistances(body)
     body = standing_robot(unstyled, performed_style, lexicon, distances)
@@ -74,6 +75,13 @@ def set_up(
         unstyled=unstyled,
         recordings=_to_path(options.get("recordings")),
     )
+
+
+def _read_lexicon(options: PlanningOptions) -> Lexicon:
+    """Load the gestures of the options `lexicon` and `library`, and kinesic's own."""
+    library = _to_path(options.get("library"))
+    folders = () if library is None else find_collections(library)
+    return Lexicon.load(_to_path(options.get("lexicon")), *folders)
 
 
 def _read_prosody(options: PlanningOptions) -> float:

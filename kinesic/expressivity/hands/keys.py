@@ -132,6 +132,26 @@ def _facing_between(keys: Sequence[HandKey], k: int) -> RotationSpline | None:
     )
 
 
+def _facing_along(start: HandKey, end: HandKey, path: HandPath) -> RotationSpline | None:
+    """Interpolate the captured hand orientation along a path by a spline.
+
+    The result is None without a captured orientation, or if a direction is undefined.
+    """
+    first, last, course = start.hand.reach, end.hand.reach, path.course
+    if first is None or last is None or course is None or course.pointing is None or course.palm is None:
+        return None
+    if first.pointing is None or first.palm is None or last.pointing is None or last.palm is None:
+        return None
+    pointing = np.vstack([first.pointing, course.pointing, last.pointing])
+    palm = np.vstack([first.palm, course.palm, last.palm])
+    if float(np.abs(np.sum(pointing * palm, axis=1)).max()) >= MAX_PALM_COSINE:
+        return None
+    times = start.time + (end.time - start.time) * course.knots
+    return RotationSpline.through(
+        [float(time) for time in times], facing_rotations(pointing, palm), [PLAIN_PASSAGE] * len(times)
+    )
+
+
 def _turn_hand(hand: Hand, turning: RotationSpline | None, time: float) -> Hand:
     """Rotate a hand to a spline's orientation at a time [s].
 
@@ -172,12 +192,16 @@ def path_keys_between(
     if path is None or start is None or end is None:
         return []
     parameters = path.samples(start.position, end.position, PATH_TOLERANCE * unit, PATH_STEP * unit)
-    brake = WORD_BRAKE_TIME / (b.time - a.time) if velocity.has_late_peak else None
-    times = a.time + (b.time - a.time) * _time_fractions(
-        parameters, path.swings(start.position, end.position), velocity.power, brake, velocity.start
-    )
+    if path.course is None:
+        brake = WORD_BRAKE_TIME / (b.time - a.time) if velocity.has_late_peak else None
+        fractions = _time_fractions(
+            parameters, path.swings(start.position, end.position), velocity.power, brake, velocity.start
+        )
+    else:
+        fractions = parameters
+    times = a.time + (b.time - a.time) * fractions
     positions = path.at(start.position, end.position, parameters)
-    path_keys, turning = list[HandKey](), _facing_between(keys, k)
+    path_keys, turning = list[HandKey](), _facing_along(keys[k - 1], keys[k], path) or _facing_between(keys, k)
     for parameter, time, position in zip(parameters, map(float, times), positions, strict=True):
         if min(time - (path_keys[-1].time if path_keys else a.time), b.time - time) >= MIN_KEY_SPACING:
             hand = _turn_hand(interpolate_hands(a.hand, b.hand, float(parameter), start), turning, time)

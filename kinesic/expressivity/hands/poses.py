@@ -13,12 +13,18 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.reach import Reach
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity.hands.blending import angle_between
+from kinesic.expressivity.hands.world_paths import paths_in_world, shoulder
 from kinesic.expressivity.keyframes import Hand
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
 from kinesic.expressivity.lexicon.hand_shapes import FingerMotion
 from kinesic.expressivity.lexicon.paths import HandPath
-from kinesic.expressivity.lexicon.space import EASY_REACH, direction_in_world, extend_position, to_world, widen_key
+from kinesic.expressivity.lexicon.space import (
+    direction_in_world,
+    pull_within_reach,
+    to_world,
+    widen_key,
+)
 from kinesic.expressivity.style.effort import PLAIN_TRAITS, GestureTraits
 from kinesic.expressivity.style.style import Expressivity
 
@@ -28,8 +34,6 @@ _START_WITHDRAWAL = 0.15  # fraction of the distance to rest at which the stroke
 _POINTING_REACH = 0.98  # [arm lengths] largest distance of a pointing wrist from the shoulder
 _DYNAMIC_DISTANCE = 0.25  # [arm lengths] length above which a stroke is dynamic, not a pose
 _SAME_KEY_DISTANCE = 0.1  # [arm lengths] distance below which one key counts as a repetition of another
-_EXTENT_FRACTIONS = (1.0, 0.75, 0.5, 0.25, 0.0)  # fractions of spatial extent, tried until a path is within easy reach
-_PATH_PARAMETERS = np.linspace(0.0, 1.0, 101)  # path parameters at which the reach of a path is checked
 _TARGET_FRACTION = 0.8  # fraction of the distance to a near target at which the pointing wrist stops
 _FORM_OPENNESS = 0.4  # largest openness that a form sets; expressivity adds the rest
 
@@ -96,11 +100,6 @@ def resting_hands(robot: Robot) -> Mapping[Side, Reach]:
     return MappingProxyType(reaches)
 
 
-def shoulder(robot: Robot, side: Side) -> Floats:
-    """Return the centre of a resting shoulder in the world (3,) [m]."""
-    return sealed(robot.skeleton.rest_frames.origins[robot.arm(side).shoulder])
-
-
 def poses(form: GestureForm, robot: Robot, manner: Expressivity) -> Poses:
     """Convert a gesture's stroke keys to hand poses in the world.
 
@@ -152,7 +151,7 @@ def _convert_keys(form_keys: tuple[StrokeKey, ...], robot: Robot, manner: Expres
     keys = [widen_key(key, manner.spatial, robot) for key in form_keys[:once]]
     sides = frozenset(side for key in form_keys for side in key.hands)
     hands = {side: _hands_of(keys, side, robot, manner) for side in sides}
-    paths = {side: _paths(form_keys[:once], row, side, robot, manner) for side, row in hands.items()}
+    paths = {side: paths_in_world(form_keys[:once], row, side, robot, manner.spatial) for side, row in hands.items()}
     travels = _is_dynamic(hands, paths, robot, stroke_count)
     if once == 1:
         hands = {side: (withdrawn(hand, robot, side), hand) for side, (hand,) in hands.items()}
@@ -197,12 +196,8 @@ def _lift_shoulder(row: tuple[Hand, ...], stroke: int, lift: float) -> tuple[Han
 def pose_distance(a: Hand, b: Hand, rest: Reach) -> float:
     """Return the distance between two hand poses [m].
 
-    It is the distance of the wrists, or that of a lever rotated with the hand if longer.
-
-    Args:
-        a: first pose.
-        b: second pose.
-        rest: pose of the hanging hand.
+    It is the distance of the wrists, or that of a lever rotated with the hand if longer. A hand without reach hangs in
+    the pose `rest`.
     """
     start, end = a.reach or rest, b.reach or rest
     turn = max(angle_between(start.palm, end.palm), angle_between(start.pointing, end.pointing))
@@ -255,40 +250,6 @@ def _same_position(a: Hand, b: Hand) -> bool:
     return bool(np.allclose(a.reach.position, b.reach.position, atol=1e-9))
 
 
-def _paths(
-    keys: Sequence[StrokeKey], row: Sequence[Hand], side: Side, robot: Robot, manner: Expressivity
-) -> tuple[HandPath | None, ...]:
-    """Return the paths of one hand to its keys, in the world.
-
-    Amplitudes and points are scaled by spatial extent, less if a path would leave the easy reach of the arm.
-    """
-    centre, easy_reach = shoulder(robot, side), EASY_REACH * robot.arm_length
-    paths_to_keys: list[HandPath | None] = []
-    for k, key in enumerate(keys):
-        pose = key.hands.get(side)
-        start, end = row[k - 1].reach, row[k].reach
-        if pose is None or pose.path is None or start is None or end is None:
-            paths_to_keys.append(None)
-            continue
-        scaled = [
-            _spread_path(pose, pose.path, side, robot, fraction * manner.spatial) for fraction in _EXTENT_FRACTIONS
-        ]
-        reaches_far = [
-            float(np.linalg.norm(p.at(start.position, end.position, _PATH_PARAMETERS) - centre, axis=1).max())
-            for p in scaled
-        ]
-        paths_to_keys.append(
-            next((p for p, far in zip(scaled, reaches_far, strict=True) if far <= easy_reach), scaled[-1])
-        )
-    return tuple(paths_to_keys)
-
-
-def _spread_path(pose: HandPose, path: HandPath, side: Side, robot: Robot, spatial: float) -> HandPath:
-    """Scale a path by spatial extent and convert it to the world."""
-    amplitude = robot.arm_length * direction_in_world(side, extend_position(path.amplitude, spatial, pose.fixed))
-    return path.mapped(amplitude, lambda point: to_world(robot, side, extend_position(point, spatial, pose.fixed)))
-
-
 def _hands_of(keys: list[StrokeKey], side: Side, robot: Robot, manner: Expressivity) -> tuple[Hand, ...]:
     """Return the world poses of one hand at all stroke keys.
 
@@ -304,9 +265,10 @@ def _hands_of(keys: list[StrokeKey], side: Side, robot: Robot, manner: Expressiv
 
 def _in_world(pose: HandPose, side: Side, robot: Robot, manner: Expressivity) -> Hand:
     openness = _FORM_OPENNESS * pose.openness
+    position = pull_within_reach(pose.position, robot) if pose.captured else pose.position
     return Hand(
         Reach(
-            position=to_world(robot, side, pose.position),
+            position=to_world(robot, side, position),
             pointing=None if pose.pointing is None else direction_in_world(side, pose.pointing),
             palm=None if pose.palm is None else direction_in_world(side, pose.palm),
         ),

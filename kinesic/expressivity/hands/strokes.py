@@ -33,6 +33,7 @@ class _HandMove:
     swings: int
     length: float  # [m] equivalent straight distance of each swing
     time_factor: float  # minimum time / minimum time of a straight movement
+    duration: float = 0.0  # [s] duration of all swings in a capture; 0: not captured
 
     def minimum_time(self, pace: Pace) -> float:
         """Return the minimum duration of one movement between path reversals [s]."""
@@ -137,11 +138,8 @@ def _at_stroke(poses: Poses) -> Poses:
 def natural_times(poses: Poses, effort: Effort) -> tuple[float, ...]:
     """Return the natural durations between successive stroke keys [s].
 
-    A path takes the time of its swings, since a hand reverses as if it came to rest.
-
-    Args:
-        poses: the stroke keys.
-        effort: of the gesture.
+    A path takes the time of its swings, since a hand reverses as if it came to rest. A captured path keeps its duration
+    in neutral expressivity.
     """
     return _natural_times(_hand_moves(poses, effort.pace), effort.pace, effort.traits, effort.manner)
 
@@ -151,10 +149,15 @@ def _natural_times(
     moves: tuple[tuple[_HandMove, ...], ...], pace: Pace, traits: GestureTraits, manner: Expressivity
 ) -> tuple[float, ...]:
     effort = Effort(pace, traits, manner)
-    return tuple(
-        max(move.swings * max(effort.stroke_time(move.length), move.minimum_time(pace)) for move in row)
-        for row in moves
-    )
+    return tuple(max(_natural_time(move, effort) for move in row) for row in moves)
+
+
+def _natural_time(move: _HandMove, effort: Effort) -> float:
+    """Return the natural duration of a hand's movement between two keys [s]."""
+    if not move.duration:
+        return move.swings * max(effort.stroke_time(move.length), move.minimum_time(effort.pace))
+    ratio = effort.stroke_time(move.length) / effort.plain.stroke_time(move.length)
+    return max(move.duration * ratio, effort.pace.least_hand_time(move.length))
 
 
 def stroke_key_times(poses: Poses, times: Mapping[str, float], pace: Pace) -> tuple[float, ...]:
@@ -248,6 +251,8 @@ def _hand_move(a: Hand, b: Hand, path: HandPath | None, rest: Reach) -> _HandMov
     if path is None:
         return _HandMove(1, pose_distance(a, b, rest), 1.0)
     start, end = (a.reach or rest).position, (b.reach or rest).position
+    if path.course is not None:
+        return _HandMove(1, float(np.linalg.norm(end - start)), 1.0, path.course.duration)
     swings = path.swings(start, end)
     return _HandMove(swings, PATH_LENGTH_FACTOR * path.length(start, end) / swings, PATH_TIME_FACTOR)
 

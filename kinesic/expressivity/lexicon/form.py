@@ -35,6 +35,7 @@ class HandPose:
     touch: Touch | None = None  # touched body part
     path: HandPath | None = None  # path from the previous key [arm lengths]; None: straight
     tip: Surface | None = None  # touching palm or, on hands with fingers, fingertip; None: the nearest part
+    captured: bool = False  # whether a robot of other proportions pulls the position into its reach, without a lean
 
     def __post_init__(self) -> None:
         """Make the arrays read-only."""

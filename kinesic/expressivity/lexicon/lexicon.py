@@ -11,6 +11,7 @@ from kinesic.body.config import ConfigError
 from kinesic.body.robot import OTHER_SIDE, Side
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
 from kinesic.expressivity.lexicon.body_table import body_form
+from kinesic.expressivity.lexicon.captured_gesture import GestureCapture
 from kinesic.expressivity.lexicon.entries import ChangedEntry, FormsById, LexiconEntry, ParsedEntry, builtin_gestures
 from kinesic.expressivity.lexicon.form import GestureForm, Match, StrokeKey
 from kinesic.expressivity.lexicon.gestuary import is_enabled, read_gestuary
@@ -39,6 +40,7 @@ class Lexicon:
     users_names: tuple[tuple[str, str], ...] = ()  # (name, gesture) from the user's files
     users_classes: tuple[GestureClass, ...] = ()
     bodies: Mapping[str, BodyForm] = field(default_factory=dict)  # accompanying body motion by category
+    captured: tuple[GestureCapture, ...] = ()  # captured gestures among the entries
 
     @classmethod
     def load(cls, *user_sources: str | Path | LexiconPart | None) -> "Lexicon":
@@ -57,7 +59,8 @@ class Lexicon:
         user_part = join_parts(parts, {name: table for part in reversed(parts) for name, table in part.bodies.items()})
         bodies = {name: body_form(table) for name, table in {**builtin.bodies, **user_part.bodies}.items()}
         entries: tuple[LexiconEntry, ...] = (*(ParsedEntry(*entry) for entry in user_part.entries), *builtin.entries)
-        lexicon = cls(entries, (*user_part.synonyms, *user_part.meanings), user_part.classes, bodies)
+        names = (*user_part.synonyms, *user_part.meanings)
+        lexicon = cls(entries, names, user_part.classes, bodies, user_part.captured)
         problems = check_names(user_part.synonyms, user_part.classes, lexicon.forms_by_id) if sources else ()
         for problem in problems:
             files = [str(source) for source in sources if not isinstance(source, LexiconPart)]

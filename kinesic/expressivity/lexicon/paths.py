@@ -13,6 +13,7 @@ from typing import Literal
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.expressivity.lexicon.path_course import PathCourse
 from kinesic.motion.natural_spline import natural_spline
 
 PathKind = Literal["line", "arc", "circle", "wave", "spiral", "points"]
@@ -52,6 +53,7 @@ class HandPath:
     amplitude_variation: SizeTrend = "none"
     frequency_variation: SizeTrend = "none"
     points: Floats = field(default_factory=lambda: np.empty((0, 3)))  # (p, 3) via points
+    course: PathCourse | None = None  # timing and orientation of a captured path; None: constant velocity
 
     def __post_init__(self) -> None:
         """Make the arrays read-only."""
@@ -100,10 +102,22 @@ class HandPath:
         """
         return self if self.turns <= turns else replace(self, frequency=sealed(self.frequency * turns / self.turns))
 
-    def mapped(self, amplitude: Floats, moved: Callable[[Floats], Floats]) -> "HandPath":
-        """Return the path with a new amplitude and transformed via points."""
+    def mapped(
+        self,
+        amplitude: Floats,
+        moved: Callable[[Floats], Floats],
+        turned: Callable[[Floats], Floats] | None = None,
+    ) -> "HandPath":
+        """Return the path with a new amplitude and transformed via points.
+
+        Args:
+            amplitude: (3,).
+            moved: transforms a position (3,).
+            turned: transforms a direction (3,) of a captured path; None: directions stay.
+        """
         points = np.array([moved(point) for point in self.points]).reshape(-1, 3)
-        return replace(self, amplitude=amplitude, points=points)
+        course = self.course if self.course is None or turned is None else self.course.turned(turned)
+        return replace(self, amplitude=amplitude, points=points, course=course)
 
     def samples(self, start: Floats, end: Floats, tolerance: float, longest: float = inf) -> Floats:
         """Return path parameters between which the path is nearly straight.
@@ -117,7 +131,7 @@ class HandPath:
         Returns:
             (m,) parameters without 0 and 1.
         """
-        knots = self._quarters()
+        knots = self._quarters() if self.course is None else self.course.anchors
         for _ in range(_MAX_BISECTIONS):
             inner = knots[:-1, None] + np.diff(knots)[:, None] * np.array([0.25, 0.5, 0.75])
             curve = self.at(start, end, inner.ravel()).reshape(-1, 3, 3)
@@ -159,9 +173,11 @@ class HandPath:
     def _through(self, start: Floats, end: Floats, parameters: Floats) -> Floats:
         """Return positions (m, 3) on a spline through the path's via points.
 
-        The speed is constant.
+        The speed is that of the capture, or else constant.
         """
         via_points = np.vstack([start, self.points, end])
+        if self.course is not None:
+            return natural_spline(self.course.knots, via_points).at(parameters)
         via_points = via_points[
             np.concatenate([[True], np.linalg.norm(np.diff(via_points, axis=0), axis=1) > _ZERO_LENGTH])
         ]

@@ -33,6 +33,7 @@ SECTOR_CENTRES: Mapping[Axis, Mapping[str, float]] = {
 }
 
 EASY_REACH = 0.95  # [arm lengths] largest distance from the shoulder to which spatial extent moves a hand
+CAPTURED_REACH = 0.97  # [arm lengths] largest distance of a captured wrist from the shoulder of a robot
 MAX_COORDINATE = 5.0  # [arm lengths] largest accepted coordinate, beyond the reach of any hand
 HAND_GAP = 0.24  # [arm lengths] smallest distance between wrists or fingertips; hands are about 0.12 thick
 
@@ -157,6 +158,18 @@ def _at_extent(position: Floats, spatial: float, fixed: tuple[bool, bool, bool],
 def shift_position(position: Floats, shift: Floats, robot: Robot) -> Floats:
     """Shift a position [arm lengths], limited to easy reach."""
     return _limit_reach(position, position + shift, _shoulder(robot))
+
+
+def widen_position(position: Floats, spatial: float, fixed: tuple[bool, bool, bool], robot: Robot) -> Floats:
+    """Scale a position by spatial extent, within easy reach [arm lengths]."""
+    return _at_extent(position, spatial, fixed, _shoulder(robot))
+
+
+def pull_within_reach(position: Floats, robot: Robot) -> Floats:
+    """Move a position towards the shoulder until the arm reaches it [arm lengths]."""
+    shoulder = _shoulder(robot)
+    distance = float(np.linalg.norm(position - shoulder))
+    return position if distance <= CAPTURED_REACH else shoulder + (CAPTURED_REACH / distance) * (position - shoulder)
 
 
 def _limit_reach(position: Floats, wide: Floats, shoulder: Floats) -> Floats:

@@ -13,6 +13,7 @@ from kinesic.body.config import ConfigError, check_inside, read_toml, suggestion
 from kinesic.body.robot import Side
 from kinesic.expressivity.keyframes import Touch
 from kinesic.expressivity.lexicon.body_table import PLAIN_TABLE, Bodies, BodyFormTable, body_form, overlay_table
+from kinesic.expressivity.lexicon.captured_gesture import CARD_FILE, GestureCapture, MotionTable, read_captured
 from kinesic.expressivity.lexicon.categories import Category
 from kinesic.expressivity.lexicon.directions import read_direction
 from kinesic.expressivity.lexicon.form import GestureForm, HandPose, StrokeKey
@@ -73,10 +74,11 @@ class KeyTable(StrictTable):
 
 
 class GestureTable(StrictTable):
-    """TOML table of one gesture."""
+    """TOML table of one gesture, with keys or a captured motion."""
 
     id: str  # name for BML's `lexeme`
-    keys: list[KeyTable]  # poses of the stroke; the last one is held
+    keys: list[KeyTable] = []  # poses of the stroke; the last one is held
+    motion: MotionTable | None = None  # captured motion in place of keys
     meanings: list[str] = []  # words that describe the gesture, the most characteristic first
     says: str = ""  # movement and meaning in one line
     tempo: str = "neutral"  # `neutral`, `sudden` or `sustained`
@@ -94,10 +96,7 @@ class ClassTable(StrictTable):
 
 
 class GestureFile(StrictTable):
-    """Content of a TOML file of gestures, their names and body motion.
-
-    All keys are optional. A file contains gestures of one category.
-    """
+    """Content of a TOML file of gestures of one category, with names and body motion."""
 
     category: Category | None = None  # category of all gestures of the file
     gesture: list[GestureTable] = []  # one `[[gesture]]` each
@@ -115,6 +114,7 @@ class LexiconPart:
     meanings: tuple[tuple[str, str], ...] = ()  # (word, gesture), looser than synonyms
     classes: tuple[GestureClass, ...] = ()
     bodies: Bodies = field(default_factory=dict)
+    captured: tuple[GestureCapture, ...] = ()  # captured gestures among the entries
 
 
 def read_gestures(path: Path, bodies: Bodies = NO_BODIES) -> LexiconPart:
@@ -129,7 +129,7 @@ def read_gestures(path: Path, bodies: Bodies = NO_BODIES) -> LexiconPart:
     Raises:
         ConfigError: a file is missing or invalid, or a folder has no TOML file.
     """
-    paths = sorted(path.glob("*.toml")) if path.is_dir() else [path]
+    paths = sorted(file for file in path.glob("*.toml") if file.name != CARD_FILE) if path.is_dir() else [path]
     if not paths:
         raise ConfigError(f"{path}: a folder without .toml files")
     if path.is_dir():
@@ -140,7 +140,9 @@ def read_gestures(path: Path, bodies: Bodies = NO_BODIES) -> LexiconPart:
     for file_path, file in files:
         _check_bodies(file_path, file)
         all_bodies |= {str(category): table for category, table in file.bodies.items()}
-    return join_parts([make_part(file_path, file, all_bodies) for file_path, file in files], all_bodies)
+    return join_parts(
+        [make_part(file_path, file, all_bodies, folder=file_path.parent) for file_path, file in files], all_bodies
+    )
 
 
 def _check_bodies(path: Path, file: GestureFile) -> None:
@@ -167,33 +169,54 @@ def join_parts(parts: Sequence[LexiconPart], bodies: Bodies) -> LexiconPart:
         tuple(pair for part in parts for pair in part.meanings),
         tuple(gesture_class for part in parts for gesture_class in part.classes),
         bodies,
+        tuple(gesture for part in parts for gesture in part.captured),
     )
 
 
-def make_part(path: Path, file: GestureFile, bodies: Bodies) -> LexiconPart:
+def make_part(path: Path, file: GestureFile, bodies: Bodies, folder: Path | None = None) -> LexiconPart:
     """Convert the tables of one file to a lexicon part.
 
     Args:
         path: of the file, for messages.
         file: its tables.
         bodies: body motion by category.
+        folder: of captured motions; None: they are refused, as in the text of a client.
 
     Raises:
         ConfigError: a gesture is invalid; the message names it and valid values.
     """
     if file.gesture and file.category is None:
         raise ConfigError(f"{path}: has gestures and no category; {', '.join(get_args(Category))} are known")
+    captured = {
+        table.id: _read_captured(table, table.motion, path, folder)
+        for table in file.gesture
+        if table.motion is not None
+    }
     return LexiconPart(
-        tuple(_entry(table, file.category or "", path, bodies) for table in file.gesture),
+        tuple(_entry(table, file.category or "", path, bodies, captured.get(table.id)) for table in file.gesture),
         tuple((name, gesture) for gesture, names in file.synonyms.items() for name in names),
         tuple((word, table.id) for table in file.gesture for word in table.meanings),
         tuple(class_of(name, table.gesture, table.words, table.not_in) for name, table in file.classes.items()),
+        captured=tuple(captured.values()),
     )
 
 
-def _entry(table: GestureTable, category: str, path: Path, bodies: Bodies) -> tuple[GestureForm, Sense]:
+def _read_captured(table: GestureTable, motion: MotionTable, path: Path, folder: Path | None) -> GestureCapture:
     try:
-        keys = tuple(_key(key) for key in table.keys)
+        if folder is None or table.keys:
+            raise ValueError(
+                "has keys and a motion; write one of them" if table.keys else "has a motion of another file"
+            )
+        return read_captured(table.id, motion, folder)
+    except ValueError as error:
+        raise ConfigError(f"{path}: gesture {table.id}: {error}") from None
+
+
+def _entry(
+    table: GestureTable, category: str, path: Path, bodies: Bodies, captured: GestureCapture | None
+) -> tuple[GestureForm, Sense]:
+    try:
+        keys = tuple(_key(key) for key in table.keys) if captured is None else captured.keys
         if not keys:
             raise ValueError("has no keys, needs at least one")
         _check_paths(keys)
