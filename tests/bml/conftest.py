@@ -9,7 +9,8 @@ from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
 from kinesic.body.utterance import Utterance
 
-SECONDS_PER_LETTER = 0.1
+SECONDS_PER_LETTER = 0.1  # [s] spoken duration of each letter
+# speech with a mark before `big`
 SPEECH_XML = '<speech id="s"><text>Hello <sync id="m"/>big world</text></speech>'
 
 

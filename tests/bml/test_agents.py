@@ -7,7 +7,7 @@ from kinesic.bml.parse import parse
 from kinesic.bml.schedule import schedule
 from kinesic.body.utterance import Utterance
 
-TWO_AGENTS = (
+TWO_AGENTS = (  # block with behaviours of the agent Amber and of no agent
     '<bml id="b" {}><speech id="s"><text>one <sync id="m"/>two</text></speech>'
     '<speech id="t" agent="Amber" start="s:end"><text>three</text></speech>'
     '<head id="h" lexeme="NOD" characterId="amber" stroke="s:m"/>'

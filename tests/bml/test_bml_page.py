@@ -17,6 +17,7 @@ from kinesic.bml.reading.script import PAUSE_ATTRIBUTE
 from kinesic.bml.reading.vocabulary import BEHAVIOUR_ATTRIBUTES, NESTED_ATTRIBUTES
 from kinesic.bml.timing.points import list_sync_points
 
+# reference page of the supported BML
 PAGE_TEXT = (Path(__file__).parents[2] / "docs" / "reference" / "bml.md").read_text(encoding="utf-8")
 
 

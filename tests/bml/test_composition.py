@@ -112,6 +112,7 @@ def test_strict_parsing_accepts_commands_to_blocks() -> None:
     assert parse(text, strict=True).behaviours[0].action == Activate("a")
 
 
+# states of one running and two waiting blocks
 BLOCK_STATES = {"a": BlockState.IN_EXEC, "p": BlockState.PENDING, "l": BlockState.LURKING}
 
 

@@ -42,6 +42,7 @@ def test_schedule_uses_the_natural_phase_durations_of_the_caller() -> None:
     assert at(timeline, "g:ready") == pytest.approx(8.25)
 
 
+# [s] phase durations of a gesture with two strokes
 REPEATED_DURATIONS = {"g": {"ready": 0.5, "stroke": 0.3, "stroke:2": 0.6, "strokeEnd": 0.3, "relax": 0.2, "end": 0.5}}
 
 
@@ -289,10 +290,10 @@ def test_bml_draft_gaze_and_face_have_sync_points_of_draft_and_version_1_0() -> 
     assert set(face.times) == {*gaze.times, "attackPeak"}
 
 
-DRAFT_FACE = (
+DRAFT_FACE = (  # block of the BML draft; {} are attributes of the face and further elements
     '<bml xmlns="http://www.mindmakers.org/projects/BML" id="b"><face id="f" type="facs" au="12" start="1" {}/>{}</bml>'
 )
-RELAX_CONSTRAINT = (
+RELAX_CONSTRAINT = (  # constraint that puts the relax point of the face at 3 s
     '<gaze id="z" start="3"/><constraint><synchronize ref="z:start"><sync ref="f:relax"/></synchronize></constraint>'
 )
 

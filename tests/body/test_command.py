@@ -1,4 +1,4 @@
-"""Times of commands, and torques recomputed from measurements."""
+"""Command times, and torques recomputed from measurements."""
 
 from dataclasses import replace
 
@@ -9,7 +9,7 @@ from kinesic.body import command as command_module
 from kinesic.body.command import SETTLE_DURATION, Command, Measurements, Power, SetpointRows, State, command_times
 from kinesic.body.robot import Robot
 
-COUNT = 5
+COMMAND_COUNT = 5  # number of commands
 
 
 @pytest.mark.parametrize(
@@ -47,16 +47,16 @@ def measured() -> Measurements:
     robot = Robot.load()
     joints = len(robot.drives)
     rng = np.random.default_rng(1)
-    angles, sent, in_force = rng.uniform(-0.2, 0.2, (3, COUNT, joints))
+    angles, sent, in_force = rng.uniform(-0.2, 0.2, (3, COMMAND_COUNT, joints))
     one = np.ones(joints)
-    empty = np.zeros(COUNT)
+    empty = np.zeros(COMMAND_COUNT)
     return Measurements(
-        times=np.arange(COUNT) / 100,
+        times=np.arange(COMMAND_COUNT) / 100,
         angles=angles,
-        velocities=rng.uniform(-1.0, 1.0, (COUNT, joints)),
+        velocities=rng.uniform(-1.0, 1.0, (COMMAND_COUNT, joints)),
         sent=SetpointRows(sent, one),
         in_force=SetpointRows(in_force, one),
-        supplied=np.linspace(0.8, 1.0, COUNT),
+        supplied=np.linspace(0.8, 1.0, COMMAND_COUNT),
         drives=robot.drives,
         hands={},
         clearance=None,
@@ -88,4 +88,4 @@ def test_duties_and_torques_do_not_depend_on_the_batch_size_of_commands(
 
 
 def test_repr_of_measurements_contains_their_count_and_number_of_hinges(measured: Measurements):
-    assert repr(measured) == f"<{COUNT} measurements of {measured.angles.shape[1]} hinges>"
+    assert repr(measured) == f"<{COMMAND_COUNT} measurements of {measured.angles.shape[1]} hinges>"

@@ -1,4 +1,4 @@
-"""Bounded least squares against SciPy and against known minima."""
+"""Bounded least squares, compared with SciPy and known minima."""
 
 import numpy as np
 import pytest
@@ -6,7 +6,7 @@ from scipy.optimize import least_squares
 
 from kinesic.body.least_squares import minimise_squares
 
-FREE = np.full(2, np.inf)
+INFINITE_BOUNDS = np.full(2, np.inf)  # upper bounds of two unbounded variables
 
 
 def rosenbrock(values):
@@ -23,7 +23,9 @@ def decaying_waves(values):
 
 @pytest.mark.parametrize("start", [(-1.2, 1.0), (3.0, -2.0), (0.0, 0.0)])
 def test_least_squares_minimum_without_bounds_is_found(start):
-    solution = minimise_squares(rosenbrock, np.array(start), bounds=(-FREE, FREE), max_evaluations=60)
+    solution = minimise_squares(
+        rosenbrock, np.array(start), bounds=(-INFINITE_BOUNDS, INFINITE_BOUNDS), max_evaluations=60
+    )
     np.testing.assert_allclose(solution.values, [1.0, 1.0], atol=1e-5)
     assert solution.cost == pytest.approx(0.0, abs=1e-9)
     assert not solution.values.flags.writeable
@@ -45,7 +47,7 @@ def test_bounded_least_squares_minimum_matches_scipy(seed):
 
 def test_bounded_minimum_lies_on_the_upper_bound_of_a_variable():
     upper = np.array([0.5, np.inf])
-    solution = minimise_squares(rosenbrock, np.array([-1.2, 1.0]), bounds=(-FREE, upper), max_evaluations=60)
+    solution = minimise_squares(rosenbrock, np.array([-1.2, 1.0]), bounds=(-INFINITE_BOUNDS, upper), max_evaluations=60)
     np.testing.assert_allclose(solution.values, [0.5, 0.25], atol=1e-5)
 
 
@@ -57,7 +59,7 @@ def test_least_squares_variable_with_equal_bounds_stays_fixed():
 
 def test_least_squares_search_from_a_lower_bound_reaches_the_unbounded_minimum():
     lower = np.array([-1.2, -9.0])
-    solution = minimise_squares(rosenbrock, np.array([-1.2, -9.0]), bounds=(lower, FREE), max_evaluations=60)
+    solution = minimise_squares(rosenbrock, np.array([-1.2, -9.0]), bounds=(lower, INFINITE_BOUNDS), max_evaluations=60)
     np.testing.assert_allclose(solution.values, [1.0, 1.0], atol=1e-5)
 
 
@@ -72,7 +74,13 @@ def test_least_squares_evaluation_limit_excludes_evaluations_of_the_jacobian():
         counts["jacobian"] += 1
         return np.array([[-20.0 * values[0], 10.0], [-1.0, 0.0]])
 
-    minimise_squares(residuals, np.array([-1.2, 1.0]), bounds=(-FREE, FREE), max_evaluations=5, jacobian=jacobian)
+    minimise_squares(
+        residuals,
+        np.array([-1.2, 1.0]),
+        bounds=(-INFINITE_BOUNDS, INFINITE_BOUNDS),
+        max_evaluations=5,
+        jacobian=jacobian,
+    )
     assert counts["residuals"] == 5
     assert counts["jacobian"] <= 5
 
@@ -83,7 +91,7 @@ def test_larger_tolerance_ends_the_least_squares_search_earlier():
         minimise_squares(
             lambda values: points.append(values) or rosenbrock(values),
             np.array([-1.2, 1.0]),
-            bounds=(-FREE, FREE),
+            bounds=(-INFINITE_BOUNDS, INFINITE_BOUNDS),
             max_evaluations=60,
             tolerance=tolerance,
         )

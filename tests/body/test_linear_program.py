@@ -3,11 +3,11 @@ import pytest
 
 from kinesic.body.linear_program import SparseMatrix, solve_linear_program
 
-INFINITE = np.full(2, np.inf)
+INFINITE_BOUNDS = np.full(2, np.inf)  # upper bounds of two unbounded variables
 
 
 def random_matrix(seed: int) -> SparseMatrix:
-    """Return a matrix of up to eight rows, in which some places have several entries."""
+    """Return a random sparse matrix, some entries of which add up."""
     rng = np.random.default_rng(seed)
     height, width = rng.integers(2, 9, 2).tolist()
     count = int(rng.integers(1, 2 * height * width))
@@ -47,7 +47,7 @@ def test_compressed_columns_match_scipy(seed: int):
 
 def test_optimum_of_a_linear_program_lies_at_a_vertex():
     matrix = SparseMatrix(np.array([0, 0, 1]), np.array([0, 1, 1]), np.array([1.0, 2.0, 1.0]), (2, 2))
-    bounds, ranges = (np.array([4.0, -np.inf]), np.array([np.inf, 1.5])), (np.zeros(2), INFINITE)
+    bounds, ranges = (np.array([4.0, -np.inf]), np.array([np.inf, 1.5])), (np.zeros(2), INFINITE_BOUNDS)
     assert solve_linear_program(np.array([1.0, 1.0]), matrix, bounds, ranges) == pytest.approx([1.0, 1.5])
     assert solve_linear_program(np.array([1.0, 3.0]), matrix, bounds, ranges) == pytest.approx([4.0, 0.0])
 
@@ -57,7 +57,7 @@ def test_infeasible_or_unbounded_linear_program_returns_none(costs):
     lowest = 3.0 if costs[0] > 0 else 0.0
     matrix = SparseMatrix(np.array([0]), np.array([1]), np.ones(1), (1, 2))
     bounds = np.full(1, -np.inf), np.full(1, 2.0)
-    assert solve_linear_program(np.array(costs), matrix, bounds, (np.full(2, lowest), INFINITE)) is None
+    assert solve_linear_program(np.array(costs), matrix, bounds, (np.full(2, lowest), INFINITE_BOUNDS)) is None
 
 
 @pytest.mark.parametrize("seed", range(20))

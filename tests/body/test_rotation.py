@@ -13,15 +13,15 @@ from kinesic.body.rotation import (
 )
 
 X, Y, Z = np.eye(3)
-AXES = Rotation.random(200, random_state=3).apply(X)
+RANDOM_AXES = Rotation.random(200, random_state=3).apply(X)  # (200, 3) random unit vectors
 # Rotations of every size: random, half turns about the axes, almost half turns, tiny, and none.
-VECTORS = np.concatenate(
+ROTATION_VECTORS = np.concatenate(
     [
-        np.linspace(0.0, 3.1, 200)[:, None] * AXES,
+        np.linspace(0.0, 3.1, 200)[:, None] * RANDOM_AXES,
         np.pi * np.eye(3),
-        (np.pi - 1e-9) * AXES,
-        1e-9 * AXES,
-        1e-200 * AXES,
+        (np.pi - 1e-9) * RANDOM_AXES,
+        1e-9 * RANDOM_AXES,
+        1e-200 * RANDOM_AXES,
         np.zeros((1, 3)),
     ]
 )
@@ -39,19 +39,19 @@ def test_rotation_by_zero_angle_is_the_identity():
 
 
 def test_rotation_vectors_and_quaternions_match_scipy():
-    rotations = Rotation.from_rotvec(VECTORS)
+    rotations = Rotation.from_rotvec(ROTATION_VECTORS)
     matrices = rotations.as_matrix()
-    np.testing.assert_allclose(vector_to_rotation(VECTORS), matrices, atol=1e-14)
+    np.testing.assert_allclose(vector_to_rotation(ROTATION_VECTORS), matrices, atol=1e-14)
     np.testing.assert_allclose(quaternion_to_rotation(3.0 * rotations.as_quat()), matrices, atol=1e-14)
     np.testing.assert_allclose(rotation_to_quaternion(matrices), Rotation.from_matrix(matrices).as_quat(), atol=1e-14)
     vectors = rotation_to_vector(matrices)
-    np.testing.assert_allclose(vectors[:200], VECTORS[:200], atol=1e-12)
-    np.testing.assert_allclose(vectors[403:603], VECTORS[403:603], atol=1e-16)
+    np.testing.assert_allclose(vectors[:200], ROTATION_VECTORS[:200], atol=1e-12)
+    np.testing.assert_allclose(vectors[403:603], ROTATION_VECTORS[403:603], atol=1e-16)
     assert (rotations.inv() * Rotation.from_rotvec(vectors)).magnitude().max() < 1e-14
 
 
 def test_rotation_vector_conversion_keeps_leading_dimensions():
-    vectors = VECTORS[:12].reshape(2, 6, 3)
+    vectors = ROTATION_VECTORS[:12].reshape(2, 6, 3)
     matrices = vector_to_rotation(vectors)
     assert matrices.shape == (2, 6, 3, 3)
     np.testing.assert_allclose(rotation_to_vector(matrices), vectors, atol=1e-14)
@@ -59,13 +59,13 @@ def test_rotation_vector_conversion_keeps_leading_dimensions():
 
 
 def test_shortest_rotation_between_two_directions_matches_scipy():
-    for start, end in zip(2.0 * AXES[:100], 0.5 * AXES[100:], strict=True):
+    for start, end in zip(2.0 * RANDOM_AXES[:100], 0.5 * RANDOM_AXES[100:], strict=True):
         rotation = shortest_rotation(start, end)
         expected = Rotation.align_vectors(end[None], start[None])[0].as_matrix()
         np.testing.assert_allclose(rotation, expected, atol=1e-12)
 
 
-@pytest.mark.parametrize("start", [X, -2.0 * Z, AXES[7]])
+@pytest.mark.parametrize("start", [X, -2.0 * Z, RANDOM_AXES[7]])
 def test_shortest_rotation_is_identity_for_parallel_and_a_half_turn_for_opposite_directions(start):
     np.testing.assert_allclose(shortest_rotation(start, 3.0 * start), np.eye(3), atol=1e-12)
     half_turn = shortest_rotation(start, -0.5 * start)

@@ -8,7 +8,8 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 
-SOURCES = """
+# TOML tables that name joints of captured motion
+SOURCE_TABLES = """
 [[hinge]]
 name = "l_elbow_flexion"
 source = { joint = "left_elbow", sign = -1, zero_deg = 90 }
@@ -30,7 +31,7 @@ driver = "l_elbow_flexion"
 """
 
 
-def load(folder: Path, lines: str = SOURCES) -> Robot:
+def load(folder: Path, lines: str = SOURCE_TABLES) -> Robot:
     """Return the default robot with additional TOML tables."""
     path = folder / "robot.toml"
     path.write_text(f'[robot]\nname = "mine"\nextends = "upper22"\n{lines}', encoding="utf-8")
@@ -80,4 +81,4 @@ def test_robot_without_imported_file_has_the_names_and_angles_of_its_hinges():
 @pytest.mark.parametrize("joint", ["r_elbow_flexion", "left_tip"])
 def test_two_hinges_with_the_same_joint_of_the_imported_file_are_refused(tmp_path, joint):
     with pytest.raises(ConfigError, match=f"another hinge has the joint {joint} of the imported file"):
-        load(tmp_path, SOURCES.replace("left_elbow", joint))
+        load(tmp_path, SOURCE_TABLES.replace("left_elbow", joint))

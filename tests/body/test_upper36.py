@@ -1,4 +1,4 @@
-"""Composition of the robot with hands."""
+"""Design of the robot with hands: servos, mirrored fingers, mass and reach."""
 
 import numpy as np
 import pytest

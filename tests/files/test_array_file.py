@@ -12,10 +12,10 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.files.array_file import MAX_DIMENSIONS, MAX_HEADER_SIZE, integers_of, numbers_of, read_arrays, text_of
 
-ENOUGH_BYTES = 1_000_000
-NPY_START = b"\x93NUMPY"
-PLAIN_HEADER = "{'descr': '<f8', 'fortran_order': False, 'shape': (2,)}"
-TWO_NUMBERS = np.array([1.5, -2.5]).tobytes()
+ENOUGH_BYTES = 1_000_000  # [bytes] size limit of the archives
+NPY_START = b"\x93NUMPY"  # first bytes of an .npy file
+PLAIN_HEADER = "{'descr': '<f8', 'fortran_order': False, 'shape': (2,)}"  # header of an array of two numbers
+TWO_NUMBERS = np.array([1.5, -2.5]).tobytes()  # bytes of an array of two numbers
 
 
 def packed(array: np.ndarray, version: tuple[int, int] = (1, 0)) -> bytes:

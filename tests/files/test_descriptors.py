@@ -1,4 +1,4 @@
-"""Reading and writing files leaves no descriptor open, whether it succeeds or fails."""
+"""Tests that file operations close their descriptors, also after errors."""
 
 import os
 from collections.abc import Callable
@@ -17,8 +17,8 @@ from kinesic.files.output_folder import new_folder
 from kinesic.files.private_file import check_private, read_secret
 from kinesic.files.private_folder import hold_private_folder
 
-DESCRIPTORS = Path("/proc/self/fd")
-pytestmark = pytest.mark.skipif(not DESCRIPTORS.is_dir(), reason="the system has no list of open files")
+DESCRIPTOR_FOLDER = Path("/proc/self/fd")  # folder in which Linux lists the open files of a process
+pytestmark = pytest.mark.skipif(not DESCRIPTOR_FOLDER.is_dir(), reason="the system has no list of open files")
 
 
 class InterruptionError(Exception):
@@ -116,7 +116,7 @@ def hold_private(folder: Path) -> None:
     ],
 )
 def test_file_operations_leave_no_file_descriptor_open(tmp_path: Path, use: Callable[[Path], None]):
-    before = sorted(os.listdir(DESCRIPTORS))
+    before = sorted(os.listdir(DESCRIPTOR_FOLDER))
     with suppress(ConfigError, OSError, InterruptionError):
         use(tmp_path)
-    assert sorted(os.listdir(DESCRIPTORS)) == before
+    assert sorted(os.listdir(DESCRIPTOR_FOLDER)) == before

@@ -95,6 +95,7 @@ def test_file_system_error_names_the_users_path():
         raise OSError(28, "No space left on device", "/elsewhere/.mine-12")
 
 
+# file names of almost the maximum length, or with unencodable characters
 LONG_NAMES = ("a" * 251 + ".bml", "\N{GRINNING FACE}" * 62 + ".bml", "a." + "b" * 253, "\udc80.bml")
 
 

@@ -13,7 +13,7 @@ from kinesic.session.recorded import SpokenRecording, write_recording
 from kinesic.session.setup import set_up
 from kinesic.speech.espeak import Espeak
 from kinesic.speech.espeak_pool import espeak_fault
-from tests.speech.recorded.speaking import TEXT, SpokenText, speak
+from tests.speech.recorded.speaking import RECORDED_TEXT, SpokenText, speak
 
 
 @pytest.fixture(scope="module")
@@ -44,7 +44,7 @@ def write(sound: Sound, path: Path) -> Path:
 def test_recording_with_text_plays_with_its_marks_at_the_word_onsets(
     recording: SpokenRecording, spoken: SpokenText, setup: Setup
 ):
-    plan = plan_recording(TEXT, recording, setup)
+    plan = plan_recording(RECORDED_TEXT, recording, setup)
     utterance = plan.utterances["s"]
     assert (utterance.voice, utterance.duration) == ("recording", spoken.sound.duration)
     marks = {int(name[1:]) - 1: time for name, time in utterance.marks.items()}
@@ -59,7 +59,7 @@ def test_recording_without_text_takes_its_text_from_the_file_of_word_times(
 ):
     words = [
         {"word": word, "start": float(start), "end": float(start) + 0.1}
-        for word, start in zip(TEXT.split(), spoken.starts, strict=True)
+        for word, start in zip(RECORDED_TEXT.split(), spoken.starts, strict=True)
     ]
     path = recording.audio.with_suffix(".json")
     path.write_text(json.dumps({"words": words}))

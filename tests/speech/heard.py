@@ -7,18 +7,22 @@ from kinesic.speech.espeak_pool import find_engine, synthesise
 from kinesic.speech.ssml import write_ssml
 
 FAST_RATE = 450  # [words/min] highest rate, so that synthesis is short
+# vowels, glides and stress marks, which depend on the sentence
 UNSTABLE_LETTERS = frozenset("aeiouyæɐɑɒɔəɚɛɜɝɪɨʊʉʌøœɵɤɯʏᵻɹjwːˈˌ")  # noqa: RUF001 - with glides and stress
-ALIKE = str.maketrans({"ɾ": "t", "\u0294": "t", "z": "s"})  # sounds that differ between positions in a sentence
+# sounds that differ between positions in a sentence
+EQUIVALENT_SOUNDS = str.maketrans({"ɾ": "t", "\u0294": "t", "z": "s"})
 WORD_PATTERN = re.compile(r"[\w'\u2019]+(?:[-.,]\w+)*|[%&+=\xb0\u20ac$@/]")
 
 
 def heard_consonants(script: Script) -> str:
-    """Return the consonants that espeak-ng utters for a script; unlike vowels they do not depend on stress."""
+    """Return the consonants of a script's speech, which are independent of stress."""
     paths = find_engine()
     assert paths is not None
     reply = synthesise(write_ssml(script), paths, voice="gmw/en-US", words_per_minute=FAST_RATE, pitch=50)
     symbols = (symbol for symbol, _ in reply.phonemes if "(" not in symbol)
-    return "".join(letter for symbol in symbols for letter in symbol.translate(ALIKE) if _is_consonant(letter))
+    return "".join(
+        letter for symbol in symbols for letter in symbol.translate(EQUIVALENT_SOUNDS) if _is_consonant(letter)
+    )
 
 
 def plain_words(text: str) -> Script:

@@ -11,7 +11,7 @@ from kinesic.speech.durations import (
 )
 
 SILENT_VOICE = DurationModel()
-SPEECH = (
+SAMPLE_TEXT = (  # two sentences
     "Good morning, and welcome to our laboratory. My name is Kim, and I will show you what this robot can do. "
     "It has two arms with eight joints each; every motion that you will see was planned before it began."
 )
@@ -22,7 +22,7 @@ def duration(text: str, language: str = "en") -> float:
 
 
 def test_estimated_english_speech_rate_is_150_to_180_words_per_minute():
-    words_per_minute = len(SPEECH.split()) / duration(SPEECH) * 60
+    words_per_minute = len(SAMPLE_TEXT.split()) / duration(SAMPLE_TEXT) * 60
     assert 150 <= words_per_minute <= 180
 
 

@@ -7,7 +7,7 @@ import pytest
 from kinesic.speech import espeak_pool
 from kinesic.speech.espeak_pool import EspeakPaths, SpeechError, synthesise
 
-HELLO_SSML = "<speak>Hello, I am <mark name='0'/>here</speak>"
+HELLO_SSML = "<speak>Hello, I am <mark name='0'/>here</speak>"  # text with a mark before its last word
 VOICE_SETTINGS = {"voice": "gmw/en-US", "words_per_minute": 175, "pitch": 50}
 
 

@@ -19,10 +19,12 @@ CORPUS_FOLDER = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] 
 SAMPLE_STEP = 15  # every fifteenth document is spoken in a run
 SENTENCE_COUNT = 30  # number of sentences in a mixture
 MIXTURE_COUNT = 4  # number of mixtures spoken in a run
-WORDS = ("apple", "never", "house", "garden", "seven", "mark", "people", "table", "finger", "lemon")
-ENDS = (".", ".", ".", "..", "...", "!", "?", "?!", " .", ". .", "! !", "\u2026")
-WRAPS = (("", ""), ('"', '"'), ("(", ")"), ("[", "]"), ("\u201c", "\u201d"), ("'", "'"), ("", " \U0001f600"))
-SIGNS = {"": "", " %": "percent", "\xb0": "degrees", " +": "plus"}  # sign after a number -> its word
+SAMPLE_WORDS = ("apple", "never", "house", "garden", "seven", "mark", "people", "table", "finger", "lemon")
+# punctuation at the end of a sentence
+SENTENCE_ENDS = (".", ".", ".", "..", "...", "!", "?", "?!", " .", ". .", "! !", "\u2026")
+# signs before and after a word
+QUOTE_PAIRS = (("", ""), ('"', '"'), ("(", ")"), ("[", "]"), ("\u201c", "\u201d"), ("'", "'"), ("", " \U0001f600"))
+SPOKEN_SIGNS = {"": "", " %": "percent", "\xb0": "degrees", " +": "plus"}  # sign after a number -> its word
 
 
 def corpus_scripts(step: int) -> list[Script]:
@@ -49,13 +51,13 @@ def test_corpus_texts_with_markup_sound_like_their_plain_words(espeak: Espeak, s
 
 
 def mixture(generator: random.Random) -> tuple[Script, str]:
-    """Return a script of sentences with random elements before their stops, and its plain words."""
+    """Return a random script of sentences with elements, and its plain words."""
     text, plain = "", list[str]()
     marks, pauses, emphases = list[Mark](), list[Pause](), list[Emphasis]()
     for _ in range(SENTENCE_COUNT):
-        before, last = generator.sample(WORDS, 2)
-        sign = generator.choice(tuple(SIGNS))
-        left, right = generator.choice(WRAPS)
+        before, last = generator.sample(SAMPLE_WORDS, 2)
+        sign = generator.choice(tuple(SPOKEN_SIGNS))
+        left, right = generator.choice(QUOTE_PAIRS)
         number = "7" * bool(sign)
         text += f"{generator.choice((before, before.title()))} "
         begin = len(text)
@@ -73,8 +75,8 @@ def mixture(generator: random.Random) -> tuple[Script, str]:
             }
             kind, attributes = kinds[element]
             emphases.append(Emphasis(begin, len(text), kind, attributes))
-        text += generator.choice(ENDS) + generator.choice((" ", "\n", "  "))
-        plain += [before, "seven" if number else last, *filter(None, [SIGNS[sign]])]
+        text += generator.choice(SENTENCE_ENDS) + generator.choice((" ", "\n", "  "))
+        plain += [before, "seven" if number else last, *filter(None, [SPOKEN_SIGNS[sign]])]
     trimmed = text.rstrip() if generator.random() < 0.5 else text
     return Script(trimmed, tuple(marks), pauses=tuple(pauses), emphases=tuple(emphases)), " ".join(plain)
 

@@ -6,9 +6,9 @@ from kinesic.speech import loudspeaker
 from kinesic.speech.loudspeaker import Feed, PortAudio, SpeakerError
 from kinesic.speech.speaker import Speaker, mix
 
-SAMPLE_RATE = 1000
-CLICK_SOUND = Sound.of(SAMPLE_RATE, [1.0, 0.5, 0.25])
-DEVICE_LATENCY = 0.05
+SAMPLE_RATE = 1000  # [Hz]
+CLICK_SOUND = Sound.of(SAMPLE_RATE, [1.0, 0.5, 0.25])  # sound of three samples
+DEVICE_LATENCY = 0.05  # [s]
 
 
 class Tape:

@@ -24,13 +24,13 @@ from kinesic.speech.recording import RecordingError, read_wav
 from kinesic.speech.voice import HIBARI_TABLES_MODULE, RecordedVoice, table_modules, voice
 
 RECORDED_VOICE = RecordedVoice(DurationModel())
-SAMPLE_RATE = 8000
-SPEECH = (
+SAMPLE_RATE = 8000  # [Hz]
+SPEECH_DOCUMENT = (  # document with one mark in its speech
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">'
     '<speech id="s"><text>Hello, my <sync id="m"/>friend</text></speech></bml>'
 )
 
-AUDIO_TEMPLATE = (
+AUDIO_TEMPLATE = (  # document with a recording of a given file name
     '<bml id="b"><speech id="s">hi<description type="audio/wav"><audio ref="{}"/></description></speech></bml>'
 )
 
@@ -38,7 +38,7 @@ AUDIO_TEMPLATE = (
 def test_auto_voice_speaks_if_an_engine_is_installed():
     if espeak_fault():
         pytest.skip(espeak_fault())
-    utterance = plan(SPEECH, set_up(voice="auto")).utterances["s"]
+    utterance = plan(SPEECH_DOCUMENT, set_up(voice="auto")).utterances["s"]
     assert utterance.voice == ("espeak-ng" if find_package() is None else "hibari")
     assert utterance.sound is not None
     assert utterance.sound.duration == pytest.approx(utterance.duration)
@@ -70,7 +70,7 @@ def test_voices_that_would_be_downloaded_are_refused(name: str):
 def test_auto_voice_is_silent_without_an_engine_and_warns(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(module, "find_package", lambda: None)
     monkeypatch.setattr(module, "espeak_fault", lambda: "espeak-ng is not installed: pip install it")
-    planned = plan(SPEECH, set_up(voice="auto"))
+    planned = plan(SPEECH_DOCUMENT, set_up(voice="auto"))
     assert planned.utterances["s"].voice == "durations"
     (notice,) = planned.notices
     assert notice.id == "b:s"
@@ -84,14 +84,14 @@ def test_requested_speech_engine_must_be_installed(monkeypatch: pytest.MonkeyPat
 
 
 def test_default_voice_of_the_library_is_silent_without_warnings():
-    planned = plan(SPEECH, set_up())
+    planned = plan(SPEECH_DOCUMENT, set_up())
     assert planned.utterances["s"].sound is None
     assert planned.notices == ()
 
 
 @pytest.mark.parametrize("name", ["auto", "durations"])
 def test_voice_can_be_pickled(name: VoiceName):
-    block = parse(SPEECH)
+    block = parse(SPEECH_DOCUMENT)
     setup, other_setup = set_up(voice=name), set_up()
     object.__setattr__(other_setup, "voice", pickle.loads(pickle.dumps(setup.voice)))
     assert synthesise_block(block, other_setup)["s"].marks == synthesise_block(block, setup)["s"].marks
@@ -119,14 +119,14 @@ def test_expressivity_changes_speech_rate_and_pitch(
 
 def test_fast_style_shortens_speech():
     calm, fast = (
-        plan(SPEECH, set_up(style=Style.uniform(Expressivity(temporal=t)))).utterances["s"].duration
+        plan(SPEECH_DOCUMENT, set_up(style=Style.uniform(Expressivity(temporal=t)))).utterances["s"].duration
         for t in (-1.0, 1.0)
     )
     assert calm / fast == pytest.approx(1.25**2)
 
 
 def write_tone(path: Path, seconds: float = 2.0, *, width: int = 2, channels: int = 1) -> Path:
-    """Write a tone of half the maximal amplitude."""
+    """Write a recording of a tone with half the maximum amplitude."""
     tone = 0.5 * np.sin(2 * np.pi * 200 * np.arange(round(seconds * SAMPLE_RATE)) / SAMPLE_RATE)
     whole = np.round(tone * (2 ** (8 * width - 1) - 1)).astype("<i4")
     if width == 1:
@@ -166,7 +166,7 @@ def test_recording_mark_without_a_time_is_estimated_with_a_remark(tmp_path: Path
 
 
 def write_bursts(path: Path, spans: tuple[tuple[float, float], ...]) -> Path:
-    """Write tones in the given spans [s], with faint noise between them, up to the end of the last span."""
+    """Write a recording of tones in given spans [s], with faint noise between."""
     times = np.arange(round(spans[-1][1] * SAMPLE_RATE)) / SAMPLE_RATE
     samples = np.random.default_rng(1).normal(0.0, 1e-3, len(times))
     for begin, end in spans:
@@ -258,6 +258,7 @@ def test_pipe_as_recording_is_rejected_without_waiting(tmp_path: Path):
         read_wav(tmp_path / "endless.wav")
 
 
+# marks with name, character and optional time [s]
 TIMED_MARKS = (Mark("m", 6, 0.25), Mark("n", 10), Mark("late", 10, 9.0))
 
 

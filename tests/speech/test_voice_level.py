@@ -3,12 +3,12 @@ import numpy as np
 from kinesic.body.utterance import Phoneme, Sound
 from kinesic.speech.voice_level import OPENING_RANGE, open_vowels_by_level
 
-RATE = 8000  # [Hz] sample rate
+SAMPLE_RATE = 8000  # [Hz]
 
 
 def tones(*amplitudes):
     """Return successive tones of 0.2 s with the given amplitudes."""
-    return Sound.of(RATE, np.concatenate([a * np.sin(np.arange(RATE // 5)) for a in amplitudes]))
+    return Sound.of(SAMPLE_RATE, np.concatenate([a * np.sin(np.arange(SAMPLE_RATE // 5)) for a in amplitudes]))
 
 
 def openings(symbols, sound):
@@ -29,4 +29,4 @@ def test_consonants_and_speech_without_vowels_keep_their_lip_opening():
 
 def test_lip_openings_stay_in_their_range_also_for_silent_vowels():
     assert openings(["a", "a", "a"], tones(0.0, 0.01, 1.0)) == [OPENING_RANGE[0], 1.0, OPENING_RANGE[1]]
-    assert openings(["a", "a"], Sound.of(RATE, np.zeros(0))) == [1.0, 1.0]
+    assert openings(["a", "a"], Sound.of(SAMPLE_RATE, np.zeros(0))) == [1.0, 1.0]

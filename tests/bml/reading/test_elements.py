@@ -6,9 +6,13 @@ from kinesic.bml.block import Action, BmlError, Gaze, Gesture, Head, NoticeType,
 from kinesic.bml.parse import parse
 
 BML_1_0 = "http://www.bml-initiative.org/bml/bml-1.0"
+# description with a supported behaviour; {} is its priority
 BML_DESCRIPTION = '<description priority="{}" type="application/bml"><pointing target="user"/></description>'
+# description of an unsupported type
 UNKNOWN_DESCRIPTION = '<description priority="{}" type="RobotLights"><lights colour="red"/></description>'
+# description of an unknown type with a supported behaviour
 NOD_DESCRIPTION = '<description priority="{}" type="x"><head lexeme="NOD"/></description>'
+# description with Greta's expressivity
 GRETA_DESCRIPTION = '<description priority="{}" type="gretabml"><PWR.value>0.5</PWR.value></description>'
 
 

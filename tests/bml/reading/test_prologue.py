@@ -10,7 +10,7 @@ from kinesic.bml.reading.prologue import find_first_tag
 
 from ...growth import LINEAR_GROWTH_LIMIT, growth
 
-COMMENTED_DOCUMENT = "<!---->" * 60 + '<bml id="b"><head id="h" lexeme="NOD"/></bml>'
+COMMENTED_DOCUMENT = "<!---->" * 60 + '<bml id="b"><head id="h" lexeme="NOD"/></bml>'  # document behind 60 comments
 
 
 @pytest.mark.parametrize(
@@ -40,6 +40,7 @@ def test_search_for_the_first_tag_takes_linear_time(piece: str) -> None:
     assert growth(find_first_tag, lambda size: size * piece) < LINEAR_GROWTH_LIMIT
 
 
+# program that plans and validates a document
 READ_DOCUMENT_SCRIPT = """
 from kinesic.cli import kinesic
 for words in (["plan", "many.bml"], ["validate", "."]):

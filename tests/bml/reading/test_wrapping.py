@@ -6,22 +6,25 @@ from kinesic.bml.block import BmlError, NoticeType
 from kinesic.bml.parse import parse
 from kinesic.bml.reading.wrapping import MAX_OPENED_SIZE, find_root, is_wrapped, open_document
 
-XML = '<bml id="b"><head id="h" lexeme="NOD" start="1"/></bml>'
-JSON = '{"id": "b", "behaviours": [{"type": "head", "id": "h", "lexeme": "NOD", "start": 1}]}'
-FENCE = "the Markdown fence around the document is ignored"
+XML_DOCUMENT = '<bml id="b"><head id="h" lexeme="NOD" start="1"/></bml>'
+# the same document as JSON
+JSON_DOCUMENT = '{"id": "b", "behaviours": [{"type": "head", "id": "h", "lexeme": "NOD", "start": 1}]}'
+FENCE_NOTICE = "the Markdown fence around the document is ignored"  # notice about an ignored code fence
 
 
-@pytest.mark.parametrize("document", [XML, JSON, f'<?xml version="1.0"?>\n<!-- nod -->\n{XML}'])
+@pytest.mark.parametrize(
+    "document", [XML_DOCUMENT, JSON_DOCUMENT, f'<?xml version="1.0"?>\n<!-- nod -->\n{XML_DOCUMENT}']
+)
 @pytest.mark.parametrize(
     ("before", "after", "notices"),
     [
-        ("```\n", "\n```", [FENCE]),
-        ("\ufeff\r\n```json\r\n", "\r\n```\r\n", [FENCE]),
-        ("~~~~ xml\n", "", [FENCE]),
+        ("```\n", "\n```", [FENCE_NOTICE]),
+        ("\ufeff\r\n```json\r\n", "\r\n```\r\n", [FENCE_NOTICE]),
+        ("~~~~ xml\n", "", [FENCE_NOTICE]),
         (
             "Sure! A (small) nod:\n\n```xml\n",
             "\n```\nEnjoy.",
-            [FENCE, "ignored: Sure!", "Enjoy"],
+            [FENCE_NOTICE, "ignored: Sure!", "Enjoy"],
         ),
         ("Here: ", " Have fun -- I did.", ["before the document is ignored: Here:", "ignored: Have fun -- I did."]),
         ("[1] {see below} `", "`", ["ignored: [1] {see below} `", "ignored: `"]),
@@ -47,9 +50,9 @@ def test_document_within_a_text_is_parsed_and_the_text_around_it_reported(docume
 @pytest.mark.parametrize(
     "text",
     [
-        XML,
-        f"\ufeff {XML}\n<!-- the end of </bml> -->",
-        f"{XML}{XML}",
+        XML_DOCUMENT,
+        f"\ufeff {XML_DOCUMENT}\n<!-- the end of </bml> -->",
+        f"{XML_DOCUMENT}{XML_DOCUMENT}",
         "Hello {name}, how are [you]? It costs 3 < 5.",
         '{"a": [1, 2',
         "```sh\nrm x\n```",
@@ -72,7 +75,13 @@ def test_error_in_a_document_within_a_code_fence_has_the_line_of_the_file():
 
 @pytest.mark.parametrize(
     ("text", "root"),
-    [(XML, "bml"), (f"Look:\n```\n{XML}", "bml"), ("```xml\n<speak>Hi</speak>\n```", "speak"), (JSON, ""), ("Hi.", "")],
+    [
+        (XML_DOCUMENT, "bml"),
+        (f"Look:\n```\n{XML_DOCUMENT}", "bml"),
+        ("```xml\n<speak>Hi</speak>\n```", "speak"),
+        (JSON_DOCUMENT, ""),
+        ("Hi.", ""),
+    ],
 )
 def test_root_element_is_found_within_a_code_fence(text, root):
     assert find_root(text) == root
@@ -80,7 +89,7 @@ def test_root_element_is_found_within_a_code_fence(text, root):
 
 
 def test_document_in_an_unknown_element_is_read():
-    for document in (JSON, f'<?xml version="1.0"?>{XML}', f"```\n{XML}\n```"):
+    for document in (JSON_DOCUMENT, f'<?xml version="1.0"?>{XML_DOCUMENT}', f"```\n{XML_DOCUMENT}\n```"):
         assert parse(f"<answer>{document}</answer>").behaviours[0].id == "h"
 
 

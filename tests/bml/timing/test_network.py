@@ -14,8 +14,8 @@ from kinesic.body.utterance import Utterance
 
 A, B, C, D = (Point("b", name, "start") for name in "abcd")
 BLOCK_START = Point("b", "bml", "start")
-BEAT_TEMPLATE = '<gesture id="{}" lexeme="BEAT" {}/>'
-EXTERNAL_TIMES = {("other", "x", "end"): 2.5}
+BEAT_TEMPLATE = '<gesture id="{}" lexeme="BEAT" {}/>'  # beat with a given id and attributes
+EXTERNAL_TIMES = {("other", "x", "end"): 2.5}  # [s] time of a sync point of another block
 
 
 def block_of(inside: str) -> Block:

@@ -19,7 +19,9 @@ from kinesic.bml.block import (
 from kinesic.bml.timing.points import HOLD_SYNCS, find_natural_spans, find_speech_offsets, is_repeated, list_sync_points
 from kinesic.body.utterance import Mark, Script, Utterance
 
+# actions whose result persists
 SHIFT_ACTIONS = [Gaze("x", shift=True), Face(("smile",), shift=True), Posture("STANDING", shift=True)]
+# actions after which the body returns
 RETURNING_ACTIONS = [Gaze("x"), Face(("smile",)), Posture("STANDING"), Head("NOD"), Gesture("beat")]
 
 

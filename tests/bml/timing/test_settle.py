@@ -5,6 +5,7 @@ import pytest
 from kinesic.bml.block import GAZE_SYNCS, GESTURE_SYNCS
 from kinesic.bml.timing.settle import fit_behaviour
 
+# [s] natural duration of each phase, by the sync point at its end
 NATURAL_SPANS = {"ready": 0.6, "strokeStart": 0.0, "stroke": 0.2, "strokeEnd": 0.2, "relax": 0.3, "end": 0.7}
 
 

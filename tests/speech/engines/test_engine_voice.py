@@ -10,70 +10,70 @@ from kinesic.speech.engines.phrase import EngineError, Phrase, SpokenPhrase, Spo
 
 from .tone_engine import WORD_DURATION, ToneEngine
 
-VOICE = EngineVoice(ToneEngine())
-PRECISION = 0.001  # [s] accepted error of times, a few samples
+TONE_VOICE = EngineVoice(ToneEngine())  # voice whose words are tones
+TIME_PRECISION = 0.001  # [s] accepted error of times, a few samples
 
 
 def test_phrases_are_joined_with_the_silences_of_punctuation_and_pauses():
     script = Script("One two. Three", (Mark("two", 4), Mark("three", 9)), pauses=(Pause(4, 0.5),))
-    utterance = VOICE.say(script)
-    assert utterance.marks["two"] == pytest.approx(WORD_DURATION + 0.5, abs=PRECISION)
-    assert utterance.marks["three"] == pytest.approx(2 * WORD_DURATION + 0.5 + SENTENCE_PAUSE, abs=PRECISION)
-    assert utterance.duration == pytest.approx(3 * WORD_DURATION + 0.5 + SENTENCE_PAUSE, abs=PRECISION)
+    utterance = TONE_VOICE.say(script)
+    assert utterance.marks["two"] == pytest.approx(WORD_DURATION + 0.5, abs=TIME_PRECISION)
+    assert utterance.marks["three"] == pytest.approx(2 * WORD_DURATION + 0.5 + SENTENCE_PAUSE, abs=TIME_PRECISION)
+    assert utterance.duration == pytest.approx(3 * WORD_DURATION + 0.5 + SENTENCE_PAUSE, abs=TIME_PRECISION)
     assert utterance.sound is not None
     assert utterance.sound.duration == utterance.duration
     assert [phoneme.start for phoneme in utterance.phonemes] == pytest.approx(
-        [0.0, utterance.marks["two"], utterance.marks["three"]], abs=PRECISION
+        [0.0, utterance.marks["two"], utterance.marks["three"]], abs=TIME_PRECISION
     )
-    assert utterance.accents == pytest.approx([phoneme.start for phoneme in utterance.phonemes], abs=PRECISION)
+    assert utterance.accents == pytest.approx([phoneme.start for phoneme in utterance.phonemes], abs=TIME_PRECISION)
 
 
 def test_requested_pause_keeps_its_length_at_half_and_double_speech_rate():
     for rate in (0.5, 2.0):
-        plain = VOICE.say(Script("One two", (Mark("m", 4),), pauses=(Pause(4, 0.2),)), rate=rate)
-        longer = VOICE.say(Script("One two", (Mark("m", 4),), pauses=(Pause(4, 0.9),)), rate=rate)
-        assert longer.marks["m"] - plain.marks["m"] == pytest.approx(0.7, abs=PRECISION)
-        assert longer.duration - plain.duration == pytest.approx(0.7, abs=PRECISION)
-        assert plain.marks["m"] == pytest.approx(WORD_DURATION / rate + 0.2, abs=PRECISION)
+        plain = TONE_VOICE.say(Script("One two", (Mark("m", 4),), pauses=(Pause(4, 0.2),)), rate=rate)
+        longer = TONE_VOICE.say(Script("One two", (Mark("m", 4),), pauses=(Pause(4, 0.9),)), rate=rate)
+        assert longer.marks["m"] - plain.marks["m"] == pytest.approx(0.7, abs=TIME_PRECISION)
+        assert longer.duration - plain.duration == pytest.approx(0.7, abs=TIME_PRECISION)
+        assert plain.marks["m"] == pytest.approx(WORD_DURATION / rate + 0.2, abs=TIME_PRECISION)
 
 
 def test_pauses_before_and_after_the_text_lengthen_the_utterance():
-    utterance = VOICE.say(Script("One", (Mark("a", 0), Mark("b", 3)), pauses=(Pause(0, 0.3), Pause(3, 0.4))))
-    assert utterance.duration == pytest.approx(0.7 + WORD_DURATION, abs=PRECISION)
+    utterance = TONE_VOICE.say(Script("One", (Mark("a", 0), Mark("b", 3)), pauses=(Pause(0, 0.3), Pause(3, 0.4))))
+    assert utterance.duration == pytest.approx(0.7 + WORD_DURATION, abs=TIME_PRECISION)
     assert utterance.sound is not None
     audible = np.flatnonzero(utterance.sound.samples) / utterance.sound.rate
-    assert (audible[0], audible[-1]) == pytest.approx((0.3, 0.3 + WORD_DURATION), abs=PRECISION)
+    assert (audible[0], audible[-1]) == pytest.approx((0.3, 0.3 + WORD_DURATION), abs=TIME_PRECISION)
 
 
 @pytest.mark.parametrize("text", ["", "  ", "...", "?!"])
 def test_text_without_words_lasts_as_long_as_its_pauses(text: str):
-    utterance = VOICE.say(Script(text, (Mark("m", 0),), pauses=(Pause(len(text), 0.25, after=1),)))
+    utterance = TONE_VOICE.say(Script(text, (Mark("m", 0),), pauses=(Pause(len(text), 0.25, after=1),)))
     assert (utterance.duration, utterance.marks, utterance.phonemes) == (0.25, {"m": 0.0}, ())
 
 
 def test_unreadable_phrase_is_left_out_with_a_remark():
-    utterance = VOICE.say(Script("One. xx two", pauses=(Pause(5, 0.1), Pause(8, 0.1))))
-    assert utterance.duration == pytest.approx(2 * WORD_DURATION + 0.1, abs=PRECISION)
+    utterance = TONE_VOICE.say(Script("One. xx two", pauses=(Pause(5, 0.1), Pause(8, 0.1))))
+    assert utterance.duration == pytest.approx(2 * WORD_DURATION + 0.1, abs=TIME_PRECISION)
     assert utterance.remarks == ("tones: no word of 'xx,' can be read: it is omitted",)
 
 
 def test_text_without_a_readable_word_gives_no_sound_or_uses_the_fallback_voice():
-    silent, substituted = VOICE.say(Script("xx")), EngineVoice(ToneEngine(), DurationModel()).say(Script("xx"))
+    silent, substituted = TONE_VOICE.say(Script("xx")), EngineVoice(ToneEngine(), DurationModel()).say(Script("xx"))
     assert silent.sound is None
     assert "no word of the text can be read" in silent.remarks[0]
     assert "durations speaks instead" in substituted.remarks[0]
 
 
 def test_text_above_the_length_limit_is_not_spoken():
-    utterance = VOICE.say(Script("a " * MAX_CHARACTERS))
+    utterance = TONE_VOICE.say(Script("a " * MAX_CHARACTERS))
     assert utterance.sound is None
     assert f"{2 * MAX_CHARACTERS} characters" in utterance.remarks[0]
 
 
 def test_unsupported_ssml_element_adds_a_remark():
     emphases = (Emphasis(0, 3, "say-as"), Emphasis(0, 3, "emphasis"))
-    assert "say-as" in VOICE.say(Script("one", emphases=emphases)).remarks[0]
-    assert VOICE.say(Script("one", emphases=emphases[1:])).remarks == ()
+    assert "say-as" in TONE_VOICE.say(Script("one", emphases=emphases)).remarks[0]
+    assert TONE_VOICE.say(Script("one", emphases=emphases[1:])).remarks == ()
 
 
 @dataclass(frozen=True)
@@ -122,9 +122,9 @@ def test_word_and_phoneme_times_that_an_engine_omits_are_estimated_from_its_soun
 @pytest.mark.parametrize("value", [0.0, float("nan")])
 def test_invalid_rate_or_pitch_is_rejected(kind: str, value: float):
     with pytest.raises(ValueError, match=f"{kind} is"):
-        VOICE.say(Script("one"), **{kind: value})
+        TONE_VOICE.say(Script("one"), **{kind: value})
 
 
 def test_words_and_silence_between_sentences_scale_with_the_speech_rate():
-    slow, quick = (VOICE.say(Script("One. Two", (Mark("m", 5),)), rate=rate) for rate in (0.5, 2.0))
-    assert slow.marks["m"] == pytest.approx(4 * quick.marks["m"], abs=PRECISION)
+    slow, quick = (TONE_VOICE.say(Script("One. Two", (Mark("m", 5),)), rate=rate) for rate in (0.5, 2.0))
+    assert slow.marks["m"] == pytest.approx(4 * quick.marks["m"], abs=TIME_PRECISION)

@@ -16,12 +16,12 @@ from kinesic.speech.engines.engine_voice import EngineVoice
 from kinesic.speech.engines.phrase import EngineError, Phrase, UnreadableError
 from kinesic.speech.engines.program import EngineProgram
 
-PROGRAM = Path(__file__).with_name("tone_program.py")
+TONE_PROGRAM = Path(__file__).with_name("tone_program.py")  # path of a speech program whose words are tones
 WORD_DURATION = 0.3  # [s] duration of a word that the program speaks
 
 
 def start(fault: str = "") -> EngineProgram:
-    return EngineProgram((sys.executable, str(PROGRAM), *filter(None, [fault])))
+    return EngineProgram((sys.executable, str(TONE_PROGRAM), *filter(None, [fault])))
 
 
 @pytest.fixture(autouse=True)
@@ -92,7 +92,7 @@ def test_speech_command_that_names_no_installed_program_is_rejected(text: str):
 
 
 def test_speech_command_in_the_setup_gives_the_mark_times_of_a_block():
-    command = shlex.join([sys.executable, str(PROGRAM)])
+    command = shlex.join([sys.executable, str(TONE_PROGRAM)])
     block = '<bml id="b"><speech id="s"><text>one <sync id="m"/>two</text></speech></bml>'
     planned = plan(block, set_up(engine=command))
     assert planned.utterances["s"].marks["m"] == pytest.approx(WORD_DURATION, abs=0.001)

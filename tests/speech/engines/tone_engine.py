@@ -1,4 +1,4 @@
-"""Engine whose words are tones, for tests of the voice around it."""
+"""Speech engine whose words are tones, for tests of engine voices."""
 
 import re
 from dataclasses import dataclass

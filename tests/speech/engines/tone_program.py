@@ -1,4 +1,4 @@
-"""Speech program whose words are tones, with faults on request: `tone_program.py [FAULT]`."""
+"""Speech program whose words are tones: `tone_program.py [FAULT]`."""
 
 import json
 import struct

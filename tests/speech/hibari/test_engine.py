@@ -10,12 +10,13 @@ from kinesic.speech.engines.engine_voice import EngineVoice, speak_phrase
 from kinesic.speech.engines.phrase import Phrase
 from kinesic.speech.hibari.engine import Hibari
 
-SENTENCES = (  # sentences that were not used to fit the constants
+# sentences that were not used to fit the constants
+TEST_SENTENCES = (
     "Tomorrow morning my family may come by boat.",
     "Pretty blue umbrellas bob up and down in May.",
     "Please remember to bring the blanket and a bottle of apple juice.",
 )
-BILABIALS = ("p", "b", "m")
+BILABIAL_LETTERS = ("p", "b", "m")  # sounds with closed lips
 OPEN_SOUNDS = "aeiouæɐɑɒɔəɚɛɜɪʊʌlɹwj"  # noqa: RUF001 - phonetic letters
 
 
@@ -40,13 +41,13 @@ def test_same_phrase_gives_the_same_samples(neural: EngineVoice):
 
 @pytest.mark.parametrize("rate", [0.8, 1.25])
 def test_lips_close_before_and_open_at_the_audible_burst_of_each_bilabial(neural: EngineVoice, rate: float):
-    for sentence in SENTENCES:
+    for sentence in TEST_SENTENCES:
         utterance = neural.say(Script(sentence), rate=rate)
         assert utterance.sound is not None
         times, steps = loudness_steps(utterance.sound)
         following = (*utterance.phonemes[1:], utterance.phonemes[-1])
         for sound, after in zip(utterance.phonemes, following, strict=True):
-            if sound.letters[:1] not in BILABIALS or after.letters[:1] not in OPEN_SOUNDS or sound.start < 0.05:
+            if sound.letters[:1] not in BILABIAL_LETTERS or after.letters[:1] not in OPEN_SOUNDS or sound.start < 0.05:
                 continue
             onset, release = sound.articulation
             is_near = (times > onset + 0.02) & (times < release + 0.03)

@@ -24,9 +24,10 @@ def node(kind: str, inputs: tuple[str, ...], output: str) -> bytes:
     return encode_bytes(GRAPH_NODE, content)
 
 
-SUM = node("CumSum", ("durations", "axis"), "ends")
-PITCH = node("Mul", ("raw", "scale"), PITCH_OUTPUT)
-SPEED = encode_bytes(GRAPH_INPUT, encode_bytes(VALUE_NAME, SPEED_INPUT.encode()))
+SUM_NODE = node("CumSum", ("durations", "axis"), "ends")  # node that adds up the durations
+PITCH_NODE = node("Mul", ("raw", "scale"), PITCH_OUTPUT)  # node that computes the pitch
+# declaration of the input for the speech rate
+SPEED_FIELD = encode_bytes(GRAPH_INPUT, encode_bytes(VALUE_NAME, SPEED_INPUT.encode()))
 
 
 def model(*parts: bytes) -> bytes:
@@ -44,7 +45,7 @@ def names(graph: bytes, number: int, name_number: int) -> list[str]:
 
 
 def test_edited_model_graph_has_durations_as_output_and_pitch_as_input():
-    edited = edit_graph(model(SPEED, SUM, PITCH, node("Relu", (PITCH_OUTPUT,), "voiced")))
+    edited = edit_graph(model(SPEED_FIELD, SUM_NODE, PITCH_NODE, node("Relu", (PITCH_OUTPUT,), "voiced")))
     before, graph, after = read_fields(memoryview(edited.model))
     assert (bytes(before.encoded), bytes(after.encoded)) == (encode_integer(1, 8), encode_bytes(8, b"opset"))
     assert edited.duration_output == "durations"
@@ -54,7 +55,16 @@ def test_edited_model_graph_has_durations_as_output_and_pitch_as_input():
     assert names(graph.value, GRAPH_NODE, NODE_INPUT)[4:6] == [NATURAL_PITCH, PITCH_INPUT]
 
 
-@pytest.mark.parametrize("parts", [(), (SUM, PITCH), (SPEED, SUM), (SPEED, PITCH), (SPEED, SUM, SUM, PITCH)])
+@pytest.mark.parametrize(
+    "parts",
+    [
+        (),
+        (SUM_NODE, PITCH_NODE),
+        (SPEED_FIELD, SUM_NODE),
+        (SPEED_FIELD, PITCH_NODE),
+        (SPEED_FIELD, SUM_NODE, SUM_NODE, PITCH_NODE),
+    ],
+)
 def test_model_graph_with_missing_or_repeated_nodes_is_rejected(parts: tuple[bytes, ...]):
     with pytest.raises(ProtobufError, match="the graph"):
         edit_graph(model(*parts))

@@ -1,4 +1,4 @@
-"""Tests of the model's installation, without loading the model."""
+"""Tests of the check whether the voice's model is installed."""
 
 import subprocess
 import sys
@@ -10,6 +10,7 @@ from kinesic.body.config import ConfigError
 from kinesic.speech.hibari import model
 from kinesic.speech.voice import voice
 
+# program that creates the voice and prints whether its model is loaded
 CREATE_SCRIPT = """
 import sys
 from kinesic.speech.voice import voice

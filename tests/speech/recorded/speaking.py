@@ -1,4 +1,4 @@
-"""Recordings for tests: speech of espeak-ng with pauses and noise at known times."""
+"""Recordings for tests: synthesised speech with pauses and noise."""
 
 import re
 from dataclasses import dataclass
@@ -9,7 +9,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.utterance import Mark, Phoneme, Script, Sound
 from kinesic.speech.espeak import Espeak
 
-TEXT = "Peter, please bring my big blue umbrella before it begins to rain."
+RECORDED_TEXT = "Peter, please bring my big blue umbrella before it begins to rain."  # text of the recordings
 
 
 @dataclass(frozen=True, eq=False)
@@ -23,7 +23,7 @@ class SpokenText:
 
 def speak(
     voice: Espeak,
-    text: str = TEXT,
+    text: str = RECORDED_TEXT,
     *,
     language: str = "en-gb",
     rate: float = 0.85,
@@ -31,7 +31,7 @@ def speak(
     pauses: dict[int, float] | None = None,
     noise: float = 0.0,
 ) -> SpokenText:
-    """Speak a text in a voice that differs from the rendition's.
+    """Synthesise a text with another voice than that of renditions.
 
     Args:
         voice: engine.

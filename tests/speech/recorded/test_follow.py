@@ -6,20 +6,20 @@ from kinesic.speech.espeak import Espeak
 from kinesic.speech.recorded.follow import FollowedSpeech, follow_recording, release_stops
 from kinesic.speech.recorded.given_times import GivenTime
 from kinesic.speech.recorded.rendition import Rendition, render
-from tests.speech.recorded.speaking import TEXT, SpokenText, speak
+from tests.speech.recorded.speaking import RECORDED_TEXT, SpokenText, speak
 
-PAUSES = {0: 0.6, 3: 2.0, 8: 0.8}
+PAUSE_DURATIONS = {0: 0.6, 3: 2.0, 8: 0.8}  # [s] pause before the word of each index
 
 
 def follow(espeak: Espeak, spoken: SpokenText, given: dict[int, GivenTime] | None = None) -> FollowedSpeech:
-    rendition = render(Script(TEXT), espeak)
+    rendition = render(Script(RECORDED_TEXT), espeak)
     times = [(given or {}).get(k, GivenTime()) for k in range(len(rendition.words))]
     followed = follow_recording(rendition, spoken.sound, times)
     assert followed is not None
     return followed
 
 
-@pytest.mark.parametrize(("pauses", "noise"), [({}, 0.0), (PAUSES, 0.0), (PAUSES, 0.1)])
+@pytest.mark.parametrize(("pauses", "noise"), [({}, 0.0), (PAUSE_DURATIONS, 0.0), (PAUSE_DURATIONS, 0.1)])
 def test_word_starts_are_located_by_sound_despite_pauses_and_noise(
     espeak: Espeak, pauses: dict[int, float], noise: float
 ):
@@ -30,7 +30,7 @@ def test_word_starts_are_located_by_sound_despite_pauses_and_noise(
 
 
 def test_word_times_from_a_file_are_kept_and_other_words_lie_between_them(espeak: Espeak):
-    spoken = speak(espeak, pauses=PAUSES)
+    spoken = speak(espeak, pauses=PAUSE_DURATIONS)
     given = {k: GivenTime(float(spoken.starts[k]) + 0.007) for k in (1, 4, 9)}
     starts = np.array([start for start, _ in follow(espeak, spoken, given).words])
     for k, time in given.items():
@@ -40,9 +40,9 @@ def test_word_times_from_a_file_are_kept_and_other_words_lie_between_them(espeak
 
 
 def test_aligned_phonemes_lie_outside_long_silences_of_the_recording(espeak: Espeak):
-    spoken = speak(espeak, pauses=PAUSES, noise=0.05)
+    spoken = speak(espeak, pauses=PAUSE_DURATIONS, noise=0.05)
     followed = follow(espeak, spoken)
-    for word, duration in PAUSES.items():
+    for word, duration in PAUSE_DURATIONS.items():
         begin, end = spoken.starts[word] - duration + 0.1, spoken.starts[word] - 0.15
         for sound in followed.phonemes:
             onset, release = sound.articulation
@@ -57,7 +57,7 @@ def test_lips_close_at_every_bilabial_of_the_text(espeak: Espeak):
 
 
 def test_inaudible_final_closure_lasts_until_the_given_end_of_its_word():
-    """Noise hides the closure and the burst of a final p."""
+    """Hide the closure and burst of a final p by noise."""
     times = np.arange(8000) / 16_000
     rendered = np.concatenate([np.sin(2 * np.pi * 200 * times[:6400]), np.zeros(1600)])
     heard = np.concatenate([np.zeros(8000), rendered, np.zeros(8000)])

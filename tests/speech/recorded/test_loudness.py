@@ -4,27 +4,27 @@ import pytest
 from kinesic.body.utterance import Sound
 from kinesic.speech.recorded.loudness import OPENING_RANGE, compute_openings, estimate_pitch
 
-RATE = 16_000
+SAMPLE_RATE = 16_000  # [Hz]
 
 
 def buzz(pitch: float) -> np.ndarray:
     """Return one second of a voice-like sound with harmonics."""
-    times = np.arange(RATE) / RATE
+    times = np.arange(SAMPLE_RATE) / SAMPLE_RATE
     return sum(np.sin(2 * np.pi * k * pitch * times) / k for k in range(1, 8)) * 0.2
 
 
 @pytest.mark.parametrize("pitch", [80.0, 120.0, 220.0, 400.0])
 def test_pitch_of_voices_is_estimated_in_noise(pitch: float):
-    samples = buzz(pitch) + np.random.default_rng(1).normal(0.0, 0.02, RATE)
-    estimate = estimate_pitch(Sound.of(RATE, samples))[5:-5]
+    samples = buzz(pitch) + np.random.default_rng(1).normal(0.0, 0.02, SAMPLE_RATE)
+    estimate = estimate_pitch(Sound.of(SAMPLE_RATE, samples))[5:-5]
     assert np.nanmedian(estimate) == pytest.approx(pitch, rel=0.03)
     assert np.isnan(estimate).mean() < 0.1
 
 
 def test_noise_and_silence_have_no_pitch():
-    noise = np.random.default_rng(2).normal(0.0, 0.1, RATE)
-    assert np.isnan(estimate_pitch(Sound.of(RATE, noise))).mean() > 0.95
-    assert np.isnan(estimate_pitch(Sound.of(RATE, np.zeros(RATE)))).all()
+    noise = np.random.default_rng(2).normal(0.0, 0.1, SAMPLE_RATE)
+    assert np.isnan(estimate_pitch(Sound.of(SAMPLE_RATE, noise))).mean() > 0.95
+    assert np.isnan(estimate_pitch(Sound.of(SAMPLE_RATE, np.zeros(SAMPLE_RATE)))).all()
 
 
 def test_lip_openings_increase_with_the_sound_level_within_their_range():

@@ -25,12 +25,13 @@ from kinesic.speech.recorded.placement import (
 )
 from kinesic.speech.recorded.warping import FrameSequence, Warp
 
-RENDITION = SimpleNamespace(starts=np.array([0.0, 1.0]), ends=np.array([0.5, 2.0]))  # two words, of 0.5 s and 1 s
-SPAN = (10.0, 20.0)
+# rendition of two words, of 0.5 s and 1 s
+TWO_WORDS = SimpleNamespace(starts=np.array([0.0, 1.0]), ends=np.array([0.5, 2.0]))
+RECORDED_SPAN = (10.0, 20.0)  # [s] span of the recording in which the words lie
 
 
-def spread(*audible: tuple[float, float], span: tuple[float, float] = SPAN):
-    return _spread(RENDITION, SimpleNamespace(spans=list(audible)), (0, 2), span)
+def spread(*audible: tuple[float, float], span: tuple[float, float] = RECORDED_SPAN):
+    return _spread(TWO_WORDS, SimpleNamespace(spans=list(audible)), (0, 2), span)
 
 
 def test_words_are_spread_over_audible_parts_in_proportion_to_their_durations():
@@ -107,7 +108,7 @@ def test_speech_is_joined_across_silences_shorter_than_0_3_seconds(begins, joine
 def test_word_ends_with_a_closure_if_its_last_sound_closes_the_lips(letter, start, closure):
     phonemes = (Phoneme("p", 0.2, 0.1), Phoneme(letter, start, 0.1))
     rendition = SimpleNamespace(
-        starts=RENDITION.starts, ends=RENDITION.ends, utterance=SimpleNamespace(phonemes=phonemes)
+        starts=TWO_WORDS.starts, ends=TWO_WORDS.ends, utterance=SimpleNamespace(phonemes=phonemes)
     )
     assert _find_final_closure(rendition, 1) == closure
 
@@ -199,7 +200,7 @@ def test_warped_or_spread_words_with_a_final_closure_are_extended_towards_the_gi
     monkeypatch.setattr(placement, "_spread", lambda *_: ([(0.0, 0.5), (2.0, 0.6)], [(0.5, 0.6)]))
     monkeypatch.setattr(placement, "_find_final_closure", lambda rendition, word: 1.0 if word == 0 else None)
     given = [GivenTime(0.5, 1.0), GivenTime(None, 3.0)]
-    found = place_words(RENDITION, "frames", given, 9.0, "rendered")
+    found = place_words(TWO_WORDS, "frames", given, 9.0, "rendered")
     assert asked == [((0, 1), (0.5, 1.0), True), ((1, 2), (1.0, 3.0), False)]
     expected = [(0.5, 1.0), (1.0, 2.9)] if has_sound else [(0.5, 0.75), (0.5, 0.6)]
     np.testing.assert_allclose(found.words, expected)

@@ -4,43 +4,54 @@ import pytest
 from kinesic.body.utterance import Phoneme
 from kinesic.speech.recorded.prominence import find_prominences, find_prominent_words, move_stress
 
-WORDS = [(0.3 * k, 0.3 * k + 0.28) for k in range(6)]
-NATURAL = [0.28] * 6
-COUNT = 180
+WORD_SPANS = [(0.3 * k, 0.3 * k + 0.28) for k in range(6)]  # [s] start and end of six words
+NATURAL_DURATIONS = [0.28] * 6  # [s] durations of the words in normal speech
+FRAME_COUNT = 180  # number of frames of the recording
 
 
-def measure(levels: dict[int, float], pitch: dict[int, float], natural: list[float] = NATURAL) -> np.ndarray:
+def measure(levels: dict[int, float], pitch: dict[int, float], natural: list[float] = NATURAL_DURATIONS) -> np.ndarray:
     """Return prominences with changed levels [dB] and pitches [Hz] of single words."""
-    level, hertz = np.full(COUNT, -20.0), np.full(COUNT, 120.0)
+    level, hertz = np.full(FRAME_COUNT, -20.0), np.full(FRAME_COUNT, 120.0)
     for rows, values in ((level, levels), (hertz, pitch)):
         for word, value in values.items():
             rows[30 * word : 30 * word + 28] = value
-    return find_prominences(WORDS, level, hertz, natural)
+    return find_prominences(WORD_SPANS, level, hertz, natural)
 
 
 @pytest.mark.parametrize(
     ("levels", "pitch", "natural"),
-    [({2: -10.0}, {}, NATURAL), ({}, {2: 170.0}, NATURAL), ({}, {}, [0.28, 0.28, 0.12, 0.28, 0.28, 0.28])],
+    [
+        ({2: -10.0}, {}, NATURAL_DURATIONS),
+        ({}, {2: 170.0}, NATURAL_DURATIONS),
+        ({}, {}, [0.28, 0.28, 0.12, 0.28, 0.28, 0.28]),
+    ],
 )
 def test_word_that_is_louder_or_higher_in_pitch_or_longer_is_prominent(
     levels: dict[int, float], pitch: dict[int, float], natural: list[float]
 ):
     prominences = measure(levels, pitch, natural)
-    accents = find_prominent_words(WORDS, prominences, np.ones(6, dtype=bool))
+    accents = find_prominent_words(WORD_SPANS, prominences, np.ones(6, dtype=bool))
     assert accents.tolist() == [k == 2 for k in range(6)]
 
 
 def test_equally_loud_words_without_pitch_have_no_prominence_and_no_accent():
-    hertz = np.full(COUNT, np.nan)
-    prominences = find_prominences(WORDS, np.full(COUNT, -20.0), hertz, NATURAL)
+    hertz = np.full(FRAME_COUNT, np.nan)
+    prominences = find_prominences(WORD_SPANS, np.full(FRAME_COUNT, -20.0), hertz, NATURAL_DURATIONS)
     assert prominences == pytest.approx(0.0)
-    assert not find_prominent_words(WORDS, prominences, np.ones(6, dtype=bool)).any()
+    assert not find_prominent_words(WORD_SPANS, prominences, np.ones(6, dtype=bool)).any()
 
 
 def test_word_without_lexical_stress_needs_more_prominence():
     prominences = np.array([0.0, 1.0, 0.0, 0.0, 1.5, 0.0])
     is_stressed = np.array([True, False, True, True, False, True])
-    assert find_prominent_words(WORDS, prominences, is_stressed).tolist() == [False, False, False, False, True, False]
+    assert find_prominent_words(WORD_SPANS, prominences, is_stressed).tolist() == [
+        False,
+        False,
+        False,
+        False,
+        True,
+        False,
+    ]
 
 
 def test_each_of_two_phrases_has_an_accent():
@@ -51,9 +62,9 @@ def test_each_of_two_phrases_has_an_accent():
 
 def test_primary_stress_of_unaccented_words_becomes_secondary_if_another_word_is_accented():
     sounds = (Phoneme("\u02c8a", 0.05, 0.1), Phoneme("\u02c8o", 0.4, 0.1), Phoneme("n", 0.5, 0.05))
-    moved = move_stress(sounds, WORDS[:2], np.array([False, True]))
+    moved = move_stress(sounds, WORD_SPANS[:2], np.array([False, True]))
     assert [sound.symbol for sound in moved] == ["\u02cca", "\u02c8o", "n"]
-    assert move_stress(sounds, WORDS[:2], np.array([False, False])) == sounds
+    assert move_stress(sounds, WORD_SPANS[:2], np.array([False, False])) == sounds
 
 
 def test_prominence_is_half_the_sum_of_level_pitch_and_length_above_the_mean_of_near_words():

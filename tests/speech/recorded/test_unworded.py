@@ -17,18 +17,18 @@ from kinesic.speech.recorded.unworded import (
 )
 from tests.speech.recorded.speaking import speak
 
-RATE = 16_000
+SAMPLE_RATE = 16_000  # [Hz]
 
 
 def voice_like(parts: list[tuple[float, float, float]]) -> Sound:
-    """Return buzzing parts of (duration [s], amplitude, formant [Hz]); amplitude 0 is silence."""
-    pieces = [np.zeros(RATE // 2)]
+    """Return voice-like sounds of given durations [s], amplitudes and formants [Hz]."""
+    pieces = [np.zeros(SAMPLE_RATE // 2)]
     for duration, amplitude, formant in parts:
-        times = np.arange(round(duration * RATE)) / RATE
+        times = np.arange(round(duration * SAMPLE_RATE)) / SAMPLE_RATE
         harmonics = [(k * 120.0, np.exp(-(((k * 120.0 - formant) / 300.0) ** 2)) + 0.02) for k in range(1, 40)]
         piece = sum(weight * np.sin(2 * np.pi * frequency * times) for frequency, weight in harmonics)
         pieces.append(amplitude * piece / 6.0)
-    return Sound.of(RATE, np.concatenate([*pieces, np.zeros(RATE // 2)]))
+    return Sound.of(SAMPLE_RATE, np.concatenate([*pieces, np.zeros(SAMPLE_RATE // 2)]))
 
 
 def letters(sound: Sound) -> list[str]:
@@ -41,8 +41,8 @@ def test_high_first_formant_opens_the_mouth_and_a_low_one_rounds_the_lips():
 
 
 def test_high_frequency_noise_is_classified_as_the_sound_s():
-    noise = np.diff(np.random.default_rng(1).normal(0.0, 0.2, RATE // 2), n=3)
-    sound = Sound.of(RATE, np.concatenate([np.zeros(RATE // 2), 0.2 * noise, np.zeros(RATE // 2)]))
+    noise = np.diff(np.random.default_rng(1).normal(0.0, 0.2, SAMPLE_RATE // 2), n=3)
+    sound = Sound.of(SAMPLE_RATE, np.concatenate([np.zeros(SAMPLE_RATE // 2), 0.2 * noise, np.zeros(SAMPLE_RATE // 2)]))
     assert set(letters(sound)) == {"s"}
 
 
@@ -63,7 +63,7 @@ def test_louder_syllable_has_the_accent_and_a_wider_mouth():
 
 
 def test_silent_recording_has_no_lip_sounds():
-    assert lip_sounds(Sound.of(RATE, np.zeros(RATE))) == ()
+    assert lip_sounds(Sound.of(SAMPLE_RATE, np.zeros(SAMPLE_RATE))) == ()
 
 
 def test_at_least_two_but_at_most_half_of_the_vowels_of_speech_are_accented(espeak: Espeak):
@@ -143,7 +143,7 @@ def test_vowel_has_primary_stress_if_an_accent_falls_into_it():
 
 
 def syllables(heights: dict[int, float], count: int = 800) -> np.ndarray:
-    """Return levels [dB] with triangular peaks of 30 frames, of given heights above -30 dB."""
+    """Return levels [dB] with a triangular peak per syllable height."""
     levels = np.full(count, -30.0)
     for frame, height in heights.items():
         rise = height - 1.0 * np.abs(np.arange(count) - frame)

@@ -11,9 +11,14 @@ from kinesic.body.utterance import Mark, Recording, Script, Sound
 from kinesic.speech.durations import DurationModel
 from kinesic.speech.espeak import Espeak
 from kinesic.speech.recorded.voice import RecordedVoice
-from tests.speech.recorded.speaking import TEXT, speak
+from tests.speech.recorded.speaking import RECORDED_TEXT, speak
 
-MARKS = (Mark("a", TEXT.index("please")), Mark("b", TEXT.index("umbrella")), Mark("end_of_text", len(TEXT)))
+# marks before two words and at the end of the text
+TEXT_MARKS = (
+    Mark("a", RECORDED_TEXT.index("please")),
+    Mark("b", RECORDED_TEXT.index("umbrella")),
+    Mark("end_of_text", len(RECORDED_TEXT)),
+)
 
 
 def write(sound: Sound, path: Path) -> Path:
@@ -31,7 +36,7 @@ def write_words(path: Path, words: list[tuple[str, float, float]]) -> Path:
 def test_marks_of_a_recording_without_word_times_are_located_by_sound(espeak: Espeak, tmp_path: Path):
     spoken = speak(espeak, pauses={3: 1.0})
     recording = Recording(write(spoken.sound, tmp_path / "r.wav"))
-    utterance = RecordedVoice(espeak).say(Script(TEXT, MARKS, recording=recording), rate=2.0)
+    utterance = RecordedVoice(espeak).say(Script(RECORDED_TEXT, TEXT_MARKS, recording=recording), rate=2.0)
     assert utterance.marks["a"] == pytest.approx(spoken.starts[1], abs=0.06)
     assert utterance.marks["b"] == pytest.approx(spoken.starts[6], abs=0.06)
     assert utterance.marks["end_of_text"] == pytest.approx(spoken.sound.duration, abs=0.3)
@@ -41,12 +46,12 @@ def test_marks_of_a_recording_without_word_times_are_located_by_sound(espeak: Es
 
 def test_marks_take_the_exact_word_times_of_a_timing_file(espeak: Espeak, tmp_path: Path):
     spoken = speak(espeak)
-    texts = TEXT.replace(",", "").replace(".", "").split()
+    texts = RECORDED_TEXT.replace(",", "").replace(".", "").split()
     ends = [*(spoken.starts[1:] - 0.01), spoken.sound.duration]
     spans = zip(texts, spoken.starts, ends, strict=True)
     words = write_words(tmp_path / "r.json", [(text, float(begin), float(end)) for text, begin, end in spans])
     recording = Recording(write(spoken.sound, tmp_path / "r.wav"), words=words)
-    utterance = RecordedVoice(espeak).say(Script(TEXT, MARKS, recording=recording))
+    utterance = RecordedVoice(espeak).say(Script(RECORDED_TEXT, TEXT_MARKS, recording=recording))
     assert utterance.marks["a"] == float(spoken.starts[1])
     assert utterance.marks["b"] == float(spoken.starts[6])
     assert utterance.remarks == ()
@@ -56,7 +61,7 @@ def test_words_without_a_time_in_the_timing_file_are_counted_in_a_remark(espeak:
     spoken = speak(espeak)
     words = write_words(tmp_path / "r.json", [("please", float(spoken.starts[1]), float(spoken.starts[2]) - 0.01)])
     recording = Recording(write(spoken.sound, tmp_path / "r.wav"), words=words)
-    utterance = RecordedVoice(espeak).say(Script(TEXT, MARKS, recording=recording))
+    utterance = RecordedVoice(espeak).say(Script(RECORDED_TEXT, TEXT_MARKS, recording=recording))
     (remark,) = utterance.remarks
     assert "11 of 12 words of the text have no time in the Whisper JSON" in remark
     assert utterance.marks["b"] == pytest.approx(spoken.starts[6], abs=0.08)
@@ -66,7 +71,7 @@ def test_invalid_timing_file_is_reported_and_words_are_located_by_sound(espeak: 
     spoken = speak(espeak)
     (tmp_path / "r.json").write_text('{"words": [{"word": "please", "start": -1}]}')
     recording = Recording(write(spoken.sound, tmp_path / "r.wav"), words=tmp_path / "r.json")
-    utterance = RecordedVoice(espeak).say(Script(TEXT, MARKS, recording=recording))
+    utterance = RecordedVoice(espeak).say(Script(RECORDED_TEXT, TEXT_MARKS, recording=recording))
     (remark,) = utterance.remarks
     assert "words[0] start is -1" in remark
     assert remark.endswith("the words are found by their sound")
@@ -111,7 +116,7 @@ def test_timing_file_outside_the_folder_of_the_recording_is_not_read(espeak: Esp
     spoken = speak(espeak)
     words = write_words(tmp_path / "away.json", [("please", 0.0, 0.1)])
     recording = Recording(write(spoken.sound, folder / "r.wav"), (), folder, words)
-    (remark,) = RecordedVoice(espeak).say(Script(TEXT, MARKS, recording=recording)).remarks
+    (remark,) = RecordedVoice(espeak).say(Script(RECORDED_TEXT, TEXT_MARKS, recording=recording)).remarks
     assert "is outside of the folder" in remark
 
 

@@ -14,21 +14,21 @@ from kinesic.speech.recorded.warping import (
     warp,
 )
 
-WORDS = np.array([0, 40, 90, 150])  # first frame of each word
-COUNT = 200
+WORD_FRAMES = np.array([0, 40, 90, 150])  # first frame of each word
+FRAME_COUNT = 200  # number of frames of the rendition
 
 
 def make_rendition() -> FrameSequence:
     rng = np.random.default_rng(3)
-    smooth = np.cumsum(rng.normal(size=(COUNT, 18)), axis=0)
+    smooth = np.cumsum(rng.normal(size=(FRAME_COUNT, 18)), axis=0)
     smooth = (smooth - smooth.mean(axis=0)) / smooth.std(axis=0)
-    return FrameSequence(smooth, np.ones(COUNT, dtype=bool))
+    return FrameSequence(smooth, np.ones(FRAME_COUNT, dtype=bool))
 
 
 def stretch(rendition: FrameSequence, frames: np.ndarray, pauses: dict[int, int]) -> tuple[FrameSequence, np.ndarray]:
-    """Return a recording that plays the given frames, with silent frames inserted before words."""
+    """Return a recording of given frames, with silent frames before words."""
     features, is_speech = rendition.features[frames], np.ones(len(frames), dtype=bool)
-    starts = np.searchsorted(frames, WORDS)
+    starts = np.searchsorted(frames, WORD_FRAMES)
     for word, count in sorted(pauses.items(), reverse=True):
         features = np.insert(features, [starts[word]] * count, 9.0, axis=0)
         is_speech = np.insert(is_speech, [starts[word]] * count, False)
@@ -40,9 +40,9 @@ def stretch(rendition: FrameSequence, frames: np.ndarray, pauses: dict[int, int]
 @pytest.mark.parametrize("pauses", [{}, {0: 50, 2: 200}])
 def test_time_warping_finds_word_starts_at_other_speech_rates_and_after_pauses(factor: float, pauses: dict[int, int]):
     rendition = make_rendition()
-    frames = np.minimum((np.arange(round(COUNT * factor)) / factor).astype(int), COUNT - 1)
+    frames = np.minimum((np.arange(round(FRAME_COUNT * factor)) / factor).astype(int), FRAME_COUNT - 1)
     recording, starts = stretch(rendition, frames, pauses)
-    found = warp(recording, rendition, WORDS)
+    found = warp(recording, rendition, WORD_FRAMES)
     assert found is not None
     assert found.word_frames == pytest.approx(starts, abs=2)
     assert recording.is_speech[found.frames].all()
@@ -51,9 +51,9 @@ def test_time_warping_finds_word_starts_at_other_speech_rates_and_after_pauses(f
 
 def test_time_warping_follows_a_rate_change_within_the_recording():
     rendition = make_rendition()
-    frames = np.concatenate([np.repeat(np.arange(90), 2), np.arange(90, COUNT)])
+    frames = np.concatenate([np.repeat(np.arange(90), 2), np.arange(90, FRAME_COUNT)])
     recording, starts = stretch(rendition, frames, {})
-    found = warp(recording, rendition, WORDS)
+    found = warp(recording, rendition, WORD_FRAMES)
     assert found is not None
     assert found.word_frames == pytest.approx(starts, abs=3)
 
@@ -61,8 +61,8 @@ def test_time_warping_follows_a_rate_change_within_the_recording():
 def test_silent_recording_or_rendition_gives_no_warping():
     rendition = make_rendition()
     silent = FrameSequence(np.zeros((50, 18)), np.zeros(50, dtype=bool))
-    assert warp(silent, rendition, WORDS) is None
-    assert warp(rendition, silent, WORDS) is None
+    assert warp(silent, rendition, WORD_FRAMES) is None
+    assert warp(rendition, silent, WORD_FRAMES) is None
 
 
 @pytest.mark.parametrize(("last_costs", "column"), [((4.0, 3.0), 2), ((3.0, 3.0), 2), ((3.0, 4.0), 1)])
@@ -75,10 +75,10 @@ def test_time_warping_path_ends_at_the_cheaper_of_the_last_two_columns(last_cost
 def test_word_after_the_end_of_the_rendition_begins_at_the_last_frame_with_speech():
     rendition = make_rendition()
     features = np.append(rendition.features, np.full((30, 18), 9.0), axis=0)
-    recording = FrameSequence(features, np.arange(COUNT + 30) < COUNT)
-    found = warp(recording, rendition, np.append(WORDS, COUNT))
+    recording = FrameSequence(features, np.arange(FRAME_COUNT + 30) < FRAME_COUNT)
+    found = warp(recording, rendition, np.append(WORD_FRAMES, FRAME_COUNT))
     assert found is not None
-    assert found.word_frames[-1] == COUNT - 1
+    assert found.word_frames[-1] == FRAME_COUNT - 1
 
 
 def test_each_silence_becomes_four_copies_of_its_first_frame():

@@ -5,12 +5,12 @@ import pytest
 from kinesic.speech.timings.reading import read_timed_words
 from kinesic.speech.timings.timed_words import TimedSpan, TimingError
 
-WORDS = [
+WORD_EVENTS = [  # word boundary events, with offsets in ticks
     {"audioOffset": 500_000, "duration": 2_500_000, "text": "Hello", "boundaryType": "Word"},
     {"audioOffset": 3_000_000, "duration": 500_000, "text": ",", "boundaryType": "Punctuation"},
     {"audioOffset": 4_000_000, "duration": 4_000_000, "text": "friend", "boundaryType": "WordBoundary.Word"},
 ]
-HELLO = (TimedSpan("Hello", 0.05, 0.3), TimedSpan("friend", 0.4, 0.8))
+HELLO_WORDS = (TimedSpan("Hello", 0.05, 0.3), TimedSpan("friend", 0.4, 0.8))  # the words of the events, with times [s]
 
 
 def rename(event: dict[str, object], prefix: str) -> dict[str, object]:
@@ -20,17 +20,17 @@ def rename(event: dict[str, object], prefix: str) -> dict[str, object]:
 @pytest.mark.parametrize(
     "content",
     [
-        json.dumps(WORDS),
-        json.dumps({"events": WORDS}),
-        "\n".join(map(json.dumps, WORDS)),
-        json.dumps([rename(event, "priv") for event in WORDS]),
-        json.dumps([rename(event, "") for event in WORDS]),
+        json.dumps(WORD_EVENTS),
+        json.dumps({"events": WORD_EVENTS}),
+        "\n".join(map(json.dumps, WORD_EVENTS)),
+        json.dumps([rename(event, "priv") for event in WORD_EVENTS]),
+        json.dumps([rename(event, "") for event in WORD_EVENTS]),
     ],
 )
 def test_word_boundaries_in_ticks_are_read_from_lists_and_lines(content: str):
     words = read_timed_words(content.encode()).words
     assert [word.text for word in words] == ["Hello", "friend"]
-    for word, expected in zip(words, HELLO, strict=True):
+    for word, expected in zip(words, HELLO_WORDS, strict=True):
         assert (word.start, word.end) == pytest.approx((expected.start, expected.end))
 
 

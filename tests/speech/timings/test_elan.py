@@ -3,7 +3,7 @@ import pytest
 from kinesic.speech.timings.reading import read_timed_words
 from kinesic.speech.timings.timed_words import TimedSpan, TimingError
 
-EAF = """<?xml version="1.0" encoding="UTF-8"?>
+ELAN_FILE = """<?xml version="1.0" encoding="UTF-8"?>
 <ANNOTATION_DOCUMENT AUTHOR="" FORMAT="3.0">
   <TIME_ORDER>
     <TIME_SLOT TIME_SLOT_ID="ts1" TIME_VALUE="200"/>
@@ -29,19 +29,20 @@ EAF = """<?xml version="1.0" encoding="UTF-8"?>
 
 
 def test_elan_words_tier_is_read_in_time_order_with_missing_times_interpolated():
-    timed = read_timed_words(EAF.encode())
+    timed = read_timed_words(ELAN_FILE.encode())
     assert timed.words == (TimedSpan("Hello", 0.2, 0.6), TimedSpan("friend & co", 0.6, 1.0))
 
 
 def test_first_elan_tier_gives_the_words_if_no_tier_is_named_words():
-    assert read_timed_words(EAF.replace('"Words"', '"x"').encode()).words == (TimedSpan("greeting", 0.2, 1.0),)
+    assert read_timed_words(ELAN_FILE.replace('"Words"', '"x"').encode()).words == (TimedSpan("greeting", 0.2, 1.0),)
 
 
 def test_speaker_suffix_of_a_tier_name_is_ignored():
-    assert len(read_timed_words(EAF.replace('"Words"', '"words@Anna"').encode()).words) == 2
+    assert len(read_timed_words(ELAN_FILE.replace('"Words"', '"words@Anna"').encode()).words) == 2
 
 
-BOMB = '<!DOCTYPE a [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;&a;">]>'
+# document type whose entities expand to a long text
+ENTITY_BOMB = '<!DOCTYPE a [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;&a;">]>'
 
 
 @pytest.mark.parametrize(
@@ -52,19 +53,19 @@ BOMB = '<!DOCTYPE a [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;&a;">]>'
         ('"200"', '"soon"', "time slot 'ts1' is 'soon'; it must be a number"),
         ('TIME_SLOT_REF2="ts2"', 'TIME_SLOT_REF2="ts9"', "tier 'Words' annotation 2 refers to time slot 'ts9'"),
         (' TIME_VALUE="1000"', ' TIME_VALUE="100"', "ends at 0.1 s, before its start at 0.15 s"),
-        ("<ANNOTATION_DOCUMENT", f"{BOMB}<ANNOTATION_DOCUMENT", "the XML has a document type"),
+        ("<ANNOTATION_DOCUMENT", f"{ENTITY_BOMB}<ANNOTATION_DOCUMENT", "the XML has a document type"),
         ("ALIGNABLE_ANNOTATION", "REF_ANNOTATION", "no tier has annotations with times"),
         ("</TIER>", "", "line 22: the XML is damaged: mismatched tag"),
     ],
 )
 def test_invalid_elan_file_is_refused_with_the_location_of_its_fault(old: str, new: str, message: str):
-    assert old in EAF
-    text = EAF.replace(old, new)
+    assert old in ELAN_FILE
+    text = ELAN_FILE.replace(old, new)
     with pytest.raises(TimingError, match=message):
         read_timed_words(text.encode())
 
 
-@pytest.mark.parametrize("length", range(100, len(EAF) - 25, 173))
+@pytest.mark.parametrize("length", range(100, len(ELAN_FILE) - 25, 173))
 def test_truncated_elan_file_is_refused(length: int):
     with pytest.raises(TimingError, match="damaged"):
-        read_timed_words(EAF[:length].encode())
+        read_timed_words(ELAN_FILE[:length].encode())

@@ -3,7 +3,8 @@ import pytest
 from kinesic.speech.timings.reading import read_timed_words
 from kinesic.speech.timings.timed_words import TimedSpan, TimingError
 
-MARKS = b"""{"time":0,"type":"sentence","start":0,"end":16,"value":"Thin shoe. Yes."}
+# speech marks of a sentence, with words and visemes
+SPEECH_MARKS = b"""{"time":0,"type":"sentence","start":0,"end":16,"value":"Thin shoe. Yes."}
 {"time":6,"type":"word","start":0,"end":4,"value":"Thin"}
 {"time":6,"type":"viseme","value":"T"}
 {"time":100,"type":"viseme","value":"i"}
@@ -19,12 +20,12 @@ MARKS = b"""{"time":0,"type":"sentence","start":0,"end":16,"value":"Thin shoe. Y
 
 
 def test_polly_words_end_at_the_next_word_or_at_a_silence():
-    words = read_timed_words(MARKS).words
+    words = read_timed_words(SPEECH_MARKS).words
     assert words == (TimedSpan("Thin", 0.006, 0.3), TimedSpan("shoe", 0.3, 0.6), TimedSpan("Yes", 1.5, 1.9))
 
 
 def test_polly_visemes_become_phonemes_and_silences_are_omitted():
-    phonemes = read_timed_words(MARKS).phonemes
+    phonemes = read_timed_words(SPEECH_MARKS).phonemes
     assert [sound.symbol for sound in phonemes] == ["\u03b8", "i", "t", "\u0283", "u", "i"]
     assert (phonemes[4].start, phonemes[4].end) == pytest.approx((0.4, 0.6))
 

@@ -3,11 +3,11 @@ import pytest
 from kinesic.speech.timings.reading import read_timed_words
 from kinesic.speech.timings.timed_words import TimedSpan, TimingError
 
-SUBRIP = (
+SUBRIP_FILE = (
     "1\r\n00:00:00,500 --> 00:00:02,000\r\n<i>Hello,</i>\r\nmy friend.\r\n\r\n"
     "2\r\n0:01:02,5 --> 0:01:03,000\r\n- Yes!\r\n"
 )
-WEBVTT = """WEBVTT
+WEBVTT_FILE = """WEBVTT
 
 NOTE a remark
 
@@ -21,14 +21,14 @@ first
 
 
 def test_each_cue_of_subrip_is_a_phrase():
-    assert read_timed_words(SUBRIP.encode()).words == (
+    assert read_timed_words(SUBRIP_FILE.encode()).words == (
         TimedSpan("Hello, my friend.", 0.5, 2.0),
         TimedSpan("Yes!", 62.5, 63.0),
     )
 
 
 def test_words_of_webvtt_with_their_own_times_are_separate():
-    timed = read_timed_words(WEBVTT.encode())
+    timed = read_timed_words(WEBVTT_FILE.encode())
     spans = (TimedSpan("Fish &", 1.0, 1.5), TimedSpan("chips", 1.5, 2.25), TimedSpan("please", 2.25, 3.0))
     assert (timed.words, timed.file_format) == (spans, "WebVTT")
 

@@ -5,7 +5,8 @@ import pytest
 from kinesic.speech.timings.reading import read_timed_words
 from kinesic.speech.timings.timed_words import TimedSpan, TimingError
 
-LONG = """File type = "ooTextFile"
+# TextGrid in Praat's long text format
+LONG_FORMAT = """File type = "ooTextFile"
 Object class = "TextGrid"
 
 xmin = 0
@@ -46,7 +47,8 @@ item []:
             xmax = 0.75
             text = "OW1"
 """
-SHORT = """File type = "ooTextFile"
+# TextGrid in Praat's short text format
+SHORT_FORMAT = """File type = "ooTextFile"
 Object class = "TextGrid"
 
 0
@@ -73,25 +75,25 @@ Object class = "TextGrid"
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-16"])
 def test_textgrid_in_long_format_gives_words_and_phonemes_of_named_tiers(encoding: str):
-    timed = read_timed_words(LONG.encode(encoding))
+    timed = read_timed_words(LONG_FORMAT.encode(encoding))
     assert timed.words == (TimedSpan('say "hi" 2', 0.25, 0.75),)
     assert [(p.symbol, p.start, p.end) for p in timed.phonemes] == [("h", 0.25, 0.5), ("\u02c8o\u028a", 0.5, 0.75)]
 
 
 def test_textgrid_in_short_format_is_read_without_the_speaker_in_tier_names():
-    timed = read_timed_words(codecs.BOM_UTF8 + SHORT.encode())
+    timed = read_timed_words(codecs.BOM_UTF8 + SHORT_FORMAT.encode())
     assert (timed.words, timed.phonemes) == ((TimedSpan("hello", 0.25, 0.75),), ())
 
 
 def test_first_textgrid_tier_with_text_gives_the_words_if_no_tier_is_named_words():
-    timed = read_timed_words(SHORT.replace("Anna - words", "speech").encode())
+    timed = read_timed_words(SHORT_FORMAT.replace("Anna - words", "speech").encode())
     assert timed.words == (TimedSpan("hello", 0.25, 0.75),)
 
 
-@pytest.mark.parametrize("length", range(60, len(LONG) - 8, 29))
+@pytest.mark.parametrize("length", range(60, len(LONG_FORMAT) - 8, 29))
 def test_truncated_textgrid_file_is_refused(length: int):
     with pytest.raises(TimingError, match=r"cut off|must be|no tier|no TextGrid"):
-        read_timed_words(LONG[:length].encode())
+        read_timed_words(LONG_FORMAT[:length].encode())
 
 
 @pytest.mark.parametrize(
@@ -105,9 +107,9 @@ def test_truncated_textgrid_file_is_refused(length: int):
     ],
 )
 def test_invalid_textgrid_value_is_refused_with_its_location(old: str, new: str, message: str):
-    assert old in LONG
+    assert old in LONG_FORMAT
     with pytest.raises(TimingError, match=message):
-        read_timed_words(LONG.replace(old, new).encode())
+        read_timed_words(LONG_FORMAT.replace(old, new).encode())
 
 
 def test_praat_file_of_another_kind_is_refused():

@@ -5,14 +5,15 @@ import pytest
 from kinesic.speech.timings.reading import read_timed_words
 from kinesic.speech.timings.timed_words import TimedSpan, TimingError
 
-HELLO = [{"word": " Hello,", "start": 0.1, "end": 0.52}, {"word": " friend.", "start": 0.5, "end": 1.1}]
+# words of a transcript with times [s]
+HELLO_WORDS = [{"word": " Hello,", "start": 0.1, "end": 0.52}, {"word": " friend.", "start": 0.5, "end": 1.1}]
 
 
 def read(file: object):
     return read_timed_words(json.dumps(file).encode(), source="w.json")
 
 
-@pytest.mark.parametrize("file", [{"segments": [{"words": HELLO}], "text": ""}, {"words": HELLO}])
+@pytest.mark.parametrize("file", [{"segments": [{"words": HELLO_WORDS}], "text": ""}, {"words": HELLO_WORDS}])
 def test_whisper_words_of_segments_or_of_the_file_are_read_without_overlap(file: object):
     timed = read(file)
     assert timed.words == (TimedSpan("Hello,", 0.1, 0.5), TimedSpan("friend.", 0.5, 1.1))
@@ -57,4 +58,4 @@ def test_invalid_whisper_time_is_refused_with_its_location_or_word(word: object,
 
 def test_whisper_words_in_wrong_order_are_refused_with_both_words():
     with pytest.raises(TimingError, match=r"words\[1\] 'Hello,' starts at 0.1 s, before 'friend.' at 0.5 s"):
-        read({"words": HELLO[::-1]})
+        read({"words": HELLO_WORDS[::-1]})

@@ -19,6 +19,7 @@ from ...examples import examples
 from ...naming import about
 
 CORPUS_FOLDER = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
+# files that are refused and therefore not scheduled
 REFUSED_FILES = ("testinvalidxml.xml", "testspeech_unknownbehavior.xml")
 CORPUS_FILES = sorted(
     path
@@ -26,7 +27,7 @@ CORPUS_FILES = sorted(
     for path in (CORPUS_FOLDER / folder).rglob("*.xml")
     if path.name not in REFUSED_FILES
 )
-SECONDS_PER_LETTER = 0.1
+SECONDS_PER_LETTER = 0.1  # [s] spoken duration of each letter
 TIME_TOLERANCE = 1e-9  # [s] largest difference of equal times
 SYNC_POINTS = ("start", "ready", "strokeStart", "stroke", "strokeEnd", "relax", "end")
 
@@ -131,7 +132,7 @@ def test_schedule_is_independent_of_behaviour_names(text: str, names: list[str])
 @examples(80)
 @given(documents(), st.integers(0, 400).map(lambda quarter: quarter / 4))
 def test_schedule_is_independent_of_the_time_origin(text: str, shift: float) -> None:
-    """Only behaviours at absolute times move with the origin."""
+    """Shift the absolute times of a block by a constant."""
     block = parse(text)
     before, after = _scheduled(block), _scheduled(_shifted(block, shift))
     assert [d.behaviour.id for d in before.dropped] == [d.behaviour.id for d in after.dropped]
@@ -153,7 +154,7 @@ def test_corpus_schedules_are_independent_of_behaviour_names_and_time_origin() -
 
 
 def _grounded(block: Block) -> Block:
-    """Give untimed behaviours a start, so that the block is movable."""
+    """Give behaviours without times a start, so that the whole block can shift."""
     free = {b.id for b in block.behaviours if not b.syncs}
     anchor = {"start": SyncRef(block.id, "bml", "start")}
     tied = {ref.behaviour for b in block.behaviours for ref in b.syncs.values()}

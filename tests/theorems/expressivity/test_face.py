@@ -16,7 +16,8 @@ from kinesic.expressivity.style.style import Style
 
 from ...examples import examples
 
-SAMPLE_TIMES = np.arange(0.0, 6.0, 0.02)
+SAMPLE_TIMES = np.arange(0.0, 6.0, 0.02)  # [s] times at which the face is evaluated
+# names of expressions, the last one unknown
 FACE_LEXEMES = ("joy", "anger", "surprise", "RAISE_LEFT_BROW", "CLOSE_EYES", "REPEATED_BLINK", "Qwrtz")
 seconds = st.floats(0.0, 5.0)
 faces = st.builds(

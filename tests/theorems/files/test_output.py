@@ -19,7 +19,7 @@ ITEM_NAMES = ("a", "b", "c")
 ITEM_KINDS = ("file", "folder", "marked", "link", "way up", "home link")
 ITEM_PATHS = st.lists(st.sampled_from(ITEM_NAMES), min_size=1, max_size=3)
 FOLDER_TREES = st.lists(st.tuples(ITEM_PATHS, st.sampled_from(ITEM_KINDS), ITEM_PATHS), max_size=8)
-SWAP_COUNT = 150
+SWAP_COUNT = 150  # number of writes while items are swapped
 
 
 @pytest.fixture(scope="module", autouse=True)

@@ -8,7 +8,7 @@ from kinesic.hardware.supervisor.goal_limits import GoalBounds, GoalCourse, limi
 
 from ...examples import examples
 
-TIME_STEP = 0.01
+TIME_STEP = 0.01  # [s] period of the goals
 wishes = st.lists(st.floats(-1e5, 1e5), min_size=1, max_size=60)
 
 

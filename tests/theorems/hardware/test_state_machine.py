@@ -141,7 +141,7 @@ def test_emergency_stop_pauses_the_supervisor_in_every_state(steps: list[TakenSt
 
 
 def test_no_motion_or_arming_after_an_emergency_stop(steps: list[TakenStep]):
-    """The stop holds until the end is requested or inevitable."""
+    """Check all steps between stopped states without motion or dismissal."""
     for before, _, known, after, actions in steps:
         if before.stopped and after.stopped and not known.dismissed and before.stage not in MOVING_STAGES:
             assert not MOTION_ACTIONS & set(actions)

@@ -19,7 +19,7 @@ HINGE_COUNT = len(DEFAULT_ROBOT.skeleton.hinges)
 @settings(max_examples=25, deadline=None)
 @given(st.integers(0, 2**32 - 1), st.integers(1, 60))
 def test_bap_round_trip_is_exact_to_resolution(seed: int, pieces: int):
-    """Repeated writing gives the same numbers; angles are within half a unit."""
+    """Write and read random motions, and compare angles and BAP units."""
     controls = np.random.default_rng(seed).uniform(-3.0, 3.0, (pieces + 3, HINGE_COUNT))
     motion = Trajectory(sealed(controls), 0.0)
     with tempfile.TemporaryDirectory() as folder:

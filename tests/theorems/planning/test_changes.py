@@ -1,4 +1,4 @@
-"""Changes added to a motion keep every limit."""
+"""Secondary motion added to a motion keeps every limit."""
 
 import numpy as np
 from hypothesis import Phase, given

@@ -121,7 +121,7 @@ class Chain:
         return self._take(begin(self.scene, prepared(inside, f"b{self._sent}"), self.now))
 
     def do(self, deed: str, choice: int) -> "Chain":
-        """Interrupt a block or a behaviour, or change the style."""
+        """Send a command that interrupts or changes a block or behaviour."""
         playing = [item for item in self.scene.playing if item.merged is not None and item.times]
         if not playing:
             return self

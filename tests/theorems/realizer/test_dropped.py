@@ -1,4 +1,4 @@
-"""A dropped behaviour leaves nothing in the motion, and a kept one stays whole."""
+"""Merged motion of blocks with dropped behaviours."""
 
 from functools import lru_cache
 
@@ -20,7 +20,7 @@ from ...examples import examples
 BLOCK_XML = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><wait id="w" start="0" duration="9"/>{}</bml>'
 )
-BEHAVIOURS = {
+BEHAVIOUR_ELEMENTS = {
     "nod": '<head id="nod" lexeme="NOD" start="0.5" end="3.5" repetition="4"/>',
     "shake": '<head id="shake" lexeme="SHAKE" start="4" end="6"/>',
     "gaze": '<gaze id="gaze" target="right" start="0.2" ready="1.2" relax="5" end="6"/>',
@@ -32,7 +32,8 @@ BEHAVIOURS = {
     "large": '<gesture id="large" lexeme="large" mode="BOTH_HANDS" stroke="6"/>',
     "point": '<pointing id="point" target="left" mode="LEFT_HAND" stroke="6.5"/>',
 }
-BLOCKS = st.lists(st.sampled_from(sorted(BEHAVIOURS)), min_size=2, max_size=5, unique=True)
+# sets of behaviours of one block
+BEHAVIOUR_SETS = st.lists(st.sampled_from(sorted(BEHAVIOUR_ELEMENTS)), min_size=2, max_size=5, unique=True)
 ANGLE_TOLERANCE = 1e-6  # [rad] largest difference of equal angles
 
 
@@ -42,12 +43,12 @@ def setup_once() -> Setup:
 
 
 def planned(ids: list[str], *, quickly: bool) -> Plan:
-    block = parse(BLOCK_XML.format("".join(BEHAVIOURS[id] for id in ids)))
+    block = parse(BLOCK_XML.format("".join(BEHAVIOUR_ELEMENTS[id] for id in ids)))
     return plan_quickly(block, setup_once()) if quickly else plan_block(block, setup_once())
 
 
 @examples(33)
-@given(BLOCKS, st.integers(0, 4), st.booleans())
+@given(BEHAVIOUR_SETS, st.integers(0, 4), st.booleans())
 def test_merged_block_with_dropped_behaviours_equals_its_plan_without_them(
     ids: list[str], choice: int, quickly: bool
 ) -> None:

@@ -31,7 +31,7 @@ BLOCK_CONTENTS = (
     '<bmla:interrupt id="i" target="b1" include="h" start="0.1"/>',
 )
 TIME_RESOLUTION = 1e-6  # [s] resolution of the times in messages
-CLIENT_COUNT = 3
+CLIENT_COUNT = 3  # number of connected clients
 MAX_DURATION = 90.0  # [s] longest duration of a test
 PROGRESS_PATTERN = re.compile(r'<(?:block|syncPoint)Progress\b[^>]*? id="([^":]+):([^"]+)"[^>]*? globalTime="([^"]+)"')
 

@@ -48,7 +48,7 @@ def test_mirror_postures_have_mirrored_torques_and_equal_distances(shares):
 @given(RANGE_FRACTIONS, RANGE_FRACTIONS)
 @examples(100)
 def test_clearance_changes_by_at_most_twice_the_largest_motion_of_a_segment(one, other):
-    """The approach of a pair is bounded by the motion of both."""
+    """Bound the approach of each pair by the motion of both segments."""
     a, b = posture(one), posture(one + 0.05 * (other - one))
     distances = DISTANCES.clearance(np.array([a, b])).distances
     moved = 0.0
@@ -64,7 +64,7 @@ def test_clearance_changes_by_at_most_twice_the_largest_motion_of_a_segment(one,
 @given(RANGE_FRACTIONS, RANGE_FRACTIONS, RANGE_FRACTIONS)
 @examples(50)
 def test_inertia_matrix_is_positive_semidefinite(shares, speeds, accelerations):
-    """The torque of an acceleration does positive work along it."""
+    """Test that the torque of an acceleration does positive work along it."""
     angles = posture(shares)[None]
     rates, pushes = 4 * (speeds - 0.5)[None], 20 * (accelerations - 0.5)[None]
     more = DYNAMICS.torques(angles, rates, pushes) - DYNAMICS.torques(angles, rates, np.zeros((1, 22)))
