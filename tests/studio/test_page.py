@@ -146,7 +146,7 @@ def test_hostile_document_id_writes_only_to_the_downloads(studio: Studio, tmp_pa
 def test_expressivity_of_the_selected_behaviour_can_be_set(studio: Studio):
     studio.write(WORDS)
     studio.page.click('[data-block="g"]')
-    planned, slider = studio.state("planned"), "document.querySelector('[aria-label=spatial]')"
+    planned, slider = studio.state("planned"), "document.querySelector('[name=spatial]')"
     studio.page.value(f"{slider}.value = '0.5', {slider}.dispatchEvent(new Event('change'))")
     studio.until(f"s.planned > {planned}")
     assert studio.state("text") == WORDS.replace('"s:m1"', '"s:m1" kinesic:spatial="0.5"').replace(
@@ -163,7 +163,7 @@ def test_expressivity_of_the_whole_block_can_be_set(studio: Studio):
     studio.write(words)
     studio.page.click("#choose-block")
     assert studio.page.value("document.querySelector('#chosen').textContent") == "Whole performance"
-    planned, slider = studio.state("planned"), "document.querySelector('[aria-label=power]')"
+    planned, slider = studio.state("planned"), "document.querySelector('[name=power]')"
     studio.page.value(f"{slider}.value = '-0.5', {slider}.dispatchEvent(new Event('change'))")
     studio.until(f"s.planned > {planned}")
     assert studio.state("text") == words.replace('id="doc"', f'id="doc"{DECLARED} kinesic:power="-0.5"', 1)

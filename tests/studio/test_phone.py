@@ -70,6 +70,10 @@ def test_stop_and_perform_stay_visible_while_the_page_scrolls(phone: Studio):
     for place in ("0", "600", "document.documentElement.scrollHeight"):
         phone.page.value(f"window.scrollTo(0, {place})")
         assert phone.page.value(visible), place
+    tap(phone, "#tour-start")
+    for step in range(6):
+        assert phone.page.value(visible), f"step {step} of the tour"
+        tap(phone, "#tour-next")
 
 
 def test_document_is_played_and_the_robot_is_stopped_by_touch(phone: Studio):

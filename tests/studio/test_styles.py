@@ -29,19 +29,19 @@ def select(studio: Studio, value: str) -> None:
 
 
 def slide(studio: Studio, name: str, value: float) -> None:
-    planned, slider = studio.state("planned"), f"document.querySelector('[aria-label={name}]')"
+    planned, slider = studio.state("planned"), f"document.querySelector('[name={name}]')"
     studio.page.value(f"{slider}.value = '{value}', {slider}.dispatchEvent(new Event('change'))")
     studio.until(f"s.planned > {planned} && s.plannedText === s.text")
 
 
 def sliders(studio: Studio) -> dict[str, float]:
-    values = "[...document.querySelectorAll('#sliders input')].map(each => [each.ariaLabel, Number(each.value)])"
+    values = "[...document.querySelectorAll('#sliders input')].map(each => [each.name, Number(each.value)])"
     return dict(studio.page.value(values))
 
 
 def marked(studio: Studio, mark: str) -> set[str]:
     """Return the names of the sliders with a mark."""
-    names = f"[...document.querySelectorAll('#sliders .{mark} input')].map(each => each.ariaLabel)"
+    names = f"[...document.querySelectorAll('#sliders .{mark} input')].map(each => each.name)"
     return set(studio.page.value(names))
 
 
@@ -70,7 +70,7 @@ def test_sliders_show_the_expressivity_of_the_style_and_mark_differences(studio:
     assert marked(studio, "set") == {"power"}
     assert "power" not in marked(studio, "differs")
     planned = studio.state("planned")
-    studio.page.click("[aria-label='power as the style']")
+    studio.page.click("[aria-label='force as the style']")
     studio.until(f"s.planned > {planned}")
     assert sliders(studio)["power"] == joyful["power"]
     assert "kinesic:power" not in studio.state("text")
@@ -81,7 +81,7 @@ def test_expressivity_of_the_block_is_inherited_by_its_behaviours(studio: Studio
     begin(studio)
     declared = 'id="doc" xmlns:kinesic="urn:kinesic" kinesic:style="calm" kinesic:power="0.75"'
     studio.write(WORDS.replace('id="doc"', declared))
-    studio.page.until("document.querySelector('[aria-label=power]').value === '0.75'")
+    studio.page.until("document.querySelector('[name=power]').value === '0.75'")
     calm = Style.load("calm").numbers()["gesture"]
     assert sliders(studio) == {**calm, "power": 0.75}
     assert not marked(studio, "set")

@@ -90,8 +90,8 @@ def test_each_body_part_has_a_track_with_lexemes_and_phases(studio: Studio):
         "voice": "voice",
         "face": "facesmile",
         "gaze": "gazeleft",
-        "head": "headNOD",
-        "torso": "trunkLEANING_FORWARD",
+        "head": "headnod",
+        "torso": "trunkleaning forward",
         "r_hand": "right handwelcomeoffer",
         "l_hand": "left handwelcome",
     }

@@ -128,14 +128,14 @@ def _checks(plan: Plan, form: GestureForm) -> list[Mapping[str, Json]]:
             target = to_world(robot, side, pose.position)
             error = reach_posture(robot, plan.setup.distances, side, target, rest).residual
             if error > MAX_REACH_ERROR:
-                what = f"key {number}: the {SIDE_NAMES[side]} hand stays {100 * error:.0f} cm short of its place"
+                what = f"pose {number}: the {SIDE_NAMES[side]} hand stays {100 * error:.0f} cm short of its place"
                 checks.append({"name": "reach", "ok": False, "text": what})
     if not checks:
-        checks.append({"name": "reach", "ok": True, "text": "every key is within reach"})
-    text = f"the body keeps {1000 * clearance:.0f} mm clear of itself"
+        checks.append({"name": "reach", "ok": True, "text": "the hands reach every pose"})
+    text = f"{1000 * clearance:.0f} mm remain between hands, arms and body"
     checks.append({"name": "clearance", "ok": clearance >= robot.min_clearance, "text": text})
     checks.append(_check_distinct(plan.setup, form))
-    checks.append({"name": "duration", "ok": True, "text": f"{plan.duration:.1f} s from rest to rest"})
+    checks.append({"name": "duration", "ok": True, "text": f"it lasts {plan.duration:.1f} s, from rest to rest"})
     return checks
 
 
@@ -145,13 +145,13 @@ def _check_distinct(setup: Setup, form: GestureForm) -> Mapping[str, Json]:
     others = {name: other for name, other in _stroke_appearances(setup.pace).items() if name != form.id}
     similar = next((name for name, other in others.items() if not distinct(appearance, other)), None)
     if similar is not None:
-        text = f"looks like {similar}: hands have the same paths, orientations and shapes"
+        text = f"it looks like {similar}: the hands have the same paths, directions and shapes"
         return {"name": "distinct", "ok": False, "text": text}
     name, distance = nearest(appearance, others)
     return {
         "name": "distinct",
         "ok": True,
-        "text": f"unlike all others; the nearest is {name}, {100 * distance:.0f} cm away",
+        "text": f"it looks unlike all other gestures; {name} is the most similar ({100 * distance:.0f} cm apart)",
     }
 
 

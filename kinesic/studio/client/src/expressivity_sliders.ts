@@ -1,6 +1,6 @@
 // Sliders for the expressivity of the selected behaviour; each number is set in the document or left to the style.
 import { byId, make } from "./dom.ts";
-import { NAMES, NEUTRAL, type Numbers, RANGES, type Shown, showNumbers } from "./styles/numbers.ts";
+import { NAMES, NEUTRAL, type Numbers, RANGES, type Shown, showNumbers, WORDS } from "./styles/numbers.ts";
 
 interface Row {
   line: HTMLElement;
@@ -16,22 +16,24 @@ export class ExpressivitySliders {
   constructor(changed: (name: string, value: number | null) => void) {
     for (const name of NAMES) {
       const [least, most] = RANGES[name]!;
+      const [word] = WORDS[name]!;
       const slider = make("input", {
         type: "range",
         min: `${least}`,
         max: `${most}`,
         step: "0.05",
-        "aria-label": name,
+        name,
+        "aria-label": word,
       });
       const output = make("output");
-      const reset = make("button", { type: "button", class: "reset", "aria-label": `${name} as the style` }, "×");
+      const reset = make("button", { type: "button", class: "reset", "aria-label": `${word} as the style` }, "×");
       slider.addEventListener("input", () => {
         output.textContent = format(Number(slider.value));
       });
       slider.addEventListener("change", () => changed(name, Number(slider.value)));
       slider.addEventListener("dblclick", () => changed(name, null));
       reset.addEventListener("click", () => changed(name, null));
-      const line = make("label", { class: "manner" }, name, slider, output, reset);
+      const line = make("label", { class: "manner" }, make("span", {}, word), slider, output, reset);
       byId("sliders").append(line);
       this.rows.set(name, { line, slider, output, reset });
     }
@@ -53,7 +55,7 @@ export class ExpressivitySliders {
       line.classList.toggle("set", number.isSet);
       reset.hidden = !number.isSet;
       const words = number.isSet ? `set here; the style has ${format(number.inherited)}` : "as the style";
-      line.title = words;
+      line.title = `${WORDS[name]![1]}; ${words}`;
       slider.setAttribute("aria-valuetext", `${format(number.value)}, ${words}`);
     }
   }

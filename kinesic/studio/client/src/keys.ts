@@ -51,26 +51,26 @@ export class KeysPanel {
     return made;
   }
 
-  private check({ ok, text }: GestureDraft["checks"][number]): HTMLElement {
-    return make("li", { class: ok ? "good" : "bad" }, text);
+  private check({ name, ok, text }: GestureDraft["checks"][number]): HTMLElement {
+    return make("li", { class: ok ? "good" : "bad", title: `Check of the ${name}` }, text);
   }
 
   private hand(name: string, hand: HandKey): HTMLElement {
-    const places = AXES.map((axis, k) => {
-      const value = String(hand.at[k] ?? 0);
-      const made = make("input", {
-        value,
+    const inputs = AXES.map((axis, k) =>
+      make("input", {
+        value: String(hand.at[k] ?? 0),
         "aria-label": `${name} ${axis}`,
         title: `${axis} in arm lengths, or the name of a zone`,
-      });
-      made.addEventListener("change", () => {
-        const all = places.map(({ value }) =>
+      }),
+    );
+    for (const input of inputs)
+      input.addEventListener("change", () => {
+        const all = inputs.map(({ value }) =>
           Number.isFinite(Number(value)) && value !== "" ? value : JSON.stringify(value),
         );
         this.listener.set(this.chosen, name, "at", `[${all.join(", ")}]`);
       });
-      return made;
-    });
+    const places = AXES.map((axis, k) => make("label", {}, axis, inputs[k]!));
     const fields = FIELDS.map((field) => {
       const made = make("input", { value: String(hand[field] ?? ""), "aria-label": `${name} ${field}` });
       made.addEventListener("change", () =>

@@ -16,7 +16,7 @@ interface Pane {
 
 const PANES: readonly Pane[] = [
   { name: "document", label: "Width of the document", isVertical: true, isBefore: true, usual: 32, min: 12, max: 60 },
-  { name: "details", label: "Width of the details", isVertical: true, isBefore: false, usual: 17, min: 12, max: 45 },
+  { name: "details", label: "Width of the details", isVertical: true, isBefore: false, usual: 20, min: 12, max: 45 },
   {
     name: "timeline",
     label: "Height of the timeline",

@@ -25,9 +25,11 @@ export const errorWords = (bits: number): string =>
 
 const clamp = (value: number): number => Math.min(1, Math.max(0, value));
 
-/** Return the tracking error per joint, 1: very large. */
-const tracking = ({ planned, angles }: BodyReport): number[] =>
-  planned.map((angle, k) => clamp(Math.abs(angle - (angles[k] ?? angle)) / MAX_TRACKING_ERROR));
+/** Return the tracking error per joint, 1: very large; 0 while the servos have no torque and follow no plan. */
+const tracking = ({ planned, angles, servos }: BodyReport): number[] =>
+  planned.map((angle, k) =>
+    servos?.state === "limp" ? 0 : clamp(Math.abs(angle - (angles[k] ?? angle)) / MAX_TRACKING_ERROR),
+  );
 
 /** Return one measure per servo, 1: at its limit. */
 function ofServos(report: ServoReport, places: readonly ServoPlace[], measure: Measure): number[] {

@@ -13,6 +13,17 @@ export const RANGES: Readonly<Record<string, readonly [least: number, most: numb
   openness: [0, 1],
 };
 export const NAMES: readonly string[] = Object.keys(RANGES);
+/** Word on the slider of each number, and its technical name with the effects of low and high values. */
+export const WORDS: Readonly<Record<string, readonly [word: string, explanation: string]>> = {
+  spatial: ["size", "Spatial extent: from small to large gestures"],
+  temporal: ["speed", "Temporal extent: from slow to fast"],
+  fluidity: ["flow", "Fluidity: from abrupt to smooth"],
+  power: ["force", "Power: from weak to forceful"],
+  tension: ["tension", "Tension: from loose to tense"],
+  repetition: ["repeats", "Repetition: from one stroke to several"],
+  activation: ["energy", "Activation: from passive to animated, by size, speed, force and elbows together"],
+  openness: ["elbows out", "Openness: from elbows at the body to elbows away from it"],
+};
 const EQUAL_NUMBERS = 0.005; // smallest difference that a slider shows
 
 export type Numbers = Readonly<Record<string, number>>;

@@ -15,6 +15,8 @@ export function readAlternatives(answer: Answer | null): Alternative[] {
   return (answer.gestures as Alternative[]).filter(({ id, why }) => typeof id === "string" && typeof why === "string");
 }
 
+const SCORE = / \([\d.]+\)$/; // how well a gesture fits; the order of the list shows it
+
 export class AlternativesPanel {
   private readonly place = byId("alternatives");
 
@@ -55,7 +57,7 @@ export class AlternativesPanel {
       { type: "button", "aria-pressed": String(isPresent), title: each.says },
       make("b", {}, each.id),
       ` ${each.category}`,
-      make("span", { class: "why" }, each.why),
+      make("span", { class: "why" }, each.why.replace(SCORE, "")),
     );
     button.addEventListener("click", () => this.listener.choose(each));
     return make("li", {}, button);

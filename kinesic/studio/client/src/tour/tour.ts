@@ -73,7 +73,9 @@ export class Tour {
     const { part } = this;
     if (!part) return;
     const [area, note] = [part.getBoundingClientRect(), this.note.getBoundingClientRect()];
-    const [width, height] = [document.documentElement.clientWidth, window.innerHeight];
+    const control = byId("control");
+    const bar = getComputedStyle(control).position === "fixed" ? control.getBoundingClientRect().height : 0;
+    const [width, height] = [document.documentElement.clientWidth, window.innerHeight - bar]; // Stop stays visible
     const below = area.bottom + GAP;
     const above = area.top - GAP - note.height;
     const inside = area.top + area.height / 2 - note.height / 2;

@@ -1,12 +1,11 @@
 // Elements of the timeline: a block per behaviour with its phases, and handles at its sync points.
 import { make } from "../dom.ts";
-import { pointWords, typeWords } from "../plain_words.ts";
+import { labelWords, pointWords, typeWords } from "../plain_words.ts";
 import type { Sync } from "../types.ts";
 import type { Placed, TrackRow } from "./layout.ts";
 import { edgesOf, mainPoint, phasesOf } from "./phases.ts";
 
 const MIN_DEVIATION = 0.02; // [s] smallest shown deviation from the requested time
-const LANE_HEIGHT = 1.7; // [rem]
 
 /** What the timeline knows while it draws. */
 export interface Drawing {
@@ -20,7 +19,7 @@ export interface Drawing {
 /** Return the row of a track. */
 export function drawTrack(row: TrackRow, drawing: Drawing, background: readonly Element[]): HTMLElement {
   const lane = make("div", { class: "lane", "data-lane": row.track }, ...background);
-  lane.style.height = `${LANE_HEIGHT * row.lanes}rem`;
+  lane.style.height = `calc(${row.lanes} * var(--lane))`;
   for (const item of row.items) lane.append(...drawItem(item, drawing));
   const name = make("span", { class: "name" }, row.name);
   const attributes = { "data-track": row.track, role: "group", "aria-label": row.name };
@@ -43,8 +42,8 @@ function drawItem(item: Placed, drawing: Drawing): HTMLElement[] {
     if (Math.abs(main.asked - main.planned) >= MIN_DEVIATION) parts.push(drawAsked(main, drawing));
   }
   for (const part of parts) {
-    part.style.top = `${LANE_HEIGHT * item.lane}rem`;
-    part.style.height = `${LANE_HEIGHT}rem`;
+    part.style.top = `calc(${item.lane} * var(--lane))`;
+    part.style.height = "var(--lane)";
   }
   return parts;
 }
@@ -59,6 +58,7 @@ function drawBlock(item: Placed, drawing: Drawing, chosen: boolean): HTMLElement
     made.style.width = `${(100 * (phase.to - phase.from)) / length}%`;
     return made;
   });
+  const words = labelWords(type, label) || typeWords(type);
   const picture = type === "gesture" ? drawing.picture(label) : null;
   const about = outcome === "realised" ? "" : `, ${outcome}${why ? `: ${why}` : ""}`;
   const times = `${from.toFixed(2)} to ${to.toFixed(2)} s`;
@@ -70,13 +70,13 @@ function drawBlock(item: Placed, drawing: Drawing, chosen: boolean): HTMLElement
       "data-behaviour": id,
       ...(item.first ? { "data-block": id } : { "data-echo": id, "aria-hidden": "true" }),
       "aria-pressed": String(chosen),
-      "aria-label": `${typeWords(type)} ${label}, ${id}, ${times}${about}`,
-      title: `${label || typeWords(type)} (${id}), ${times}${about}`,
+      "aria-label": `${typeWords(type)} ${labelWords(type, label)}, ${id}, ${times}${about}`,
+      title: `${words} (${id}), ${times}${about}`,
       tabindex: item.first && chosen ? "0" : "-1",
     },
     ...phases,
     ...(picture ? [picture] : []),
-    ...(type === "speech" ? [] : [make("span", { class: "label" }, label || typeWords(type))]),
+    ...(type === "speech" ? [] : [make("span", { class: "label" }, words)]),
   );
   block.style.left = drawing.percent(from);
   block.style.width = drawing.percent(to - from);
