@@ -16,7 +16,7 @@ from kinesic.sim.stepping.addresses import _find_timestep_offset, function_addre
 from kinesic.sim.stepping.recorder import Recorder
 from kinesic.sim.twin import MAX_PHYSICS_STEP, Twin
 
-LATE_AND_LOOSE = Factors(gain=0.7, latency=0.013, play=0.004)
+LATE_AND_LOOSE = Factors(gain=0.7, latency=0.013, play=0.004)  # servos with weak P gain, latency and backlash
 
 
 @pytest.fixture

@@ -11,8 +11,8 @@ from kinesic.controller import dry_run as module
 from kinesic.controller.dry_run import dry_runs
 from kinesic.sim.servo_factors import NOMINAL_FACTORS, PESSIMISTIC_FACTORS, Factors
 
-LATE_AND_LOOSE = Factors(gain=0.7, latency=0.013, play=0.004)
-SAGGING_SUPPLY = Factors(resistance=0.2)  # [ohm]
+LATE_AND_LOOSE = Factors(gain=0.7, latency=0.013, play=0.004)  # servos with weak P gain, latency and backlash
+SAGGING_SUPPLY = Factors(resistance=0.2)  # [ohm] internal resistance of the power supply
 
 
 def arrays(run):

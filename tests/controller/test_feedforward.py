@@ -12,7 +12,7 @@ from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.8"/></bml>'
 ROBOT = Robot.load()
-COUNT = len(ROBOT.skeleton.hinges)
+HINGE_COUNT = len(ROBOT.skeleton.hinges)
 
 
 class Told:
@@ -36,7 +36,7 @@ class Weightless:
 
     @property
     def load(self) -> Load:
-        return Load(np.zeros(COUNT), np.ones(COUNT))
+        return Load(np.zeros(HINGE_COUNT), np.ones(HINGE_COUNT))
 
 
 class Loaded(Weightless):
@@ -66,15 +66,15 @@ def test_weightless_robot_at_rest_has_its_posture_as_setpoints():
 
 
 def test_feed_forward_offset_makes_the_servo_produce_the_load_torque():
-    posture = ROBOT.skeleton.clamp(np.full(COUNT, 0.1))
+    posture = ROBOT.skeleton.clamp(np.full(HINGE_COUNT, 0.1))
     sent = FeedForward(ROBOT, Loaded(), period=0.01).compute_setpoints(stay(posture), np.array([0.05])).setpoints
     for k, drive in enumerate(ROBOT.drives):
         assert np.isclose((sent[0, k] - posture[k]) * drive.gain * drive.stall, 0.5)
 
 
 def test_learned_gains_scale_setpoint_offsets():
-    posture = ROBOT.skeleton.clamp(np.full(COUNT, 0.1))
-    known = LearnedGains(np.full(COUNT, 0.5), np.full(COUNT, -0.25))
+    posture = ROBOT.skeleton.clamp(np.full(HINGE_COUNT, 0.1))
+    known = LearnedGains(np.full(HINGE_COUNT, 0.5), np.full(HINGE_COUNT, -0.25))
     plain, taught = (
         FeedForward(ROBOT, Loaded(), period=0.01, learned=learned).compute_setpoints(Turning(posture), np.array([0.05]))
         for learned in (None, known)
@@ -104,7 +104,7 @@ def test_setpoints_under_load_do_not_exceed_the_upper_joint_limits():
 
 
 def test_feed_forward_loads_are_the_setpoint_offsets_due_to_torque():
-    posture = ROBOT.skeleton.clamp(np.full(COUNT, 0.1))
+    posture = ROBOT.skeleton.clamp(np.full(HINGE_COUNT, 0.1))
     times = np.array([0.05])
     full = FeedForward(ROBOT, Loaded(), period=0.01).compute_setpoints(stay(posture), times)
     np.testing.assert_allclose(full.setpoints, posture + full.loads, atol=1e-12)
@@ -114,7 +114,7 @@ def test_feed_forward_loads_are_the_setpoint_offsets_due_to_torque():
 
 
 def test_setpoints_equal_the_reference_without_feed_forward():
-    posture = ROBOT.skeleton.clamp(np.full(COUNT, 0.1))
+    posture = ROBOT.skeleton.clamp(np.full(HINGE_COUNT, 0.1))
     none = FeedForward(ROBOT, Loaded(), period=0.01, terms="none").compute_setpoints(stay(posture), np.array([0.05]))
     np.testing.assert_array_equal(none.setpoints[0], stay(posture).at(0.05).angles)
     assert not none.loads.any()

@@ -28,15 +28,15 @@ from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
 from ..passage import passage_text
 from ..performances import DYNAMICS, ROBOT
 
-COUNT = len(ROBOT.skeleton.hinges)
+HINGE_COUNT = len(ROBOT.skeleton.hinges)
 COMMAND_PERIOD = 0.01
 OBSERVER = Observer.of(ROBOT, DYNAMICS, period=COMMAND_PERIOD)
-REST = ROBOT.skeleton.rest
-NOTHING = np.zeros(COUNT)
+REST_ANGLES = ROBOT.skeleton.rest
+ZERO_ANGLES = np.zeros(HINGE_COUNT)
 
 
-def command(angles: Floats = REST) -> Command:
-    return Command(0.0, angles, NOTHING, NOTHING, angles)
+def command(angles: Floats = REST_ANGLES) -> Command:
+    return Command(0.0, angles, ZERO_ANGLES, ZERO_ANGLES, angles)
 
 
 def setpoints(loads: Floats, leads: Floats | None = None) -> FeedForwardSetpoints:
@@ -44,12 +44,12 @@ def setpoints(loads: Floats, leads: Floats | None = None) -> FeedForwardSetpoint
     return FeedForwardSetpoints(loads, loads, np.zeros_like(loads) if leads is None else leads, loads)
 
 
-def inputs(angles: Floats = REST, load: float = 0.0, **changes: Floats) -> ObserverInputs:
+def inputs(angles: Floats = REST_ANGLES, load: float = 0.0, **changes: Floats) -> ObserverInputs:
     """Make the inputs of one tick without adaptation, with some changes."""
-    return replace(OBSERVER.precompute_inputs([command(angles)], setpoints(NOTHING[None] + load)), **changes)
+    return replace(OBSERVER.precompute_inputs([command(angles)], setpoints(ZERO_ANGLES[None] + load)), **changes)
 
 
-INPUTS = inputs()
+IDLE_INPUTS = inputs()  # inputs of a tick at rest without load
 
 
 def closed_loop(
@@ -68,7 +68,7 @@ def closed_loop(
     late = int(latency / COMMAND_PERIOD + 1e-9)
     spans = latency - late * COMMAND_PERIOD, COMMAND_PERIOD - latency + late * COMMAND_PERIOD
     old, new = (_compute_transition(spring / inertia, drag / inertia, span) for span in spans)
-    state = np.broadcast_to(np.eye(10), (COUNT, 10, 10))
+    state = np.broadcast_to(np.eye(10), (HINGE_COUNT, 10, 10))
     plant, belief, sent = state[:, :2], state[:, 2:5], state[:, 5:]
     moved = old[:, :2, :2] @ plant + old[:, :2, 2:] @ sent[:, late + 1 : late + 2]
     moved = new[:, :2, :2] @ moved + new[:, :2, 2:] @ sent[:, late : late + 1]
@@ -81,16 +81,17 @@ def closed_loop(
     return np.abs(np.linalg.eigvals(loop)).max(axis=1)
 
 
-PESSIMISTIC = (0.8, 0.9, 1.3)
-SINGLE = [(1.0, 1.0, 1.0), PESSIMISTIC]
-SINGLE += [tuple(2.0**power if k == which else 1.0 for k in range(3)) for which in range(3) for power in (-1, 1)]
+PESSIMISTIC_FACTORS = (0.8, 0.9, 1.3)  # factors on stall torque, no-load velocity and inertia
+# Factors of which one is wrong by two, besides none and all slightly
+MODEL_ERRORS = [(1.0, 1.0, 1.0), PESSIMISTIC_FACTORS]
+MODEL_ERRORS += [tuple(2.0**power if k == which else 1.0 for k in range(3)) for which in range(3) for power in (-1, 1)]
 
 
 @pytest.mark.parametrize("latency", [0.0, 0.008, 0.014, 0.02])
 @pytest.mark.parametrize("told", [True, False], ids=["told", "not told"])
 def test_observer_loop_is_stable_up_to_20_ms_latency_if_one_parameter_is_wrong_by_a_factor_of_two(latency, told):
     observer = Observer.of(ROBOT, DYNAMICS, period=COMMAND_PERIOD, delay=latency if told else 0.0)
-    for factors in SINGLE:
+    for factors in MODEL_ERRORS:
         assert closed_loop(observer, factors, latency).max() < 1.0, factors
 
 
@@ -98,7 +99,7 @@ def test_observer_loop_is_stable_up_to_20_ms_latency_if_one_parameter_is_wrong_b
 @pytest.mark.parametrize("latency", [0.0, 0.02])
 def test_observer_loop_is_stable_with_a_correctly_estimated_low_servo_gain(latency, gain):
     observer = Observer.of(reduce_stiffness(ROBOT, Factors(gain=gain)), DYNAMICS, period=COMMAND_PERIOD, delay=latency)
-    for factors in SINGLE:
+    for factors in MODEL_ERRORS:
         assert closed_loop(observer, factors, latency, gain=gain).max() < 1.0, factors
 
 
@@ -111,7 +112,7 @@ def test_observer_loop_is_stable_if_the_servo_gain_is_twice_the_estimate():
 
 
 def test_three_observer_poles_of_each_joint_coincide():
-    for hinge in range(COUNT):
+    for hinge in range(HINGE_COUNT):
         forecast, gain = OBSERVER.forecast[..., hinge], OBSERVER.gain[:, hinge]
         poles = np.linalg.eigvals(forecast @ (np.eye(3) - np.outer(gain, np.eye(3)[0])))
         np.testing.assert_allclose(poles, np.exp(-1.0), atol=1e-3)
@@ -130,8 +131,8 @@ def test_servo_transition_matrix_equals_the_matrix_exponential():
 def test_observer_without_deviation_gives_no_correction():
     belief = OBSERVER.begin()
     for _ in range(20):
-        belief = OBSERVER.advance(belief, NOTHING, INPUTS, 0)
-    np.testing.assert_array_equal(belief.setpoints, REST)
+        belief = OBSERVER.advance(belief, ZERO_ANGLES, IDLE_INPUTS, 0)
+    np.testing.assert_array_equal(belief.setpoints, REST_ANGLES)
     np.testing.assert_array_equal(belief.share, 0.0)
     np.testing.assert_array_equal(belief.pace, 0.0)
 
@@ -139,7 +140,7 @@ def test_observer_without_deviation_gives_no_correction():
 def test_observer_step_does_not_change_its_input_estimate():
     belief = OBSERVER.begin()
     kept = [getattr(belief, name).copy() for name in LoadEstimate.__dataclass_fields__]
-    first, second = (OBSERVER.advance(belief, NOTHING + 0.01, inputs(load=0.02), 0) for _ in range(2))
+    first, second = (OBSERVER.advance(belief, ZERO_ANGLES + 0.01, inputs(load=0.02), 0) for _ in range(2))
     for name, before in zip(LoadEstimate.__dataclass_fields__, kept, strict=True):
         np.testing.assert_array_equal(getattr(belief, name), before)
         np.testing.assert_array_equal(getattr(first, name), getattr(second, name))
@@ -148,18 +149,18 @@ def test_observer_step_does_not_change_its_input_estimate():
 def test_hinges_below_their_reference_get_a_positive_correction():
     belief = OBSERVER.begin()
     for _ in range(50):
-        belief = OBSERVER.advance(belief, NOTHING - 0.01, inputs(np.zeros(COUNT)), 0)
+        belief = OBSERVER.advance(belief, ZERO_ANGLES - 0.01, inputs(np.zeros(HINGE_COUNT)), 0)
     assert np.all(belief.correction[ROBOT.skeleton.upper > 0.05] > 0.0)
 
 
 @pytest.mark.parametrize("deviation", [-3.0, -0.05, 0.05, 3.0])
 def test_observer_correction_is_bounded_in_size_rate_and_range(deviation):
-    belief, one = OBSERVER.begin(), np.ones((1, COUNT))
+    belief, one = OBSERVER.begin(), np.ones((1, HINGE_COUNT))
     taught = inputs(load=0.1, noticed=0.1 * one, trust=one, leads=0.1 * one, noticed_leads=0.1 * one, trust_leads=one)
     step = (1 - USABLE_VELOCITY_FRACTION) * ROBOT.drives.no_load * COMMAND_PERIOD
     for _ in range(200):
         before = belief.correction
-        belief = OBSERVER.advance(belief, NOTHING + deviation, taught, 0)
+        belief = OBSERVER.advance(belief, ZERO_ANGLES + deviation, taught, 0)
         assert np.all(np.abs(belief.correction) <= MAX_CORRECTION + 1e-12)
         assert np.all(np.abs(belief.correction - before) <= step + 1e-12)
         assert np.all((belief.setpoints >= ROBOT.skeleton.lower) & (belief.setpoints <= ROBOT.skeleton.upper))
@@ -169,9 +170,9 @@ def test_observer_correction_is_bounded_in_size_rate_and_range(deviation):
 
 def test_observer_estimates_heavier_load_than_modelled_during_motion():
     share, belief = 0.6, OBSERVER.begin()
-    plant = np.zeros((COUNT, 3))
-    loads = 0.06 * np.sin(np.arange(60) / 5)[:, None] + NOTHING
-    taught = OBSERVER.precompute_inputs([command(NOTHING)] * 60, setpoints(loads))
+    plant = np.zeros((HINGE_COUNT, 3))
+    loads = 0.06 * np.sin(np.arange(60) / 5)[:, None] + ZERO_ANGLES
+    taught = OBSERVER.precompute_inputs([command(ZERO_ANGLES)] * 60, setpoints(loads))
     for tick, load in enumerate(loads):
         previous = plant[:, 0]
         belief = OBSERVER.advance(belief, previous, taught, tick)
@@ -184,10 +185,10 @@ def test_observer_estimates_heavier_load_than_modelled_during_motion():
 @pytest.mark.parametrize("gain", [0.75, 1.5])
 def test_observer_estimates_load_and_velocity_errors_of_a_wrong_gain(gain):
     """Torque and velocity offsets are in quadrature, as in every oscillation."""
-    belief, plant, ticks = OBSERVER.begin(), np.zeros((COUNT, 3)), np.arange(300) / 5
-    loads = 0.06 * np.sin(ticks)[:, None] + NOTHING
-    leads = 0.06 * np.cos(ticks)[:, None] + NOTHING
-    taught = OBSERVER.precompute_inputs([command(NOTHING)] * len(ticks), setpoints(loads, leads))
+    belief, plant, ticks = OBSERVER.begin(), np.zeros((HINGE_COUNT, 3)), np.arange(300) / 5
+    loads = 0.06 * np.sin(ticks)[:, None] + ZERO_ANGLES
+    leads = 0.06 * np.cos(ticks)[:, None] + ZERO_ANGLES
+    taught = OBSERVER.precompute_inputs([command(ZERO_ANGLES)] * len(ticks), setpoints(loads, leads))
     middle = (ROBOT.skeleton.lower < -0.2) & (ROBOT.skeleton.upper > 0.2)
     for tick, led in enumerate(loads + leads):
         previous = plant[:, 0]
@@ -201,12 +202,12 @@ def test_observer_estimates_load_and_velocity_errors_of_a_wrong_gain(gain):
 def test_external_torque_estimate_decays_for_a_silent_servo_but_not_for_a_measured_one():
     belief = OBSERVER.begin()
     for _ in range(30):
-        belief = OBSERVER.advance(belief, NOTHING + 0.02, INPUTS, 0)
+        belief = OBSERVER.advance(belief, ZERO_ANGLES + 0.02, IDLE_INPUTS, 0)
     push = belief.motion[2]
-    silent = NOTHING + 0.02
+    silent = ZERO_ANGLES + 0.02
     silent[3] = np.nan
     for _ in range(40):
-        belief = OBSERVER.advance(belief, silent, INPUTS, 0)
+        belief = OBSERVER.advance(belief, silent, IDLE_INPUTS, 0)
         assert np.isfinite(belief.setpoints).all()
     assert abs(belief.motion[2, 3]) < 1.01 * abs(push[3]) * DISTURBANCE_DECAY**40
     assert abs(belief.motion[2, 4]) > 0.5 * abs(push[4])
@@ -214,8 +215,8 @@ def test_external_torque_estimate_decays_for_a_silent_servo_but_not_for_a_measur
 
 def test_one_observer_tracks_two_robots_independently():
     random = np.random.default_rng(0)
-    loads, leads = 0.05 * random.standard_normal((2, 30, COUNT))
-    deviations = 0.01 * random.standard_normal((2, 30, COUNT))
+    loads, leads = 0.05 * random.standard_normal((2, 30, HINGE_COUNT))
+    deviations = 0.01 * random.standard_normal((2, 30, HINGE_COUNT))
     stream = [command()] * 30
 
     def goals(observer: Observer, measured: Floats) -> Floats:
@@ -247,24 +248,24 @@ class Still:
         pass
 
     def positions(self) -> Floats:
-        return np.where(np.arange(COUNT) == 5, np.nan, self.angles)
+        return np.where(np.arange(HINGE_COUNT) == 5, np.nan, self.angles)
 
 
 def test_setpoint_correction_keeps_times_reference_angles_and_first_setpoints():
-    body = Still(REST + 0.01)
+    body = Still(REST_ANGLES + 0.01)
     stream = [structs.replace(command(), time=k * COMMAND_PERIOD) for k in range(5)]
-    for (told,) in correct_setpoints(stream, setpoints(np.zeros((5, COUNT))), [body], OBSERVER):
+    for (told,) in correct_setpoints(stream, setpoints(np.zeros((5, HINGE_COUNT))), [body], OBSERVER):
         body.write(told)
     assert [item.time for item in body.written] == [asked.time for asked in stream]
-    np.testing.assert_array_equal(body.written[0].setpoints, REST)
+    np.testing.assert_array_equal(body.written[0].setpoints, REST_ANGLES)
     assert all(told.angles is asked.angles for told, asked in zip(body.written, stream, strict=True))
-    assert not np.array_equal(body.written[-1].setpoints, REST)
-    assert body.written[-1].setpoints[5] == REST[5]
+    assert not np.array_equal(body.written[-1].setpoints, REST_ANGLES)
+    assert body.written[-1].setpoints[5] == REST_ANGLES[5]
 
 
 def test_setpoint_count_must_equal_command_count():
     with pytest.raises(ValueError, match="shorter"):
-        list(correct_setpoints([command()], setpoints(np.zeros((2, COUNT))), [Still(REST)], OBSERVER))
+        list(correct_setpoints([command()], setpoints(np.zeros((2, HINGE_COUNT))), [Still(REST_ANGLES)], OBSERVER))
 
 
 def test_fractional_servo_delay_splits_a_setpoint_between_command_periods():

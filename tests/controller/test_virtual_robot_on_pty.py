@@ -25,11 +25,11 @@ from kinesic.session.plan import plan
 
 pytestmark = pytest.mark.realtime
 
-COMMAND_COUNT = 240  # commands, most of the first wave
-MAX_COMMAND_DELAY = 0.002  # [s] of a command, beyond which all later ones are late
-MAX_CYCLE_GAP = 0.015  # [s] between cycles, beyond which the machine was busy
-RECOVERY_TIME = 0.15  # [s] of the robot after such a gap
-ERROR_LIMITS = (1.0, 2.5, 5.0)  # [deg] RMSE, 95th percentile, largest
+COMMAND_COUNT = 240  # number of sent commands, which contain most of the first wave
+MAX_COMMAND_DELAY = 0.002  # [s] delay of a command above which all later commands are delayed, too
+MAX_CYCLE_GAP = 0.015  # [s] time between two cycles above which the machine was too busy for a comparison
+RECOVERY_TIME = 0.15  # [s] time after such a gap until the robot follows again
+ERROR_LIMITS = (1.0, 2.5, 5.0)  # [deg] limits of RMSE, 95th percentile and largest tracking error
 
 
 @pytest.fixture(scope="module")

@@ -21,7 +21,7 @@ from kinesic.planning.plan import Plan
 from kinesic.session.plan import plan
 
 COMMAND_PERIOD = 1 / COMMAND_RATE
-CYCLE_COUNT = 240  # cycles, most of the first wave
+CYCLE_COUNT = 240  # number of bus cycles, which contain most of the first wave
 
 
 @pytest.fixture(scope="module")

@@ -9,7 +9,7 @@ from threading import Thread
 from kinesic.mcp.robot_line import RobotLine
 
 WARNING = '<warningFeedback xmlns="x" id="{}" type="IMPOSSIBLE_TO_SCHEDULE">{}</warningFeedback>'
-PREDICTED = '<predictionFeedback xmlns="x"><bml id="{}" globalStart="1" globalEnd="2" /></predictionFeedback>'
+PREDICTION = '<predictionFeedback xmlns="x"><bml id="{}" globalStart="1" globalEnd="2" /></predictionFeedback>'
 PROGRESS = '<blockProgress xmlns="x" id="{}:{}" globalTime="1" />'
 PINGED = '{"told": "pong", "id": ""}'
 Say = Callable[[str], None]

@@ -12,7 +12,8 @@ from kinesic.mcp.robot_gate import RobotGate
 from kinesic.mcp.robot_line import RobotLine
 from kinesic.planning.setup import Setup
 
-LINE, SETUP = cast(RobotLine, "line"), cast(Setup, "setup")
+LINE = cast(RobotLine, "line")  # placeholder for the connections to the robot
+SETUP = cast(Setup, "setup")  # placeholder for the planning setup
 
 
 def test_stop_call_waits_for_connections_and_motion_call_also_for_the_setup():

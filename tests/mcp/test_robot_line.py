@@ -13,7 +13,7 @@ from kinesic.mcp import document_line, robot_line
 from kinesic.mcp.errors import RefusedError, RobotError
 from kinesic.mcp.robot_line import RobotLine
 
-from .fake_server import PINGED, PREDICTED, PROGRESS, WARNING, Say, line
+from .fake_server import PINGED, PREDICTION, PROGRESS, WARNING, Say, line
 
 
 def run(act: Callable[[], Awaitable[None]]) -> None:
@@ -80,11 +80,11 @@ def test_block_id_is_refused_until_its_block_has_ended_and_can_then_be_reused():
     def answer(document: str, say: Say) -> None:
         sent.append(document)
         if document == "first":
-            say(PREDICTED.format("b"))
+            say(PREDICTION.format("b"))
         elif document == "end":
             say(PROGRESS.format("b", "start"))
             say(PROGRESS.format("b", "end"))
-            say(PREDICTED.format("end"))
+            say(PREDICTION.format("end"))
         else:
             say(WARNING.format("b", "rule depth: too deep"))
 
@@ -109,7 +109,7 @@ def test_block_id_is_refused_until_its_block_has_ended_and_can_then_be_reused():
 @pytest.mark.parametrize("text", ["revoked before it began: x", "a block of this id plays already", "not performed, x"])
 def test_id_of_a_block_that_never_began_can_be_reused(text: str):
     def answer(document: str, say: Say) -> None:
-        say(PREDICTED.format(document))
+        say(PREDICTION.format(document))
         if document == "b":
             say(WARNING.format("b", text))
 
@@ -231,7 +231,7 @@ def test_status_and_stop_are_answered_while_a_document_is_pending():
 def test_document_of_a_cancelled_caller_is_not_sent():
     def answer(_document: str, say: Say) -> None:
         sleep(0.2)
-        say(PREDICTED.format("b"))
+        say(PREDICTION.format("b"))
 
     with line(answer) as (robot, server):
 

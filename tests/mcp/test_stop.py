@@ -32,7 +32,7 @@ pytestmark = [
     pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="needs the /proc of Linux"),
 ]
 
-FEW_STOPS = 3
+FEW_STOPS = 3  # number of emergency stops in every run; `make soak` tests 100
 
 
 def judge(timings: list[StopTiming]) -> None:

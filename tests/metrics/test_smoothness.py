@@ -5,12 +5,12 @@ from hypothesis import strategies as st
 
 from kinesic.metrics.smoothness import CUTOFF_FREQUENCY, dimensionless_jerk, spectral_arc_length, visible_jerk
 
-PERIOD = 0.005
+SAMPLE_PERIOD = 0.005  # [s] time between two samples
 
 
 def reach(duration=1.0, length=0.4):
     """Return a straight minimum-jerk reach with rests before and after."""
-    s = np.clip((np.arange(0.0, duration + 0.6, PERIOD) - 0.3) / duration, 0.0, 1.0)
+    s = np.clip((np.arange(0.0, duration + 0.6, SAMPLE_PERIOD) - 0.3) / duration, 0.0, 1.0)
     return np.outer(s**3 * (10 - 15 * s + 6 * s**2), [length, 0.0, 0.0])
 
 
@@ -19,7 +19,7 @@ def measure_arc_length(path, *, period):
 
 
 def trembling(path):
-    return path + np.outer(0.004 * np.sin(2 * np.pi * 6 * PERIOD * np.arange(len(path))), [0.0, 0.0, 1.0])
+    return path + np.outer(0.004 * np.sin(2 * np.pi * 6 * SAMPLE_PERIOD * np.arange(len(path))), [0.0, 0.0, 1.0])
 
 
 def published_sparc(movement, fs, padlevel=4, fc=10.0, amp_th=0.05):
@@ -39,7 +39,7 @@ def published_sparc(movement, fs, padlevel=4, fc=10.0, amp_th=0.05):
 
 def test_minimum_jerk_reach_has_the_analytic_dimensionless_jerk():
     """720 / 1.875^2 = 204.8, reduced because samples below 5 % of the peak speed are cut off."""
-    result = dimensionless_jerk(reach(), period=PERIOD)
+    result = dimensionless_jerk(reach(), period=SAMPLE_PERIOD)
     s = np.linspace(0.0, 1.0, 10001)
     moving = s[30 * s**2 * (1 - s) ** 2 > 0.05 * 1.875]
     assert result == pytest.approx(204.8 * (moving[-1] - moving[0]) ** 3, rel=0.03)
@@ -48,12 +48,14 @@ def test_minimum_jerk_reach_has_the_analytic_dimensionless_jerk():
 @pytest.mark.parametrize("figure", [dimensionless_jerk, measure_arc_length])
 def test_scaled_path_has_the_same_smoothness_and_scaled_time_the_same_dimensionless_jerk(figure):
     path = reach()
-    assert figure(10 * path, period=PERIOD) == pytest.approx(figure(path, period=PERIOD))
-    assert dimensionless_jerk(path, period=2 * PERIOD) == pytest.approx(dimensionless_jerk(path, period=PERIOD))
+    assert figure(10 * path, period=SAMPLE_PERIOD) == pytest.approx(figure(path, period=SAMPLE_PERIOD))
+    assert dimensionless_jerk(path, period=2 * SAMPLE_PERIOD) == pytest.approx(
+        dimensionless_jerk(path, period=SAMPLE_PERIOD)
+    )
 
 
 def test_minimum_jerk_reach_has_the_published_spectral_arc_length():
-    assert measure_arc_length(reach(), period=PERIOD) == pytest.approx(-1.41, abs=0.02)
+    assert measure_arc_length(reach(), period=SAMPLE_PERIOD) == pytest.approx(-1.41, abs=0.02)
 
 
 @given(speeds=st.lists(st.floats(0.0, 5.0), min_size=3, max_size=200).filter(any))
@@ -83,24 +85,24 @@ def test_two_strokes_or_tremor_are_less_smooth():
     once = reach()
     twice = np.concatenate([once, once[-1] + once])
     for figure, sign in ((dimensionless_jerk, 1), (measure_arc_length, -1)):
-        smooth, two, rough = (sign * figure(path, period=PERIOD) for path in (once, twice, trembling(once)))
+        smooth, two, rough = (sign * figure(path, period=SAMPLE_PERIOD) for path in (once, twice, trembling(once)))
         assert smooth < two
         assert smooth < rough
 
 
 @pytest.mark.parametrize("path", [np.zeros((300, 3)), np.zeros((2, 3)), np.zeros((1, 3))])
 def test_motionless_path_has_no_smoothness(path):
-    assert dimensionless_jerk(path, period=PERIOD) is None
-    assert measure_arc_length(path, period=PERIOD) is None
+    assert dimensionless_jerk(path, period=SAMPLE_PERIOD) is None
+    assert measure_arc_length(path, period=SAMPLE_PERIOD) is None
 
 
 def test_visible_jerk_is_low_pass_filtered_with_half_power_at_the_cutoff():
     """The mean square jerk of a sine is half of (amplitude x angular frequency cubed)^2."""
-    times = PERIOD * np.arange(4000)
+    times = SAMPLE_PERIOD * np.arange(4000)
 
     def seen(frequency, amplitude):
         path = np.outer(amplitude * np.sin(2 * np.pi * frequency * times), [0.0, 0.6, 0.8])
-        return visible_jerk(path, period=PERIOD) / (0.5 * (amplitude * (2 * np.pi * frequency) ** 3) ** 2)
+        return visible_jerk(path, period=SAMPLE_PERIOD) / (0.5 * (amplitude * (2 * np.pi * frequency) ** 3) ** 2)
 
     assert seen(1.0, 0.2) == pytest.approx(1.0, rel=0.03)
     assert seen(CUTOFF_FREQUENCY, 0.001) == pytest.approx(0.5, rel=0.1)

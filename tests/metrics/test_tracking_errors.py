@@ -5,9 +5,9 @@ from kinesic.metrics.tracking_errors import TrackingErrors, measure_errors
 
 from ..reference.metrics import paths
 
-CHANCE = np.random.default_rng(4)
-ERRORS = 0.02 * CHANCE.normal(size=(200, 5))
-MOVING = CHANCE.random(ERRORS.shape) < 0.6
+ERROR_GENERATOR = np.random.default_rng(4)
+RANDOM_ERRORS = 0.02 * ERROR_GENERATOR.normal(size=(200, 5))  # [rad] tracking errors of five hinges
+MOVING_FLAGS = ERROR_GENERATOR.random(RANDOM_ERRORS.shape) < 0.6  # whether each hinge moves in each sample
 
 
 def test_error_statistics_use_only_moving_hinges_and_locate_the_largest_error():
@@ -21,16 +21,16 @@ def test_error_statistics_use_only_moving_hinges_and_locate_the_largest_error():
 
 
 def test_tracking_error_without_motion_is_zero():
-    nothing = np.zeros_like(MOVING)
+    nothing = np.zeros_like(MOVING_FLAGS)
     assert measure_errors(np.zeros(0), nothing) == TrackingErrors(0.0, 0.0, 0.0, 0, 0, 0)
 
 
 @pytest.mark.parametrize("count", [1, 2, 21, 200])
 def test_compiled_error_statistics_equal_numpy(count):
-    moving = MOVING[:count].copy()
+    moving = MOVING_FLAGS[:count].copy()
     moving[0, 0] = True
-    fast = measure_errors(ERRORS[:count][moving], moving)
-    slow = paths.measure_errors(ERRORS[:count][moving], moving)
+    fast = measure_errors(RANDOM_ERRORS[:count][moving], moving)
+    slow = paths.measure_errors(RANDOM_ERRORS[:count][moving], moving)
     for name in ("rmse", "p95", "max"):
         assert getattr(fast, name) == pytest.approx(getattr(slow, name), rel=1e-14)
     assert (fast.row, fast.hinge, fast.most) == (slow.row, slow.hinge, slow.most)
@@ -38,17 +38,17 @@ def test_compiled_error_statistics_equal_numpy(count):
 
 @pytest.mark.parametrize("count", [0, 1, -1])
 def test_number_of_tracking_errors_must_match_the_moving_joints(count):
-    errors = np.zeros(MOVING.sum() + count) if count else np.zeros(0)
+    errors = np.zeros(MOVING_FLAGS.sum() + count) if count else np.zeros(0)
     with pytest.raises(ValueError, match="do not fit"):
-        measure_errors(errors, MOVING)
+        measure_errors(errors, MOVING_FLAGS)
 
 
 @pytest.mark.parametrize("every", [1, 7])
 def test_nan_counts_as_the_largest_tracking_error(every):
-    errors = ERRORS.copy()
+    errors = RANDOM_ERRORS.copy()
     errors[3::every] = np.nan
-    result = measure_errors(errors[MOVING], MOVING)
-    expected = paths.measure_errors(errors[MOVING], MOVING)
+    result = measure_errors(errors[MOVING_FLAGS], MOVING_FLAGS)
+    expected = paths.measure_errors(errors[MOVING_FLAGS], MOVING_FLAGS)
     assert (result.row, result.hinge, result.most) == (expected.row, expected.hinge, expected.most)
     assert np.isnan([result.rmse, result.p95, result.max]).all()
-    assert (result.row, result.hinge) == (3, MOVING[3].argmax())
+    assert (result.row, result.hinge) == (3, MOVING_FLAGS[3].argmax())

@@ -11,7 +11,7 @@ from kinesic.realizer.occupancy import Occupancy
 from kinesic.realizer.replan import _PlanSwitch
 
 HINGE_COUNT = 22
-NECK = 3  # a hinge whose rest angle is 0
+NECK = 3  # index of a neck hinge whose rest angle is 0
 NO_HINGES = np.zeros(HINGE_COUNT, dtype=np.bool_)
 
 

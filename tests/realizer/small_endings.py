@@ -8,7 +8,7 @@ from .small_blocks import HINGE_COUNT, small_block, small_motion
 
 TIMES = {"g": {"start": 0.0, "stroke": 1.0, "end": 3.0}, "n": {"start": 0.5, "end": 4.0}}
 BEHAVIOURS = '<gesture id="g" lexeme="BEAT"/><head id="n" lexeme="NOD"/>'
-NECK = 3  # a hinge whose rest angle is 0
+NECK = 3  # index of a neck hinge whose rest angle is 0
 
 
 def layer(*hinges: int, value: float = 0.1) -> np.ndarray:

@@ -6,7 +6,7 @@ from kinesic.motion.trajectory import Trajectory
 from kinesic.realizer.occupancy import Occupancy
 
 HINGE_COUNT = 22
-ARM = 9  # a hinge of the right arm
+ARM = 9  # index of a hinge of the right arm
 NO_HINGES = np.zeros(HINGE_COUNT, dtype=np.bool_)
 START = 50.0  # [s] clock time at which the running motion starts
 TOLERANCE = np.radians(2.0)  # [rad] accepted increase of the pointing error

@@ -10,7 +10,7 @@ from kinesic.realizer.realizer import interrupt
 LOOK = '<gazeShift id="{}" target="{}" {}/>'
 LEAN = '<postureShift id="p"><pose part="{}" lexeme="{}"/></postureShift>'
 SPOKEN = '<speech id="s"><text>Yes, <sync id="m"/>indeed.</text></speech>'
-ANGLE_TOLERANCE = 1e-6  # [rad]
+ANGLE_TOLERANCE = 1e-6  # [rad] tolerance of final angles
 
 
 @pytest.fixture

@@ -9,8 +9,8 @@ from kinesic.realizer.held import end_warnings, held_ramps, last_held, smooth_st
 from kinesic.realizer.occupancy import Occupancy, Overlay
 
 HINGE_COUNT = 22
-NECK = 3  # a hinge of the neck
-TILT = 4  # another hinge of the neck
+NECK = 3  # index of a neck hinge
+TILT = 4  # index of another neck hinge
 ALL_HINGES = np.ones(HINGE_COUNT, dtype=np.bool_)
 
 

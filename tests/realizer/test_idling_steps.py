@@ -97,7 +97,7 @@ def test_idle_motion_that_is_over_ends_without_a_change(scene, released, now, is
     assert (after.motion is scene.motion) is not is_released
 
 
-def test_ending_idle_motion_changes_nothing_if_there_is_none(scene, released):
+def test_ending_idle_motion_changes_nothing_while_no_idle_motion_runs(scene, released):
     assert end_idle(scene, 3.0) is scene
     still = replace(scene, idle=small_block("i"))
     assert end_idle(still, 3.0) is still

@@ -310,7 +310,7 @@ def test_block_requested_in_the_past_begins_at_the_earliest_change_time(planned,
     strokes(plan, merged, list(arm_hinges("r_hand", known.robot)))
 
 
-def test_block_far_after_the_motion_end_begins_on_time(planned, rest, known):
+def test_block_requested_long_after_the_end_of_the_running_motion_begins_on_time(planned, rest, known):
     plan = planned(NOD)
     merged = merge(rest, 30.0, plan, begin=30.0)
     certified(merged.trajectory, known, rest, 30.0)

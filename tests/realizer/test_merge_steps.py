@@ -19,7 +19,7 @@ ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 NOD = '<head id="n" lexeme="NOD" stroke="0"/>'
 BEAT = '<gesture id="g" lexeme="beat" mode="RIGHT_HAND"/>'
 SPOKEN = '<speech id="s"><text>Yes</text></speech>'
-NECK = 3  # a hinge whose rest angle is 0
+NECK = 3  # index of a neck hinge whose rest angle is 0
 START = 50.0  # [s] clock time at which the running motion starts
 
 

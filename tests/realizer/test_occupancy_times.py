@@ -28,9 +28,9 @@ GAZE = '<gaze id="z" target="left"/>'
 LOOK = '<gazeShift id="{}" target="left"/>'
 LEAN = '<postureShift id="p"><pose part="WHOLEBODY" lexeme="LEANING_FORWARD"/></postureShift>'
 HINGE_COUNT = 22
-NECK = 3  # a hinge whose rest angle is 0
+NECK = 3  # index of a neck hinge whose rest angle is 0
 ROW_COUNT = 60  # control points of the test motions
-ZERO = 0.2  # [s] of the test plans
+BLOCK_ZERO = 0.2  # [s] time of block time 0 in the test plans
 
 
 @pytest.fixture
@@ -41,7 +41,7 @@ def planned(known):
         rows = np.zeros((ROW_COUNT, HINGE_COUNT)) if controls is None else controls
         return SimpleNamespace(
             setup=known,
-            trajectory=Trajectory(rows, ZERO),
+            trajectory=Trajectory(rows, BLOCK_ZERO),
             timeline=SimpleNamespace(block=parse(ROOT.format(text))),
             keyframes=SimpleNamespace(uses={id: frozenset(parts) for id, parts in uses.items()}, held=held or {}),
             syncs=[SyncTime(id, sync, 0.0, time) for id, at in times.items() for sync, time in at.items()],
@@ -83,7 +83,7 @@ def test_times_of_an_occupancy_come_from_the_sync_points(planned, text, times, e
     held = {"z": HeldTurns("look")}
     (entry,) = occupancy_of(planned(text, {"z": times}, uses={"z": ["head"]}, held=held))
     result = (entry.begin, entry.ready, entry.relax, entry.end)
-    assert result == pytest.approx(tuple(time + ZERO for time in expected))
+    assert result == pytest.approx(tuple(time + BLOCK_ZERO for time in expected))
     assert entry.is_held is (text != GAZE)
 
 
@@ -111,7 +111,11 @@ def test_held_arm_angle_is_the_planned_angle_at_the_end_of_the_posture_shift(pla
     arm = arm_hinges("l_hand", known.robot)[0]
     controls = turning(known, rows={1: 0.05, 31: 0.1, 32: 0.2, ROW_COUNT - 2: 0.5, ROW_COUNT - 1: 0.7})
     plan = planned(
-        LEAN, {"p": {"end": end - ZERO}}, uses={"p": ["l_hand"]}, controls=controls, held={"p": HeldTurns("posture")}
+        LEAN,
+        {"p": {"end": end - BLOCK_ZERO}},
+        uses={"p": ["l_hand"]},
+        controls=controls,
+        held={"p": HeldTurns("posture")},
     )
     (entry,) = occupancy_of(plan)
     assert entry.roles == {"l_hand"}

@@ -20,7 +20,7 @@ HINGE = 2
 CUT = 10  # first knot that may change
 NO_HINGES = np.zeros(4, dtype=np.bool_)
 LIMITS = object()  # placeholder; only passed on to a replaced function
-HALF_TOLERANCE = 0.5 * KNOT_TOLERANCE * KNOT_INTERVAL  # [s]
+HALF_TOLERANCE = 0.5 * KNOT_TOLERANCE * KNOT_INTERVAL  # [s] half of the tolerance for times that should be at a knot
 
 
 def use(id: str, ready: float, relax: float = 9.0, *, begin: float = 0.0, end: float = 9.5, role="r_hand") -> Occupancy:

@@ -13,8 +13,8 @@ from kinesic.realizer.overlay import add_motions, overlay_motions
 
 HINGE_COUNT = 22
 ROW_COUNT = 40  # control points of the test motions
-NECK = 3  # a hinge whose rest angle is 0
-TORSO = 0  # a torso hinge whose rest angle is 0
+NECK = 3  # index of a neck hinge whose rest angle is 0
+TORSO = 0  # index of a torso hinge whose rest angle is 0
 NO_HINGES = np.zeros(HINGE_COUNT, dtype=np.bool_)
 ALL_HINGES = ~NO_HINGES
 

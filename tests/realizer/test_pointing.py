@@ -22,12 +22,12 @@ from .conftest import Play
 
 ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 POINT = '<pointing id="p" target="user" mode="RIGHT_HAND" stroke="1.4"/>'
-TRUNK_ROTATION = np.radians(8.0)  # [rad]
+TRUNK_ROTATION = np.radians(8.0)  # [rad] rotation of the trunk by another block
 LEAN = '<torso id="t" lexeme="lean" amount="1" start="0" end="3"/>'
 GAZE = '<gaze id="t" target="left" influence="WAIST" start="0" end="3"/>'
 POINT_AUDIENCE = '<pointing id="p" target="audience" mode="RIGHT_HAND"/>'
 LEFT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
-POINTING_ACCURACY = np.radians(0.2)
+POINTING_ACCURACY = np.radians(0.2)  # [rad] largest pointing error of a corrected hand
 
 
 @pytest.fixture(scope="module")

@@ -20,7 +20,7 @@ from kinesic.realizer.release import (
 )
 
 HINGE_COUNT = 22
-NECK = 3  # a hinge whose rest angle is 0
+NECK = 3  # index of a neck hinge whose rest angle is 0
 NO_HINGES = np.zeros(HINGE_COUNT, dtype=np.bool_)
 START = 50.0  # [s] clock time at which the running motion starts
 

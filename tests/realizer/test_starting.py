@@ -12,7 +12,7 @@ HELD = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" relax="1.4"/>'
 LEFT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
 OPEN = '<gesture id="g" lexeme="BEAT"/>'
 HELLO = '<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'
-TICK_PERIOD = 0.01  # [s]
+TICK_PERIOD = 0.01  # [s] time between two advances of the scene
 
 
 def test_merge_composition_adds_to_running_blocks(play):
@@ -151,7 +151,7 @@ def test_chunk_before_composition_delays_a_waiting_block(play):
     assert play.at("c:start") == pytest.approx(play.at("b:relax"), abs=2 * KNOT_INTERVAL)
 
 
-def test_chunk_before_that_would_cause_a_cycle_is_ignored(play):
+def test_chunk_before_composition_that_would_cause_a_waiting_cycle_is_ignored(play):
     play.send("a", NOD).send("b", LEFT, 'composition="APPEND-AFTER(a)"')
     play.send("c", BEAT, 'composition="APPEND-AFTER(b)" bmla:chunkBefore="b"').until(10.0)
     assert play.at("b:end") <= play.at("c:start") + KNOT_INTERVAL

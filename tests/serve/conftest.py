@@ -56,7 +56,7 @@ class Witness:
         self.closed = True
 
 
-MAX_WAIT = 30.0  # [s]
+MAX_WAIT = 30.0  # [s] longest wait for a message or condition
 
 
 @dataclass

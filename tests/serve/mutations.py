@@ -17,8 +17,8 @@ HOSTILE_NUMBERS = (
     b"abc",
     b"1,5",
 )
-NESTING_DEPTH = 3000  # nested elements
-LONG_SIZE = 20_000  # [bytes]
+NESTING_DEPTH = 3000  # number of nested elements
+INSERTED_SIZE = 20_000  # [bytes] size of an inserted sequence of equal bytes
 
 _ATTRIBUTE_PATTERN = re.compile(
     rb'\b(\w++)="([^"]*)"'
@@ -87,7 +87,7 @@ def _repeated(document: bytes, chance: random.Random) -> bytes:
 
 def _lengthened(document: bytes, chance: random.Random) -> bytes:
     place = chance.randrange(len(document) + 1)
-    return document[:place] + bytes([chance.randrange(256)]) * LONG_SIZE + document[place:]
+    return document[:place] + bytes([chance.randrange(256)]) * INSERTED_SIZE + document[place:]
 
 
 def _spliced(document: bytes, chance: random.Random) -> bytes:

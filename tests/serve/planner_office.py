@@ -11,9 +11,9 @@ from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
 
 from .played_children import PlayedChild, played_context
 
-PATIENCE = 8.0  # [s]
-READY = PlannerReady()
-BEGINNING = "start of the loop"
+PATIENCE = 8.0  # [s] longest wait for a condition that a test expects
+READY_MESSAGE = PlannerReady()
+LOOP_START = "start of the loop"  # placeholder for the state from which a planner starts
 
 
 class Loop:
@@ -25,7 +25,7 @@ class Loop:
         self.connected: list[tuple[object, object]] = []
 
     def snapshot(self) -> str:
-        return BEGINNING
+        return LOOP_START
 
     def connect_planner(self, pipe: object, beginning: object) -> None:
         self.connected.append((pipe, beginning))
@@ -69,8 +69,8 @@ class Office:
     def start(self) -> Planner:
         """Start a planner that becomes warm."""
         self.planner.start()
-        assert self.received() == [BEGINNING]
-        self.planner.receive(READY)
+        assert self.received() == [LOOP_START]
+        self.planner.receive(READY_MESSAGE)
         return self.planner
 
 

@@ -43,7 +43,7 @@ class ThreadChild(PlayedChild):
 
 
 def played_context(*preload: str) -> SimpleNamespace:
-    """Return a context that records preloaded modules and directions of pipes, which a played death can close."""
+    """Return a context that records preloaded modules and directions of pipes."""
     directions: list[bool] = []
 
     def make_pipe(duplex: bool = True) -> tuple[PipeEnd, PipeEnd]:

@@ -1,4 +1,4 @@
-"""A reception that listens on a real port, for a registry whose performer is played."""
+"""Connection acceptor on a real port, with a stub session."""
 
 import asyncio
 import json
@@ -15,8 +15,8 @@ from kinesic.serve.wire.quotas import Quotas
 from .played_registry import Registry
 
 RULES = Quotas(patience=20.0)
-SHORT = replace(RULES, patience=0.05)  # [s] of silence, meant to expire
-PATIENCE = 20.0  # [s]
+SHORT_QUOTAS = replace(RULES, patience=0.05)  # quotas with a silence timeout [s] that is meant to expire
+PATIENCE = 20.0  # [s] longest wait for a condition that a test expects
 PING = b'{"do": "ping", "id": "x"}\0'
 PONG = {"told": "pong", "id": "x"}
 

@@ -18,10 +18,10 @@ from kinesic.serve.messages import Clock, LoopStart, News, PlannerReady, Proposa
 from kinesic.serve.sinks.real_time import RealTimeSink
 from kinesic.serve.tracks import TrackEffects
 
-START_TIME = 1000.0  # [s] monotonic clock time
-MAX_SLEEPS = 20_000  # per run; more indicate an endless loop
-WAKE_DELAY = 1e-5  # [s] by which each sleep is too long
-READ_TIME = 1e-6  # [s] between two clock reads
+START_TIME = 1000.0  # [s] monotonic clock time at the start of the simulation
+MAX_SLEEPS = 20_000  # largest number of sleeps per run; more indicate an endless loop
+WAKE_DELAY = 1e-5  # [s] excess duration of each sleep
+READ_TIME = 1e-6  # [s] simulated time between two clock reads
 Messages = tuple[ScheduledFeedback, ...]
 Script = Generator[float, None, None]  # yields simulated times [s] since the start and acts at these times
 
@@ -80,7 +80,7 @@ class Simulation:
         return self.time - START_TIME
 
     def link(self, beginning: LoopStart | None = None) -> Connection:
-        """Connect a planner played by the test and return its pipe end."""
+        """Connect a planner simulated by the test, and return its pipe end."""
         ours, planner = Pipe()
         self.loop.connect_planner(ours, self.loop.snapshot() if beginning is None else beginning)
         return planner

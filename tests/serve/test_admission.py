@@ -1,4 +1,4 @@
-"""Admission of connections on a real port, to a registry whose performer is played."""
+"""Admission of connections on a real port, with a stub session."""
 
 import asyncio
 import json
@@ -12,7 +12,7 @@ from kinesic.serve.wire.pages import WebFile
 from kinesic.serve.wire.quotas import Quotas
 from kinesic.serve.wire.transport import UNADMITTED_READ_LIMIT
 
-from .played_door import PING, PONG, RULES, SHORT, PlayedStopLines, opened
+from .played_door import PING, PONG, RULES, SHORT_QUOTAS, PlayedStopLines, opened
 from .played_registry import TOKEN_ACCESS, Registry
 
 UPGRADE = (
@@ -118,7 +118,7 @@ def test_browser_requests_get_the_files_of_the_page() -> None:
 @pytest.mark.parametrize("first", [b"", b" ", b"GET /"])
 def test_clients_without_a_complete_first_message_are_disconnected(first: bytes) -> None:
     async def run() -> None:
-        async with opened(rules=SHORT) as door:
+        async with opened(rules=SHORT_QUOTAS) as door:
             reader, _ = await door.connect(first)
             assert await reader.read() == b""
             assert not door.reception._pending
@@ -128,11 +128,11 @@ def test_clients_without_a_complete_first_message_are_disconnected(first: bytes)
 
 def test_admitted_client_may_stay_silent_and_send_a_large_message() -> None:
     async def run() -> None:
-        async with opened(TOKEN_ACCESS, SHORT) as door:
+        async with opened(TOKEN_ACCESS, SHORT_QUOTAS) as door:
             reader, writer = await door.connect(b'{"do": "hello", "token": "open sesame"}\0')
             await reader.readuntil(b"\0")
             assert not door.reception._pending
-            await asyncio.sleep(4 * SHORT.patience)
+            await asyncio.sleep(4 * SHORT_QUOTAS.patience)
             writer.write(b"<bml>" + b" " * (3 * UNADMITTED_READ_LIMIT) + b"</bml>\0" + PING)
             assert json.loads((await reader.readuntil(b"\0")).strip(b"\n\0")) == PONG
 

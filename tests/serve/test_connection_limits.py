@@ -1,4 +1,4 @@
-"""Limits, bursts and times of connections, on played sockets."""
+"""Limits, bursts and times of connections, on simulated sockets."""
 
 import asyncio
 import errno

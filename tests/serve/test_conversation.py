@@ -1,4 +1,4 @@
-"""Conversations with one client over a played connection."""
+"""Conversations with one client over a simulated connection."""
 
 import asyncio
 import json
@@ -15,7 +15,7 @@ from kinesic.serve.wire.transport import HalfError
 from .played_registry import TOKEN_ACCESS, Registry
 
 RULES = Quotas()
-PATIENCE = 20.0  # [s]
+PATIENCE = 20.0  # [s] longest wait for a condition that a test expects
 DOCUMENT = b"<bml/>"
 
 

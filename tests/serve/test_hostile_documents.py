@@ -19,8 +19,8 @@ from .mutations import ALL_MUTATIONS, mutate
 pytestmark = pytest.mark.realtime
 
 EXAMPLE_FILES = sorted((CONFIGS / "bml").glob("*.bml"))
-DOCUMENT_COUNT = 120
-QUICK_COUNT = 8  # of these documents, without soak
+DOCUMENT_COUNT = 120  # number of hostile documents in `make soak`
+QUICK_COUNT = 8  # number of these documents that are tested in every run
 RECORDING_BML = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}"><speech id="s" start="0"><text>Hello.</text>'
     '<description priority="1" type="audio/x-wav"><file ref="{}"/></description></speech></bml>'

@@ -12,8 +12,8 @@ from kinesic.serve.tracks import Track
 
 from .simulated import Recorder, Simulation, nod, proposal, verdict
 
-STOPPED_AFTER = 0.5  # [s] in which such a motion has stopped
-REST_TOLERANCE = 1e-9  # [rad]
+STOP_DURATION = 0.5  # [s] time within which the stopped nod comes to rest
+REST_TOLERANCE = 1e-9  # [rad] largest motion of a hinge at rest
 
 
 def played(simulation: Simulation, stop_at: float, until: float) -> Recorder:
@@ -38,7 +38,7 @@ def test_emergency_stop_decelerates_within_limits_and_holds(simulation: Simulati
     speeds = np.array([command.velocities for command in recorder.commands])
     times = np.array(recorder.times)
     assert np.abs(speeds[times <= 1.0]).max() > 0.1, "it moved before"
-    assert np.abs(speeds[times >= 1.0 + STOPPED_AFTER]).max() < REST_TOLERANCE
+    assert np.abs(speeds[times >= 1.0 + STOP_DURATION]).max() < REST_TOLERANCE
     limits = simulation.setup.limits
     steps = np.abs(np.diff(speeds, axis=0)) / TICK_PERIOD
     assert (steps <= 1.001 * limits.acceleration + 1e-6).all()

@@ -18,7 +18,7 @@ from kinesic.serve.wire.origin import Access
 from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
 
 ADDRESS = Address("127.0.0.1", 0)
-PATIENCE = 8.0  # [s]
+PATIENCE = 8.0  # [s] longest wait for a condition that a test expects
 ENDING = ["reception ends", "clients close", "reception ended", "stop lines close", "session closes"]
 
 

@@ -16,7 +16,7 @@ from kinesic.session.setup import set_up
 
 pytestmark = pytest.mark.realtime
 
-MAX_WAIT = 60.0  # [s]
+MAX_WAIT = 60.0  # [s] longest wait for a message or condition
 
 News = PlannerReady | RequestDone | None
 

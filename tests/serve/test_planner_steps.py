@@ -92,7 +92,7 @@ def test_interruption_of_all_blocks_cancels_idle_motion_and_words(state, monkeyp
     assert state._shared.waited == []
 
 
-def test_renewal_reloads_the_setup(state):
+def test_request_to_reload_the_lexicon_reloads_the_setup_of_the_planner(state):
     setup = state._shared.scene.setup
     state.execute(Renewal())
     assert state._shared.renewed == [("new", setup)]

@@ -16,9 +16,9 @@ from kinesic.serve.messages import DocumentRequest, Interruption, Renewal, Reque
 from kinesic.serve.planner_process import MAX_COLD_DEATHS, MAX_SPARE_DELAY, PIPE_CAPACITY, _widen
 from kinesic.session import setup as session_setup
 
-from .planner_office import BEGINNING, PATIENCE, READY, Loop, Office, make_setup
+from .planner_office import LOOP_START, PATIENCE, READY_MESSAGE, Loop, Office, make_setup
 
-DONE = RequestDone()
+DONE_MESSAGE = RequestDone()
 DOCUMENT = DocumentRequest(Message("<bml/>", 7), 0)
 
 
@@ -48,14 +48,14 @@ def test_started_planner_gets_the_state_of_the_loop_and_a_refiner(in_office) -> 
     async def act(office: Office) -> None:
         planner = office.planner
         planner.start()
-        assert office.received() == [BEGINNING]
+        assert office.received() == [LOOP_START]
         (process,), (helper,) = office.of("planner"), office.of("refiner")
         assert process.work is planner_module.run_planner
         assert process.context.directions == [False, True, True]
         assert (process.arguments[0], *process.arguments[4:]) == (make_setup, Loop.properties, planner._rules)
         assert helper.work is refiner.run_refiner
         assert helper.arguments == (make_setup, planner._working.refiner)
-        assert office.loop.connected == [(planner._working.loop, BEGINNING)]
+        assert office.loop.connected == [(planner._working.loop, LOOP_START)]
         for child in office.children:
             modules = (
                 planner_module.__name__,
@@ -101,7 +101,7 @@ def test_ready_planner_takes_one_request_at_a_time(in_office) -> None:
             planner.send(DOCUMENT)
         (document,) = office.received()
         assert document.message == DOCUMENT.message
-        planner.receive(DONE)
+        planner.receive(DONE_MESSAGE)
         assert (planner.is_free, planner.is_planning, planner.serves(7)) == (True, False, False)
         planner.send(Interruption(None))
         assert (planner.is_free, planner.is_planning, planner.serves(7)) == (False, False, False)
@@ -127,7 +127,7 @@ def test_answer_cancels_the_planning_timeout_of_its_request(in_office) -> None:
         office.planner.send(DOCUMENT)
         watch = office.planner._watch
         assert not watch.cancelled()
-        office.planner.receive(DONE)
+        office.planner.receive(DONE_MESSAGE)
         assert watch.cancelled()
 
     in_office(act)
@@ -141,8 +141,8 @@ def test_dead_planner_reports_its_request_and_is_replaced(in_office) -> None:
         assert office.calls == ["idle", ("lost", DOCUMENT)]
         assert (planner.is_warm, planner.is_free, planner.deaths, planner.has_failed) == (False, False, 1, False)
         assert [child.kills for child in office.children] == [[False], [False], [], []]
-        assert office.received(1) == [BEGINNING]
-        planner.receive(READY)
+        assert office.received(1) == [LOOP_START]
+        planner.receive(READY_MESSAGE)
         assert planner.is_free
 
     in_office(act)
@@ -154,7 +154,7 @@ def test_planner_that_dies_too_often_before_it_is_ready_is_not_replaced(in_offic
         planner.start()
         for _ in range(MAX_COLD_DEATHS - 1):
             planner.receive(None)
-        planner.receive(READY)  # warm again: the count starts anew
+        planner.receive(READY_MESSAGE)  # warm again: the count starts anew
         planner.receive(None)
         for _ in range(MAX_COLD_DEATHS):
             assert not planner.has_failed
@@ -171,13 +171,13 @@ def test_spare_planner_starts_at_once_if_its_delay_is_zero_and_replaces_a_dead_p
         planner = office.planner
         planner.start()
         assert len(office.of("planner")) == 1
-        planner.receive(READY)
+        planner.receive(READY_MESSAGE)
         assert len(office.of("planner")) == 2
         planner.receive(None)
         assert len(office.of("planner")) == 2
         assert planner._working.child is office.of("planner")[1]
         assert planner._spare is None
-        planner.receive(READY)
+        planner.receive(READY_MESSAGE)
         assert len(office.of("planner")) == 3
         planner._spare.child.kill()
         planner.receive(None)
@@ -220,13 +220,13 @@ def test_repeated_requests_postpone_the_spare_planner_at_most_until_its_deadline
         planner.send(Interruption(None))
         watch, second = handles[1:]
         assert (first.cancels, second.time, watch.time) == (1, 105.0, planner._rules.planning)
-        planner.receive(DONE)
+        planner.receive(DONE_MESSAGE)
         clock.now = 100.0 + MAX_SPARE_DELAY - 1.0
         planner.send(Interruption(None))
         assert handles[-1].time == 100.0 + MAX_SPARE_DELAY
         handles[-1].call()
         count = len(handles)
-        planner.receive(DONE)
+        planner.receive(DONE_MESSAGE)
         planner.send(Interruption(None))
         assert len(handles) == count + 1  # the watch alone: the spare planner exists
 
@@ -237,26 +237,26 @@ def test_spare_planner_started_before_a_lexicon_reload_repeats_it(in_office) -> 
     async def act(office: Office) -> None:
         planner = office.start()
         planner.send(Renewal())
-        planner.receive(DONE)
+        planner.receive(DONE_MESSAGE)
         planner.receive(None)
-        assert office.received(1) == [BEGINNING]
-        planner.receive(READY)
+        assert office.received(1) == [LOOP_START]
+        planner.receive(READY_MESSAGE)
         assert office.received(1) == [Renewal()]
         assert not planner.is_free
-        planner.receive(DONE)
+        planner.receive(DONE_MESSAGE)
         planner.receive(None)  # its successor was started after the renewal
-        planner.receive(READY)
+        planner.receive(READY_MESSAGE)
         assert planner.is_free
-        assert office.received(2) == [BEGINNING]
+        assert office.received(2) == [LOOP_START]
 
     in_office(act, spare_delay=0.0)
 
 
-def test_closing_kills_all_processes_and_waits_for_the_planners(in_office) -> None:
+def test_closing_the_planner_kills_its_processes_and_waits_for_their_end(in_office) -> None:
     async def act(office: Office) -> None:
         planner = office.start()
         planner.receive(None)
-        planner.receive(READY)
+        planner.receive(READY_MESSAGE)
         planner._begin_spare()
         spare_start = planner._spare_start
         working, spare = office.of("planner")[-2:]

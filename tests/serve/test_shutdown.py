@@ -17,7 +17,7 @@ from .conftest import Running, running
 
 pytestmark = pytest.mark.realtime
 
-MAX_WAIT = 20.0  # [s]
+MAX_WAIT = 20.0  # [s] longest wait for a message or condition
 BLOCK = b'<bml id="late"><head id="h" lexeme="NOD" start="0"/></bml>\0'
 
 

@@ -1,4 +1,4 @@
-"""Stop lines over played connections: which messages they answer, and how they end."""
+"""Emergency-stop lines over simulated connections: their answers and their ends."""
 
 import json
 import socket
@@ -13,8 +13,8 @@ from kinesic.serve.stop_lines import StopLines
 from kinesic.serve.wire.quotas import Quotas
 from kinesic.serve.wire.transport import HalfError
 
-PATIENCE = 20.0  # [s]
-RULES = Quotas(rate=1e-6, burst=4)  # no message more than the burst
+PATIENCE = 20.0  # [s] longest wait for a condition that a test expects
+RULES = Quotas(rate=1e-6, burst=4)  # quotas that allow only the messages of the first burst
 
 
 class PlayedWire:

@@ -19,7 +19,7 @@ from .conftest import running
 
 pytestmark = pytest.mark.realtime
 
-MAX_WAIT = 20.0  # [s] for a message
+MAX_WAIT = 20.0  # [s] longest wait for a message or condition
 
 
 def told(client, until, seconds=MAX_WAIT):

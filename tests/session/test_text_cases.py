@@ -1,4 +1,4 @@
-"""Tests of texts and documents that kinesic once performed wrong."""
+"""Regression tests of texts and documents that were once performed incorrectly."""
 
 import os
 from collections.abc import Iterable
@@ -18,8 +18,8 @@ from tests.speech.heard import heard_consonants
 
 CORPUS_FOLDER = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
 CASE_FOLDER = CORPUS_FOLDER.parent / "cases" / "text"
-REFUSALS = {"no_low", "no_wag", "refuse_sweep", "refuse_push", "crossed_out", "set_aside"}
-JOYS = {"joy", "joy_bounce", "joy_cheer", "smile"}
+REFUSAL_GESTURES = {"no_low", "no_wag", "refuse_sweep", "refuse_push", "crossed_out", "set_aside"}
+JOY_GESTURES = {"joy", "joy_bounce", "joy_cheer", "smile"}
 SETUP = set_up()
 
 pytestmark = pytest.mark.skipif(not CASE_FOLDER.is_dir(), reason=f"no cases at {CASE_FOLDER} (KINESIC_CORPUS)")
@@ -85,17 +85,17 @@ def test_negative_idioms_of_agreement_get_a_nod_and_a_shrug_but_no_refusal():
     shown = lexemes(read("15_agree.txt"))
     assert "NOD" in shown
     assert "shrug_small" in shown or "doubt_shrug" in shown
-    assert not {*REFUSALS, "SHAKE", "LOWER_BROWS"} & set(shown)
+    assert not {*REFUSAL_GESTURES, "SHAKE", "LOWER_BROWS"} & set(shown)
 
 
 def test_phrase_no_idea_gets_a_shrug_and_no_refusal_gesture():
     assert {"shrug_small", "doubt_shrug"} & set(lexemes(read("17_idea.txt")))
-    assert not REFUSALS & set(lexemes(read("17_idea.txt")))
+    assert not REFUSAL_GESTURES & set(lexemes(read("17_idea.txt")))
 
 
 def test_emotion_words_in_questions_wishes_and_homographs_get_no_emotional_gestures():
     text = read("18_feeling.txt")
-    assert not {*JOYS, "wipe_brow", "relief", "disgust"} & set(lexemes(text))
+    assert not {*JOY_GESTURES, "wipe_brow", "relief", "disgust"} & set(lexemes(text))
     assert "kinesic:style" not in write_text(text, SETUP).bml
 
 

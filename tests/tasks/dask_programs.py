@@ -10,8 +10,11 @@ from time import monotonic, sleep
 
 from kinesic.tasks.dask_access import Certificates
 
-QUICK = ("--preload-nanny", "kinesic.tasks.quick_start")  # worker options that the guide gives for a quick start
-READY = "Registered to"  # text that a worker prints once it is ready
+QUICK_START_OPTIONS = (
+    "--preload-nanny",
+    "kinesic.tasks.quick_start",
+)  # worker options that the guide gives for a quick start
+READY_TEXT = "Registered to"  # text that a worker prints once it is ready
 PATIENCE = 120.0  # [s] longest start of a program
 
 
@@ -45,11 +48,18 @@ def dask_workers(
     with ExitStack() as stack:
         programs = []
         for number, (python, log) in enumerate(zip(pythons, logs, strict=True)):
-            options = ("--nthreads", "1", "--no-dashboard", "--local-directory", folder / str(number), *QUICK)
+            options = (
+                "--nthreads",
+                "1",
+                "--no-dashboard",
+                "--local-directory",
+                folder / str(number),
+                *QUICK_START_OPTIONS,
+            )
             options += _tls(certificates)
             programs.append(stack.enter_context(_program(python, "worker", address, *options, log=log)))
         for program, log in zip(programs, logs, strict=True):
-            _wait_for(READY, log, program, log)
+            _wait_for(READY_TEXT, log, program, log)
         yield
 
 

@@ -20,7 +20,7 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::ResourceWarning", "ignore::pytest.PytestUnraisableExceptionWarning"),
 ]
 EVALUATE = partial(partial, eval)  # tasks are Python expressions
-COUNT = 24
+TASK_COUNT = 24
 
 
 @pytest.fixture(scope="module")
@@ -84,7 +84,7 @@ def test_no_task_is_lost_or_duplicated_when_workers_are_killed(kind, two, tmp_pa
     engine = Processes(2) if kind == "processes" else two
     (tmp_path / "notes").mkdir()
     journal = Journal(tmp_path / "finished.jsonl", int)
-    tasks = {number: str(number) for number in range(COUNT)}
+    tasks = {number: str(number) for number in range(TASK_COUNT)}
     killed, results = set(), []
     square = partial(square_in, tmp_path / "notes")
     run = run_once(tasks, lambda left: engine.run(left, square), journal, keep=lambda task, result: result)
@@ -95,10 +95,10 @@ def test_no_task_is_lost_or_duplicated_when_workers_are_killed(kind, two, tmp_pa
             killed.add(max(alive))
             os.kill(max(alive), signal.SIGKILL)
     assert len(killed) == 2
-    assert sorted(results) == [(number, number**2) for number in range(COUNT)]
-    assert journal.read() == {str(number): number**2 for number in range(COUNT)}
+    assert sorted(results) == [(number, number**2) for number in range(TASK_COUNT)]
+    assert journal.read() == {str(number): number**2 for number in range(TASK_COUNT)}
     lines = (tmp_path / "finished.jsonl").read_bytes().splitlines()
-    assert len(lines) == COUNT
+    assert len(lines) == TASK_COUNT
 
 
 def test_cluster_worker_with_another_program_version_is_refused(two, monkeypatch):

@@ -1,4 +1,4 @@
-"""Code runs on workers for their owner only: not without or with forged certificates, by HTTP or by files."""
+"""Only the owner of dask workers can run code on them."""
 
 import os
 import shutil
@@ -47,7 +47,7 @@ def intrude(kinds: str, ports: list[int]) -> list[str]:
 
 
 def http_status(port: int, path: str) -> str:
-    """Return the HTTP status of a port, None where it speaks no HTTP."""
+    """Return the HTTP status of a port, or None without an HTTP answer."""
     with socket.create_connection(("127.0.0.1", port), 5) as plain:
         plain.sendall(f"GET {path} HTTP/1.0\r\nHost: localhost\r\n\r\n".encode())
         try:

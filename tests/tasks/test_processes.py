@@ -6,7 +6,7 @@ import pytest
 from kinesic.tasks.processes import WorkerCrash, run_pool
 
 EVALUATE = partial(partial, eval)  # tasks are Python expressions
-DIES = {
+FAILING_TASKS = {  # expression that ends the worker -> reason of the failure
     "__import__('os')._exit(3)": "exit code 3: it wrote nothing",
     "__import__('os')._exit(0)": "exit code 0: it wrote nothing",
     "1 / 0": "exit code 1: ZeroDivisionError: division by zero",
@@ -34,10 +34,10 @@ def test_empty_task_list_has_no_results():
 
 
 def test_crashed_tasks_are_reported_with_a_reason_and_the_others_continue():
-    tasks = ["1 + 1", *DIES, "2 + 2", "3 + 3"]
+    tasks = ["1 + 1", *FAILING_TASKS, "2 + 2", "3 + 3"]
     results = dict(run_pool(tasks, EVALUATE, jobs=2))
     assert [results[task] for task in ("1 + 1", "2 + 2", "3 + 3")] == [2, 4, 6]
-    for task, reason in DIES.items():
+    for task, reason in FAILING_TASKS.items():
         assert isinstance(results[task], WorkerCrash)
         assert reason in results[task].reason
     assert 'File "<string>", line 1' in results["1 / 0"].trace

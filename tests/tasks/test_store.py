@@ -10,7 +10,7 @@ from kinesic.tasks.store import QueryResult, open_store
 
 pytest.importorskip("duckdb", reason="the extra store is not installed")
 
-MANY = Path(__file__).resolve().parents[2] / "docs" / "how-to" / "run-many-documents.md"
+GUIDE_PAGE = Path(__file__).resolve().parents[2] / "docs" / "how-to" / "run-many-documents.md"
 
 
 def ask(folder: Path, query: str) -> QueryResult:
@@ -43,14 +43,14 @@ def test_complete_journal_lines_become_table_rows_and_a_truncated_line_is_ignore
     assert ask(folder, "SELECT type, count(*) FROM behaviours GROUP BY type").rows == (("gesture", 2),)
 
 
-QUERIES = re.findall(r'^kinesic results "(.+)" reports', MANY.read_text(encoding="utf-8"), re.MULTILINE)
+GUIDE_QUERIES = re.findall(r'^kinesic results "(.+)" reports', GUIDE_PAGE.read_text(encoding="utf-8"), re.MULTILINE)
 
 
 def test_query_guide_has_ten_queries():
-    assert len(QUERIES) == 10
+    assert len(GUIDE_QUERIES) == 10
 
 
-@pytest.mark.parametrize("query", QUERIES)
+@pytest.mark.parametrize("query", GUIDE_QUERIES)
 def test_each_query_of_the_guide_is_answered(query, folder):
     assert ask(folder, query).columns
 

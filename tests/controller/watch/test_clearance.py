@@ -19,7 +19,7 @@ from kinesic.controller.watch.clearance import (
 from kinesic.metrics.clearance_forecast import ERROR_MEMORY, LOOK_PERIOD
 from tests.wall import Wall
 
-MIN_CLEARANCE = 0.01  # [m] required by the robot
+MIN_CLEARANCE = 0.01  # [m] smallest clearance that the robot requires
 
 
 WALL = Wall()

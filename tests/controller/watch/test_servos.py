@@ -19,7 +19,7 @@ from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.metrics.clearance_forecast import LOOK_PERIOD
 
-MIN_CLEARANCE = 0.01  # [m] required by the robot
+MIN_CLEARANCE = 0.01  # [m] smallest clearance that the robot requires
 COMMAND_PERIOD = 0.01
 START_CLOCK = 100.0  # [s] clock at the start of the performance
 

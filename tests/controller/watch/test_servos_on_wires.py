@@ -31,7 +31,7 @@ from ...performances import BLOCK_BML
 from ...reduced_robots import write_robot
 
 FOLDING_TIME = 0.9  # [s] performance time at which the hands meet
-MIN_REMAINING_FRACTION = RESERVE_FRACTION - 0.05  # of the required clearance that must remain
+MIN_REMAINING_FRACTION = RESERVE_FRACTION - 0.05  # smallest clearance during the run / required clearance
 SHORT_PATIENCE = SupervisorSettings(patience=1.0, pace=1.5)
 # Gesture whose palms move up and down, closer to one another than the clearance of servos with soft position control.
 JOINED_PALMS = 'palm = "in", pointing = "forward up", shape = "flat", openness = 0.2, touch = "hand", tip = "palm"'

@@ -14,11 +14,11 @@ from kinesic.session.setup import set_up
 
 pytestmark = pytest.mark.realtime
 
-HASTY = replace(DEFAULT_QUOTAS, planning=1.0)
-LONG = "x" * 900_000
+SHORT_QUOTAS = replace(DEFAULT_QUOTAS, planning=1.0)  # quotas with a short time limit for answers [s]
+LONG_TEXT = "x" * 900_000  # text that does not fit into the buffer of a pipe
 
 
-ANSWERS = """
+ANSWER_MODULE = """
 import time
 
 def never_set_up():
@@ -37,7 +37,7 @@ def fail(question, setup, rules):
 @pytest.fixture
 def work(tmp_path, monkeypatch):
     """Functions for helper processes, in an importable module."""
-    (tmp_path / "answers_of_helpers.py").write_text(ANSWERS)
+    (tmp_path / "answers_of_helpers.py").write_text(ANSWER_MODULE)
     monkeypatch.syspath_prepend(tmp_path)
     return importlib.import_module("answers_of_helpers")
 
@@ -63,14 +63,14 @@ def ask_all(asked: Helper, questions, *, seconds: float = 30.0):
 
 def test_queries_to_a_helper_that_never_starts_fail_without_blocking_the_event_loop(work, monkeypatch):
     monkeypatch.setattr(helper, "SETUP_TIMEOUT", 1.0)
-    asked = Helper(work.never_set_up, work.echo, HASTY, name="stuck")
-    answers, longest = ask_all(asked, [(1, LONG, 0.0), (2, LONG, 0.0)])
+    asked = Helper(work.never_set_up, work.echo, SHORT_QUOTAS, name="stuck")
+    answers, longest = ask_all(asked, [(1, LONG_TEXT, 0.0), (2, LONG_TEXT, 0.0)])
     assert answers == [Unanswered.FAILED] * 2
     assert longest < 0.5
 
 
 def test_helper_answer_beyond_its_time_limit_fails_only_the_query_that_caused_it(work):
-    asked = Helper(set_up, work.echo, HASTY, name="slow")
+    asked = Helper(set_up, work.echo, SHORT_QUOTAS, name="slow")
     answers, longest = ask_all(asked, [(1, "sleep 600", 0.0), (2, "quick", 0.0)])
     assert answers == [Unanswered.FAILED, "5 upper22"]
     assert longest < 0.5

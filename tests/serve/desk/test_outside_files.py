@@ -11,7 +11,8 @@ from kinesic.files.draft import DRAFT_NAME
 
 from .intruder import REQUEST_WEIGHTS, SECRET_TEXT, Grounds, Intruder
 
-SAMPLE_SIZE, SOAK_SIZE = 120, 5000  # requests
+SAMPLE_SIZE = 120  # number of hostile requests in every run
+SOAK_SIZE = 5000  # number of hostile requests in `make soak`
 
 
 def attack(root: Path, monkeypatch: pytest.MonkeyPatch, setup, *, count: int, seed: int) -> Intruder:

@@ -1,4 +1,4 @@
-"""Queries to helpers whose process is played by a thread."""
+"""Queries to helpers whose process is simulated by a thread."""
 
 import asyncio
 import threading
@@ -15,8 +15,8 @@ from kinesic.session import setup as session_setup
 
 from ..played_children import ThreadChild, played_context
 
-HASTY = replace(DEFAULT_QUOTAS, planning=0.05)
-PATIENCE = 8.0  # [s]
+SHORT_QUOTAS = replace(DEFAULT_QUOTAS, planning=0.05)  # quotas with a short time limit for answers [s]
+PATIENCE = 8.0  # [s] longest wait for a condition that a test expects
 
 
 @dataclass(frozen=True)
@@ -91,7 +91,7 @@ def workshop(monkeypatch: pytest.MonkeyPatch) -> Workshop:
 
 @pytest.fixture
 def hasty(monkeypatch: pytest.MonkeyPatch) -> Workshop:
-    return Workshop(monkeypatch, HASTY)
+    return Workshop(monkeypatch, SHORT_QUOTAS)
 
 
 def test_queries_are_answered_in_order_of_arrival_by_one_process(workshop: Workshop) -> None:

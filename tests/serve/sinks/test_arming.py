@@ -18,7 +18,8 @@ from kinesic.serve.wire.quotas import Quotas
 
 from ..conftest import Running, running
 
-TOKEN, NOD = "open sesame", '<bml id="{}"><head id="n" lexeme="NOD" start="0"/></bml>'
+TOKEN = "open sesame"
+NOD = '<bml id="{}"><head id="n" lexeme="NOD" start="0"/></bml>'
 pytestmark = pytest.mark.realtime
 
 

@@ -19,9 +19,9 @@ from kinesic.serve.wire.transport import (
     Transport,
 )
 
-SHORT = 0.03  # [s] timeout that is meant to expire
-LONG = 30.0  # [s] timeout that is not meant to expire
-LARGE = bytes(8_000_000)  # more than two sockets buffer
+SHORT_TIMEOUT = 0.03  # [s] timeout that is meant to expire
+LONG_TIMEOUT = 30.0  # [s] timeout that is not meant to expire
+LARGE_DATA = bytes(8_000_000)  # more than two sockets buffer
 
 
 async def no_turn() -> None:
@@ -30,13 +30,13 @@ async def no_turn() -> None:
 
 @asynccontextmanager
 async def connected(
-    patience: float = LONG, await_turn: Callable[[], Awaitable[None]] = no_turn
+    patience: float = LONG_TIMEOUT, await_turn: Callable[[], Awaitable[None]] = no_turn
 ) -> AsyncIterator[tuple[Transport, socket.socket, socket.socket]]:
     """Transport to a client, the server's socket and the client's."""
     here, client = socket.socketpair()
     here.setblocking(False)
     with here, client:
-        client.settimeout(LONG)
+        client.settimeout(LONG_TIMEOUT)
         yield Transport(here, patience, await_turn), here, client
 
 
@@ -61,7 +61,7 @@ def test_reading_returns_the_sent_bytes_and_then_the_end() -> None:
 
 def test_read_from_a_silent_client_times_out() -> None:
     async def read() -> None:
-        async with connected(SHORT) as (line, _, _):
+        async with connected(SHORT_TIMEOUT) as (line, _, _):
             await line.read(hurry=True)
 
     with pytest.raises(HalfError, match=r"no data arrived for 0\.03 s"):
@@ -70,9 +70,9 @@ def test_read_from_a_silent_client_times_out() -> None:
 
 def test_idle_client_without_time_limit_may_stay_silent() -> None:
     async def read() -> bytes:
-        async with connected(SHORT) as (line, _, client):
+        async with connected(SHORT_TIMEOUT) as (line, _, client):
             reading = asyncio.create_task(line.read(hurry=False))
-            await asyncio.sleep(4 * SHORT)
+            await asyncio.sleep(4 * SHORT_TIMEOUT)
             client.sendall(b"late")
             return await reading
 
@@ -86,7 +86,7 @@ def test_each_transport_read_waits_for_its_turn_among_connections() -> None:
         turns.append(len(turns))
 
     async def read() -> None:
-        async with connected(LONG, count_turn) as (line, _, client):
+        async with connected(LONG_TIMEOUT, count_turn) as (line, _, client):
             client.sendall(b"x")
             await line.read(hurry=True)
             client.sendall(b"y")
@@ -98,7 +98,7 @@ def test_each_transport_read_waits_for_its_turn_among_connections() -> None:
 
 def test_waiting_for_a_read_turn_counts_towards_the_silence_timeout() -> None:
     async def read() -> None:
-        async with connected(SHORT, asyncio.Event().wait) as (line, _, client):
+        async with connected(SHORT_TIMEOUT, asyncio.Event().wait) as (line, _, client):
             client.sendall(b"x")
             await line.read(hurry=True)
 
@@ -164,8 +164,8 @@ def test_writing_an_empty_chunk_ends_sending_but_not_receiving() -> None:
 
 def test_writing_to_a_client_that_does_not_read_times_out() -> None:
     async def write() -> None:
-        async with connected(SHORT) as (line, _, _):
-            await line.write([LARGE])
+        async with connected(SHORT_TIMEOUT) as (line, _, _):
+            await line.write([LARGE_DATA])
 
     with pytest.raises(TimeoutError):
         asyncio.run(write())
@@ -193,7 +193,7 @@ def test_closing_discards_unread_data_slowly(monkeypatch: pytest.MonkeyPatch) ->
     assert set(pauses) == {DISCARD_PERIOD}
 
 
-@pytest.mark.parametrize(("patience", "linger"), [(SHORT, LONG), (LONG, SHORT)])
+@pytest.mark.parametrize(("patience", "linger"), [(SHORT_TIMEOUT, LONG_TIMEOUT), (LONG_TIMEOUT, SHORT_TIMEOUT)])
 def test_closing_does_not_wait_long_for_the_client(
     monkeypatch: pytest.MonkeyPatch, patience: float, linger: float
 ) -> None:
@@ -201,7 +201,7 @@ def test_closing_does_not_wait_long_for_the_client(
 
     async def close() -> int:
         async with connected(patience) as (line, here, _):
-            async with asyncio.timeout(LONG / 2):
+            async with asyncio.timeout(LONG_TIMEOUT / 2):
                 await line.close()
             return here.fileno()
 

@@ -1,4 +1,4 @@
-"""WebSocket handshakes and messages, against a client that is played without a network."""
+"""WebSocket handshakes and messages, with a simulated client and no network."""
 
 import asyncio
 from collections.abc import AsyncIterator
