@@ -1,7 +1,7 @@
 """Cues, rules and behaviour sets for English, loaded before processes fork."""
 
 from kinesic.intent.behaviour_sets import builtin_sets
-from kinesic.intent.meaning.cues import load_cues
+from kinesic.intent.meaning.cue_table import load_cues
 from kinesic.intent.reading.language import ENGLISH_TAG, load_language
 
 CUES_READ = load_cues(ENGLISH_TAG)

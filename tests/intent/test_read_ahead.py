@@ -4,7 +4,7 @@ from importlib import reload
 
 from kinesic.intent import read_ahead
 from kinesic.intent.behaviour_sets import builtin_sets
-from kinesic.intent.meaning.cues import load_cues
+from kinesic.intent.meaning.cue_table import load_cues
 from kinesic.intent.reading.language import load_language
 from kinesic.serve.planner import TEXT_TABLES_MODULE
 

@@ -95,6 +95,21 @@ class Context:
                 return True
         return False
 
+    def is_own_denial(self, at: int) -> bool:
+        """Return whether a negation counts as a denial by the speaker.
+
+        It does not in a question, a report or a condition (`if you don't`), if it denies something bad (`not a single
+        mistake`), or if another denial takes it back (`never without`).
+        """
+        clause = self.clause_words(at)
+        is_condition = any(self.language.has("condition", self.plain[k]) for k in range(clause.start, at))
+        denies_bad = any(
+            self.language.has(name, self.plain[k]) for k in range(at + 1, clause.stop) for name in ("sad", "stern")
+        )
+        denials = sum(self.language.has("denial", self.plain[k]) for k in clause)
+        is_taken_back = denials > 1 and any(self.language.has("denied_lack", self.plain[k]) for k in clause)
+        return not (self.is_question(at) or self.is_reported(at) or is_condition or denies_bad or is_taken_back)
+
     def is_wished(self, k: int) -> bool:
         """Return whether an earlier word expresses a wish, condition or future."""
         return any(self.language.has("wish", self.plain[j]) for j in self.sentence(k) if j < k)

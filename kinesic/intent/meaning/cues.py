@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from functools import lru_cache
 from pathlib import Path
 from typing import Literal
 
@@ -24,7 +23,9 @@ PICTURE_INTENT = "picture"  # intent of a gesture that depicts the meaning of wo
 DEFAULT_CERTAINTIES: Mapping[CueKind, float] = {"idiom": 0.8, "word": 0.7, "feeling": 0.75, "question": 0.65}
 
 
-class _Cue(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+class CueEntry(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
+    """Cue as written in a file."""
+
     says: str
     words: str  # word patterns, one in each line
     shows: str = ""
@@ -42,7 +43,7 @@ class _Cue(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
 
 
 class _File(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
-    cue: list[_Cue]
+    cue: list[CueEntry]
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,47 +66,36 @@ class Cue:
     hand: ChosenHand = ""  # hand that shows the cue, for pairs such as `on the one hand, on the other hand`
 
 
-@dataclass(frozen=True, eq=False)
-class CueTable:
-    """All cues of a language, by the words with which they begin."""
+def read_cues(folder: Path, irregular: Mapping[str, frozenset[str]]) -> list[Cue]:
+    """Read all cue files of a language.
 
-    cues: tuple[Cue, ...]
-    starts: Mapping[str, tuple[tuple[Cue, Pattern], ...]]  # word, stem (`wav~`), `#` or `_` -> cues
-
-
-NO_CUES = CueTable((), {})  # cue table of a language without cue files
-
-
-@lru_cache(maxsize=16)
-def load_cues(language: str) -> CueTable:
-    """Return all gesture cues of a language, possibly none.
+    Args:
+        folder: with the files.
+        irregular: irregular forms of verbs.
 
     Raises:
         ConfigError: a file is invalid.
     """
-    folders = {folder.name: folder for folder in sorted(CUE_FOLDER.iterdir()) if folder.is_dir()}
-    folder = folders.get(language.partition("-")[0])  # prevents a path as a tag
-    if folder is None:
-        return NO_CUES
-    cues = [cue for path in sorted(folder.glob("*.toml")) for cue in _read_file(path)]
-    starts: dict[str, list[tuple[Cue, Pattern]]] = {}
-    for cue in cues:
-        for pattern in cue.patterns:
-            for word in pattern.first_words:
-                starts.setdefault(word, []).append((cue, pattern))
-    return CueTable(tuple(cues), {word: tuple(found) for word, found in starts.items()})
+    paths = sorted(folder.glob("*.toml"))
+    return [make_cue(entry, path, irregular) for path in paths for entry in read_toml(path, _File).cue]
 
 
-def _read_file(path: Path) -> list[Cue]:
-    return [_read_cue(entry, path) for entry in read_toml(path, _File).cue]
+def make_cue(entry: CueEntry, path: Path, irregular: Mapping[str, frozenset[str]]) -> Cue:
+    """Return the cue of an entry in a file.
 
+    Args:
+        entry: as written.
+        path: of its file.
+        irregular: irregular forms of verbs.
 
-def _read_cue(entry: _Cue, path: Path) -> Cue:
+    Raises:
+        ConfigError: the entry is invalid.
+    """
     certainty = DEFAULT_CERTAINTIES[entry.kind] if entry.certainty is None else entry.certainty
     if not 0.0 <= certainty <= 1.0:
         raise ConfigError(f"{path}: certainty of the cue that {entry.says} is {certainty}; 0 to 1 is possible")
     try:
-        written = [read_pattern(line) for line in entry.words.splitlines() if line.strip()]
+        written = [read_pattern(line, irregular) for line in entry.words.splitlines() if line.strip()]
     except ValueError as fault:
         raise ConfigError(f"{path}: {fault}") from fault
     return Cue(

@@ -61,7 +61,7 @@ def temper(context: Context, intent: Intent, idioms: Collection[int], harmless: 
 
 def _holds(context: Context, intent: Intent, idioms: Collection[int], harmless: Collection[int]) -> bool:
     at = intent.word
-    if intent.name == "negation" and not _is_denied_here(context, _first_word(intent)):
+    if intent.name == "negation" and not context.is_own_denial(_first_word(intent)):
         return False
     if (at in idioms and _first_word(intent) in idioms) or intent.name in FORMAL_INTENTS:
         return False
@@ -76,22 +76,6 @@ def _holds(context: Context, intent: Intent, idioms: Collection[int], harmless: 
         is_agreed = not context.is_question(at) and context.is_talk(at)
         return not _is_grave(context, at) and (intent.name != "affirmation" or is_agreed)
     return True
-
-
-def _is_denied_here(context: Context, at: int) -> bool:
-    """Return whether a negation counts as a denial by the speaker.
-
-    It does not in a question, a report or a condition (`if you don't`), if it denies something bad (`not a single
-    mistake`), or if another denial takes it back (`never without`).
-    """
-    clause = context.clause_words(at)
-    is_condition = any(context.language.has("condition", context.plain[k]) for k in range(clause.start, at))
-    denies_bad = any(
-        context.language.has(name, context.plain[k]) for k in range(at + 1, clause.stop) for name in ("sad", "stern")
-    )
-    denials = sum(context.language.has("denial", context.plain[k]) for k in clause)
-    is_taken_back = denials > 1 and any(context.language.has("denied_lack", context.plain[k]) for k in clause)
-    return not (context.is_question(at) or context.is_reported(at) or is_condition or denies_bad or is_taken_back)
 
 
 def _is_unreal(context: Context, at: int, harmless: Collection[int]) -> bool:

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 from kinesic.expressivity.lexicon.word_stems import word_stem
 from kinesic.intent.meaning.context import Context
-from kinesic.intent.meaning.cues import Cue, CueTable
+from kinesic.intent.meaning.cue_table import CueTable
+from kinesic.intent.meaning.cues import Cue
 from kinesic.intent.meaning.patterns import ANY_NUMBER, ANY_WORD, STEM_SIGN, Pattern, Span
 
 CLASS_SIGN = "@"  # sign before the name of a word class in a cue

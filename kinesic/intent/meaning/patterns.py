@@ -31,6 +31,7 @@ FULL_FORMS: Mapping[str, str] = {
     "mustn't": "must",
 }  # negative contraction -> its first word in full
 OTHER_FORMS: Mapping[str, str] = {"can't": "cannot"}  # word -> other spelling that a pattern also matches
+NO_FORMS: Mapping[str, frozenset[str]] = {}  # irregular forms of a language without irregular verbs
 ANY_NUMBER = "#"  # sign in a pattern that matches a number word
 
 
@@ -128,8 +129,12 @@ class Span:
     stroke: int  # index of the marked word, or -1
 
 
-def read_pattern(text: str) -> Pattern:
+def read_pattern(text: str, irregular: Mapping[str, frozenset[str]] = NO_FORMS) -> Pattern:
     """Read a pattern such as `^not bad (at *all)` or `break~ up/down`.
+
+    Args:
+        text: the pattern.
+        irregular: further forms of verbs, such as `broke` and `broken` of `break`.
 
     Raises:
         ValueError: a pattern without a required word.
@@ -142,7 +147,7 @@ def read_pattern(text: str) -> Pattern:
         if part in ("(", ")"):
             is_optional = part == "("
         else:
-            slots.append(_read_slot(part, is_optional=is_optional))
+            slots.append(_add_forms(_read_slot(part, is_optional=is_optional), part, irregular))
     if not any(not slot.is_optional and not slot.is_any for slot in slots):
         raise ValueError(f"the pattern {text!r} has no required word")
     return Pattern(tuple(slots), at_start, at_end)
@@ -165,6 +170,14 @@ def spell_out(pattern: Pattern) -> Pattern | None:
         slots.append(Slot(negated, is_optional=slot.is_optional))
         slots.append(Slot(NEGATING_WORDS, is_optional=slot.is_optional, is_stroke=slot.is_stroke))
     return replace(pattern, slots=tuple(slots))
+
+
+def _add_forms(slot: Slot, part: str, irregular: Mapping[str, frozenset[str]]) -> Slot:
+    """Return a position that also accepts the irregular forms of its inflected words."""
+    if not slot.stems:
+        return slot
+    verbs = (word.removesuffix(STEM_SIGN) for word in part.removeprefix(STROKE_SIGN).split("/") if STEM_SIGN in word)
+    return replace(slot, words=slot.words.union(*(irregular.get(verb, frozenset()) for verb in verbs)))
 
 
 @lru_cache(maxsize=8192)

@@ -1,6 +1,6 @@
 """Intents of a text, with the gestures that show them."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from dataclasses import replace
 from functools import lru_cache
 
@@ -9,13 +9,13 @@ from kinesic.expressivity.lexicon.entries import builtin_gestures
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.intent.intents import Intent
 from kinesic.intent.meaning.context import Context
-from kinesic.intent.meaning.cues import load_cues
+from kinesic.intent.meaning.cue_table import load_cues, load_senses
 from kinesic.intent.meaning.feelings import EMOTION_PREFIX, temper
 from kinesic.intent.meaning.lexicon_names import find_names
 from kinesic.intent.meaning.matching import Candidate, match_cues
 from kinesic.intent.meaning.rhythm import place_beats, place_stroke
 from kinesic.intent.meaning.scoring import Picture, choose_pictures, score
-from kinesic.intent.meaning.structure import find_persons, find_structures, find_topics
+from kinesic.intent.meaning.structure import find_denials, find_persons, find_structures, find_topics
 from kinesic.intent.reading.language import Language
 from kinesic.intent.reading.passage import Passage
 from kinesic.intent.reading.text import EMOTION_STYLES, find_intents
@@ -67,6 +67,7 @@ def read_meanings(
     cues = match_cues(context, table)
     idioms, harmless = _find_idioms(cues)
     pictures = _find_pictures(context, cues, idioms, harmless, lexicon, liveliness)
+    idioms, harmless = _find_idioms([*cues, *(each.candidate for each in pictures if each.candidate.cue.patterns)])
     tempered = (temper(context, intent, idioms, harmless) for intent in intents)
     kept = [_mute(intent, lexicon) for intent in tempered if intent is not None]
     silent = [each for each in cues if not each.cue.shows and each.cue.intent != "picture"]
@@ -119,16 +120,32 @@ def _find_pictures(
     names = [each for each in find_names(context, lexicon) if taken.isdisjoint(range(each.first, each.last + 1))]
     candidates = [*cues, *names, *find_structures(context, taken)]
     pictures = choose_pictures(context, candidates, harmless, categories, liveliness)
-    sentences = {context.passage.words[each.candidate.stroke].sentence for each in pictures}
-    persons = [
-        each for each in find_persons(context, idioms) if context.passage.words[each.stroke].sentence not in sentences
-    ]
-    pictures += choose_pictures(context, persons, harmless, categories)
+    silent = [each for each in cues if not each.cue.shows]
+    senses = match_cues(context, load_senses(context.language.tag))
+    free = [each for each in senses if not any(_silences(cue, each) for cue in silent)]
+    for others in ([*free, *find_denials(context, taken)], find_persons(context, idioms)):
+        pictures += choose_pictures(context, _outside(context, others, pictures), harmless, categories, liveliness)
     if liveliness < MIN_TOPIC_LIVELINESS or context.passage.starts[-1] < MIN_TOPIC_DURATION:
         return pictures
-    sentences = {context.passage.words[each.candidate.stroke].sentence for each in pictures}
-    topics = [each for each in find_topics(context) if context.passage.words[each.stroke].sentence not in sentences]
+    topics = _outside(context, find_topics(context), pictures)
     return [*pictures, *choose_pictures(context, topics, harmless, categories)]
+
+
+def _silences(cue: Candidate, sense: Candidate) -> bool:
+    """Return whether a cue without gesture shares words with a sense.
+
+    An idiom that contains all words of the cue has a meaning of its own, which is shown.
+    """
+    is_shared = cue.first <= sense.last and sense.first <= cue.last
+    is_contained = sense.first <= cue.first and cue.last <= sense.last
+    return is_shared and not (is_contained and sense.cue.kind == "idiom")
+
+
+def _outside(context: Context, candidates: Iterable[Candidate], pictures: Iterable[Picture]) -> list[Candidate]:
+    """Return the candidates in sentences without illustrating gestures."""
+    words = context.passage.words
+    sentences = {words[each.candidate.stroke].sentence for each in pictures}
+    return [each for each in candidates if words[each.stroke].sentence not in sentences]
 
 
 @lru_cache(maxsize=4)

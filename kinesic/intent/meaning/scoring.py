@@ -33,6 +33,7 @@ class Penalties:
     others_listener: float = 0.3  # gesture to the listener in a sentence about a third person
     grave_praise: float = 0.3  # praise, joy or pride in a sentence about something sad or bad
     ironic_praise: float = 0.3  # praise after `oh`, or of something that happens again
+    final_time: float = 0.12  # time after the verb of a plain report (`he came yesterday`), unlike `yesterday he came`
     emphasis: float = -0.1  # word that the writer stresses
 
 
@@ -65,6 +66,10 @@ GLAD_INTENTS = ("performative-praise", "performative-agree", "emotion-joy", "emo
 SHRUG_GESTURES = frozenset({"doubt_shrug", "shrug_small"})  # gestures of uncertainty, which fit a question
 # Further gestures penalised in reports and questions.
 SENSITIVE_GESTURES = SHRUG_GESTURES | {"you", "you_all", "left", "right", "we", "between_us"}
+# Gestures for a time, which frames a report at its start, but is a detail at its end.
+TIME_GESTURES = frozenset(
+    {"time_span", "past_over_shoulder", "future_forward", "now_here", "before_that", "after_that"}
+)
 LISTENER_GESTURES = frozenset({"you", "you_low", "you_all", "gotcha", "watching_you"})  # gestures towards the listener
 
 
@@ -105,6 +110,8 @@ def score(
         value -= DEFAULT_PENALTIES.ironic_praise * _sounds_ironic(context, candidate)
     if not LISTENER_GESTURES.isdisjoint(cue.shows):
         value -= DEFAULT_PENALTIES.others_listener * context.is_others(at)
+    if TIME_GESTURES.issuperset(cue.shows) and not context.is_talk(at):
+        value -= DEFAULT_PENALTIES.final_time * context.is_clause_end(candidate.last) * (cue.kind == "idiom")
     if is_literal and context.is_negated(at, idioms):
         value -= DEFAULT_PENALTIES.negated
     if cue.kind == "feeling":

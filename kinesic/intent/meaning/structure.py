@@ -9,6 +9,7 @@ from kinesic.intent.meaning.matching import Candidate
 from kinesic.intent.meaning.rhythm import place_stroke
 
 ASK_CERTAINTY = 0.62  # certainty of the gesture for a question with a question word
+MAX_ECHO_WORDS = 3  # [words] length of the longest question whose question word need not come first
 YES_NO_CERTAINTY = 0.5  # certainty of the gesture for a question that asks for yes or no
 CHOICE_CERTAINTY = 0.62  # certainty of the gesture for a question between two things
 COUNT_CERTAINTY = 0.68  # certainty of the gesture that counts things
@@ -18,6 +19,8 @@ CORRECTION_CERTAINTY = 0.74  # certainty of the gesture that denies a corrected 
 MAX_CORRECTION_WORDS = 6  # [words] length of the longest corrected part
 PAIR_CERTAINTY = 0.68  # certainty of the gesture for a word that is repeated after `by`
 DEGREE_CERTAINTY = 0.6  # certainty of the gesture for two compared degrees (`cheaper, but ... longer`)
+DENIAL_CERTAINTY = 0.66  # certainty of the gesture that denies, in sentences without another one
+DENIAL_GESTURES = ("no_low", "refuse_sweep")  # gestures that deny a statement
 PERSON_CERTAINTY = 0.46  # certainty of a gesture to speaker or listener, in sentences without another one
 MIN_PERSON_WORDS = 3  # [words] length of the shortest sentence with a gesture to speaker or listener
 MIN_TOPIC_WORDS = 7  # [words] length of the shortest statement that open hands present
@@ -63,7 +66,8 @@ def _find_questions(context: Context, indices: Sequence[int], taken: Collection[
     choice = next((k for k in indices[1:-1] if context.language.has("choice", context.plain[k])), -1)
     if choice >= 0 and not {choice, choice - 1} & set(taken):
         yield _candidate("contrast_left_right", choice, "offers a choice", "question", CHOICE_CERTAINTY)
-    if asker >= 0 and asker not in taken and context.is_clause_start(asker):
+    is_short = asker >= 0 and len(indices) <= MAX_ECHO_WORDS  # an echo question (`Like what?`)
+    if asker >= 0 and asker not in taken and (is_short or context.is_clause_start(asker)):
         yield _candidate("ask_open", asker, "asks", "question", ASK_CERTAINTY)
     elif asker < 0 and any(
         context.language.has("auxiliary", context.plain[k]) for k in indices[:3] if context.is_clause_start(k)
@@ -138,6 +142,33 @@ def _counted_thing(context: Context, k: int, indices: Sequence[int]) -> bool:
         if word.endswith("s") and not word.endswith("ss"):
             return True
     return False
+
+
+def find_denials(context: Context, taken: Collection[int]) -> Iterator[Candidate]:
+    """Yield a denying gesture on the first fact that each statement denies.
+
+    Args:
+        context: the text.
+        taken: words of cues, which show something else.
+    """
+    for sentence, indices in enumerate(context.passage.sentences):
+        denials = [k for k in indices if k not in taken and _denies_fact(context, k)]
+        if denials and context.passage.kinds[sentence] != "question" and context.is_talk(denials[0]):
+            yield _candidate(DENIAL_GESTURES, denials[0], "denies", "idiom", DENIAL_CERTAINTY, intent="negation")
+
+
+def _denies_fact(context: Context, k: int) -> bool:
+    """Return whether a word denies a fact.
+
+    A prohibition (`don't run`), a denied degree (`not very`), and a comparison that praises (`never better`) do not.
+    """
+    language, plain = context.language, context.plain
+    if not language.has("denial", plain[k]) or language.has("prefix_denial", plain[k]) or not context.is_own_denial(k):
+        return False
+    after = [plain[j] for j in range(k + 1, context.clause_words(k).stop)]
+    is_order = context.is_clause_start(k) and language.has("prohibition", plain[k])
+    is_praise = any(language.has("comparative", word) for word in after)
+    return bool(after) and not (is_order or is_praise or language.has("not_corrected", after[0]))
 
 
 def find_persons(context: Context, taken: Collection[int]) -> Iterator[Candidate]:

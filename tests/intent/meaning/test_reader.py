@@ -5,7 +5,7 @@ import pytest
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.author import author, plan_behaviours
-from kinesic.intent.meaning.cues import load_cues
+from kinesic.intent.meaning.cue_table import load_cues
 
 LEXICON, NEUTRAL = Lexicon.load(), Style.load("neutral")
 REFUSALS = {"no_low", "no_wag", "refuse_sweep", "refuse_push", "crossed_out", "stop", "stop_low"}
