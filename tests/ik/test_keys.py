@@ -71,7 +71,7 @@ def test_arm_keeps_its_first_swivel_angle_along_a_hand_path():
     assert np.array_equal(result.angles[1], result.angles[3])
 
 
-def test_arm_keys_to_rest_stay_and_reach_with_or_without_an_open_elbow_get_their_postures():
+def test_arm_keys_that_reach_hold_open_the_elbow_or_return_to_rest_get_their_postures():
     reach = Reach(np.array([0.28, 0.10, -0.05]))
     keys = [
         Key(ArmMode.REACH, LEFT_ARM.rest, reach),

@@ -85,7 +85,7 @@ def test_softened_easing_is_the_weighted_moving_average_of_the_easing(easing):
 
 
 @pytest.mark.parametrize("easing", [easing for easing in EASING_NAMES if easing != "minimum_jerk"])
-def test_lowest_easing_steepness_gives_minimum_jerk(easing):
+def test_easings_of_lowest_steepness_equal_minimum_jerk(easing):
     np.testing.assert_allclose(
         soften_easing(easing, 1.0)[0], ease("minimum_jerk", np.linspace(0, 1, EASING_INTERVALS + 1)), atol=1e-3
     )

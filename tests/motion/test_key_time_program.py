@@ -93,7 +93,7 @@ def test_key_time_problem_is_simplified_if_key_count_times_violated_gaps_exceeds
 
 
 @pytest.mark.parametrize(("count", "is_crowded"), [(2000, False), (2001, True)])
-def test_key_time_problem_up_to_8_million_keys_times_violated_gaps_is_not_simplified(count, is_crowded):
+def test_key_time_problem_is_simplified_if_key_count_times_violated_gaps_exceeds_8_million(count, is_crowded):
     many = replace(STROKE_KEYS, requested_times=np.arange(float(count)))
     violated = dict.fromkeys(((i, j) for i in range(4) for j in range(4, 1004)), 1e9)
     assert KeyTimeProblem(many, violated, 0.6).is_crowded is is_crowded

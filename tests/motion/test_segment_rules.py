@@ -134,7 +134,7 @@ def test_segment_with_a_path_or_moving_ends_or_changing_angles_is_not_still():
     assert not any(moving.is_still for moving in moves)
 
 
-def test_equations_of_a_free_stop_fix_the_entry_and_make_the_last_control_points_equal():
+def test_equations_of_a_stop_at_any_angle_fix_its_start_and_equal_last_control_points():
     stop = SplineSegment.between(1, 6, np.array([0.1, 0.2, 0.4]))
     assert (stop.hinge, stop.start, stop.end, stop.stops_anywhere, stop.marks) == (1, 0.2, 0.2, True, ())
     ends = [[1, 0, 0], [0, 1, 0], [0, 0, 1]]

@@ -72,7 +72,7 @@ def test_unlimited_motion_minimises_distance_plus_weighted_squared_acceleration(
         assert cost(best + change) == pytest.approx(cost(best - change), rel=1e-6)
 
 
-def test_linear_cost_term_is_the_scalar_product_with_the_desired_motion():
+def test_linear_cost_of_a_spline_program_is_the_scalar_product_with_the_desired_motion():
     random = np.random.default_rng(3)
     wish, controls = random.normal(size=KNOT_INTERVALS + 1), random.normal(size=KNOT_INTERVALS + 3)
     assert _linear_part(segment(), wish) @ controls == pytest.approx(wish @ at_knots(controls))

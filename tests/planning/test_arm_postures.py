@@ -99,7 +99,7 @@ def test_shoulder_lift_raises_the_shoulder_and_keeps_the_hand(place, side):
     assert most[collar] == pytest.approx(DEFAULT_ROBOT.skeleton.upper[collar])
 
 
-def test_another_palm_direction_turns_no_arm_hinge_by_110_degrees():
+def test_changed_palm_direction_turns_each_arm_hinge_by_less_than_110_degrees():
     angles, arm = np.array(REST_ANGLES), list(DEFAULT_ROBOT.arm("l").joints)
     angles[list(DEFAULT_ROBOT.joints("torso"))] = np.radians([0.0, -2.6, 0.0])
     angles[arm] = np.radians([14, 99, 39, -50, 89, 31, -21, 30])  # forward and up, elbow out
@@ -171,7 +171,7 @@ def test_ik_of_a_text_passage_needs_one_kernel_call_per_arm(frames_of, calls):
     assert sum(calls) > 10
 
 
-def test_ik_solves_at_most_twice_as_many_keys_plus_one_batch_if_hands_collide(frames_of, calls):
+def test_ik_solves_at_most_two_keys_per_arm_and_frame_plus_one_batch_if_hands_collide(frames_of, calls):
     """Rely on batches that double in size until a collision occurs."""
     frames = frames_of(_texts()[2])
     solve_postures(frames, DEFAULT_SETUP.robot, DEFAULT_SETUP.distances)
@@ -188,7 +188,7 @@ def with_offset_axes(robot):
     "robot", [DEFAULT_ROBOT, with_offset_axes(DEFAULT_ROBOT)], ids=["intersecting axes", "offset axes"]
 )
 @pytest.mark.parametrize("passing", [True, False])
-def test_only_a_passing_key_continues_the_current_hand_path(robot, passing):
+def test_start_of_a_hand_path_is_kept_only_by_keys_on_the_path(robot, passing):
     reach = Reach(sealed(HAND_POSITIONS[1]))
     hand = Hand(reach, passing=passing)
     key = ArmKey.of(robot, "l", hand, reach, robot.body_frames(REST_ANGLES))
@@ -204,7 +204,7 @@ def test_only_a_passing_key_continues_the_current_hand_path(robot, passing):
 @pytest.mark.parametrize(
     "robot", [DEFAULT_ROBOT, with_offset_axes(DEFAULT_ROBOT)], ids=["intersecting axes", "offset axes"]
 )
-def test_passing_key_without_a_current_path_starts_one(robot):
+def test_first_key_on_a_hand_path_becomes_its_start(robot):
     reach = Reach(sealed(HAND_POSITIONS[1]))
     key = ArmKey.of(robot, "l", Hand(reach, passing=True), reach, robot.body_frames(REST_ANGLES))
     angles, beginnings = solve_keys(robot, "l", [key], REST_ANGLES[None], path_start=None)

@@ -247,7 +247,7 @@ def test_document_without_a_style_keeps_the_posture_of_the_performance(sad):
 
 
 @pytest.mark.parametrize("mirrored", [False, True])
-def test_arms_reach_a_rest_gesture_from_the_rest_posture_with_only_the_shoulders_raised(mirrored, lexicon, monkeypatch):
+def test_ik_of_a_rest_gesture_starts_from_the_rest_posture_with_raised_shoulders(mirrored, lexicon, monkeypatch):
     starts: list[np.ndarray] = []
 
     def reach(start, *_: object) -> np.ndarray:

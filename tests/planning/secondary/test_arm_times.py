@@ -64,7 +64,7 @@ def test_short_standstill_of_an_arm_does_not_count_as_rest():
         (Gap(1.0, 5.0, ((2.0, 3.0), (4.0, 4.5))), (3.0, 4.0)),
     ],
 )
-def test_return_motion_of_a_gap_ends_at_the_start_of_its_last_rest(gap: Gap, way: tuple[float, float] | None):
+def test_return_motion_after_a_stroke_ends_at_the_start_of_the_last_rest(gap: Gap, way: tuple[float, float] | None):
     assert gap.return_span == way
 
 
@@ -76,7 +76,7 @@ def strokes_of(spans, *, uses=None, successions=None, side="r") -> list[ArmStrok
     return _list_strokes(side, spans, frames)
 
 
-def test_stroke_without_a_succession_has_no_delay():
+def test_arm_stroke_without_follow_through_has_no_delay():
     assert strokes_of({"a": (1.0, 1.4)}) == [ArmStroke("a", 1.0, 1.4, 0.0, 0.0)]
     assert ArmStroke("a", 1.0, 1.4) == ArmStroke("a", 1.0, 1.4, behind=0.0, loose=0.0)
 

@@ -37,7 +37,7 @@ def wrists(exact, trajectory, side, times):
     return robot.skeleton.frames(trajectory.sample(times)[0]).origins[:, robot.arm(side).wrist]
 
 
-def test_other_arm_swings_outward_until_the_stroke_ends_and_returns(exact):
+def test_free_arm_swings_outward_until_the_stroke_ends_and_returns(exact):
     (swing,) = find_swings(exact)
     zero = exact.trajectory.zero
     start, end = (zero + exact.syncs[f"g:{sync}"].planned for sync in ("start", "end"))

@@ -38,7 +38,7 @@ def test_robot_without_some_body_parts_drops_only_their_behaviours(planned, miss
     assert ("no neck" in result.keyframes.outcomes["bow"].why) == ("neck" in missing)
 
 
-def test_robot_without_neck_gazes_ahead_and_upwards_at_the_audience(tmp_path):
+def test_audience_is_ahead_and_above_the_eyes_of_a_robot_without_neck(tmp_path):
     robot = Robot.load(write_robot(tmp_path, "neck"))
     x, y, z = from_eyes(robot.targets["audience"], robot)
     assert (x, y) == pytest.approx((2.0, 0.0))
