@@ -1,4 +1,4 @@
-"""Fit motions through key postures to the servos' limits.
+"""Conditioning: fit of motions through key postures to the servos' limits.
 
 The result keeps position, velocity, acceleration, jerk and duty at every instant, and passes every exact key at its
 planned time. The first step shifts these keys as little as possible, until every hinge can pass them. The second step

@@ -1,4 +1,4 @@
-"""Find gestures of a hand with strokes too close in time.
+"""Search for successive gestures of a hand with strokes too close in time.
 
 The time that a hand needs between strokes depends on joint angles, and is known only after inverse kinematics. An
 estimate with stops at every reversal finds candidates. For these alone, key times are searched exactly, with the hinges

@@ -1,4 +1,4 @@
-"""Insert finger keys between the postures of a block.
+"""Insertion of finger keys between the postures of a block.
 
 The motion follows them within its limits, without moving strokes.
 """

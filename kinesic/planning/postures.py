@@ -45,7 +45,7 @@ def solve_postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> 
             tuple(task.keyed),
             frame.syncs,
             _passages(frame, robot),
-            _firm(frame) or k in (0, last),
+            _is_exact(frame) or k in (0, last),
         )
         for k, (frame, task, row) in enumerate(zip(keyframes.frames, tasks, angles, strict=True))
     ]
@@ -142,7 +142,7 @@ def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[
     return flags
 
 
-def _firm(frame: KeyFrame) -> bool:
+def _is_exact(frame: KeyFrame) -> bool:
     """Return whether the motion must pass exactly through a key."""
     passing = {f"{side}_hand" for side, hand in frame.hands.items() if hand.passing}
     return bool(frame.syncs) or not frame.given <= passing

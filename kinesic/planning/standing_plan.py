@@ -1,4 +1,4 @@
-"""Plan a block in the standing posture of its style."""
+"""Planning of blocks in the standing posture of their style."""
 
 from collections.abc import Iterator
 from dataclasses import replace

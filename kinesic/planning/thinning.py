@@ -1,4 +1,4 @@
-"""Drop overlapping behaviours by priority when planning exceeds its budget."""
+"""Dropping of overlapping behaviours by priority if planning exceeds its budget."""
 
 from collections import defaultdict
 from collections.abc import Collection

@@ -1,4 +1,4 @@
-"""Command times, and torques recomputed from measurements."""
+"""Tests of command times and of torques recomputed from measurements."""
 
 from dataclasses import replace
 

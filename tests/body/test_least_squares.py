@@ -1,4 +1,4 @@
-"""Bounded least squares, compared with SciPy and known minima."""
+"""Tests of bounded least squares, compared with SciPy and known minima."""
 
 import numpy as np
 import pytest

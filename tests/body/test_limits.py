@@ -1,4 +1,4 @@
-"""Limits of a robot under load, and limits without drive data."""
+"""Tests of motion limits derived from loads or given directly."""
 
 from dataclasses import fields
 

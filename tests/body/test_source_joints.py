@@ -1,4 +1,4 @@
-"""Joints of an imported robot under the names, signs and zeros of its own file."""
+"""Tests of joint names, signs and zeros of an imported robot's file."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Design of the robot with hands: servos, mirrored fingers, mass and reach."""
+"""Tests of the robot with hands: servos, mirrored fingers, mass, reach."""
 
 import numpy as np
 import pytest

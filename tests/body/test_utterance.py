@@ -1,4 +1,4 @@
-"""Order of marks and pauses, and times of phonemes and sounds."""
+"""Tests of marks and pauses in order, and of phoneme times."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Files in a held folder: whole contents, durable replacement, no links."""
+"""Tests of files in an open folder: reading, durable replacement, links."""
 
 import os
 

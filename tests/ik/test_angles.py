@@ -1,4 +1,4 @@
-"""Portable sine, cosine, arc tangent and arc cosine, compared with Python's `math`."""
+"""Tests of portable trigonometric functions against Python's `math`."""
 
 import math
 

@@ -1,4 +1,4 @@
-"""Hand positions with a pointing direction and a palm direction: `hold_reach`."""
+"""Tests of `hold_reach`: hand position, pointing and palm direction."""
 
 import mujoco
 import numpy as np

@@ -1,4 +1,4 @@
-"""Four public functions of inverse kinematics, as users call them."""
+"""Tests of the four public functions of inverse kinematics."""
 
 import numpy as np
 import pytest

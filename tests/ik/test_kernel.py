@@ -1,4 +1,4 @@
-"""Compiled solver against its Python reference, on arms of every shape."""
+"""Tests of the compiled arm solver against its Python reference."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Memory allocations of the kernel, counted by a replacement of malloc."""
+"""Tests of the kernel's memory allocations, counted by a replaced malloc."""
 
 import ctypes.util
 import os

@@ -1,4 +1,4 @@
-"""Each compiled stage against its Python reference."""
+"""Tests of each compiled stage of the arm solver against Python."""
 
 from collections.abc import Iterator
 

@@ -1,4 +1,4 @@
-"""Arm postures at successive keys, solved in one kernel call or singly."""
+"""Tests of arm postures at successive keys, solved together or singly."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Equal joint angles on other processors, whose programs are emulated.
+"""Tests that other, emulated processors give the same joint angles.
 
 `apt-get install g++-aarch64-linux-gnu qemu-user-static` (Debian) is all that the second one needs.
 """

@@ -1,4 +1,4 @@
-"""Compiled samples and limit peaks of motions, compared with their defining formulas."""
+"""Tests of compiled samples and limit peaks against their Python reference."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Bottlenecks, binding limits and gradients of a time deficit."""
+"""Tests of bottlenecks, binding limits and gradients of a time deficit."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Velocities, accelerations and easings of desired motions, compared with formulas for one hinge."""
+"""Tests of velocities, accelerations and easings against formulas for one hinge."""
 
 from dataclasses import replace
 

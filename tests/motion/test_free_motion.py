@@ -1,4 +1,4 @@
-"""Unlimited motions of all hinges at once, compared with those of single hinges."""
+"""Tests of unlimited motions of all hinges against those of single hinges."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Motions planned without a robot, by public names of `kinesic.motion` alone."""
+"""Tests of planning without a robot, by public names of `kinesic.motion`."""
 
 import numpy as np
 import pytest

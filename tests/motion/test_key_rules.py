@@ -1,4 +1,4 @@
-"""Costs, minimum gaps and ranges of keys."""
+"""Tests of costs, minimum gaps and ranges of keys."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Measurement of segments and stretching of key intervals in the key-time search."""
+"""Tests of measured segments and stretched intervals in the key-time search."""
 
 from collections import Counter
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Constraints and costs of the key-time linear program, compared with explicit rows."""
+"""Tests of constraints and costs of the key-time linear program."""
 
 from dataclasses import replace
 

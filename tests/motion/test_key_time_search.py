@@ -1,4 +1,4 @@
-"""Steps of the key-time search: measurement, cutting planes, stretching and stops."""
+"""Tests of the key-time search: measurement, cutting planes, stretching and stops."""
 
 from dataclasses import replace
 

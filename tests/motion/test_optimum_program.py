@@ -1,4 +1,4 @@
-"""Constraints of the nonlinear key-time program, evaluated on motions with known derivatives."""
+"""Tests of the nonlinear key-time program on motions with known derivatives."""
 
 from dataclasses import replace
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""Splitting of motions into segments, and angle ranges of their control points."""
+"""Tests of the splitting of motions into segments with angle ranges."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Spline programs at the boundary between feasible and infeasible limits."""
+"""Tests of spline programs whose limits are just kept or just exceeded."""
 
 from dataclasses import replace
 

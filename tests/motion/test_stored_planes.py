@@ -1,4 +1,4 @@
-"""Storage, reduction and recall of cutting planes."""
+"""Tests of storage, reduction and recall of cutting planes."""
 
 from dataclasses import fields, replace
 

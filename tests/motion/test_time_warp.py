@@ -1,4 +1,4 @@
-"""First-order model of limit ratios under time warps, and its key times."""
+"""Tests of the first-order model of limit ratios under time warps."""
 
 from itertools import pairwise
 

@@ -1,4 +1,4 @@
-"""Arms set to link directions, and link directions measured on arms."""
+"""Tests of conversion between arm postures and link directions."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Text of speech with its times."""
+"""Tests of captions: the spoken text with its times."""
 
 from itertools import pairwise
 

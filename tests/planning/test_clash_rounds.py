@@ -1,4 +1,4 @@
-"""Timing conflicts resolved per planning round, and the keys of their searches."""
+"""Tests of timing conflicts resolved per planning round."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Timing conflicts: one of two gestures is dropped, all other times are kept."""
+"""Tests of timing conflicts, of which one gesture is dropped."""
 
 import pytest
 

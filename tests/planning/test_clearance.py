@@ -1,4 +1,4 @@
-"""Clearance of plans: hover distance, detours and dropped behaviours."""
+"""Tests of clearance of plans: hover distance, detours and dropped behaviours."""
 
 import re
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Touches with a requested fingertip or palm."""
+"""Tests of touches by a requested fingertip or palm."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Gestures near the face and the shoulder keep their clearance in three styles."""
+"""Tests of gestures near face and shoulder in three styles."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Documents with too many behaviours: bounded planning work and reported drops."""
+"""Tests of documents with too many behaviours: bounded work, reported drops."""
 
 import random
 from collections.abc import Callable, Mapping

@@ -1,4 +1,4 @@
-"""Face of planned performances."""
+"""Tests of the face in planned performances."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Detours and repeated conditioning of colliding motions."""
+"""Tests of detours and repeated conditioning of colliding motions."""
 
 from dataclasses import replace
 

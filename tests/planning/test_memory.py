@@ -1,4 +1,4 @@
-"""Memory that planning retains between documents."""
+"""Tests of the memory that planning retains between documents."""
 
 import gc
 import tracemalloc

@@ -1,4 +1,4 @@
-"""Plans with key times found by IPOPT, compared with plans by linear programs."""
+"""Tests of plans by IPOPT against plans by linear programs."""
 
 import numpy as np
 import pytest

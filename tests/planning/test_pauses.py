@@ -1,4 +1,4 @@
-"""Speech pauses of successive marks."""
+"""Tests of speech pauses of successive marks."""
 
 import pytest
 

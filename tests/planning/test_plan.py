@@ -1,4 +1,4 @@
-"""Plans with hand paths and overlapping gestures."""
+"""Tests of plans with hand paths and overlapping gestures."""
 
 from collections.abc import Callable
 from dataclasses import replace

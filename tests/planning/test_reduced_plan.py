@@ -1,4 +1,4 @@
-"""Plans of blocks without some of their behaviours."""
+"""Tests of plans of blocks without some of their behaviours."""
 
 import pickle
 

@@ -1,4 +1,4 @@
-"""Standing postures drawn like those of captured people."""
+"""Tests of random standing postures against captured people."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Standing postures of styles: ranges, clearance, variation and overriding documents."""
+"""Tests of standing postures of styles: ranges, clearance, variation and overriding documents."""
 
 from dataclasses import replace
 

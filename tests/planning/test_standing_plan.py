@@ -1,4 +1,4 @@
-"""Plans in standing postures, whose arms hang if a raised hand obstructs gestures."""
+"""Tests of plans in standing postures that obstruct gestures."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Contact of palms in gestures, measured on the drawn meshes."""
+"""Tests of palm contact, measured on the drawn meshes."""
 
 from collections.abc import Sequence
 from types import ModuleType

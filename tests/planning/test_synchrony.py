@@ -1,4 +1,4 @@
-"""Stroke times of nods, and overshoot of gestures close in time."""
+"""Tests of nod stroke times and of overshoot of close gestures."""
 
 import numpy as np
 import pytest

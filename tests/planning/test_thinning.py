@@ -1,4 +1,4 @@
-"""Dropping of overlapping behaviours by priority."""
+"""Tests of overlapping behaviours dropped by priority."""
 
 import re
 from dataclasses import replace

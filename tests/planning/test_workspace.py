@@ -1,4 +1,4 @@
-"""Gesture sectors that a hand reaches."""
+"""Tests of gesture sectors that a hand reaches."""
 
 import numpy as np
 import pytest

@@ -1,4 +1,4 @@
-"""Read and write MPEG-4 body animation parameters (BAP, ISO/IEC 14496-2 annex C).
+"""Reader and writer of MPEG-4 body animation parameters (ISO/IEC 14496-2 annex C).
 
 A header `version name rate frames`, then two lines per frame: a mask of 296 flags, and the frame number with one
 integer for each set flag. A parameter whose flag is not set keeps its value.

@@ -1,4 +1,4 @@
-"""Write motions to npz, csv, BAP, BVH and ROS trajectory files.
+"""Writing of motions to npz, csv, BAP, BVH and ROS trajectory files.
 
 All but BAP and BVH have the joint names, signs and zeros of the robot's own file.
 """

@@ -1,4 +1,4 @@
-"""Add secondary motion to a certified motion within limits, torques and clearance."""
+"""Addition of secondary motion to a certified motion within limits and clearance."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Read the pronunciation lexicon at import, once for all forked processes.
+"""Loading of the pronunciation lexicon at import, before processes are forked.
 
 The lexicon takes 95 MB. The model is loaded in each process, because its library has threads, which a fork loses.
 """

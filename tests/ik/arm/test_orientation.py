@@ -1,4 +1,4 @@
-"""Orientation of the hand by the wrist's hinges."""
+"""Tests of hand orientations from pointing and palm directions."""
 
 import math
 

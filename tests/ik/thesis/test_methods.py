@@ -1,4 +1,4 @@
-"""The three relaxation methods of the thesis, on chains of 3 to 32 joints."""
+"""Tests of the thesis' three relaxation methods, on 3 to 32 joints."""
 
 from functools import cache
 

@@ -1,4 +1,4 @@
-"""Motions as BVH files of the robot's skeleton."""
+"""Tests of motions as BVH files of the robot's skeleton."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""Motions as ROS joint trajectories."""
+"""Tests of motions as ROS joint trajectories."""
 
 import json
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Rests of an arm between its strokes."""
+"""Tests of strokes, gaps and rests of an arm."""
 
 from math import inf
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""Joint delays over time in gaps between strokes, with and without rests."""
+"""Tests of joint delays over time in gaps between strokes."""
 
 from math import inf
 

@@ -1,4 +1,4 @@
-"""Resting arms that move a little while the other arm gestures."""
+"""Tests of the resting arm's motion while the other arm gestures."""
 
 from dataclasses import replace
 

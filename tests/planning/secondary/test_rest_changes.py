@@ -1,4 +1,4 @@
-"""Changes of the rest posture in long pauses."""
+"""Tests of changes of the rest posture in long pauses."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""Invariance of secondary motion to a delay of the underlying motion."""
+"""Tests that secondary motion shifts with the underlying motion."""
 
 from collections.abc import Callable
 from dataclasses import replace

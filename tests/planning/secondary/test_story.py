@@ -1,4 +1,4 @@
-"""Stroke times at the beginning and the end of a story."""
+"""Tests of stroke times at the beginning and end of a story."""
 
 from dataclasses import replace
 
