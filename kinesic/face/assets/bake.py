@@ -36,7 +36,8 @@ Integers = NDArray[np.int64]
 
 METRES_PER_DECIMETRE = 0.1  # [m/dm] conversion of the source's unit of length
 SOURCE_AXES = (2, 0, 1)  # indices of the source axes that become kinesic's x, y and z
-REST_SHAPES = {"mouthClose": 0.1}  # weights of expression shapes at rest, because the lips of the source are parted
+# Weights of expression shapes at rest: the lips of the source are parted, and its lids hide a third of the iris.
+REST_SHAPES = {"mouthClose": 0.1, "eyeWideLeft": 0.35, "eyeWideRight": 0.35}
 LASH_ROOT = 0.0004  # [m] distance from the nearest skin vertex at which a lash begins
 LASH_LENGTH = 0.0024  # [m] length of a lash from its root to its tip
 RECLOSED_RANGE = (0.26, 0.36)  # [eye distances] from the midline: the second closing of the lips fades out here

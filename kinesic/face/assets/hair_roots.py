@@ -28,6 +28,8 @@ SCALP_RAMP = 0.35  # [eye distances] height over the hairline at which hair reac
 GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))  # [rad] turn between successive roots on the sphere
 SIDEBURN_HEIGHT = 0.5  # [eye distances] height below which hair in front of the ears is only painted, without locks
 HAIRLINE_ARC = 65.0  # [deg] angle to either side up to which the hairline has additional locks
+HAIRLINE_SEED = 5  # seed of the random positions of the locks at the hairline
+HAIRLINE_SPREAD = 0.10  # [eye distances] height over the hairline within which its additional locks begin
 HAIRLINE_ITERATIONS = 12  # number of search steps for skull points on the hairline
 # Forward position and height [eye distances] below which hair is only painted, without locks: on the neck, behind and
 # in front of an ear.
@@ -114,11 +116,14 @@ def _find_hairline_points(skull: Skull, style: HairStyle) -> Floats:
     """Return (h, 3) closely spaced points just above the hairline."""
     if not style.hairline_roots:
         return np.zeros((0, 3))
+    random = np.random.default_rng(HAIRLINE_SEED)
     turns = np.radians(np.linspace(-HAIRLINE_ARC, HAIRLINE_ARC, style.hairline_roots))
+    turns += random.uniform(-0.5, 0.5, len(turns)) * (turns[1] - turns[0])
+    heights = style.lowest + 0.02 + HAIRLINE_SPREAD * random.uniform(0.0, 1.0, len(turns)) ** 2
     points = np.stack([np.cos(turns), np.sin(turns), np.zeros_like(turns)], axis=1)
     points[:, 0] += HEAD_CENTRE[0]
     for _ in range(HAIRLINE_ITERATIONS):
-        points[:, 2] += style.lowest + 0.02 - measure_hairline_height(points)
+        points[:, 2] += heights - measure_hairline_height(points)
         spokes = points - HEAD_CENTRE
         spokes /= np.linalg.norm(spokes, axis=1, keepdims=True)
         points = HEAD_CENTRE + spokes * skull.radius(spokes)[:, None]

@@ -35,7 +35,7 @@ HAIR_STYLES: Mapping[Variant, HairStyle] = MappingProxyType(
     {
         "female": HairStyle(
             roots=790,
-            hairline_roots=90,
+            hairline_roots=160,
             lowest=0.02,
             steps=7,
             length=(2.0, 2.9),
@@ -52,7 +52,7 @@ HAIR_STYLES: Mapping[Variant, HairStyle] = MappingProxyType(
         ),
         "male": HairStyle(
             roots=960,
-            hairline_roots=90,
+            hairline_roots=130,
             lowest=0.03,
             steps=5,
             length=(0.6, 1.3),

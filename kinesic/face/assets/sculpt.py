@@ -43,8 +43,8 @@ class Bulge:
 
 SHAPE_BULGES: Mapping[str, tuple[Bulge, ...]] = MappingProxyType(  # shape -> left bulges; right bulges are mirrored
     {
-        "mouthSmile": (Bulge(0.60, -0.58, 0.36, 0.0042, 0.0025),),
-        "cheekSquint": (Bulge(0.58, -0.39, 0.37, 0.0065, 0.0020),),
+        "mouthSmile": (Bulge(0.58, -0.56, 0.42, 0.0034, 0.0020),),
+        "cheekSquint": (Bulge(0.56, -0.42, 0.46, 0.0030, 0.0020),),
     }
 )
 EVENED_SHAPE = "mouthSmile"  # expression shape that is smoothed next to the corners of the mouth
@@ -76,6 +76,14 @@ class LipArc:
 LIP_ARCS: Mapping[str, tuple[LipArc, ...]] = MappingProxyType(
     {
         "mouthSmile": (LipArc("both", "up", (0.0, 0.1, 0.2, 0.3, 0.38), (0.0, -0.5, -1.2, -1.0, 0.0)),),
+        "jawOpen": (
+            LipArc(
+                "lower",
+                "up",
+                (0.0, 0.09, 0.18, 0.25, 0.32, 0.38, 0.44),
+                (0.6, 0.3, -1.4, -2.6, -2.6, -1.2, 0.0),
+            ),
+        ),
         "mouthFunnel": (
             LipArc(
                 "upper",

@@ -69,13 +69,13 @@ def test_head_converted_from_the_source_package_has_aligned_eyes_and_closed_lips
 ):
     out = tmp_path / "head.npz"
     bake.bake_head(wheel, out)
-    assert "4 shapes" in capsys.readouterr().out
+    assert "6 shapes" in capsys.readouterr().out
     woman, man = (load_head(variant, path=out) for variant in FACE_VARIANTS)
     assert len(woman.faces) == len(bake.PARTS_BY_GROUP) + 3  # without the foot and the eye cubes
     np.testing.assert_allclose(woman.eyes, [[0.0, 0.03, 0.0], [0.0, -0.03, 0.0]], atol=1e-12)
     np.testing.assert_allclose(woman.positions[0], [0.0, -0.01, -0.11], atol=1e-5)
     np.testing.assert_allclose(man.positions[0] - woman.positions[0], [0.0, 0.0, 0.05], atol=1e-5)
-    np.testing.assert_allclose(woman.positions[1], [0.0003, 0.0101, -0.1098], atol=1e-5)  # mouthClose with weight 0.1
+    np.testing.assert_allclose(woman.positions[1], [0.0024, 0.0108, -0.1084], atol=1e-5)  # 0.8: weights at rest
     upper, lower = woman.positions[-8:-4, 2], woman.positions[-4:, 2]
     np.testing.assert_allclose(lower.max() - upper.min(), 0.0004, atol=2e-4)  # the lips of the source overlap by 3 mm
     tongue = woman.vertices("tongue")[0]

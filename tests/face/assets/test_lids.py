@@ -7,6 +7,7 @@ from kinesic.body.action_units import FACE_CHANNELS
 from kinesic.face.assets.action_units import compute_gaze_rotation, deform, read_intensities
 from kinesic.face.assets.lids import SKIN_CLEARANCE, Lids, find_lids
 from kinesic.face.assets.mesh import FACE_VARIANTS, Mesh, load_head
+from kinesic.face.assets.paint import IRIS_RADIUS
 
 SIDE_NAMES = ("Left", "Right")
 
@@ -40,6 +41,12 @@ def test_eyelid_edges_run_from_corner_to_corner_of_the_eye(mesh: Mesh, eyes: lis
         assert eye.upper[-1] == eye.lower[-1]
         assert np.ptp(mesh.positions[eye.upper, 1]) > 1.5 * eye.radius
         assert np.all(gap(eye, mesh.positions) > np.radians(15))
+
+
+def test_lids_at_rest_are_open_over_two_thirds_of_the_iris_height(mesh: Mesh, eyes: list[Lids]):
+    """Lower lids cut the iris to a square."""
+    for eye in eyes:
+        assert gap(eye, mesh.positions)[4] > 0.66 * 2.0 * IRIS_RADIUS
 
 
 @pytest.mark.parametrize("also", [{}, {"5": 1.0}, {"7": 0.8, "6": 1.0}, {"64": 1.0}, {"63": 1.0, "1": 1.0}])

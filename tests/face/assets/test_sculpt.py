@@ -56,11 +56,12 @@ def test_only_skin_next_to_the_mouth_is_smoothed_in_smiles():
 
 @pytest.mark.parametrize("variant", FACE_VARIANTS)
 def test_raised_cheek_bulges_outward(variant: Variant):
+    """A bulge of 6 mm threw a dark spot on the cheek."""
     mesh = load_head(variant)
     rest = mesh.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
     cheek = (mesh.parts == 0) & (np.hypot(np.abs(rest[:, 1]) - 0.55, rest[:, 2] + 0.4) < 0.1) & (rest[:, 0] > 0.0)
     moved = (deform(mesh, {"6": 1.0}) - mesh.positions)[cheek]
-    assert np.sum(moved * mesh.normals(mesh.positions)[cheek], axis=1).mean() > 0.006
+    assert np.sum(moved * mesh.normals(mesh.positions)[cheek], axis=1).mean() > 0.003
     assert moved[:, 2].mean() > 0.006
 
 
