@@ -23,7 +23,7 @@ from kinesic.expressivity.realise import make_keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style
 from kinesic.planning.collision import HOVER_DISTANCE
-from kinesic.planning.postures import _firm, _tasks, solve_postures
+from kinesic.planning.postures import _is_exact, _tasks, solve_postures
 from kinesic.sim.distances import CapsuleDistances
 
 from ..performances import LIMITS, ROBOT
@@ -165,7 +165,7 @@ def test_torso_has_keys_at_a_lean_about_one_axis_and_at_the_frames_before_and_af
 def test_only_path_keys_of_a_hand_without_sync_point_are_optional(given, syncs, is_firm):
     frame = frames_of_left_hand(None, (0.3, 0.2, 0.8), None).frames[1]
     hands = {**frame.hands, "l": replace(frame.hands["l"], passing=True)}
-    assert _firm(replace(frame, hands=hands, given=frozenset(given), syncs=syncs)) is is_firm
+    assert _is_exact(replace(frame, hands=hands, given=frozenset(given), syncs=syncs)) is is_firm
 
 
 def test_distance_to_an_unreachable_target_is_assigned_to_the_behaviour():
