@@ -12,23 +12,25 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TypeVar
 
-JOINS = {"joinpath", "with_name", "with_suffix", "with_stem"}
-JOINS |= {"entry_path", "entry_status", "open_entry", "remove_entry", "rename_entry"}  # of a HeldFolder
-WRITES = {"write_text", "write_bytes", "symlink_to", "hardlink_to", "mkdir", "rmdir", "touch", "unlink", "chmod"}
+# Methods that append text to a path
+JOIN_METHODS = {"joinpath", "with_name", "with_suffix", "with_stem"}
+JOIN_METHODS |= {"entry_path", "entry_status", "open_entry", "remove_entry", "rename_entry"}  # of a HeldFolder
+WRITE_METHODS = {"write_text", "write_bytes", "symlink_to", "hardlink_to", "mkdir", "rmdir", "touch", "unlink", "chmod"}
 PATH_METHODS = {"resolve", "absolute", "expanduser", "with_name", "with_suffix", "with_stem", "joinpath", "relative_to"}
-PATH_LISTS = {"iterdir", "glob", "rglob"}
-PATH_ATTRIBUTES = {"parent", "parents"}
-SPEAKS_OF_PATHS = re.compile(  # files without these words need not be parsed
+PATH_LISTS = {"iterdir", "glob", "rglob"}  # methods that yield paths
+PATH_ATTRIBUTES = {"parent", "parents"}  # attributes that are paths
+PATH_WORDS = re.compile(  # files without these words need not be parsed
     r"\b(pathlib|os|shutil|tempfile|open|CONFIGS|FOLDER|path|folder|with_(name|suffix|stem)|joinpath)\b"
 )
-BINDINGS = (ast.Assign, ast.NamedExpr, ast.For, ast.comprehension, ast.withitem)
-MODULES = {"os", "shutil", "tempfile"}
-PATH_ARGUMENTS = {"prefix", "suffix", "dir", "path", "src", "dst"}
+# Syntax nodes that bind a name to a value
+BINDING_NODES = (ast.Assign, ast.NamedExpr, ast.For, ast.comprehension, ast.withitem)
+PATH_MODULES = {"os", "shutil", "tempfile"}  # modules whose functions take paths
+PATH_ARGUMENTS = {"prefix", "suffix", "dir", "path", "src", "dst"}  # keyword arguments that are paths
 LIBRARY_CALLS = {  # library functions that open a file by its path
     *("np.load", "np.savez", "np.savez_compressed", "np.fromfile", "wave.open", "Image.open", "ZipFile"),
     *("mujoco.MjSpec.from_file", "mujoco.MjModel.from_xml_path", "mujoco.MjModel.from_binary_path"),
 }
-LAST_WORDS = {call.rpartition(".")[2] for call in LIBRARY_CALLS}
+LIBRARY_FUNCTIONS = {call.rpartition(".")[2] for call in LIBRARY_CALLS}  # their names without module
 HARMLESS_CALLS = {  # functions of these modules without path arguments
     *("getpid", "getppid", "getuid", "geteuid", "cpu_count", "nice", "dup", "dup2", "close", "fsync", "fstat", "read"),
     *("write", "pread", "pwrite", "ftruncate", "fchmod", "set_blocking", "openpty", "ttyname", "memfd_create", "kill"),
@@ -54,7 +56,7 @@ class PathPlace:
 def find_places(root: Path) -> list[PathPlace]:
     """Find all places in a package, in order."""
     texts = {file: file.read_text(encoding="utf-8") for file in sorted(root.rglob("*.py"))}
-    trees = {file: ast.parse(text) for file, text in texts.items() if SPEAKS_OF_PATHS.search(text)}
+    trees = {file: ast.parse(text) for file, text in texts.items() if PATH_WORDS.search(text)}
     names = _PathNames.of(trees.values())
     places = [
         PathPlace(file.relative_to(root.parent).as_posix(), function, node.lineno, ast.unparse(node))
@@ -126,7 +128,7 @@ def _places(tree: ast.Module, names: _PathNames) -> Iterator[tuple[str, ast.expr
     imported = {
         alias.asname or alias.name
         for node in tree.body
-        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] in MODULES
+        if isinstance(node, ast.ImportFrom) and (node.module or "").split(".")[0] in PATH_MODULES
         for alias in node.names
     }
     yield from visit(tree, "", set())
@@ -138,15 +140,15 @@ def _is_place(node: ast.expr, names: _PathNames, paths: set[str]) -> bool:
             return (_is_text(right) or _is_path(left, names, paths)) and not _is_constant(right, names)
         case ast.Call(func=ast.Name(id="Path" | "open"), args=[first, *_]):
             return not _is_constant(first, names)
-        case ast.Call(func=ast.Attribute(value=ast.Name(id=module), attr=attr)) if module in MODULES:
+        case ast.Call(func=ast.Attribute(value=ast.Name(id=module), attr=attr)) if module in PATH_MODULES:
             return attr not in HARMLESS_CALLS and _varies(node, names)
         case ast.Call(func=ast.Name(id=last) | ast.Attribute(attr=last) as called, args=[first, *_]) if (
-            last in LAST_WORDS and ast.unparse(called) in LIBRARY_CALLS
+            last in LIBRARY_FUNCTIONS and ast.unparse(called) in LIBRARY_CALLS
         ):
             return not _is_constant(first, names)
-        case ast.Call(func=ast.Attribute(attr=attr), args=arguments) if attr in JOINS:
+        case ast.Call(func=ast.Attribute(attr=attr), args=arguments) if attr in JOIN_METHODS:
             return not all(_is_constant(argument, names) for argument in arguments)
-        case ast.Call(func=ast.Attribute(attr=attr)) if attr in WRITES:
+        case ast.Call(func=ast.Attribute(attr=attr)) if attr in WRITE_METHODS:
             return True
         case ast.Call(func=ast.Attribute(attr="open"), args=[ast.Constant(value=str(mode)), *_]):
             return any(letter in mode for letter in "wax+")
@@ -220,7 +222,7 @@ def _local_paths(function: ast.FunctionDef | ast.AsyncFunctionDef, names: _PathN
             results.add(argument.arg)
         else:
             results.discard(argument.arg)
-    bindings = [node for node in ast.walk(function) if isinstance(node, BINDINGS)]
+    bindings = [node for node in ast.walk(function) if isinstance(node, BINDING_NODES)]
     for _ in range(2):  # paths derived from paths
         for node in bindings:
             match node:

@@ -8,7 +8,7 @@ import pytest
 
 from .outside_paths import find_places
 
-TABLE = Path(__file__).with_name("outside_paths.toml")
+TABLE_FILE = Path(__file__).with_name("outside_paths.toml")
 PACKAGE = Path(__file__).resolve().parent.parent / "kinesic"
 SOURCE_PREFIXES = ("own: ", "fixed: ", "number: ", "user: ", "checked: ", "no file: ")
 
@@ -16,7 +16,7 @@ Function = tuple[str, str]  # module and name
 
 
 def listed() -> Counter[Function]:
-    groups = tomllib.loads(TABLE.read_text(encoding="utf-8"))
+    groups = tomllib.loads(TABLE_FILE.read_text(encoding="utf-8"))
     return Counter(
         {
             (module, function): count
@@ -39,11 +39,11 @@ def test_each_string_to_path_conversion_is_listed():
                 for place in places
                 if (place.module, place.function) == (module, function)
             ]
-    assert not wrong, "\n".join((f"who chooses these strings? answer in {TABLE.name}:", *wrong))
+    assert not wrong, "\n".join((f"who chooses these strings? answer in {TABLE_FILE.name}:", *wrong))
 
 
 def test_each_listed_path_names_the_source_of_its_string():
-    for module, rows in tomllib.loads(TABLE.read_text(encoding="utf-8")).items():
+    for module, rows in tomllib.loads(TABLE_FILE.read_text(encoding="utf-8")).items():
         for row in rows:
             assert row["why"].startswith(SOURCE_PREFIXES), (module, row["why"])
             assert len(row["why"].partition(": ")[2]) > 5, (module, row["why"])

@@ -19,7 +19,7 @@ from kinesic.speech.recording import read_wav
 from kinesic.speech.speaker import SAMPLE_RATE as HEARD_RATE
 from kinesic.speech.speaker import Speaker
 
-RATE = 16000
+VOICE_RATE = 16000  # [Hz] sample rate of the voice
 BLOCK = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">'
     '<speech id="one" start="0.5"><text>one</text></speech>'
@@ -35,7 +35,7 @@ class Beep:
         self._loudness, self._seconds = loudness, seconds
 
     def say(self, script: Script, /, *, rate: float = 1.0, pitch: float = 1.0) -> Utterance:
-        own = RATE if script.text == "one" else RATE // 2
+        own = VOICE_RATE if script.text == "one" else VOICE_RATE // 2
         beep = Sound.of(own, np.full(round(own * self._seconds), self._loudness))
         return Utterance(0.5, {}, (), "beep", beep)
 
@@ -57,7 +57,7 @@ def test_speech_samples_that_precede_the_motion_are_cut(known: Setup):
     assert planned.trajectory.zero == pytest.approx(-0.0123)
     heard = sound(planned)
     assert heard is not None
-    assert np.count_nonzero(heard.samples) == round((0.5 - 0.0123) * RATE)
+    assert np.count_nonzero(heard.samples) == round((0.5 - 0.0123) * VOICE_RATE)
     assert heard.samples[0] > 0.0
 
 
@@ -66,9 +66,9 @@ def test_utterances_start_and_end_at_their_planned_performance_times(known: Setu
     assert planned.trajectory.zero > 0.0  # the hand begins before the block does
     heard = sound(planned)
     assert heard is not None
-    assert heard.rate == RATE
+    assert heard.rate == VOICE_RATE
     assert heard.duration == pytest.approx(planned.duration, abs=1e-3)
-    edges = np.flatnonzero(np.diff((np.abs(heard.samples) > 0.125).astype(int))) / RATE
+    edges = np.flatnonzero(np.diff((np.abs(heard.samples) > 0.125).astype(int))) / VOICE_RATE
     zero = planned.trajectory.zero
     assert edges == pytest.approx([zero + 0.5, zero + 1.0, zero + 2.0, zero + 2.5], abs=1e-3)
 
@@ -111,7 +111,7 @@ def test_plan_with_the_silent_voice_has_no_soundtrack():
 
 
 def test_resampled_speech_keeps_its_pitch():
-    tone = Sound.of(RATE, 0.5 * np.sin(2 * np.pi * 200 * np.arange(RATE) / RATE))
+    tone = Sound.of(VOICE_RATE, 0.5 * np.sin(2 * np.pi * 200 * np.arange(VOICE_RATE) / VOICE_RATE))
     other = resample_sound(tone, 22050)
     assert len(other) == 22050
     expected = 0.5 * np.sin(2 * np.pi * 200 * np.arange(22050) / 22050)
@@ -128,15 +128,15 @@ def test_resampled_sound_matches_scipy(given: int, rate: int, count: int):
 
 
 def test_wav_file_contains_the_soundtrack(tmp_path: Path):
-    ramp = Sound.of(RATE, np.linspace(-1.0, 1.0, 1001))
+    ramp = Sound.of(VOICE_RATE, np.linspace(-1.0, 1.0, 1001))
     write_wav(ramp, tmp_path / "ramp.wav")
     with wave.open(str(tmp_path / "ramp.wav")) as file:
-        assert (file.getnchannels(), file.getsampwidth(), file.getframerate()) == (1, 2, RATE)
+        assert (file.getnchannels(), file.getsampwidth(), file.getframerate()) == (1, 2, VOICE_RATE)
     assert read_wav(tmp_path / "ramp.wav").samples == pytest.approx(ramp.samples, abs=1e-4)
 
 
 def test_loud_samples_are_clipped_in_the_wav_file(tmp_path: Path):
-    write_wav(Sound.of(RATE, np.array([1.5, -1.5, 0.5])), tmp_path / "loud.wav")
+    write_wav(Sound.of(VOICE_RATE, np.array([1.5, -1.5, 0.5])), tmp_path / "loud.wav")
     with wave.open(str(tmp_path / "loud.wav")) as file:
         assert np.frombuffer(file.readframes(3), "<i2").tolist() == [32767, -32767, 16384]
 
@@ -168,7 +168,7 @@ def test_speech_plays_from_the_first_active_status_until_a_hold_and_the_speaker_
         assert speaker.calls == []
         follow(status)
         follow(replace(status, stage=Stage.HOLD))
-    assert speaker.calls == [(RATE, 10.0), "stop", "close"]
+    assert speaker.calls == [(VOICE_RATE, 10.0), "stop", "close"]
     assert warnings == []
 
 

@@ -51,7 +51,7 @@ class Memory:
         return name in self.items
 
     def reset(self, *, lasting: bool = False, keep: tuple[str, ...] = ()) -> None:
-        """Reset RAM_START as a power cycle does, optionally EEPROM, too."""
+        """Reset RAM as a power cycle does, optionally EEPROM, too."""
         self.bytes[RAM_START:] = bytes(len(self.bytes) - RAM_START)
         for name, item in self.items.items():
             if name not in keep and (lasting or not item.lasting):

@@ -9,7 +9,8 @@ from collections.abc import Callable, Iterable, Iterator
 from dataclasses import dataclass
 from itertools import pairwise
 
-SWAPS: dict[type[ast.AST], tuple[str, tuple[str, ...]]] = {
+# Operator -> its text, and the operators that mutants have in its place
+OPERATOR_SWAPS: dict[type[ast.AST], tuple[str, tuple[str, ...]]] = {
     ast.Lt: ("<", ("<=", ">")),
     ast.LtE: ("<=", ("<", ">=")),
     ast.Gt: (">", (">=", "<")),
@@ -36,18 +37,33 @@ SWAPS: dict[type[ast.AST], tuple[str, tuple[str, ...]]] = {
     ast.BitOr: ("|", ("&",)),
     ast.BitXor: ("^", ("&",)),
 }
-COUNTERPARTS = {"min": "max", "any": "all", "minimum": "maximum", "floor": "ceil", "argmin": "argmax"}
-COUNTERPARTS |= {other: name for name, other in COUNTERPARTS.items()}
-ORDERLESS = frozenset({"hypot", "isclose", "allclose", "array_equal", "isinstance", "issubclass", "cast"})
-DEFAULTED = {
+# Function -> function that mutants call instead
+FUNCTION_SWAPS = {"min": "max", "any": "all", "minimum": "maximum", "floor": "ceil", "argmin": "argmax"}
+FUNCTION_SWAPS |= {other: name for name, other in FUNCTION_SWAPS.items()}
+# Functions whose arguments are not exchanged, because their order does not matter
+SYMMETRIC_FUNCTIONS = frozenset({"hypot", "isclose", "allclose", "array_equal", "isinstance", "issubclass", "cast"})
+DEFAULT_CALLS = {
     "get": 2,
     "pop": 2,
     "next": 2,
     "getattr": 3,
-}  # argument counts of calls whose last argument is a default value
-RESULTS = {"bool": ("True", "False"), "int": ("0", "1"), "float": ("0.0", "1.0"), "str": ('""',), "bytes": ('b""',)}
-RESULTS |= {"list": ("[]",), "tuple": ("()",), "dict": ("{}",), "set": ("set()",), "frozenset": ("frozenset()",)}
-LEFT_ALONE = (ast.Import, ast.ImportFrom, ast.Assert, ast.JoinedStr)
+}  # function -> number of arguments of a call that ends with a default value
+# Return annotation -> results that mutants return
+CONSTANT_RESULTS = {
+    "bool": ("True", "False"),
+    "int": ("0", "1"),
+    "float": ("0.0", "1.0"),
+    "str": ('""',),
+    "bytes": ('b""',),
+}
+CONSTANT_RESULTS |= {
+    "list": ("[]",),
+    "tuple": ("()",),
+    "dict": ("{}",),
+    "set": ("set()",),
+    "frozenset": ("frozenset()",),
+}
+UNCHANGED_STATEMENTS = (ast.Import, ast.ImportFrom, ast.Assert, ast.JoinedStr)
 
 
 @dataclass(frozen=True)
@@ -95,7 +111,7 @@ class _Finder:
 
     def sites(self, node: ast.AST) -> Iterator[Site]:
         """Yield the changeable places of a node and of all nodes inside."""
-        if isinstance(node, LEFT_ALONE):
+        if isinstance(node, UNCHANGED_STATEMENTS):
             return
         yield from self._own(node)
         for child in _children(node):
@@ -121,12 +137,12 @@ class _Finder:
                 yield self._condition(node.test, "False")
             case ast.comprehension():
                 yield from (self._condition(test, "True", "False") for test in node.ifs)
-            case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in COUNTERPARTS:
+            case ast.Call(func=ast.Name(id=name) | ast.Attribute(attr=name)) if name in FUNCTION_SWAPS:
                 end = self._end(node.func)
-                yield (Edit(end - len(name), end, COUNTERPARTS[name]),)
+                yield (Edit(end - len(name), end, FUNCTION_SWAPS[name]),)
             case ast.Call(
                 func=ast.Name(id=name) | ast.Attribute(attr=name), args=[*_, before, default], keywords=[]
-            ) if len(node.args) == DEFAULTED.get(name):
+            ) if len(node.args) == DEFAULT_CALLS.get(name):
                 yield (Edit(self._end(before), self._end(default), ""),)
             case ast.Call(args=[first, second, *_]) if not _is_orderless(node):
                 yield from self._exchange(first, second)
@@ -180,7 +196,7 @@ class _Finder:
         return tuple(self._edit(test, text) for text in (f"not ({self._text(test)})", *others))
 
     def _swap(self, left: ast.expr, right: ast.expr, operator: ast.AST) -> Site:
-        symbol, others = SWAPS[type(operator)]
+        symbol, others = OPERATOR_SWAPS[type(operator)]
         end = self._end(left)
         start = end + self._source[end : self._place(right.lineno, right.col_offset)].index(symbol.encode())
         return tuple(Edit(start, start + len(symbol), other) for other in others)
@@ -200,10 +216,10 @@ class _Finder:
 
 
 def _is_orderless(call: ast.Call) -> bool:
-    """Return whether argument order has no meaning, or a wrong order always fails."""
+    """Return whether exchanging arguments changes nothing, or always causes an error."""
     match call.func:
         case ast.Name(id=name) | ast.Attribute(attr=name):
-            return name in ORDERLESS
+            return name in SYMMETRIC_FUNCTIONS
     return False
 
 
@@ -230,15 +246,15 @@ def _own_returns(body: Iterable[ast.AST]) -> Iterator[ast.Return]:
 
 
 def _results(returns: ast.expr | None) -> tuple[str, ...]:
-    """Return the plain results to try for a return annotation."""
+    """Return the results that mutants return for an annotation."""
     match returns:
         case ast.Name(id=name) | ast.Subscript(value=ast.Name(id=name)):
-            return RESULTS.get(name, ("None",))
+            return CONSTANT_RESULTS.get(name, ("None",))
     return ("None",)
 
 
 def _others(value: bool | int | float) -> list[str]:
-    """Return other values to try for a constant."""
+    """Return the values that mutants have in place of a constant."""
     if isinstance(value, bool):
         return [str(not value)]
     changes: list[Callable[[float], float]] = [lambda x: 2 * x, lambda x: 100 * x, lambda x: 0 * x, lambda x: x + 1]

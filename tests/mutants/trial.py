@@ -17,14 +17,16 @@ from typing import Literal
 
 import pytest
 
-MEMORY = 8 << 30  # [bytes] largest address space of a mutant
-PATIENCE = (20.0, 8.0)  # time limit of a mutant's tests: [s] plus this multiple of their usual time
-# Runs on the servos of `manual_servo`, which are ids of parametrised tests, would take twice as long.
-SELECTION = ("-m", "not soak and not realtime", "-k", "not ([manual or -manual or manual-)")
+MAX_MEMORY = 8 << 30  # [bytes] largest address space of a mutant
+TIME_LIMIT = (20.0, 8.0)  # limit for the tests of a mutant: constant part [s], and factor on their usual duration
+# Tests of mutants skip the servos of `manual_servo`, because running both kinds takes twice as long.
+PYTEST_SELECTION = ("-m", "not soak and not realtime", "-k", "not ([manual or -manual or manual-)")
 
-FORKS = multiprocessing.get_context("forkserver")  # context in which each trial begins with the heavy libraries loaded
-# Without MuJoCo, whose way of drawing kinesic chooses before the import.
-FORKS.set_forkserver_preload(["trial", "numpy", "scipy.optimize", "scipy.sparse", "casadi", "msgspec"])
+FORK_CONTEXT = multiprocessing.get_context(
+    "forkserver"
+)  # context in which each trial begins with the heavy libraries loaded
+# MuJoCo is not preloaded, because kinesic selects its OpenGL backend before the import.
+FORK_CONTEXT.set_forkserver_preload(["trial", "numpy", "scipy.optimize", "scipy.sparse", "casadi", "msgspec"])
 os.environ |= {"PYTHONHASHSEED": "0", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # of the trials
 
 Outcome = Literal["killed", "timeout", "survived"]
@@ -62,7 +64,7 @@ class Sandbox:
             compiled.unlink()  # it could pass for the mutant's
         path.write_bytes(mutant)
         try:
-            code = self._run(tests, PATIENCE[0] + PATIENCE[1] * usual)
+            code = self._run(tests, TIME_LIMIT[0] + TIME_LIMIT[1] * usual)
         finally:
             path.write_bytes(original)
         return "timeout" if code is None else "killed" if code else "survived"
@@ -76,7 +78,7 @@ class Sandbox:
 
     def _run(self, tests: Sequence[str], limit: float) -> int | None:
         """Return the exit code of pytest, None after a timeout."""
-        running = FORKS.Process(target=run_tests, args=(self.root, tests))
+        running = FORK_CONTEXT.Process(target=run_tests, args=(self.root, tests))
         running.start()
         running.join(limit)
         code = running.exitcode
@@ -90,7 +92,7 @@ class Sandbox:
 def run_tests(root: Path, tests: Sequence[str]) -> None:
     """Run a tree's tests in their own process, and exit with their code."""
     os.setsid()
-    resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY, MAX_MEMORY))
     os.chdir(root)
     sys.path.insert(0, str(root))
     spec = find_spec("kinesic")
@@ -101,4 +103,4 @@ def run_tests(root: Path, tests: Sequence[str]) -> None:
     silence = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
         os.dup2(silence, stream)
-    sys.exit(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *SELECTION, *tests]))
+    sys.exit(pytest.main(["-x", "-q", "-p", "no:cacheprovider", *PYTEST_SELECTION, *tests]))

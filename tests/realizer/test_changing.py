@@ -114,7 +114,7 @@ def test_movement_amount_above_one_and_unknown_style_are_refused(nodding: Scene)
         change_style(nodding, 0.1, style="nobody")
 
 
-CHANGE = (
+PARAMETER_CHANGE = (
     '<bmla:parameterValueChange id="p" target="{}" paramId="{}"><bmla:trajectory targetValue="{}"/>'
     "</bmla:parameterValueChange>"
 )
@@ -126,7 +126,7 @@ CHANGE = (
 def test_block_changes_a_parameter_of_another_block(
     nodding: Scene, target: str, parameter: str, value: float | str
 ) -> None:
-    scene = sent(nodding, "b", CHANGE.format(target, parameter, value), 0.2)
+    scene = sent(nodding, "b", PARAMETER_CHANGE.format(target, parameter, value), 0.2)
     scene = advance(scene, 0.21)
     assert not [due for due in scene.outgoing_feedback if "<warning" in due.xml]
     (request,) = scene.replans
@@ -148,18 +148,20 @@ def test_block_changes_a_parameter_of_another_block(
 def test_invalid_parameter_change_causes_a_warning_and_no_replan(
     nodding: Scene, parameter: str, value: str, said: str
 ) -> None:
-    scene = advance(sent(nodding, "b", CHANGE.format("a", parameter, value), 0.2), 0.21)
+    scene = advance(sent(nodding, "b", PARAMETER_CHANGE.format("a", parameter, value), 0.2), 0.21)
     warnings = [due.xml for due in scene.outgoing_feedback if 'id="b:p"' in due.xml]
     assert len(warnings) == 1
     assert said in warnings[0]
     assert scene.replans == ()
 
 
-HURRIED = "".join(f'<gesture id="g{k}" lexeme="BEAT" mode="RIGHT_HAND" stroke="{1.2 + 0.5 * k}"/>' for k in range(5))
+HURRIED_BEATS = "".join(
+    f'<gesture id="g{k}" lexeme="BEAT" mode="RIGHT_HAND" stroke="{1.2 + 0.5 * k}"/>' for k in range(5)
+)
 
 
 def test_quick_plan_of_a_running_block_is_replaced_once_by_its_refined_plan(play):
-    play.send("a", HURRIED)
+    play.send("a", HURRIED_BEATS)
     assert play.warnings() == []
     play.scene, (request,) = take_replans(play.scene)
     better = prepare_block(request, play.scene.setup).plan
@@ -177,7 +179,7 @@ def test_quick_plan_of_a_running_block_is_replaced_once_by_its_refined_plan(play
 
 
 def test_prediction_of_a_new_plan_precedes_its_warnings(play):
-    quick = play.ready("a", HURRIED)
+    quick = play.ready("a", HURRIED_BEATS)
     better = prepare_block(quick.replan_request, play.scene.setup)
     play.take(begin(play.scene, better, play.now)).until(0.2)
     after = improve_block(play.scene, "a", quick.plan, play.now)
@@ -201,7 +203,7 @@ def test_refined_plan_uses_the_same_hands_as_the_quick_plan(play):
 
 
 def test_provisional_warnings_are_sent_if_the_plan_is_not_refined(play):
-    coming = play.ready("a", HURRIED)
+    coming = play.ready("a", HURRIED_BEATS)
     play.take(begin(play.scene, coming, play.now)).until(8.0)
     assert len(play.warnings()) == len(coming.plan.notices) > 0
 
@@ -209,7 +211,7 @@ def test_provisional_warnings_are_sent_if_the_plan_is_not_refined(play):
 @pytest.mark.parametrize("delay", [0.2, 1.5])
 def test_warnings_that_remain_after_a_refinement_are_sent_once(play, delay: float):
     """Provisional warnings are withdrawn in time, or have been sent already."""
-    coming = play.ready("a", HURRIED)
+    coming = play.ready("a", HURRIED_BEATS)
     play.take(begin(play.scene, coming, play.now)).until(delay)
     after = improve_block(play.scene, "a", coming.plan, play.now)
     assert after is not None
@@ -218,7 +220,7 @@ def test_warnings_that_remain_after_a_refinement_are_sent_once(play, delay: floa
 
 
 def test_waiting_block_takes_its_refined_plan(play):
-    play.send("w", '<wait id="w" duration="1"/>').send("a", HURRIED, 'composition="APPEND"')
+    play.send("w", '<wait id="w" duration="1"/>').send("a", HURRIED_BEATS, 'composition="APPEND"')
     play.scene, (request,) = take_replans(play.scene)
     after = improve_block(play.scene, "a", prepare_block(request, play.scene.setup).plan, play.now)
     assert after is not None

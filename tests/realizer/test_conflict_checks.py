@@ -14,12 +14,12 @@ from kinesic.realizer.release import motion_from_knot
 from .small_blocks import HINGE_COUNT, use
 
 ROW_COUNT = 60  # control points of the test motions
-CUT = 10  # first knot that may change
+CHANGE_KNOT = 10  # first knot that may change
 
 
 def work(performed=(), *, base_rows: int = ROW_COUNT) -> Overlay:
     base = np.zeros((base_rows, HINGE_COUNT))
-    return Overlay(base, np.full((ROW_COUNT, HINGE_COUNT), 2.0), base[0], CUT, (), performed)
+    return Overlay(base, np.full((ROW_COUNT, HINGE_COUNT), 2.0), base[0], CHANGE_KNOT, (), performed)
 
 
 @pytest.fixture
@@ -56,7 +56,9 @@ def test_merged_motion_equal_to_that_of_the_block_is_not_checked(known, checks):
     assert checks[1] == {}
 
 
-@pytest.mark.parametrize(("row", "is_checked"), [(CUT + 2, False), (CUT + 3, True), (CUT + 4, True)])
+@pytest.mark.parametrize(
+    ("row", "is_checked"), [(CHANGE_KNOT + 2, False), (CHANGE_KNOT + 3, True), (CHANGE_KNOT + 4, True)]
+)
 def test_merged_motion_is_checked_only_if_it_differs_three_or_more_knots_after_the_change_time(
     known, checks, row, is_checked
 ):
@@ -67,7 +69,7 @@ def test_merged_motion_is_checked_only_if_it_differs_three_or_more_knots_after_t
 def test_merged_motion_is_checked_from_the_change_time_to_its_last_difference_from_both_motions(known, checks):
     find_conflict(work(base_rows=20), summed(5, 40), known)
     controls = checks[1]["_find_collision"].controls
-    np.testing.assert_array_equal(controls, motion_from_knot(summed(5, 40)[:43], CUT).controls)
+    np.testing.assert_array_equal(controls, motion_from_knot(summed(5, 40)[:43], CHANGE_KNOT).controls)
     assert len(controls) == 33
     assert checks[1]["_find_overload"].controls is controls
 

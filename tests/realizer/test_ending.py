@@ -8,7 +8,7 @@ from kinesic.realizer.realizer import interrupt
 
 NOD = '<head id="h" lexeme="NOD"/>'
 BEAT = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>'
-LEFT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
+LEFT_BEAT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
 HELLO = '<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'
 TICK_PERIOD = 0.01  # [s] time between two advances of the scene
 
@@ -30,7 +30,7 @@ def test_replace_composition_stops_all_blocks(play):
 
 
 def test_motion_stays_within_limits_if_a_block_is_replaced_during_a_stroke(play):
-    play.send("a", BEAT).until(0.7).send("b", LEFT, 'composition="REPLACE"')
+    play.send("a", BEAT).until(0.7).send("b", LEFT_BEAT, 'composition="REPLACE"')
     for name, peak in check_limits(play.scene.motion, play.scene.setup.limits).by_quantity.items():
         assert peak.ratios.max() <= 1.001, name
 

@@ -9,7 +9,7 @@ from kinesic.realizer.realizer import change_style, improve_block, prepare_block
 
 from .conftest import Play
 
-HELD = '<gesture id="g" lexeme="offer" mode="LEFT_HAND" start="0" stroke="1.5" relax="9" end="10"/>'
+HELD_OFFER = '<gesture id="g" lexeme="offer" mode="LEFT_HAND" start="0" stroke="1.5" relax="9" end="10"/>'
 NODS = '<head id="h" lexeme="NOD" start="4" end="8" repetition="4"/>'
 
 
@@ -18,7 +18,7 @@ def posture(play: Play, time: float, chain: str) -> np.ndarray:
 
 
 def test_interrupted_hand_returns_while_the_head_continues(play: Play):
-    play.send("a", HELD + NODS).until(3.0)
+    play.send("a", HELD_OFFER + NODS).until(3.0)
     robot = play.scene.setup.robot
     rest = robot.skeleton.rest[list(robot.joints("l_arm"))]
     head = [posture(play, time, "neck") for time in np.arange(4.5, 7.5, 0.1)]
@@ -35,8 +35,8 @@ def test_interrupted_hand_returns_while_the_head_continues(play: Play):
 
 def test_ending_a_left_hand_gesture_keeps_the_right_hand_gesture_of_another_block(play: Play):
     """Both blocks move the trunk, so its motion stays for the other one."""
-    play.send("a", HELD + NODS).until(3.0)
-    other = HELD.replace("LEFT_HAND", "RIGHT_HAND")
+    play.send("a", HELD_OFFER + NODS).until(3.0)
+    other = HELD_OFFER.replace("LEFT_HAND", "RIGHT_HAND")
     play.send("b", other).until(6.0)
     before = posture(play, 7.5, "r_arm")
     running = play.scene.find("a")
@@ -46,7 +46,7 @@ def test_ending_a_left_hand_gesture_keeps_the_right_hand_gesture_of_another_bloc
 
 
 def test_block_ends_when_all_its_behaviours_were_interrupted(play: Play):
-    play.send("a", HELD).until(3.0)
+    play.send("a", HELD_OFFER).until(3.0)
     running = play.scene.find("a")
     assert running is not None
     play.take(end_behaviours(play.scene, running, frozenset({"g"}), play.now))

@@ -16,8 +16,8 @@ from kinesic.realizer.overlay import (
 )
 
 ROW_COUNT = 100  # control points of the test motions
-HINGE = 2
-CUT = 10  # first knot that may change
+ARM_HINGE = 2  # index of the arm hinge whose motions are joined
+CHANGE_KNOT = 10  # first knot that may change
 NO_HINGES = np.zeros(4, dtype=np.bool_)
 LIMITS = object()  # placeholder; only passed on to a replaced function
 HALF_TOLERANCE = 0.5 * KNOT_TOLERANCE * KNOT_INTERVAL  # [s] half of the tolerance for times that should be at a knot
@@ -30,8 +30,8 @@ def use(id: str, ready: float, relax: float = 9.0, *, begin: float = 0.0, end: f
 def work(performed=(), holding=(), finishing=()) -> Overlay:
     """Return a running motion at 0 rad and a block's motion at 1 rad."""
     base, coming = np.zeros((ROW_COUNT, 4)), np.zeros((ROW_COUNT, 4))
-    coming[:, HINGE] = 1.0
-    return Overlay(base, coming, np.zeros(4), CUT, holding, performed, finishing)
+    coming[:, ARM_HINGE] = 1.0
+    return Overlay(base, coming, np.zeros(4), CHANGE_KNOT, holding, performed, finishing)
 
 
 @pytest.fixture
@@ -40,7 +40,7 @@ def transitions(monkeypatch):
     calls = []
 
     def cross(current, after, left, stop, limits, hinge):
-        assert (limits, hinge) == (LIMITS, HINGE)
+        assert (limits, hinge) == (LIMITS, ARM_HINGE)
         calls.append((current[0], after[0], left, stop.behaviour))
         return after + 10.0
 
@@ -50,7 +50,7 @@ def transitions(monkeypatch):
 
 
 def joined(task: Overlay):
-    result = join_hinge_motions(task, "r_hand", HINGE, LIMITS)
+    result = join_hinge_motions(task, "r_hand", ARM_HINGE, LIMITS)
     return result if isinstance(result, tuple | MergeFailure) else result[0]
 
 
@@ -62,7 +62,7 @@ def test_hand_unused_by_the_block_keeps_the_running_motion(transitions):
 
 def test_hand_passes_from_the_running_motion_to_the_block_and_returns(transitions):
     assert joined(work([use("g", 0.6)])) == ("return", 11.0, "g")
-    assert transitions == [(0.0, 1.0, CUT * KNOT_INTERVAL, "g")]
+    assert transitions == [(0.0, 1.0, CHANGE_KNOT * KNOT_INTERVAL, "g")]
 
 
 def test_hand_transition_to_the_block_starts_after_all_earlier_behaviours_have_relaxed(transitions):
@@ -79,9 +79,9 @@ def test_hand_returns_to_the_running_motion_for_its_later_behaviour(transitions)
     ("ready", "is_there"),
     [
         (0.05, True),
-        (CUT * KNOT_INTERVAL - KNOT_TOLERANCE, False),
-        (CUT * KNOT_INTERVAL, False),
-        (CUT * KNOT_INTERVAL - 2 * KNOT_TOLERANCE, True),
+        (CHANGE_KNOT * KNOT_INTERVAL - KNOT_TOLERANCE, False),
+        (CHANGE_KNOT * KNOT_INTERVAL, False),
+        (CHANGE_KNOT * KNOT_INTERVAL - 2 * KNOT_TOLERANCE, True),
     ],
 )
 def test_hand_ready_before_the_change_time_needs_no_transition(transitions, ready, is_there):
@@ -156,7 +156,7 @@ def crossings(monkeypatch):
     calls, failures = [], [0]
 
     def cross_over(current, after, knots, limits, hinge):
-        assert (limits, hinge) == (LIMITS, HINGE)
+        assert (limits, hinge) == (LIMITS, ARM_HINGE)
         calls.append((*knots, current, after))
         return after + 5.0 if len(calls) > failures[0] else None
 
@@ -179,7 +179,7 @@ def test_hand_transition_starts_where_motions_last_coincide_or_when_the_next_beh
     """Three equal control points make two motions coincide at a knot."""
     current, after = np.zeros(ROW_COUNT), np.ones(ROW_COUNT)
     after[equal] = SAME_ANGLE
-    result = _cross_over_to(current, after, 0.1, use("g", 0.6, begin=0.2), LIMITS, HINGE)
+    result = _cross_over_to(current, after, 0.1, use("g", 0.6, begin=0.2), LIMITS, ARM_HINGE)
     np.testing.assert_array_equal(result, after + 5.0)
     ((first, last, before, following),) = crossings[0]
     assert (first, last) == (leave, 60)
@@ -190,7 +190,7 @@ def test_hand_transition_starts_where_motions_last_coincide_or_when_the_next_beh
 def test_hand_transition_starts_where_motions_coincide_at_a_nonzero_angle(crossings):
     current, after = np.full(ROW_COUNT, 0.4), np.zeros(ROW_COUNT)
     after[20:30] = 0.4
-    _cross_over_to(current, after, 0.1, use("g", 0.6, begin=0.2), LIMITS, HINGE)
+    _cross_over_to(current, after, 0.1, use("g", 0.6, begin=0.2), LIMITS, ARM_HINGE)
     assert crossings[0][0][:2] == (27, 60)
 
 
@@ -208,14 +208,14 @@ def test_hand_transition_is_tried_from_the_start_of_the_next_behaviour_and_then_
 ):
     crossings[1][0] = 2
     current, after = np.zeros(ROW_COUNT), np.ones(ROW_COUNT)
-    assert _cross_over_to(current, after, left, use("g", ready, begin=begin), LIMITS, HINGE) is None
+    assert _cross_over_to(current, after, left, use("g", ready, begin=begin), LIMITS, ARM_HINGE) is None
     assert [call[:2] for call in crossings[0]] == knots
 
 
 def test_second_hand_transition_is_used_if_the_first_one_fails(crossings):
     crossings[1][0] = 1
     current, after = np.zeros(ROW_COUNT), np.ones(ROW_COUNT)
-    result = _cross_over_to(current, after, 0.1, use("g", 0.6, begin=0.2), LIMITS, HINGE)
+    result = _cross_over_to(current, after, 0.1, use("g", 0.6, begin=0.2), LIMITS, ARM_HINGE)
     np.testing.assert_array_equal(result, after + 5.0)
     assert len(crossings[0]) == 2
 
@@ -223,8 +223,8 @@ def test_second_hand_transition_is_used_if_the_first_one_fails(crossings):
 def resting(*, block_end=0.0, running_end=0.5, finishing=(), count=ROW_COUNT) -> Overlay:
     """Return a hinge that starts at 0 rad, with its last angles [rad] in both motions."""
     base, coming = np.zeros((count, 4)), np.zeros((count, 4))
-    base[-1, HINGE], coming[-1, HINGE] = running_end, block_end
-    return Overlay(base, coming, np.zeros(4), CUT, (), (), finishing)
+    base[-1, ARM_HINGE], coming[-1, ARM_HINGE] = running_end, block_end
+    return Overlay(base, coming, np.zeros(4), CHANGE_KNOT, (), (), finishing)
 
 
 @pytest.mark.parametrize(
@@ -248,7 +248,7 @@ def test_hand_returns_if_only_the_running_motion_ends_away_from_rest_or_a_behavi
 ):
     column = np.full(ROW_COUNT, 0.7)
     task = resting(block_end=block_end, running_end=running_end, finishing=finishing)
-    result = _return_to_rest(column, use("g", 0.1, 0.2, end=0.4), task, "r_hand", LIMITS, HINGE)
+    result = _return_to_rest(column, use("g", 0.1, 0.2, end=0.4), task, "r_hand", LIMITS, ARM_HINGE)
     assert (result is column) is not returns
     if returns:
         ((first, last, before, after),) = crossings[0]
@@ -260,16 +260,16 @@ def test_hand_returns_if_only_the_running_motion_ends_away_from_rest_or_a_behavi
 
 def test_hand_does_not_return_if_both_motions_end_in_the_start_posture_or_the_block_ends_elsewhere():
     task = resting(block_end=0.3, running_end=0.3)
-    task.start[HINGE] = 0.3
+    task.start[ARM_HINGE] = 0.3
     column = np.full(ROW_COUNT, 0.7)
-    assert _return_to_rest(column, use("g", 0.1, 0.2), task, "r_hand", LIMITS, HINGE) is column
-    task.coming[-1, HINGE], task.base[-1, HINGE] = -0.3, 0.9
-    assert _return_to_rest(column, use("g", 0.1, 0.2), task, "r_hand", LIMITS, HINGE) is column
+    assert _return_to_rest(column, use("g", 0.1, 0.2), task, "r_hand", LIMITS, ARM_HINGE) is column
+    task.coming[-1, ARM_HINGE], task.base[-1, ARM_HINGE] = -0.3, 0.9
+    assert _return_to_rest(column, use("g", 0.1, 0.2), task, "r_hand", LIMITS, ARM_HINGE) is column
 
 
 def test_hand_returns_from_the_first_knot_at_which_it_is_relaxed(crossings):
     for relax in (0.195, 0.2 + HALF_TOLERANCE):
-        _return_to_rest(np.ones(ROW_COUNT), use("g", 0.1, relax, end=0.4), resting(), "r_hand", LIMITS, HINGE)
+        _return_to_rest(np.ones(ROW_COUNT), use("g", 0.1, relax, end=0.4), resting(), "r_hand", LIMITS, ARM_HINGE)
     assert [call[:2] for call in crossings[0]] == [(20, 50), (20, 50)]
 
 
@@ -284,7 +284,7 @@ def test_hand_returns_from_the_first_knot_at_which_it_is_relaxed(crossings):
 )
 def test_failed_hand_return_is_retried_1_5_times_longer_up_to_4_seconds(crossings, end, pieces):
     crossings[1][0] = 99
-    failure = _return_to_rest(np.ones(60), use("g", 0.1, 0.2, end=end), resting(count=60), "r_hand", LIMITS, HINGE)
+    failure = _return_to_rest(np.ones(60), use("g", 0.1, 0.2, end=end), resting(count=60), "r_hand", LIMITS, ARM_HINGE)
     assert failure == MergeFailure("g", "its hand cannot return to rest within its limits")
     assert [last - first for first, last, *_ in crossings[0]] == pieces
     for first, last, before, after in crossings[0]:

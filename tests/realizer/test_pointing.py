@@ -26,7 +26,7 @@ TRUNK_ROTATION = np.radians(8.0)  # [rad] rotation of the trunk by another block
 LEAN = '<torso id="t" lexeme="lean" amount="1" start="0" end="3"/>'
 GAZE = '<gaze id="t" target="left" influence="WAIST" start="0" end="3"/>'
 POINT_AUDIENCE = '<pointing id="p" target="audience" mode="RIGHT_HAND"/>'
-LEFT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
+LEFT_BEAT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
 POINTING_ACCURACY = np.radians(0.2)  # [rad] largest pointing error of a corrected hand
 
 
@@ -181,7 +181,7 @@ def test_uncorrectable_pointing_error_causes_one_warning(still_trunk, monkeypatc
     (text,) = play.warnings()
     assert 'id="b:p" type="IMPOSSIBLE_TO_SCHEDULE"' in text
     assert f"points {np.degrees(missed(play, 'b')):.0f} deg off its target" in text
-    play.until(0.6).send("c", LEFT)
+    play.until(0.6).send("c", LEFT_BEAT)
     assert len(play.warnings()) == 1
 
 
@@ -196,7 +196,7 @@ def test_trunk_motion_just_before_a_pointing_stroke_causes_a_warning_if_the_hand
 
 def test_gesture_of_the_left_arm_does_not_change_the_travel_of_the_right_pointing_arm(still_trunk):
     play = still_trunk
-    play.send("a", LEFT).until(0.3).send("b", POINT_AUDIENCE)
+    play.send("a", LEFT_BEAT).until(0.3).send("b", POINT_AUDIENCE)
     alone = play.ready("c", POINT_AUDIENCE).plan.trajectory.controls
     arm = list(play.scene.setup.robot.joints("r_arm"))
     own = play.scene.find("b").merged.layer.controls[:, arm]

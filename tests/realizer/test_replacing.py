@@ -5,13 +5,13 @@ import pytest
 
 from .conftest import Play
 
-HELD = '<gesture id="g" lexeme="offer" mode="LEFT_HAND" start="0" stroke="1.5" relax="9" end="10"/>'
+HELD_OFFER = '<gesture id="g" lexeme="offer" mode="LEFT_HAND" start="0" stroke="1.5" relax="9" end="10"/>'
 NOD = '<head id="h" lexeme="NOD" start="0" end="1"/>'
 
 
 @pytest.mark.parametrize(("composition", "goes_home"), [("REPLACE", True), ("MERGE", False)])
 def test_hand_returns_to_rest_only_if_another_block_replaces_its_block(play: Play, composition: str, goes_home: bool):
-    play.send("a", HELD).until(3.0).send("b", NOD, f'composition="{composition}"')
+    play.send("a", HELD_OFFER).until(3.0).send("b", NOD, f'composition="{composition}"')
     robot = play.scene.setup.robot
     arm = list(robot.joints("l_arm"))
     away = np.abs(play.scene.motion.angles(np.array([6.0]))[0] - robot.skeleton.rest)[arm].max()

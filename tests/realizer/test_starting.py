@@ -8,9 +8,9 @@ from kinesic.realizer.realizer import begin
 
 NOD = '<head id="h" lexeme="NOD"/>'
 BEAT = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>'
-HELD = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" relax="1.4"/>'
-LEFT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
-OPEN = '<gesture id="g" lexeme="BEAT"/>'
+RIGHT_BEAT_WITH_HOLD = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" relax="1.4"/>'
+LEFT_BEAT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
+BEAT_OF_ANY_HAND = '<gesture id="g" lexeme="BEAT"/>'
 HELLO = '<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'
 TICK_PERIOD = 0.01  # [s] time between two advances of the scene
 
@@ -22,7 +22,7 @@ def test_merge_composition_adds_to_running_blocks(play):
 
 
 def test_merge_composition_drops_behaviours_of_busy_body_parts(play):
-    play.send("a", HELD).until(0.5).send("b", BEAT + NOD).until(5.0)
+    play.send("a", RIGHT_BEAT_WITH_HOLD).until(0.5).send("b", BEAT + NOD).until(5.0)
     assert len(play.warnings("b:g")) == 1
     assert "a:g" in play.warnings("b:g")[0]
     assert play.was_told("b:h:stroke")
@@ -31,7 +31,7 @@ def test_merge_composition_drops_behaviours_of_busy_body_parts(play):
 
 
 def test_block_that_requires_a_gesture_of_a_busy_hand_is_not_performed(play):
-    play.send("a", HELD).until(0.5)
+    play.send("a", RIGHT_BEAT_WITH_HOLD).until(0.5)
     play.send("b", f"<required>{BEAT}</required>{NOD}").until(5.0)
     assert play.state("b") is BlockState.FAILED
     assert "requires g" in play.warnings("b")[-1]
@@ -43,8 +43,8 @@ def test_block_that_requires_a_gesture_of_a_busy_hand_is_not_performed(play):
 
 
 def test_gesture_of_a_new_block_moves_to_the_free_hand_with_a_warning(play):
-    alone = play.ready("b", OPEN).plan
-    play.send("a", HELD).until(0.5).send("b", OPEN).until(5.0)
+    alone = play.ready("b", BEAT_OF_ANY_HAND).plan
+    play.send("a", RIGHT_BEAT_WITH_HOLD).until(0.5).send("b", BEAT_OF_ANY_HAND).until(5.0)
     (text,) = play.warnings()
     assert 'id="b:g" type="CANNOT_CREATE_BEHAVIOR"' in text
     assert "moved to the left hand: its stroke begins at 0.49 s, the right hand is busy with a:g until 0.90 s" in text
@@ -55,7 +55,7 @@ def test_gesture_of_a_new_block_moves_to_the_free_hand_with_a_warning(play):
 
 
 def test_two_handed_gesture_is_reduced_to_the_free_hand(play):
-    play.send("a", HELD).until(0.5).send("b", '<gesture id="g" lexeme="WELCOME"/>')
+    play.send("a", RIGHT_BEAT_WITH_HOLD).until(0.5).send("b", '<gesture id="g" lexeme="WELCOME"/>')
     assert [need.roles for need in play.scene.find("b").occupancy] == [{"l_hand"}]
     (text,) = play.until(6.0).warnings()
     assert "done by the left hand alone: its stroke begins at" in text
@@ -65,18 +65,20 @@ def test_two_handed_gesture_is_reduced_to_the_free_hand(play):
 
 
 def test_gesture_requested_for_both_hands_is_not_reduced_to_the_free_hand(play):
-    play.send("a", HELD).until(0.5).send("b", '<gesture id="g" lexeme="WELCOME" mode="BOTH_HANDS"/>').until(6.0)
+    play.send("a", RIGHT_BEAT_WITH_HOLD).until(0.5).send(
+        "b", '<gesture id="g" lexeme="WELCOME" mode="BOTH_HANDS"/>'
+    ).until(6.0)
     assert not any("alone" in text for text in play.warnings())
 
 
 def test_gesture_moved_to_the_other_hand_occupies_that_hand(play):
-    play.send("a", HELD).until(0.5).send("b", OPEN)
+    play.send("a", RIGHT_BEAT_WITH_HOLD).until(0.5).send("b", BEAT_OF_ANY_HAND)
     assert [need.roles for need in play.scene.find("b").occupancy] == [{"l_hand"}]
     assert play.scene.find("b").prepared.plan.keyframes.outcomes["g"].kind == "substituted"
 
 
 def test_required_gesture_may_use_the_other_hand(play):
-    play.send("a", BEAT).until(0.5).send("b", f"<required>{OPEN}</required>").until(5.0)
+    play.send("a", BEAT).until(0.5).send("b", f"<required>{BEAT_OF_ANY_HAND}</required>").until(5.0)
     assert play.was_told("b:g:stroke")
 
 
@@ -89,9 +91,8 @@ def test_pointing_of_a_new_block_uses_the_free_hand_unless_its_hand_is_given(pla
 
 
 def test_gesture_is_dropped_if_both_hands_are_busy(play):
-    play.send("a", HELD + HELD.replace('"g"', '"h"').replace("RIGHT", "LEFT")).until(0.5).send("b", OPEN + NOD).until(
-        5.0
-    )
+    both = RIGHT_BEAT_WITH_HOLD + RIGHT_BEAT_WITH_HOLD.replace('"g"', '"h"').replace("RIGHT", "LEFT")
+    play.send("a", both).until(0.5).send("b", BEAT_OF_ANY_HAND + NOD).until(5.0)
     assert len(play.warnings("b:g")) == 1
     assert "left out: r_hand busy with a:g" in play.warnings("b:g")[0]
 
@@ -108,11 +109,11 @@ def test_gesture_is_dropped_if_both_hands_are_busy(play):
 )
 def test_hands_are_not_busy_for_a_block_that_waits_for_or_stops_the_running_block(play, how):
     play.send("a", BEAT).until(0.5)
-    assert play.ready("b", OPEN, how).request.busy_hands == ()
+    assert play.ready("b", BEAT_OF_ANY_HAND, how).request.busy_hands == ()
 
 
 def test_interrupting_gesture_uses_the_freed_hand(play):
-    both = '<bmla:interrupt id="i" target="a" start="0"/>' + OPEN
+    both = '<bmla:interrupt id="i" target="a" start="0"/>' + BEAT_OF_ANY_HAND
     play.send("a", BEAT).until(0.5).send("b", both).until(6.0)
     assert not any("moved to" in text for text in play.warnings("b:g"))
     assert play.was_told("b:g:stroke")
@@ -134,7 +135,7 @@ def test_appended_block_starts_after_all_blocks(play):
 
 
 def test_block_composed_append_after_waits_for_the_named_blocks(play):
-    play.send("a", BEAT).send("n", NOD).send("b", LEFT, 'composition="APPEND-AFTER(n,gone)"').until(6.0)
+    play.send("a", BEAT).send("n", NOD).send("b", LEFT_BEAT, 'composition="APPEND-AFTER(n,gone)"').until(6.0)
     assert play.at("n:end") <= play.at("b:start") + KNOT_INTERVAL < play.at("a:end")
 
 
@@ -147,12 +148,14 @@ def test_block_composed_chunk_after_starts_during_the_previous_retraction(play):
 
 
 def test_chunk_before_composition_delays_a_waiting_block(play):
-    play.send("a", NOD).send("c", LEFT, 'composition="APPEND"').send("b", HELD, 'bmla:chunkBefore="c"').until(8.0)
+    play.send("a", NOD).send("c", LEFT_BEAT, 'composition="APPEND"').send(
+        "b", RIGHT_BEAT_WITH_HOLD, 'bmla:chunkBefore="c"'
+    ).until(8.0)
     assert play.at("c:start") == pytest.approx(play.at("b:relax"), abs=2 * KNOT_INTERVAL)
 
 
 def test_chunk_before_composition_that_would_cause_a_waiting_cycle_is_ignored(play):
-    play.send("a", NOD).send("b", LEFT, 'composition="APPEND-AFTER(a)"')
+    play.send("a", NOD).send("b", LEFT_BEAT, 'composition="APPEND-AFTER(a)"')
     play.send("c", BEAT, 'composition="APPEND-AFTER(b)" bmla:chunkBefore="b"').until(10.0)
     assert play.at("b:end") <= play.at("c:start") + KNOT_INTERVAL
 
@@ -198,7 +201,7 @@ def test_preplanned_block_waits_for_activation(play):
 
 
 def test_appended_block_does_not_wait_for_the_block_that_it_activates(play):
-    play.send("a", NOD, 'bmla:preplan="true"').send("b", LEFT, 'composition="APPEND" bmla:onStart="a"')
+    play.send("a", NOD, 'bmla:preplan="true"').send("b", LEFT_BEAT, 'composition="APPEND" bmla:onStart="a"')
     assert play.scene.states == {"a": BlockState.IN_EXEC, "b": BlockState.IN_EXEC}
 
 

@@ -19,7 +19,7 @@ from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
 
 ADDRESS = Address("127.0.0.1", 0)
 PATIENCE = 8.0  # [s] longest wait for a condition that a test expects
-ENDING = ["reception ends", "clients close", "reception ended", "stop lines close", "session closes"]
+CLOSING_CALLS = ["reception ends", "clients close", "reception ended", "stop lines close", "session closes"]
 
 
 class House:
@@ -136,14 +136,14 @@ def test_server_listens_before_it_starts_and_admits_clients_after(house: House) 
         "priority lowered",
         "reception ends",
         "folds",
-        *ENDING,
+        *CLOSING_CALLS,
     ]
 
 
 def test_server_without_an_address_does_not_listen(house: House) -> None:
     assert house.run(address=None) is None
     assert not any(call.startswith("listens") for call in house.calls)
-    assert house.calls[-5:] == ENDING
+    assert house.calls[-5:] == CLOSING_CALLS
 
 
 def test_server_passes_its_options_to_its_parts(house: House) -> None:
@@ -161,14 +161,14 @@ def test_server_that_cannot_start_closes_its_parts_without_folding_the_arms(hous
     house.fault = RuntimeError("no planner")
     with pytest.raises(RuntimeError, match="no planner"):
         house.run()
-    assert house.calls[3:] == ["session starts", *ENDING]
+    assert house.calls[3:] == ["session starts", *CLOSING_CALLS]
 
 
 def test_server_ends_after_the_folding_timeout(house: House, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(server, "FOLDING_TIMEOUT", 0.01)
     house.folding = PATIENCE
     house.run()
-    assert house.calls[-6:] == ["folds", *ENDING]
+    assert house.calls[-6:] == ["folds", *CLOSING_CALLS]
 
 
 class Served:

@@ -19,7 +19,7 @@ pytestmark = pytest.mark.realtime
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
 BEAT_COUNT = 2
 NOD = '<head id="h" lexeme="NOD" start="0" end="0.5"/>'
-LONG = "".join(
+SEVERAL_BEATS = "".join(
     f'<gesture id="g{k}" lexeme="BEAT" mode="LEFT_HAND" stroke="{0.8 + 0.4 * k}"/>' for k in range(BEAT_COUNT)
 )
 NOD_POINTS = [
@@ -118,7 +118,7 @@ def test_client_that_stops_sending_still_gets_all_feedback(server):
 def test_block_of_a_disconnected_client_continues(server, becomes):
     with server.client() as staying:
         with server.client() as going:
-            going.send(BLOCK.format("left", LONG))
+            going.send(BLOCK.format("left", SEVERAL_BEATS))
         messages = list(staying.perform(BLOCK.format("stays", NOD)))
         assert progress(messages, "stays") == NOD_POINTS
     assert becomes(server.open.clients.session.loop.is_settled)
@@ -128,7 +128,7 @@ def test_block_of_a_disconnected_client_continues(server, becomes):
 def test_invalid_blocks_are_answered_and_disturb_no_client(server):
     bad = ["<bml", "nonsense < here", "", "<a/>", '<bml id="x"><gesture stroke="nan"/></bml>', "{}", "\ufffe<bml/>"]
     with server.client() as good, server.client() as other:
-        good.send(BLOCK.format("good", LONG))
+        good.send(BLOCK.format("good", SEVERAL_BEATS))
         for text in bad:
             if text.strip():
                 other.send("<" + text if not text.startswith(("<", "{")) else text)
@@ -218,7 +218,7 @@ def test_server_refuses_an_unknown_style_and_accepts_a_valid_style(server):
 
 def test_interrupting_all_blocks_ends_the_playing_block_early(server):
     with server.client() as client:
-        client.send(BLOCK.format("cut-short", LONG))
+        client.send(BLOCK.format("cut-short", SEVERAL_BEATS))
         messages = []
         while not progress(messages, "cut-short"):
             messages.append(client.receive(20))
@@ -232,7 +232,7 @@ def test_interrupting_all_blocks_ends_the_playing_block_early(server):
 def test_emergency_stop_is_acknowledged_while_documents_wait(server, becomes):
     with server.client() as busy, server.client() as guard:
         for number in range(6):
-            busy.send(BLOCK.format(f"busy{number}", LONG))
+            busy.send(BLOCK.format(f"busy{number}", SEVERAL_BEATS))
         busy.receive(20)
         loop = server.open.clients.session.loop
         stops = loop.stop_count
@@ -254,7 +254,7 @@ def test_emergency_stop_is_acknowledged_while_documents_wait(server, becomes):
 def test_dead_planner_is_replaced_while_the_motion_continues(server, becomes):
     session = server.open.clients.session
     with server.client() as client:
-        client.send(BLOCK.format("survivor", LONG))
+        client.send(BLOCK.format("survivor", SEVERAL_BEATS))
         messages = []
         while not progress(messages, "survivor"):
             messages.append(client.receive(20))
@@ -270,12 +270,12 @@ def test_dead_planner_is_replaced_while_the_motion_continues(server, becomes):
 def test_block_with_overlong_planning_is_refused(server, becomes, monkeypatch):
     session = server.open.clients.session
     with server.client() as client, server.client() as other:
-        client.send(BLOCK.format("goes-on", LONG))
+        client.send(BLOCK.format("goes-on", SEVERAL_BEATS))
         messages = []
         while not progress(messages, "goes-on"):
             messages.append(client.receive(20))
         monkeypatch.setattr(session.planner, "_rules", replace(server.open.clients.rules, planning=1e-4))
-        other.send(BLOCK.format("too-hard", LONG))
+        other.send(BLOCK.format("too-hard", SEVERAL_BEATS))
         results = [other.receive(20)]
         while "warningFeedback" not in results[-1]:
             results.append(other.receive(20))
@@ -301,7 +301,7 @@ def test_strokes_of_a_block_with_six_gestures_are_reported_in_order(server):
 
 def test_block_whose_expressivity_amount_changes_during_it_performs_all_strokes(server):
     with server.client() as client:
-        client.send(BLOCK.format("wide", LONG))
+        client.send(BLOCK.format("wide", SEVERAL_BEATS))
         messages = []
         while not progress(messages, "wide"):
             messages.append(client.receive(20))

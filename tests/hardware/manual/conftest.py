@@ -9,7 +9,7 @@ from ...manual_servo.device import Device
 from ...manual_servo.line import Line, World
 from ...manual_servo.packet import Decoder, Packet
 
-WAIT = 0.02  # [s] time during which the host waits for replies
+REPLY_WAIT = 0.02  # [s] time during which the host waits for replies
 
 
 class Bench:
@@ -23,7 +23,7 @@ class Bench:
     def device(self) -> Device:
         return self.devices[0]
 
-    def raw(self, data: bytes, wait: float = WAIT) -> bytes:
+    def raw(self, data: bytes, wait: float = REPLY_WAIT) -> bytes:
         """Send bytes, and return all received bytes."""
         self.line.send(data, self.line.world.time)
         self.rest(wait)

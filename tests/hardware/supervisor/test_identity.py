@@ -18,7 +18,7 @@ from kinesic.hardware.virtual.servo import VirtualServo
 from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 
 PERIOD = 0.01  # [s] cycle period
-AWAY = 0.2  # [s] duration of the port loss
+OUTAGE_DURATION = 0.2  # [s] duration of the port loss
 WATCHDOG_COUNT = 5  # value of BUS_WATCHDOG of servos with torque
 LEFT_SERVOS = (0, 1, 2, 3)  # indices of the servos behind the first port
 
@@ -55,7 +55,7 @@ def bench(robot: Robot) -> Iterator[Bench]:
     axes, tables = take_over(Manifest.of(robot), wires.__getitem__, period=PERIOD)
     made = Bench(axes, tables, list(plant.servos))
     made.cycle()
-    buses["left"].expose(FaultPlan((PlannedFault("unplug", start=0.001, seconds=AWAY),)))
+    buses["left"].expose(FaultPlan((PlannedFault("unplug", start=0.001, seconds=OUTAGE_DURATION),)))
     while not made.cycle().lost:
         pass
     while made.cycle().lost:

@@ -20,7 +20,7 @@ from kinesic.hardware.supervisor.torque import (
 )
 
 from .conftest import PERIOD
-from .torque_bench import ALL_PLACES, COUNT, FULL, WATCHDOG, Bench, moved
+from .torque_bench import ALL_PLACES, COUNT, FULL_PWM, WATCHDOG, Bench, moved
 
 
 @pytest.fixture
@@ -39,9 +39,9 @@ def test_torque_starts_at_present_positions_with_low_power(bench: Bench):
     here = [servo.electronics.present_position() for servo in bench.plant.servos]
     bench.run(energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3))
     powers = [seen[Register.GOAL_PWM][2] for seen in bench.seen if seen[Register.TORQUE_ENABLE][2]]
-    assert list(dict.fromkeys(powers)) == [round(share * FULL) for share in (0.1, 0.4, 0.7, 1.0)]
+    assert list(dict.fromkeys(powers)) == [round(share * FULL_PWM) for share in (0.1, 0.4, 0.7, 1.0)]
     assert all(seen[Register.GOAL_POSITION] == here for seen in bench.seen)
-    assert all(seen[Register.GOAL_PWM] != [FULL] * COUNT for seen in bench.seen[:-1])
+    assert all(seen[Register.GOAL_PWM] != [FULL_PWM] * COUNT for seen in bench.seen[:-1])
     assert bench.true(Register.TORQUE_ENABLE) == [1] * COUNT
     assert bench.true(Register.BUS_WATCHDOG) == [WATCHDOG] * COUNT
     for k, member in enumerate(bench.axes.manifest.members):
@@ -52,7 +52,7 @@ def test_torque_starts_at_present_positions_with_low_power(bench: Bench):
 def test_motor_power_is_full_0_3_seconds_after_torque_on(bench: Bench):
     steps = round(POWER_RAMP_TIME / PERIOD)
     bench.run(energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=steps))
-    rising = [seen for seen in bench.seen if seen[Register.TORQUE_ENABLE][2] and seen[Register.GOAL_PWM][2] < FULL]
+    rising = [seen for seen in bench.seen if seen[Register.TORQUE_ENABLE][2] and seen[Register.GOAL_PWM][2] < FULL_PWM]
     assert len(rising) * PERIOD == pytest.approx(0.3, abs=0.02)
 
 
@@ -218,7 +218,7 @@ def test_supervisor_takes_over_servos_with_torque_and_keeps_their_goals(bench: B
     bench.run(adopt(bench.axes, bench.last, earlier, bench.power, watchdog=WATCHDOG))
     assert bench.goals.tolist() == np.rint(earlier).tolist()
     assert all(seen[Register.TORQUE_ENABLE] == [1] * COUNT for seen in bench.seen)
-    assert bench.true(Register.GOAL_PWM) == [FULL] * COUNT
+    assert bench.true(Register.GOAL_PWM) == [FULL_PWM] * COUNT
     assert bench.true(Register.BUS_WATCHDOG) == [WATCHDOG] * COUNT
 
 
@@ -274,7 +274,7 @@ def test_servo_without_torque_is_not_adopted(bench: Bench):
     bench.run(adopt(bench.axes, bench.last, bench.last.positions, bench.power, watchdog=WATCHDOG))
     assert bench.true(Register.TORQUE_ENABLE) == [1, 1, 0, 1]
     assert bench.true(Register.BUS_WATCHDOG) == [WATCHDOG, WATCHDOG, 0, WATCHDOG]
-    assert bench.true(Register.GOAL_PWM) == [FULL, FULL, 300, FULL]
+    assert bench.true(Register.GOAL_PWM) == [FULL_PWM, FULL_PWM, 300, FULL_PWM]
 
 
 def test_torque_is_switched_off_on_all_servos(bench: Bench):

@@ -20,7 +20,7 @@ from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 from .conftest import MODEL, PERIOD, manifest_of
 
 COUNT = 4  # number of servos
-FULL = 885  # [counts] GOAL_PWM at full power
+FULL_PWM = 885  # [counts] GOAL_PWM at full power
 WATCHDOG = 5  # value of BUS_WATCHDOG of servos with torque
 ALL_PLACES = range(COUNT)
 Change = Callable[
@@ -40,7 +40,7 @@ class Bench:
         self.axes, tables = take_over(manifest_of(COUNT, self.wire.baud), lambda name: self.wire, period=PERIOD)
         configure(self.axes, tables)
         self.goals: Ticks | None = None
-        self.power = np.full(COUNT, FULL)
+        self.power = np.full(COUNT, FULL_PWM)
         self.seen: list[dict[Register, list[int]]] = []  # after each cycle, see CHECKED_REGISTERS
         self.last = self.cycle()
 

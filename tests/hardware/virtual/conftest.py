@@ -9,7 +9,7 @@ from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.servo import VirtualServo
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
-WAIT = 0.004
+REPLY_WAIT = 0.004  # [s] time during which the host waits for replies
 
 
 class Line:
@@ -24,7 +24,7 @@ class Line:
     def servo(self) -> VirtualServo:
         return self.plant.servos[0]
 
-    def bytes(self, data: bytes, wait: float = WAIT) -> bytes:
+    def bytes(self, data: bytes, wait: float = REPLY_WAIT) -> bytes:
         """Send bytes, and return all received bytes."""
         self.wire.write(data)
         limit, got = self.wire.now() + wait, b""

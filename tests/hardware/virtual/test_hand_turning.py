@@ -10,7 +10,7 @@ from kinesic.hardware.virtual.wiring import build_bus, describe_cables, independ
 
 ROBOT = Robot.load()
 SCALE = ServoMap.of(ROBOT).scale
-ROWS = [k for k, servos in enumerate(ServoMap.of(ROBOT).servos) for _ in servos.ids]
+HINGE_OF_SERVO = [k for k, servos in enumerate(ServoMap.of(ROBOT).servos) for _ in servos.ids]
 HELD_SERVO = 11  # index of the servo with torque
 
 
@@ -28,12 +28,12 @@ def turned(held: int | None = None) -> np.ndarray:
         plant.advance(plant.time + 0.05)
         rows.append([servo.electronics.present_position() for servo in plant.servos])
     ticks = np.array(rows)
-    return np.degrees((ticks - SCALE.zeros[ROWS]) * (2 * np.pi / 4096) / SCALE.turns[ROWS])
+    return np.degrees((ticks - SCALE.zeros[HINGE_OF_SERVO]) * (2 * np.pi / 4096) / SCALE.turns[HINGE_OF_SERVO])
 
 
 def test_simulated_person_turns_each_hinge_to_its_upper_limit_before_its_lower_limit():
     angles = turned()
-    upper, lower = np.degrees(ROBOT.skeleton.upper[ROWS]), np.degrees(ROBOT.skeleton.lower[ROWS])
+    upper, lower = np.degrees(ROBOT.skeleton.upper[HINGE_OF_SERVO]), np.degrees(ROBOT.skeleton.lower[HINGE_OF_SERVO])
     assert len(angles) * 0.05 - KEY_TIMES[-1] < 0.1
     assert np.all(angles[9] > 5.0)
     assert np.all(np.abs(angles.max(0) - upper) < 1.0)

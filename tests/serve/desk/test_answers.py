@@ -36,7 +36,7 @@ from kinesic.serve.wire.quotas import Quotas
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="n" lexeme="NOD" start="0"/></bml>'
 GESTURE = 'category = "beat"\n\n[[gesture]]\nid = "mine"\nkeys = [{ right = { at = [0.5, 0.3, 0.5] } }]\n'
 RULES = Quotas(duration=5.0, planning=3.0)
-TABLES = ("tables",)  # modules that helpers share
+SHARED_MODULES = ("tables",)  # modules that helper processes preload
 
 
 class Helper:
@@ -78,7 +78,7 @@ def rooms(monkeypatch: pytest.MonkeyPatch) -> dict[str, Room | Helper]:
     made: dict[str, Room | Helper] = {}
 
     def helper(*given: object, name: str, tables: tuple[str, ...]) -> Helper:
-        assert tables == TABLES
+        assert tables == SHARED_MODULES
         made[name] = Helper(*given, name=name)
         return made[name]
 
@@ -98,7 +98,7 @@ def told() -> list[str]:
 
 
 def opened(servos: object = None) -> Desk:
-    return Desk(lambda: None, SimpleNamespace(report_body=None, servos=servos), RULES, tables=TABLES)
+    return Desk(lambda: None, SimpleNamespace(report_body=None, servos=servos), RULES, tables=SHARED_MODULES)
 
 
 def test_each_client_query_is_passed_to_the_handler_of_its_kind(rooms: dict, told: list[str]):

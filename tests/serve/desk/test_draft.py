@@ -9,7 +9,7 @@ from kinesic.bml.block import DEFAULT_BOUNDS
 from kinesic.serve.desk.draft import draft
 from kinesic.session.plan import plan
 
-WORDS = (
+SPOKEN_DOCUMENT = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="doc">\n'
     '<speech id="s"><text>Say <sync id="m"/>one, and another.</text></speech>\n'
     '<gesture id="g" lexeme="offer" mode="RIGHT_HAND" stroke="s:m"/></bml>'
@@ -17,7 +17,7 @@ WORDS = (
 
 
 def test_document_preview_contains_word_times_strokes_and_joint_angles(upper22_setup):
-    preview = draft(WORDS, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
+    preview = draft(SPOKEN_DOCUMENT, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
     assert [(item["mark"], item["text"]) for item in preview["words"]] == [("start", "Say"), ("m", "one, and another.")]
     assert preview["words"][0]["end"] == preview["words"][1]["start"]
     (stroke,) = [item for item in preview["syncs"] if item["behaviour"] == "g" and item["sync"] == "stroke"]
@@ -31,20 +31,20 @@ def test_document_preview_contains_word_times_strokes_and_joint_angles(upper22_s
 
 
 def test_document_preview_contains_the_speech_loudness_over_time(speaking_setup, upper22_setup):
-    preview = draft(WORDS, (), speaking_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
+    preview = draft(SPOKEN_DOCUMENT, (), speaking_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
     peaks = np.frombuffer(b64decode(preview["loudness"]), np.uint8)
     assert peaks.max() == 255
     begin, end = preview["words"][0]["start"], preview["words"][-1]["end"]
     loud = np.flatnonzero(peaks > 25) / preview["rate"]
     assert begin - 0.05 <= loud[0] < begin + 0.3
     assert end - 0.4 < loud[-1] <= end + 0.1
-    assert draft(WORDS, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)["loudness"] == "", (
+    assert draft(SPOKEN_DOCUMENT, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)["loudness"] == "", (
         "nothing is heard"
     )
 
 
 def test_document_preview_contains_each_warning_once(upper22_setup):
-    odd = WORDS.replace('id="g"', 'id="g" colour="red"').replace('lexeme="offer"', 'lexeme="xyzzy"')
+    odd = SPOKEN_DOCUMENT.replace('id="g"', 'id="g" colour="red"').replace('lexeme="offer"', 'lexeme="xyzzy"')
     notices = draft(odd, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)["notices"]
     texts = [(item["id"], item["text"]) for item in notices]
     assert [text for _, text in texts if "colour" in text or "xyzzy" in text] != []
@@ -52,7 +52,9 @@ def test_document_preview_contains_each_warning_once(upper22_setup):
 
 
 def test_document_preview_contains_the_outcome_of_each_behaviour_with_its_reason(upper22_setup):
-    odd = WORDS.replace('lexeme="offer"', 'lexeme="xyzzy"').replace("</bml>", '<gesture id="h" lexeme="offer"/></bml>')
+    odd = SPOKEN_DOCUMENT.replace('lexeme="offer"', 'lexeme="xyzzy"').replace(
+        "</bml>", '<gesture id="h" lexeme="offer"/></bml>'
+    )
     behaviours = draft(odd, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)["behaviours"]
     planned = plan(odd, upper22_setup).keyframes.outcomes
     outcomes = {item["id"]: (item["outcome"], item["why"]) for item in behaviours}
@@ -63,12 +65,20 @@ def test_document_preview_contains_the_outcome_of_each_behaviour_with_its_reason
 
 
 def test_preview_of_an_invalid_document_reports_the_error_with_its_line(upper22_setup):
-    wrong = draft(WORDS.replace("s:m", "none:end"), (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
+    wrong = draft(
+        SPOKEN_DOCUMENT.replace("s:m", "none:end"), (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0
+    )
     assert wrong["error"]["line"] == 3
     assert "none" in wrong["error"]["text"]
     assert draft("<bml", (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)["error"]["line"] == 1
-    assert "at most 1 s" in draft(WORDS, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=1.0)["error"]["text"]
-    assert "power" in draft(WORDS, ("powr=1",), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=9.0)["error"]["text"]
+    assert (
+        "at most 1 s"
+        in draft(SPOKEN_DOCUMENT, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=1.0)["error"]["text"]
+    )
+    assert (
+        "power"
+        in draft(SPOKEN_DOCUMENT, ("powr=1",), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=9.0)["error"]["text"]
+    )
 
 
 def test_document_preview_reads_no_files_named_in_the_document(upper22_setup, tmp_path):
@@ -83,7 +93,7 @@ def test_document_preview_reads_no_files_named_in_the_document(upper22_setup, tm
     assert "the document is not a file" in said.pop()
 
 
-PARTS = (
+BODY_PARTS_DOCUMENT = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="doc">'
     '<speech id="s"><text>Say one, and another.</text></speech>'
     '<gesture id="left" lexeme="offer" mode="LEFT_HAND" start="0"/>'
@@ -96,7 +106,7 @@ PARTS = (
 
 
 def test_document_preview_names_the_body_parts_and_lexeme_of_each_behaviour(upper22_setup):
-    preview = draft(PARTS, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
+    preview = draft(BODY_PARTS_DOCUMENT, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
     assert {item["id"]: (item["label"], *item["tracks"]) for item in preview["behaviours"]} == {
         "s": ("Say one, and another.", "voice"),
         "left": ("offer", "l_hand"),
@@ -111,7 +121,7 @@ def test_document_preview_names_the_body_parts_and_lexeme_of_each_behaviour(uppe
 
 
 def test_document_preview_contains_accents_within_the_spoken_words(speaking_setup):
-    preview = draft(WORDS, (), speaking_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
+    preview = draft(SPOKEN_DOCUMENT, (), speaking_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
     begin, end = preview["words"][0]["start"], preview["words"][-1]["end"]
     assert 2 <= len(preview["accents"]) <= 6
     assert preview["accents"] == sorted(preview["accents"])

@@ -5,7 +5,7 @@ import pytest
 
 from kinesic.serve.desk.drag import drag_part
 
-PARTS = {"elbow": "l_arm", "trunk": "torso", "gaze": "neck"}
+CHAIN_OF_PART = {"elbow": "l_arm", "trunk": "torso", "gaze": "neck"}  # dragged body part -> kinematic chain that moves
 
 
 def raised(robot):
@@ -17,11 +17,11 @@ def raised(robot):
     return robot.skeleton.clamp(posture)
 
 
-@pytest.mark.parametrize("part", PARTS)
+@pytest.mark.parametrize("part", CHAIN_OF_PART)
 def test_dragged_body_part_keeps_joint_limits_and_clearance_and_moves_only_its_joints(upper22_setup, part):
     robot, distances = upper22_setup.robot, upper22_setup.distances
     skeleton, rng, stopped = robot.skeleton, np.random.default_rng(3), set()
-    start, joints = raised(robot), robot.joints(PARTS[part])
+    start, joints = raised(robot), robot.joints(CHAIN_OF_PART[part])
     hand = skeleton.frames(start).origins[robot.arm("l").wrist]
     for _ in range(40):
         target = robot.gesture_origin + [0.1, 0.0, 0.3] + robot.arm_length * rng.uniform(-1.5, 1.5, 3)

@@ -23,19 +23,19 @@ from kinesic.serve.desk.export import export
 from kinesic.serve.wire.questions import ExportQuestion, Format, GestureQuestion
 from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
 
-WORDS = (
+SPOKEN_DOCUMENT = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="doc"><speech id="s"><text>Say one.</text></speech>'
     '<head id="h" lexeme="NOD" start="s:start"/></bml>'
 )
 
-NAMED = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id={}><head id="h" lexeme="NOD" start="0"/></bml>'
+NOD_WITH_ID = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id={}><head id="h" lexeme="NOD" start="0"/></bml>'
 GESTURE = 'category = "beat"\n\n[[gesture]]\nid = "mine"\nkeys = [{ right = { at = [0.5, 0.3, 0.5] } }]\n'
 HOSTILE_IDS = ("{place}/dear", "../{name}/dear", "dear", "a" * 500, "\N{GRINNING FACE}" * 90, "..", "/", "con", "a\\b")
 
 
 @pytest.fixture(scope="module")
 def planned(speaking_setup):
-    return plan_draft(WORDS, (), speaking_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
+    return plan_draft(SPOKEN_DOCUMENT, (), speaking_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
 
 
 def test_exported_motion_equals_the_plan(planned):
@@ -55,7 +55,7 @@ def test_exported_voice_has_the_performance_duration(planned):
 
 
 def test_wav_export_of_a_plan_without_audio_is_refused(upper22_setup):
-    silent = plan_draft(WORDS, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
+    silent = plan_draft(SPOKEN_DOCUMENT, (), upper22_setup, bounds=DEFAULT_BOUNDS, max_duration=60.0)
     with pytest.raises(ConfigError, match="there is no audio"):
         export(silent, "wav")
 
@@ -76,7 +76,7 @@ def test_gltf_export_without_a_writer_suggests_the_plan_command(planned):
 
 def asked(id_: str, format_: str, setup) -> dict:
     """Return the answer to an export request for a block with this id."""
-    question = ExportQuestion(NAMED.format(quoteattr(id_)), format_, id=1)
+    question = ExportQuestion(NOD_WITH_ID.format(quoteattr(id_)), format_, id=1)
     return json.loads(answer_draft(question, setup, DEFAULT_QUOTAS, writers=EXPORT_WRITERS))
 
 

@@ -17,7 +17,9 @@ pytestmark = pytest.mark.realtime
 ROBOT = '[robot]\nname = "mine"\nextends = "upper22"\n'
 GESTURE = 'category = "beat"\n\n[[gesture]]\nid = "{}"\nkeys = [{{ right = {{ at = [0.5, {}, 0.5] }} }}]\n'
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}"><head id="n" lexeme="NOD" start="0"/></bml>'
-OWN = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}"><gesture id="g" lexeme="{}" start="0"/></bml>'
+SAVED_GESTURE_BML = (
+    '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}"><gesture id="g" lexeme="{}" start="0"/></bml>'
+)
 
 
 @pytest.fixture(scope="module")
@@ -73,7 +75,7 @@ def test_saved_gesture_can_be_used_by_the_next_block(studio):
             text = GESTURE.format("own_beat", height)
             assert saved(client, "own.toml", text) == ""
             assert (folder / "own.toml").read_text() == text
-            messages = "".join(client.perform(OWN.format(f"own{int(10 * height)}", "own_beat")))
+            messages = "".join(client.perform(SAVED_GESTURE_BML.format(f"own{int(10 * height)}", "own_beat")))
             assert "warningFeedback" not in messages, messages
 
 

@@ -14,7 +14,7 @@ from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.serve.sinks.servos import RealServos
 
-ROW = np.array([0.2])
+HINGE_ANGLES = np.array([0.2])  # [rad] angle of the only hinge
 
 
 class Far:
@@ -89,7 +89,7 @@ class Cabinet:
 
 
 def command(time: float) -> Command:
-    return Command(time, ROW, ROW, ROW, ROW)
+    return Command(time, HINGE_ANGLES, HINGE_ANGLES, HINGE_ANGLES, HINGE_ANGLES)
 
 
 def test_commands_are_forwarded_only_to_armed_servos():
@@ -104,8 +104,8 @@ def test_commands_are_forwarded_only_to_armed_servos():
 def test_servo_measurement_is_available_only_during_a_performance():
     cabinet = Cabinet()
     assert cabinet.sink.measurement() is None
-    cabinet.servos.status = Status(Stage.ACTIVE, 100.0, 5.0, 1.0, angles=ROW)
-    assert cabinet.sink.measurement() == (5.0, ROW)
+    cabinet.servos.status = Status(Stage.ACTIVE, 100.0, 5.0, 1.0, angles=HINGE_ANGLES)
+    assert cabinet.sink.measurement() == (5.0, HINGE_ANGLES)
 
 
 @pytest.mark.parametrize(
@@ -130,10 +130,12 @@ def test_servo_sink_reports_bus_id_hinge_model_and_telemetry_of_each_servo():
     cabinet = Cabinet()
     (place,) = cabinet.sink.members
     assert (place.bus, place.id, place.hinge, place.model, place.hottest) == ("body", 4, "neck", "xm430_w210", 80)
-    cabinet.servos.status = Status(Stage.ACTIVE, 100.0, 5.0, 1.0, angles=ROW, hottest=41.0, volts=11.5, faulty=True)
+    cabinet.servos.status = Status(
+        Stage.ACTIVE, 100.0, 5.0, 1.0, angles=HINGE_ANGLES, hottest=41.0, volts=11.5, faulty=True
+    )
     health = cabinet.sink.health()
     assert (health.hottest, health.volts, health.faulty) == (41.0, 11.5, True)
-    assert np.array_equal(health.angles, ROW)
+    assert np.array_equal(health.angles, HINGE_ANGLES)
     report = health.servos
     assert (report.state, report.celsius, report.load, report.volts) == ("armed", (40.0,), (0.123,), (11.988,))
     assert (report.errors, report.torque) == ((0.0,), (1.0,))
@@ -212,7 +214,9 @@ def test_closing_the_servo_sink_waits_for_a_running_disarm():
 
 def test_servo_sink_returns_each_supervisor_cycle_once():
     cabinet = Cabinet()
-    cabinet.servos.status = Status(Stage.ACTIVE, 100.0, 5.0, 1.0, angles=ROW, setpoints=ROW, taken=np.array([100.0]))
+    cabinet.servos.status = Status(
+        Stage.ACTIVE, 100.0, 5.0, 1.0, angles=HINGE_ANGLES, setpoints=HINGE_ANGLES, taken=np.array([100.0])
+    )
     cabinet.servos.past = (cabinet.servos.status,) * 3
     cabinet.sink.write(command(5.0))
     assert cabinet.sink.time(100.0) == 5.0

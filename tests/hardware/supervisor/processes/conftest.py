@@ -31,10 +31,12 @@ ROOT = Path(__file__).parents[4]
 PATIENCE = 60.0  # [s] longest wait for any event on a loaded machine
 WATCHDOG = 0.2
 SETTINGS = SupervisorSettings(watchdog=WATCHDOG, patient_watchdog=WATCHDOG, pace=3.0)
-SERVOS = 5  # number of servos of the small robot
+SERVO_COUNT = 5  # number of servos of the small robot
 JOINTS = 4  # number of hinges of the small robot
-NEAR = 10  # [ticks] largest distance of a servo at rest from its rest position, less than a degree
-FAR = 60  # [ticks] distance from its first position above which a servo counts as raised, more than five degrees
+MAX_REST_DISTANCE = 10  # [ticks] largest distance of a servo at rest from its rest position, less than a degree
+MIN_RAISED_DISTANCE = (
+    60  # [ticks] distance from its first position above which a servo counts as raised, more than five degrees
+)
 TRANSFER_TIME = 0.05  # [s] until written bytes have reached the servos
 
 
@@ -79,7 +81,7 @@ class Table:
         self._process = subprocess.Popen(command, stdin=subprocess.PIPE, stdout=subprocess.PIPE)
         Rig.wait(lambda: all((folder / name).exists() for name in BUS_NAMES))
         self._file = (folder / "record").open()
-        self._rows, self._begun = np.empty((0, 3 + 4 * SERVOS)), ""  # whole lines; what there is of the next
+        self._rows, self._begun = np.empty((0, 3 + 4 * SERVO_COUNT)), ""  # whole lines; what there is of the next
 
     def tell(self, line: str) -> None:
         assert self._process.stdin is not None
@@ -92,9 +94,9 @@ class Table:
         self.tell("show")
         assert self._process.stdout.readline() == b"shown\n"
         text, self._begun = (self._begun + self._file.read()).rsplit("\n", 1)
-        news = np.fromstring(text, sep=" ").reshape(-1, 3 + 4 * SERVOS)
+        news = np.fromstring(text, sep=" ").reshape(-1, 3 + 4 * SERVO_COUNT)
         rows = self._rows = np.concatenate([self._rows[self._rows[:, 0] >= since], news[news[:, 0] >= since]])
-        shown = rows[:, 3:].reshape(len(rows), SERVOS, 4)
+        shown = rows[:, 3:].reshape(len(rows), SERVO_COUNT, 4)
         return Record(rows[:, 0], rows[:, 1:3], shown[:, :, 0], shown[:, :, 1], shown[:, :, 2], shown[:, :, 3])
 
     def close(self) -> None:
@@ -131,7 +133,7 @@ class Rig:
     def raised(self) -> bool:
         """Return whether a servo is far from its position at the test's start."""
         places = self.record().places
-        return bool(np.abs(places[-1] - places[0]).max() > FAR)
+        return bool(np.abs(places[-1] - places[0]).max() > MIN_RAISED_DISTANCE)
 
     @staticmethod
     def goes_on(servos: Servos) -> bool:
@@ -208,7 +210,7 @@ class Rig:
         rest = manifest.scale.ticks(manifest.rest[manifest.joints])
         last_events = "\n".join(text for _, _, text in self.events()[-20:])
         assert not record.torque[-1].any(), last_events
-        assert np.abs(record.places[-1] - rest).max() <= NEAR, f"{record.places[-1] - rest}\n{last_events}"
+        assert np.abs(record.places[-1] - rest).max() <= MAX_REST_DISTANCE, f"{record.places[-1] - rest}\n{last_events}"
 
     def events(self) -> list[tuple[float, str, str]]:
         lines = [json.loads(line) for line in self.log.read_text().splitlines()] if self.log.exists() else []

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.realtime
 
 PATIENCE = 60.0  # [s] longest wait for any event on a loaded machine
 WATCHDOG = 0.2  # [s] watchdog time on a punctual machine
-COUNT = 0.02  # [s] watchdog time per register count
+WATCHDOG_UNIT = 0.02  # [s] watchdog time per register count
 
 
 def test_killed_supervisor_leaves_servos_stopped_with_torque_and_the_next_supervisor_adopts_them(rig):
@@ -39,7 +39,7 @@ def test_killed_supervisor_leaves_servos_stopped_with_torque_and_the_next_superv
     released = time.monotonic()
     heir.close()
     record = rig.record()
-    armed = COUNT * record.watchdogs[record.times <= killed][-1].max()  # [s], more where this machine is late
+    armed = WATCHDOG_UNIT * record.watchdogs[record.times <= killed][-1].max()  # [s], more where this machine is late
     after = killed + max(armed, WATCHDOG) + 0.02 + 2 * record.stall(killed, killed + 0.5)
     stopped = (record.times >= after) & (record.times < released)
     assert (record.watchdogs[stopped][0] == -1).all()

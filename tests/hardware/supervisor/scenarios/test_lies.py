@@ -12,14 +12,14 @@ from kinesic.hardware.supervisor.state_machine import Stage
 from ..conftest import Desk
 
 Make = Callable  # of a desk, see conftest
-LIAR = 2  # index of the servo with a false value
-SECONDS = 0.6  # [s] duration of the false value
+WRONG_SERVO = 2  # index of the servo with a false value
+FAULT_DURATION = 0.6  # [s] duration of the false value
 
 
 @contextmanager
 def lying(made: Desk, register: Register, lie: int) -> Iterator[None]:
     """Make one servo report a false value."""
-    servo, (start, end) = made.plant.servos[LIAR], (register.field.address, register.field.end)
+    servo, (start, end) = made.plant.servos[WRONG_SERVO], (register.field.address, register.field.end)
     if made.servos == "manual":
         tampers = servo.device.firmware.tampers
         tampers.append(lambda memory: memory.bytes.__setitem__(slice(start, end), register.field.pack(lie)))
@@ -55,7 +55,7 @@ def test_impossible_register_values_stop_the_performance_without_a_jump_and_are_
     made = desk().active(6.0)
     before, pace = made.true(Register.GOAL_POSITION), made.manifest.velocities * made.settings.period
     with lying(made, register, lie):
-        for _ in range(round(SECONDS / made.settings.period)):
+        for _ in range(round(FAULT_DURATION / made.settings.period)):
             made.cycle()
             goals = made.true(Register.GOAL_POSITION)
             assert (np.abs(goals - before) <= 1.6 * pace + 2).all()
