@@ -157,6 +157,7 @@ export class Studio {
       ...{ text, edit, open },
       changed: () => this.files.saving.isChanged,
       typed: () => this.files.saving.changed(),
+      picture: (gesture) => this.figures.draw(gesture),
       select: (id, time) => {
         seek(time);
         if (id !== null && id !== this.tracks.selection.single) this.tracks.choose(id, false);

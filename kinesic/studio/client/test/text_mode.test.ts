@@ -1,11 +1,13 @@
 // Text mode: words with their gestures, and edits that show another gesture at a word.
 import assert from "node:assert/strict";
 import { test } from "node:test";
+import { readAlternatives } from "../src/text_mode/alternatives.ts";
 import { describePending, measure } from "../src/text_mode/pending.ts";
 import { choose, isWritten } from "../src/text_mode/replacing.ts";
 import { listSpoken, locate, spokenText } from "../src/text_mode/spoken.ts";
 import { pauseBefore, wordAt } from "../src/tracks/pauses.ts";
 import type { Draft } from "../src/types.ts";
+import type { Answer } from "../src/wire.ts";
 
 const BML = `<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic" id="said">
   <speech id="s"><text>There were <sync id="w3"/>three big <sync id="w5"/>boxes.</text></speech>
@@ -75,6 +77,15 @@ test("a gesture replaces a pointing gesture", () => {
   const text = choose(BML, words[4]!, words[4]!.gestures[0]!, { id: "square", why: "x" });
   assert.ok(!text.includes("<pointing"));
   assert.match(text, /lexeme="square" stroke="s:w5"/);
+});
+
+test("alternatives are read without scores, and those without an id are left out", () => {
+  const gestures = [{ id: "tiny_low", why: "'tiny' is small (0.72)" }, { why: "x" }, { id: "beat", why: "stress (2)" }];
+  assert.deepEqual(
+    readAlternatives({ told: "alternatives", gestures } as unknown as Answer).map(({ why }) => why),
+    ["'tiny' is small", "stress"],
+  );
+  assert.deepEqual(readAlternatives({ told: "refused" } as Answer), []);
 });
 
 test("only blocks written for a text are replaced by another text", () => {

@@ -9,18 +9,27 @@ export interface Alternative extends Choice {
   says: string;
 }
 
+const SCORE = / \([\d.]+\)$/; // how well a gesture fits; the order of the list shows it
+
 /** Read the alternatives of a server's answer; empty for any other answer. */
 export function readAlternatives(answer: Answer | null): Alternative[] {
   if (answer?.told !== "alternatives" || !Array.isArray(answer.gestures)) return [];
-  return (answer.gestures as Alternative[]).filter(({ id, why }) => typeof id === "string" && typeof why === "string");
+  return (answer.gestures as Alternative[])
+    .filter(({ id, why }) => typeof id === "string" && typeof why === "string")
+    .map((each) => ({ ...each, why: each.why.replace(SCORE, "") }));
 }
-
-const SCORE = / \([\d.]+\)$/; // how well a gesture fits; the order of the list shows it
 
 export class AlternativesPanel {
   private readonly place = byId("alternatives");
 
-  constructor(private readonly listener: { choose(choice: Choice): void; remove(): void }) {
+  constructor(
+    private readonly listener: {
+      choose(choice: Choice): void;
+      remove(): void;
+      /** Picture of a gesture; null if there is none. */
+      picture(gesture: string): Element | null;
+    },
+  ) {
     byId("alternatives-remove").addEventListener("click", () => this.listener.remove());
   }
 
@@ -54,10 +63,9 @@ export class AlternativesPanel {
   private row(each: Alternative, isPresent: boolean): HTMLElement {
     const button = make(
       "button",
-      { type: "button", "aria-pressed": String(isPresent), title: each.says },
-      make("b", {}, each.id),
-      ` ${each.category}`,
-      make("span", { class: "why" }, each.why.replace(SCORE, "")),
+      { type: "button", "aria-pressed": String(isPresent), title: each.says, "data-gesture": each.id },
+      this.listener.picture(each.id) ?? make("span"),
+      make("span", {}, make("b", {}, each.id), ` ${each.category}`, make("span", { class: "why" }, each.why)),
     );
     button.addEventListener("click", () => this.listener.choose(each));
     return make("li", {}, button);

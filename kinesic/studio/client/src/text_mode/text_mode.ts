@@ -27,6 +27,8 @@ export interface TextModeListener {
   changed(): boolean;
   /** The typed text that is not in the document yet has changed. */
   typed(): void;
+  /** Picture of a gesture; null if there is none. */
+  picture(gesture: string): Element | null;
   /** Select a behaviour, and show the posture at a time [s]. */
   select(id: string | null, time: number): void;
 }
@@ -52,6 +54,7 @@ export class TextMode {
     this.panel = new AlternativesPanel({
       choose: (choice) => this.replace(choice),
       remove: () => this.replace(null),
+      picture: (gesture) => this.listener.picture(gesture),
     });
     this.field.addEventListener("input", () => {
       this.isTyped = this.pending !== "";

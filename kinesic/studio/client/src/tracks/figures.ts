@@ -4,6 +4,7 @@ import { byId, make } from "../dom.ts";
 const SVG = "http://www.w3.org/2000/svg";
 const MARGIN = 0.4; // [s] still time between two loops of a preview
 const HEAD_RADIUS = 17; // [units]
+const GAP = 8; // [CSS pixels] between a preview and its row
 
 /** Points of a figure: head, neck, trunk, then of each arm shoulder, elbow, wrist and finger tips. */
 interface Figure {
@@ -55,7 +56,9 @@ export class Figures {
     if (!figure || !picture || !beside) return;
     place.replaceChildren(picture, make("span", {}, gesture ?? ""));
     const [own, area] = [place.getBoundingClientRect(), beside.getBoundingClientRect()];
-    place.style.left = `${Math.max(4, area.left - own.width - 8)}px`;
+    const before = area.left - own.width - GAP;
+    const left = before >= 0 ? before : Math.min(area.right + GAP, innerWidth - own.width);
+    place.style.left = `${left}px`;
     place.style.top = `${Math.max(4, Math.min(area.top, innerHeight - own.height - 4))}px`;
     if (matchMedia("(prefers-reduced-motion: reduce)").matches) return;
     this.shown = { figure, begun: performance.now(), picture };

@@ -35,6 +35,6 @@ export function openTimeline(desk: TimelineDesk, figures: Figures): { tracks: Tr
     drop: (value, snap) => tracks.drop(value, snap),
     press: (value) => desk.add(value),
   });
-  listenToPreviews(byId("found"), figures);
+  for (const list of ["found", "alternatives-list"]) listenToPreviews(byId(list), figures);
   return { tracks, timeline };
 }
