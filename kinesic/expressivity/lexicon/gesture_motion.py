@@ -62,7 +62,9 @@ def pack_motion(motion: GestureMotion) -> bytes:
             if values is not None:
                 arrays[f"{SIDE_NAMES[side]}_{name}"] = values
     file = BytesIO()
-    np.savez_compressed(file, **{name: values.astype(np.float32) for name, values in arrays.items()})
+    np.savez_compressed(
+        file, allow_pickle=False, **{name: values.astype(np.float32) for name, values in arrays.items()}
+    )
     return file.getvalue()
 
 
