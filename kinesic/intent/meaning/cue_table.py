@@ -10,7 +10,7 @@ import msgspec
 from kinesic.body.config import read_toml
 from kinesic.intent.meaning.cues import CUE_FOLDER, Cue, read_cues
 from kinesic.intent.meaning.patterns import Pattern
-from kinesic.intent.meaning.senses import read_senses
+from kinesic.intent.meaning.senses import SENSE_FOLDER, read_senses
 
 IRREGULAR_VERBS = "irregular.toml"  # file of irregular verb forms, for all languages
 
@@ -37,7 +37,7 @@ def load_cues(language: str) -> CueTable:
     Raises:
         ConfigError: a file is invalid.
     """
-    folder = _find_folder(language)
+    folder = _find_folder(CUE_FOLDER, language)
     return NO_CUES if folder is None else _index(read_cues(folder, _read_irregular(folder.name)))
 
 
@@ -48,13 +48,13 @@ def load_senses(language: str) -> CueTable:
     Raises:
         ConfigError: a file is invalid.
     """
-    folder = _find_folder(language)
-    return NO_CUES if folder is None else _index(read_senses(folder.name, _read_irregular(folder.name)))
+    folder = _find_folder(SENSE_FOLDER, language)
+    return NO_CUES if folder is None else _index(read_senses(folder, _read_irregular(folder.name)))
 
 
-def _find_folder(language: str) -> Path | None:
-    """Return the folder of a language's cues, found by listing, as a tag may contain a path."""
-    folders = {folder.name: folder for folder in sorted(CUE_FOLDER.iterdir()) if folder.is_dir()}
+def _find_folder(parent: Path, language: str) -> Path | None:
+    """Return the folder of a language, found by listing, as a tag may contain a path."""
+    folders = {folder.name: folder for folder in sorted(parent.iterdir()) if folder.is_dir()}
     return folders.get(language.partition("-")[0])
 
 

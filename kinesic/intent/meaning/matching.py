@@ -12,6 +12,7 @@ from kinesic.intent.meaning.patterns import ANY_NUMBER, ANY_WORD, STEM_SIGN, Pat
 CLASS_SIGN = "@"  # sign before the name of a word class in a cue
 START_CLASS = "@start"  # name in a cue for the start of a clause
 END_CLASS = "@end"  # name in a cue for the end of a clause
+BARE_SHARE = 0.6  # fraction of content words from which optional words carry the meaning of a pattern
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,8 +102,19 @@ def _holds(context: Context, cue: Cue, pattern: Pattern, span: Span) -> bool:
         return False
     if (cue.near or cue.not_near) and not _holds_near(context, cue, span):
         return False
+    if not pattern.at_start and _is_bare(context, pattern, span):
+        return False
     kind = context.passage.kinds[context.passage.words[span.first].sentence]
     return cue.where in ("any", kind) or (cue.where == "talk" and context.is_talk(span.first))
+
+
+def _is_bare(context: Context, pattern: Pattern, span: Span) -> bool:
+    """Return whether function words match a pattern without its optional content words (`a few (crumbs/drops)`)."""
+    words = context.plain[span.first : span.last + 1]
+    if not pattern.options or not all(context.language.has("function", word) for word in words):
+        return False
+    shares = (sum(not context.language.has("function", word) for word in each) / len(each) for each in pattern.options)
+    return max(shares) > BARE_SHARE
 
 
 def _holds_near(context: Context, cue: Cue, span: Span) -> bool:

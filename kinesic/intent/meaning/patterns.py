@@ -11,25 +11,12 @@ END_SIGN = "$"  # sign after a pattern that matches only at the end of a clause
 STROKE_SIGN = "*"  # sign before the word of a pattern on which the stroke falls
 STEM_SIGN = "~"  # sign after a word of a pattern that matches with any inflection
 ANY_WORD = "_"  # sign in a pattern that matches any one word
-NEGATING_WORDS = frozenset({"not"})  # second words of negated contractions in full (do not)
-FULL_FORMS: Mapping[str, str] = {
-    "don't": "do",
-    "doesn't": "does",
-    "didn't": "did",
-    "can't": "can",
-    "couldn't": "could",
-    "won't": "will",
-    "wouldn't": "would",
-    "shouldn't": "should",
-    "isn't": "is",
-    "aren't": "are",
-    "wasn't": "was",
-    "weren't": "were",
-    "haven't": "have",
-    "hasn't": "has",
-    "hadn't": "had",
-    "mustn't": "must",
-}  # negative contraction -> its first word in full
+NOT_ENDING = "n't"  # ending of negated contractions
+NOT_WORD = "not"  # second word of negated contractions in full (do not)
+IRREGULAR_FORMS: Mapping[str, str] = {"can't": "can", "won't": "will"}  # negative contraction -> its first word in full
+FULL_ENDINGS: Mapping[str, str] = {"m": "am", "re": "are", "ve": "have", "ll": "will"}  # contracted -> full verb
+# Words of which the ending `'s` stands for `is`; of nouns, it shows possession.
+IS_WORDS = frozenset({"it", "that", "he", "she", "there", "here", "what", "who", "where", "how", "everything", "this"})
 OTHER_FORMS: Mapping[str, str] = {"can't": "cannot"}  # word -> other spelling that a pattern also matches
 NO_FORMS: Mapping[str, frozenset[str]] = {}  # irregular forms of a language without irregular verbs
 ANY_NUMBER = "#"  # sign in a pattern that matches a number word
@@ -77,6 +64,11 @@ class Pattern:
         """
         literal = (slot for slot in self.slots if not (slot.is_optional or slot.stems or slot.is_any or slot.is_number))
         return tuple(slot.words for slot in literal)
+
+    @cached_property
+    def options(self) -> tuple[frozenset[str], ...]:
+        """Alternative words at each optional position with several of them."""
+        return tuple(slot.words for slot in self.slots if slot.is_optional and len(slot.words) > 1)
 
     @property
     def first_words(self) -> frozenset[str]:
@@ -154,22 +146,34 @@ def read_pattern(text: str, irregular: Mapping[str, frozenset[str]] = NO_FORMS) 
 
 
 def spell_out(pattern: Pattern) -> Pattern | None:
-    """Return a pattern with the full forms of its contractions (`do not`).
+    """Return a pattern with the full forms of its contractions (`do not`, `it is`).
+
+    An optional contraction has a full form only if it is negative, since its parts are optional, too.
 
     Returns:
         None for a pattern without contractions.
     """
-    if all(FULL_FORMS.keys().isdisjoint(slot.words) for slot in pattern.slots):
-        return None
     slots = list[Slot]()
     for slot in pattern.slots:
-        negated = frozenset(FULL_FORMS[word] for word in slot.words if word in FULL_FORMS)
-        if not negated:
+        forms = [form for form in map(_full_form, slot.words) if form is not None]
+        full = [form for form in forms if form[1] == NOT_WORD or not slot.is_optional]
+        if not full:
             slots.append(slot)
             continue
-        slots.append(Slot(negated, is_optional=slot.is_optional))
-        slots.append(Slot(NEGATING_WORDS, is_optional=slot.is_optional, is_stroke=slot.is_stroke))
-    return replace(pattern, slots=tuple(slots))
+        firsts, seconds = (frozenset(words) for words in zip(*full, strict=True))
+        is_negated = NOT_WORD in seconds
+        slots.append(Slot(firsts, is_optional=slot.is_optional, is_stroke=slot.is_stroke and not is_negated))
+        slots.append(Slot(seconds, is_optional=slot.is_optional, is_stroke=slot.is_stroke and is_negated))
+    return replace(pattern, slots=tuple(slots)) if len(slots) > len(pattern.slots) else None
+
+
+def _full_form(word: str) -> tuple[str, str] | None:
+    """Return both words of a contraction, or None for another word."""
+    if word.endswith(NOT_ENDING):
+        return IRREGULAR_FORMS.get(word, word.removesuffix(NOT_ENDING)), NOT_WORD
+    first, _, ending = word.partition("'")
+    second = "is" if ending == "s" and first in IS_WORDS else FULL_ENDINGS.get(ending, "")
+    return (first, second) if second else None
 
 
 def _add_forms(slot: Slot, part: str, irregular: Mapping[str, frozenset[str]]) -> Slot:

@@ -6,6 +6,7 @@ falls, but `a drop of water` does not.
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Literal
 
 import msgspec
@@ -67,17 +68,17 @@ FRAMES: Mapping[FrameName, Frame] = {
 }
 
 
-def read_senses(language: str, irregular: Mapping[str, frozenset[str]]) -> Iterator[Cue]:
+def read_senses(folder: Path, irregular: Mapping[str, frozenset[str]]) -> Iterator[Cue]:
     """Yield the cues of all word senses of a language.
 
     Args:
-        language: name of its folder.
+        folder: with the files.
         irregular: irregular forms of verbs.
 
     Raises:
         ConfigError: a file is invalid.
     """
-    for path in sorted((SENSE_FOLDER / language).glob("*.toml")):
+    for path in sorted(folder.glob("*.toml")):
         for sense in read_toml(path, _File).sense:
             yield make_cue(_frame_sense(sense), path, irregular)
 

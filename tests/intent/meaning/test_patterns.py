@@ -47,6 +47,9 @@ def test_cue_pattern_without_a_required_word_is_refused():
         ("*can't/won't (really) say", "will not say", 1),
         ("(don't) move it", "move it", -1),
         ("can't see *it", "can not see it", 3),
+        ("it's/that's *fair", "that is fair", 2),
+        ("they'll *come", "they will come", 2),
+        ("*i'm late", "i am late", 0),
     ],
 )
 def test_pattern_with_a_contraction_also_matches_its_full_form(pattern: str, text: str, stroke: int):
@@ -55,3 +58,11 @@ def test_pattern_with_a_contraction_also_matches_its_full_form(pattern: str, tex
     words = text.split()
     assert full.match(words, 0, len(words), str.isdigit) == Span(0, len(words) - 1, stroke)
     assert spell_out(read_pattern("not bad")) is None
+    assert spell_out(read_pattern("my mother's (it's) *turn")) is None
+
+
+def test_inflected_word_of_a_pattern_also_matches_irregular_forms_of_the_verb():
+    forms = {"break": frozenset({"broke", "broken"})}
+    for word in ("breaks", "breaking", "broke", "broken"):
+        assert read_pattern("break~ up", forms).match([word, "up"], 0, 2, str.isdigit) is not None
+    assert read_pattern("break up", forms).match(["broke", "up"], 0, 2, str.isdigit) is None

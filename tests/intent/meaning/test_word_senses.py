@@ -8,8 +8,8 @@ from kinesic.body.config import ConfigError
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.author import plan_behaviours
-from kinesic.intent.meaning import senses
 from kinesic.intent.meaning.cue_table import load_cues, load_senses
+from kinesic.intent.meaning.senses import read_senses
 
 LEXICON, NEUTRAL = Lexicon.load(), Style.load("neutral")
 
@@ -66,6 +66,11 @@ def test_denied_fact_gets_a_denying_gesture_unless_it_is_asked_or_forbidden():
         assert not pictures(text) & denying, text
 
 
+def test_pattern_without_its_optional_content_words_does_not_match_function_words():
+    assert pictures("We ate only a few crumbs!") & {"small_pinch", "tiny_low", "narrow_low"}
+    assert not pictures("And there was no wind in the harbour.") & {"that_low"}
+
+
 def test_short_echo_question_gets_an_asking_gesture():
     assert pictures("Like what?") == {"ask_open"}
     assert "ask_open" not in pictures("I know what.")
@@ -86,9 +91,7 @@ def test_senses_name_known_gestures_and_each_has_a_pattern():
     assert not load_cues("de").cues
 
 
-def test_sense_with_an_unknown_frame_is_refused(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    (tmp_path / "en").mkdir()
-    (tmp_path / "en" / "wrong.toml").write_text('[[sense]]\nsays = "x"\nwords = "y"\nframe = "adverb"\n')
-    monkeypatch.setattr(senses, "SENSE_FOLDER", tmp_path)
+def test_sense_with_an_unknown_frame_is_refused(tmp_path: Path):
+    (tmp_path / "wrong.toml").write_text('[[sense]]\nsays = "x"\nwords = "y"\nframe = "adverb"\n')
     with pytest.raises(ConfigError, match="frame"):
-        list(senses.read_senses("en", {}))
+        list(read_senses(tmp_path, {}))
