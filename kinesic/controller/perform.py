@@ -3,7 +3,7 @@
 import warnings
 from importlib import import_module
 
-NEW_PATHS = {
+NEW_PATHS = {  # name of a function -> its new import path
     "dry_run": "kinesic.controller.dry_run.dry_run",
     "dry_runs": "kinesic.controller.dry_run.dry_runs",
     "perform": "kinesic.performer.perform",

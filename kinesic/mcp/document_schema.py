@@ -9,13 +9,14 @@ from kinesic.body.config import names_of
 
 Json = str | int | float | bool | None | Sequence["Json"] | Mapping[str, "Json"]
 
+# Values that the schema offers, a selection of those that BML documents may contain
 HEAD_MOVEMENTS = ("NOD", "SHAKE", "TILT", "UP", "DOWN", "LEFT", "RIGHT", "FORWARD", "BACK")
 FACE_LEXEMES = ("smile", "sadness", "surprise", "anger", "fear", "disgust", "raise_brows", "lower_brows")
 GAZE_TARGETS = ("AUDIENCE", "LEFT", "RIGHT", "UP", "DOWN", "UP_LEFT", "UP_RIGHT", "DOWN_LEFT", "DOWN_RIGHT")
-ARM_POSES = ("ARMS_CROSSED", "ARMS_AKIMBO", "ARMS_OPEN", "ARMS_NEUTRAL")
-HAND_MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
+ARM_POSES = ("ARMS_CROSSED", "ARMS_AKIMBO", "ARMS_OPEN", "ARMS_NEUTRAL")  # lexemes of posture shifts
+HAND_MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")  # values of `mode` of a gesture
 UNSTRESSED_TYPES = ("speech", "face", "gazeShift", "postureShift")  # behaviour types without a stroke
-COMPOSITION_NAMES = ("MERGE", "APPEND", "REPLACE")
+COMPOSITION_NAMES = ("MERGE", "APPEND", "REPLACE")  # values of `composition` of a document
 
 TIME_TEXT = (
     "start, stroke and end of a behaviour are seconds, such as 1.5, or references with an offset, such as 's:m1' (mark "

@@ -4,7 +4,7 @@ import json
 import re
 from dataclasses import dataclass
 
-TOKEN_PATTERN = re.compile(r'"(?:[^"\\]|\\.)*"|[{}\[\],:]|[^\s{}\[\],:"]+')
+TOKEN_PATTERN = re.compile(r'"(?:[^"\\]|\\.)*"|[{}\[\],:]|[^\s{}\[\],:"]+')  # text, punctuation or literal
 PLAIN_KEY_PATTERN = re.compile(r"[A-Za-z_]\w*")  # keys that a path shows as `.key`, without brackets
 KEY_PREFIX_PATTERN = re.compile(r"([A-Za-z_][\w:.-]*)(?==|: )")  # attribute name at the beginning of an error message
 MAX_PATH_LENGTH = 200  # [characters] longest JSON path in a message; the rest is cut off

@@ -17,7 +17,7 @@ MAX_WAIT = 50.0  # [s] largest time limit of a call to `wait`; many clients give
 MAX_RESULTS = 25  # largest number of gestures in an answer
 DEFAULT_RESULTS = 8  # default number of gestures in an answer
 
-STYLE_NAMES = names_of("style")
+STYLE_NAMES = names_of("style")  # names of the built-in styles
 DOCUMENT_TEXT = "One performance as a JSON object (preferred), or BML 1.0 as XML text."
 PREVIEW_TEXT = (
     "One performance, exactly as perform takes it: a JSON object with id and behaviours (schema: kinesic://schema), or "

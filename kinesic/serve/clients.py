@@ -40,7 +40,7 @@ CLOSE_TRY_LATER = 1013  # WebSocket close code: the server is full
 REFUSAL_BURST_FACTOR = 10  # refused messages, in multiples of `Quotas.burst`, before a client is disconnected
 FREQUENT_MESSAGES = ReachQuestion | SpokenWords  # message types that clients send at high rates
 FREQUENT_RATE_FACTOR = 4  # rate and burst limit of `FREQUENT_MESSAGES` relative to those of other messages
-TOKEN_REQUIRED = 'a token is needed: send {"do": "hello", "token": "..."} first'
+TOKEN_REQUIRED = 'a token is needed: send {"do": "hello", "token": "..."} first'  # reason of refusals before the token
 
 
 @dataclass(eq=False)

@@ -23,7 +23,7 @@ MAX_TEXT_WORDS = 4000  # largest number of spoken words of one plan, about 27 mi
 MAX_TEXT_DURATION = 2400.0  # [s] maximum duration of the plan of a text
 # Limits of the BML written for a text: size [bytes], numbers of elements and behaviours.
 TEXT_BOUNDS = DocumentBounds(size=40_000_000, elements=200_000, behaviours=50_000)
-_WORD_PATTERN = re.compile(r"\w+(?:['\u2019.,-]\w+)*")
+_WORD_PATTERN = re.compile(r"\w+(?:['\u2019.,-]\w+)*")  # spoken word, with inner apostrophes and hyphens
 TEXT_SUFFIXES = (".txt", ".md", ".markdown", ".srt", ".vtt", ".ssml")  # suffixes of files with text to be spoken
 
 

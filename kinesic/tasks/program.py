@@ -11,7 +11,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from platform import python_version
 
-PACKAGE_FOLDER = Path(__file__).resolve().parents[1]
+PACKAGE_FOLDER = Path(__file__).resolve().parents[1]  # folder of the package kinesic
 SOURCE_SUFFIXES = (".py", ".toml", ".cpp", ".h")  # suffixes of files in the source hash
 FOREIGN_FOLDERS = {"node_modules", "__pycache__"}  # folders inside the package without its own files
 VERSIONED_LIBRARIES = ("numpy", "mujoco-core", "casadi", "highspy")  # libraries that affect numerical results

@@ -22,10 +22,11 @@ ENTRY_TYPE = (
     "STRUCT(file VARCHAR, outcome VARCHAR, exit INTEGER, error VARCHAR, report VARCHAR, behaviours VARCHAR[][], "
     'checks STRUCT(name VARCHAR, status VARCHAR, "value" DOUBLE, "limit" DOUBLE, unit VARCHAR, "where" VARCHAR)[])'
 )
-JOURNAL_COLUMNS = f"{{'key': 'VARCHAR', 'entry': '{ENTRY_TYPE}'}}"
+JOURNAL_COLUMNS = f"{{'key': 'VARCHAR', 'entry': '{ENTRY_TYPE}'}}"  # columns of a journal line
+# SQL that reads a journal as a table, one row per line
 READ_JOURNAL = f"read_json(?, format='newline_delimited', columns={JOURNAL_COLUMNS}, ignore_errors=true)"
 VALID_LINES = f"(SELECT * FROM {READ_JOURNAL} WHERE entry.file IS NOT NULL)"  # broken lines are read as NULL
-READ_JSON = "read_json(?, maximum_object_size=1000000000)"
+READ_JSON = "read_json(?, maximum_object_size=1000000000)"  # SQL that reads a JSON file
 TABLE_QUERIES: Mapping[str, Mapping[str, str]] = {
     JOURNAL_FILE: {
         "documents": f"SELECT key, entry.file, entry.outcome, entry.exit, entry.error, entry.report FROM {VALID_LINES}",

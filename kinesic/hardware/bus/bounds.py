@@ -24,11 +24,11 @@ RANGE_MARGIN = TICKS_PER_TURN // 8  # [ticks] largest distance of a pushed servo
 MAX_WOUND_POSITION = 8 * TICKS_PER_TURN  # [ticks] largest plausible distance from 0 of a servo turned without torque
 STALL_LOAD = 1000  # [0.1 %] value of PRESENT_CURRENT at stall, if the servo has no current sensor
 MIN_VOLTAGE = 25  # [0.1 V] lowest supply voltage at which a servo's processor works
-MAX_SUPPLY_RATIO = 1.5  # Largest plausible supply voltage / factory voltage limit of the servo
+MAX_SUPPLY_RATIO = 1.5  # largest plausible supply voltage, as a multiple of the servo's factory voltage limit
 MAX_TEMPERATURE = 125  # [C] largest plausible temperature, the end of the sensor's range
 ERROR_BITS = 0x3F  # Valid bits of HARDWARE_ERROR_STATUS
 
-CHECKED_FIELDS: tuple[FieldName, ...] = (
+CHECKED_FIELDS: tuple[FieldName, ...] = (  # fields of a record with bounds that do not depend on torque
     "torque",
     "watchdog",
     "current",

@@ -94,7 +94,7 @@ def map_record(access: ServoAccess, servo: Servo) -> None:
 
 
 def supports_fast_reads(wire: Wire, servos: Sequence[Servo]) -> bool:
-    """Return whether all servos answer one fast read of all of them.
+    """Return whether all servos answer a common fast read.
 
     Older firmware does not. A single servo is read plainly, which gives False.
     """

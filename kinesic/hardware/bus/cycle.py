@@ -16,6 +16,7 @@ from kinesic.body.arrays import Flags, Floats
 from kinesic.hardware.protocol.registers import Field, Register
 from kinesic.hardware.protocol.ticks import Ticks
 
+# Registers of a servo's record, which each cycle reads, in the order of its bytes
 RECORD_REGISTERS = (
     Register.TORQUE_ENABLE,
     Register.HARDWARE_ERROR_STATUS,
@@ -30,7 +31,7 @@ RECORD_REGISTERS = (
 FieldName = Literal[
     "torque", "hardware_error", "watchdog", "tick", "current", "velocity", "position", "volts", "temperature"
 ]
-FIELD_NAMES: tuple[FieldName, ...] = get_args(FieldName)
+FIELD_NAMES: tuple[FieldName, ...] = get_args(FieldName)  # names of a record's fields, in the order of RECORD_REGISTERS
 
 Records = NDArray[np.void]  # of dtype RECORD_DTYPE or BLOCK_DTYPE
 EventKind = Literal[
@@ -52,11 +53,12 @@ def _format(field: Field) -> str:
 
 
 _RECORD_LAYOUT = [(name, _format(register.field)) for name, register in zip(FIELD_NAMES, RECORD_REGISTERS, strict=True)]
-RECORD_DTYPE = np.dtype(_RECORD_LAYOUT)
+RECORD_DTYPE = np.dtype(_RECORD_LAYOUT)  # NumPy type of a servo's record
 BLOCK_DTYPE = np.dtype([("error", "u1"), ("id", "u1"), *_RECORD_LAYOUT, ("crc", "<u2")])
 """Block of a servo in a common reply: error byte, id, record, and the CRC of everything before it."""
 
 RECORD_SIZE = RECORD_DTYPE.itemsize  # [bytes] size of a servo's record: 18
+# Addresses of the record's bytes in the control table, in the order of the record
 RECORD_ADDRESSES = tuple(address for r in RECORD_REGISTERS for address in range(r.field.address, r.field.end))
 CELL_CONTENTS = b"".join(address.to_bytes(2, "little") for address in RECORD_ADDRESSES)
 """Contents that the indirect addresses of each servo must have: RECORD_ADDRESSES in two bytes each."""

@@ -13,7 +13,7 @@ from kinesic.hardware.protocol.packet import sync_write
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.ticks import Ticks
 
-_GOAL_FIELD = Register.GOAL_POSITION.field
+_GOAL_FIELD = Register.GOAL_POSITION.field  # register that the packet writes
 _HEADER_SIZE = 12  # [bytes] size of the sync write packet before the first servo's row
 _ROW_SIZE = 1 + _GOAL_FIELD.size  # [bytes] size of a servo's row: id and goal position
 

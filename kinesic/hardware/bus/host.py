@@ -7,10 +7,11 @@ from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 
-SERIAL_BY_ID = Path("/dev/serial/by-id")
-SYSFS_ROOT = Path("/sys")
+SERIAL_BY_ID = Path("/dev/serial/by-id")  # folder of links that name USB ports by their adapter
+SYSFS_ROOT = Path("/sys")  # folder of the kernel's device settings
 TARGET_LATENCY_MS = 1  # [ms] latency timer setting at which the bus reaches its full rate
-UDEV_RULE_FILE = "/etc/udev/rules.d/99-kinesic-latency.rules"
+UDEV_RULE_FILE = "/etc/udev/rules.d/99-kinesic-latency.rules"  # file of UDEV_RULE
+# Rule that sets the latency timer of each plugged-in FTDI adapter to 1 ms
 UDEV_RULE = 'ACTION=="add", SUBSYSTEM=="usb-serial", DRIVER=="ftdi_sio", ATTR{latency_timer}="1"'
 
 
@@ -54,7 +55,7 @@ class Punctuality:
         self.watchdog_factor = 1  # watchdog time / watchdog time on a punctual host
 
     def note(self, now: float, *, excused: bool) -> str:
-        """Record a cycle's start, and return a message if the watchdog changes.
+        """Record a cycle's start, and return a message if watchdog times change.
 
         Without a change, the message is empty.
 

@@ -14,7 +14,7 @@ from kinesic.hardware.protocol.packet import CRC_TABLE
 Crcs = NDArray[np.uint16]
 Bytes = NDArray[np.uint8]
 
-_CRC_ARRAY: Crcs = np.array(CRC_TABLE, dtype=np.uint16)
+_CRC_ARRAY: Crcs = np.array(CRC_TABLE, dtype=np.uint16)  # CRC of each single byte
 
 
 def advance_crcs(crcs: Crcs, data: Bytes | int = 0) -> Crcs:

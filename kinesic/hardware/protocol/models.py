@@ -16,8 +16,9 @@ Family = Literal["330", "430", "540"]
 
 WATCHDOG_FIRMWARE = 38  # First firmware with a bus watchdog, which stops servos when the host fails
 UNREACHABLE_FIRMWARE = 256  # First firmware of a feature that a model never gets; real versions are one byte
+# Registers of external ports, which only some models have
 _PORT_REGISTERS = tuple(register for register in Register if register.name.startswith("EXTERNAL_PORT"))
-_CURRENT_REGISTERS = (Register.CURRENT_LIMIT, Register.GOAL_CURRENT)
+_CURRENT_REGISTERS = (Register.CURRENT_LIMIT, Register.GOAL_CURRENT)  # missing without a current sensor
 
 
 @dataclass(frozen=True)

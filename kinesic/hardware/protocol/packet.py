@@ -10,16 +10,16 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from enum import IntEnum
 
-PACKET_HEADER = b"\xff\xff\xfd\x00"
+PACKET_HEADER = b"\xff\xff\xfd\x00"  # first bytes of every packet
 BROADCAST_ID = 0xFE  # Id that addresses all servos
 ALERT_BIT = 0x80  # Bit of the error byte for a nonzero hardware error register
 MAX_LENGTH = 1024  # [bytes] largest accepted length field of a packet; a larger one is treated as noise
 PACKET_OVERHEAD = 10  # [bytes] size of an instruction packet without parameters
 STATUS_OVERHEAD = 11  # [bytes] size of a status packet without data
 
-_HEADER_MARK = b"\xff\xff\xfd"
-_STUFFED_MARK = b"\xff\xff\xfd\xfd"
-_CRC_POLYNOMIAL = 0x8005
+_HEADER_MARK = b"\xff\xff\xfd"  # bytes that may occur only in a header
+_STUFFED_MARK = b"\xff\xff\xfd\xfd"  # the same bytes in a packet's body, after stuffing
+_CRC_POLYNOMIAL = 0x8005  # generator polynomial of the 16-bit CRC, without its highest bit
 
 
 class Instruction(IntEnum):
@@ -82,7 +82,7 @@ def _row(byte: int) -> int:
     return crc & 0xFFFF
 
 
-CRC_TABLE = tuple(_row(byte) for byte in range(256))
+CRC_TABLE = tuple(_row(byte) for byte in range(256))  # CRC of each byte value
 
 
 def crc16(data: bytes | bytearray | memoryview, crc: int = 0) -> int:

@@ -22,7 +22,7 @@ from kinesic.hardware.protocol.registers import BAUD_RATES
 from kinesic.hardware.protocol.ticks import Scale
 
 MAX_ID = 252  # Largest id of a servo
-BUS_NAME_PATTERN = re.compile(r"[A-Za-z0-9_-]{1,64}")
+BUS_NAME_PATTERN = re.compile(r"[A-Za-z0-9_-]{1,64}")  # valid names of buses, also used in file names
 MID_TICKS = TICKS_PER_TURN // 2  # [ticks] middle of a turn, default servo position at hinge angle 0
 
 

@@ -24,8 +24,8 @@ from kinesic.hardware.supervisor.channel import MEMORY_NAME, Channel, map_memory
 from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG, account_home, user_id
 
 RUNTIME_ROOT = Path("/run/user")  # Parent of the users' runtime folders
-SHARED_MEMORY = Path("/dev/shm")
-PROCESS_FOLDER = Path("/proc")
+SHARED_MEMORY = Path("/dev/shm")  # folder of shared memory, second choice for address files
+PROCESS_FOLDER = Path("/proc")  # folder in which the kernel lists processes
 STATE_FOLDER = Path(".local") / "state"  # Folder of user state in the home folder
 ALIVE_TIMEOUT = 1.0  # [s] age of the last cycle at which a supervisor counts as dead
 

@@ -31,9 +31,9 @@ MAX_TELEMETRY_SERVOS = 256  # Largest number of servos in a telemetry row
 MEMORY_NAME = "kinesic"  # name of the shared memory in /proc/PID/fd
 PACE_STEPS = 1000  # Resolution of the requested time scale, in steps from 0 to 1
 READ_ATTEMPTS = 50  # Attempts to read a ring row that is being written
-STAGE_VALUES = tuple(Stage)
-STOP_POLICIES: tuple[Policy, ...] = ("hold", "limp")
-AWAITED_VALUES: tuple[Awaited, ...] = get_args(Awaited)
+STAGE_VALUES = tuple(Stage)  # stages by their number in the shared memory
+STOP_POLICIES: tuple[Policy, ...] = ("hold", "limp")  # policies by their number in the shared memory, from 1 on
+AWAITED_VALUES: tuple[Awaited, ...] = get_args(Awaited)  # awaited inputs by their number in the shared memory
 _WORD_NAMES = (
     "written",
     "read",
@@ -47,7 +47,7 @@ _WORD_NAMES = (
     "cycles",
     "tellings",
 )
-_WORD_OFFSETS = {name: place for place, name in enumerate(_WORD_NAMES)}
+_WORD_OFFSETS = {name: place for place, name in enumerate(_WORD_NAMES)}  # word name -> index in the shared memory
 _TEXT_SIZE = 400  # [bytes] space for the text of an event
 
 
@@ -246,8 +246,8 @@ def _status_of(row: np.void) -> Status:
     )
 
 
-_CLOSED_STATUS = Status()
-_STATUS_VECTORS = ("angles", "setpoints", "taken")
+_CLOSED_STATUS = Status()  # status before the first cycle
+_STATUS_VECTORS = ("angles", "setpoints", "taken")  # fields of a status with a value per joint
 _STATUS_NUMBERS = ("clock", "time", "scale", "energised", "hottest", "volts", "silent", "late", "faulty")
 _row = attrgetter(*_STATUS_NUMBERS, *_STATUS_VECTORS)
 
@@ -266,7 +266,7 @@ def _status(joints: int) -> np.dtype[np.void]:
 _EVENT_DTYPE = np.dtype(
     [("number", "<u8"), ("clock", "<f8"), ("servo", "<i8"), ("kind", "S24"), ("text", f"S{_TEXT_SIZE}"), ("crc", "<u8")]
 )
-_TELEMETRY_QUANTITIES = len(Telemetry().figures)
+_TELEMETRY_QUANTITIES = len(Telemetry().figures)  # number of rows of `figures`
 _TELEMETRY_DTYPE = np.dtype(
     [
         ("number", "<u8"),

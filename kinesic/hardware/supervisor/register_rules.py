@@ -186,4 +186,4 @@ RAM_RULES = (
     _rule("left", Register.BACKUP_READY, why="a backup is restored by STARTUP_CONFIGURATION only, which is 0"),
 )
 
-REGISTER_RULES = (*EEPROM_RULES, *RAM_RULES)
+REGISTER_RULES = (*EEPROM_RULES, *RAM_RULES)  # rules of all registers

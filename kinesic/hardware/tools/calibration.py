@@ -66,7 +66,7 @@ class Travel:
 
 @dataclass(frozen=True)
 class HingeCalibration:
-    """Measurements of one hinge, in degrees of the hinge."""
+    """Measurements of one hinge, in degrees of hinge rotation."""
 
     hinge: str
     ids: tuple[int, ...]

@@ -19,6 +19,7 @@ from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.tools.survey import open_slow_access
 
 RELEASE_REPEATS = 2  # Number of torque-off broadcasts before each servo is verified
+# Broadcast that switches the torque of all servos off
 TORQUE_OFF_PACKET = packet.write_packet(BROADCAST_ID, Register.TORQUE_ENABLE.field.address, b"\0")
 
 

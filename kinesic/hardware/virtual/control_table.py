@@ -24,7 +24,7 @@ TORQUE_BY_GOAL_BIT = 8  # Bit of DRIVE_MODE for torque switched on by a goal
 
 GOAL_REGISTERS = frozenset({Register.GOAL_PWM, Register.GOAL_CURRENT, Register.GOAL_VELOCITY, Register.GOAL_POSITION})
 """Registers that a servo does not accept after its bus watchdog has tripped."""
-_LIMIT_REGISTERS = {
+_LIMIT_REGISTERS = {  # goal register -> register with the limit of the goal
     Register.GOAL_PWM: Register.PWM_LIMIT,
     Register.GOAL_CURRENT: Register.CURRENT_LIMIT,
     Register.GOAL_VELOCITY: Register.VELOCITY_LIMIT,

@@ -27,7 +27,7 @@ Direction = Literal["reply", "request"]
 WIRE_KINDS = frozenset(get_args(WireFaultKind))  # Kinds of faults of bytes on the bus
 SERVO_KINDS = frozenset(get_args(ServoFaultKind))  # Kinds of faults that a servo develops during operation
 BUILD_KINDS = frozenset(get_args(BuildFaultKind))  # Kinds of faults that a servo has from its creation on
-FAULT_KINDS: tuple[str, ...] = get_args(FaultKind)
+FAULT_KINDS: tuple[str, ...] = get_args(FaultKind)  # names of all kinds of faults
 XL430_NUMBER = 1060  # Model number of the XL430
 
 DEFAULT_VALUES: Mapping[str, float] = {
@@ -113,7 +113,7 @@ class FaultPlan:
         return tuple(fault for fault in self.faults if fault.kind in kinds)
 
 
-NO_FAULTS = FaultPlan()
+NO_FAULTS = FaultPlan()  # plan without any fault
 
 
 class FaultTable(msgspec.Struct, forbid_unknown_fields=True):

@@ -29,7 +29,7 @@ NOMINAL_VOLTS = 12.0  # [V] supply voltage of most models
 ROOM_TEMPERATURE = 25.0  # [C] initial temperature of a virtual servo
 SMALL_MODEL_VOLTS = 5.0  # [V] supply voltage of models that do not withstand 12 V
 _SUPPLY_FORMAT = struct.Struct("<HB")  # Consecutive registers PRESENT_INPUT_VOLTAGE and PRESENT_TEMPERATURE
-_SUPPLY_ADDRESS = Register.PRESENT_INPUT_VOLTAGE.field.address
+_SUPPLY_ADDRESS = Register.PRESENT_INPUT_VOLTAGE.field.address  # address of _SUPPLY_FORMAT
 _TORQUE_AT_BOOT_BIT = 1  # STARTUP_CONFIGURATION bit that switches torque on at boot
 _RAM_AT_BOOT_BIT = 2  # STARTUP_CONFIGURATION bit that restores RAM at boot
 

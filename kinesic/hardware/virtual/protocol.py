@@ -54,7 +54,7 @@ def obey_aliases(packet: Packet, aliases: Servos) -> None:
 
 
 def _plain(servo: int, instruction: int, parameters: bytes, servos: Servos) -> Iterator[Sent]:
-    """Execute an instruction on servos with one id and yield their reply.
+    """Execute an instruction on servos with one id, and yield the reply.
 
     Statuses of several servos with the same id are mixed.
     """
@@ -152,7 +152,7 @@ def _read_fast(packet: Packet, servos: Servos) -> Iterator[Sent]:
         yield Sent(servo, ended, 0.0 if k else TURNAROUND_TIME + delay, chained=True)
 
 
-_WRITE_INSTRUCTIONS = (Instruction.SYNC_WRITE, Instruction.BULK_WRITE)
+_WRITE_INSTRUCTIONS = (Instruction.SYNC_WRITE, Instruction.BULK_WRITE)  # writes to several servos, without reply
 _COLLECTIVE_INSTRUCTIONS: Mapping[int, Callable[[Packet, Servos], Iterator[Sent]]] = {
     Instruction.SYNC_READ: _read_each,
     Instruction.BULK_READ: _read_each,

@@ -17,10 +17,11 @@ IN_POSITION_TOLERANCE = 10  # [ticks] threshold of the in-position bit; the manu
 FOLLOWING_ERROR_LIMIT = 100  # [ticks] threshold of the following-error bit; the manual gives no value
 STALL_LOAD = 1000  # [0.1 %] value of PRESENT_CURRENT at stall, if the servo has no current sensor
 
+# Operating modes with a goal position
 POSITION_MODES = frozenset({Mode.POSITION.value, Mode.EXTENDED_POSITION.value, Mode.CURRENT_POSITION.value})
 _FORM_BITS = {"step": 0x00, "rectangle": 0x10, "triangle": 0x20, "trapezoid": 0x30}  # MOVING_STATUS bits by form
 _SENSOR_FORMAT = struct.Struct("<BBhhiiii")  # Consecutive registers MOVING to POSITION_TRAJECTORY
-_SENSOR_ADDRESS = Register.MOVING.field.address
+_SENSOR_ADDRESS = Register.MOVING.field.address  # address of _SENSOR_FORMAT
 
 
 @dataclass(frozen=True)

@@ -17,7 +17,7 @@ from kinesic.files.held_folder import HeldFolder
 from kinesic.serve.desk.archive import hold_archive, remove_abandoned_files
 
 MAX_BACKUPS = 20  # largest number of backups; a further one replaces the oldest
-BACKUP_FILES = tuple(f"backup_{number:02d}.txt" for number in range(1, MAX_BACKUPS + 1))
+BACKUP_FILES = tuple(f"backup_{number:02d}.txt" for number in range(1, MAX_BACKUPS + 1))  # fixed names of the files
 MAX_HEADER_SIZE = 1000  # [bytes] largest first line of a backup
 MAX_TEXT_SIZE = 1_000_000  # [bytes] largest document in a backup
 

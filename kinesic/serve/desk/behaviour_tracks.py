@@ -20,6 +20,7 @@ from kinesic.bml.block import Behaviour
 from kinesic.planning.plan import Plan
 
 Track = Literal["voice", "face", "gaze", "head", "torso", "r_hand", "l_hand"]
+# Tracks of body parts that a plan may use, the preferred main track first
 USED_TRACKS: Sequence[Literal["torso", "head", "r_hand", "l_hand"]] = ("r_hand", "l_hand", "torso", "head")
 MODE_TRACKS: dict[str, tuple[Track, ...]] = {
     "left": ("l_hand",),

@@ -42,7 +42,7 @@ class FileQuestion:
 
 ClientQuestion = PlanQuestion | ExportQuestion | GestureQuestion | FindQuestion | AuthorQuestion | AlternativesQuestion
 DraftQuestion = ClientQuestion | FileQuestion
-ANSWER_NAMES: Mapping[type[ClientQuestion], str] = {
+ANSWER_NAMES: Mapping[type[ClientQuestion], str] = {  # query -> value of `told` in its answer
     PlanQuestion: "plan",
     ExportQuestion: "export",
     GestureQuestion: "gesture",

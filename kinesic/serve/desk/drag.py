@@ -115,7 +115,7 @@ def _gaze(robot: Robot, _side: Side, target: Floats, near: Floats) -> tuple[tupl
     return robot.joints("neck"), rows, distance
 
 
-_PART_SOLVERS = {"elbow": _elbow, "trunk": _trunk, "gaze": _gaze}
+_PART_SOLVERS = {"elbow": _elbow, "trunk": _trunk, "gaze": _gaze}  # dragged body part -> its problem
 
 
 def _solve(robot: Robot, joints: tuple[int, ...], rows: Rows, near: Floats) -> Floats:

@@ -70,7 +70,7 @@ def _write_voice(plan: Plan, path: Path) -> None:
     write_wav(audio, path)
 
 
-_FORMAT_WRITERS: Writers = {
+_FORMAT_WRITERS: Writers = {  # file format -> function that writes it
     "npz": _write_motion,
     "csv": _write_motion,
     "bap": _write_bap,

@@ -20,8 +20,8 @@ CONFIRMATION_TIMEOUT = 30.0  # [s] time limit for a person to confirm that torqu
 CODE_SIZE = 8  # [bytes] random part of a confirmation code, sent as hexadecimal digits
 ARMING_POLL_PERIOD = 0.02  # [s] between two checks of the servo state
 BLOCK_END_TIMEOUT = 10.0  # [s] time limit for blocks to end before the servos fold
-BUSY_REFUSAL = "a change of the torque is in progress; wait for its answer"
-NO_SERVOS_REFUSAL = "this server drives no servos; start it with --on servos"
+BUSY_REFUSAL = "a change of the torque is in progress; wait for its answer"  # reason during another request
+NO_SERVOS_REFUSAL = "this server drives no servos; start it with --on servos"  # reason without servos
 
 
 class ArmingClient(Protocol):

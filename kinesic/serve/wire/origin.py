@@ -15,6 +15,7 @@ from websockets.datastructures import Headers
 
 from kinesic.body.config import ConfigError
 
+# Scheme and authority of a page origin, such as http://studio.local:5173
 ORIGIN_PATTERN = re.compile(r"(https?)://((?:[a-z0-9.-]+|\[[0-9a-f:.]+\])(?::[1-9][0-9]{0,4})?)")
 LOOPBACK_NAMES = ("localhost", "127.0.0.1", "[::1]")  # host names of this machine in URLs
 WEB_SCHEMES = ("http", "https")  # URL schemes of page origins
