@@ -46,7 +46,7 @@ class HeadDirectionShift:
 
 @dataclass(frozen=True)
 class Gaze:
-    """Gaze at a target or in the held gaze direction, with an angular offset."""
+    """Gaze at a target or in the held direction, with angular offset."""
 
     target: str | None = None
     influence: str | None = None

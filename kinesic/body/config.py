@@ -183,7 +183,7 @@ def names_of(kind: str) -> tuple[str, ...]:
 
 
 def suggestion(word: str, valid_names: Iterator[str] | list[str] | tuple[str, ...]) -> str:
-    """Return a hint with the nearest valid name, or with all valid names.
+    """Return a hint with the nearest valid name, or all names.
 
     Returns:
         '; did you mean X?', or a list of all valid names if none is near.
@@ -238,7 +238,7 @@ def _suggest_key(message: str, schema: object) -> str:
 
 
 def _enter(schema: object, part: str) -> Iterator[object]:
-    """Yield the types that a schema allows one level deeper in a path."""
+    """Yield the types of a schema's field or items, named by `part`."""
     if isinstance(schema, type) and issubclass(schema, msgspec.Struct):
         yield from (field.type for field in msgspec.structs.fields(schema) if part == f".{field.encode_name}")
     elif get_origin(schema) in (Union, UnionType, Annotated):

@@ -34,7 +34,7 @@ def read_robot(path: Path, schema: type[T]) -> T:
 
 
 def find_extended(path: Path) -> Path | None:
-    """Return the path of the robot file that a file extends, or None.
+    """Return the path of the extended robot file, or None without one.
 
     Raises:
         ConfigError: a file is missing or invalid.

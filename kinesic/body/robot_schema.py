@@ -74,7 +74,7 @@ class LimitsTable(Strict):
 
 
 class SourceTable(Strict):
-    """TOML table `source`: joint of the imported file, as `kinesic robots import` found it.
+    """TOML table `source`: joint of the imported file that a hinge represents.
 
     joint angle = zero_deg + sign * angle of the hinge
     """

@@ -1,4 +1,4 @@
-"""Joints of an imported robot under the names, signs and zeros of its own file."""
+"""Conversion of hinge angles to the joint convention of an imported robot's file."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ class SourceJoint:
 
 @dataclass(frozen=True, eq=False)
 class SourceJoints:
-    """Linear map from hinge angles to joint angles of the robot's own file.
+    """Linear map from hinge angles to joint angles of an imported file.
 
     A hinge that the file does not name keeps its own name, sign and zero. Coupled joints of the file follow the hinges.
     """
@@ -79,7 +79,7 @@ class SourceJoints:
         }
 
     def hinge_angles(self, hinge: int, name: str, values: Floats) -> Floats:
-        """Return the angles (m,) [rad] of a hinge from a column of joint or hinge angles.
+        """Convert a column of joint or hinge angles to hinge angles (m,) [rad].
 
         Args:
             hinge: index in joint order.

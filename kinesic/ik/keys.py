@@ -22,7 +22,7 @@ class ArmMode(IntEnum):
 
 @dataclass(frozen=True)
 class Key:
-    """Target of an arm at a key frame, in the arm's base frame."""
+    """Target of an arm at a key frame, in its base frame."""
 
     mode: ArmMode
     rest: Floats  # (k,) [rad] rest posture, preferred for angles that the reach leaves free

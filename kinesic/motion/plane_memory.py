@@ -70,7 +70,7 @@ class PlaneMemory:
         return copy
 
     def learn(self, other: "PlaneMemory", hinges: Sequence[int], whole: tuple[bool, bool]) -> None:
-        """Replace the cutting planes of some hinges by those of a partial search.
+        """Replace some hinges' cutting planes by those of a partial search.
 
         A hinge rests at the first and the last key of its motion. Planes that involve these keys are therefore not
         valid where the whole motion has keys before or after them.

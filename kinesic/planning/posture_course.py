@@ -60,7 +60,7 @@ class PostureCourse:
         return replace(self, stray=sealed(performed - self.motion.angles(times)))
 
     def near(self, arm: ArmHinges, time: float) -> int | None:
-        """Return the index of an arm's key near a block time, or None.
+        """Return an arm's key index near a block time, or None.
 
         It is the nearest key, if less than `MIN_KEY_INTERVAL` away.
         """
@@ -69,7 +69,7 @@ class PostureCourse:
         return nearest if abs(self.planned[nearest] - time) < MIN_KEY_INTERVAL else None
 
     def detours(self, time: float, arms: list[ArmHinges]) -> set[int]:
-        """Return indices of arms' detour keys directly before and after a block time."""
+        """Return the arms' detour keys directly before and after a time."""
         matches = set[int]()
         for arm in arms:
             keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]

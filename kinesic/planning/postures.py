@@ -54,7 +54,7 @@ def solve_postures(keyframes: KeyFrames, robot: Robot, distances: Distances) -> 
 
 
 def _bodies(keyframes: KeyFrames, leans: Sequence[Floats], robot: Robot) -> Floats:
-    """Return the postures (m, n) [rad] of all key frames, with resting arms.
+    """Return all key frames' postures (m, n) [rad], with resting arms.
 
     Fingers, torso and head are in place.
     """

@@ -66,7 +66,7 @@ def standing_robot(robot: Robot, style: Style, lexicon: Lexicon, distances: Dist
 
 
 def take_rest(name: str, setup: Setup, chance: np.random.Generator) -> Floats | None:
-    """Return the rest posture with hands in a named rest gesture, or None.
+    """Return the rest posture with a named rest gesture, or None.
 
     Args:
         name: rest gesture, or empty for arms that hang.

@@ -22,7 +22,7 @@ MIN_RANGE = 1e-9  # [rad] smallest assumed hinge range, which avoids division by
 
 
 def compute_torso_turn(robot: Robot, chain: str, angles: Floats) -> Floats:
-    """Sum a chain's hinge angles to torsion, tilt and roll (..., 3) [rad].
+    """Sum hinge angles to torsion, tilt and roll (..., 3) [rad].
 
     Several hinges may have the same axis.
 

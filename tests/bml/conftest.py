@@ -39,13 +39,13 @@ def _spoken(block: Block) -> dict[str, Utterance]:
 
 @pytest.fixture
 def spoken() -> Callable[[Block], dict[str, Utterance]]:
-    """Function that returns an utterance for each speech of a block."""
+    """Return a function that makes an utterance for each speech."""
     return _spoken
 
 
 @pytest.fixture
 def timed() -> Callable[[str], Timeline]:
-    """Function that schedules the content of a BML 1.0 block with id `b`."""
+    """Return a function that schedules the content of a BML 1.0 block."""
 
     def timeline(inside: str) -> Timeline:
         block = parse(f'<bml id="b" xmlns="http://www.bml-initiative.org/bml/bml-1.0">{inside}</bml>')

@@ -10,7 +10,7 @@ from kinesic.body.robot import Robot
 
 @pytest.fixture
 def mine(tmp_path: Path) -> Path:
-    """Write a user's copy of the default robot file and return its path."""
+    """Write a copy of the default robot file and return its path."""
     path = tmp_path / "mine.toml"
     path.write_text(Robot.load().path.read_text(encoding="utf-8"), encoding="utf-8")
     return path

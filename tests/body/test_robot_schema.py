@@ -19,7 +19,7 @@ from kinesic.body.robot_schema import (
 
 @pytest.fixture(scope="module")
 def file():
-    """Return the default robot's file with its own servo model and no bus."""
+    """Return the default robot file with a servo model, without buses."""
     own = read_toml(Robot.load().path, RobotFile)
     servo = ServoTable(0, 48.0, 10.0, 2.0, 30.0, 1.0, 0.0, (0.01, 0.01, 0.01), 800.0, 0.0, 128.0, 0.1, 0.2, 0.3)
     hinges = [msgspec.structs.replace(own.hinge[0], servo="mine", at=(0.01, 0.0, -0.02)), *own.hinge[1:]]

@@ -24,7 +24,7 @@ def test_stiffness_and_back_emf_of_the_xm540_match_the_data_sheet(xm540: Drive):
     [("xm540_w270", 69.1), ("xm540_w150", 39.1), ("xm430_w210", 26.9), ("xc430_w240", 33.9), ("xc330_t288", 26.0)],
 )
 def test_tracking_lags_of_servo_models_at_constant_velocity_have_the_expected_values(name: str, lag_ms: float):
-    """Expect a lag of 1 / (gain no_load), since duty is velocity / no_load."""
+    """Expect a lag of 1 / (gain * no-load velocity)."""
     drive = Drive(servo_models()[name], count=1, reduction=1.0)
     assert 1000 / (drive.gain * drive.no_load) == pytest.approx(lag_ms, abs=0.1)
 
@@ -67,7 +67,7 @@ def test_servo_models_have_physically_plausible_voltage_power_friction_and_size(
 
 
 def test_rate_gain_is_d_divided_by_16_pwm_counts_per_tick_of_change_per_millisecond(xm540: Drive):
-    """Expect D / 16 PWM counts of 885 per tick of change in 1 ms."""
+    """Expect D / 16 PWM counts per tick of change in 1 ms."""
     damped = replace(xm540, servo=replace(xm540.servo, d_gain=1600.0))
     ticks = 4096 / (2 * pi) / 1000  # in a millisecond at 1 rad/s
     assert damped.rate_gain == pytest.approx(damped.stall * 100 * ticks / 885)

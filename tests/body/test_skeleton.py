@@ -13,7 +13,7 @@ def skeleton() -> Skeleton:
 
 
 def origin(skeleton: Skeleton, segment: str, **angles: float) -> np.ndarray:
-    """Return the origin (3,) [m] of a segment, with unnamed hinges at zero."""
+    """Return a segment's origin (3,) [m], with unnamed hinges at zero."""
     posture = np.zeros(len(skeleton.hinges))
     for name, angle in angles.items():
         posture[skeleton.joint(name)] = angle

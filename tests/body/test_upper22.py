@@ -52,7 +52,7 @@ def test_upper22_joint_ranges_include_the_specified_ranges(robot: Robot):
 
 
 def test_each_upper22_link_weighs_at_least_1_3_times_its_servos(robot: Robot):
-    """Reserve 30 % of the servo mass for frames, horns, covers and cables."""
+    """Expect 30 % of the servo mass for frames, covers and cables."""
     for segment in robot.skeleton.segments:
         carried = [m.drive.count * m.drive.servo.mass for m in robot.mounts if m.segment == segment.name]
         assert segment.mass + sum(carried) >= 1.3 * sum(carried), segment.name

@@ -27,7 +27,7 @@ def _hinges(segment: str, axes: str, ranges: list[tuple[float, float]]) -> tuple
 
 
 def _reach(random: Generator, chain: Chain, k: int) -> Reach:
-    """Return a target of a random kind (position, pointing, palm), some out of reach."""
+    """Return a random target: position, pointing, palm, or out of reach."""
     position = chain.hand(random.uniform(chain.lower, chain.upper)) * (1.4 if k % 10 == 9 else 1.0)
     match k % 4:
         case 0:
@@ -55,7 +55,7 @@ def _same(specified: Solution, compiled: Solution) -> bool:
 
 
 def _agreement(chain: Chain, count: int, seed: int) -> int:
-    """Return the fraction of equal solutions, and assert equal errors of the others."""
+    """Return the fraction of solutions equal to the reference solutions."""
     random, agreed = default_rng(seed), 0
     for k in range(count):
         start = random.uniform(chain.lower, chain.upper) if k % 2 else chain.rest

@@ -155,7 +155,7 @@ FULL_TURN = {"lower": -math.pi, "upper": math.pi}  # [rad] range of an unlimited
 
 
 def with_hand(chain: Chain, *hinges: Hinge) -> Chain:
-    """Return the arm with other wrist hinges, of which the first twists the forearm."""
+    """Return the arm with other hinges behind the elbow, forearm twist first."""
     return replace(chain, joints=(*chain.joints[:-1], replace(chain.joints[-1], hinges=hinges)))
 
 

@@ -22,12 +22,12 @@ Path = Callable[[float], Floats]
 
 
 def _ellipse(turn: float) -> Floats:
-    """Return an elliptical path of 0.24 x 0.36 m in front of the robot."""
+    """Return an elliptical path of 0.24 x 0.36 m, before the robot."""
     return np.array([0.28, 0.1 + 0.12 * np.cos(turn), -0.05 + 0.18 * np.sin(turn)])
 
 
 def _radial(turn: float) -> Floats:
-    """Return a straight path to the side and back, beyond the arm's reach."""
+    """Return a straight path to the side, beyond reach, and back."""
     return np.array([0.1, 0.155 + 0.45 - 0.2 * np.cos(turn), 0.05])
 
 

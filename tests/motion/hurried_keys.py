@@ -1,4 +1,4 @@
-"""Keys of two hinges with too little time, and searches for feasible times."""
+"""Keys of two hinges with too little time, and their key-time search."""
 
 from collections.abc import Callable
 

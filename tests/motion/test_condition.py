@@ -80,7 +80,7 @@ def on_the_curve(*times: float) -> tuple[KeyPosture, ...]:
 
 
 def test_reported_deviation_is_the_rms_distance_from_the_desired_motion_at_the_knots():
-    """Test keys on the desired motion, then add one key away from it."""
+    """Test keys on the desired motion, then one key away from it."""
     ends = on_the_curve(1.0, 3.0)
     aside = posture(2.0, tuple(Curve(2.0).angles(np.zeros(1))[0] + [0.3, 0.0]), "stroke")
     for keys in (ends, (ends[0], aside, ends[1])):
@@ -147,7 +147,7 @@ def test_stroke_time_is_kept_if_the_preparation_can_begin_earlier():
 
 
 def test_default_lead_in_is_600_ms():
-    """Test a preparation that lacks time, so that it uses the whole lead-in."""
+    """Test a preparation that lacks time and uses the whole lead-in."""
     slow = replace(JOINT_LIMITS, speed=sealed([1.0, 1.0]))
     keys = (posture(0.0, (0, 0), "start"), posture(0.2, (1.5, 0.0), "stroke"), posture(9.0, (0, 0), "end"))
     planned = condition(keys, slow).planned
@@ -204,7 +204,7 @@ def test_sync_points_with_a_fixed_offset_are_shifted_together():
 
 
 def on_a_circle(turns: float, amplitude: float, seconds: float) -> tuple[KeyPosture, ...]:
-    """Return keys on a circle that starts and ends at the same exact key."""
+    """Return path keys on circles between an exact first and last key."""
     shares = np.linspace(0.0, 1.0, 9 * round(turns))
     circle = amplitude * np.stack([np.sin(2 * np.pi * turns * shares), np.cos(2 * np.pi * turns * shares) - 1.0])
     is_exact = [0, len(shares) - 1]

@@ -105,7 +105,7 @@ def test_desired_motion_is_at_rest_after_its_end():
 
 
 def eased(easing: str, steepness: float = 3.0, to: float = 0.9) -> DesiredMotion:
-    """Return the desired motion of one hinge from rest to rest over one second."""
+    """Return a desired motion of one hinge, rest to rest in 1 s."""
     angles, times = np.array([[0.0], [to]]), np.array([0.0, 1.0])
     return joined(KeyPassage(easing=easing, steepness=steepness), ALL_KEYED[:2, :1], angles=angles, times=times)
 

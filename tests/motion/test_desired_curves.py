@@ -158,7 +158,7 @@ def test_eased_motion_may_reach_three_times_each_limit_and_no_more(sign):
 
 
 def eased(easing: str, angles, times=(0.0, 1.0), limits: Limits = WIDE_LIMITS, **options):
-    """Return the offsets that an easing adds at 17 times of the last interval."""
+    """Return an easing's offsets at 17 times of the last interval."""
     asked = times[-2] + np.arange(17) / 16 * (times[-1] - times[-2])
     plain, changed = (
         joined(times, np.array(angles), [[own] * len(angles[0])] * len(times), limits).sample(asked)

@@ -21,7 +21,7 @@ from kinesic.motion.keys import KeyPosture, Keys
 
 
 def simulated(distance, speed, acceleration, jerk):
-    """Return the duration of seven constant-jerk phases, by bisection of the peak velocity."""
+    """Return the duration of seven constant-jerk phases, by bisection of peak velocity."""
 
     def phases(peak):
         top = min(acceleration, sqrt(peak * jerk))
@@ -150,7 +150,7 @@ def test_stop_duration_of_a_resting_hinge_is_zero():
 
 
 def keys_of(limits, *angles):
-    """Return keys half a second apart with the same angle for all hinges."""
+    """Return keys 0.5 s apart with the same angle for all hinges."""
     count = len(limits.speed)
     whole = (True,) * count
     return Keys.of(

@@ -24,7 +24,7 @@ JOINT_LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0
 
 
 def way(pieces: int, place: float) -> SplineSegment:
-    """Return a segment from 0 rad through a key of 0.8 rad to 1.6 rad."""
+    """Return a segment of keys at 0, 0.8 and 1.6 rad."""
     return SplineSegment(0, 0, grid(pieces, KNOT_INTERVAL), 0.0, 1.6, np.array([place]), np.array([0.8]))
 
 

@@ -118,7 +118,7 @@ def test_key_times_shift_relative_to_each_other_by_at_most_the_total_deficit(see
 
 
 def crowded(monkeypatch) -> tuple[Keys, KeyTimeProblem]:
-    """Return five keys and a problem that counts as too large to solve exactly."""
+    """Return keys and a problem too large to solve exactly."""
     rows = keys_of((0, 0, "start"), (1, 1, "ready"), (1.2, 0, "stroke"), (1.3, 0.5, "relax"), (2, 0, "end"))
     keys = Keys.of(rows, JOINT_LIMITS)
     monkeypatch.setattr(key_time_lp, "MAX_PROGRAM_SIZE", 1.0)

@@ -27,7 +27,7 @@ JOINT_LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 4, 40, 1e3, 0.01, 0
 
 
 def segment(pieces: int, start: float, end: float, **keys: float) -> SplineSegment:
-    """Return a segment from rest to rest; p15=0.3 is a key of 0.3 rad at knot 15."""
+    """Return a segment between rests, where `p15=0.3` is 0.3 rad at knot 15."""
     places, angles = np.array([float(name[1:]) for name in keys]), np.array([*keys.values()])
     return SplineSegment(0, 0, grid(pieces, KNOT_INTERVAL), start, end, places, angles)
 
@@ -81,7 +81,7 @@ def test_segment_without_motion_stays_constant():
 
 
 def many_keys() -> tuple[SplineSegment, Floats]:
-    """Return a segment with a hundred keys, and the desired angles between them."""
+    """Return a segment with 99 inner keys, and its desired angles."""
     rng = np.random.default_rng(8)
     places = np.arange(30, 3000, 30) + rng.uniform(-5, 5, 99)
     way = SplineSegment(0, 0, grid(3030, KNOT_INTERVAL), 0.0, 0.0, places, rng.uniform(-0.5, 0.5, 99))
@@ -107,7 +107,7 @@ def test_spline_through_many_keys_matches_sparse_and_dense_references():
 
 
 def random_segment(seed: int) -> tuple[SplineSegment, Floats]:
-    """Return a random segment of up to seven keys, with noisy desired angles."""
+    """Return a random segment of up to seven keys, and desired angles."""
     rng = np.random.default_rng(seed)
     count = int(rng.integers(0, 8))
     places = 8 + np.cumsum(rng.uniform(4, 40, count))

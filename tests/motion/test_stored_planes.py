@@ -18,7 +18,7 @@ SYNC_NAMES = ("start", "ready", "stroke", "relax", "pause", "end")  # sync point
 
 
 def keys_of(names=SYNC_NAMES, skipped: int | None = None) -> Keys:
-    """Return keys 1 s apart, one of them optionally without the second hinge."""
+    """Return keys 1 s apart, optionally one without the second hinge."""
     return Keys.of(
         tuple(
             KeyPosture(float(k), sealed([0.1 * len(name), 0.2]), (True, k != skipped), (("b", name),))

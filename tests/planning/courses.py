@@ -19,7 +19,7 @@ ARM_RAISED = np.radians([0, 75, -15, -50, 70, 0, 0, 0])  # [rad] arm angles with
 
 
 def key(time, left=None, right=None):
-    """Return a key of the given arms, or of all hinges at rest."""
+    """Return a key of given arms, or of all hinges at rest."""
     angles, keyed = REST_ANGLES.copy(), np.full(len(REST_ANGLES), left is None and right is None)
     for arm, given in ((LEFT_JOINTS, left), (RIGHT_JOINTS, right)):
         if given is not None:

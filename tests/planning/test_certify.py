@@ -227,7 +227,7 @@ def test_long_motion_is_checked_to_its_end(known: Setup):
 
 
 def moving_slowly(known: Setup, knots: int, *, bump: int) -> Trajectory:
-    """Return a motion without repeated states, in which one knot moves the loaded hinge."""
+    """Return a motion without repeated states that bumps the loaded hinge once."""
     heights = np.zeros((knots + 3, len(known.limits.lower)))
     heights[:, MOVING_HINGE] = np.random.default_rng(8).uniform(0.0, 1e-3, knots + 3)
     heights[bump + 1, LOADED_HINGE] = 1e-3

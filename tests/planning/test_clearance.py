@@ -134,7 +134,7 @@ def test_behaviours_that_collide_at_distant_times_are_dropped_in_one_planning_ro
 
 
 def test_crossed_arms_in_a_calm_style_are_performed_with_the_required_clearance():
-    """Plan a motion with 1 mm too little clearance, which one detour hardly improves."""
+    """Plan a motion that lacks 1 mm of clearance after one detour."""
     block_plan = plan_block(
         parse(BML_TEMPLATE.format('<gesture id="g" lexeme="arms_crossed" stroke="2"/>')),
         replace(DEFAULT_SETUP, style=Style.load("calm")),
@@ -144,7 +144,7 @@ def test_crossed_arms_in_a_calm_style_are_performed_with_the_required_clearance(
 
 
 def named(pair, at, body):
-    """Return the behaviours dropped for a pair of segments at a block time [s]."""
+    """Return the behaviours dropped for a collision at a block time [s]."""
     made = planned(body)
     times = np.array([at + made.trajectory.zero])
     close = Clearance(np.array([0.0]), [pair])

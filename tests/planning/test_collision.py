@@ -181,7 +181,7 @@ def test_cheapest_joint_step_satisfies_its_distance_constraints():
 
 @pytest.mark.parametrize(("most", "share"), [(0.6, 0.5), (0.3, 0.25), (0.15, 0.125)])
 def test_contradictory_distance_constraints_are_violated_equally(most: float, share: float):
-    """Require a step of at least 1 rad and of at most a smaller angle."""
+    """Require a step of at least 1 rad that stays below 1 rad."""
     rows, needed = np.array([[1.0], [-1.0]]), np.array([1.0, -most])
     np.testing.assert_allclose(_smallest(rows, needed, np.eye(1)), [share], atol=1e-6)
 
@@ -191,7 +191,7 @@ def test_infeasible_distance_constraints_have_no_joint_step():
 
 
 def test_joint_step_of_a_collision_correction_is_limited_per_hinge():
-    """Expect a long step to be scaled down as a whole, and a short one unchanged."""
+    """Expect long steps to be scaled down as a whole."""
     seen = []
 
     class Watched:

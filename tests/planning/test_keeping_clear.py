@@ -84,7 +84,7 @@ def test_collision_in_an_empty_block_drops_no_behaviour(known):
 
 @pytest.fixture
 def asked(known):
-    """Return keys at rest, with a raised right forearm and at rest again."""
+    """Return a raised right forearm between two rest keys."""
     angles = known.robot.skeleton.rest.copy()
     angles[known.robot.arm("r").joints[3]] -= 0.3
     keys = tuple(

@@ -9,7 +9,7 @@ def test_variable_with_a_negative_unconstrained_solution_is_zero():
 
 
 def test_first_variable_returns_to_zero_if_later_ones_make_it_negative():
-    """Use a variable that reduces the residual most, but only without the others."""
+    """Use a variable that helps most at first, but not in the optimum."""
     matrix, target = np.array([[1.0, 1.0, 0.0], [1.0, 0.0, 1.0], [0.5, 0.0, 0.0]]), np.array([1.0, 1.0, -0.2])
     assert (matrix.T @ target).argmax() == 0
     np.testing.assert_allclose(solve_nonnegative(matrix, target), [0.0, 1.0, 1.0], atol=1e-12)

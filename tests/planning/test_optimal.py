@@ -25,7 +25,7 @@ def plan_shift_cost(plan: Plan) -> float:
 
 @pytest.fixture(scope="module")
 def plans(known: Setup) -> tuple[Plan, Plan]:
-    """Return two plans of a hurried block: by linear programs and by IPOPT."""
+    """Return plans of a hurried block: by linear programs, and by IPOPT."""
     block = parse(write_rapid_head_block(HURRIED_SEED))
     return plan_block(block, known), plan_block(block, known, conditioned=certify_optimal)
 

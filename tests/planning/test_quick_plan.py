@@ -51,7 +51,7 @@ def test_quintic_duration_keeps_all_limits():
     [("speed", 1.875, 1), ("acceleration", 10 / 3**0.5, 2), ("jerk", 60.0, 3), ("duty", None, 0)],
 )
 def test_motion_of_the_quintic_duration_reaches_its_binding_limit(way, binding, peak, order):
-    """Expect one of velocity, acceleration, jerk and duty to peak at its limit."""
+    """Expect velocity, acceleration, jerk or duty to peak at its limit."""
     wide = {
         name: sealed(np.full_like(getattr(JOINT_LIMITS, name), 1e9))
         for name in ("speed", "acceleration", "jerk", "duty")

@@ -144,7 +144,7 @@ def test_standing_posture_varies_with_the_seed_and_is_asymmetric():
 
 
 def find_seeds(*, hanging, count):
-    """Return seeds of neutral standing postures with hanging arms, or with other arms."""
+    """Return seeds of neutral standing postures with hanging or other arms."""
     drawn = {}
     for seed in range(60):
         chance = np.random.default_rng((seed, STANDING_STREAM))

@@ -19,7 +19,7 @@ GESTURE_DOCUMENT = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id=
 
 @pytest.fixture(scope="module")
 def with_raised_hand():
-    """Return a setup whose random standing posture has a hand before the body."""
+    """Return a setup whose standing posture has a hand before the body."""
     return set_up(robot="upper22", variation=1.0, seed=5)
 
 
@@ -28,7 +28,7 @@ def plan_gesture(setup, lexeme):
 
 
 def refuse_raised_hands(monkeypatch, setup):
-    """Drop the gesture of every plan that starts from the setup's own posture."""
+    """Drop the gesture of all plans that start from a given posture."""
     plan_block = standing_plan.plan_block
 
     def plan(block, posture, **options):

@@ -5,7 +5,7 @@ from kinesic.speech.articulation import CLOSURE_TIME, _find_adjacent_letter, art
 
 
 def articulation_times(*symbols: str, rate: float = 1.0, gap: float = 0.0) -> list[tuple[float, float]]:
-    """Return articulation times [s] of sounds of 0.1 s each, with a gap before the last."""
+    """Return articulation times [s] of sounds that last 0.1 s each."""
     sounds = [
         Phoneme(symbol, 0.1 * k + (gap if k == len(symbols) - 1 else 0.0), 0.1) for k, symbol in enumerate(symbols)
     ]

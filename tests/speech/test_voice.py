@@ -166,7 +166,7 @@ def test_recording_mark_without_a_time_is_estimated_with_a_remark(tmp_path: Path
 
 
 def write_bursts(path: Path, spans: tuple[tuple[float, float], ...]) -> Path:
-    """Write a recording of tones in given spans [s], with faint noise between."""
+    """Write a recording of tones in given spans [s] and faint noise."""
     times = np.arange(round(spans[-1][1] * SAMPLE_RATE)) / SAMPLE_RATE
     samples = np.random.default_rng(1).normal(0.0, 1e-3, len(times))
     for begin, end in spans:

@@ -212,7 +212,7 @@ def _read_priority(description: Element) -> float:
 
 
 def _merge_forms(form: Element, element: Element) -> Element:
-    """Return a described behaviour with the id of the behaviour that it replaces.
+    """Return a described behaviour with the id of the replaced one.
 
     It also gets the sync attributes of the core form, unless it has its own.
     """

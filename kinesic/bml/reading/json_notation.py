@@ -202,7 +202,7 @@ def _read_block(block: _Object, source: str) -> Element:
 
 
 def _suggest_document(block: _Object) -> str:
-    """Return the remedy of an error, which shows the document in full JSON."""
+    """Return an error's remedy, which shows the document in full JSON."""
     behaviour = _suggest_behaviour(block) or '{"type": "head", "lexeme": "NOD"}'
     return f'write {{"id": "b1", "behaviours": [{behaviour}]}}'
 

@@ -1,4 +1,4 @@
-"""Search for a document's first tag after an XML prologue of any length."""
+"""Search for a document's first tag after a long XML prologue."""
 
 import re
 

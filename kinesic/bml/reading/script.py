@@ -98,7 +98,7 @@ def read_recording(node: BehaviourElement, reading: DocumentReading) -> Recordin
 
 
 def read_pause(element: Element, reading: DocumentReading) -> float | None:
-    """Return the maximum speech pause [s] before a word that waits for the body.
+    """Return the maximum pause [s] before words that wait for gestures.
 
     `kinesic:pause` is a number of seconds, `true` (as long as needed, at most `MAX_AUTOMATIC_PAUSE`) or `false`. The
     result is None without this attribute.

@@ -190,7 +190,7 @@ class _Solver:
         return root_times
 
     def _solve_floating(self, group: _Group) -> dict[Point, float]:
-        """Return times of a group without fixed times, whose earliest start is 0.
+        """Solve a group without fixed times so that it starts at 0.
 
         The times of a speech, if there is one, are set first.
         """

@@ -16,7 +16,7 @@ from kinesic.ik.scalar3 import Vector, distance, minus, plus, scaled, unit, vect
 
 
 def carry_shoulder(chain: Chain, target: Floats, effort: float) -> Floats:
-    """Return an arm's rest posture with the collar bone turned towards the target.
+    """Return the rest posture with the collar bone turned towards the target.
 
     Args:
         chain: the arm.

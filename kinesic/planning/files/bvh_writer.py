@@ -26,7 +26,7 @@ END_LENGTH = 0.05  # [m] bone of a last joint whose segment has no capsule
 
 @dataclass(frozen=True, eq=False)
 class _Joint:
-    """Joint of the BVH file, with the rotations of a segment about one centre."""
+    """BVH joint: rotations of a segment about one centre."""
 
     name: str
     parent: int  # index of the parent joint, -1 for the root
@@ -80,13 +80,13 @@ def _list_joints(robot: Robot) -> Sequence[_Joint]:
 
 
 def _order_by_depth(joints: Sequence[_Joint], index: int) -> Sequence[int]:
-    """Return the indices of a joint and its descendants, in the order of the hierarchy."""
+    """Return the indices of a joint and its descendants, depth first."""
     children = [k for k, joint in enumerate(joints) if joint.parent == index]
     return [index, *(k for child in children for k in _order_by_depth(joints, child))]
 
 
 def _group_turns(turns: Sequence[tuple[int, Floats | None]]) -> Iterator[tuple[Floats, tuple[int, ...]]]:
-    """Yield the centres (3,) [m] of a segment's rotations, with the rotations about each."""
+    """Yield each rotation centre (3,) [m] with the rotations about it."""
     centre, members = np.zeros(3), tuple[int, ...]()
     for turn, at in turns:
         place = np.zeros(3) if at is None else at
@@ -143,7 +143,7 @@ def _rotations(joint: _Joint, turns: Floats, skeleton: Skeleton) -> Floats:
 
 
 def _euler_angles(rotations: Floats) -> Floats:
-    """Return the angles (m, 3) [deg] about z, y and x whose product are rotations (m, 3, 3)."""
+    """Convert rotations (m, 3, 3) to zyx Euler angles (m, 3) [deg]."""
     z = np.arctan2(rotations[:, 1, 0], rotations[:, 0, 0])
     y = np.arcsin(np.clip(-rotations[:, 2, 0], -1.0, 1.0))
     x = np.arctan2(rotations[:, 2, 1], rotations[:, 2, 2])

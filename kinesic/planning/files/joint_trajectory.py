@@ -87,7 +87,7 @@ def write_trajectory_json(joints: SampledJoints, path: Path) -> None:
 
 
 def write_trajectory_mcap(joints: SampledJoints, path: Path) -> None:
-    """Write a ROS joint trajectory as the only message of an MCAP file."""
+    """Write an MCAP file whose only message is a ROS joint trajectory."""
     schema = struct.pack("<H", 1) + _texts(TRAJECTORY_TYPE, "ros2msg", TYPE_DEFINITION)
     channel = struct.pack("<HH", 1, 1) + _texts(TRAJECTORY_TOPIC, "cdr") + struct.pack("<I", 0)
     message = struct.pack("<HIQQ", 1, 0, 0, 0) + _serialise(joints)

@@ -83,7 +83,7 @@ def _straying(span: Span, amount: float, robot: Robot, chance: np.random.Generat
 def _dips(
     accents: Sequence[Accent], start: float, span: Span, amount: float, robot: Robot, chance: np.random.Generator
 ) -> Iterator[OffsetBump]:
-    """Yield the head dips on accents of a speech within a time span.
+    """Yield the head dips on a speech's accents within a span.
 
     The speech begins at `start` [s].
     """

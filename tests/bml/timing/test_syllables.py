@@ -35,7 +35,7 @@ def test_accented_syllable_is_searched_only_in_the_word_at_the_speech_mark():
 
 
 def nod(stroke, offset=0.0):
-    """Return a nod tied to a mark at 0.2 s in a speech of six phonemes."""
+    """Return a block with a nod at a speech mark at 0.2 s."""
     at = SyncRef("b", "s", stroke, offset=offset)
     speech = Behaviour("s", "speech", Speech(Script("x")), Place(1, 1))
     block = Block("b", (speech, Behaviour("n", "head", Head("NOD"), Place(1, 1), syncs={"stroke": at})))

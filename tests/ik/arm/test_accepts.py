@@ -28,7 +28,7 @@ def _hinge(name: str, axis: str, lower: float = -1.5, upper: float = 1.5) -> Hin
 
 
 def _arm(shoulder: str, elbow: str, wrist: str) -> Chain:
-    """Make an arm with bones along z and hinges about axes named by letters."""
+    """Make an arm with bones along z and hinges about named axes."""
     parts = (("s", shoulder, -0.3), ("e", elbow, -0.25), ("w", wrist, -0.08))
     joints = tuple(
         ChainJoint(name, tuple(_hinge(f"{name}{k}", a) for k, a in enumerate(axes)), sealed([0.0, 0.0, length]))

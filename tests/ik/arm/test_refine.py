@@ -21,7 +21,7 @@ HINGE_OFFSETS = {
 
 
 def crooked() -> Robot:
-    """Return the default robot with a left arm whose axes do not intersect."""
+    """Return the default robot with non-intersecting axes of the left arm."""
 
     def bent(hinge):
         axis = np.array(TILTED_AXES.get(hinge.name, hinge.axis))

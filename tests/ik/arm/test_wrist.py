@@ -92,7 +92,7 @@ def one_hinge(lower: float, upper: float) -> Link:
 
 
 def level(angle: float) -> Vector:
-    """Return the unit vector in the xy plane at an angle to the x axis."""
+    """Return the unit vector at an angle in the xy plane."""
     return math.cos(angle), math.sin(angle), 0.0
 
 
@@ -115,7 +115,7 @@ def test_one_axis_wrist_turns_to_the_direction_or_the_nearer_limit(wanted: float
 
 @pytest.mark.parametrize(("rest", "found"), [(-0.5, (-1.0, -1.0)), (0.5, (1.0, 1.0))])
 def test_wrist_rest_posture_decides_between_equal_solutions(rest: float, found: tuple[float, float]) -> None:
-    """Use two hinges about one axis, whose limits are equally near the target."""
+    """Use two hinges about one axis, with limits equally near the target."""
     hinge = one_hinge(-1.0, 1.0)
     twice = replace(hinge, pivots=hinge.pivots * 2)
     wishes = [HandDirection("pointing", (1.0, 0.0, 0.0), (-1.0, 0.0, 0.0))]
@@ -126,7 +126,7 @@ def test_wrist_rest_posture_decides_between_equal_solutions(rest: float, found: 
 def test_wrist_search_ends_after_a_round_with_change_within_the_tolerance(
     rest: float, rounds: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    """Use a target 1e-3 rad beyond the hinge's limit, reached in the first round."""
+    """Use a hinge limit that the first round reaches."""
     looked = []
     monkeypatch.setattr(wrist, "_best", lambda *asked: (looked.append(asked), best(*asked))[1])
     wishes = [HandDirection("pointing", level(0.0), level(1e-3))]
@@ -160,7 +160,7 @@ def test_requested_directions_override_the_wrist_rest_posture() -> None:
 
 @pytest.mark.parametrize("turn", [0.0, 1.0, -2.5])
 def test_wrist_solution_accounts_for_the_orientation_of_the_forearm(turn: float) -> None:
-    """Give directions in the base frame, although hinges turn in the forearm's frame."""
+    """Give directions in the base frame, which differs from the forearm's."""
     wishes = [HandDirection("pointing", level(0.0), level(turn + 0.3))]
     frame = after(IDENTITY_ROTATION, (0.0, 0.0, 1.0), turn)
     assert orient(one_hinge(-1.0, 1.0), frame, wishes, (0.0,)) == pytest.approx((0.3,), abs=1e-3)

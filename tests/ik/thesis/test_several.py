@@ -143,7 +143,7 @@ def _yaw(angle: float):
 
 
 def _postured(left: float, right: float, pulls, priority=()):
-    """Turn joints towards masses of both arms that are yawed about their common joint."""
+    """Turn joints towards arm masses that are yawed about the common joint."""
     centre = REST_STANCES["torso"].points[-1]
     points = {name: stance.points for name, stance in REST_STANCES.items()}
     points["l_arm"] = centre + (points["l_arm"] - centre) @ _yaw(left).T

@@ -29,14 +29,14 @@ offset_deg = 10
 
 
 def slow_angles(robot: Robot) -> np.ndarray:
-    """Return a motion between two random postures, without leaps that readers take for a T-pose."""
+    """Return a motion between two random postures, without leaps."""
     skeleton = robot.skeleton
     first, last = np.random.default_rng(0).uniform(skeleton.lower, skeleton.upper, (2, len(skeleton.names)))
     return np.linspace(first, last, 30)
 
 
 def test_bvh_joint_positions_equal_those_of_the_robot(tmp_path: Path):
-    """Check robots with fingers, with coupled joints and with several rotation centres in a segment."""
+    """Check robots with fingers, coupled joints and offset rotation centres."""
     extended = tmp_path / "robot.toml"
     extended.write_text(f'[robot]\nname = "mine"\nextends = "upper22"\n{OFFSET_CENTRES}', encoding="utf-8")
     for name in ("upper22", "human", extended):

@@ -76,7 +76,7 @@ def test_head_dips_leave_requested_head_shakes_unchanged(known):
 
 
 def turning(angle, duration, *, still=2.0):
-    """Return a head turn to the left that lasts a whole number of knot intervals."""
+    """Return a head turn to the left of whole knot intervals."""
     knots = round(duration / KNOT_INTERVAL)
     ramp = angle * np.clip((np.arange(600) - round(still / KNOT_INTERVAL)) / knots, 0.0, 1.0)
     controls = np.tile(DEFAULT_ROBOT.skeleton.rest, (600, 1))

@@ -23,7 +23,7 @@ MOTION_START = 5.0  # [s] start of the tested motions
 
 
 def moving(*spans: tuple[int, int], count: int = 100) -> Trajectory:
-    """Return a motion of one joint that moves between the control points of each span."""
+    """Return a motion of one joint that moves in given control-point spans."""
     steps = np.zeros(count)
     for begin, end in spans:
         steps[begin:end] = 0.01

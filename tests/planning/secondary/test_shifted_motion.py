@@ -25,7 +25,7 @@ Maker = Callable[[Trajectory, np.random.Generator], list[OffsetBump]]
 
 
 def held(begin: float) -> Trajectory:
-    """Return a motion of head and left forearm that holds 10 s and returns."""
+    """Return a motion of head and forearm with a hold of 10 s."""
     times = np.arange(0.0, MOTION_DURATION, KNOT_INTERVAL)
     controls = np.tile(DEFAULT_ROBOT.skeleton.rest, (len(times), 1))
     there = minimum_jerk(times - 0.5) - minimum_jerk(times - 11.5)

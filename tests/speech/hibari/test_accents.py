@@ -10,7 +10,7 @@ FRAME_TIMES = (np.arange(80) + 0.5) * FRAME_DURATION  # [s] middle of each pitch
 
 
 def peak(at: float, height: float, base: float = 180.0) -> np.ndarray:
-    """Return a pitch curve with a peak of given height [semitones] and time [s]."""
+    """Return a pitch curve with one peak of given height and time."""
     return (base * 2.0 ** (height * np.exp(-(((FRAME_TIMES - at) / 0.05) ** 2)) / 12.0)).astype(np.float32)
 
 

@@ -19,7 +19,7 @@ silences = st.lists(
 
 
 def delays(silences, builder: str, *faults: PlannedFault, latency: float = 0.001) -> list[float]:
-    """Measure the time [s] from each silence's end to a reading of all servos."""
+    """Measure the time [s] from each silence's end to a complete reading."""
     made = rig_of(SERVO_COUNT, servos=builder, latency=latency, faults=FaultPlan(faults, seed=1))
     made.energise()
     results = []
