@@ -74,7 +74,7 @@ class LimitsTable(Strict):
 
 
 class SourceTable(Strict):
-    """TOML table `source`: joint of the imported file that a hinge represents.
+    """TOML table `source`: imported joint that a hinge or coupling represents.
 
     joint angle = zero_deg + sign * angle of the hinge
     """
