@@ -73,7 +73,7 @@ class Page:
         self.call("Input.dispatchMouseEvent", type="mouseReleased", x=x, y=y, button="left", clickCount=1)
 
     def press(self, key: str, code: int) -> None:
-        """Press and release a key; `code` is its Windows key code."""
+        """Press and release a key with its Windows key code."""
         for kind in ("rawKeyDown", "keyUp"):
             self.call("Input.dispatchKeyEvent", type=kind, key=key, code=key, windowsVirtualKeyCode=code)
 
@@ -122,7 +122,7 @@ def opened(url: str, *more: str, drawn: bool = True) -> Iterator[Page]:
 
 
 def browser(*more: str) -> Browser:
-    """Return this process's browser with the given flags; restart it after a crash."""
+    """Return this process's browser with the given flags, restarted after a crash."""
     if _browser(more).poll() is not None:  # other pages keep running
         _browser.cache_clear()
     return _browser(more)

@@ -99,7 +99,7 @@ def excludes_soak(config: pytest.Config) -> bool:
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Skip the files of `make soak`, whose thousands of tests would be deselected anyway."""
+    """Skip the files of `make soak`, to save the time of collection."""
     return True if collection_path.name == "soak" and excludes_soak(config) else None
 
 
@@ -152,7 +152,7 @@ def pytest_runtest_makereport(
 
 
 def pytest_terminal_summary(terminalreporter: pytest.TerminalReporter) -> None:
-    """List tests that failed while the machine was too slow, and the slowest files of a long run."""
+    """List failures on a too slow machine, and the slowest files."""
     skipped = terminalreporter.stats.get("skipped", [])
     unknown = [report for report in skipped if "; it failed: " in str(report.longrepr)]
     if unknown:

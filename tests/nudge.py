@@ -41,7 +41,7 @@ def nudged_generator(seed: int) -> type[np.random.Generator]:
 
 
 def nudge_random_inputs(seed: int) -> None:
-    """Patch NumPy's random numbers; call it before tests are imported."""
+    """Patch NumPy's random numbers, before tests are imported."""
     plain_rng, plain_floats, plain_uniform = np.random.default_rng, st.floats, random.Random.uniform
     generator = nudged_generator(seed)
 

@@ -1,4 +1,4 @@
-"""Assignment of test files to processes: waiting tests run beside calculating ones.
+"""Assignment of test files to processes, by kind and size.
 
 `make test` starts two processes more than there are processors. Realtime tests wait for three quarters of their time,
 so they run in these two processes; the others calculate at a lower priority, except on a machine that is busy at the

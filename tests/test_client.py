@@ -210,7 +210,7 @@ def test_smartbody_example_program_answers_a_request_with_start_and_end(toolkit,
 
 
 def _listening(port, topic):
-    """Subscribe to a topic; return its messages and the connection."""
+    """Subscribe to a topic, and return its messages and the connection."""
     heard, link, listener = Queue(), stomp.Connection([("127.0.0.1", port)]), stomp.ConnectionListener()
     listener.on_message = lambda frame: heard.put(frame.body)
     link.set_listener("test", listener)

@@ -1,4 +1,4 @@
-"""Examples in the documentation: commands parse, documents and files are valid, and Python runs."""
+"""Examples in the documentation: commands, documents, files and Python."""
 
 import json
 import re

@@ -30,7 +30,7 @@ def list_requested_extras() -> Iterator[str]:
 
 @pytest.fixture
 def environment(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
-    """Stand in a folder that contains a virtual environment named `.venv`, which is not active."""
+    """Enter a folder with an inactive virtual environment `.venv`."""
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(sys, "executable", str(tmp_path / ".venv" / "bin" / "python"))
     monkeypatch.setattr(shutil, "which", lambda name: f"/usr/bin/{name}")

@@ -14,7 +14,7 @@ BIND_NOW_FLAG = 1  # flag in DT_FLAGS_1: all addresses are bound at load time
 
 
 def segments(image: bytes) -> dict[int, tuple[int, bytes]]:
-    """Return flags and content of each kind of segment of a 64-bit ELF file in little-endian order."""
+    """Return flags and content of each segment of a 64-bit ELF file."""
     offset, size, count = struct.unpack_from("<Q", image, 32)[0], *struct.unpack_from("<HH", image, 54)
     results = {}
     for number in range(count):

@@ -1,4 +1,4 @@
-"""Kinesic on systems other than Linux, of which Windows is simulated by `tests/windows_host`."""
+"""Kinesic on systems other than Linux, with a simulated Windows."""
 
 import json
 import os

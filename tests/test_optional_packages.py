@@ -1,4 +1,4 @@
-"""SciPy and Pillow are needed by extras alone: the core runs without them."""
+"""SciPy and Pillow are needed only by extras."""
 
 import ast
 import json
@@ -35,7 +35,7 @@ BLOCK = (
 
 
 def run_without(package: str, folder: Path, *commands: tuple[str, ...]) -> subprocess.CompletedProcess[str]:
-    """Run command lines where neither they nor their child processes can import a package."""
+    """Run command lines, with a package that cannot be imported."""
     (folder / "sitecustomize.py").write_text(f"import sys\nsys.modules[{package!r}] = None\n")
     code = [sys.executable, "-c", COMMANDS, json.dumps(commands)]
     environment = os.environ | {"PYTHONPATH": str(folder)}

@@ -1,4 +1,4 @@
-"""The documentation site's builder: navigation, link check, lists for language models, and versions."""
+"""Builder of the documentation site: navigation, links, lists and versions."""
 
 import json
 import re

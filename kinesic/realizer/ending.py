@@ -102,7 +102,7 @@ def end_behaviours(scene: Scene, running: RunningBlock, behaviours: frozenset[st
 def _replan_trunk(
     scene: Scene, remaining: RunningBlock, ended: Sequence[Occupancy], change: float
 ) -> RunningBlock | None:
-    """Replan a block if ended and remaining behaviours share trunk hinges.
+    """Replan a block if ended and remaining behaviours move common trunk hinges.
 
     Returns:
         None if there is no such hinge, or if the motion cannot change over in time.

@@ -230,7 +230,7 @@ class Tape:
 
 
 class Stand:
-    """Supervisor with a status every `STATUS_PERIOD` seconds and a sound that encodes its time.
+    """Supervisor with periodic statuses, and a sound that encodes its time.
 
     Each sample is half its time in seconds.
     """

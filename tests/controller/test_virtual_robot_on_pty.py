@@ -1,4 +1,4 @@
-"""Twin behind a pseudo-terminal, driven in real time by kinesic and the Dynamixel SDK."""
+"""Twin behind a pseudo-terminal, driven by kinesic and the Dynamixel SDK."""
 
 import subprocess
 import sys

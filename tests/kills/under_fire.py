@@ -1,4 +1,4 @@
-"""Dry runs of many documents with workers killed at random, and counts of lost or repeated ones."""
+"""Dry runs with workers killed at random, and counts of lost documents."""
 
 import os
 import random
@@ -54,7 +54,7 @@ class Outcome:
 
 
 def write_documents(folder: Path, count: int) -> list[Path]:
-    """Write different one-second documents; seven nods per beat double their time."""
+    """Write different short documents: seven nods per beat."""
     files = [folder / f"{number:06}.bml" for number in range(count)]
     for number, file in enumerate(files):
         shift = 1e-4 * (number % 1000)

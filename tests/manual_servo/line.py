@@ -149,7 +149,7 @@ class Line:
         return self._say_all(given, time)
 
     def _say_all(self, given: Sequence[tuple[Device, Answer]], time: float) -> float:
-        """Transmit replies: servos with one id at the same time, others in turn."""
+        """Transmit replies in turn, those of equal ids at the same time."""
         at = 0
         while at < len(given):
             same = [pair for pair in given[at:] if pair[1].servo == given[at][1].servo]

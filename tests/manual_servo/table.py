@@ -1,4 +1,4 @@
-"""Control table of the X series and its differences between models, from the maker's manual."""
+"""Control table of each X series model, from the manufacturer's manual."""
 
 from dataclasses import dataclass
 

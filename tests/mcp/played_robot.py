@@ -1,4 +1,4 @@
-"""Robot line and performer of the MCP server that only record their calls."""
+"""Stubs of robot line and performer that record their calls."""
 
 import asyncio
 from collections.abc import Awaitable, Callable

@@ -1,4 +1,4 @@
-"""Tool servers in processes of their own: a story, stops during 50 pending calls, and the end with the client."""
+"""Emergency stops of tool servers in separate processes during pending calls."""
 
 import asyncio
 import json

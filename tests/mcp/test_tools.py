@@ -1,4 +1,4 @@
-"""Tools of the MCP server over a robot line and a performer that only record their calls."""
+"""Tools of the MCP server, with stubbed robot line and performer."""
 
 import json
 from collections.abc import Callable

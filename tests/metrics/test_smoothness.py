@@ -23,7 +23,7 @@ def trembling(path):
 
 
 def published_sparc(movement, fs, padlevel=4, fc=10.0, amp_th=0.05):
-    """Compute SPARC by the definition of Balasubramanian et al. (2015): a sum over the cut spectrum."""
+    """Compute SPARC by the definition of Balasubramanian et al. (2015)."""
     nfft = int(2 ** (np.ceil(np.log2(len(movement))) + padlevel))
     f = np.linspace(0, fs, nfft, endpoint=False)
     mf = np.absolute(np.fft.fft(movement, nfft))

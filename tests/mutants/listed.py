@@ -1,4 +1,4 @@
-"""Lists of the parts to mutate, and of mutants that are equivalent to the program."""
+"""Lists of modules to mutate, and of equivalent mutants."""
 
 import tomllib
 from collections.abc import Iterator

@@ -70,7 +70,7 @@ class Sandbox:
         return "timeout" if code is None else "killed" if code else "survived"
 
     def time_tests(self, tests: Sequence[str]) -> float:
-        """Measure how long tests take [s]; they must pass."""
+        """Measure the duration [s] of tests, which must pass."""
         began = time.monotonic()
         if self._run(tests, 600.0) != 0:
             raise SystemExit(f"without any mutant, these fail: {' '.join(tests)}")

@@ -50,7 +50,7 @@ def better(running):
 
 @pytest.fixture
 def steps(monkeypatch, running):
-    """Results of the steps of a plan change by name, and the arguments of each step."""
+    """Results of each stubbed step of a plan change, with its arguments."""
     merged = replace(running.merged, syncs=(SyncTime("h", "stroke", 0.5, 0.66), SyncTime("gone", "end", 0.5, 0.7)))
     results = {"replan": merged, "is_over": False}
     given = {}

@@ -24,7 +24,7 @@ def work(performed=(), *, base_rows: int = ROW_COUNT) -> Overlay:
 
 @pytest.fixture
 def checks(monkeypatch):
-    """Results of both checks by name, and the motion that each of them received."""
+    """Results of both stubbed checks, with the motion that each received."""
     results, given = {"_find_collision": None, "_find_overload": None}, {}
 
     def check(name):
@@ -86,7 +86,7 @@ def test_collision_is_reported_instead_of_an_overload(known, checks):
 
 @pytest.fixture
 def collision(known, monkeypatch):
-    """Return the failure of a motion with a distance [m] of two bodies at 0.2 s after the cut."""
+    """Return the failure caused by a distance [m] of two bodies."""
 
     def at(distance: float, pair: tuple[str, str], performed) -> MergeFailure | None:
         clearance = SimpleNamespace(worst=1, distances=np.array([9.0, distance]), pairs=[("a", "b"), pair])
@@ -127,7 +127,7 @@ def test_collision_of_torso_and_head_names_the_behaviour_at_its_time(collision):
 
 @pytest.fixture
 def overload(known, monkeypatch):
-    """Return the failure of a motion with peak duties of two hinges, and those of the running motion."""
+    """Return the failure caused by peak duties of two hinges."""
 
     def at(after: tuple[float, float], before: tuple[float, float], performed=()) -> MergeFailure | None:
         pairs, lengths = iter((after, before)), []

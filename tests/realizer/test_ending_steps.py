@@ -198,7 +198,7 @@ def test_stopped_block_leaves_a_shared_hinge_to_the_other_block(scene_of, releas
 
 
 def both(**options):
-    """Return a block whose gesture moves an arm hinge and the neck, and whose nod moves the neck."""
+    """Return a block whose gesture and nod both move the neck."""
     entries = (
         use("g", "r_hand", hinges=[NECK, 12], begin=10.0, relax=12.5, end=13.0),
         use("n", "sign", hinges=[NECK], begin=10.5, end=14.0),

@@ -110,7 +110,7 @@ def test_block_motion_begins_at_the_first_knot_that_makes_its_start_no_earlier_t
 
 @pytest.fixture
 def tried(monkeypatch, nod, rest):
-    """Record attempts as (delay, whole); they are free of conflicts from a delay [knots] on."""
+    """Record merge attempts, without conflicts from a delay [knots] on."""
     calls, free = [], [0]
 
     def attempt(_task, delay=0, *, whole=False):
@@ -170,7 +170,7 @@ def test_time_zero_of_a_block_counts_from_the_knot_at_which_its_motion_begins(no
 
 @pytest.fixture
 def outcome(nod, rest):
-    """Return the result of an attempt with a late zero [s] and control points of the neck [rad]."""
+    """Return the result of a merge attempt with a late block zero [s]."""
 
     def of(*, late=0.0, neck=(), left_out=None, performed=(), others=(), base=rest.controls) -> MergedMotion:
         controls = np.tile(base[:1], (max(len(base), len(neck)), 1))
@@ -231,7 +231,7 @@ def test_gaze_of_a_block_also_occupies_the_hinges_of_the_gaze_that_it_supersedes
 
 @pytest.fixture
 def overlays(monkeypatch):
-    """Record overlays of a block that is merged with a running motion; given failures come first."""
+    """Record overlays of a merged block, the first ones with given failures."""
     works, failures, clashes = [], [], []
 
     def overlay_motions(work, _setup, _limits):

@@ -36,7 +36,7 @@ def work(performed=(), holding=(), finishing=()) -> Overlay:
 
 @pytest.fixture
 def transitions(monkeypatch):
-    """Record transitions as (angles before and after [rad], time [s], next behaviour); each one has ended at once."""
+    """Record transitions as (angles before and after [rad], time [s], next behaviour)."""
     calls = []
 
     def cross(current, after, left, stop, limits, hinge):
@@ -152,7 +152,7 @@ def test_finishing_behaviour_lies_between_two_others_of_its_hand_if_its_ready_ti
 
 @pytest.fixture
 def crossings(monkeypatch):
-    """Record knots of attempted transitions, and what they connect; the first so many attempts fail."""
+    """Record attempted transitions, of which the first ones fail."""
     calls, failures = [], [0]
 
     def cross_over(current, after, knots, limits, hinge):

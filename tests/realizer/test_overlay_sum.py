@@ -21,7 +21,7 @@ ALL_HINGES = ~NO_HINGES
 
 @pytest.fixture
 def limits():
-    """Limits on jerk alone, such that its ratio is the third difference [rad] of control points."""
+    """Limits on jerk alone, in third differences [rad] of control points."""
     ones = np.ones(HINGE_COUNT)
     return Limits.box(
         lower=-1e6 * ones, upper=1e6 * ones, speed=1e9 * ones, acceleration=1e12 * ones, jerk=ones / KNOT_INTERVAL**3
@@ -161,7 +161,7 @@ def test_summed_motion_that_cannot_be_corrected_names_the_last_trunk_behaviour(k
 
 @pytest.fixture
 def parts(monkeypatch):
-    """Record hinges left to the running motion, and arm hinges with their role; each arm rises by 0.1 rad."""
+    """Record hinges of the running motion, and arm hinges with their role."""
     alone, joined = [], []
 
     def add(work, hinges, _setup, _limits):

@@ -1,4 +1,4 @@
-"""One attempt to change a running block to a new plan, with the results of its steps given."""
+"""One attempt to change a running block's plan, with stubbed steps."""
 
 from dataclasses import replace
 from functools import partial
@@ -29,7 +29,7 @@ def switch(nod):
 
 @pytest.fixture
 def attempts(monkeypatch):
-    """Results of the steps of an attempt by name, which a test may change, and the arguments of each step."""
+    """Changeable results of each stubbed step of an attempt, with its arguments."""
     results = {
         "_without_block": np.zeros((150, HINGE_COUNT)),
         "overlay_motions": np.ones((160, HINGE_COUNT)),

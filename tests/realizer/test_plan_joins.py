@@ -1,4 +1,4 @@
-"""Choice of the knots and behaviours with which a block changes to its new plan."""
+"""Knots and behaviours with which a block changes to its new plan."""
 
 import numpy as np
 import pytest
@@ -38,7 +38,7 @@ def test_behaviours_in_progress_keep_their_arms_and_give_the_trunk_to_the_new_pl
 
 @pytest.fixture
 def crossings(monkeypatch):
-    """Record knots and passed keys of transitions; given ones fail, and given rows miss the goal."""
+    """Record knots and passed keys of transitions, of which given ones fail."""
     calls, failing, beside = [], set(), {}
 
     def cross_over(_current, goal, knots, limits, hinge, *, passing):

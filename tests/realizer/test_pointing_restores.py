@@ -68,7 +68,7 @@ class Stage:
 
 @pytest.fixture
 def restored(monkeypatch):
-    """Restore a hand of a block with pointing errors [rad] in the motions `bent` and `corrected`."""
+    """Correct a hand with given pointing errors [rad] of two motions."""
     calls = []
 
     def restore(*, usual=0.0, bent=1.0, corrected=0.0, now=2.0, block="a", result="corrected", **changes):

@@ -47,7 +47,7 @@ def test_pointing_hands_are_those_that_aim_in_a_stroke_of_their_own_behaviour():
 
 @pytest.fixture
 def corrections(monkeypatch):
-    """Record corrected columns with their knots, and judged motions; so many of them are not feasible."""
+    """Record corrections and checked motions, of which some are infeasible."""
     columns, judged, failures = [], [], [0]
 
     def keep_limits(desired, first, last, _limits, hinge):

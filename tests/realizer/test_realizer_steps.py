@@ -1,4 +1,4 @@
-"""Begin, advance and commands of a scene, with starts and ends that are only recorded."""
+"""Begin, advance and commands of a scene, with stubbed block starts."""
 
 from dataclasses import replace
 from types import SimpleNamespace

@@ -53,7 +53,7 @@ def test_release_times_are_relative_to_the_start_of_the_running_motion(known, mo
 
 @pytest.fixture
 def tries(monkeypatch):
-    """Record transitions to the rest pose, the minimum duration [s] of two hinges, and the checked result."""
+    """Record transitions to rest, with minimum durations [s] and checked results."""
     calls, times, ends = [], np.zeros(HINGE_COUNT), []
 
     def cross_over(current, goal, knots, _limits, hinge):
@@ -191,7 +191,7 @@ def test_motion_without_a_block_exceeds_joint_ranges_no_more_than_the_running_mo
 
 @pytest.fixture
 def rejoins(monkeypatch):
-    """Record knots of arms that rejoin; those of given hinges cannot."""
+    """Record knots at which arms rejoin, except those of given hinges."""
     calls, failing = [], set()
 
     def cross_over(back, current, knots, _limits, hinge):
@@ -228,7 +228,7 @@ def test_arm_with_a_hinge_that_cannot_rejoin_keeps_the_running_motion(known, rej
 
 @pytest.fixture
 def checks(monkeypatch):
-    """Record corrections of hinges, which then rest at 0.2 rad; and set the smallest distance [m]."""
+    """Record corrections of hinges, and set the smallest distance [m]."""
     calls, distance, seen = [], [1.0], []
 
     def keep_limits(column, first, last, _limits, hinge):

@@ -1,4 +1,4 @@
-"""Steps of the start of a block, with merges that are only recorded."""
+"""Steps of a block's start, with stubbed merges."""
 
 from dataclasses import replace
 
@@ -28,7 +28,7 @@ def scene(known) -> Scene:
 
 @pytest.fixture
 def merged(monkeypatch):
-    """Result of both kinds of merges, and the name and arguments of each call."""
+    """Result of both stubbed merges, with name and arguments of each call."""
     motion, syncs = small_motion(angle=0.1), (SyncTime("n", "start", 0.0, -0.5), SyncTime("n", "end", 0.0, 2.0))
     calls, result = [], [MergedMotion(motion, 10.75, small_motion(), (use("n", "sign"),), syncs, (), (NOTICE,))]
 

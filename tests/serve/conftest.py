@@ -160,7 +160,7 @@ def wired() -> tuple[PlannerState, Connection]:
 
 @pytest.fixture(scope="session")
 def becomes() -> Callable[[Callable[[], bool]], bool]:
-    """Function that waits for a condition and returns whether it became true in time."""
+    """Function that waits for a condition, with a time limit."""
 
     def waited(condition: Callable[[], bool]) -> bool:
         end = monotonic() + MAX_WAIT

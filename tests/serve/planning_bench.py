@@ -1,4 +1,4 @@
-"""Planner with a stub loop that answers by a rule, and a record of its messages."""
+"""Planner with a stub loop and a record of its messages."""
 
 from collections import deque
 from collections.abc import Callable

@@ -11,7 +11,7 @@ from kinesic.child import PipeEnd
 
 
 class PlayedChild:
-    """Child that only records its arguments; its death closes its pipe ends."""
+    """Child that only records its arguments."""
 
     def __init__(self, context: object, work: Callable, *arguments: object, name: str | None = None) -> None:
         self.context, self.work, self.arguments, self.name = context, work, arguments, name

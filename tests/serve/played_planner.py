@@ -1,4 +1,4 @@
-"""State of a planner whose scene, texts and idle motion only record their calls."""
+"""Planner state with stubbed scene, texts and idle motion."""
 
 from dataclasses import replace
 from math import inf

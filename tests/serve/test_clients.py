@@ -1,4 +1,4 @@
-"""Limits for clients over the wire: refusals name the rule, others are not affected."""
+"""Limits for clients over the wire, and their named refusals."""
 
 import json
 import re

@@ -1,4 +1,4 @@
-"""Control loop in real time: fast stops and resumes, delayed feedback, busy hands."""
+"""Control loop in real time: stops, resumes and delayed feedback."""
 
 import re
 from multiprocessing import Pipe

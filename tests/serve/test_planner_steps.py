@@ -1,4 +1,4 @@
-"""Requests and due events of the planner, with a scene and streamed texts that are only recorded."""
+"""Requests and due events of the planner, with stubbed scene and texts."""
 
 import json
 import re

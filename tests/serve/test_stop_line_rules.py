@@ -18,7 +18,7 @@ RULES = Quotas(rate=1e-6, burst=4)  # quotas that allow only the messages of the
 
 
 class PlayedWire:
-    """Connection that yields prepared messages, and then ends, fails or stays open until it is released."""
+    """Connection with prepared messages that ends, fails or stays open."""
 
     def __init__(self, *messages: bytes, fault: Exception | None = None, stays_open: bool = False) -> None:
         self._messages, self._fault, self._stays_open = messages, fault, stays_open
@@ -80,7 +80,7 @@ def lines(robot: Robot) -> Iterator[StopLines]:
 
 
 def take(lines: StopLines, wire: PlayedWire) -> socket.socket:
-    """Hand a connection over to the stop lines, and return the end of the client."""
+    """Make a connection an emergency-stop line, and return the client's end."""
     here, client = socket.socketpair()
     here.setblocking(False)
     client.settimeout(PATIENCE)

@@ -1,4 +1,4 @@
-"""Feedback of one client, checked: each sync point once, in order, never early."""
+"""Feedback of one client, with checks of order, time and repetition."""
 
 import re
 from collections import defaultdict

@@ -1,4 +1,4 @@
-"""Ten blocks on robots of other makers, with the checks of the default robot (`make soak`)."""
+"""Ten blocks on third-party robots, with the usual checks."""
 
 import os
 from importlib.metadata import PackageNotFoundError, files

@@ -1,4 +1,4 @@
-"""Hostile documents, each planned or refused in 10 s of CPU and 500 MB (`make soak`)."""
+"""Hostile documents, each planned or refused within 10 s and 500 MB."""
 
 import pytest
 

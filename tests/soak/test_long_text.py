@@ -1,4 +1,4 @@
-"""Streamed text of 20 000 words in simulated time, with constant memory and no gaps of speech."""
+"""Streamed text of 20 000 words in simulated time."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -40,7 +40,7 @@ def perform(scene: Scene, phrase: Phrase, now: float) -> Scene:
 
 
 def stream(text: str, setup: Setup) -> tuple[list[str], list[float], list[float]]:
-    """Stream a text; return its phrases, the gaps between them [s] and the memory after each [bytes]."""
+    """Return a streamed text's phrases, gaps between them [s] and memory [bytes]."""
     talks, scene, now = Talks(), Scene.of(setup), 0.0
     phrases, gaps, memory, last_end = list[str](), list[float](), list[float](), None
     talks.take(Words(text, 1, ends=True), now)

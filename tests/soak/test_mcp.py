@@ -1,4 +1,4 @@
-"""Emergency stops by a language model's client, 100 with 50 pending calls each, on both transports."""
+"""Emergency stops by MCP clients during fifty pending calls."""
 
 import asyncio
 from collections.abc import Callable, Coroutine

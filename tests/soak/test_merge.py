@@ -1,4 +1,4 @@
-"""Hundreds of blocks merged with the running motion, or replacing it, at random times (`make soak`)."""
+"""Hundreds of blocks merged with a running motion, or replacing it."""
 
 import random
 

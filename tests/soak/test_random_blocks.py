@@ -1,4 +1,4 @@
-"""Random blocks of all gestures in extreme styles, without crash, collision or exceeded limit (`make soak`)."""
+"""Random blocks of all gestures in extreme styles."""
 
 import random
 from dataclasses import replace

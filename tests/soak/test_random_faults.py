@@ -1,4 +1,4 @@
-"""Two hundred random faults for each kind of virtual servos, and outages of all lengths, with raised arms."""
+"""Random faults and outages of virtual servos with raised arms."""
 
 from functools import partial
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Live server over a long time: ten blocks a second for ten minutes, and ten thousand mutated documents."""
+"""Live server under load for minutes, and with mutated documents."""
 
 import json
 import os

@@ -1,4 +1,4 @@
-"""Fifty blocks whose key times must change, against the nonlinear program (`make soak`)."""
+"""Fifty blocks with shifted key times, compared with a nonlinear program."""
 
 import pytest
 

@@ -1,4 +1,4 @@
-"""Another user of this machine, who tries to run code through a dask cluster's ports.
+"""Program of another user that attacks a dask cluster's ports.
 
 `python intruder.py plain PORT ...` connects without a certificate, `python intruder.py forged PORT ...` with one that
 it made itself, and `plain,forged` in both ways. Each line of output is a user whose process ran its code. All imports

@@ -1,4 +1,4 @@
-"""Clusters that may be joined, and their certificates, without starting one or opening a port."""
+"""Admissible clusters and their certificates, without starting a cluster."""
 
 import logging
 import stat

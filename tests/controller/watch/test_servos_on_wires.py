@@ -1,4 +1,4 @@
-"""Hands close together on servos with a wrong P gain, with and without the clearance watch."""
+"""Clearance watch of servos with a wrong P gain and close hands."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -89,7 +89,7 @@ class Watched:
 
 
 def plan_arms(folder: Path, lexeme: str, gestures: str) -> Plan:
-    """Plan a gesture for the arms alone: other servos would only take time."""
+    """Plan a gesture for the arms alone, which saves time."""
     lexicon = folder / "gestures.toml"
     lexicon.write_text(gestures)
     setup = set_up(write_robot(folder, "neck", "torso"), lexicon=lexicon)

@@ -1,4 +1,4 @@
-"""Folded hands in a twin with soft and late servos, with and without the watch."""
+"""Clearance watch of a twin with soft, late servos and folded hands."""
 
 from dataclasses import replace
 

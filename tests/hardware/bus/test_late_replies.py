@@ -60,7 +60,7 @@ class Waiting:
         return self.late.admit_earlier(self.question, ALL_SERVOS, answer)
 
     def cycle_of_the_past(self) -> None:
-        """Filter a cycle whose records all seem older than the accepted records."""
+        """Process a cycle whose records all seem older than accepted ones."""
         self.believed.begin()
         assert self.admit_earlier(whole(1.001, 1.001, 1.001), self.miss(1.04) - 0.04)
         self.late.note(fresh=False)

@@ -19,7 +19,7 @@ BAUD_RATE = 57_600  # [bit/s] baud rate of the serial port
 
 
 class Port:
-    """Both ends of a pseudo-terminal, with a clock that only sleeps and waits advance."""
+    """Both ends of a pseudo-terminal, with a simulated clock."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.file, self.other = os.openpty()
@@ -105,7 +105,7 @@ def test_sleep_waits_until_a_time_or_returns_at_once_if_it_has_passed(port: Port
 
 @pytest.fixture
 def full(port: Port, wire: SerialWire, monkeypatch: pytest.MonkeyPatch) -> tuple[Port, SerialWire, list]:
-    """Port whose output buffer takes three bytes, and nothing more until its other end reads."""
+    """Port whose output buffer holds only three bytes."""
     written: list[bytes] = []
     room = SimpleNamespace(bytes=3)
 

@@ -29,7 +29,7 @@ SERVOS = [Servo(k + 1, SERVO_MODELS["xm430_w350"]) for k in range(4)]
 
 @pytest.fixture
 def ends(tmp_path: Path) -> Iterator[tuple[int, Path]]:
-    """Return our end of a pseudo-terminal, and the device name of the other end."""
+    """Return a pseudo-terminal's own end, and the other end's device name."""
     ours, hosts = os.openpty()
     tty.setraw(hosts)
     yield ours, Path(os.ttyname(hosts))

@@ -40,7 +40,7 @@ class Bench:
         return said.parameters[0], int.from_bytes(said.parameters[1:], "little", signed=item.signed)
 
     def write(self, name: str, value: int, servo: int = 1) -> int:
-        """Write a register over the wire; return the error byte, or -1 without reply."""
+        """Write a register, and return the error byte (-1: no reply)."""
         item = self.device.memory.item(name)
         octets = value.to_bytes(item.size, "little", signed=value < 0)
         said = self.ask(servo, p.WRITE, words(item.address) + octets)

@@ -1,4 +1,4 @@
-"""Each fault of the independent servos has its effect, and only while active."""
+"""Effects of each fault of the independent servos, only while active."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -32,7 +32,7 @@ def position(made: Bench, servo: int = 1) -> int:
 
 
 def torque(made: Bench) -> int:
-    """Return the actual torque state of servo 1, with the reported one."""
+    """Return the actual and the reported torque state of servo 1."""
     return made.device.memory["torque"]
 
 
@@ -53,7 +53,7 @@ def climbs(made: Bench) -> int:
 
 @dataclass(frozen=True)
 class Case:
-    """Fault, with an effect that is seen only while it lasts, or only after its start."""
+    """Fault with its visible effect."""
 
     fault: Callable[[], Fault]
     seen: Callable[[Bench], bool]

@@ -1,4 +1,4 @@
-"""Independent servos on a pseudo-terminal in their own process, driven by the maker's SDK."""
+"""Independent servos on a pseudo-terminal, driven by the manufacturer's SDK."""
 
 import subprocess
 import sys
@@ -40,7 +40,7 @@ def test_manufacturer_sdk_drives_the_servos(port: PortHandler):
 
 
 def until(answered: Callable[[], bool]) -> None:
-    """Repeat a query until it succeeds, as the SDK waits only 34 ms and the host may be busy."""
+    """Repeat a query until it succeeds, because the SDK waits only 34 ms."""
     limit = time.monotonic() + PATIENCE
     while not answered():
         assert time.monotonic() < limit

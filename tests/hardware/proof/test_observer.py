@@ -16,7 +16,7 @@ SHOULDER, ELBOW = 2, 3  # ids on both wires
 
 @pytest.fixture(scope="module", params=list(BUILDERS))
 def standing(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Drill]:
-    """Robot with raised arms, shared by all tests of this file; the last test removes its torque."""
+    """Robot with raised arms for all tests of this file."""
     made = drill(request.param, tmp_path_factory.mktemp("drill"))
     made.raise_arms()
     assert made.observer.broken == []
@@ -26,7 +26,7 @@ def standing(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
 
 @pytest.fixture
 def raised(standing: Drill) -> Drill:
-    """Robot with raised arms that continues after an earlier test, with no broken rule recorded."""
+    """Robot with raised arms of an earlier test, without recorded violations."""
     standing.run(0.2)
     standing.observer.watching = False
     standing.observer.broken.clear()

@@ -1,4 +1,4 @@
-"""Random faults with raised arms on both kinds of virtual servos; `make soak` runs two hundred of each."""
+"""Random faults of virtual servos that hold raised arms."""
 
 from pathlib import Path
 

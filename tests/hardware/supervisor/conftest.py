@@ -109,7 +109,7 @@ class Desk:
         return np.array([servo.electronics.present_position() for servo in self.plant.servos])
 
     def cycle(self) -> None:
-        """Run one period; fail if a servo gets torque with a goal away from its position."""
+        """Run one period, and check that no servo jumps at torque on."""
         supervisor, torque = self.supervisor, self.true(Register.TORQUE_ENABLE)
         due = supervisor.now() + self.settings.period
         supervisor.step()
@@ -159,7 +159,7 @@ class Desk:
             self.cycle()
 
     def until(self, *stages: Stage, within: float = 30.0) -> float:
-        """Run until one of the stages; return the duration [s]."""
+        """Run until one of the stages, and return the duration [s]."""
         began = self.supervisor.now()
         while self.stage not in stages and not (Stage.CLOSED in stages and self.supervisor.done):
             assert self.supervisor.now() - began < within, (self.stage, self.kinds()[-12:])

@@ -110,7 +110,7 @@ class Clock:
         self.watch = InterruptionWatch(MAX_INTERRUPTION)
 
     def cycle(self, seconds: float, *, well: bool = True) -> InterruptionWatch:
-        """Run a performance cycle some time [s] after the last: take commands, then judge servos."""
+        """Run a performance cycle some time [s] after the last one."""
         return self.take(seconds, Stage.ACTIVE, before=True, well=well)
 
     def take(

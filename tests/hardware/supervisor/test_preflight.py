@@ -26,7 +26,7 @@ def manifest(robot) -> Manifest:
 
 
 def table(member: Member, **changes: int) -> RegisterTable:
-    """Return the registers of a servo that is configured and stands in the middle of its range."""
+    """Return the registers of a configured servo in mid-range."""
     fields = [register for register in Register if register.field.end <= TABLE_SIZE]
     values = {register: member.model.factory_value(register) for register in fields} | member.eeprom_values
     values |= {Register.FIRMWARE_VERSION: 50, Register.PRESENT_POSITION: (member.lower + member.upper) // 2}

@@ -1,4 +1,4 @@
-"""Every register with a hostile value: how it is treated, and the motion after it."""
+"""Treatment of unsuitable register values, and the motion after it."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import replace

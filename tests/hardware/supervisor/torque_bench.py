@@ -61,7 +61,7 @@ class Bench:
         *,
         places: Sequence[int] = ALL_PLACES,
     ) -> int:
-        """Run a procedure for the servos at these places to its end; return the number of cycles."""
+        """Run a procedure for some servos, and return its number of cycles."""
         self.seen = []
         given, cycles = next(procedure, None), 0
         while True:

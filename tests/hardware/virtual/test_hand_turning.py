@@ -15,7 +15,7 @@ HELD_SERVO = 11  # index of the servo with torque
 
 
 def turned(held: int | None = None) -> np.ndarray:
-    """Turn all hinges once by hand, and return their angles [deg] at 20 Hz, (k, servos)."""
+    """Turn all hinges by hand, and return angles [deg] at 20 Hz."""
     wires = describe_cables(ROBOT, np.zeros(len(ROBOT.skeleton.hinges)))
     physics = HandTurnedPhysics(independent_motors(wires), ROBOT, wires)
     plant, _ = build_bus(wires, physics)

@@ -30,7 +30,7 @@ def angles_matrix(grid: Grid):
 
 
 def closeness(grid: Grid):
-    """Return the form that measures the distance to a desired motion, with a little weight on smoothness."""
+    """Return the quadratic cost of deviation from a motion, with slight smoothing."""
     second = np.array([1.0, -2.0, 1.0]) / grid.step**2
     bend = scipy.sparse.diags_array(second, offsets=[0, 1, 2], shape=(grid.pieces + 1, grid.size))
     at_knots = angles_matrix(grid)

@@ -43,7 +43,7 @@ def work(tmp_path, monkeypatch):
 
 
 def ask_all(asked: Helper, questions, *, seconds: float = 30.0):
-    """Return the answers to (client, text, wait [s]) and the longest delay [s] of others."""
+    """Return all answers, and the longest delay [s] of other tasks."""
 
     async def all_of_them():
         answers, longest = {}, 0.0

@@ -1,4 +1,4 @@
-"""Versions of documents: the last ten, each content once, no access outside the archive."""
+"""Versions of documents: the last ten, each content once."""
 
 import pytest
 

@@ -74,7 +74,7 @@ class PlayedClient:
 async def open_socket(
     client: PlayedClient, line: ScriptedLine, *, access: Access = OPEN_ACCESS, rules: Quotas = RULES, files=None
 ) -> tuple[WebSocket, bool]:
-    """Perform the handshake; return the socket, and whether the token was shown."""
+    """Return the socket after its handshake, and whether it showed the token."""
     web = WebSocket(line, client.request, rules)
     has_token = await web.open(access, lambda token: token == TOKEN, AUTHORITIES, files or {})
     client.receive(line.take())
