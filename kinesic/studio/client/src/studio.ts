@@ -23,6 +23,8 @@ import { RecordingPanel } from "./recording/recording_panel.ts";
 import { Robot } from "./robot.ts";
 import { StylesPanel } from "./styles/styles_panel.ts";
 import { TextPane } from "./text.ts";
+import { markEdited } from "./text_mode/picked_gestures.ts";
+import { isWritten } from "./text_mode/replacing.ts";
 import { TextMode } from "./text_mode/text_mode.ts";
 import type { Timeline } from "./timeline.ts";
 import { Tour } from "./tour/tour.ts";
@@ -64,7 +66,8 @@ export class Studio {
 
   constructor(readonly about: About) {
     const text = () => this.document.text;
-    const edit = (changed: string) => this.document.edit(changed);
+    const rewrite = (changed: string) => this.document.edit(changed);
+    const edit = (changed: string) => rewrite(isWritten(changed) ? markEdited(text(), changed) : changed);
     const isGesture = () => this.isGesture;
     const log = (line: string) => this.robot.live.say(line);
     const seek = (time: number) => this.player.seek(time);
@@ -154,7 +157,7 @@ export class Studio {
       saved: () => this.isGesture && this.gestures.saved(),
     });
     this.textMode = new TextMode(about, this.robot.wire, {
-      ...{ text, edit, open },
+      ...{ text, edit, rewrite, open },
       changed: () => this.files.saving.isChanged,
       typed: () => this.files.saving.changed(),
       picture: (gesture) => this.figures.draw(gesture),

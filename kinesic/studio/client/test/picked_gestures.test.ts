@@ -1,9 +1,9 @@
 // Picked gestures stay on their words when gestures are chosen for a changed text.
 import assert from "node:assert/strict";
 import { test } from "node:test";
-import { findWord } from "../src/edits.ts";
+import { findWord, setKinesicAttribute } from "../src/edits.ts";
 import { alignWords } from "../src/text_mode/alignment.ts";
-import { describeKept, keepPicked } from "../src/text_mode/picked_gestures.ts";
+import { describeKept, keepPicked, markEdited } from "../src/text_mode/picked_gestures.ts";
 import { findShown } from "../src/text_mode/spoken.ts";
 import { readWords } from "../src/text_mode/written_words.ts";
 
@@ -79,6 +79,21 @@ test("a picked gesture gets a mark on a word without one, and gestures of other 
     words.map(({ gestures }) => gestures.map(({ name, isPicked }) => `${name} ${isPicked}`)),
     [["offer false"], ["balance true"], []],
   );
+});
+
+test("a chosen gesture that a person has changed is picked, and keeps its intent", () => {
+  const styled = setKinesicAttribute(FORMER, "g1", "style", "shy");
+  const marked = markEdited(FORMER, styled);
+  assert.match(marked, /<gesture id="g1" [^>]*reason="chosen: [^"]*\(picture, 0.8\)" kinesic:style="shy"/);
+  const [, , huge] = shownIn(marked);
+  assert.deepEqual(
+    huge!.gestures.map(({ isPicked, intent, reason }) => [isPicked, intent, reason]),
+    [[true, "picture", "'huge' is large"]],
+  );
+  assert.equal(markEdited(FORMER, FORMER.replace("Tea", "Tee")), FORMER.replace("Tea", "Tee"));
+  assert.equal(markEdited(marked, setKinesicAttribute(marked, "g1", "style", null)).match(/chosen:/g)!.length, 2);
+  const kept = keepPicked(marked, shownIn(marked), write("A huge house.")).text;
+  assert.match(kept, /lexeme="big" stroke="s:m1" [^>]*kinesic:style="shy"/);
 });
 
 test("a picked gesture whose word is gone is named", () => {

@@ -9,7 +9,7 @@ import { type Points, pointsOf } from "../tracks/phases.ts";
 import type { Draft } from "../types.ts";
 import { findAttribute, findTags, tagWithId } from "../xml.ts";
 import { alignWords } from "./alignment.ts";
-import { hasIntent, type SpokenWord } from "./spoken.ts";
+import { isChosen, type SpokenWord } from "./spoken.ts";
 import { readWords } from "./written_words.ts";
 
 const NO_MOVEMENTS: readonly string[] = ["speech", "constraint"]; // elements that are no movement
@@ -113,7 +113,7 @@ function listAdded({ text, words }: Former): string[] {
     const isOutermost = depth === 1 && !tag.closing && !NO_MOVEMENTS.includes(tag.name);
     if (!tag.closing && !tag.empty) depth += 1;
     const id = isOutermost ? findAttribute(tag, "id")?.value : undefined;
-    return id === undefined || picked.has(id) || hasIntent(tag) ? [] : [id];
+    return id === undefined || picked.has(id) || isChosen(tag) ? [] : [id];
   });
 }
 

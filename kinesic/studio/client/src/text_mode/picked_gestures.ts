@@ -1,9 +1,9 @@
 // Gestures that a person has picked, which stay on their words when gestures are chosen for a changed text.
 import { POINTS, setAttribute, setKinesicAttribute } from "../edits.ts";
-import { tagWithId } from "../xml.ts";
+import { findAttribute, findTags, type Tag, tagWithId } from "../xml.ts";
 import { alignWords } from "./alignment.ts";
 import { placeGesture } from "./replacing.ts";
-import { findShown, type ShownGesture, type SpokenWord } from "./spoken.ts";
+import { findShown, isChosen, PICKED_PREFIX, type ShownGesture, type SpokenWord } from "./spoken.ts";
 import { readWords, type WrittenWord } from "./written_words.ts";
 
 const PLACED_ANEW: readonly string[] = [...POINTS, "id", "lexeme"]; // attributes that a new place decides
@@ -61,6 +61,21 @@ function put(
       cleared,
     );
 }
+
+/** Mark chosen gestures whose attributes an edit has changed as picked, so that they stay, too. */
+export function markEdited(before: string, after: string): string {
+  const edited = findTags(after).flatMap((tag) => {
+    const id = tag.closing || tag.name !== "gesture" || !isChosen(tag) ? undefined : findAttribute(tag, "id")?.value;
+    const former = id === undefined ? undefined : tagWithId(before, id);
+    return id !== undefined && former && listValues(former) !== listValues(tag) ? [id] : [];
+  });
+  return edited.reduce((text, id) => {
+    const reason = findAttribute(tagWithId(text, id)!, "reason")?.value ?? "";
+    return setKinesicAttribute(text, id, "reason", PICKED_PREFIX + reason);
+  }, after);
+}
+
+const listValues = (tag: Tag): string => JSON.stringify(tag.attributes.map(({ name, value }) => [name, value]).sort());
 
 /** Tell which picked gestures stay, and which have lost their words. */
 export function describeKept({ count, gone }: Omit<Kept, "text">): string[] {

@@ -6,7 +6,7 @@ import { findAttribute, findTags, type Tag, tagWithId } from "../xml.ts";
 const GESTURE_TYPES: readonly string[] = ["gesture", "pointing"];
 /** Attributes that place a gesture, the most significant first. */
 const PLACES = ["stroke", "strokeStart", "attackPeak", "start", "ready", "strokeEnd"] as const;
-/** Begins the reason of a gesture that a person has picked. */
+/** Begins the reason of a gesture that a person has picked or changed. */
 export const PICKED_PREFIX = "chosen: ";
 const REFERENCE = /^\s*([^:\s]+):([^\s+-]+)/; // speech and mark of a reference such as s:w9+0.07
 const REASON = /^(.*?)(?:\s*\(([\w-]+), [\d.]+\))?$/s; // reason, with intent and score in parentheses
@@ -20,7 +20,7 @@ export interface ShownGesture {
   reason: string;
   /** Intent of the reason; empty without one. */
   intent: string;
-  /** Whether a person has picked it; gestures that the server chose have an intent. */
+  /** Whether a person has picked or changed it. */
   isPicked: boolean;
 }
 
@@ -53,8 +53,11 @@ export function findShown<W extends Place>(text: string, words: readonly W[]): (
   return shown;
 }
 
-/** Whether the server has chosen a behaviour: its reason names an intent. */
-export const hasIntent = (tag: Tag): boolean => readReason(tag).intent !== undefined;
+/** Whether the server has chosen a behaviour, as its reason tells with an intent, and nobody has changed it since. */
+export function isChosen(tag: Tag): boolean {
+  const { reason, intent } = readReason(tag);
+  return intent !== undefined && !reason.startsWith(PICKED_PREFIX);
+}
 
 function readReason(tag: Tag): { reason: string; intent: string | undefined } {
   const [, reason, intent] = REASON.exec(findAttribute(tag, "reason")?.value ?? "") ?? [];
@@ -73,7 +76,7 @@ function readGesture(text: string, id: string, type: string): ShownGesture | nul
     name,
     reason: reason.replace(PICKED_PREFIX, ""),
     intent: intent ?? "",
-    isPicked: intent === undefined,
+    isPicked: !isChosen(tag),
   };
 }
 

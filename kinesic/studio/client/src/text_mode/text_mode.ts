@@ -22,6 +22,8 @@ const NEW_NAME = "talk.bml"; // suggested name of a document for a text
 export interface TextModeListener {
   text(): string;
   edit(text: string): void;
+  /** Replace the document by one that was written for a text. */
+  rewrite(text: string): void;
   open(name: string, text: string): void;
   /** Whether the document has changes that are in no file. */
   changed(): boolean;
@@ -207,7 +209,7 @@ export class TextMode {
     const { text: merged, notes } = isWritten(former) ? this.keep(former, bml) : { text: bml, notes: [] };
     if (!isWritten(former)) this.listener.open(NEW_NAME, this.about.templates[0]?.text ?? "");
     this.chosen = -1;
-    this.listener.edit(merged);
+    this.listener.rewrite(merged);
     this.field.value = later;
     this.isTyped = later !== text;
     this.listener.typed();
