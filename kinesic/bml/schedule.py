@@ -265,6 +265,7 @@ class _ActiveSet:
                 self.remove(order, NoticeType.IMPOSSIBLE_TO_SCHEDULE, _describe_loop(loop, self.block.id))
 
 
+# remedy in the error for an infeasible required element
 _REQUIRED_REMEDY = "remove it from <required>, or give it feasible times"
 
 

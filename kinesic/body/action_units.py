@@ -28,7 +28,7 @@ class ActionUnit:
     sided: bool = True  # left and right move independently
 
 
-ACTION_UNITS: Mapping[int, ActionUnit] = MappingProxyType(
+ACTION_UNITS: Mapping[int, ActionUnit] = MappingProxyType(  # supported action units by FACS number
     {
         unit.number: unit
         for unit in (
@@ -109,4 +109,5 @@ def describe_unknown_unit(unit: str) -> str:
     return f"no action unit {unit}; known: {sided} (on one side: L or R before it), {whole}"
 
 
+# all keys of `Command.face`
 FACE_CHANNELS: tuple[str, ...] = tuple(channel for number in ACTION_UNITS for channel in unit_channels(number))

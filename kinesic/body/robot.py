@@ -20,9 +20,9 @@ from kinesic.body.skeleton import Coupling, Frames, Hinge
 from kinesic.body.source_joints import SourceJoints
 
 Side = Literal["l", "r"]
-SIDES: tuple[Side, Side] = ("l", "r")
+SIDES: tuple[Side, Side] = ("l", "r")  # sides of the body, as in hinge names
 OTHER_SIDE: Mapping[Side, Side] = {"l": "r", "r": "l"}  # opposite side of the body
-SIDE_NAMES: Mapping[Side, str] = {"l": "left", "r": "right"}
+SIDE_NAMES: Mapping[Side, str] = {"l": "left", "r": "right"}  # side -> word for messages
 PartName = Literal["torso", "head", "l_hand", "r_hand"]  # body parts that behaviours move
 # kinematic chain that moves each body part
 PART_CHAINS: Mapping[PartName, str] = {"torso": "torso", "l_hand": "l_arm", "r_hand": "r_arm", "head": "neck"}

@@ -18,6 +18,7 @@ from kinesic.files.held_folder import HeldFolder, hold_folder, name_beside
 from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG, user_id
 
 DRAFT_FILE = ".kinesic-draft"  # name of the file that marks a draft folder
+# content of a draft folder's marker file
 DRAFT_TEXT = b"kinesic writes this folder, or was killed as it did; then the next run removes the folder.\n"
 DRAFT_NAME = re.compile(r"\..*-[0-9a-f]{12}(\..*)?", re.DOTALL)  # pattern of the hidden names made by `name_beside`
 PRIVATE_MODE = 0o700  # permissions of a hidden folder that holds an unfinished output file

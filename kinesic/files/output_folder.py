@@ -16,6 +16,7 @@ from kinesic.files.held_folder import HeldFolder, check_above, find_place, hold_
 from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG, account_home, user_id
 
 MARKER_FILE = ".kinesic"  # name of the file that marks a folder as made by kinesic
+# content of an output folder's marker file
 MARKER_TEXT = b"kinesic made this folder; with --force it replaces the folder and everything in it.\n"
 
 

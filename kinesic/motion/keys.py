@@ -17,7 +17,7 @@ Pair = tuple[int, int]  # indices of two keys, the earlier first
 Amount = TypeVar("Amount", float, Floats)
 Result = TypeVar("Result")
 
-EASING_NAMES: tuple[Easing, ...] = get_args(Easing)
+EASING_NAMES: tuple[Easing, ...] = get_args(Easing)  # names of all easings, in the order of their indices
 SMOOTHEST_EASING = EASING_NAMES.index("minimum_jerk")  # index of the default easing
 ACCENT_EASING: Easing = "out_power"  # easing with the highest velocity at the beginning of the interval
 LATE_ACCENT_EASING: Easing = "late"  # easing with the highest velocity at the end of the interval
@@ -25,7 +25,7 @@ OVERSHOOTING_EASINGS: tuple[Easing, ...] = ("out_back", "out_bounce")  # easings
 POWER_STEEPNESS = 2.5  # easing steepness of a gesture with full power, without an accent
 MIN_STEEPNESS = 1.0  # easing steepness of a movement as soft as minimum jerk
 MAX_STEEPNESS = 8.0  # easing steepness of a movement that starts almost at full velocity
-PASSAGE_RANGES: Mapping[str, tuple[float, float]] = {
+PASSAGE_RANGES: Mapping[str, tuple[float, float]] = {  # smallest and largest value of each parameter of `KeyPassage`
     "tension": (-1.0, 1.0),
     "continuity": (-1.0, 0.0),
     "bias": (-1.0, 1.0),

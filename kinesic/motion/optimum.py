@@ -28,7 +28,7 @@ MAX_INTERVALS = 24  # largest number of constant-jerk intervals between two keys
 LIMIT_TOLERANCE = 2e-3  # relative violation of limits allowed on a dense grid
 DENSE_PARAMETERS = np.linspace(0.0, 1.0, 17)  # normalised sample times within an interval
 DEFICIT_TOLERANCE = 1e-4  # [ln(time ratio)] deficit allowed for hinges outside the program
-SOLVER_OPTIONS: dict[str, int | float | str] = {
+SOLVER_OPTIONS: dict[str, int | float | str] = {  # options of IPOPT
     "ipopt.max_iter": 500,
     "ipopt.tol": 1e-6,
     "ipopt.mu_init": 1e-2,

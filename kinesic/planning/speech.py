@@ -18,7 +18,7 @@ PAUSE_TOLERANCE = 0.002  # [s] accepted shortfall of a speech pause
 MAX_WORD_LENGTH = 24  # [characters] longest quotation of a word in a message
 MAX_SOUND_DURATION = 2400.0  # [s] summed speech duration of a block after which further speeches are silent
 
-UNHEARD_REMARK = (
+UNHEARD_REMARK = (  # remark on speeches beyond `MAX_SOUND_DURATION`
     f"no sound: the speeches before it last more than {MAX_SOUND_DURATION:g} s in total; move it to another block"
 )
 

@@ -13,10 +13,11 @@ from kinesic.body.config import CONFIGS, read_toml
 from kinesic.body.robot import SIDES
 from kinesic.planning.arm_directions import ARM_FEATURES
 
-STANCE_FILE = CONFIGS / "standing.toml"
+STANCE_FILE = CONFIGS / "standing.toml"  # distributions of standing postures
 # Angles [deg] of trunk and head: `trunk_turn` is that of the shoulders from the hips, and `shoulder_rise` that of the
 # line of the shoulders over the rolled trunk.
 BODY_FEATURES = ("trunk_turn", "trunk_tilt", "trunk_roll", "head_turn", "head_tilt", "head_roll", "shoulder_rise")
+# features of body and both arms
 STANCE_FEATURES = (*BODY_FEATURES, *(f"{side}_{name}" for side in SIDES for name in ARM_FEATURES))
 SYMMETRIC_BODY = ("trunk_tilt", "head_tilt")  # features of trunk and head that a mirror image keeps
 MAX_DRAW = 1.8  # [standard deviations] bound of the random value of each principal component

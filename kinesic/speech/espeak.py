@@ -43,6 +43,7 @@ LANGUAGE_ALIASES: Mapping[str, str] = {  # BCP 47 tag -> tag in espeak-ng's file
     "zh-hk": "yue",
 }
 
+# punctuation before which a mark stays at the previous word
 _CLOSING_PATTERN = re.compile(rf"^[\s\"'\u2019\u201d\u00bb)\]]*[{SENTENCE_STOPS}{PHRASE_STOPS}]")
 
 

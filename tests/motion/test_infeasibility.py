@@ -127,8 +127,8 @@ def test_time_deficit_of_a_segment_above_the_work_limit_is_not_measured():
     assert allowed.amount == free.amount
 
 
-MARKED = replace(way(40, 20.0), marks=((0,), (1, 2), (3,)))
-KEY_TIMES = np.array([0.0, 1.0, 1.2, 2.0])
+MARKED_SEGMENT = replace(way(40, 20.0), marks=((0,), (1, 2), (3,)))  # segment whose second key is at two key times
+KEY_TIMES = np.array([0.0, 1.0, 1.2, 2.0])  # [s] key times of the whole motion
 
 
 def deficit_of(amount: float, slopes: list[float], binding=("speed", None)) -> Infeasibility:
@@ -138,18 +138,18 @@ def deficit_of(amount: float, slopes: list[float], binding=("speed", None)) -> I
 @pytest.mark.parametrize(("amount", "counted"), [(0.3, 0.3), (-0.2, 0.0)])
 @pytest.mark.parametrize("slopes", [[-2.0, 2.0, 0.0], [0.0, 0.0, 0.11], [-0.11, 0.0, 0.0]])
 def test_cutting_plane_excludes_the_current_key_times_by_the_deficit_and_a_margin(slopes, amount, counted):
-    (plane,) = make_cutting_planes(MARKED, deficit_of(amount, slopes), KEY_TIMES)
+    (plane,) = make_cutting_planes(MARKED_SEGMENT, deficit_of(amount, slopes), KEY_TIMES)
     np.testing.assert_allclose(plane.slopes, [slopes[0], slopes[1] / 2, slopes[1] / 2, slopes[2]])
     assert plane.slopes @ KEY_TIMES - plane.bound == pytest.approx(counted + DEFICIT_MARGIN)
 
 
 def test_deficit_without_slope_gives_a_cutting_plane_for_each_limited_key_interval():
     flat = [-MIN_PLANE_SLOPE, 0.0, MIN_PLANE_SLOPE]
-    first, second = make_cutting_planes(MARKED, deficit_of(0.3, flat, ("speed", "acceleration")), KEY_TIMES)
+    first, second = make_cutting_planes(MARKED_SEGMENT, deficit_of(0.3, flat, ("speed", "acceleration")), KEY_TIMES)
     np.testing.assert_allclose(first.slopes, [1.0, -0.5, -0.5, 0.0])
     np.testing.assert_allclose(second.slopes, [0.0, 0.5, 0.5, -1.0])
     assert (first.bound, second.bound) == pytest.approx(
         (-1.1 * np.exp(0.3 + DEFICIT_MARGIN), -0.9 * np.exp(0.3 + DEFICIT_MARGIN))
     )
-    (only,) = make_cutting_planes(MARKED, deficit_of(0.3, flat, (None, "jerk")), KEY_TIMES)
+    (only,) = make_cutting_planes(MARKED_SEGMENT, deficit_of(0.3, flat, (None, "jerk")), KEY_TIMES)
     np.testing.assert_array_equal(only.slopes, second.slopes)

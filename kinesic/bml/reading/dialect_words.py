@@ -18,9 +18,10 @@ from kinesic.bml.reading.vocabulary import (
     SPEECH_ATTRIBUTES,
 )
 
+# names of supported BML elements
 _CORE_NAMES = ("bml", "required", *BEHAVIOUR_ATTRIBUTES, *NESTED_ATTRIBUTES, *SPEECH_ATTRIBUTES)
 _NAMES_BY_LOWERCASE = {name.lower(): name for name in _CORE_NAMES}  # element name in lower case -> in BML's spelling
-_ATTRIBUTES_BY_LOWERCASE = {
+_ATTRIBUTES_BY_LOWERCASE = {  # attribute in lower case -> in BML's spelling
     name.lower(): name
     for names in (BLOCK_ATTRIBUTES, AGENT_ATTRIBUTES, *BEHAVIOUR_ATTRIBUTES.values())
     for name in names

@@ -45,9 +45,11 @@ GAZE_INFLUENCES = ("EYES", "HEAD", "NECK", "SHOULDER", "CHEST", "TORSO", "WAIST"
 # values of the gaze attribute `offsetDirection`
 OFFSET_DIRECTIONS = ("NONE", "RIGHT", "LEFT", "UP", "DOWN", "UPRIGHT", "UPLEFT", "DOWNLEFT", "DOWNRIGHT")
 
+# values of the attribute `mode` without `_HAND`
 _HAND_MODES: dict[str, HandMode] = {"left": "left", "right": "right", "both": "both", "unspecified": "unspecified"}
 _ROTATION_LEXEMES = {"X": "NOD", "Y": "SHAKE", "Z": "TILT"}  # rotation axis in the BML draft -> head lexeme
 _WHOLE_BODY = "WHOLEBODY"  # default body part of a <pose>
+# values of the attribute `side`
 _SIDE_NAMES: dict[str, Literal["left", "right", "both"]] = {"left": "left", "right": "right", "both": "both"}
 
 
@@ -164,6 +166,7 @@ def _read_wait(node: BehaviourElement, reading: DocumentReading) -> Action:
     return Wait(duration)
 
 
+# behaviour element -> reader of its action
 ACTION_READERS: dict[str, Callable[[BehaviourElement, DocumentReading], Action]] = {
     "gesture": _read_gesture,
     "pointing": _read_pointing,

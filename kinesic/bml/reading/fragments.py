@@ -23,6 +23,7 @@ _JOINT_INFLUENCES = {
     "NECK": "NECK",
     "EYES": "EYES",
 }  # joint of a SmartBody gaze, from the lowest up -> value of BML's attribute `influence`
+# gesture categories in SmartBody's lexemes
 _GESTURE_CATEGORIES = frozenset({"BEAT", "DEICTIC", "METAPHORIC", "ICONIC", "EMBLEM", "ADAPTOR"})
 
 _POSTURE_SUFFIX_PATTERN = re.compile(r"_(Motex|Idle\d*)$", re.IGNORECASE)  # suffix of posture animations
@@ -178,6 +179,7 @@ def _translate_reach(element: Element) -> Element:
     return element.reword("pointing", "sbm:action", "sbm:reach-type", "sbm:reach-finish", mode=hand)
 
 
+# SmartBody element -> function that translates it into BML
 SMARTBODY_REWRITERS: Mapping[str, Callable[[Element], Element]] = {
     "gaze": _translate_gaze,
     "head": _translate_head,

@@ -9,7 +9,8 @@ from itertools import pairwise
 
 from kinesic.bml.block import HandMode
 
-_TOKEN_PATTERN = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+|_")
+_TOKEN_PATTERN = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])|\d+|_")  # words of a camel-case name, numbers, underscores
+# words for a side
 _SIDE_WORDS: dict[str, HandMode] = {"l": "left", "left": "left", "r": "right", "right": "right", "both": "both"}
 _LIMB_WORDS = frozenset({"hand", "hands", "arm", "arms"})  # words that follow a side word: `left_hand`
 _HAND_WORDS: dict[str, HandMode] = {  # words that name the hands

@@ -2,8 +2,8 @@
 
 import re
 
-_WORD_PATTERN = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")
-_HEAD_MOVEMENT_WORDS = frozenset(
+_WORD_PATTERN = re.compile(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])")  # words of a camel-case name
+_HEAD_MOVEMENT_WORDS = frozenset(  # words for head movements
     {"nod", "nods", "nodding", "shake", "shakes", "tilt", "tilts", "headnod", "headshake", "headtilt", "nodhead"}
 )
 _MODIFIER_WORDS = frozenset(  # words for direction, size, speed, count or hand

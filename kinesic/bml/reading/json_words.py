@@ -14,6 +14,7 @@ DEFAULT_GAZE_OFFSET = 20.0  # [deg] rotation of a gaze that names a direction in
 BLINK_DURATION = 0.25  # [s] duration of a blink behaviour
 FRONT_TARGET = "audience"  # name of the target in front of the robot
 
+# directions in place of a gaze target
 _GAZE_DIRECTIONS = frozenset({"UP", "DOWN", "LEFT", "RIGHT", "UPRIGHT", "UPLEFT", "DOWNRIGHT", "DOWNLEFT", "FRONT"})
 _HAND_NAMES = {"DOMINANT": "RIGHT", "NON_DOMINANT": "LEFT"}  # hand of a right-handed person
 _TRUE_VALUES = ("true", "1")  # texts that mean true
@@ -89,6 +90,7 @@ def _translate_blink(element: Element) -> Element:
     return element.reword("face", **times)
 
 
+# web realizer's element -> function that translates it into BML
 JSON_REWRITERS: Mapping[str, Callable[[Element], Element]] = {
     "gaze": _translate_gaze,
     "gazeShift": _translate_gaze,

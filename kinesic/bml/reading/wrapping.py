@@ -15,12 +15,14 @@ MAX_SHOWN_LENGTH = 60  # [characters] longest quotation of ignored text in a not
 _BLANK_CHARACTERS = " \t\r\n\ufeff"
 _UTF16_MARKS = (b"\xff\xfe", b"\xfe\xff")  # byte order marks of UTF-16
 _ROOT_TAG = re.compile(r"<(?P<name>(?:[\w.-]+:)?(?:bml|fml-apml|speak))(?=[\s/>])[^<>]*>", re.IGNORECASE)
+# reasoning of a language model before its answer
 _THOUGHT_ELEMENT = re.compile(r"\s*<(think|thinking|thought|thoughts|reasoning|reflection)>.*?</\1>", re.DOTALL)
 _MARKDOWN_FENCE = re.compile(
     r"^[ \t]*(`{3,}|~{3,})[^\n`]*\n(.*?)(?:^[ \t]*\1[`~]*[ \t]*\r?$|\Z)", re.DOTALL | re.MULTILINE
 )
 _XML_DECLARATION = re.compile(r"\s*<\?xml[^<>]*\?>", re.IGNORECASE)
 _JSON_START = re.compile(r"\{\s*\"|\[\s*\{\s*\"")  # start of a JSON object, or of a list of objects
+# key that only a BML document in JSON has
 _JSON_DOCUMENT = re.compile(r"\"(?:type|behaviours|behaviors|data|bml)\"\s*:")
 _JSON_TOKEN = re.compile(r"\"(?:[^\"\\\n]|\\.)*+\"?|[{}\[\]]")  # an unclosed string ends with its line
 _BLANK_RUN = re.compile(r"[\s\ufeff]*")

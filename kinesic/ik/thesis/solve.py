@@ -21,7 +21,7 @@ from kinesic.ik.thesis.task import Effort, RelaxationMethod, Rest, Task
 from kinesic.ik.thesis.verlet import draw_by_force, swing_pinned
 
 Method = Literal["force", "position", "direct"]
-RELAXATION_METHODS: Mapping[Method, RelaxationMethod] = {
+RELAXATION_METHODS: Mapping[Method, RelaxationMethod] = {  # name -> function of each relaxation method
     "force": draw_by_force,
     "position": swing_pinned,
     "direct": balance_springs,

@@ -16,6 +16,7 @@ from kinesic.speech.engines.phrase import Phrase, ProsodySection
 from kinesic.speech.engines.prosody_factors import convert_sections
 
 MAX_PHRASE_LENGTH = 300  # [characters] longest phrase; longer sentences are cut at a comma or a space
+# months, whose full stop ends no sentence
 MONTH_ABBREVIATIONS = frozenset({"Jan", "Feb", "Mar", "Apr", "Jun", "Jul", "Aug", "Sep", "Sept", "Oct", "Nov", "Dec"})
 TITLE_ABBREVIATIONS = frozenset(  # words before a name or number, whose full stop ends no sentence
     {

@@ -17,6 +17,7 @@ from kinesic.speech.timings.timed_words import TimedWords, TimingError
 from kinesic.speech.timings.whisper import read_whisper
 
 MAX_BYTES = 20_000_000  # [bytes] largest accepted file
+# supported formats, for error messages
 FORMAT_NAMES = "Whisper, ElevenLabs, Azure and Polly JSON, TextGrid, ELAN, SubRip and WebVTT"
 _AZURE_KEYS = ("audiooffset", "audio_offset", "privaudiooffset")  # keys of an Azure event, in lower case
 

@@ -11,7 +11,8 @@ from kinesic.body.rotation import rotation_about
 
 DEFAULT_ROBOT = Robot.load()
 ROBOT_SKELETON = DEFAULT_ROBOT.skeleton
-MIRROR_MATRIX = np.diag([1.0, -1.0, 1.0])
+MIRROR_MATRIX = np.diag([1.0, -1.0, 1.0])  # reflection in the midline plane
+# (22,) [rad] angles within the joint ranges
 RANDOM_POSTURES = st.lists(st.floats(0.0, 1.0), min_size=22, max_size=22).map(
     lambda shares: ROBOT_SKELETON.lower + np.array(shares) * (ROBOT_SKELETON.upper - ROBOT_SKELETON.lower)
 )

@@ -24,9 +24,10 @@ from ...performances import LIMITS, ROBOT
 
 HAND_PACE = Pace(ROBOT, LIMITS)
 BUILTIN_LEXICON = Lexicon.load()
+# lexicon whose gestures move only the hands
 HANDS_ONLY = BUILTIN_LEXICON.changed(lambda form: replace(form, body=NO_BODY))
 MIRRORED_LEXICON = BUILTIN_LEXICON.changed(mirror_form)
-NO_WHOLE_BODY = Style().changed(["whole_body=0"])
+NO_WHOLE_BODY = Style().changed(["whole_body=0"])  # style without accompanying body motion
 
 names = st.sampled_from([form.id for form in BUILTIN_LEXICON.forms])
 styles = st.sampled_from(["neutral", "angry", "joyful", "sad", "shy"]).map(style_preset)

@@ -37,7 +37,7 @@ from kinesic.speech.recording import RecordingError, read_wav
 from ...examples import examples
 from .mutations import Tables, altered, damaged, toml
 
-REFUSAL_ERRORS = (ConfigError, BmlError, RecordingError)
+REFUSAL_ERRORS = (ConfigError, BmlError, RecordingError)  # errors with which a reader may refuse a file
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ GESTURE_TABLES: Tables = {
     "bodies": {"beat": {"nod": 4.0, "trunk": {"tilt": 2.0}}},
 }
 
-TOML_READERS = {
+TOML_READERS = {  # kind of file -> reader and valid tables
     "robot": Reader(_robot, lambda: _own("robots/upper22.toml")),
     "hands": Reader(_robot, lambda: _own("robots/upper36.toml")),
     "extension": Reader(_robot, _extension),

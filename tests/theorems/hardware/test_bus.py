@@ -17,7 +17,7 @@ from ...examples import examples
 
 MID_TICKS, CYCLE_COUNT, CYCLE_PERIOD = 2048, 30, 0.02
 SERVO_MODEL = SERVO_MODELS["xm430_w350"]
-FAULT_RATES = st.sampled_from([0.0, 0.01, 0.1, 0.5])
+FAULT_RATES = st.sampled_from([0.0, 0.01, 0.1, 0.5])  # probabilities of a fault on the wire
 RATES_BY_KIND = st.fixed_dictionaries(dict.fromkeys(sorted(WIRE_KINDS), FAULT_RATES))
 PLANNED_FAULTS = st.lists(
     st.builds(

@@ -29,7 +29,9 @@ PLAIN_REGISTERS = (
     Register.GOAL_VELOCITY,
     Register.GOAL_POSITION,
 )
+# registers that no write may change
 READ_ONLY_REGISTERS = (Register.MODEL_NUMBER, Register.FIRMWARE_VERSION, Register.HARDWARE_ERROR_STATUS)
+# goal register -> register with its limit
 LIMIT_REGISTERS = {Register.GOAL_PWM: Register.PWM_LIMIT, Register.GOAL_VELOCITY: Register.VELOCITY_LIMIT}
 
 WRITE_STEPS = st.lists(

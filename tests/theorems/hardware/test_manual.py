@@ -22,16 +22,17 @@ from ...manual_servo.table import MODELS, items
 
 SERVO_IDS = (1, 2)
 MAX_START_TIME = 0.4  # [s] longest start of a servo
-RESTART_INSTRUCTIONS = (p.REBOOT, p.FACTORY_RESET, p.BACKUP)
+RESTART_INSTRUCTIONS = (p.REBOOT, p.FACTORY_RESET, p.BACKUP)  # instructions after which a servo restarts
 SENSED_ADDRESSES = range(120, 148)  # register addresses of measured values
-FAST_READS = (p.FAST_SYNC_READ, p.FAST_BULK_READ)
+FAST_READS = (p.FAST_SYNC_READ, p.FAST_BULK_READ)  # instructions with one combined answer
 TESTED_MODELS = ("xm430_w210", "xm540_w150", "xc430_w240", "xc330_t288")
 WRITTEN_REGISTERS = {
     (i.address, i.size) for m in TESTED_MODELS for n, i in items(MODELS[m], 1, 52).items() if n not in ("id", "baud")
 }
+# (address, size [bytes]) of indirect addresses and indirect data
 INDIRECT_CELLS = {(a, 2) for a in (168, 170, 172, 578)} | {(a, 1) for a in (208, 209, 224, 225, 634)}
 WRITE_PLACES = st.sampled_from(sorted(p for p in WRITTEN_REGISTERS | INDIRECT_CELLS if p[0] not in SENSED_ADDRESSES))
-EDGE_VALUES = (
+EDGE_VALUES = (  # register values at or near limits
     0,
     1,
     2,

@@ -23,6 +23,7 @@ from kinesic.hardware.protocol.packet import (
 )
 
 SERVO_IDS = st.integers(0, 252)
+# packet contents that often need byte stuffing
 STUFFED_BODIES = st.lists(st.sampled_from([0xFF, 0xFF, 0xFD, 0xFD, 0x00, 0x55]), max_size=60).map(bytes)
 PACKET_BODIES = st.binary(max_size=80) | STUFFED_BODIES
 INSTRUCTION_KINDS = st.sampled_from([kind for kind in Instruction if kind != Instruction.STATUS])

@@ -27,8 +27,8 @@ from kinesic.hardware.supervisor.status import awaited_input
 from ...examples import examples
 
 ALL_EVENTS: tuple[Event, ...] = get_args(Event)
-ENERGISING_ACTIONS = {"arm", "adopt"}
-MOTION_ACTIONS = {"approach", "follow", "fold"}
+ENERGISING_ACTIONS = {"arm", "adopt"}  # actions that enable torque
+MOTION_ACTIONS = {"approach", "follow", "fold"}  # actions that move the robot
 FRESH_STAGES = {Stage.PROBE, Stage.CONFIGURE, Stage.LIMP}  # Stages without history
 UNARMED_STAGES = {Stage.LOST, Stage.IDENTIFY, Stage.ARM, Stage.ADOPT}  # Torque may still be incomplete
 OBSERVED_FIELDS = [field.name for field in fields(Observation) if field.name != "policy"]

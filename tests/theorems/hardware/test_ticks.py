@@ -7,8 +7,9 @@ from hypothesis import strategies as st
 from kinesic.body.servo import TICKS_PER_RADIAN
 from kinesic.hardware.protocol.ticks import Scale
 
+# servo revolutions per hinge revolution, negative if reversed
 TURN_SCALES = st.floats(0.5, 10.0) | st.floats(-10.0, -0.5)
-ZERO_TICKS = st.integers(0, 4095)
+ZERO_TICKS = st.integers(0, 4095)  # [ticks] servo position at hinge angle 0
 
 
 @given(ZERO_TICKS, TURN_SCALES, st.floats(-np.pi, np.pi))

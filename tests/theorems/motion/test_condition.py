@@ -16,6 +16,7 @@ from kinesic.planning.syncs import SHIFT_TO_WARN
 
 # Limits of trunk, shoulder, elbow and wrist with common servos
 BOX_LIMITS = ([-0.26, -0.87, 0.0, -1.05], [0.61, 2.97, 2.36, 1.05], [1.26, 4.44, 6.45, 5.95], [17.5, 58.9, 80.6, 350.0])
+# duty per acceleration, duty per velocity and duty limit of four hinges
 DUTY_LIMITS = ([0.0323, 0.0103, 0.0081, 0.0021], [0.637, 0.18, 0.124, 0.1345], [0.615, 0.654, 0.703, 0.787])
 JOINT_LIMITS = Limits(*(sealed(values) for values in (*BOX_LIMITS, [437.0, 1472.0, 2016.0, 8752.0], *DUTY_LIMITS)))
 

@@ -4,6 +4,7 @@ from hypothesis import strategies as st
 
 from kinesic.motion.double_s import least_time
 
+# velocity, acceleration and jerk limit
 PROFILE_LIMITS = st.tuples(st.floats(0.1, 20), st.floats(0.1, 200), st.floats(0.5, 5000))
 
 

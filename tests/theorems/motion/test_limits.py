@@ -15,7 +15,9 @@ from kinesic.motion.limit_check import check_limits
 
 from ...examples import examples
 
+# angle, velocity, acceleration and jerk limits of three hinges
 BOX_LIMITS = ([-1.5] * 3, [1.5] * 3, [1.0, 4.0, 6.0], [10.0, 59.0, 350.0], [250.0, 1500.0, 8750.0])
+# duty per acceleration, duty per velocity and duty limit of three hinges
 DUTY_LIMITS = ([0.05, 0.01, 0.002], [0.8, 0.18, 0.134], [0.58, 0.65, 0.79])
 JOINT_LIMITS = Limits(*(sealed(values) for values in (*BOX_LIMITS, *DUTY_LIMITS)))
 

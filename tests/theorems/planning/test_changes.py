@@ -16,6 +16,7 @@ from ...examples import examples
 
 # of a trunk, a shoulder and an elbow with common servos
 BOX_LIMITS = ([-0.26, -0.87, 0.0], [0.61, 2.97, 2.36], [1.26, 4.44, 6.45], [17.5, 58.9, 80.6])
+# duty per acceleration, duty per velocity and duty limit of three hinges
 DUTY_LIMITS = ([0.0323, 0.0103, 0.0081], [0.637, 0.18, 0.124], [0.615, 0.654, 0.703])
 JOINT_LIMITS = Limits(*(sealed(values) for values in (*BOX_LIMITS, [437.0, 1472.0, 2016.0], *DUTY_LIMITS)))
 MIDDLE_ANGLES = (JOINT_LIMITS.lower + JOINT_LIMITS.upper) / 2

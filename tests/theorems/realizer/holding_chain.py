@@ -29,7 +29,7 @@ from kinesic.realizer.request import Message, read_request
 from kinesic.session.setup import set_up
 
 BLOCK_XML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>'
-GAZE_BLOCKS = (
+GAZE_BLOCKS = (  # blocks with a gaze that persists
     '<gazeShift id="l" target="left"/>',
     '<gazeShift id="l" target="right"/>',
     '<gazeShift id="l" target="audience"/>',
@@ -40,21 +40,21 @@ GAZE_BLOCKS = (
     '<headDirectionShift id="l" target="down"/>',
 )
 _POSTURE_XML = '<postureShift id="p"><pose part="{}" lexeme="{}"/></postureShift>'
-STANCE_BLOCKS = (
+STANCE_BLOCKS = (  # blocks with a body posture that persists
     _POSTURE_XML.format("WHOLEBODY", "LEANING_FORWARD"),
     _POSTURE_XML.format("BODY", "LEANING_BACKWARD"),
     _POSTURE_XML.format("BODY", "lean left"),
     _POSTURE_XML.format("BODY", "upright"),
     _POSTURE_XML.format("HEAD", "down"),
 )
-HOLDING_BLOCKS = (
+HOLDING_BLOCKS = (  # blocks of several behaviours, some of which persist
     GAZE_BLOCKS[0] + STANCE_BLOCKS[0],
     GAZE_BLOCKS[1] + STANCE_BLOCKS[3],
     '<gazeShift id="k" target="right" start="0"/><gazeShift id="l" target="left" start="1.6"/>',
     GAZE_BLOCKS[0] + '<head id="n" lexeme="NOD" start="0.2"/><gesture id="g" lexeme="beat" start="2"/>',
     '<wait id="w" duration="6"/>' + GAZE_BLOCKS[1],
 )
-PASSING_BLOCKS = (
+PASSING_BLOCKS = (  # blocks after which nothing persists
     '<head id="n" lexeme="NOD" repetition="2"/>',
     '<head id="n" lexeme="SHAKE"/>',
     '<gaze id="z" target="right" start="0" end="2"/>',

@@ -10,8 +10,8 @@ from kinesic._kernel import sim as kernel
 
 from ...examples import examples
 
-SEGMENT_ENDS = arrays(np.float64, (4, 3), elements=st.floats(-1.0, 1.0, width=32))
-SEGMENT_FRACTIONS = np.linspace(0.0, 1.0, 41)
+SEGMENT_ENDS = arrays(np.float64, (4, 3), elements=st.floats(-1.0, 1.0, width=32))  # [m] ends of two line segments
+SEGMENT_FRACTIONS = np.linspace(0.0, 1.0, 41)  # positions along a line segment, from 0 to 1
 
 
 def distance(a0, a1, b0, b1):

@@ -22,12 +22,13 @@ def image(name):
     return f"{OTHER_SIDES[name[0]]}{name[1:]}" if name[:2] in ("l_", "r_") else name
 
 
+# index of each hinge's mirror image
 MIRROR_HINGES = [ROBOT_SKELETON.names.index(image(name)) for name in ROBOT_SKELETON.names]
 # The mirror reverses midline hinges except those about the mirror normal
 MIRROR_SIGNS = np.array(
     [-1.0 if MIRROR_HINGES[k] == k and not hinge.axis[1] else 1.0 for k, hinge in enumerate(ROBOT_SKELETON.hinges)]
 )
-RANGE_FRACTIONS = arrays(np.float64, 22, elements=st.floats(0.0, 1.0))
+RANGE_FRACTIONS = arrays(np.float64, 22, elements=st.floats(0.0, 1.0))  # joint angles as fractions of their ranges
 
 
 def posture(shares):

@@ -14,14 +14,16 @@ from kinesic.studies.gestures.isolated import plan_gesture
 from ...examples import examples
 
 PLAN_SETUP = set_up()
+# setup whose gestures are mirror images
 MIRRORED_SETUP = replace(PLAN_SETUP, lexicon=PLAN_SETUP.lexicon.changed(mirror_form))
 HINGE_NAMES = list(PLAN_SETUP.robot.skeleton.names)
-ONE_HANDED_FORMS = [form for form in PLAN_SETUP.lexicon.forms if len(form.sides) == 1]
+ONE_HANDED_FORMS = [form for form in PLAN_SETUP.lexicon.forms if len(form.sides) == 1]  # gestures of one hand
 SYMMETRIC_FORMS = [
     form
     for form in PLAN_SETUP.lexicon.forms
     if len(form.sides) == 2 and all(key.hands.get("l") is key.hands.get("r") for key in form.keys)
 ]
+# index of each hinge's mirror image
 MIRROR_HINGES = [HINGE_NAMES.index({"l_": "r_", "r_": "l_"}.get(name[:2], name[:2]) + name[2:]) for name in HINGE_NAMES]
 MIRROR_TOLERANCE = 5e-4  # [rad] rounding errors reach 1e-4, as the contact of a hand is searched iteratively
 MIRROR_SIGNS = np.array(
