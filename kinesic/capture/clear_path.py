@@ -64,6 +64,7 @@ def clear_path(angles: Floats, setup: Setup, *, min_clearance: float, hinge_cost
             break
         rows = np.flatnonzero(is_near)
         gaps = setup.distances.gaps(cleared[rows])
+        is_moved = np.zeros(len(angles), dtype=np.bool_)
         for arm in arms:
             distances = np.full(len(angles), np.inf)
             distances[rows] = gaps[:, arm.is_own].min(axis=1, initial=np.inf)
@@ -73,8 +74,12 @@ def clear_path(angles: Floats, setup: Setup, *, min_clearance: float, hinge_cost
             corrections = np.zeros((len(angles), len(arm.hinges)))
             corrections[chosen] = _find_steps(arm, cleared[chosen], distances[chosen], setup, min_clearance, hinge_cost)
             lower, upper = robot.skeleton.lower[arm.hinges], robot.skeleton.upper[arm.hinges]
-            cleared[:, arm.hinges] = np.clip(cleared[:, arm.hinges] + fade * _smooth(corrections), lower, upper)
-        is_near = setup.distances.clearance(cleared).distances < min_clearance
+            corrected = np.clip(cleared[:, arm.hinges] + fade * _smooth(corrections), lower, upper)
+            is_moved |= (corrected != cleared[:, arm.hinges]).any(axis=1)
+            cleared[:, arm.hinges] = corrected
+        if not is_moved.any():
+            break
+        is_near[is_moved] = setup.distances.clearance(cleared[is_moved]).distances < min_clearance
         hinge_cost *= COST_GROWTH
     return sealed(cleared)
 

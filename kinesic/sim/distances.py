@@ -105,7 +105,8 @@ class CapsuleDistances:
             self._measure_fingers(
                 pair_distances, (pair_distances < MAX_EXACT_FINGER_GAP) & self._hulled[:, None], frames, angles
             )
-            np.minimum.at(gaps, self._of, pair_distances)
+            for pair, row in zip(self._of, pair_distances, strict=True):  # several times as fast as np.minimum.at
+                np.minimum(gaps[pair], row, out=gaps[pair])
         return sealed(gaps.T)
 
     def approach(
