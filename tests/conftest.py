@@ -21,12 +21,21 @@ import pytest
 from hypothesis import HealthCheck, settings
 from hypothesis.internal.conjecture import providers
 from xdist.remote import Producer
+from xdist.workermanage import WorkerController
 
 from .durations import MIN_TESTS, list_slowest_files
 from .machine import Watch, depends_on_time
 from .messages import send_few_messages
 from .nudge import nudge_random_inputs
-from .scheduling import CLOCK_WORKERS, ClockBesideCalculation, begin_elsewhere, rank, step_back
+from .scheduling import (
+    CLOCK_WORKERS,
+    ClockBesideCalculation,
+    begin_elsewhere,
+    is_calculation,
+    rank,
+    runs_only_waiting_tests,
+    step_back,
+)
 
 if "KINESIC_NUDGE" in os.environ:
     nudge_random_inputs(int(os.environ["KINESIC_NUDGE"]))  # before test modules and packages draw random numbers
@@ -99,8 +108,17 @@ def excludes_soak(config: pytest.Config) -> bool:
 
 
 def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool | None:
-    """Skip the files of `make soak`, to save the time of collection."""
-    return True if collection_path.name == "soak" and excludes_soak(config) else None
+    """Skip files that this process does not run, to save the time of collection."""
+    if collection_path.name == "soak" and excludes_soak(config):
+        return True
+    only_waiting = getattr(config, "workerinput", {}).get("only_waiting", False)
+    return True if only_waiting and is_calculation(collection_path, config.rootpath) else None
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_configure_node(node: WorkerController) -> None:
+    count = node.workerinput["workercount"]
+    node.workerinput["only_waiting"] = runs_only_waiting_tests(node.config, node.gateway.id, count)
 
 
 def pytest_pycollect_makeitem(collector: pytest.Collector, name: str, obj: object) -> list[pytest.Item] | None:

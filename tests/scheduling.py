@@ -6,8 +6,9 @@ start, where low priority would stall the run. Files with pages share one proces
 process stays in a package as long as it has files: they share servers, caches and imported modules. Otherwise large
 files come first, so that all processes end together.
 
-Each process imports all tests. After a change, all would compile the same file at the same time, so each starts with
-another file and finds compiled files of the others.
+Importing all tests takes ten seconds of a processor. In a run of the whole suite, the processes for waiting tests
+import only these, and end when none are left. After a change, all processes would compile the same file at the same
+time, so each starts with another file and finds compiled files of the others.
 """
 
 import os
@@ -85,6 +86,24 @@ def choose_file(files: Collection[str], worker: str, root: Path, packages: Mappi
     )
 
 
+def runs_only_waiting_tests(config: pytest.Config, worker: str, count: int) -> bool:
+    """Return whether a process collects only waiting tests, in a run of the whole suite.
+
+    Args:
+        config: configuration of the process that starts the others.
+        worker: name of the process.
+        count: number of processes.
+    """
+    is_whole_suite = config.args_source is pytest.Config.ArgsSource.TESTPATHS
+    return is_whole_suite and worker in CLOCK_WORKERS and count > len(CLOCK_WORKERS)
+
+
+def is_calculation(path: Path, root: Path) -> bool:
+    """Return whether a path is a file of tests that neither wait nor show pages."""
+    is_test = path.name.startswith("test_") and path.suffix == ".py"
+    return is_test and kind_of(path.relative_to(root).as_posix(), root) == "calculation"
+
+
 class IndexedTests(list[str]):
     """Collected tests whose positions are found without a search."""
 
@@ -102,18 +121,56 @@ class ClockBesideCalculation(LoadFileScheduling):
     def __init__(self, config: pytest.Config, log: Producer) -> None:
         super().__init__(config, log)
         self._packages: dict[str, str] = {}  # last package of each process
+        self._files: dict[WorkerController, set[str]] = {}  # files that each process has collected
 
     def add_node_collection(self, node: WorkerController, collection: Sequence[str]) -> None:
         super().add_node_collection(node, collection)
         self.registered_collections[node] = IndexedTests(collection)
+        self._files[node] = {self._split_scope(name) for name in collection}
+
+    def schedule(self) -> None:
+        """Distribute the tests of the process that has collected most."""
+        if self.collection is None:
+            by_size = sorted(self.registered_collections.items(), key=lambda entry: -len(entry[1]))
+            self.registered_collections = dict(by_size)
+            session = self.config.pluginmanager.get_plugin("dsession")
+            session._session.testscollected = len(by_size[0][1])
+        super().schedule()
+
+    def _check_nodes_have_same_collection(self) -> bool:
+        names = {node.gateway.id: tests for node, tests in self.registered_collections.items()}
+        return is_consistent(names) or super()._check_nodes_have_same_collection()
+
+    def _remaining(self, node: WorkerController) -> list[str]:
+        """Return the files that a process can still take."""
+        return [file for file in self.workqueue if file in self._files[node]]
+
+    def _reschedule(self, node: WorkerController) -> None:
+        if self._remaining(node):
+            super()._reschedule(node)
+        elif not node.shutting_down:
+            node.shutdown()
 
     def _assign_work_unit(self, node: WorkerController) -> None:
-        if self.workqueue:
+        if files := self._remaining(node):
             worker = node.gateway.id
-            mine = choose_file(self.workqueue, worker, Path(self.config.rootpath), self._packages)
+            mine = choose_file(files, worker, Path(self.config.rootpath), self._packages)
             self._packages[worker] = package_of(mine)
             self.workqueue.move_to_end(mine, last=False)
-        super()._assign_work_unit(node)
+            super()._assign_work_unit(node)
+
+
+def is_consistent(collections: Mapping[str, Sequence[str]]) -> bool:
+    """Return whether calculating processes collected the same tests, and the others some of these.
+
+    Args:
+        collections: tests of each process, by its name.
+    """
+    whole = [tests for worker, tests in collections.items() if worker not in CLOCK_WORKERS]
+    return bool(whole) and all(
+        tests == whole[0] if worker not in CLOCK_WORKERS else set(tests) <= set(whole[0])
+        for worker, tests in collections.items()
+    )
 
 
 def step_back(config: pytest.Config) -> None:

@@ -1,10 +1,23 @@
 """Order of test files in each process."""
 
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
+from xdist.remote import Producer
 
-from .scheduling import IndexedTests, begin_elsewhere, choose_file, package_of, rank
+from .scheduling import (
+    ClockBesideCalculation,
+    IndexedTests,
+    begin_elsewhere,
+    choose_file,
+    is_calculation,
+    kind_of,
+    package_of,
+    rank,
+    runs_only_waiting_tests,
+)
 
 
 def test_each_test_process_collects_all_files_in_another_order():
@@ -72,3 +85,84 @@ def test_positions_of_indexed_tests_equal_those_of_a_list():
     names = ["b", "a", "c"]
     assert [IndexedTests(names).index(name) for name in names] == [0, 1, 2]
     assert IndexedTests(names) == names
+
+
+class StubNode:
+    """Test process that records the tests that it is sent."""
+
+    def __init__(self, worker: str) -> None:
+        self.gateway = SimpleNamespace(id=worker)
+        self.shutting_down = False
+        self.sent: list[int] = []
+
+    def shutdown(self) -> None:
+        self.shutting_down = True
+
+    def send_runtest_some(self, indices: Sequence[int]) -> None:
+        self.sent += indices
+
+
+def start_scheduler(root: Path, collections: Mapping[str, list[str]]) -> tuple[ClockBesideCalculation, dict]:
+    """Return a scheduler that has distributed the first files, and its processes by name."""
+    session = SimpleNamespace(testscollected=0)
+    config = SimpleNamespace(
+        rootpath=root,
+        option=SimpleNamespace(loadscopereorder=False),
+        getvalue={"tx": [f"{len(collections)}*popen"]}.get,
+        pluginmanager=SimpleNamespace(get_plugin={"dsession": SimpleNamespace(_session=session)}.get),
+        hook=SimpleNamespace(pytest_collectreport=lambda report: pytest.fail(report.longrepr)),
+    )
+    scheduler = ClockBesideCalculation(config, Producer("scheduler", enabled=False))
+    nodes = {worker: StubNode(worker) for worker in collections}
+    for worker, tests in collections.items():
+        scheduler.add_node(nodes[worker])
+        scheduler.add_node_collection(nodes[worker], tests)
+    scheduler.schedule()
+    assert session.testscollected == max(map(len, collections.values()))
+    return scheduler, nodes
+
+
+def finish_sent_tests(scheduler: ClockBesideCalculation, node: StubNode) -> list[str]:
+    """Finish all tests that a process is sent, and return their files."""
+    done = []
+    while len(done) < len(node.sent):
+        index = node.sent[len(done)]
+        done.append(scheduler.registered_collections[node][index].split("::")[0])
+        scheduler.mark_test_complete(node, index)
+    return done
+
+
+def test_process_for_waiting_tests_ends_after_its_last_file_while_others_continue(root: Path):
+    tests = [f"{file}::test_{k}" for file in FILE_TEXTS for k in range(3)]
+    waiting = [name for name in tests if kind_of(name.split("::")[0], root) != "calculation"]
+    scheduler, nodes = start_scheduler(root, {"gw0": waiting, "gw1": waiting, "gw2": tests})
+    taken = {worker: finish_sent_tests(scheduler, nodes[worker]) for worker in ("gw0", "gw1")}
+    assert {file for files in taken.values() for file in files} == {name.split("::")[0] for name in waiting}
+    assert [nodes[worker].shutting_down for worker in ("gw0", "gw1", "gw2")] == [True, True, False]
+    assert set(finish_sent_tests(scheduler, nodes["gw2"])) == {
+        name for name in FILE_TEXTS if "sum" in name or "face" in name
+    }
+    assert nodes["gw2"].shutting_down
+    assert scheduler.tests_finished
+
+
+def test_process_with_unknown_tests_is_reported(root: Path):
+    tests = ["tests/sum/test_large.py::test_one"]
+    with pytest.raises(pytest.fail.Exception, match="Different tests were collected"):
+        start_scheduler(root, {"gw0": tests, "gw1": ["tests/page/test_page.py::test_two"], "gw2": tests})
+
+
+def test_only_the_first_two_of_several_processes_skip_calculations_in_the_whole_suite():
+    source = pytest.Config.ArgsSource
+    whole, part = (SimpleNamespace(args_source=kind) for kind in (source.TESTPATHS, source.ARGS))
+    assert [runs_only_waiting_tests(whole, f"gw{k}", 4) for k in range(4)] == [True, True, False, False]
+    assert not any(runs_only_waiting_tests(whole, f"gw{k}", 2) for k in range(2))
+    assert not any(runs_only_waiting_tests(part, f"gw{k}", 4) for k in range(4))
+
+
+def test_only_test_files_without_pages_and_clocks_are_calculations(root: Path):
+    (root / "tests/sum/conftest.py").write_text("")
+    calculations = {name for name in FILE_TEXTS if is_calculation(root / name, root)}
+    assert calculations == {"tests/sum/test_large.py", "tests/sum/test_small.py", "tests/face/test_eyes.py"}
+    assert not is_calculation(root / "tests/sum/conftest.py", root)
+    assert not is_calculation(root / "tests/sum", root)
