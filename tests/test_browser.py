@@ -140,7 +140,7 @@ def test_server_refuses_connections_of_pages_from_a_file_or_data_url(plain, reac
 
 
 def test_server_refuses_a_browser_page_after_dns_rebinding(plain, reached, tmp_path):
-    """The browser assigns page and robot to one server, so its same-origin policy would not help."""
+    """After rebinding, the browser's same-origin policy gives no protection."""
     with opened(f"http://{FOREIGN_HOST}:{plain.port}/") as shown:
         assert attempts(shown, attack(plain.port, FOREIGN_HOST)) == ["refused"]
     assert reached == []

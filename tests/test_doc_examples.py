@@ -129,7 +129,7 @@ def test_toml_examples_in_the_documentation_are_valid(page: Path):
 
 @pytest.mark.parametrize("page", RUN_PAGES, ids=page_name)
 def test_python_examples_in_the_documentation_run(page: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Blocks of one page continue one another."""
+    """Examples of one page run in sequence, with shared variables."""
     monkeypatch.chdir(tmp_path)
     report = signature(Performance.report)
 

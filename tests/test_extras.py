@@ -85,7 +85,7 @@ def test_install_command_does_not_prevent_a_later_import_of_setuptools():
 
 
 def test_install_command_of_uninstalled_sources_names_their_folder(tmp_path):
-    """A folder in front of the search path, without metadata there and in site-packages."""
+    """Sources on the search path, without metadata of an installed package."""
     (tmp_path / "kinesic").symlink_to(ROOT / "kinesic")
     script = "from kinesic.extras import install_extra; print(install_extra('mcp'))"
     script = f"import sys; sys.path.insert(0, {str(tmp_path)!r}); {script}"

@@ -83,7 +83,7 @@ def open_client(
         if address.startswith(LOCAL_PREFIX):
             if certificates or insecure:
                 raise ConfigError(
-                    f"--cluster {address}: these workers get their own certificates; leave out other ones"
+                    f"--cluster {address}: local workers have their own certificates; omit --tls-... and --insecure"
                 )
             target = stack.enter_context(_local_workers(_count(address)))
         elif not address.startswith(ENCRYPTED_SCHEMES) and not insecure:

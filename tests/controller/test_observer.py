@@ -298,7 +298,7 @@ def test_setpoint_correction_allows_larger_offsets_for_low_gain_servos(known):
 
 
 def test_saturation_margin_reduces_the_tracking_error_of_servos_with_half_gain(monkeypatch, known):
-    """Saturation and a weak gain leave the same error; below the margin it is the gain."""
+    """An error below the saturation margin is attributed to a weak gain."""
     planned = plan(passage_text(0), known)
 
     def rmse() -> float:

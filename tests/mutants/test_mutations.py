@@ -74,7 +74,7 @@ def test_mutants_of_a_function_change_defaults_or_return_early():
     ],
 )
 def test_mutant_returns_an_empty_or_constant_value_of_the_annotated_type(returned: str, now: set[str]):
-    """Inner functions have results of their own."""
+    """Mutants of an outer function leave the returns of inner functions."""
     source = f"def find() -> {returned}:\n    def inner():\n        return y\n    return x\n"
     assert {(was, each) for was, each in changes_of(source) if was == "return x"} == {
         ("return x", item) for item in now
@@ -142,7 +142,7 @@ def test_mutants_of_target_modules_are_valid_python(module: str):
 
 
 def test_each_listed_equivalent_mutant_exists_in_the_source_and_has_a_reason():
-    """A reworded source line needs a new judgement."""
+    """A reworded source line must be judged and listed again."""
     listed = read_equivalent()
     known = {
         module: {edit.lines(source) for site in find_sites(source) for edit in site}

@@ -275,7 +275,7 @@ OLD, NEW, PLACE = (Notice(NoticeType.IMPOSSIBLE_TO_SCHEDULE, "a:h", text) for te
     ],
 )
 def test_new_plan_reports_only_notices_that_were_not_sent_yet(scene, running, better, is_pending, texts):
-    """Notices on the places of behaviours are sent with the first plan, those on times later."""
+    """Notices on body parts are sent at once, those on times later."""
     first = replace(better, keyframes=replace(better.keyframes, notices=(PLACE,)), notices=(PLACE, OLD))
     before = replace(running, prepared=replace(running.prepared, plan=first, is_provisional=True))
     later = replace(first, notices=(PLACE, NEW, OLD))

@@ -25,7 +25,7 @@ def work() -> Overlay:
     [(0, 3.0, "soon"), (0, 5.0, "soon"), (0, 8.0, "late"), (0, 10.0, "late"), (1, 3.0, "other"), (2, 6.0, "other")],
 )
 def test_conflict_names_the_nearest_behaviour_that_moves_the_hinge(work: Overlay, hinge: int, time: float, name: str):
-    """Without such a behaviour, the nearest one of all."""
+    """If no behaviour moves the hinge, the conflict names the nearest behaviour."""
     assert _nearest_behaviour(work, np.arange(HINGE_COUNT) == hinge, time) == name
 
 

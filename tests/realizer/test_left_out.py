@@ -34,7 +34,7 @@ def test_interrupted_hand_returns_while_the_head_continues(play: Play):
 
 
 def test_ending_a_left_hand_gesture_keeps_the_right_hand_gesture_of_another_block(play: Play):
-    """Both blocks move the trunk, so its motion stays for the other one."""
+    """Both blocks move the trunk, so the trunk motion must remain."""
     play.send("a", HELD_OFFER + NODS).until(3.0)
     other = HELD_OFFER.replace("LEFT_HAND", "RIGHT_HAND")
     play.send("b", other).until(6.0)

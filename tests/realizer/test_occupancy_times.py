@@ -218,7 +218,7 @@ def test_occupancy_without_a_held_posture_remains_until_it_relaxes(relax, remain
 
 @pytest.mark.parametrize(("relax", "is_replaced"), [(1.0, True), (1.01, False)])
 def test_held_posture_remains_until_a_later_one_of_its_role_is_reached(relax, is_replaced):
-    """A coming posture does not end the held one."""
+    """A posture that is not reached yet does not end the held one."""
     first = use("a", "look", end=0.5, relax=0.5, offset=np.zeros(HINGE_COUNT))
     second = use("b", "look", end=relax, relax=relax, offset=np.zeros(HINGE_COUNT))
     lean = use("c", "trunk", end=0.1, relax=0.1, offset=np.zeros(HINGE_COUNT))

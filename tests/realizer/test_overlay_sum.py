@@ -222,7 +222,7 @@ def test_trunk_failure_takes_precedence_over_a_hand_failure(known, limits, monke
     ],
 )
 def test_changed_hinge_may_exceed_its_limits_only_by_rounding(known, limits, monkeypatch, knot, excess, step, fails):
-    """Before the cut, and on hinges that do not change, the running motion stays as it is."""
+    """Unchanged hinges, and control points before the cut, keep the running motion."""
     base = still()
     bump = {0: 1.0, 2: -0.5, 4: -0.5, 6: -0.5, 8: -0.5, 9: 0.5, 11: 0.5}  # from rest to rest
     base[:, NECK] = jerky({knot + later: (1.0 + excess) * jerk for later, jerk in bump.items()})

@@ -90,7 +90,7 @@ def test_trunk_joins_the_new_motion_in_the_shortest_feasible_of_four_durations(c
 def test_hand_transition_fails_if_it_deviates_by_0_1_rad_three_knots_after_its_first_key(
     crossings, failures, row, deviation, joins
 ):
-    """Later attempts pass a first key at 30.5."""
+    """Later attempts join the new motion at a first key at knot 30.5."""
     calls, failing, beside = crossings
     failing |= set(range(failures))
     beside[row] = deviation

@@ -89,7 +89,7 @@ class Blind:
 
 
 def test_feedback_delayed_until_arrival_is_sent_once_after_the_next_proposal(known, becomes):
-    """Final messages of one proposal are not repeated, but may be sent after the next one."""
+    """The next proposal must not repeat messages that wait for arrival."""
     clock, results, (ours, planners) = Clock(), [], Pipe()
     loop = Loop(
         known,

@@ -57,7 +57,7 @@ def test_motion_is_unchanged_while_the_deceleration_is_computed(simulation: Simu
 
 
 def test_deceleration_begins_within_a_few_ticks_of_an_emergency_stop(simulation: Simulation):
-    """The deceleration begins some ticks after the request, also for long motions."""
+    """The delay must not grow with the duration of the motion."""
     recorder = played(simulation, 1.0, 3.0)
     planned = nod(simulation.setup, 0.1)
     away = np.abs(recorder.angles - planned.angles(np.array(recorder.times))).max(axis=1)
@@ -66,7 +66,7 @@ def test_deceleration_begins_within_a_few_ticks_of_an_emergency_stop(simulation:
 
 
 def test_commands_sent_ahead_are_replaced_after_an_emergency_stop(simulation: Simulation):
-    """A sink with commands in advance gets those of the deceleration, none in the past."""
+    """The sink receives commands of the deceleration, none of past times."""
     recorder = Recorder()
     loop = simulation.make([RealTimeSink(recorder, ahead=0.5)])
     planner = simulation.link()
@@ -154,7 +154,7 @@ def test_several_emergency_stops_in_one_tick_are_executed_once(simulation: Simul
 
 @pytest.mark.parametrize("behind", [1, 2])
 def test_plan_made_before_an_emergency_stop_is_discarded(simulation: Simulation, behind: int):
-    """Neither its motion nor its feedback is used."""
+    """Neither motion nor feedback of such a plan is used."""
     recorder = Recorder()
     loop = simulation.make([RealTimeSink(recorder)])
     planner = simulation.link()

@@ -211,7 +211,7 @@ def test_control_loop_is_settled_when_motion_and_feedback_have_ended(simulation:
 
 
 def test_control_loop_is_settled_once_the_remaining_motion_is_at_rest(simulation: Simulation):
-    """An interrupted block leaves such a motion, and the server would wait for its end before it folds."""
+    """After an interruption, the remaining motion is at rest for seconds."""
     loop = simulation.make()
     planner = simulation.link()
     short, settled = nod(simulation.setup, 0.1, 1.0), []

@@ -136,7 +136,7 @@ def test_oldest_pending_connection_is_closed_when_the_server_runs_out_of_file_de
 def test_admitted_client_has_a_larger_read_burst_than_a_pending_connection(
     monkeypatch: pytest.MonkeyPatch, placed: bool, burst: int
 ) -> None:
-    """Until then a connection takes turns after a few reads, because floods open many."""
+    """A pending connection waits for its turn after only a few reads."""
     monkeypatch.setattr("kinesic.serve.wire.quotas.monotonic", lambda: 0.0)
     turns: list[int] = []
 

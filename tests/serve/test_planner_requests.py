@@ -94,7 +94,7 @@ def test_resume_applies_to_the_last_stop_and_proposes_a_motion(planning: Plannin
 
 
 def test_resume_at_rest_proposes_a_motion(planning: Planning):
-    """The new motion ends the stop in the loop."""
+    """The loop stays stopped until it accepts a new motion."""
     planning.state.execute(Resumption(0))
     (proposal,), _ = planning.said()
     assert proposal.motion is not None
@@ -116,7 +116,7 @@ def test_emergency_stop_interrupts_the_playing_block_without_proposing_a_motion(
 
 
 def test_blocks_end_at_the_first_of_two_emergency_stops_reported_late(planning: Planning):
-    """The loop ended them at that time already: later points would follow the end."""
+    """The loop has already ended the blocks at the first stop."""
     planning.document("b", LONG_GESTURE_BML)
     planning.said()
     first, second = 3.2, 3.7  # [s] before and after `ready`

@@ -138,7 +138,7 @@ def test_streamed_phrase_does_not_refer_to_a_speech_that_has_ended(scene: Scene)
 
 
 def test_streamed_phrase_waits_for_a_pending_block_with_speech(scene: Scene):
-    """The next speaker is determined already."""
+    """The pending block speaks next, so the phrase must wait for it."""
     speaking = performed(scene, '<bml id="a"><head id="h" lexeme="NOD" repetition="9"/></bml>', 0.0)
     lurking = performed(
         speaking,

@@ -286,7 +286,7 @@ def test_worker_runs_a_pickled_task_function_and_refuses_another_program_version
 
 
 def test_log_of_dask_is_silent_while_a_cluster_is_open(monkeypatch: pytest.MonkeyPatch, client: PlayedClient) -> None:
-    """The results report dead workers."""
+    """Results report dead workers, so the log of dask need not."""
     log = logging.getLogger("distributed")
     monkeypatch.setattr(log, "level", logging.WARNING)
     monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace())

@@ -174,7 +174,7 @@ def _fault(mark: HingeCalibration, inverted: bool, travel: Travel, manifest: Man
     rest = float(np.degrees(robot.skeleton.hinges[robot.skeleton.joint(mark.hinge)].rest))
     if not lower <= rest <= upper:
         range_text = f"goes {lower:g}..{upper:g} deg"
-        return f"{where}: {range_text}, which excludes its rest of {rest:g} deg; free it, or change [rest]"
+        return f"{where}: {range_text}, which excludes its rest of {rest:g} deg; free the hinge, or change [rest]"
     return ""
 
 

@@ -89,7 +89,7 @@ def test_servo_watch_requests_a_stop_after_the_maximum_time_at_minimum_speed():
 
 
 def test_position_reading_is_compared_with_the_plan_at_the_time_of_the_reading():
-    """The reading arrives two cycles late; compared with the present plan it would be 2 mm off."""
+    """The reading arrives two cycles late, when the plan has moved 2 mm."""
     seen = watch(nearing)
     for k in range(50):
         time = k * COMMAND_PERIOD
@@ -106,7 +106,7 @@ def test_servo_watch_ignores_missing_position_readings():
 
 
 def test_servo_watch_ignores_outdated_position_readings():
-    """A repeated reading is no growing error while the plan moves on."""
+    """A repeated reading must not look like a growing tracking error."""
     seen = watch(lambda times: 0.05 - 0.1 * times[:, None])
     seen.ingest([status(0.0, 0.05)])
     late = [status(k * COMMAND_PERIOD, 0.05, taken=START_CLOCK) for k in range(1, 31)]

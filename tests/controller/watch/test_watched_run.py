@@ -58,7 +58,7 @@ def test_twin_run_with_clearance_watch_equals_plain_dry_run_at_ample_clearance(k
 
 
 def test_twin_run_stops_after_the_maximum_time_at_minimum_speed(known, praying):
-    """The robot requires more clearance than possible."""
+    """The robot requires more clearance than its hands can keep."""
     start = praying.trajectory.at(0.0).angles
     least = float(known.distances.clearance(start[None]).distances[0]) / (RESERVE_FRACTION + 0.05)
     cautious = replace(praying, setup=replace(known, robot=replace(known.robot, min_clearance=least)))

@@ -120,7 +120,7 @@ def test_port_closed_after_a_servo_mismatch_is_reopened_after_one_second(rig: Ma
 def test_bus_cycle_ends_five_percent_but_at_most_half_a_millisecond_before_the_next_cycle(
     rig: Make, period: float, end: float
 ):
-    """The margin is a twentieth of a period below 10 ms; a cycle without queries listens to its end."""
+    """A cycle without queries listens until its end."""
     made = rig(1, period=period)
     made.run(3)
     made.bus._late._stale_cycles = MAX_STALE_CYCLES
@@ -182,7 +182,7 @@ def test_port_that_is_lost_in_the_first_cycle_is_reopened_in_the_next():
 def test_repeated_query_asks_only_as_many_missing_servos_as_fit_into_the_cycle(
     rig: Make, firmware: int, baud: int, period: float, mute: Sequence[int]
 ):
-    """Each query takes 22 bytes (29 for old firmware) plus one per servo; the first missing servo is queried last."""
+    """Transmission time limits the number of servos per query."""
     made, byte = rig(20, baud=baud, period=period, firmware=firmware), 10 / baud
     made.run(30)
     for place in mute:

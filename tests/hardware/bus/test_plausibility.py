@@ -95,7 +95,7 @@ def test_repeated_jump_of_joint_with_torque_is_rejected(gate: PlausibilityFilter
 
 
 def test_motion_after_rejected_jump_is_also_rejected(gate: PlausibilityFilter):
-    """It moves on slower than its velocity limit, so it is soon far from the rejected position."""
+    """The servo moves slowly, but is soon far from the rejected position."""
     told(gate, blocks(1010, torque=1), 1.01)
     for k in range(8):
         lie = blocks(1020 + 10 * k, position=3400 - 100 * k, torque=1)
@@ -303,7 +303,7 @@ def test_restarted_servo_clock_is_accepted_at_the_fourth_record(gate: Plausibili
 
 
 def test_discarding_a_servo_history_also_discards_its_unconfirmed_records(gate: PlausibilityFilter):
-    """Neither old records nor an implausible one are kept, even if the first record comes late."""
+    """Unconfirmed records are old or implausible ones that await repetition."""
     told(gate, blocks(1010, position=3000), 1.01)
     for k in range(3):
         told(gate, blocks(1020 + 10 * k, tick=10 * k), 1.02 + 0.01 * k)
@@ -314,6 +314,6 @@ def test_discarding_a_servo_history_also_discards_its_unconfirmed_records(gate: 
 
 
 def test_servo_record_received_after_half_a_clock_period_is_new(gate: PlausibilityFilter):
-    """After 16.4 s, half the range of the clock, a record that seems older may be newer."""
+    """After 16.4 s, clock values no longer show which record is older."""
     assert not alone(gate, blocks(900), 1.0 + 16.383)
     assert alone(gate, blocks(900), 1.0 + 16.385)

@@ -195,7 +195,7 @@ def test_port_name_that_now_belongs_to_another_adapter_is_not_reopened(
 
 
 def test_link_that_leads_to_another_terminal_after_a_loss_is_not_reopened(tmp_path: Path):
-    """As when the simulation of another robot starts after this one was killed, or a shell."""
+    """Another simulation or a shell may get the terminal's number."""
     first, second = os.openpty(), os.openpty()
     number, link = tmp_path / "number", tmp_path / "port"  # a number, and the link of a killed simulation to it
     number.symlink_to(os.ttyname(first[1]))

@@ -136,7 +136,7 @@ def test_packet_length_limit_includes_stuffing():
 
 
 def test_packet_reader_discards_noise_without_storing_it():
-    """Noise may last for ever, so bytes that cannot start a packet must not be stored."""
+    """Bytes that cannot start a packet must not fill the memory."""
     reader, noise = Reader(), bytes(100_000)
     tracemalloc.start()
     for _ in range(20):
@@ -156,14 +156,14 @@ def test_bytes_before_clearing_the_packet_reader_are_not_part_of_the_next_packet
 
 
 def test_truncated_packet_does_not_delay_the_next():
-    """The next header ends it, long before its announced length has arrived."""
+    """The next header ends a truncated packet before its announced length."""
     reader = Reader()
     cut = packet.write_packet(1, 0, bytes(200))[:11]
     assert list(reader.feed(cut + packet.ping(2))) == [Packet(2, 1, b"")]
 
 
 def test_bytes_of_a_fast_reply_are_not_taken_as_byte_stuffing():
-    """Bytes that look like a header inside a joint reply are data, in partial replies too."""
+    """Bytes that look like a header inside a fast reply are data."""
     body = bytes((Instruction.STATUS, 0, 1)) + PACKET_HEADER + b"\xff\xff\xfd\xfd"
     joint, reader = sealed_packet(BROADCAST_ID, body), Reader()
     assert [item for byte in joint for item in reader.feed(bytes((byte,)))] == [Packet(BROADCAST_ID, 0x55, body[1:])]

@@ -201,7 +201,7 @@ def test_robot_is_refused_without_usable_address_folder(held: Held, kind: str):
 def test_address_is_published_in_the_session_folder_and_searched_in_all_folders(
     held: Held, monkeypatch: pytest.MonkeyPatch
 ):
-    """The other process may have another environment, and a session may start or end meanwhile."""
+    """A search may run in another environment or login session."""
     session = held.port.parent / "RUNTIME_ROOT" / str(os.geteuid())
     session.mkdir()
     (file,) = publish([held.port], held.memory, JOINTS)
@@ -282,7 +282,7 @@ def test_address_file_of_another_user_is_ignored(held: Held):
 
 
 def test_shared_memory_of_other_programs_is_not_taken_for_a_supervisor(held: Held):
-    """Neither another program's memory nor a file counts, even of the same size with a running clock."""
+    """Memory or files of equal size with a running clock do not count."""
     octets = memory_size(JOINTS)
     copy = bytes(map_memory(held.memory, octets))
     foreign = os.memfd_create("other")
@@ -299,7 +299,7 @@ def test_shared_memory_of_other_programs_is_not_taken_for_a_supervisor(held: Hel
 
 
 def test_only_processes_of_this_user_are_searched(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Another user's process with such memory would receive commands meant for a supervisor."""
+    """Processes of other users must not receive commands for a supervisor."""
     for process, memory in (("123", "4"), ("124", "5"), ("self", "6")):
         (tmp_path / process / "fd").mkdir(parents=True)
         (tmp_path / process / "fd" / memory).write_bytes(bytes(memory_size(JOINTS)))

@@ -98,7 +98,7 @@ def test_goal_reaches_its_full_velocity_after_ten_milliseconds():
 
 @pytest.mark.parametrize("steps", [3, 4, 7, 10])
 def test_goal_decelerates_as_late_as_its_acceleration_limit_allows(steps: int):
-    """From 800 ticks/s it stops in 0.8 + 0.6 + 0.4 + 0.2 ticks, so it must brake below that distance."""
+    """Braking from 800 ticks/s takes 0.8 + 0.6 + 0.4 + 0.2 ticks."""
     speed, way = 200.0 * steps, 0.2 * steps * (steps + 1) / 2
     assert next_of(2000.0, 2000.0 + way, speed=speed)[:2] == pytest.approx((2000.0 + FINE_STEP * speed, speed))
     nearer = next_of(2000.0, 2000.0 + 0.95 * way, speed=speed)[1]
@@ -136,7 +136,7 @@ def test_goal_far_from_its_servo_may_only_approach_it(way: float):
 
 @pytest.mark.parametrize(("edge", "way"), [(4000.0, 1.0), (100.0, -1.0)])
 def test_goal_outside_its_range_moves_to_the_edge(edge: float, way: float):
-    """A goal farther outside than the allowed goal error is replaced by the nearest edge."""
+    """The nearest edge replaces a goal far outside its range."""
     for outside in (50.0, 900.0):
         result = next_of(edge + way * 5.0, edge - way * 400.0, present=edge + way * outside, seconds=TIME_STEP)
         assert result[1:] == (pytest.approx(-way * (2000.0 if outside < 300.0 else 500.0)), True)

@@ -114,7 +114,7 @@ FLAGS = [field.name for field in fields(Observation) if field.type in (bool, "bo
 
 @pytest.mark.parametrize("flag", FLAGS)
 def test_only_listed_observation_flags_end_a_performance_or_a_stop(flag: str):
-    """Each flag alone is inverted, from its value without faults and without a performance."""
+    """Each flag alone is inverted, starting from a healthy robot at rest."""
     calm = Observation()
     assert (calm.over, calm.dismissed) == (False, False)
     seen = Observation(**{flag: not getattr(calm, flag)})

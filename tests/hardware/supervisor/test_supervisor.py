@@ -111,7 +111,7 @@ def test_clearance_watch_slows_the_performance_and_restores_its_rate(desk: Make)
 
 
 def test_feedforward_is_reduced_in_proportion_to_a_slowed_performance(desk: Make):
-    """All joints turn at 0.5 rad/s with 0.1 rad of feedforward; at a tenth of the speed 0.01 rad remain."""
+    """At a tenth of full speed, a tenth of the feed-forward remains."""
     made = desk()
     made.open()
     for k in range(300):
@@ -221,7 +221,7 @@ def test_robot_without_commands_holds_then_moves_to_rest_and_restarts_with_new_c
 
 
 def test_commands_of_a_slow_planner_cause_no_goal_jumps(desk: Make):
-    """Performance time slows before the last known setpoint, so that goals never jump."""
+    """Performance time slows down before the last received setpoint."""
     made = desk()
     made.open()
     for k in range(60):

@@ -162,7 +162,7 @@ def test_unplugged_port_raises_errors_until_it_is_reopened():
 
 
 def test_simultaneous_transmissions_destroy_packet_and_reply():
-    """The ping's 14-byte reply starts at 0.12 ms; the second ping overlaps all but its first byte."""
+    """The second ping overlaps the reply except for its first byte."""
     line = troubled(latency=0.0)
     line.wire.write(packet.ping(1))
     line.wire.sleep(0.00013)

@@ -39,7 +39,7 @@ def test_arming_confirmation_in_time_enables_the_torque(play: Play):
 
 @pytest.mark.parametrize("late", [0.0, 0.1, 100.0])
 def test_arming_confirmation_expires(play: Play, late: float):
-    """A person who left to check the workspace cannot arm by a much later click."""
+    """A confirmation that comes after the time limit does not arm the servos."""
 
     async def scene(desk: Desk, servos: Servos) -> None:
         client = Client()

@@ -48,7 +48,7 @@ class Told:
 def test_performance_time_of_the_servo_sink_is_extrapolated_from_the_supervisor_status(
     status: Status, time: float | None
 ):
-    """While the supervisor is halted, its time is the earliest for new commands."""
+    """The time of a halted supervisor is the earliest for new commands."""
     servos = RealServos(lambda: Told(status), distances=Wall(), min_clearance=0.01)
     assert servos.time(100.2) == (time if time is None else pytest.approx(time))
 

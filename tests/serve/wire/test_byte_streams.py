@@ -172,7 +172,7 @@ def test_writing_to_a_client_that_does_not_read_times_out() -> None:
 
 
 def test_closing_discards_unread_data_slowly(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Otherwise the client is reset and never reads the last message."""
+    """Without that, a connection reset would discard the last message."""
     pauses: list[float] = []
 
     async def note_pause(seconds: float) -> None:

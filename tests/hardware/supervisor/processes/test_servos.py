@@ -40,7 +40,7 @@ def test_servos_follow_the_setpoints_of_a_performance_and_end_without_torque(rig
 
 
 def test_commands_are_written_without_waiting_for_a_suspended_supervisor(rig):
-    """Write more commands than fit while nobody reads any."""
+    """Write more commands than the channel holds, without any reader."""
     servos = rig.opened()
     os.kill(servos.pid, signal.SIGSTOP)
     rig.write(servos, 180.0)

@@ -28,7 +28,7 @@ def test_late_cycles_lengthen_watchdogs_and_very_late_cycles_also_slow_the_perfo
 
 
 def test_watchdogs_return_to_their_normal_duration_after_punctual_cycles(desk: Make, monkeypatch: pytest.MonkeyPatch):
-    """It takes ten seconds (tests/hardware/bus/test_host.py), shortened here to one."""
+    """The return takes ten seconds, which this test shortens to one."""
     monkeypatch.setattr(host, "GAP_MEMORY", 1.0)
     made = desk().active(20.0)
     made.pass_time(0.03)
