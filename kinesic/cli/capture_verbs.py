@@ -26,3 +26,13 @@ def _import_clips() -> None:
     Clips are captured motion of a body (.skm, .bvh, .amc, .glb, .npz), with or without markers. `--lexicon` and
     `--library` of all verbs take the new folder.
     """
+
+
+@capture_verbs.command("graph")
+@click.argument("folder", type=click.Path(path_type=Path))
+@implemented_by("capture_graph:print_graph")
+def _print_graph() -> None:
+    """Print how well the captured gestures of FOLDER follow each other.
+
+    FOLDER is a library of imported or installed gestures. Gestures that no other gesture joins smoothly are listed.
+    """

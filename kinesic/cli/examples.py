@@ -6,6 +6,7 @@ import click
 
 EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "bench": ("kinesic bench ik", "kinesic bench naturalness --style joyful --json"),
+    "capture graph": ("kinesic capture graph mine",),
     "capture import": ('kinesic capture import clips --out mine --licence "CC BY 4.0"',),
     "certify": ("kinesic certify motion.bvh --robot upper36 --out motion.npz", "kinesic certify motion.csv --check"),
     "completion": ("kinesic completion bash >> ~/.bashrc", "kinesic completion fish"),

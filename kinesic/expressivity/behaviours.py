@@ -6,6 +6,7 @@ from dataclasses import dataclass, replace
 from kinesic.bml.block import (
     Gaze,
     Gesture,
+    HandMode,
     Head,
     HeadDirectionShift,
     Modality,
@@ -15,9 +16,11 @@ from kinesic.bml.block import (
     TimedBehaviour,
     Torso,
 )
+from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.expressivity import trunk
 from kinesic.expressivity.context import BlockContext
+from kinesic.expressivity.hands.captured_aim import aim_captured, is_captured
 from kinesic.expressivity.hands.fingers import lacking_shapes
 from kinesic.expressivity.hands.poses import REST_HAND, Poses, pointing_poses, poses
 from kinesic.expressivity.hands.strokes import Stroke
@@ -25,7 +28,7 @@ from kinesic.expressivity.head import head_form, head_layer
 from kinesic.expressivity.keyframes import Outcome
 from kinesic.expressivity.lexicon.body_form import NO_BODY, BodyForm
 from kinesic.expressivity.lexicon.form import GestureForm, Match
-from kinesic.expressivity.lexicon.lexicon import mirror_form
+from kinesic.expressivity.lexicon.lexicon import in_mode, mirror_form
 from kinesic.expressivity.lexicon.names import shorten_name
 from kinesic.expressivity.lexicon.shape_override import unknown_shape, with_shape
 from kinesic.expressivity.turns import UPRIGHT_TURN, Layer, layers_of_holds, set_passages
@@ -84,13 +87,21 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     if not form.keys and not form.rest:
         return drop_behaviour(f"gesture {form.id} has no stroke")
     target_warnings = _target_warnings(action, form, context)
-    if action.target is not None and not target_warnings:
-        return pointing_move(timed, Pointing(action.target, action.mode, action.shape), context)
+    place = None if action.target is None or target_warnings else context.find_target(action.target)
+    if action.target is not None and place is not None:
+        if not is_captured(form):
+            return pointing_move(timed, Pointing(action.target, action.mode, action.shape), context)
+        form = _aim_form(form, action.mode, place, context.robot)
     manner = context.manner(timed.behaviour)
     form = replace(form, body=_scale_body(form.body, timed, context))
     options = [form]
     full_form = context.lexicon.forms_by_id[form.id]  # only forms for one unspecified hand may be mirrored
-    if action.mode == "unspecified" and len(form.sides) == len(full_form.sides) == 1 and not form.rest:
+    if (
+        place is None
+        and action.mode == "unspecified"
+        and len(form.sides) == len(full_form.sides) == 1
+        and not form.rest
+    ):
         options.append(mirror_form(form))
         if (deviation := context.deviations.get(timed.behaviour.id)) is not None:
             options = deviation.order_hands(options)
@@ -104,6 +115,15 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     importance = 2 if timed.behaviour.required else 0 if form.category == "beat" else 1
     stroke = Stroke(timed.behaviour.id, timed.times, pose_options, form.rest, manner, may_split, importance, series)
     return Move(outcome, strokes=(stroke,), warnings=(*warnings, *target_warnings), shapes=requested_shapes)
+
+
+def _aim_form(form: GestureForm, mode: HandMode, place: Floats, robot: Robot) -> GestureForm:
+    """Aim a captured gesture of one hand at a place.
+
+    By default, the hand on the side of the place points.
+    """
+    side: Side = "l" if mode == "left" or (mode != "right" and place[1] > 0) else "r"
+    return aim_captured(in_mode(form, "left" if side == "l" else "right"), side, place, robot)[0]
 
 
 def _apply_fallback(match: Match, action: Gesture, context: BlockContext) -> Match:

@@ -8,7 +8,7 @@ from kinesic.body.choices import GrammarName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.behaviour_sets import BehaviourSets, builtin_sets
-from kinesic.intent.behaviours import ChosenBehaviour, Earlier, Selection
+from kinesic.intent.behaviours import ChosenBehaviour, Earlier, Revision, Selection
 from kinesic.intent.budget import budget_of
 from kinesic.intent.choosing import choose_behaviours
 from kinesic.intent.directed import DIRECTION_INTENT, find_directed
@@ -89,6 +89,7 @@ def author_text(
     memory: ChoiceMemory = NO_MEMORY,
     character: str = "",
     recorded: RecordedAudio | None = None,
+    revise: Revision | None = None,
 ) -> AuthoredText:
     """Write BML for a text, with a warning for each omitted part.
 
@@ -106,6 +107,7 @@ def author_text(
         memory: gestures of earlier texts, which are not repeated for a minute of speech.
         character: speaker of a dialogue whose lines are spoken; empty: all.
         recorded: recording of the text, whose times and accents count; None: a voice speaks.
+        revise: replaces gestures of the chosen behaviours; None: they stay.
     """
     passage, selection = plan_behaviours(
         text,
@@ -120,7 +122,8 @@ def author_text(
         recorded=recorded,
     )
     after = memory.extend(selection.behaviours, passage.starts[-1])
-    bml = write_block(passage, selection.behaviours, block=block, recorded=recorded)
+    behaviours = selection.behaviours if revise is None else revise(selection.behaviours)
+    bml = write_block(passage, behaviours, block=block, recorded=recorded)
     return AuthoredText(bml, selection.warnings, after, len(passage.words))
 
 

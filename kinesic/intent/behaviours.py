@@ -1,6 +1,6 @@
 """Chosen behaviours of a text, and omitted ones with their reasons."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from kinesic.intent.behaviour_sets import Channel
@@ -18,11 +18,15 @@ class ChosenBehaviour:
     repetition: int | None = None
     manner: Mapping[str, float] = field(default_factory=dict)  # expressivity parameters, -1..1
     begin: str = ""  # start of a gesture as a BML reference; empty: its natural start
+    captured: bool = False  # whether the lexeme is a captured gesture, which also points at a target
 
     @property
     def form(self) -> str:
         """Lexeme, with the hand if the intent chooses it."""
         return name_form(self.lexeme, self.intent)
+
+
+Revision = Callable[[Sequence[ChosenBehaviour]], Sequence[ChosenBehaviour]]  # replaces gestures before they are written
 
 
 def name_form(lexeme: str, intent: Intent) -> str:

@@ -111,13 +111,15 @@ def _element(behaviour: ChosenBehaviour, id: str) -> str:
     intent = behaviour.intent
     attributes = {"id": id}
     match behaviour.channel:
-        case "gesture" if intent.target:
+        case "gesture" if intent.target and not behaviour.captured:
             name = "pointing"
             attributes |= {"target": intent.target, "stroke": shift_reference(intent.stroke, 0.0)}
         case "gesture":
             name = "gesture"
             hand = {"mode": f"{intent.hand.upper()}_HAND"} if intent.hand else {}
-            attributes |= {"lexeme": behaviour.lexeme, **hand, "stroke": shift_reference(intent.stroke, 0.0)}
+            target = {"target": intent.target} if intent.target else {}
+            stroke = {"stroke": shift_reference(intent.stroke, 0.0)}
+            attributes |= {"lexeme": behaviour.lexeme, **target, **hand, **stroke}
         case "head" if behaviour.lexeme in ("NOD", "SHAKE"):
             name = "head"
             attributes |= {

@@ -8,7 +8,7 @@ from typing import Literal
 
 from kinesic.bml.block import Dialect
 from kinesic.body.arrays import Floats
-from kinesic.body.choices import GrammarName, KeyFrameFilling
+from kinesic.body.choices import GesturePreference, GrammarName, KeyFrameFilling
 from kinesic.body.dynamics import Distances, Dynamics, Load
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
@@ -55,6 +55,7 @@ class Setup:
     grammar: GrammarName = "rules"  # parser of phrases and clauses of plain text
     intentions: IntentionFiles = IntentionFiles()  # behaviours of intentions
     recordings: Path | None = None  # folder of the recordings of documents that are no files; None: not played
+    preference: GesturePreference = "lexicon"  # gestures preferred for beats, offers and deictics of a text
     unstyled: Robot | None = None  # the robot without the posture of a style; None: documents cannot change the posture
     shared_limits: Limits | None = None  # limits of the same body in another rest posture; None: computed
 

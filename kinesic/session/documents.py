@@ -3,6 +3,7 @@
 import re
 from bisect import bisect_left
 from dataclasses import replace
+from functools import partial
 from itertools import accumulate
 
 from kinesic.bml.block import Block, BmlError, DocumentBounds, Notice, NoticeType
@@ -11,6 +12,7 @@ from kinesic.bml.reading.prologue import find_first_tag
 from kinesic.bml.reading.wrapping import open_document
 from kinesic.intent.author import AuthoredText, author_text
 from kinesic.intent.behaviour_sets import BehaviourSets, builtin_sets
+from kinesic.intent.behaviours import Revision
 from kinesic.intent.fml.author import author_fml, is_fml, parse_fml
 from kinesic.intent.greta.agent import Agent, read_agent
 from kinesic.intent.greta.lexicon import read_lexicon
@@ -55,7 +57,15 @@ def read_block(text: str | bytes, setup: Setup, *, source: str = "<text>") -> Bl
     if setup.dialect in ("auto", "fml-apml") and is_fml(text):
         sets, agent = _read_intention_files(setup)
         seed = setup.idling.seed
-        return parse_fml(text, source=source, performer=setup.character, sets=sets, agent=agent, seed=seed)
+        return parse_fml(
+            text,
+            source=source,
+            performer=setup.character,
+            sets=sets,
+            agent=agent,
+            seed=seed,
+            revise=_find_revision(setup),
+        )
     opened = open_document(text)
     if is_ssml(opened.text):
         block = read_plain_text(opened.text, setup, source=source)
@@ -104,7 +114,7 @@ def write_fml(text: str | bytes, setup: Setup, *, source: str = "<text>") -> tup
         BML, and a line for each intention that no behaviour shows; see `author_fml`.
     """
     sets, agent = _read_intention_files(setup)
-    return author_fml(text, source=source, sets=sets, agent=agent, seed=setup.idling.seed)
+    return author_fml(text, source=source, sets=sets, agent=agent, seed=setup.idling.seed, revise=_find_revision(setup))
 
 
 def write_bml(text: str, setup: Setup) -> str:
@@ -152,7 +162,17 @@ def author_with_setup(
         memory=memory,
         character=setup.character or "",
         recorded=recorded,
+        revise=_find_revision(setup),
     )
+
+
+def _find_revision(setup: Setup) -> Revision | None:
+    """Return the replacement of lexicon gestures by captured ones, if preferred."""
+    if setup.preference == "lexicon" or not setup.lexicon.captured:
+        return None
+    from kinesic.capture.clip_substitution import prefer_captured  # noqa: PLC0415 - needs SciPy
+
+    return partial(prefer_captured, setup=setup)
 
 
 def intention_sets(setup: Setup) -> BehaviourSets:

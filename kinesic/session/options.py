@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TypedDict, get_args
 
 from kinesic.bml.block import EXPRESSIVITY_RANGES, Dialect
-from kinesic.body.choices import GrammarName, KeyFrameFilling, VoiceName
+from kinesic.body.choices import GesturePreference, GrammarName, KeyFrameFilling, VoiceName
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.intent.reading.language import ENGLISH_TAG, check_tag
 
@@ -21,6 +21,7 @@ SET_HELP = (
     f"of {', '.join(EXPRESSIVITY_RANGES)} (openness 0 to 1). Repeat for more."
 )
 LIBRARY_HELP = "Folder of imported or installed gestures, in addition to --lexicon."
+PREFER_HELP = "Gestures of beats, offers and deictics of a text: those of the lexicon, or captured ones."
 VOICE_HELP = "Voice: hibari and espeak are audible, durations is silent; auto: hibari for English, else espeak."
 ENGINE_HELP = "Program that speaks in place of the voice, on standard input and output: 'python my_voice.py'."
 RECORDINGS_HELP = "Folder with the recordings of documents that are not files, such as those sent to `serve`."
@@ -58,6 +59,7 @@ class PlanningOptions(TypedDict, total=False):
     ]
     lexicon: Annotated[str | Path | None, CliOption("Gestures: TOML, a folder of TOML, or Greta's XML.", kind=Path)]
     library: Annotated[str | Path | None, CliOption(LIBRARY_HELP, kind=Path, metavar="FOLDER")]
+    prefer: Annotated[GesturePreference, CliOption(PREFER_HELP, "lexicon")]
     dialect: Annotated[Dialect | Literal["auto"], CliOption("Dialect of the documents.", "auto")]
     gather: Annotated[
         KeyFrameFilling, CliOption("Interpolation of body parts that have no key at a key frame.", "complex")
@@ -96,6 +98,7 @@ INTERACTIVE_DEFAULTS: PlanningOptions = {"idle": 1.0, "variation": 1.0}  # for `
 OPTION_CHOICES: Mapping[str, tuple[str, ...]] = {
     "dialect": ("auto", *get_args(Dialect)),
     "gather": get_args(KeyFrameFilling),
+    "prefer": get_args(GesturePreference),
     "voice": get_args(VoiceName),
     "grammar": get_args(GrammarName),
 }

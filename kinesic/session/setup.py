@@ -72,6 +72,7 @@ def set_up(
         intentions=IntentionFiles(
             _to_path(options.get("intentions")), _to_path(options.get("baseline")), _to_path(options.get("qualifiers"))
         ),
+        preference=options.get("prefer", "lexicon"),
         unstyled=unstyled,
         recordings=_to_path(options.get("recordings")),
     )

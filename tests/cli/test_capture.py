@@ -43,3 +43,17 @@ def test_clips_left_out_are_listed_and_set_the_exit_code(clips, capsys):
     assert "left out: clips/bad.bvh" in capsys.readouterr().err
     with pytest.raises(ConfigError, match="exists already"):
         run("capture", "import", "clips", "--out", "mine")
+
+
+def test_motion_graph_of_a_library_is_summarised(clips, capsys):
+    for number in range(2):
+        (clips / f"OfferRt{number}.bvh").write_bytes(bvh(reach(100, height=60 + number)))
+    run("capture", "import", "clips", "--out", "mine")
+    capsys.readouterr()
+    assert run("capture", "graph", "mine") == 0
+    out = capsys.readouterr().out
+    assert out.startswith("3 gestures, 3 preparation, 3 stroke,")
+    assert "transitions between 3 connected gestures" in out
+    assert "separate" not in out
+    with pytest.raises(ConfigError, match="no collection"):
+        run("capture", "graph", "clips")

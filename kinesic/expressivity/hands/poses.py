@@ -272,6 +272,7 @@ def _in_world(pose: HandPose, side: Side, robot: Robot, manner: Expressivity) ->
             pointing=None if pose.pointing is None else direction_in_world(side, pose.pointing),
             palm=None if pose.palm is None else direction_in_world(side, pose.palm),
         ),
+        aim=pose.aim,
         touch=pose.touch,
         tip=pose.tip,
         openness=openness + (1.0 - openness) * manner.openness,

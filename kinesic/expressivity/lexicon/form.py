@@ -35,11 +35,12 @@ class HandPose:
     touch: Touch | None = None  # touched body part
     path: HandPath | None = None  # path from the previous key [arm lengths]; None: straight
     tip: Surface | None = None  # touching palm or, on hands with fingers, fingertip; None: the nearest part
+    aim: Floats | None = None  # (3,) [m] pointed place in the world, on a captured gesture with a target
     captured: bool = False  # whether a robot of other proportions pulls the position into its reach, without a lean
 
     def __post_init__(self) -> None:
         """Make the arrays read-only."""
-        for values in (self.position, self.palm, self.pointing):
+        for values in (self.position, self.palm, self.pointing, self.aim):
             if values is not None:
                 values.setflags(write=False)
 

@@ -107,6 +107,14 @@ def to_world(robot: Robot, side: Side, position: Floats) -> Floats:
     return np.asarray(robot.gesture_origin + robot.arm_length * direction_in_world(side, position))
 
 
+def to_gesture_space(robot: Robot, side: Side, position: Floats) -> Floats:
+    """Convert a world position [m] to gesture space, with the torso upright.
+
+    It is the inverse of `to_world`: (3,) forward, outward, up [arm lengths].
+    """
+    return direction_in_world(side, position - robot.gesture_origin) / robot.arm_length
+
+
 def extend_position(position: Floats, spatial: float, fixed: tuple[bool, bool, bool] = (False, False, False)) -> Floats:
     """Scale a position by spatial extent.
 

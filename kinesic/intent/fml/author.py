@@ -11,7 +11,7 @@ from kinesic.bml.reading.namespaces import KINESIC_NAMESPACE
 from kinesic.bml.reading.tree import Element, read_tree
 from kinesic.bml.reading.wrapping import find_root
 from kinesic.intent.behaviour_sets import BehaviourSets, builtin_sets
-from kinesic.intent.behaviours import ChosenBehaviour, Selection
+from kinesic.intent.behaviours import ChosenBehaviour, Revision, Selection
 from kinesic.intent.budget import STROKE_SPACINGS, MovementBudget
 from kinesic.intent.choosing import choose_behaviours
 from kinesic.intent.fml.intentions import SPEECH_INTENTIONS, Unreadable, describe_intention, read_intentions
@@ -47,6 +47,7 @@ def author_fml(
     sets: BehaviourSets | None = None,
     agent: Agent | None = None,
     seed: int = 0,
+    revise: Revision | None = None,
 ) -> tuple[str, tuple[str, ...]]:
     """Write BML for an FML-APML document.
 
@@ -59,6 +60,7 @@ def author_fml(
         sets: behaviours by intention; None: those that come with kinesic.
         agent: with expressivity and preferences; None: neutral.
         seed: of the random choice among alternatives.
+        revise: replaces gestures of the chosen behaviours; None: they stay.
 
     Returns:
         The BML, and the name and reason of each intention without a behaviour.
@@ -66,7 +68,7 @@ def author_fml(
     Raises:
         BmlError: the document is refused.
     """
-    authored = _author(read_document(text, source=source), sets, agent, seed)
+    authored = _author(read_document(text, source=source), sets, agent, seed, revise)
     bml = authored.document.bml
     inside = "".join(f"  {line}\n" for line in authored.lines)
     start = _tag(bml.name, _start_attributes(authored.document.root, bml))
@@ -83,6 +85,7 @@ def parse_fml(
     seed: int = 0,
     known_blocks: Collection[str] = (),
     bounds: DocumentBounds = DEFAULT_BOUNDS,
+    revise: Revision | None = None,
 ) -> Block:
     """Read an FML-APML document with behaviours for its intentions.
 
@@ -92,7 +95,7 @@ def parse_fml(
     Raises:
         BmlError: the document is refused.
     """
-    authored = _author(read_document(text, source=source, bounds=bounds), sets, agent, seed)
+    authored = _author(read_document(text, source=source, bounds=bounds), sets, agent, seed, revise)
     document = replace(authored.document, root=(bml := _merge(authored)), bml=bml, dialect="fml-apml")
     block = parse_document(document, source=source, dialect="fml-apml", performer=performer, known_blocks=known_blocks)
     notices = (f"not shown: {problem}" for problem in authored.unshown)
@@ -100,7 +103,9 @@ def parse_fml(
     return replace(block, notices=(*block.notices, *added))
 
 
-def _author(document: Document, sets: BehaviourSets | None, agent: Agent | None, seed: int) -> _Authored:
+def _author(
+    document: Document, sets: BehaviourSets | None, agent: Agent | None, seed: int, revise: Revision | None
+) -> _Authored:
     """Choose the behaviours that show the intentions of a document."""
     bml, marks = document.bml, estimate_mark_times(document.bml)
     roots = [child for child in document.root.children if child.local == "fml"]
@@ -115,7 +120,8 @@ def _author(document: Document, sets: BehaviourSets | None, agent: Agent | None,
         *_unshown(intents, selection),
     )
     taken = frozenset(element.attributes.get("id", "") for element in _all(bml))
-    lines = tuple(write_behaviours(selection.behaviours, taken))
+    behaviours = selection.behaviours if revise is None else revise(selection.behaviours)
+    lines = tuple(write_behaviours(behaviours, taken))
     places = {describe_intention(element): element.place for element in _all(document.root)}
     return _Authored(document, tuple(selection.behaviours), lines, places, unshown)
 

@@ -25,19 +25,20 @@ source = "a lab"
 """
 
 
-def motion(*, sides="r", shift=0.0, height=0.3) -> GestureMotion:
+def motion(*, sides="r", shift=0.0, height=0.3, turn=0.8) -> GestureMotion:
     """A hand that swings in front of the body, highest at 1 s.
 
     Args:
         sides: hands that move.
         shift: [arm lengths] outward.
         height: [arm lengths] of the swing.
+        turn: [rad] of the hand, upward.
     """
     swing = np.sin(np.pi * TIMES / 2.0) ** 2
     wrist = np.stack([0.5 + 0.1 * swing, 0.3 + shift + 0.1 * np.sin(2.0 * np.pi * TIMES), height * swing], axis=1)
-    turn = 0.8 * swing
-    pointing = np.stack([np.cos(turn), 0 * turn, np.sin(turn)], axis=1)
-    palm = np.stack([np.sin(turn), 0 * turn, -np.cos(turn)], axis=1)
+    tilt = turn * swing
+    pointing = np.stack([np.cos(tilt), 0 * tilt, np.sin(tilt)], axis=1)
+    palm = np.stack([np.sin(tilt), 0 * tilt, -np.cos(tilt)], axis=1)
     hand = HandMotion(
         sealed(wrist), sealed(0.2 + 0 * TIMES), sealed(pointing), sealed(palm), sealed(np.ones((len(TIMES), 5)))
     )
