@@ -53,7 +53,7 @@ def root(tmp_path: Path) -> Path:
     return tmp_path
 
 
-def test_pages_and_clocks_have_a_process_each_beside_calculations(root: Path):
+def test_browser_tests_and_realtime_tests_each_have_a_process_beside_calculations(root: Path):
     chosen = {worker: choose_file(FILE_TEXTS, worker, root, {}) for worker in ("gw0", "gw1", "gw2")}
     assert chosen == {
         "gw0": "tests/page/test_page.py",
@@ -71,7 +71,7 @@ def test_process_stays_in_its_package_while_files_of_its_kind_remain(root: Path)
     assert choose_file(FILE_TEXTS, "gw0", root, {"gw0": "tests/sum"}) == "tests/page/test_page.py"
 
 
-def test_process_begins_a_package_of_another_process_last(root: Path):
+def test_process_takes_test_packages_of_other_processes_last(root: Path):
     assert choose_file(FILE_TEXTS, "gw2", root, {"gw3": "tests/sum"}) == "tests/face/test_eyes.py"
     assert choose_file(list(FILE_TEXTS)[:4], "gw2", root, {"gw3": "tests/sum"}) == "tests/sum/test_large.py"
 
@@ -81,7 +81,7 @@ def test_package_of_a_test_is_its_folder_below_tests_or_its_file():
     assert package_of("tests/test_lock.py") == "tests/test_lock.py"
 
 
-def test_positions_of_indexed_tests_equal_those_of_a_list():
+def test_indexed_tests_have_the_same_positions_as_in_a_list():
     names = ["b", "a", "c"]
     assert [IndexedTests(names).index(name) for name in names] == [0, 1, 2]
     assert IndexedTests(names) == names

@@ -42,7 +42,7 @@ def test_link_check_finds_missing_pages_pictures_and_anchors(site, tmp_path: Pat
     ]
 
 
-def test_lists_for_language_models_name_each_page_with_its_first_sentence(site, tmp_path: Path):
+def test_page_lists_for_language_models_contain_each_page_with_its_first_sentence(site, tmp_path: Path):
     entries = site["read_navigation"]((ROOT / "mkdocs.yml").read_text(encoding="utf-8"))
     for entry in entries:
         (tmp_path / entry.page).parent.mkdir(parents=True, exist_ok=True)

@@ -18,7 +18,7 @@ def test_github_workflow_files_are_valid():
 
 
 @pytest.mark.parametrize("path", WORKFLOWS, ids=lambda path: path.name)
-def test_actions_are_pinned_by_commit_and_name_their_version(path: Path):
+def test_github_actions_are_pinned_by_commit_with_their_version_in_a_comment(path: Path):
     used = re.findall(r"uses: (\S+)(.*)", path.read_text(encoding="utf-8"))
     loose = [name for name, _ in used if not name.startswith("./") and not re.search(r"@[0-9a-f]{40}$", name)]
     unnamed = [name for name, version in used if "@" in name and not re.match(r" # v\d+\.\d+\.\d+$", version)]

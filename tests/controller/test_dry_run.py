@@ -66,7 +66,7 @@ def test_progress_callback_may_start_another_dry_run(calm):
         assert_the_same(runs, alone)
 
 
-def test_later_dry_runs_do_not_change_results_of_earlier_ones(calm):
+def test_results_of_a_dry_run_are_not_changed_by_later_dry_runs(calm):
     (kept,) = dry_runs(calm.plan, (NOMINAL_FACTORS,), watch=False)
     before = [array.copy() for array in arrays(kept)]
     for factors in (PESSIMISTIC_FACTORS, Factors(gain=0.5, friction=3.0)):

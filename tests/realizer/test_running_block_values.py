@@ -55,7 +55,7 @@ def test_replanning_keeps_the_speech_that_was_synthesised():
     assert not prepared.request.is_decided
 
 
-def test_only_performed_and_synthesised_speech_is_listed():
+def test_running_block_lists_only_speech_that_is_synthesised_and_not_dropped():
     at = {"s": {"start": 0.5}, "u": {"start": 0.7}, "h": {"start": 0.1}}
     said = {"s": Utterance(2.0), "t": Utterance(2.0), "h": Utterance(2.0)}
     (speech,) = small_block("b", at, inside=SPEECHES, utterances=said, zero=4.0).speeches

@@ -124,7 +124,7 @@ def test_session_gets_a_document_with_client_number_and_client_address_as_source
     ]
 
 
-def test_refusal_of_a_document_is_reported():
+def test_client_is_informed_of_the_refusal_of_its_document():
     registry = Registry()
     registry.session.refusal = "<no/>"
     assert registry.say(registry.join("a"), DOCUMENT) == ["<no/>"]

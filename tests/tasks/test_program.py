@@ -24,14 +24,14 @@ def version_of(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     return of
 
 
-def test_version_depends_on_names_and_texts_of_sources_only(version_of):
+def test_program_version_depends_only_on_names_and_texts_of_source_files(version_of):
     version = version_of(a_py="text", b_txt="notes")
     assert version == version_of(a_py="text", b_txt="other notes")
     assert version != version_of(a_py="other text")
     assert version != version_of(c_py="text")
 
 
-def test_version_names_a_short_hash_python_and_libraries(version_of):
+def test_program_version_contains_a_short_hash_and_versions_of_python_and_libraries(version_of):
     pattern = r"sources [0-9a-f]{12}, python 3\.\d+\.\d+\S*, numpy \S+, mujoco-core \S+, casadi \S+, highspy \S+"
     assert re.fullmatch(pattern, version_of(a_py=""))
     assert program._version("no-such-library") == "missing"
@@ -66,6 +66,6 @@ def test_program_files_exclude_packages_of_the_web_client(tmp_path: Path, monkey
     assert list(program.program_files((".py",))) == [tmp_path / "client" / "b.py"]
 
 
-def test_version_of_sources_is_independent_of_their_order(version_of):
+def test_program_version_is_independent_of_the_order_of_source_files(version_of):
     assert version_of(a_py="1", b_toml="2") == version_of(b_toml="2", a_py="1")
     assert version_of(a_py="1", b_py="2") != version_of(a_py="2", b_py="1")
