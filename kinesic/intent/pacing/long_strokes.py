@@ -5,6 +5,7 @@ from collections.abc import Collection, Iterable, Mapping
 from kinesic.expressivity.style.style import Style
 
 STROKE_LEAD = 0.6  # [s] from the start of a long stroke to its word
+USUAL_STROKE = 0.55  # [s] stroke duration of most gestures that are not in `LONG_STROKES`, in the neutral style
 SLOWNESS_BASE = 2.3  # duration of a drawing at temporal extent -1 / at 0; 1.42 at -0.4, 1.64 at -0.6 on `human`
 MAX_STROKE_DELAY = 1.6  # [s] longest delay of a gesture's stroke point after its word
 LONG_STROKES: Mapping[str, float] = {
@@ -58,7 +59,8 @@ def slowness_of(style: Style) -> float:
 def stroke_delay(lexemes: Collection[str], slowness: float = 1.0) -> float:
     """Return the delay [s] of a gesture's stroke after its word.
 
-    It is 0 for gestures of usual length, at most `MAX_STROKE_DELAY`.
+    A stroke of usual length is delayed only in a slow style, so that no stroke begins much earlier than `STROKE_LEAD`
+    before its word. The delay is at most `MAX_STROKE_DELAY`.
 
     Args:
         lexemes: gestures of which one is shown; their mean duration counts.
@@ -66,8 +68,8 @@ def stroke_delay(lexemes: Collection[str], slowness: float = 1.0) -> float:
     """
     if not lexemes:
         return 0.0
-    durations = (slowness * LONG_STROKES[lexeme] if lexeme in LONG_STROKES else STROKE_LEAD for lexeme in lexemes)
-    mean = sum(durations) / len(lexemes)
+    durations = (slowness * LONG_STROKES.get(lexeme, USUAL_STROKE) for lexeme in lexemes)
+    mean = sum(max(duration, STROKE_LEAD) for duration in durations) / len(lexemes)
     return min(mean - STROKE_LEAD, MAX_STROKE_DELAY)
 
 

@@ -7,9 +7,11 @@ from collections.abc import Iterator, Sequence
 from kinesic.intent.reading.language import Fractions, Language
 
 _FRACTION_SIGNS = "\xbc-\xbe\u2150-\u215e"  # fractions of one character
+KANA_KANJI = "\u3040-\u30ff\u4e00-\u9fff"  # characters beside a Japanese number without a space
 # Fraction, also after a whole number.
 FRACTION_PATTERN = (
-    rf"(?:(?:\d{{1,3}}[ -])?\d{{1,3}}[/\u2044]\d{{1,3}}|(?:\d{{1,3}}[ ]?)?[{_FRACTION_SIGNS}])(?![\w/@]|-\d|[.,:]\d)"
+    rf"(?:(?:\d{{1,3}}[ -])?\d{{1,3}}[/\u2044]\d{{1,3}}|(?:\d{{1,3}}[ ]?)?[{_FRACTION_SIGNS}])"
+    rf"(?![^\W{KANA_KANJI}]|[/@]|-\d|[.,:]\d)"
 )
 _SIGN_PATTERN = re.compile(f"[{_FRACTION_SIGNS}]")
 _PARTS_PATTERN = re.compile(r"(?:(\d+)[ -]+)?(\d+)[/\u2044](\d+)")
@@ -54,7 +56,10 @@ def _name(match: re.Match[str], language: Language, before: Sequence[str], after
     forms = names.denominators.get(bottom, [])
     if not forms or not 0 < int(top) < int(bottom):
         return ""
-    fraction = f"{names.numerators[int(top) - 1]} {forms[top != '1']}"
+    numerator, denominator = names.numerators[int(top) - 1], forms[top != "1"]
+    if names.begins_with_denominator:
+        return f"{whole or ''}{names.joint if whole else ''}{denominator}{numerator}"
+    fraction = f"{numerator} {denominator}"
     return f"{whole} {names.joint} {fraction}" if whole else fraction
 
 

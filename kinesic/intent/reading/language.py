@@ -52,6 +52,7 @@ class Fractions(msgspec.Struct, forbid_unknown_fields=True, frozen=True):
     rating_ends: list[str]  # words after ratings, such as `4/5 stars`
     date_heads: list[str]  # words before dates without a year, such as `on 3/4`
     part_words: list[str]  # words after a fraction that make a date impossible
+    begins_with_denominator: bool = False  # whether the denominator comes first, and all is one word (Japanese)
 
 
 class _Table(msgspec.Struct, forbid_unknown_fields=True, frozen=True):

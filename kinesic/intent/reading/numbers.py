@@ -3,7 +3,7 @@
 import re
 from collections.abc import Iterator, Sequence
 
-from kinesic.intent.reading.fractions import FRACTION_PATTERN, split_fraction
+from kinesic.intent.reading.fractions import FRACTION_PATTERN, KANA_KANJI, split_fraction
 from kinesic.intent.reading.language import Language
 
 _PHONE_PATTERN = (
@@ -16,7 +16,7 @@ _RANGE_PATTERN = r"[1-9]\d{0,3}[\u2013-][1-9]\d{0,3}"
 _END_PATTERN = r"(?![\w/@-]|[.,:]\d)"
 _SIGNED_PATTERN = rf"(?:{_DATE_PATTERN}|{_PHONE_PATTERN}|{_LOCAL_PHONE_PATTERN}|{_RANGE_PATTERN}){_END_PATTERN}"
 # Numbers with hyphens, slashes or brackets.
-NUMBER_PATTERN = rf"(?<![\w.,:/@+-])(?:{_SIGNED_PATTERN}|{FRACTION_PATTERN})".replace(" ", r"\ ")
+NUMBER_PATTERN = rf"(?<![^\W{KANA_KANJI}])(?<![.,:/@+-])(?:{_SIGNED_PATTERN}|{FRACTION_PATTERN})".replace(" ", r"\ ")
 _RANGE = re.compile(_RANGE_PATTERN)
 _LOCAL_PHONE = re.compile(_LOCAL_PHONE_PATTERN)
 _FRACTION = re.compile(FRACTION_PATTERN)

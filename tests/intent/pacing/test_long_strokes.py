@@ -70,6 +70,23 @@ def test_stroke_delay_of_alternative_gestures_is_the_mean_of_their_delays_up_to_
     assert stroke_delay(("path_along", "large")) == pytest.approx(stroke_delay(("path_along",)) / 2)
 
 
+def test_usual_stroke_of_a_slow_style_ends_later_so_that_it_begins_shortly_before_its_word():
+    assert stroke_delay(("past_over_shoulder",)) == 0.0
+    slowness = slowness_of(Style.load("sad"))
+    assert 0.25 < stroke_delay(("past_over_shoulder",), slowness) < 0.35
+    strokes = {
+        name: [
+            behaviour.intent.stroke.reference
+            for behaviour in plan_behaviours(
+                "We waited. Then we went back the way we came.", set_up().lexicon, Style.load(name)
+            )[1].behaviours
+            if behaviour.lexeme == "past_over_shoulder"
+        ]
+        for name in ("neutral", "sad")
+    }
+    assert strokes["neutral"] != strokes["sad"]
+
+
 def test_no_gesture_is_chosen_during_the_long_stroke_of_another_gesture():
     strokes = [("large", 3.0), ("fire", 9.0)]
     assert [at for at in (2.5, 6.0, 6.8, 8.9, 9.1) if is_in_long_stroke(at, strokes)] == [6.8, 8.9]
