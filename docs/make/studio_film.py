@@ -6,7 +6,7 @@ import sys
 from collections.abc import Iterator
 from pathlib import Path
 from tempfile import TemporaryDirectory
-from time import monotonic
+from time import monotonic, sleep
 
 from PIL import Image, ImageDraw, ImageFont
 
@@ -20,7 +20,7 @@ DOCS = ROOT / "docs"
 WINDOW = (1280, 807)  # [pixels] with the browser's own 87
 SIZE = (960, 540)  # [pixels] of the film
 READ = 1600  # [ms] for which one action is shown
-STEP = 125  # [ms] between two frames of the performance
+STEP = 125  # [ms] shortest time between two frames of the performance
 STILL = 1500  # [ms] until the page is drawn in full quality
 MOMENT = 2.2  # [s] of the greeting in the picture
 PERFORMED = 9.0  # [s] of the performance
@@ -50,14 +50,14 @@ def titled(shown: Image.Image, title: str, where: tuple[float, float] | None) ->
     return frame.resize(SIZE, Image.Resampling.LANCZOS)
 
 
-def performance(page: chromium.Page) -> Iterator[Image.Image]:
-    """Record frames of a performance, at about the frame rate of the film."""
+def performance(page: chromium.Page) -> Iterator[tuple[Image.Image, int]]:
+    """Record frames of a performance, each with its duration [ms]; a busy machine gives fewer and longer ones."""
     page.until(f"{STATE}.mode === 'robot'")
-    begun, k = monotonic(), 0
-    while (now := monotonic() - begun) < PERFORMED:
-        if now * 1000 >= k * STEP:
-            k += 1
-            yield titled(picture(page), "simulated servos perform it", None)
+    begun = monotonic()
+    while (taken := monotonic()) - begun < PERFORMED:
+        frame = titled(picture(page), "simulated servos perform it", None)
+        sleep(max(0.0, taken + STEP / 1000 - monotonic()))
+        yield frame, round(1000 * (monotonic() - taken))
 
 
 def in_both_schemes(page: chromium.Page, name: str) -> None:
@@ -90,8 +90,8 @@ if __name__ == "__main__":
         person.page.value(f"{slider}.value = 0, {slider}.dispatchEvent(new Event('input'))")
         person.films = film
         make_and_perform(person)
-        for frame in performance(person.page):
+        for frame, duration in performance(person.page):
             frames.append(frame)
-            times.append(STEP)
+            times.append(duration)
     film = DOCS / "pictures" / "studio_tour.webp"
     frames[0].save(film, save_all=True, append_images=frames[1:], duration=times, loop=0, quality=45, method=6)
