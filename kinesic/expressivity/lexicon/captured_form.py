@@ -14,7 +14,7 @@ from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDES, Side
 from kinesic.expressivity.lexicon.form import HandPose, StrokeKey
 from kinesic.expressivity.lexicon.gesture_motion import GestureMotion
-from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
+from kinesic.expressivity.lexicon.hand_shapes import HandShape, hand_shapes
 from kinesic.expressivity.lexicon.path_course import PathCourse
 from kinesic.expressivity.lexicon.paths import HandPath
 from kinesic.expressivity.lexicon.space import spread_hands
@@ -24,6 +24,7 @@ KEY_MARKERS = ("strokeStart", "stroke", "strokeEnd")  # markers at which a captu
 VIA_INTERVAL = 0.05  # [s] interval between via points of a captured path
 MIN_STROKE_TIME = 0.12  # [s] shortest time between two stroke keys; a closer strokeEnd is left out
 FINGER_WEIGHTS = sealed([0.5, 1.0, 1.0, 1.0, 1.0])  # weights of thumb .. little finger in the comparison of shapes
+SPECIAL_SHAPE_COST = 0.2  # squared extension difference by which a shape that needs fingers must be nearer
 FULL_SWIVEL = float(np.radians(31.0))  # [rad] elbow swivel at openness 1 of a gesture form
 MIN_EXTENT = 0.12  # [arm lengths] smallest extent of the path of a hand that takes part
 MIN_EXTENT_RATIO = 0.4  # smallest extent of the path of a hand that takes part / that of the other hand
@@ -159,12 +160,14 @@ def _spread(samples: Sequence[_HandSamples]) -> Sequence[_HandSamples]:
 def nearest_shape(straight: Floats) -> str:
     """Return the hand shape with the nearest finger extensions (5,).
 
-    Extensions of captured hands are compared with those of all shapes; the thumb counts half.
+    Shapes with meeting fingertips, which extensions cannot tell, are excluded. A plain shape is preferred.
     """
-    shapes = hand_shapes()
-    return min(
-        shapes, key=lambda name: float(np.sum(FINGER_WEIGHTS * (np.array(shapes[name].straight) - straight) ** 2))
-    )
+
+    def distance(shape: HandShape) -> float:
+        difference = FINGER_WEIGHTS * (np.array(shape.straight) - straight) ** 2
+        return float(difference.sum()) + (0.0 if shape.plain else SPECIAL_SHAPE_COST)
+
+    return min((shape for shape in hand_shapes().values() if not shape.meets), key=distance).name
 
 
 def moving_sides(motion: GestureMotion, markers: Mapping[str, float]) -> tuple[Side, ...]:

@@ -9,7 +9,9 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.capture.certification import correlate
 from kinesic.capture.robot_motion import arm_paths
+from kinesic.expressivity.lexicon.captured_form import nearest_shape
 from kinesic.expressivity.lexicon.gesture_motion import pack_motion, read_gesture_motion
+from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.space import CAPTURED_REACH, pull_within_reach
 from kinesic.session.setup import set_up
@@ -148,3 +150,10 @@ def test_gesture_with_keys_and_motion_is_refused(tmp_path):
     (tmp_path / "swing.toml").write_text(text)
     with pytest.raises(ConfigError, match="keys and a motion"):
         Lexicon.load(tmp_path)
+
+
+def test_nearest_shape_is_plain_unless_fingers_differ_clearly():
+    assert nearest_shape(np.array([0.8, 0.8, 0.8, 0.75, 0.7])) == "relaxed"
+    assert nearest_shape(np.array([0.7, 0.9, 0.1, 0.05, 0.0])) in ("index", "pistol")
+    assert nearest_shape(np.zeros(5)) == "fist"
+    assert not hand_shapes()[nearest_shape(np.array([0.5, 0.6, 0.6, 0.6, 0.6]))].meets
