@@ -165,7 +165,7 @@ def measure_distance(arms: Mapping[Side, ArmPath], nearest: NearestMotion, setup
     reached = arm_paths(setup.robot, nearest.angles)
     wrists = np.concatenate([np.linalg.norm(reached[side].wrist - arm.wrist, axis=1) for side, arm in arms.items()])
     elbows = np.concatenate([np.linalg.norm(reached[side].elbow - arm.elbow, axis=1) for side, arm in arms.items()])
-    directions = np.concatenate([_angles_between(reached[side].elbow, arm.elbow) for side, arm in arms.items()])
+    directions = np.concatenate([angles_between(reached[side].elbow, arm.elbow) for side, arm in arms.items()])
     correlations = [
         correlate(arm.wrist, reached[side].wrist)
         for side, arm in arms.items()
@@ -187,7 +187,7 @@ def correlate(first: Floats, second: Floats) -> float:
     return float(np.sum(a * b) / np.sqrt(np.sum(a * a) * np.sum(b * b)))
 
 
-def _angles_between(first: Floats, second: Floats) -> Floats:
+def angles_between(first: Floats, second: Floats) -> Floats:
     """Return the angles (m,) [rad] between vectors (m, 3)."""
     sines = np.linalg.norm(np.cross(first, second), axis=1)
     angles: Floats = np.arctan2(sines, np.sum(first * second, axis=1))

@@ -9,6 +9,7 @@ from time import process_time
 import numpy as np
 
 from kinesic.bench.blocks import find_corpus
+from kinesic.bench.capture.elbow_errors import measure_elbow_errors
 from kinesic.bench.capture.imported_robots import ROBOT_FILES, load_imported
 from kinesic.bench.capture.independent_checks import find_largest_ratio, has_penetration
 from kinesic.bench.capture.path_distribution import frechet_distance, sample_features
@@ -44,6 +45,8 @@ class MeasuredClip:
     has_penetration: bool  # whether bodies touch, by MuJoCo
     captured: Floats  # (k, f) features of the clip
     certified: Floats  # (k, f) features of the certified motion
+    least_elbow_error: float  # [deg] 95th percentile of upper-arm errors that the proportions of the arms cause
+    elbow_excess: float  # [deg] 95th percentile of upper-arm errors beyond these
     peer: PeerMotion | None  # None: mink is not installed
 
 
@@ -110,7 +113,9 @@ def robot_metrics(robot: str, paths: Sequence[Path], setup: Setup) -> list[Metri
         Metric(f"{prefix}.penetrating", float(len(touching)), "clips", 0.0, "lower", "; ".join(touching[:3])),
         Metric(f"{prefix}.correlation_p50", float(np.median(correlations)), "", MEDIAN_CORRELATION, "higher"),
         Metric(f"{prefix}.correlation_p5", float(np.percentile(correlations, 5.0)), "", MIN_CORRELATION, "higher"),
-        Metric(f"{prefix}.elbow_p95", float(np.percentile(elbows, 95.0)), "deg", MAX_UPPER_ARM_ERROR, "lower"),
+        Metric(f"{prefix}.elbow_p95", _high(elbows), "deg", MAX_UPPER_ARM_ERROR, "lower"),
+        Metric(f"{prefix}.elbow_least_p95", _high([clip.least_elbow_error for clip in clips]), "deg", None, "lower"),
+        Metric(f"{prefix}.elbow_excess_p95", _high([clip.elbow_excess for clip in clips]), "deg", None, "lower"),
         Metric(f"{prefix}.wrist_p50", _median_distance(results), "arm lengths", None, "lower"),
         Metric(f"{prefix}.unstretched", float(np.mean(stretches <= KEPT_STRETCH)), "fraction", 0.8, "higher"),
         Metric(f"{prefix}.small_stretch", float(np.mean(stretches <= SMALL_STRETCH)), "fraction", 0.95, "higher"),
@@ -130,13 +135,18 @@ def _measure(path: Path, setup: Setup) -> MeasuredClip:
     began = process_time()
     result = certify_clip(read_clip(path), setup, path.name)
     cpu_time = process_time() - began
+    reached = arm_paths(setup.robot, result.nearest.angles)
+    pairs = [measure_elbow_errors(arm, reached[side]) for side, arm in result.desired.arms.items()]
+    errors, least = (np.concatenate(values) for values in zip(*pairs, strict=True))
     return MeasuredClip(
         result=result,
         cpu_time=cpu_time,
         largest_ratio=find_largest_ratio(result.trajectory, setup.limits),
         has_penetration=has_penetration(result.trajectory, setup.robot),
         captured=sample_features(result.desired.arms),
-        certified=sample_features(arm_paths(setup.robot, result.nearest.angles)),
+        certified=sample_features(reached),
+        least_elbow_error=float(np.percentile(least, 95.0)),
+        elbow_excess=float(np.percentile(np.maximum(errors - least, 0.0), 95.0)),
         peer=measure_peer(result) if find_spec("mink") else None,
     )
 
@@ -146,6 +156,11 @@ def _frechet_metric(name: str, first: Sequence[Floats], second: Sequence[Floats]
     if not first or not second:
         return Metric(name, None, "", None, "lower", "it needs two clips")
     return Metric(name, frechet_distance(first, second), "", None, "lower")
+
+
+def _high(values: Sequence[float]) -> float:
+    """Return the 95th percentile of values."""
+    return float(np.percentile(values, 95.0))
 
 
 def _median_distance(results: Sequence[Certification]) -> float:
