@@ -16,7 +16,11 @@ MIN_DETOURS = 16  # number of detours allowed in even the shortest motion
 DETOUR_INTERVAL = 10.0  # [s] additional motion time that allows `MIN_DETOURS` further detours
 SCAN_BUDGET = 2600.0  # [s] motion time scanned for all detours: 64 detours in a 40 s motion, 17 in 150 s
 DETOUR_MARGIN = 0.008  # [m] extra clearance of a detour in addition to the required clearance
-WITHDRAWAL_FRACTIONS = (0.0, 0.2, 0.35, 0.7)  # fractions of the path to rest at which a key is tried
+WITHDRAWAL_FRACTIONS = (0.2, 0.35, 0.7)  # fractions of the path to rest at which a key is tried
+MIN_VISIBLE_DEFICIT = (
+    0.002  # [m] smallest missing clearance for which an arm moves visibly: towards rest, or away from a key
+)
+REST_PENALTY = 0.3  # fraction of the best gain so far that keys nearer to rest must add, because viewers see arms drop
 WITHDRAWAL_PENALTY = 0.1  # fraction of the best gain so far by which a later candidate must exceed it
 KEY_OFFSETS = (0.004, 0.016)  # [m] extra clearances tried when an existing key is moved
 SWING_RATIO = 0.5  # fraction of the overshoot that is kept if removing more hardly adds clearance
@@ -63,7 +67,8 @@ def add_detours(
 
     Colliding intervals are handled one after the other. Overshoot of the arms is halved first, or removed with their
     accents, if that helps. Otherwise the change with the smallest remaining violation is taken: an arm without a close
-    key gets one, in the nearest clear posture or in one nearer to rest; an existing key moves away.
+    key gets one in the nearest clear posture; an existing key moves away if it is close or collides itself. If this
+    helps much more, and at least `MIN_VISIBLE_DEFICIT` is missing, the arm gets a key nearer to rest instead.
 
     Args:
         course: at least two keys, the first and the last at rest.
@@ -93,15 +98,22 @@ def add_detours(
                 course, scan, stuck = calm_keys, calm_scan, calm_scan.same(stuck, scan)
                 continue
         best, best_scan, allowed, total_deficit = course, scan, ACCEPT_RATIO * scan.deficits.sum(), scan.deficits.sum()
-        for change in _propose_detours(course, time, clear_postures, min_clearance):
-            candidate_scan = scan.after(change, distances, min_clearance)
-            if candidate_scan.deficits.sum() < allowed:
-                best, best_scan, allowed = (
-                    change,
-                    candidate_scan,
-                    candidate_scan.deficits.sum()
-                    - WITHDRAWAL_PENALTY * (total_deficit - candidate_scan.deficits.sum()),
-                )
+        for fractions in ((0.0,), WITHDRAWAL_FRACTIONS):
+            if any(fractions):
+                if scan.deficits[sample] < MIN_VISIBLE_DEFICIT:
+                    break
+                allowed -= REST_PENALTY * (total_deficit - best_scan.deficits.sum())
+            for change in _propose_detours(course, time, clear_postures, min_clearance, scan.deficits, fractions):
+                candidate_scan = scan.after(change, distances, min_clearance)
+                if candidate_scan.deficits.sum() < allowed:
+                    best, best_scan, allowed = (
+                        change,
+                        candidate_scan,
+                        candidate_scan.deficits.sum()
+                        - WITHDRAWAL_PENALTY * (total_deficit - candidate_scan.deficits.sum()),
+                    )
+                if allowed <= 0.0:
+                    break
             if allowed <= 0.0:
                 break
         if best is course:
@@ -157,29 +169,51 @@ def _find_closest_samples(deficits: Floats) -> Iterator[int]:
 
 
 def _propose_detours(
-    course: PostureCourse, time: float, clear_postures: ClearPostures, min_clearance: float
+    course: PostureCourse,
+    time: float,
+    clear_postures: ClearPostures,
+    min_clearance: float,
+    deficits: Floats,
+    fractions: tuple[float, ...],
 ) -> Iterator[PostureCourse]:
-    """Yield candidate detours around the collision at a block time."""
+    """Yield candidate detours around the collision at a block time.
+
+    Args:
+        course: key postures.
+        time: block time [s].
+        clear_postures: finder of collision-free postures.
+        min_clearance: [m] sufficient clearance.
+        deficits: (m,) [m] missing clearance of the course's samples.
+        fractions: of the path to rest at which a key is added; existing keys move only on the path itself.
+    """
     gaps = clear_postures.distances.gaps(course.at(time)[None])[0]
     close = {segment for k in np.flatnonzero(gaps < min_clearance) for segment in course.robot.counted_pairs[k]}
     arms = [arm.joints for side in SIDES if close & (arm := course.robot.arm(side)).bodies]
     near = [course.near(arm, time) for arm in arms]
     free = [arm for arm, key in zip(arms, near, strict=True) if key is None]
     if free:
-        yield from _add_key_candidates(course, time, free, clear_postures, min_clearance)
-    for key in sorted({key for key in near if key is not None} or course.detours(time, arms)):
+        yield from _add_key_candidates(course, time, free, clear_postures, min_clearance, fractions)
+    if any(fractions):
+        return
+    keys = {key for key in near if key is not None} or course.detours(time, arms)
+    for key in sorted(keys | course.colliding_keys(time, arms, deficits, min_deficit=MIN_VISIBLE_DEFICIT)):
         yield from _move_key_candidates(course, key, arms, clear_postures, min_clearance)
 
 
 def _add_key_candidates(
-    course: PostureCourse, time: float, arms: list[ArmHinges], clear_postures: ClearPostures, min_clearance: float
+    course: PostureCourse,
+    time: float,
+    arms: list[ArmHinges],
+    clear_postures: ClearPostures,
+    min_clearance: float,
+    fractions: tuple[float, ...],
 ) -> Iterator[PostureCourse]:
     """Yield detours with an additional collision-free key for some arms.
 
-    It is near their posture, or part of the way to rest.
+    The key is near their posture, moved by each of `fractions` of the path to rest.
     """
     angles, joints = course.at(time), _joined(arms)
-    for fraction in WITHDRAWAL_FRACTIONS:
+    for fraction in fractions:
         start = angles.copy()
         start[[*joints]] += fraction * (course.robot.skeleton.rest - angles)[[*joints]]
         clear = clear_postures.near(start, joints, Spacing(min_clearance, min_clearance + DETOUR_MARGIN))

@@ -70,12 +70,26 @@ class PostureCourse:
 
     def detours(self, time: float, arms: list[ArmHinges]) -> set[int]:
         """Return the arms' detour keys directly before and after a time."""
-        matches = set[int]()
-        for arm in arms:
-            keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
-            after = int(np.searchsorted(self.planned[keys], time))
-            matches |= {k for k in keys[max(after - 1, 0) : after + 1] if self._is_detour(k, list(arm))}
-        return matches
+        return {k for arm in arms for k in self._neighbours(time, arm) if self._is_detour(k, list(arm))}
+
+    def colliding_keys(self, time: float, arms: list[ArmHinges], deficits: Floats, *, min_deficit: float) -> set[int]:
+        """Return the arms' colliding keys directly before and after a time.
+
+        Args:
+            time: block time [s].
+            arms: joints of the arms.
+            deficits: (m,) [m] missing clearance of the samples.
+            min_deficit: [m] keys with at most this missing clearance do not count as colliding.
+        """
+        last = len(deficits) - 1
+        samples = np.minimum(np.round((self.planned + self.motion.zero) * SCAN_RATE).astype(int), last)
+        return {k for arm in arms for k in self._neighbours(time, arm) if deficits[samples[k]] > min_deficit}
+
+    def _neighbours(self, time: float, arm: ArmHinges) -> list[int]:
+        """Return indices of an arm's last key before and first key after a block time."""
+        keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
+        after = int(np.searchsorted(self.planned[keys], time))
+        return keys[max(after - 1, 0) : after + 1]
 
     def _is_detour(self, key: int, joints: list[int]) -> bool:
         """Return whether an arm's posture at a key comes from a detour.

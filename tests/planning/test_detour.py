@@ -197,9 +197,10 @@ class Asked:
 def test_new_detour_key_is_tried_on_the_path_first_and_then_nearer_to_rest():
     room, arm = Asked(), tuple(LEFT_JOINTS)
     before = course(key(0.0), key(1.0, left=ARM_IN_FRONT), key(3.0))
-    changes = list(detour._add_key_candidates(before, 1.5, [arm], room, MIN_CLEARANCE))
+    fractions = (0.0, *detour.WITHDRAWAL_FRACTIONS)
+    changes = list(detour._add_key_candidates(before, 1.5, [arm], room, MIN_CLEARANCE, fractions))
     here = before.at(1.5)
-    for share, (start, joints, spacing), change in zip(detour.WITHDRAWAL_FRACTIONS, room.near_to, changes, strict=True):
+    for share, (start, joints, spacing), change in zip(fractions, room.near_to, changes, strict=True):
         np.testing.assert_allclose(
             start[LEFT_JOINTS], here[LEFT_JOINTS] + share * (REST_ANGLES[LEFT_JOINTS] - here[LEFT_JOINTS])
         )
@@ -208,6 +209,19 @@ def test_new_detour_key_is_tried_on_the_path_first_and_then_nearer_to_rest():
         assert (spacing.min_distance, spacing.desired_distance) == (MIN_CLEARANCE, MIN_CLEARANCE + detour.DETOUR_MARGIN)
         (added,) = set(change.postures) - set(before.postures)
         np.testing.assert_array_equal(added.angles, start)
+
+
+def test_arms_do_not_move_towards_rest_for_less_than_the_minimum_deficit(monkeypatch):
+    tried: list[tuple[float, ...]] = []
+    monkeypatch.setattr(detour, "_propose_detours", lambda *given: tried.append(given[-1]) or iter(()))
+    near = course(
+        key(0.0), key(1.0, left=ARM_IN_FRONT), key(1.4, right=ARM_IN_FRONT), key(1.8, left=ARM_RAISED), key(3.0)
+    )
+    clearance = least(near)
+    add_detours(near, CAPSULE_DISTANCES, min_clearance=clearance + 0.5 * detour.MIN_VISIBLE_DEFICIT)
+    assert set(tried) == {(0.0,)}
+    add_detours(near, CAPSULE_DISTANCES, min_clearance=clearance + 2.0 * detour.MIN_VISIBLE_DEFICIT)
+    assert detour.WITHDRAWAL_FRACTIONS in tried
 
 
 def test_detour_moves_a_key_only_for_arms_that_are_not_at_rest():
@@ -233,7 +247,8 @@ def test_detours_turn_only_the_arm_that_is_too_close(side, has_rest_key):
     rest_key = {other_side: ARM_IN_FRONT} if has_rest_key else {}
     made = course(key(0.0), key(1.0, **{side: at_the_head}, **rest_key), key(3.0))
     clear_postures = Asked()
-    changes = list(detour._propose_detours(made, 1.0, clear_postures, MIN_CLEARANCE))
+    clear = np.zeros(len(made.samples()))
+    changes = list(detour._propose_detours(made, 1.0, clear_postures, MIN_CLEARANCE, clear, (0.0,)))
     assert changes
     assert {joints for _, joints, _ in clear_postures.near_to} == {tuple(close_arm)}
     for change in changes:

@@ -6,7 +6,7 @@ import pytest
 from kinesic.body.arrays import sealed
 from kinesic.motion.keys import KeyPassage
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
-from kinesic.planning.posture_course import MIN_KEY_INTERVAL
+from kinesic.planning.posture_course import MIN_KEY_INTERVAL, SCAN_RATE
 
 from .courses import ARM_IN_FRONT, ARM_RAISED, CROSSING_COURSE, LEFT_JOINTS, REST_ANGLES, RIGHT_JOINTS, course, key
 
@@ -53,6 +53,18 @@ def test_keys_of_a_stroke_or_its_hold_are_not_detour_keys():
     assert made.detours(1.7, [tuple(RIGHT_JOINTS)]) == {2}  # the key at 2.0 is a hold of the stroke
     assert made.detours(1.2, [tuple(RIGHT_JOINTS)]) == {2}
     assert made.detours(0.0, [tuple(RIGHT_JOINTS)]) <= {0}
+
+
+def test_colliding_keys_are_the_neighbours_of_a_time_with_missing_clearance():
+    arm = tuple(RIGHT_JOINTS)
+    made = course(key(0.0), key(1.0, right=ARM_IN_FRONT), key(2.0, right=ARM_RAISED), key(3.0))
+    deficits = np.zeros(len(made.samples()))
+    assert made.colliding_keys(1.5, [arm], deficits, min_deficit=0.002) == set()
+    deficits[round((2.0 + made.motion.zero) * SCAN_RATE)] = 0.01
+    assert made.colliding_keys(1.5, [arm], deficits, min_deficit=0.002) == {2}
+    assert (
+        made.colliding_keys(0.5, [arm], deficits, min_deficit=0.002) == set()
+    )  # the key at 2.0 is not next to this time
 
 
 @pytest.mark.parametrize(("away", "is_near"), [(0.0, True), (0.9, True), (1.1, False)])
