@@ -10,9 +10,8 @@ from numpy.typing import NDArray
 from kinesic.body.arrays import Picture
 from kinesic.files.film_file import PixelBox
 from kinesic.files.late_pillow import Image
-from kinesic.sim.filming.drawn_face import SCREEN_SIZE
 from kinesic.sim.filming.offscreen import Offscreen, OffscreenError
-from kinesic.sim.filming.scene_screen import has_screen, put_face
+from kinesic.sim.filming.scene_screen import upload_face
 from kinesic.sim.scene_style import CAMERA_NAME, FLOOR_GROUP
 
 MAX_SCENE_GEOMS = 4000  # largest number of geoms in a MuJoCo scene
@@ -56,14 +55,10 @@ class Canvas:
             4 * width * height, dtype=np.uint8
         )  # reused buffer: a new allocation per picture is slower
         self._floor: NDArray[np.float32] | None = None
-        self._screened = has_screen(model)
 
     def show(self, picture: Picture) -> None:
         """Upload a picture to the face screen, if the model has one."""
-        if self._screened:
-            if picture.shape[:2] != SCREEN_SIZE[::-1]:
-                picture = np.asarray(Image.fromarray(picture).resize(SCREEN_SIZE, Image.Resampling.BILINEAR))
-            mujoco.mjr_uploadTexture(self._model, self._context, put_face(self._model, picture))
+        upload_face(self._model, self._context, picture)
 
     def draw(self, data: mujoco.MjData, box: PixelBox | None = None, *, sunk: PixelBox | None = None) -> "Image.Image":
         """Draw only the robot, on a transparent background.

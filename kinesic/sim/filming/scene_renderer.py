@@ -7,6 +7,7 @@ import numpy as np
 
 from kinesic.body.arrays import Picture
 from kinesic.sim.filming.offscreen import Offscreen
+from kinesic.sim.filming.scene_screen import upload_face
 
 MAX_SCENE_GEOMS = 10_000  # largest number of geoms in a MuJoCo scene
 
@@ -23,6 +24,10 @@ class SceneRenderer:
         self._model, self._offscreen = model, Offscreen(model, size)
         self._area = mujoco.MjrRect(0, 0, *size)
         self._scene, self._option = mujoco.MjvScene(model=model, maxgeom=MAX_SCENE_GEOMS), mujoco.MjvOption()
+
+    def show(self, face: Picture) -> None:
+        """Upload a picture to the face screen, if the model has one."""
+        upload_face(self._model, self._offscreen.context, face)
 
     def draw(self, data: mujoco.MjData, camera: mujoco.MjvCamera) -> Picture:
         """Draw a posture as a camera sees it, (h, w, 3)."""

@@ -5,6 +5,7 @@ import numpy as np
 
 from kinesic.body.arrays import Picture
 from kinesic.body.robot import Robot
+from kinesic.files.late_pillow import Image
 from kinesic.sim.filming.drawn_face import SCREEN_SIZE
 from kinesic.sim.filming.face_screen import Sheet, build_face_screen
 
@@ -59,6 +60,18 @@ def put_face(model: mujoco.MjModel, picture: Picture) -> int:
     begin = int(texture.adr[0])
     model.tex_data[begin : begin + picture.size] = picture.ravel()
     return int(texture.id)
+
+
+def upload_face(model: mujoco.MjModel, context: mujoco.MjrContext, picture: Picture) -> None:
+    """Show a face picture of any size on a model's screen.
+
+    A model without a screen stays as it is.
+    """
+    if not has_screen(model):
+        return
+    if picture.shape[:2] != SCREEN_SIZE[::-1]:
+        picture = np.asarray(Image.fromarray(picture).resize(SCREEN_SIZE, Image.Resampling.BILINEAR))
+    mujoco.mjr_uploadTexture(model, context, put_face(model, picture))
 
 
 def _add_mesh(spec: mujoco.MjSpec, name: str, sheet: Sheet) -> None:

@@ -15,6 +15,7 @@ from kinesic.face.display import DisplayError
 from kinesic.face.render.camera import Camera
 from kinesic.face.render.figure import FigurePortrait
 from kinesic.sim.film import FilmError, opengl_fault
+from kinesic.sim.filming.drawn_face import SCREEN_SIZE, paint_face
 from kinesic.sim.filming.offscreen import OffscreenError
 from kinesic.sim.filming.scene_renderer import SceneRenderer
 from kinesic.sim.model import find_turn_indices
@@ -38,7 +39,7 @@ def draw_stills(
     Args:
         robot: robot to draw.
         postures: joint angles (n,) [rad].
-        faces: action units -> 0..1 per posture, shown by a robot with skin.
+        faces: action units -> 0..1 per posture, on the skin or on the robot's face screen.
         size: width and height of a picture [pixels].
 
     Raises:
@@ -57,7 +58,7 @@ def draw_turntable(
     Args:
         robot: robot to draw.
         angles: joint angles (n,) [rad].
-        units: action units -> 0..1, shown by a robot with skin.
+        units: action units -> 0..1, on the skin or on the robot's face screen.
         progress: callback with the fraction of drawn pictures.
 
     Raises:
@@ -117,7 +118,7 @@ def _open_mujoco(robot: Robot, size: tuple[int, int]) -> Iterator[Draw]:
         except OffscreenError as error:
             raise FilmError(str(error)) from None
 
-        def draw_model(angles: Floats, _: Units, view: Viewpoint) -> Picture:
+        def draw_model(angles: Floats, units: Units, view: Viewpoint) -> Picture:
             data.qpos[order] = robot.skeleton.with_couplings(angles)
             turn = rotation_about(np.array([0.0, 0.0, 1.0]), radians(view.yaw_deg))
             model.light_pos[:] = (
@@ -128,6 +129,7 @@ def _open_mujoco(robot: Robot, size: tuple[int, int]) -> Iterator[Draw]:
             model.vis.global_.fovy = view.field_deg
             camera.lookat[:], camera.distance = view.middle, view.distance
             camera.azimuth, camera.elevation = view.yaw_deg + 180.0, -view.rise_deg
+            renderer.show(paint_face(units, size=SCREEN_SIZE))
             return renderer.draw(data, camera)
 
         yield draw_model

@@ -85,6 +85,15 @@ def test_portrait_of_the_human_shows_its_facial_expression(drawable: None):  # n
     assert np.array_equal(plain, again)
 
 
+def test_portrait_of_a_robot_shows_the_expression_on_its_face_screen(modelled: None):
+    robot = Robot.load("upper36")
+    rest = robot.skeleton.rest
+    _, (plain, smiling, again) = draw_stills(robot, [rest] * 3, [{}, {"12": 1.0, "26": 1.0}, {}], (200, 230))
+    changed = np.abs(plain.astype(int) - smiling).max(axis=-1) > 60
+    assert 20 < changed.sum() < 1000
+    assert np.array_equal(plain, again)
+
+
 @pytest.mark.soak
 def test_palm_paths_are_drawn_over_portraits(known, tmp_path, modelled: None):
     form = known.lexicon.find("greet_wave").form
