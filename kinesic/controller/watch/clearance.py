@@ -80,11 +80,13 @@ def choose_pace(forecast_clearance: float, min_clearance: float) -> float:
 
     Args:
         forecast_clearance: [m] smallest clearance within the lookahead time.
-        min_clearance: [m] required clearance of the robot.
+        min_clearance: [m] required clearance of the robot; 0 if its skin may touch itself.
 
     Returns:
         `CREEP_PACE` to 1.
     """
+    if min_clearance == 0.0:
+        return 1.0 if forecast_clearance >= 0.0 else CREEP_PACE
     fraction = (forecast_clearance / min_clearance - CREEP_FRACTION) / (SLOWING_FRACTION - CREEP_FRACTION)
     return min(1.0, max(CREEP_PACE, fraction))
 

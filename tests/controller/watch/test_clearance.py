@@ -114,3 +114,8 @@ def test_servo_without_answer_counts_as_zero_tracking_error():
 def test_clearance_lookahead_ends_with_the_motion():
     np.testing.assert_allclose(lookahead_times(1.0, 9.0), 1.0 + np.arange(0.0, LOOKAHEAD_TIME + 1e-9, LOOK_PERIOD))
     assert lookahead_times(1.0, 1.1).max() == 1.1
+
+
+def test_body_that_may_touch_itself_slows_down_only_for_penetrations():
+    assert choose_pace(0.001, 0.0) == choose_pace(0.0, 0.0) == 1.0
+    assert choose_pace(-0.001, 0.0) == CREEP_PACE
