@@ -24,6 +24,7 @@ EAR_REGION = (
     1.15,
 )  # [eye distances] forward range, vertical range, minimum distance aside of an ear
 SCALP_HEIGHT = 0.06  # [eye distances] smallest distance of locks from the scalp, reached at the height SCALP_RAMP
+ROOT_HEIGHT = 0.015  # [eye distances] smallest distance of locks from the skin at the hairline
 SCALP_RAMP = 0.35  # [eye distances] height over the hairline at which hair reaches its distance from the scalp
 GOLDEN_ANGLE = np.pi * (3.0 - np.sqrt(5.0))  # [rad] turn between successive roots on the sphere
 SIDEBURN_HEIGHT = 0.5  # [eye distances] height below which hair in front of the ears is only painted, without locks
@@ -86,7 +87,7 @@ class Skull:
         away = np.linalg.norm(spokes, axis=1)
         least = (
             self.cover(spokes / away[:, None])
-            + SCALP_HEIGHT * np.clip(measure_hairline_height(points) / SCALP_RAMP, 0.0, 1.0)
+            + np.interp(measure_hairline_height(points), (0.0, SCALP_RAMP), (ROOT_HEIGHT, SCALP_HEIGHT))
             + off
         )
         right = np.where(away < least, least, away + held * (least - away))

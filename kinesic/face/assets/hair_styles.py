@@ -34,19 +34,19 @@ class HairStyle:
 HAIR_STYLES: Mapping[Variant, HairStyle] = MappingProxyType(
     {
         "female": HairStyle(
-            roots=790,
+            roots=1150,
             hairline_roots=160,
             lowest=0.02,
             steps=7,
             length=(2.0, 2.9),
-            width=(0.16, 0.17),
+            width=(0.125, 0.145),
             tip=0.5,
             off=(0.13, 0.19),
             lies=0.2,
             cut=-1.5,
             over_ears=True,
             part=0.2,
-            face_off=0.2,
+            face_off=0.1,
             curl=0.2,
             falls=0.9,
         ),

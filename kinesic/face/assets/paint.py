@@ -92,7 +92,7 @@ BEARD_TOP = ((0.0, -0.82), (0.3, -0.86), (0.5, -1.12), (0.9, -1.22), (1.25, -0.9
 BEARD_BOTTOM = ((0.0, -2.05), (0.6, -2.0), (1.2, -1.5), (1.45, -1.0), (1.6, -0.3))
 BEARD_SHADE = np.array([0.42, 0.45, 0.52])  # colour of a shaven beard relative to the skin
 FLUSHED_AREAS = (  # reddish areas of the skin: chart coordinates a and y, half width, strength
-    (0.62, -0.62, 0.26, 0.42),
+    (0.62, -0.62, 0.32, 0.26),
     (0.0, -0.62, 0.13, 0.34),
     (0.0, -1.72, 0.20, 0.16),
 )
@@ -167,11 +167,11 @@ def paint_iris(complexion: Complexion) -> Floats:
     bright = 1.0 + 0.26 * fibres + 0.9 * np.exp(-(((radius - 0.24) / 0.07) ** 2)) - 0.35 * y / IRIS_RADIUS
     colours = np.asarray(complexion.iris) * np.maximum(bright, 0.2)[..., None]
     _mix_colour(
-        colours, (0.012, 0.012, 0.014), 0.85 * _smoothstep(radius, IRIS_RADIUS - 0.07, IRIS_RADIUS)
+        colours, (0.012, 0.012, 0.014), 0.75 * _smoothstep(radius, IRIS_RADIUS - 0.09, IRIS_RADIUS)
     )  # the limbal ring
     _mix_colour(colours, (0.003, 0.003, 0.003), 1.0 - _smoothstep(radius, PUPIL_RADIUS - 0.02, PUPIL_RADIUS + 0.02))
     white = np.array([0.74, 0.70, 0.67]) - np.array([0.10, 0.22, 0.22]) * _smoothstep(radius, 0.45, 0.95)[..., None]
-    _mix_colour(colours, white, _smoothstep(radius, IRIS_RADIUS - 0.015, IRIS_RADIUS + 0.035))
+    _mix_colour(colours, white, _smoothstep(radius, IRIS_RADIUS - 0.03, IRIS_RADIUS + 0.06))
     return sealed(
         colours.reshape(IRIS_RESOLUTION, IRIS_OVERSAMPLING, IRIS_RESOLUTION, IRIS_OVERSAMPLING, 3).mean(axis=(1, 3))
     )

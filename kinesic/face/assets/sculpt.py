@@ -84,6 +84,7 @@ LIP_ARCS: Mapping[str, tuple[LipArc, ...]] = MappingProxyType(
                 (0.6, 0.3, -1.4, -2.6, -2.6, -1.2, 0.0),
             ),
         ),
+        "mouthLowerDown": (LipArc("lower", "up", (0.0, 0.1, 0.2, 0.28, 0.36), (-0.5, -0.2, 0.5, 0.6, 0.0)),),
         "mouthFunnel": (
             LipArc(
                 "upper",

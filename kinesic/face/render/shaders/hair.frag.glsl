@@ -10,7 +10,7 @@ flat in float kind;
 
 const float STRANDS = 9.0;  // strands on each half of a lock
 const float FINE = 3.0;     // hairs across a strand
-const float RAGGED_ROOT = 0.16, RAGGED_TIP = 0.30;  // largest fraction of a lock that a strand lacks at its ends
+const float RAGGED_ROOT = 0.16, RAGGED_TIP = 0.42;  // largest fraction of a lock that a strand lacks at its ends
 const float LOOSE = 0.45;   // fraction of the width of a lock at whose sides strands are missing
 const float BEND = 0.45;    // tilt of the normal at the side of a strand
 const vec3 MIRRORED = vec3(0.075, 0.062, 0.052);  // reflection at the surface of strands

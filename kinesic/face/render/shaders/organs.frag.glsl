@@ -31,6 +31,7 @@ const float TONE[TEETH_ON_A_SIDE] = float[](1.0, 0.97, 0.88, 0.92, 0.90, 0.87, 0
 const vec3 ROOT = vec3(0.90, 0.78, 0.62);   // tint of a tooth near the gums, where dentine shines through
 const vec3 EDGE = vec3(0.80, 0.86, 0.92);   // tint of the translucent enamel at the cutting edge
 const vec3 GAP = vec3(0.24, 0.11, 0.08);    // colour between two teeth
+const float BITE = 0.6;   // brightness of the edges of lower teeth, which upper teeth shade
 
 layout(location = 0) out vec4 form;
 layout(location = 1) out vec4 place;  // square root of the linear colour; gloss
@@ -72,6 +73,7 @@ vec4 teeth(inout vec3 n) {
     n -= LEVEL * dot(n, up) * up;
     n = normalize(n + (1.0 - gum) * (0.5 * u * abs(u) * aside - 0.25 * sign(placed.w) * (placed.y / crown - 0.5) * up));
     vec3 ivory = IVORY * TONE[k] * mix(vec3(1.0), ROOT, smoothstep(0.25, 1.0, placed.y / crown)) * mix(EDGE, vec3(1.0), smoothstep(0.3, 2.4, placed.y));
+    ivory *= upper ? 1.0 : mix(BITE, 1.0, smoothstep(0.0, 2.0, placed.y));
     vec3 colour = mix(mix(ivory, GAP, 0.6 * between), GUMS * (1.0 - 0.35 * smoothstep(2.0, 6.0, placed.y - crown)), gum);
     float light = smoothstep(-0.15, 0.44, placed.z) * (placed.y < 0.0 ? 0.55 : 1.0);
     return vec4(mix(THROAT, colour * mix(WALLS, vec3(1.0), light), light), (1.0 - gum * 0.4) * light);

@@ -24,8 +24,8 @@ vec4 surface(vec2 uv, bool is_skin, float height) {
     float dense = fwidth(where.x) * STRANDS.x;  // strands per pixel; fine strands fade to locks, then vanish
     float strand = 0.5 + clamp(1.6 - dense, 0.0, 1.0) * (noise(comb) - 0.5)
                  + clamp(1.6 - dense / LOCK, 0.0, 1.0) * clamp(dense - 0.6, 0.0, 1.0) * (noise(comb / vec2(LOCK, 1.0)) - 0.5);
-    float head = smoothstep(-0.03, 0.22, where.w + 0.08 * (strand - 0.5));
-    vec3 base = mix(painted.rgb * painted.rgb, hair * (0.7 + 1.2 * strand), head);
+    float head = smoothstep(-0.03, 0.22, where.w + 0.03 * (strand - 0.5));
+    vec3 base = mix(painted.rgb * painted.rgb, hair * (0.7 + 1.2 * mix(0.5, strand, head * head)), head);
     float inside = max(-where.z, 0.0), within = min(inside, 1.0), near = 1.0 - min(inside / DEEP, 1.0);
     base = mix(base, mix(THROAT, CHEEKS, near * near), within);
     base *= 1.0 + 0.18 * min(height, 0.0);
