@@ -96,7 +96,7 @@ def write_crammed_block(seed: int, lexemes: Sequence[str], count: int) -> str:
 
 
 def write_rapid_head_block(seed: int) -> str:
-    """Return a block of one head gesture too short for its strokes.
+    """Return a block with one head gesture, too short for its strokes.
 
     The three to six strokes do not fit into its time.
 
@@ -121,7 +121,7 @@ def find_corpus() -> Path | None:
 
 
 def plan_corpus(folder: Path, setup: Setup, count: int) -> tuple[Plan, ...]:
-    """Plan up to `count` corpus documents with strokes, in seeded order.
+    """Plan up to `count` corpus documents with strokes, in seeded random order.
 
     Documents with errors, without strokes or longer than `MAX_BLOCK_DURATION` are skipped.
 

@@ -28,7 +28,7 @@ from kinesic.tasks.engine import Engine, Processes
 NOD_TEMPLATE = '<head id="h" lexeme="NOD" start="0.1" end="{}"/>'
 BLOCK_TEMPLATE = f'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{NOD_TEMPLATE}</bml>'
 TASKS_PER_WORKER = 180  # planned documents per worker and measurement
-MEASUREMENT_ROUNDS = 3  # measurements with one and two workers, alternating; larger counts are measured once
+MEASUREMENT_ROUNDS = 3  # alternating measurements with one and two workers; more workers are measured once
 EMPTY_TASKS = 400  # tasks without work, which measure the engine's overhead
 IGNORED_TAIL_TASKS = 20  # number of last tasks per worker that are not counted, as some workers are idle then
 MIN_EFFICIENCY = 0.9  # throughput per worker relative to a single worker, with GOAL_WORKERS workers

@@ -14,13 +14,13 @@ from kinesic.body.config import ConfigError
 from kinesic.cli import bench
 from kinesic.session.setup import set_up
 
-SUFFIXES = ("", "_feedforward_only", "_without")  # suffixes of the twin's metrics without identification
+AID_SUFFIXES = ("", "_feedforward_only", "_without")  # suffixes of the twin's metrics without identification
 QUICK_SEED = 8  # seed of an overlapping block with a quick optimum
 
 
 @pytest.fixture
 def few_repetitions(monkeypatch):
-    """Reduce repetitions; one or two suffice to show that the metrics exist."""
+    """Reduce the repetitions of all measurements to one or two."""
     monkeypatch.setattr(plan, "PASSAGE_REPETITIONS", 1)
     monkeypatch.setattr(plan, "CROWDED_BLOCKS", 1)
     monkeypatch.setattr(plan, "CPU_BLOCKS", 1)
@@ -73,11 +73,11 @@ def test_twin_benchmark_measures_speed_and_clearance(few_repetitions, monkeypatc
 def test_feed_forward_and_correction_each_reduce_tracking_error(few_repetitions, monkeypatch):
     for twins in ("DETUNED_TWINS", "WORST_TWINS"):
         monkeypatch.setattr(twin, twins, ())  # not needed here
-    aids = [replace(aid, identifies=False) for aid in twin.TRACKING_AIDS if aid.suffix in SUFFIXES]
+    aids = [replace(aid, identifies=False) for aid in twin.TRACKING_AIDS if aid.suffix in AID_SUFFIXES]
     monkeypatch.setattr(twin, "TRACKING_AIDS", aids)
     metrics = {metric.name: metric for metric in twin.tracking_metrics(set_up(), 3)}
     for twin_name in ("nominal", "pessimistic"):
-        corrected, feedforward, without = (metrics[f"twin.rmse_{twin_name}{kind}"].value for kind in SUFFIXES)
+        corrected, feedforward, without = (metrics[f"twin.rmse_{twin_name}{kind}"].value for kind in AID_SUFFIXES)
         assert corrected < feedforward < without
     assert metrics["twin.rmse_nominal"].ok
     assert metrics["twin.rmse_pessimistic_without"].ok is None

@@ -9,7 +9,7 @@ from kinesic.tasks.engine import Processes
 
 @pytest.fixture(autouse=True)
 def few_ignored_tasks(monkeypatch):
-    """Ignore only two tasks at the end, so that a few tasks suffice."""
+    """Reduce the number of last tasks that are not counted to two."""
     monkeypatch.setattr(cluster, "IGNORED_TAIL_TASKS", 2)
 
 

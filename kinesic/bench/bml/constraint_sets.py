@@ -111,9 +111,9 @@ class Constraints:
         return reached
 
     def _find_shortest_path(self, start: str, goal: str, *, excluded_class: int) -> list[str] | None:
-        """Find a shortest constraint path that avoids one class and grounded behaviours.
+        """Find the shortest path of constraints without grounded behaviours and one class.
 
-        A class is a set of sync points at fixed offsets.
+        A class is a set of sync points at fixed offsets; a grounded behaviour has a sync point with fixed block time.
 
         Returns:
             Behaviours of the path without the goal; None if there is no path.

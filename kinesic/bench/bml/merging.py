@@ -1,4 +1,4 @@
-"""Benchmark of merging blocks into a motion and of replacing a motion.
+"""Benchmark of block merging and motion replacement during a performance.
 
 It measures the merging time and limit violations at random replacement times.
 """
@@ -47,7 +47,7 @@ class MergeCut:
 
 
 def bench() -> list[Metric]:
-    """Measure merging of blocks into, and replacement of, a running motion."""
+    """Measure the merging time of blocks, and replacements of a running motion."""
     setup = set_up()
     cuts = replace_at_random(setup, REPLACEMENT_COUNT)
     return [

@@ -39,7 +39,7 @@ MIN_RATE = 95.0  # [%] goal for the cycle rate / highest rate that the wire allo
 MIN_HEALTH_RATE = 100.0  # [Hz] goal for the cycle rate with full records of 26 servos at 1 Mbaud
 MAX_CPU_LOAD = 10.0  # [% of a core] goal of the driver's CPU load
 SHORTEST_PERIOD = 1e-4  # [s] cycle period so short that the bus never pauses
-GOAL_AMPLITUDE = 50  # [ticks] amplitude of the servo goals
+GOAL_AMPLITUDE = 50  # [ticks] amplitude of the sinusoidal servo goals
 REAL_COUNT = 14  # number of servos in the real-time measurement
 REAL_BAUD = 1_000_000  # [bit/s] baud rate of the real-time measurement
 REAL_PERIOD = 0.01  # [s] bus cycle period of the real-time measurement
@@ -121,14 +121,14 @@ def bench() -> list[Metric]:
 
 
 def cycle_times(count: int, baud: int) -> tuple[float, float]:
-    """Measure wire time and CPU time of a full bus cycle.
+    """Measure transmission time and CPU time of a bus cycle.
 
     Args:
         count: number of servos.
         baud: baud rate [bit/s].
 
     Returns:
-        Median wire time with 1 ms USB latency, and median CPU time of the driver [s].
+        Median time on the virtual wire with 1 ms USB latency, and median CPU time of the driver [s].
     """
     _, buses = build_bus([_cable(count, baud)])
     recorder = RecordingWire(buses["bench"])

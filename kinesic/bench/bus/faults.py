@@ -28,7 +28,7 @@ BAUD_RATE = 1_000_000  # [bit/s] baud rate of the bus with kinesic's driver
 FAULT_SEEDS = (0, 1, 2)  # seeds of the random faults
 MATRIX_SERVO_COUNTS = (7, 14, 26)  # numbers of servos at which drivers are compared
 MATRIX_BAUD_RATES = (57_600, 1_000_000, 4_000_000)  # [bit/s] baud rates at which drivers are compared under faults
-MIN_FRESH_PERCENTAGE = 99.9  # [%] goal: fewest readable positions that arrive, in time or late, at 1 % random faults
+MIN_FRESH_PERCENTAGE = 99.9  # [%] goal for the fraction of readable positions that arrive, even late, at 1 % faults
 MAX_P99_DURATION = 1.0  # [periods] goal of the 99th percentile of bus cycle durations
 MAX_REPORT_DELAY = 1.0  # [periods] goal of the delay from a hardware error to its report
 MAX_WRONG_COUNT = 0.0  # goal of the number of exceptions and wrong positions
@@ -41,7 +41,7 @@ DRIVER_FACTORIES: Mapping[str, DriverFactory] = {
 MISSING_REASONS: Mapping[str, Callable[[], str]] = {
     name: why_lerobot_is_missing for name in DRIVER_FACTORIES if LerobotDriver.name in name
 }
-MAX_CELL_WIDTH = 12  # [characters] a row whose fourth cell is this wide widens only the first three columns
+MAX_CELL_WIDTH = 12  # [characters] a fourth cell this wide holds a message, which widens no column
 TABLE_COLUMNS = (
     "fault",
     "servos",

@@ -37,7 +37,7 @@ MAX_UPPER_ARM_ERROR = 15.0  # [deg] goal: largest 95th percentile of upper-arm d
 
 @dataclass(frozen=True, eq=False)
 class MeasuredClip:
-    """Certified motion of one clip, with independent checks and the peer's motion."""
+    """Certified motion of one clip, with independent checks and mink's motion."""
 
     result: Certification
     cpu_time: float  # [s] of reading and certification

@@ -16,7 +16,7 @@ SPLINE_DEGREE = 3  # degree of a trajectory's B-splines
 
 
 def find_largest_ratio(trajectory: Trajectory, limits: Limits) -> float:
-    """Return a trajectory's largest value / limit, by SciPy's B-splines.
+    """Return a trajectory's largest ratio of value to limit, by SciPy's B-splines.
 
     Considers positions, velocities, accelerations, jerks and duties of all joints at `LIMIT_RATE`. An angle beyond its
     range by x rad counts as 1 + x.
@@ -38,7 +38,7 @@ def find_largest_ratio(trajectory: Trajectory, limits: Limits) -> float:
 
 
 def has_penetration(trajectory: Trajectory, robot: Robot) -> bool:
-    """Return whether any two bodies of a motion touch, by MuJoCo's collision detection."""
+    """Return whether a robot touches itself during a motion, according to MuJoCo."""
     times = trajectory.start + np.arange(0.0, trajectory.duration, 1.0 / CONTACT_RATE)
     return touches_itself(trajectory.angles(times), robot)
 

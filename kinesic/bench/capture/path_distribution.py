@@ -10,7 +10,7 @@ from kinesic.capture.clip import ArmPath
 from kinesic.capture.robot_motion import SAMPLE_RATE
 
 SAMPLE_STEP = 5  # samples of a clip per sample of the distribution
-VELOCITY_WEIGHT = 0.1  # [s] arm lengths of a feature per arm length/s of velocity
+VELOCITY_WEIGHT = 0.1  # [s] factor that converts velocities to features [arm lengths]
 MIN_DEVIATION = 0.02  # [arm lengths] smallest standard deviation by which a feature is divided, for still arms
 
 

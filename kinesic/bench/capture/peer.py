@@ -19,7 +19,7 @@ SETTLING_STEPS = 50  # number of steps from rest to the first frame
 
 
 def retarget_by_mink(desired: RobotMotion, robot: Robot) -> Floats:
-    """Return the joint angles (m, n) [rad] by which mink follows a clip's arms.
+    """Return joint angles (m, n) [rad] of a clip retargeted by mink.
 
     Raises:
         ModuleNotFoundError: mink is not installed.
@@ -54,7 +54,7 @@ def retarget_by_mink(desired: RobotMotion, robot: Robot) -> Floats:
 
 
 def _target_places(desired: RobotMotion, robot: Robot) -> dict[str, tuple[float, Floats]]:
-    """Return body -> cost and world positions (m, 3) [m] of elbows and wrists.
+    """Return costs and target positions (m, 3) [m] of elbows and wrists.
 
     Elbows are at the robot's own distance from the shoulder, in the direction of the clip.
     """

@@ -1,4 +1,4 @@
-"""Quality of clips that mink retargeted, by the limits that certified motions keep."""
+"""Quality of motion retargeted by mink, under the limits of certified motion."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -13,7 +13,7 @@ from kinesic.capture.robot_motion import arm_paths
 from kinesic.capture.violations import find_violations
 from kinesic.extras import install_extra
 
-PEER_LIMITS = ("position", "velocity")  # limits that the peer is given
+PEER_LIMITS = ("position", "velocity")  # kinds of limits that mink enforces
 
 
 @dataclass(frozen=True)
@@ -28,7 +28,7 @@ class PeerMotion:
 
 
 def measure_peer(result: Certification) -> PeerMotion:
-    """Retarget a certified clip by mink, and judge the motion like any file."""
+    """Retarget a certified clip with mink, and measure the motion's quality."""
     setup = result.setup
     angles = retarget_by_mink(result.desired, setup.robot)
     violations = [violation for violation in find_violations(angles, setup) if violation.limit != "clearance"]

@@ -59,7 +59,7 @@ def bench() -> list[Metric]:
 
 
 def sweep_metrics(parameter: str, series: Sequence[Series]) -> list[Metric]:
-    """Return the metrics of one expressivity parameter over some gestures."""
+    """Return the metrics of one expressivity parameter over the swept gestures."""
     return [_monotone(parameter, series), _stroke_metric(parameter, series), *effect_metrics(parameter, series)]
 
 
@@ -127,9 +127,9 @@ def _shift(series: Series) -> float | None:
 
 
 def _may_double_speed(series: Series) -> bool:
-    """Return whether limits allow a gesture to double its plain stroke speed.
+    """Return whether limits allow twice the stroke speed of neutral power.
 
-    The plain speed is that at parameter value 0.
+    Power is neutral at value 0.
     """
     plain = next(played.measures for played in series.played if abs(played.value) < 1e-9)
     return plain.allowed_speed >= 2.0 * plain.stroke_speed

@@ -36,7 +36,7 @@ MAX_ERROR = 1e-3  # [m] largest hand error of a reached target
 LIMIT_SLACK = 1e-6  # [rad] excess over a joint limit that counts as rounding
 SOLVE_ENTRY = "kinesic_solve"  # metric name of kinesic's `solve`
 REACH_ENTRY = "kinesic_reach"  # metric name of kinesic's `Arm.reach`
-MIN_RATIOS = {
+MIN_RATIOS = {  # (library, kind of metric, kinesic's function) -> goal for library time / kinesic's time
     ("roboticstoolbox", "ratio", SOLVE_ENTRY): 5.0,
     ("roboticstoolbox", "ratio", REACH_ENTRY): 7.0,
     ("roboticstoolbox", "one_round", SOLVE_ENTRY): 10.0,

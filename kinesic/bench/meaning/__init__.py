@@ -117,7 +117,7 @@ def _count_negated_nods(written: GesturedText) -> int:
 
 
 def _count_repeats(written: GesturedText) -> int:
-    """Count gestures that repeat one of the two preceding gestures."""
+    """Count gestures with the lexeme of one of the two preceding gestures."""
     names = [gesture.lexeme for gesture in written.gestures]
     return sum(name in names[max(0, k - REPEAT_WINDOW + 1) : k] for k, name in enumerate(names))
 

@@ -118,13 +118,13 @@ def read_shown(
 
 
 def _stroke_word(behaviour: ChosenBehaviour) -> int:
-    """Return the word index of a stroke's sync point, or -1."""
+    """Return the index of a stroke's word, -1 if it has none."""
     digits = behaviour.intent.stroke.reference.partition(":w")[2].partition("+")[0].partition("-")[0]
     return int(digits) - 1 if digits.isdigit() else -1
 
 
 def _align(passage: Passage, tokens: Sequence[str]) -> list[int]:
-    """Return the index of the token that matches each passage word."""
+    """Return the utterance's token index for each word of a passage."""
     indices, at = list[int](), 0
     for word in passage.words:
         plain = "".join(read_tokens(word.plain)) or word.plain

@@ -90,7 +90,7 @@ def nod_lags() -> Mapping[str, float]:
 
 
 def write_nods() -> str:
-    """Write a spoken text with nods on some words as BML."""
+    """Return BML of a spoken text with nods on `NODDED_WORDS`."""
     words = " ".join(f'<sync id="w{k}"/>{word}' for k, word in enumerate(NODDED_TEXT.split()))
     heads = "".join(f'<head id="n{k}" lexeme="NOD" amount="{NOD_AMOUNT}" stroke="s:w{k}"/>' for k in NODDED_WORDS)
     return BLOCK_TEMPLATE.format(f'<speech id="s" start="1.5"><text>{words}</text></speech>{heads}')

@@ -64,7 +64,7 @@ def style_error_metrics(part: str, strokes: StrokeErrors) -> Iterator[Metric]:
 
 
 def measure_style(setup: Setup, documents: int = DOCUMENT_COUNT) -> StrokeErrors:
-    """Measure stroke errors of some benchmark texts, planned with a setup.
+    """Measure stroke errors of benchmark texts that are planned with one setup.
 
     Args:
         setup: with the style to measure.

@@ -163,7 +163,7 @@ def _read_cpu_time(pid: int) -> float | None:
 
 
 def _receive_states(client: Client, seconds: float) -> None:
-    """Receive body states from the server for some seconds.
+    """Receive body states from the server for a duration [s].
 
     Raises:
         RuntimeError: none arrived, so that nothing was measured.

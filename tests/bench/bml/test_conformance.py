@@ -24,7 +24,7 @@ from kinesic.bench.bml.parsing import judge_parsing, judge_references
 from kinesic.bench.bml.virtual_realizer import FeedbackLog, Realizer, ReceivedMessage, read_message
 from kinesic.session.setup import set_up
 
-NOD = (
+NOD_BLOCK = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b1"><head id="h" lexeme="NOD" start="1" end="2"/></bml>'
 )
 LAMP_GAZE = '<bml id="b2" composition="append"><gaze id="g" target="lamp" start="0" end="2"/></bml>'
@@ -36,7 +36,7 @@ def step(**fields: object) -> dict[str, object]:
 
 def suite(path: Path, name: str, *steps: dict[str, object]) -> ScenarioSuite:
     """Write and read a suite with one scenario over two documents."""
-    documents = {"nod.xml": NOD, "look.xml": LAMP_GAZE}
+    documents = {"nod.xml": NOD_BLOCK, "look.xml": LAMP_GAZE}
     folder = path / "suite"
     folder.mkdir(exist_ok=True)
     for file, text in documents.items():
@@ -61,28 +61,42 @@ def corpus(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-SEND = step(do="send", document="nod.xml")
-END = step(do="wait_block_end", block="b1")
+SEND_NOD = step(do="send", document="nod.xml")
+WAIT_FOR_END = step(do="wait_block_end", block="b1")
 
 
 @pytest.mark.parametrize(
     ("steps", "why"),
     [
-        ([SEND, END, step(check="blocks", started=["b1"], ended=["b1"]), step(check="no_duplicate_feedback")], ""),
-        ([SEND, END, step(check="sync_time", sync="b1:h:start", time=1.0, tolerance=0.1)], ""),
-        ([SEND, END, step(check="sync_time", sync="b1:h:start", time=1.5, tolerance=0.1)], "b1:h:start at 1.000 s"),
-        ([SEND, END, step(check="sync_order", behaviour="b1:h", syncs=["start", "stroke", "end"])], ""),
-        ([SEND, END, step(check="sync_order", behaviour="b1:h", syncs=["end", "start"])], "start is missing"),
-        ([SEND, END, step(check="warnings", count=1)], "0 warnings, not 1"),
-        ([SEND, step(do="wait_sync", sync="b1:h:stroke"), step(check="blocks", started=["b1"], ended=[])], ""),
-        ([SEND, step(do="wait_block_end", block="b9")], "block b9 does not end within 20 s"),
+        (
+            [
+                SEND_NOD,
+                WAIT_FOR_END,
+                step(check="blocks", started=["b1"], ended=["b1"]),
+                step(check="no_duplicate_feedback"),
+            ],
+            "",
+        ),
+        ([SEND_NOD, WAIT_FOR_END, step(check="sync_time", sync="b1:h:start", time=1.0, tolerance=0.1)], ""),
+        (
+            [SEND_NOD, WAIT_FOR_END, step(check="sync_time", sync="b1:h:start", time=1.5, tolerance=0.1)],
+            "b1:h:start at 1.000 s",
+        ),
+        ([SEND_NOD, WAIT_FOR_END, step(check="sync_order", behaviour="b1:h", syncs=["start", "stroke", "end"])], ""),
+        (
+            [SEND_NOD, WAIT_FOR_END, step(check="sync_order", behaviour="b1:h", syncs=["end", "start"])],
+            "start is missing",
+        ),
+        ([SEND_NOD, WAIT_FOR_END, step(check="warnings", count=1)], "0 warnings, not 1"),
+        ([SEND_NOD, step(do="wait_sync", sync="b1:h:stroke"), step(check="blocks", started=["b1"], ended=[])], ""),
+        ([SEND_NOD, step(do="wait_block_end", block="b9")], "block b9 does not end within 20 s"),
         ([step(do="send", inline_block={"id": "x"}), step(do="sleep", seconds=1), step(check="warnings", count=0)], ""),
-        ([SEND, END, step(do="clear_feedback"), step(check="blocks", started=[], ended=[])], ""),
+        ([SEND_NOD, WAIT_FOR_END, step(do="clear_feedback"), step(check="blocks", started=[], ended=[])], ""),
         ([step(do="dance")], "'dance' is not a known action"),
         ([step(check="mood")], "'mood' is not a known check"),
         (
             [
-                SEND,
+                SEND_NOD,
                 step(do="send", document="look.xml"),
                 step(do="wait_block_end", block="b2"),
                 step(check="block_starts_when_block_ends", start_of="b2", end_of="b1", tolerance=0.1),

@@ -1,4 +1,4 @@
-"""Constraint sets compared with those that the reference parser states for its documents."""
+"""Constraint sets compared with the results of the reference parser."""
 
 import json
 import os
@@ -12,13 +12,13 @@ from kinesic.bml.block import Block, BmlError
 from kinesic.bml.parse import parse
 from kinesic.bml.timing.constraints import Point
 
-CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
-EXPECTED = CORPUS / "expectations" / "openbmlparser.json"
-if not EXPECTED.exists():
-    pytest.skip(f"no corpus at {CORPUS}", allow_module_level=True)
+CORPUS_FOLDER = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
+EXPECTATION_FILE = CORPUS_FOLDER / "expectations" / "openbmlparser.json"
+if not EXPECTATION_FILE.exists():
+    pytest.skip(f"no corpus at {CORPUS_FOLDER}", allow_module_level=True)
 
-DATA = json.loads(EXPECTED.read_text())
-DOCUMENTS = {name: facts for name, facts in DATA["documents"].items() if facts}
+EXPECTATIONS = json.loads(EXPECTATION_FILE.read_text())
+EXPECTED_DOCUMENTS = {name: facts for name, facts in EXPECTATIONS["documents"].items() if facts}
 
 
 def _point(block: str, sync: str) -> Point:
@@ -50,10 +50,10 @@ def _same_afters(constraints: tuple[OrderConstraint, ...], expected_sets: list[d
     return {a.point: sorted((p, round(o, 6)) for p, o in a.targets) for a in constraints} == expected
 
 
-@pytest.mark.parametrize("name", DOCUMENTS)
+@pytest.mark.parametrize("name", EXPECTED_DOCUMENTS)
 def test_time_constraints_of_corpus_documents_equal_those_of_the_reference_parser(name: str) -> None:
-    facts = DOCUMENTS[name]
-    text = (CORPUS / "openbmlparser" / name).read_bytes()
+    facts = EXPECTED_DOCUMENTS[name]
+    text = (CORPUS_FOLDER / "openbmlparser" / name).read_bytes()
     if facts["parse"] == "error":
         with pytest.raises(BmlError, match=rf"^{name}:\d+:\d+: .*; "):
             parse(text, source=name)
@@ -79,7 +79,7 @@ def test_time_constraints_of_corpus_documents_equal_those_of_the_reference_parse
         assert {b.id: b.required for b in block.behaviours} == facts["required_behaviours"]
 
 
-@pytest.mark.parametrize("case", DATA["inline"], ids=lambda case: case["test"])
+@pytest.mark.parametrize("case", EXPECTATIONS["inline"], ids=lambda case: case["test"])
 def test_time_constraints_of_small_blocks_equal_those_of_the_reference_parser(case: dict[str, Any]) -> None:
     if case["parse"] == "error":
         with pytest.raises(BmlError):

@@ -29,7 +29,7 @@ def server():
 
 @pytest.fixture
 def no_start_time(monkeypatch):
-    """Start floods without waiting; the tests detect the flood themselves."""
+    """Remove the wait after the start of a flood."""
     monkeypatch.setattr(emergency_stop, "FLOOD_START_TIME", 0.0)
 
 

@@ -1,4 +1,4 @@
-"""Benchmark of the live server: a short sample of the long runs of `make soak`."""
+"""Benchmark of the live server, with shorter runs than in `make soak`."""
 
 import pytest
 
@@ -15,7 +15,7 @@ from kinesic.bench.bml.server import (
 
 pytestmark = pytest.mark.realtime
 
-SECONDS = 3.0
+ENDURANCE_SECONDS = 3.0  # [s] duration of the endurance run
 
 
 @pytest.fixture(scope="module")
@@ -32,8 +32,8 @@ def test_server_benchmark_measures_feedback_and_command_latency_of_each_block(se
 
 
 def test_server_loses_no_block_and_bounds_memory_growth_at_ten_blocks_per_second(server):
-    run = run_endurance(server, SECONDS)
-    assert run.sent == SECONDS * ENDURANCE_RATE
+    run = run_endurance(server, ENDURANCE_SECONDS)
+    assert run.sent == ENDURANCE_SECONDS * ENDURANCE_RATE
     assert run.lost == 0
     assert run.growth is None or run.growth <= MAX_MEMORY_GROWTH
 

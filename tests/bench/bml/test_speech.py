@@ -27,7 +27,7 @@ def test_strokes_are_within_30_ms_of_audible_words():
 
 
 def test_stroke_is_within_30_ms_of_a_word_delayed_by_a_pause():
-    """Check a stroke that is in time only because a pause delays its word.
+    """Check a stroke that needs a pause before its word.
 
     The pause is long enough to be found in the sound.
     """
@@ -43,7 +43,7 @@ def test_stroke_is_within_30_ms_of_a_word_delayed_by_a_pause():
 
 
 def test_stroke_error_metric_detects_a_delayed_voice(monkeypatch: pytest.MonkeyPatch):
-    """Check that the measurement takes word times from the sound, not from the plan."""
+    """Check that word times are measured in the sound."""
     original_sound = speech.sound
 
     def delayed_sound(planned):

@@ -1,4 +1,4 @@
-"""lerobot as a driver of the fault matrix: a test double, and the real package if installed."""
+"""lerobot in the fault matrix, as a test double or installed package."""
 
 import sys
 from enum import Enum
@@ -11,13 +11,13 @@ from dynamixel_sdk import COMM_SUCCESS, GroupSyncRead, GroupSyncWrite, PacketHan
 from kinesic.bench.bus.drivers import LerobotDriver, why_lerobot_is_missing
 from kinesic.bench.bus.matrix import TrialResult, list_cases, run_trial
 
-CASES = {case.name: case for case in list_cases()}
+FAULT_CASES = {case.name: case for case in list_cases()}
 MODEL_NUMBERS = {"xm430-w350": 1020}
-ADDRESSES = {"Goal_Position": 116, "Present_Position": 132}
+REGISTER_ADDRESSES = {"Goal_Position": 116, "Present_Position": 132}
 
 
-class Double:
-    """Test double for the part of lerobot's bus that the driver uses, built on the SDK."""
+class FakeLerobotBus:
+    """Test double of lerobot's bus, built on the Dynamixel SDK."""
 
     def __init__(self, port: str, motors: dict[str, SimpleNamespace]) -> None:
         self.motors, self.port_handler = motors, PortHandler(port)
@@ -37,14 +37,14 @@ class Double:
     def sync_write(self, data_name: str, values: dict[str, int], *, normalize: bool, num_retry: int) -> None:
         assert not normalize
         self.sync_writer.clearParam()
-        self.sync_writer.start_address = ADDRESSES[data_name]
+        self.sync_writer.start_address = REGISTER_ADDRESSES[data_name]
         for name, value in values.items():
             self.sync_writer.addParam(self.motors[name].id, list(value.to_bytes(4, "little")))
         self.sync_writer.txPacket()
 
     def sync_read(self, data_name: str, *, normalize: bool, num_retry: int) -> dict[str, int]:
         assert not normalize
-        address = self.sync_reader.start_address = ADDRESSES[data_name]
+        address = self.sync_reader.start_address = REGISTER_ADDRESSES[data_name]
         self.sync_reader.clearParam()
         for motor in self.motors.values():
             self.sync_reader.addParam(motor.id)
@@ -62,14 +62,14 @@ def double(monkeypatch: pytest.MonkeyPatch) -> None:
     vars(motors).update(
         MotorNormMode=mode, Motor=lambda id, model, norm_mode: SimpleNamespace(id=id, model=model, mode=norm_mode)
     )
-    vars(dynamixel).update(DynamixelMotorsBus=Double)
+    vars(dynamixel).update(DynamixelMotorsBus=FakeLerobotBus)
     for module in (ModuleType("lerobot"), motors, dynamixel):
         monkeypatch.setitem(sys.modules, module.__name__, module)
 
 
 def run_case(name: str, *, retries: int = 0, cycles: int = 60) -> TrialResult:
     make_driver = partial(LerobotDriver, retries=retries)
-    return run_trial(CASES[name], make_driver, servos=5, baud=1_000_000, seed=1, cycles=cycles)
+    return run_trial(FAULT_CASES[name], make_driver, servos=5, baud=1_000_000, seed=1, cycles=cycles)
 
 
 @pytest.mark.usefixtures("double")

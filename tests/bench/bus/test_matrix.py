@@ -1,4 +1,4 @@
-"""A sample of the fault matrix in virtual time: each fault once, for two drivers.
+"""Fault matrix in virtual time, with each fault once for two drivers.
 
 The drivers are kinesic's bus and dynamixel-sdk.
 """
@@ -14,21 +14,26 @@ from kinesic.bench.bus.faults import TABLE_COLUMNS, format_table, table_rows
 from kinesic.bench.bus.matrix import BUS_PERIOD, FaultCase, TrialResult, list_cases, run_trial
 from kinesic.body.arrays import Floats
 
-CASES = {case.name: case for case in list_cases()}
-REFUSALS = {"duplicate id": "several servos have this id", "wrong model": "is a xl430_w250, must be a xm430_w350"}
+FAULT_CASES = {case.name: case for case in list_cases()}
+REFUSAL_REASONS = {
+    "duplicate id": "several servos have this id",
+    "wrong model": "is a xl430_w250, must be a xm430_w350",
+}
 
 
 @cache
 def run_driver(driver: str, case: str, cycles: int = 120) -> TrialResult:
     make_driver = {"kinesic": KinesicDriver, "sdk": SdkDriver}[driver]
-    return run_trial(CASES[case], make_driver, servos=7, baud=1_000_000, seed=1, cycles=cycles)
+    return run_trial(FAULT_CASES[case], make_driver, servos=7, baud=1_000_000, seed=1, cycles=cycles)
 
 
-@pytest.mark.parametrize("case", [pytest.param(name, marks=[pytest.mark.soak] * ("1%" in name)) for name in CASES])
+@pytest.mark.parametrize(
+    "case", [pytest.param(name, marks=[pytest.mark.soak] * ("1%" in name)) for name in FAULT_CASES]
+)
 def test_kinesic_driver_refuses_or_survives_each_bus_fault_without_wrong_positions(case: str):
     result = run_driver("kinesic", case)
-    if case in REFUSALS:
-        assert REFUSALS[case] in result.refused
+    if case in REFUSAL_REASONS:
+        assert REFUSAL_REASONS[case] in result.refused
         return
     assert result.refused == ""
     assert (result.exceptions, result.wrong) == (0, 0)
@@ -36,7 +41,9 @@ def test_kinesic_driver_refuses_or_survives_each_bus_fault_without_wrong_positio
     assert result.fresh > 0.85
 
 
-@pytest.mark.parametrize("case", [name for name in CASES if name.startswith("alert")] + ["overheat", "undervoltage"])
+@pytest.mark.parametrize(
+    "case", [name for name in FAULT_CASES if name.startswith("alert")] + ["overheat", "undervoltage"]
+)
 def test_kinesic_reports_a_servo_hardware_error_within_one_bus_cycle(case: str):
     result = run_driver("kinesic", case)
     assert result.reported is not None
@@ -56,15 +63,15 @@ def test_dynamixel_sdk_fails_with_silent_unplugged_or_duplicate_servos():
 
 
 def test_late_replies_cause_no_exceptions_or_wrong_positions_in_the_kinesic_driver():
-    result = run_trial(CASES["late 5%"], KinesicDriver, servos=7, baud=57_600, seed=0, cycles=150)
+    result = run_trial(FAULT_CASES["late 5%"], KinesicDriver, servos=7, baud=57_600, seed=0, cycles=150)
     assert (result.exceptions, result.wrong) == (0, 0)
 
 
 def test_same_seed_gives_the_same_fault_trial():
-    first = run_trial(CASES["mixed 6 x 2%"], SdkDriver, servos=3, baud=1_000_000, seed=4, cycles=50)
-    second = run_trial(CASES["mixed 6 x 2%"], SdkDriver, servos=3, baud=1_000_000, seed=4, cycles=50)
+    first = run_trial(FAULT_CASES["mixed 6 x 2%"], SdkDriver, servos=3, baud=1_000_000, seed=4, cycles=50)
+    second = run_trial(FAULT_CASES["mixed 6 x 2%"], SdkDriver, servos=3, baud=1_000_000, seed=4, cycles=50)
     assert (first.durations == second.durations).all()
-    other = run_trial(CASES["mixed 6 x 2%"], SdkDriver, servos=3, baud=1_000_000, seed=5, cycles=50)
+    other = run_trial(FAULT_CASES["mixed 6 x 2%"], SdkDriver, servos=3, baud=1_000_000, seed=5, cycles=50)
     assert (first.durations != other.durations).any()
 
 

@@ -1,4 +1,4 @@
-"""Independent checks of certified motions, with motions that violate a limit or touch."""
+"""Independent checks of certified motions, on motions with known violations."""
 
 from types import SimpleNamespace
 
@@ -8,12 +8,14 @@ import pytest
 from kinesic.bench.capture.independent_checks import find_largest_ratio, touches_itself
 from kinesic.motion.trajectory import Trajectory
 
-WIDE = {"lower": -9.0, "upper": 9.0, "speed": 1e9, "acceleration": 1e9, "jerk": 1e9, "duty": 1e9}
+WIDE_LIMITS = {"lower": -9.0, "upper": 9.0, "speed": 1e9, "acceleration": 1e9, "jerk": 1e9, "duty": 1e9}
 
 
 def ratio(controls, **limits: float) -> float:
-    """Return the largest ratio of one hinge, whose other limits are very wide."""
-    values = {name: np.array([value]) for name, value in (WIDE | {"inertial": 0.0, "viscous": 0.0} | limits).items()}
+    """Return a hinge's largest value / limit under the given limits alone."""
+    values = {
+        name: np.array([value]) for name, value in (WIDE_LIMITS | {"inertial": 0.0, "viscous": 0.0} | limits).items()
+    }
     trajectory = Trajectory(np.asarray(controls)[:, None], 0.0)
     return find_largest_ratio(trajectory, SimpleNamespace(**values))
 

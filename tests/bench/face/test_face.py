@@ -1,4 +1,4 @@
-"""Benchmark of the face: names on every machine, values where drawing is possible."""
+"""Benchmark of the face: metric names, and values if drawing is possible."""
 
 import dataclasses
 from functools import partial
@@ -111,7 +111,7 @@ def test_face_frame_rate_is_measured_for_the_draft_preset(monkeypatch: pytest.Mo
 @drawable
 @pytest.mark.parametrize("of_card", [False, True])
 def test_each_rendering_stage_is_timed_by_a_gpu_or_cpu_clock(monkeypatch: pytest.MonkeyPatch, of_card: bool):
-    """Check that the pipeline has exactly the stages of the benchmark, each with a metric."""
+    """Check that the benchmark times every stage of the rendering pipeline."""
     from kinesic.bench.face import clock, stages  # noqa: PLC0415 - needs OpenGL
 
     monkeypatch.setattr(stages, "MEASURED_PICTURES", 1)
@@ -130,7 +130,7 @@ def test_each_rendering_stage_is_timed_by_a_gpu_or_cpu_clock(monkeypatch: pytest
 
 @drawable
 def test_measured_drawing_time_excludes_command_queueing():
-    """Check that drawing nothing takes far less time than keeping the card busy."""
+    """Check that an empty drawing takes less time than the filler work."""
     from kinesic.bench.face.clock import DrawingClock  # noqa: PLC0415 - needs OpenGL
 
     with open_offscreen_context() as context:

@@ -66,7 +66,7 @@ def _recording(chain, names, order):
     return {name: solver(name) for name in names}
 
 
-def test_every_solver_gets_each_ik_target_before_the_next(chain):
+def test_every_solver_solves_an_ik_target_before_the_next_target(chain):
     order, requested = [], draw_targets(default_rng(1), chain, 3)
     peers.interleave(chain, _recording(chain, "ab", order), requested)
     assert order[2:] == [(name, tuple(target)) for target in requested for name in "ab"]

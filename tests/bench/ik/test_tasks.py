@@ -12,7 +12,7 @@ from kinesic.body.robot import Robot
 LEFT_ARM = Robot.load().arms["l"]
 
 
-def test_benchmark_optimum_reaches_hand_positions_of_random_postures():
+def test_best_posture_reaches_hand_positions_of_random_postures():
     random = default_rng(91)
     for _ in range(20):
         position = LEFT_ARM.hand(random.uniform(LEFT_ARM.lower, LEFT_ARM.upper))
@@ -23,7 +23,7 @@ def test_benchmark_optimum_reaches_hand_positions_of_random_postures():
         assert best.pointing_error is None
 
 
-def test_benchmark_optimum_meets_pointing_and_palm_directions():
+def test_best_posture_meets_pointing_and_palm_directions():
     random = default_rng(92)
     for _ in range(10):
         rotations, centres = LEFT_ARM.frames(random.uniform(LEFT_ARM.lower, LEFT_ARM.upper))
@@ -42,6 +42,6 @@ def test_best_posture_with_more_starts_is_no_worse_and_repeatable_by_seed():
     assert many.angles.tobytes() == again.angles.tobytes()
 
 
-def test_ik_tasks_are_imported_without_casadi():
+def test_import_of_the_ik_task_benchmark_does_not_load_casadi():
     code = "import sys, kinesic.bench.ik.tasks; sys.exit('casadi' in sys.modules)"
     assert subprocess.run([sys.executable, "-c", code], check=False).returncode == 0

@@ -7,19 +7,19 @@ from kinesic.bench.blocks import find_corpus
 from kinesic.bench.meaning import judged
 from kinesic.bench.meaning.judging import JudgedSet, JudgedUtterance, ShownGesture, judge_utterance, load_judged
 
-FOLDER = (find_corpus() or Path("absent")) / "sentences"
-HEADER = "id\ttext\taccepted\tbeat_ok\tnone_ok\tmisleading\ttags\n"
+SENTENCE_FOLDER = (find_corpus() or Path("absent")) / "sentences"
+TABLE_HEADER = "id\ttext\taccepted\tbeat_ok\tnone_ok\tmisleading\ttags\n"
 
 
 @pytest.fixture
 def small_set(tmp_path):
-    """Return two utterances: one calls for a picture, one for a beat or nothing."""
+    """Return two utterances, of which the first needs a meaningful gesture."""
     (tmp_path / "kinds.tsv").write_text("kind\tids\nany beat\tbeat\nany rest\thands_low\nany stop\tstop stop_low\n")
     rows = (
         "s001\tNo, no. The big one!\tlarge@big, no_low@no#2\t1\t0\tany stop except stop_low, face:joy, left@one\ttrap",
         "s002\tThe bus is late.\t\t0\t1\thead:shake, stop\tplain",
     )
-    (tmp_path / "sentences.tsv").write_text(HEADER + "\n".join(rows) + "\n")
+    (tmp_path / "sentences.tsv").write_text(TABLE_HEADER + "\n".join(rows) + "\n")
     return load_judged(tmp_path)
 
 
@@ -70,13 +70,13 @@ def test_missing_folder_of_judged_utterances_gives_metrics_without_value(tmp_pat
         assert all(metric.why for metric in metrics)
 
 
-@pytest.mark.skipif(not (FOLDER / "score.py").exists(), reason="needs the scorer of the judged utterances")
+@pytest.mark.skipif(not (SENTENCE_FOLDER / "score.py").exists(), reason="needs the scorer of the judged utterances")
 def test_verdicts_agree_with_the_scoring_program_of_the_judged_utterances():
-    spec = importlib.util.spec_from_file_location("score", FOLDER / "score.py")
+    spec = importlib.util.spec_from_file_location("score", SENTENCE_FOLDER / "score.py")
     score = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(score)
-    rows, table = score.load(FOLDER / "sentences.tsv", FOLDER / "kinds.tsv")
-    judged_set = load_judged(FOLDER)
+    rows, table = score.load(SENTENCE_FOLDER / "sentences.tsv", SENTENCE_FOLDER / "kinds.tsv")
+    judged_set = load_judged(SENTENCE_FOLDER)
     lexemes = sorted({name for names in table.values() for name in names})
     for number, utterance in enumerate(judged_set.utterances):
         shown = [_pick(utterance, lexemes, number * 3 + k) for k in range(number % 3)]
@@ -92,6 +92,6 @@ def test_verdicts_agree_with_the_scoring_program_of_the_judged_utterances():
 
 
 def _pick(utterance: JudgedUtterance, lexemes: list[str], number: int) -> ShownGesture:
-    """Return an accepted gesture, or any one, on some word."""
+    """Return a gesture on a word, both chosen by a number."""
     candidates = sorted(utterance.accepted) if number % 2 and utterance.accepted else lexemes
     return ShownGesture(candidates[number * 7 % len(candidates)], number * 5 % len(utterance.tokens))

@@ -1,4 +1,4 @@
-"""Tests of the figures of rhythm."""
+"""Metrics of the gesture strokes in a story."""
 
 from dataclasses import replace
 

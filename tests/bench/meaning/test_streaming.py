@@ -48,7 +48,7 @@ def test_delay_from_last_word_to_block_start_is_measured(answers):
 
 
 def answer_early(listener: socket.socket) -> None:
-    """Act as a server that starts the block at the second word, and reports its end after the last."""
+    """Act as a server that starts the block at the second word."""
     connection, _ = listener.accept()
     data, is_started = b"", False
     while b'"ends"' not in data:

@@ -23,7 +23,7 @@ def test_disjoint_samples_have_kolmogorov_smirnov_distance_one():
     assert kolmogorov_smirnov(np.array([1.0, 2.0]), np.array([2.0, 1.0])) == 0.0
 
 
-def test_stored_percentiles_of_captured_gestures_match_the_stored_values():
+def test_stored_percentiles_of_captured_gestures_agree_with_the_stored_samples():
     table = read_captured_table()
     assert set(table.percentiles) <= set(MOTION_ROWS)
     for name in COMPARED_ROWS:

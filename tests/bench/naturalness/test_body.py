@@ -10,7 +10,7 @@ ROBOT = Robot.load()
 
 
 def measure_turn(**hinges: float) -> BodyMeasures:
-    """Measure a motion from rest to some angles [deg] and back."""
+    """Measure a motion from rest to the given angles [deg] and back."""
     angles = np.repeat(ROBOT.skeleton.rest[None], 3, axis=0)
     for name, angle in hinges.items():
         angles[1, ROBOT.skeleton.names.index(name)] += radians(angle)

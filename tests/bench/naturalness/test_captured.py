@@ -14,14 +14,14 @@ ARM = 0.5  # [m] arm length of the actor
 
 
 def raise_arm(fraction):
-    """Return rotation vectors of the right shoulder on a minimum-jerk raise to one radian."""
+    """Return a shoulder's rotation vectors in a minimum-jerk raise to one radian."""
     fraction = np.clip(fraction, 0.0, 1.0)
     return np.outer(10 * fraction**3 - 15 * fraction**4 + 6 * fraction**5, [0.0, 1.0, 0.0])
 
 
 @pytest.fixture
 def folder(tmp_path):
-    """Write one gesture: up in 0.5 s, to the side in 0.5 s, back in 1 s."""
+    """Write one gesture that moves an arm up, sideways and back."""
     write_skeleton(tmp_path / "skeletons")
     aside = raise_arm((TIMES - 1.0) / 0.5)[:, [1, 0, 2]]
     turns = raise_arm((TIMES - 0.5) / 0.5) - raise_arm(TIMES - 2.0)

@@ -74,7 +74,7 @@ def test_gesture_measures_are_equal_in_a_worker_process(known, wave):
 
 @pytest.fixture
 def gestures(wave):
-    """Return a fast gesture that stops at its stroke's start, and a slow flowing one."""
+    """Return a fast gesture without flow, and a slow flowing gesture."""
     wave = replace(wave, hand=replace(wave.hand, flow=0.1))
     slow = replace(wave.hand, largest_speed=1.0, preparation_speed=0.8, stroke_speed=1.0, return_speed=0.4, flow=0.5)
     return [wave, replace(wave, gesture="slow", hand=slow, body=BodyMeasures())]

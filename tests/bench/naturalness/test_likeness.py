@@ -8,7 +8,7 @@ ROBOT = Robot.load()
 
 
 def visible_points(**hinges):
-    """Return the visible points of a held posture, given joint offsets from rest [rad]."""
+    """Return visible points of a posture given as joint offsets from rest."""
     angles = np.repeat(ROBOT.skeleton.rest[None], 4, axis=0)
     for name, angle in hinges.items():
         angles[:, ROBOT.skeleton.names.index(name)] += angle

@@ -6,8 +6,8 @@ from hypothesis import strategies as st
 from kinesic.bench.naturalness.measures import PROFILE_PERIOD, PROFILE_RATE, count_units, measure_hand
 from kinesic.metrics.smoothness import spectral_arc_length
 
-ARM = 0.5
-SYNCS = {"start": 0.0, "ready": 1.0, "strokeStart": 1.0, "stroke": 2.0, "strokeEnd": 2.0, "relax": 2.5, "end": 3.5}
+ARM_LENGTH = 0.5  # [m] arm length
+SYNC_TIMES = {"start": 0.0, "ready": 1.0, "strokeStart": 1.0, "stroke": 2.0, "strokeEnd": 2.0, "relax": 2.5, "end": 3.5}
 
 
 def bell_profile(duration, rate=PROFILE_RATE):
@@ -54,26 +54,26 @@ def test_speed_plateau_is_one_movement_unit():
 
 @pytest.fixture
 def gesture():
-    """Return a path: 0.4 m forward in 1 s, 0.2 m sideways in 1 s, 0.5 s hold, back in 1 s."""
+    """Return times and path: 0.4 m forward, 0.2 m sideways, hold, return."""
     times = np.arange(0.0, 3.5001, 0.01)
     forth, sideways, home = reach_path(times), reach_path(times - 1.0), reach_path(times - 2.5)
     path = np.stack([0.4 * (forth - home), 0.2 * (sideways - home), np.zeros_like(times)], axis=1)
     return times, path
 
 
-def test_each_gesture_phase_has_its_speed_and_duration(gesture):
-    measured = measure_hand(*gesture, SYNCS, ARM)
+def test_speed_and_duration_of_each_gesture_phase_are_measured(gesture):
+    measured = measure_hand(*gesture, SYNC_TIMES, ARM_LENGTH)
     assert measured.duration == 3.5
     assert (measured.stroke_time, measured.hold_time, measured.return_time) == (1.0, 0.5, 1.0)
-    assert measured.preparation_speed == pytest.approx(1.875 * 0.4 / ARM, rel=1e-3)
-    assert measured.stroke_speed == pytest.approx(1.875 * 0.2 / ARM, rel=1e-3)
-    assert measured.return_speed == pytest.approx(1.875 * np.hypot(0.4, 0.2) / ARM, rel=1e-3)
+    assert measured.preparation_speed == pytest.approx(1.875 * 0.4 / ARM_LENGTH, rel=1e-3)
+    assert measured.stroke_speed == pytest.approx(1.875 * 0.2 / ARM_LENGTH, rel=1e-3)
+    assert measured.return_speed == pytest.approx(1.875 * np.hypot(0.4, 0.2) / ARM_LENGTH, rel=1e-3)
     assert measured.largest_speed == measured.return_speed
     assert measured.stroke_to_preparation == pytest.approx(0.5, rel=1e-3)
     assert measured.return_to_preparation == pytest.approx(np.hypot(1.0, 0.5), rel=1e-3)
     assert measured.path == pytest.approx(0.6 + np.hypot(0.4, 0.2), rel=1e-3)
-    assert measured.arm_lengths == pytest.approx(measured.path / ARM)
-    assert measured.stroke_path == pytest.approx(0.2 / ARM, rel=1e-3)
+    assert measured.arm_lengths == pytest.approx(measured.path / ARM_LENGTH)
+    assert measured.stroke_path == pytest.approx(0.2 / ARM_LENGTH, rel=1e-3)
     assert measured.units == 3
     assert measured.units_per_second == pytest.approx(3 / 3.5)
     assert measured.lead == pytest.approx(0.5, abs=0.011)
@@ -81,18 +81,18 @@ def test_each_gesture_phase_has_its_speed_and_duration(gesture):
 
 def test_hand_speed_at_stroke_start_is_measured_as_flow(gesture):
     times, path = gesture
-    assert measure_hand(times, path, SYNCS, ARM).flow == pytest.approx(0.0, abs=0.01)
-    early = measure_hand(times, path, SYNCS | {"strokeStart": 0.5}, ARM)
+    assert measure_hand(times, path, SYNC_TIMES, ARM_LENGTH).flow == pytest.approx(0.0, abs=0.01)
+    early = measure_hand(times, path, SYNC_TIMES | {"strokeStart": 0.5}, ARM_LENGTH)
     assert early.flow == pytest.approx(1.0, rel=1e-3)
-    assert measure_hand(times, path, SYNCS | {"strokeStart": 0.25}, ARM).flow == pytest.approx(
+    assert measure_hand(times, path, SYNC_TIMES | {"strokeStart": 0.25}, ARM_LENGTH).flow == pytest.approx(
         (0.25**2 * 0.75**2) / 0.5**4, rel=1e-2
     )
 
 
 def test_missing_sync_points_remove_only_the_phase_measures_of_a_gesture(gesture):
     times, path = gesture
-    measured = measure_hand(times, path, {"start": 0.0, "end": 3.5}, ARM)
-    whole = measure_hand(times, path, SYNCS, ARM)
+    measured = measure_hand(times, path, {"start": 0.0, "end": 3.5}, ARM_LENGTH)
+    whole = measure_hand(times, path, SYNC_TIMES, ARM_LENGTH)
     assert (measured.units, measured.sparc, measured.path) == (whole.units, whole.sparc, whole.path)
     unknown = ("stroke_time", "hold_time", "return_time", "preparation_speed", "stroke_speed", "return_speed", "flow")
     assert {getattr(measured, name) for name in (*unknown, "lead", "preparation_sparc", "stroke_path")} == {None}
@@ -103,7 +103,10 @@ def test_hand_motion_measures_agree_at_30_and_100_hz(gesture):
     times, path = gesture
     coarse = np.arange(0.0, 3.5001, 1 / PROFILE_RATE)
     thinned = np.stack([np.interp(coarse, times, column) for column in path.T], axis=1)
-    fine, measured = measure_hand(times, path, SYNCS, ARM), measure_hand(coarse, thinned, SYNCS, ARM)
+    fine, measured = (
+        measure_hand(times, path, SYNC_TIMES, ARM_LENGTH),
+        measure_hand(coarse, thinned, SYNC_TIMES, ARM_LENGTH),
+    )
     assert measured.units == fine.units
     assert measured.sparc == pytest.approx(fine.sparc, rel=0.02)
     assert measured.stroke_speed == pytest.approx(fine.stroke_speed, rel=0.02)

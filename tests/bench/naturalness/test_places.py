@@ -14,17 +14,17 @@ from kinesic.expressivity.variation import Variation
 from kinesic.studies.gestures.isolated import plan_gesture
 
 ROBOT = Robot.load()
-REQUIREMENTS = legibility_table().places
+REQUIRED_POSITIONS = legibility_table().places
 
 
 @pytest.fixture(scope="module")
 def plans(known):
     """Plan each gesture with a required position alone."""
-    return {name: plan_gesture(known.lexicon.forms_by_id[name], known) for name in REQUIREMENTS}
+    return {name: plan_gesture(known.lexicon.forms_by_id[name], known) for name in REQUIRED_POSITIONS}
 
 
 def sample_stroke(planned, count=1):
-    """Return postures (count, n) [rad] from strokeStart to strokeEnd, or at the stroke."""
+    """Return `count` postures of a stroke, or one at its main sync point."""
     times = {sync.sync: planned.trajectory.zero + sync.planned for sync in planned.syncs}
     spread = [times["stroke"]] if count == 1 else np.linspace(times["strokeStart"], times["strokeEnd"], count)
     return planned.trajectory.sample(np.array(spread))[0]
@@ -33,13 +33,13 @@ def sample_stroke(planned, count=1):
 @pytest.mark.soak
 def test_hands_of_gestures_are_at_their_required_positions(plans, known):
     distances = {name: measure_place(known.lexicon.forms_by_id[name], planned) for name, planned in plans.items()}
-    assert [name for name, distance in distances.items() if not 0.0 < distance <= REQUIREMENTS[name].within] == []
+    assert [name for name, distance in distances.items() if not 0.0 < distance <= REQUIRED_POSITIONS[name].within] == []
 
 
 @pytest.mark.parametrize("name", ["adjust_cuff", "watch_time", "cry", "me", "photo"])
 def test_hands_of_randomly_varied_gestures_are_at_their_required_positions(known, name):
     form, varied = known.lexicon.forms_by_id[name], replace(known, variation=Variation(1.0, 2))
-    assert measure_place(form, plan_gesture(form, varied)) <= REQUIREMENTS[name].within
+    assert measure_place(form, plan_gesture(form, varied)) <= REQUIRED_POSITIONS[name].within
 
 
 @pytest.mark.soak
@@ -82,7 +82,7 @@ def test_gestures_at_the_head_do_not_look_alike(plans):
     seen = {
         name: measure_appearance(ROBOT, sample_stroke(planned, 60))
         for name, planned in plans.items()
-        if not REQUIREMENTS[name].at.startswith("other")
+        if not REQUIRED_POSITIONS[name].at.startswith("other")
     }
     assert nearest_pairs(seen, ALIKE_DISTANCE) == []
 
@@ -103,7 +103,7 @@ def test_required_positions_on_the_face_turn_with_the_head():
 
 
 def distance_change(place, joint):
-    """Return the added distance [m] of a left palm at rest when one joint rotates."""
+    """Return the left palm's change of distance [m] by one joint's rotation."""
     requirement, angles = PlaceTable("palm", place, 0.1), ROBOT.skeleton.rest.copy()
     still = measure_place_distance(ROBOT, angles, "l", requirement)
     angles[ROBOT.skeleton.names.index(joint)] += 0.5

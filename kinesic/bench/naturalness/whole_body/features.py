@@ -82,7 +82,7 @@ def measure_sets(motions: Iterable[BodyMotion]) -> list[MeasuredSet]:
 
 
 def motion_sample(sets: Sequence[MeasuredSet], *, whole_sets: bool = False) -> Sample:
-    """Return the kinematic features of the gestures of some sets.
+    """Return the kinematic features of all gestures in the given sets.
 
     Args:
         sets: measured sets.
@@ -93,7 +93,7 @@ def motion_sample(sets: Sequence[MeasuredSet], *, whole_sets: bool = False) -> S
 
 
 def posture_sample(sets: Sequence[MeasuredSet], *, whole_sets: bool = False) -> Sample:
-    """Return the posture features of the first frames of some sets."""
+    """Return the posture features of all clips' first frames in given sets."""
     rows = [posture_vector(posture) for measured in sets for posture in measured.postures]
     return Sample(np.array(rows), _performances(sets, "rests", whole_sets))
 

@@ -16,7 +16,7 @@ StanceGroups = Mapping[str, Floats]  # clip group, which counts as one person ->
 ASYMMETRIC_BODY = tuple(name for name in BODY_FEATURES if name not in SYMMETRIC_BODY)
 SYMMETRIC_FEATURES = (*SYMMETRIC_BODY, *ARM_FEATURES)  # features of the symmetric part, arms as mean of both
 ASYMMETRIC_FEATURES = (*ASYMMETRIC_BODY, *ARM_FEATURES)  # features of the asymmetric part, arms as half difference
-FIRST_ARM = STANCE_FEATURES.index(f"l_{ARM_FEATURES[0]}")
+FIRST_ARM = STANCE_FEATURES.index(f"l_{ARM_FEATURES[0]}")  # index of the first arm feature
 # [deg] largest angles of a hanging arm, by feature.
 MAX_HANGING = {"upper_arm_forward": 30.0, "upper_arm_outward": 30.0, "forearm_forward": 45.0}
 MIN_DEVIATION = 0.3  # [deg] principal components with smaller deviations are dropped
@@ -127,7 +127,7 @@ def _split(stances: Floats) -> tuple[Floats, Floats]:
 
 
 def _scale_tails(parts: Sequence[Floats]) -> Floats:
-    """Return rows (k, c) whose squares sum to a t distribution's scatter.
+    """Scale deviations to rows (k, c) whose scatter is a t distribution's.
 
     Args:
         parts: deviations (k, c) of each person; persons have equal weights.
@@ -156,7 +156,7 @@ def is_within(angles: Mapping[str, float], ranges: Mapping[str, tuple[float, flo
 
 
 def _find_components(rows: Floats, factor: float, names: Sequence[str]) -> list[dict[str, float]]:
-    """Return the principal components of rows (k, c), times a factor."""
+    """Return the principal components of rows (k, c), multiplied by `factor`."""
     _, sizes, directions = np.linalg.svd(rows, full_matrices=False)
     scaled = factor * sizes[:, None] * directions
     return [name_features(names, row) for row in scaled if np.abs(row).max() > MIN_DEVIATION]

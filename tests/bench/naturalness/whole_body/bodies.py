@@ -26,7 +26,7 @@ def make_body(
     set_name="test",
     performance="p",
 ):
-    """Make a body whose parts move smoothly from rest to an extreme in the middle and back.
+    """Make a body motion from rest to an extreme posture and back.
 
     Args:
         seconds: duration [s].

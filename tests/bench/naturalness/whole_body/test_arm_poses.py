@@ -8,9 +8,9 @@ from kinesic.planning.stance import STANCE_FEATURES
 
 from .bodies import make_body
 
-HANGING = {"upper_arm_outward": 10.0, "forearm_forward": 20.0}
-BEFORE = {"upper_arm_outward": 10.0, "forearm_forward": 70.0, "hand_forward": 80.0}
-ON_HIP = {"upper_arm_outward": 45.0, "forearm_forward": 10.0, "forearm_outward": -25.0}
+HANGING_ARM = {"upper_arm_outward": 10.0, "forearm_forward": 20.0}
+ARM_BEFORE_BODY = {"upper_arm_outward": 10.0, "forearm_forward": 70.0, "hand_forward": 80.0}
+ARM_ON_HIP = {"upper_arm_outward": 45.0, "forearm_forward": 10.0, "forearm_outward": -25.0}
 
 
 def make_stance(left, right, **body):
@@ -21,13 +21,13 @@ def make_stance(left, right, **body):
 @pytest.mark.parametrize(
     ("left", "right", "pose"),
     [
-        (HANGING, HANGING, None),
-        (BEFORE, HANGING, "one_hand_before"),
-        (HANGING, BEFORE, "one_hand_before"),
-        (BEFORE, BEFORE, "both_hands_before"),
-        (ON_HIP, ON_HIP, None),
-        (BEFORE, {**BEFORE, "forearm_outward": -50.0}, None),  # folded
-        (BEFORE, {**BEFORE, "forearm_forward": 130.0}, None),  # raised
+        (HANGING_ARM, HANGING_ARM, None),
+        (ARM_BEFORE_BODY, HANGING_ARM, "one_hand_before"),
+        (HANGING_ARM, ARM_BEFORE_BODY, "one_hand_before"),
+        (ARM_BEFORE_BODY, ARM_BEFORE_BODY, "both_hands_before"),
+        (ARM_ON_HIP, ARM_ON_HIP, None),
+        (ARM_BEFORE_BODY, {**ARM_BEFORE_BODY, "forearm_outward": -50.0}, None),  # folded
+        (ARM_BEFORE_BODY, {**ARM_BEFORE_BODY, "forearm_forward": 130.0}, None),  # raised
     ],
 )
 def test_arm_pose_is_named_by_the_positions_of_both_hands(left, right, pose):
@@ -52,7 +52,7 @@ def test_arm_pose_weight_is_the_mean_fraction_of_resting_frames_over_capture_set
 
 
 def test_mean_arm_pose_omits_small_angles():
-    one = make_stance(HANGING, BEFORE, head_tilt=6.0, head_roll=0.2)
+    one = make_stance(HANGING_ARM, ARM_BEFORE_BODY, head_tilt=6.0, head_roll=0.2)
     poses = {name: {"a Idle01": np.stack([one, one])} for name in ("one_hand_before", "both_hands_before")}
     tables = fit_poses(poses, {"one_hand_before": 0.254, "both_hands_before": 0.1})
     assert [table.weight for table in tables] == [0.25, 0.1]
@@ -63,7 +63,9 @@ def test_mean_arm_pose_omits_small_angles():
 def test_arm_pose_components_have_the_standard_deviation_of_the_frames():
     chance = np.random.default_rng(3)
     shifts = chance.normal(size=400)
-    rows = np.stack([make_stance(HANGING, BEFORE, head_tilt=4.0 * shift, trunk_tilt=2.0 * shift) for shift in shifts])
+    rows = np.stack(
+        [make_stance(HANGING_ARM, ARM_BEFORE_BODY, head_tilt=4.0 * shift, trunk_tilt=2.0 * shift) for shift in shifts]
+    )
     poses = {name: {"a Idle01": rows} for name in ("one_hand_before", "both_hands_before")}
     table = fit_poses(poses, dict.fromkeys(poses, 0.2))[0]
     assert abs(table.components[0]["head_tilt"]) == pytest.approx(4.0, rel=0.1)

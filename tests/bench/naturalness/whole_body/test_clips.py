@@ -15,7 +15,7 @@ TIMES = np.arange(0.0, 3.0001, 1 / 30)
 
 @pytest.fixture
 def folder(tmp_path):
-    """Write a clip of an actor with a head, who leans back by 10 degrees and raises the right arm."""
+    """Write a clip of an actor leaning back with a raised arm."""
     path = write_skeleton(tmp_path / "skeletons")
     head = "joint JtSkullA { offset 0 0.2 0 channel Quat }"
     path.write_text(path.read_text().replace("joint JtShoulderLf", f"{head}\n    joint JtShoulderLf", 1))
