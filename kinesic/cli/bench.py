@@ -25,7 +25,11 @@ from kinesic.files.output_folder import check_folder, new_folder
 from kinesic.host import LIVE_SERVER, VIRTUAL_PORTS, HostFeature
 from kinesic.tasks.store import METRICS_FILE
 
-PART_NEEDS: Mapping[str, HostFeature] = {"bus": VIRTUAL_PORTS, "bml": LIVE_SERVER, "studio": LIVE_SERVER}
+PART_FEATURES: Mapping[str, HostFeature] = {  # benchmark part -> system feature that the part needs
+    "bus": VIRTUAL_PORTS,
+    "bml": LIVE_SERVER,
+    "studio": LIVE_SERVER,
+}
 PROGRESS_RATE = 1.0  # [Hz] refresh rate of the progress bar, low so that it hardly affects timings
 
 
@@ -47,12 +51,12 @@ def _choose_parts(part: str) -> list[str]:
         ConfigError: the part needs a feature that this system lacks.
     """
     if part != "all":
-        if part in PART_NEEDS:
-            PART_NEEDS[part].require()
+        if part in PART_FEATURES:
+            PART_FEATURES[part].require()
         return [part]
-    missing = [name for name, feature in PART_NEEDS.items() if not feature.is_available]
+    missing = [name for name, feature in PART_FEATURES.items() if not feature.is_available]
     for name in missing:
-        click.echo(f"left out: {name}, as {PART_NEEDS[name].name} needs {PART_NEEDS[name].systems}", err=True)
+        click.echo(f"left out: {name}, as {PART_FEATURES[name].name} needs {PART_FEATURES[name].systems}", err=True)
     return [name for name in BENCH_PARTS if name not in missing]
 
 
@@ -70,7 +74,7 @@ def print_metrics(
     """
     plots, out = output.plots, output.out
     if matrix:
-        PART_NEEDS["bus"].require()
+        PART_FEATURES["bus"].require()
         return _print_matrix(as_json=output.as_json)
     if (styles or capture) and part != "naturalness":
         raise click.UsageError("--style and --capture apply only to naturalness")

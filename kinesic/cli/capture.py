@@ -13,7 +13,7 @@ from kinesic.files.output_folder import check_folder, new_folder
 
 SWIVEL_ROBOT = "human"  # robot whose arms define the elbow swivel of captured gestures
 PROBLEM_EXIT_CODE = 1  # exit code if clips were left out
-MAX_PROBLEMS = 10  # largest number of clips left out that are listed
+MAX_PROBLEMS = 10  # largest number of omitted clips that are listed
 
 
 def import_clips(folder: Path, out: Path, licence: str, source: str, force: bool) -> int:

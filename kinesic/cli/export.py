@@ -34,7 +34,7 @@ FILE_SUFFIXES: Mapping[ExportKind, str] = {  # kind -> file suffix
 PACKAGE_NAMES: Mapping[ExportKind, str] = {
     "mcap": "foxglove",
     "rerun": "rerun",
-}  # recording -> package
+}  # kind of recording -> Python package that writes it
 MAX_NAME_LENGTH = 100  # [bytes] longest default file name without its suffix
 
 

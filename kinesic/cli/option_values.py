@@ -6,7 +6,7 @@ from pathlib import Path
 
 @dataclass(frozen=True)
 class SpokenInput:
-    """Text or recording to be spoken, and the form of the result."""
+    """Text or recording to be spoken, and the kind of output."""
 
     text: str | None
     audio: Path | None  # WAV recording of the text

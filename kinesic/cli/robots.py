@@ -16,9 +16,9 @@ from kinesic.sim.importer.apart.imported import ImportedRobot, import_apart
 from kinesic.sim.shells.shell import SHELL_SUFFIX, is_stale, load_shell
 from kinesic.sim.shells.variant import find_shell
 
-WARN_TORQUE_RATIO = 0.4  # ratio of static to stall torque above which a hinge gets a warning
+WARN_TORQUE_RATIO = 0.4  # holding torque / stall torque above which a hinge gets a warning
 TORQUE_COLOURS = {"pass": "", "warn": "yellow", "fail": "red"}  # verdict on a torque ratio -> its colour
-FAIL_TORQUE_RATIO = 0.8  # ratio of static to stall torque above which a hinge fails the check
+FAIL_TORQUE_RATIO = 0.8  # holding torque / stall torque above which a hinge fails the check
 MAX_PRINTED_NOTES = 5  # largest number of printed notes of one kind about an import
 
 
@@ -91,7 +91,7 @@ def assess_robot(robot: str) -> int:
 
 
 def import_robot(file: Path, out: Path | None, force: bool) -> int:
-    """Map the joints of MJCF or URDF and write a robot file."""
+    """Convert an MJCF or URDF robot to a robot file."""
     target = out or Path(f"{file.stem}.toml")
     shell = target.with_suffix(SHELL_SUFFIX)
     for path in (target, shell):

@@ -238,7 +238,7 @@ def _assess_robot() -> None:
 @force_option
 @implemented_by("robots:import_robot")
 def _import_robot() -> None:
-    """Map the joints of MJCF or URDF and write a robot file."""
+    """Convert an MJCF or URDF robot to a robot file."""
 
 
 @kinesic.command("new")
@@ -304,4 +304,4 @@ def twin() -> None:
 @click.option("--json", "as_json", is_flag=True, help="Print the estimates as JSON.")
 @implemented_by("twin:fit_twin")
 def _fit_twin() -> None:
-    """Fit servo parameters of the twin to LOG, and print those left undetermined."""
+    """Fit servo parameters of the twin to LOG, and list undetermined ones."""

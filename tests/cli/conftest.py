@@ -21,7 +21,7 @@ class Ended:
 
 @pytest.fixture
 def kinesic(capsys, monkeypatch, tmp_path) -> Callable[..., Ended]:
-    """Return a function that runs the command line in this process, in an empty folder."""
+    """Return a function that runs a command in an empty folder."""
     monkeypatch.chdir(tmp_path)
 
     def run(*arguments: str, stdin: bytes = b"") -> Ended:
@@ -37,7 +37,7 @@ def kinesic(capsys, monkeypatch, tmp_path) -> Callable[..., Ended]:
 
 @pytest.fixture(scope="session")
 def kinesic_in() -> Callable[..., Ended]:
-    """Return a function that runs the command line in this process, in a given folder."""
+    """Return a function that runs a command in a given folder."""
 
     def run(folder: Path, *arguments: str, stdin: bytes = b"") -> Ended:
         out, err = (io.TextIOWrapper(io.BytesIO(), encoding="utf-8", write_through=True) for _ in range(2))

@@ -7,20 +7,21 @@ import pytest
 from kinesic.body.config import CONFIGS
 
 UPPER22 = (CONFIGS / "robots" / "upper22.toml").read_text()
-BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+BLOCK_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 NOD = '<head id="h" lexeme="NOD" start="0.2"/>'
 SPEECH = '<speech id="s"><text>Well, <sync id="m"/>hello.</text></speech>'
 
 REFUSED_DOCUMENTS = {
     "empty file": "",
     "not XML": "hello there",
-    "entity": '<!DOCTYPE bml [<!ENTITY e "x">]>' + BML.format(NOD),
-    "entity in an attribute": '<!DOCTYPE bml [<!ENTITY e "NOD">]>' + BML.format('<head id="h" lexeme="&e;"/>'),
-    "time of 1e9 s": BML.format('<head id="h" lexeme="NOD" start="1e9"/>'),
-    "NaN": BML.format('<head id="h" lexeme="NOD" start="nan"/>'),
-    "amount NaN": BML.format('<head id="h" lexeme="NOD" amount="nan"/>'),
-    "unknown behaviour in a reference": BML.format('<head id="h" lexeme="NOD" start="nobody:end"/>'),
-    "failure inside required": BML.format('<required><locomotion id="l" target="door"/></required>'),
+    "entity": '<!DOCTYPE bml [<!ENTITY e "x">]>' + BLOCK_TEMPLATE.format(NOD),
+    "entity in an attribute": '<!DOCTYPE bml [<!ENTITY e "NOD">]>'
+    + BLOCK_TEMPLATE.format('<head id="h" lexeme="&e;"/>'),
+    "time of 1e9 s": BLOCK_TEMPLATE.format('<head id="h" lexeme="NOD" start="1e9"/>'),
+    "NaN": BLOCK_TEMPLATE.format('<head id="h" lexeme="NOD" start="nan"/>'),
+    "amount NaN": BLOCK_TEMPLATE.format('<head id="h" lexeme="NOD" amount="nan"/>'),
+    "unknown behaviour in a reference": BLOCK_TEMPLATE.format('<head id="h" lexeme="NOD" start="nobody:end"/>'),
+    "failure inside required": BLOCK_TEMPLATE.format('<required><locomotion id="l" target="door"/></required>'),
 }
 
 
@@ -38,7 +39,7 @@ def test_invalid_document_is_refused_with_one_line_and_its_location(name, kinesi
 def test_document_of_100_mb_is_refused_by_its_size(kinesic, tmp_path):
     path = tmp_path / "big.bml"
     with path.open("wb") as file:
-        file.write(BML.format(NOD).encode())
+        file.write(BLOCK_TEMPLATE.format(NOD).encode())
         file.truncate(100_000_000)
     ended = kinesic("perform", path, "--out", "there", "--no-film")
     assert ended.code == 2
@@ -61,7 +62,9 @@ DROPPED_BEHAVIOURS = {  # id of the dropped behaviour, and its BML
 def odd_run(kinesic_in, tmp_path_factory):
     """Report of a nod together with all behaviours that are dropped."""
     folder = tmp_path_factory.mktemp("odd")
-    (folder / "odd.bml").write_text(BML.format(NOD + "".join(text for _, text in DROPPED_BEHAVIOURS.values())))
+    (folder / "odd.bml").write_text(
+        BLOCK_TEMPLATE.format(NOD + "".join(text for _, text in DROPPED_BEHAVIOURS.values()))
+    )
     return kinesic_in(folder, "perform", "odd.bml", "--out", "there", "--no-film", "--json")
 
 
@@ -79,7 +82,9 @@ def test_unperformable_behaviour_is_dropped_with_a_warning_while_others_perform(
 @pytest.mark.parametrize("seconds", [125, pytest.param(915, marks=pytest.mark.soak)])
 def test_block_longer_than_two_minutes_is_performed(kinesic, tmp_path, seconds):
     path = tmp_path / "long.bml"
-    path.write_text(BML.format(NOD + f'<head id="late" lexeme="NOD" start="{seconds - 1}" end="{seconds}"/>'))
+    path.write_text(
+        BLOCK_TEMPLATE.format(NOD + f'<head id="late" lexeme="NOD" start="{seconds - 1}" end="{seconds}"/>')
+    )
     ended = kinesic("perform", path, "--out", "there", "--no-film", "--json")
     assert ended.code == 0, ended.err
     assert json.loads(ended.out)["timing"]["duration_s"] >= seconds
@@ -87,7 +92,7 @@ def test_block_longer_than_two_minutes_is_performed(kinesic, tmp_path, seconds):
 
 def test_missing_robot_file_is_reported(kinesic, tmp_path):
     document = tmp_path / "nod.bml"
-    document.write_text(BML.format(NOD))
+    document.write_text(BLOCK_TEMPLATE.format(NOD))
     ended = kinesic("perform", document, "--robot", "nowhere.toml")
     assert ended.code == 2
     assert ended.err == "kinesic: nowhere.toml: no such file\n"
@@ -107,7 +112,7 @@ def test_invalid_robot_file_is_reported_in_one_line(name, kinesic, tmp_path):
     robot = tmp_path / "mine.toml"
     robot.write_text(UPPER22.replace(old, new, 1))
     document = tmp_path / "nod.bml"
-    document.write_text(BML.format(NOD))
+    document.write_text(BLOCK_TEMPLATE.format(NOD))
     ended = kinesic("perform", document, "--robot", robot, "--out", "there", "--no-film")
     assert ended.code == 2
     assert "mine.toml" in ended.err
@@ -125,7 +130,7 @@ def test_invalid_robot_file_is_reported_in_one_line(name, kinesic, tmp_path):
 )
 def test_invalid_setting_is_reported_with_valid_values(kinesic, tmp_path, setting, message):
     document = tmp_path / "nod.bml"
-    document.write_text(BML.format(NOD))
+    document.write_text(BLOCK_TEMPLATE.format(NOD))
     ended = kinesic("perform", document, "--set", setting)
     assert ended.code == 2
     assert ended.err == f"kinesic: {message}\n"
@@ -141,7 +146,7 @@ def test_invalid_setting_is_reported_with_valid_values(kinesic, tmp_path, settin
 )
 def test_invalid_style_attribute_is_reported_with_its_location(kinesic, tmp_path, attribute, message):
     document = tmp_path / "nod.bml"
-    document.write_text(BML.format(NOD.replace("/>", f" {attribute}/>")))
+    document.write_text(BLOCK_TEMPLATE.format(NOD.replace("/>", f" {attribute}/>")))
     ended = kinesic("perform", document)
     assert ended.code == 2
     assert ended.err.startswith(f"kinesic: {document}:")

@@ -9,7 +9,7 @@ from kinesic.cli.completion import SHELL_NAMES
 
 
 def complete(*words: str) -> list[str]:
-    """Return what a shell would offer for the last word, without files."""
+    """Return a shell's completions of the last word, without files."""
     *before, incomplete = words
     completer = ShellComplete(command_line, {}, "kinesic", "_KINESIC_COMPLETE")
     return [item.value for item in completer.get_completions(list(before), incomplete) if item.type == "plain"]

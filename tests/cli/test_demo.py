@@ -10,7 +10,7 @@ NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="
 
 @pytest.fixture
 def opened(monkeypatch) -> list[str]:
-    """Return the pages that are opened in the browser of a simulated desktop."""
+    """List the pages that are opened in a simulated browser."""
     pages: list[str] = []
     monkeypatch.setattr(browser, "has_display", lambda: True)
     monkeypatch.setattr(browser.webbrowser, "open", lambda url: bool(pages.append(url)) or True)
@@ -19,7 +19,7 @@ def opened(monkeypatch) -> list[str]:
 
 @pytest.fixture
 def short(tmp_path, monkeypatch) -> None:
-    """Let the demo perform a nod, which takes less time."""
+    """Replace the demo's document by a short nod."""
     nod = tmp_path / "elsewhere" / "nod.bml"
     nod.parent.mkdir()
     nod.write_bytes(NOD)

@@ -105,7 +105,7 @@ def test_standard_input_is_redirected_only_after_its_terminal_closed(capfd: pyte
 
 
 def test_signal_module_imports_no_slow_modules():
-    """The module is imported alone, without the package's other modules and without those of the interpreter's site."""
+    """Import the module alone in a separate process."""
     file = Path(ending_signals.__file__)
     program = "import runpy, sys; before = {*sys.modules}; runpy.run_path(sys.argv[1]); print(*{*sys.modules} - before)"
     done = subprocess.run(

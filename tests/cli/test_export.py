@@ -57,7 +57,7 @@ def test_export_writes_joint_trajectories_and_other_motion_files(capsys):
 
 @pytest.fixture
 def steps(monkeypatch) -> list[object]:
-    """Steps of an export, in their order, without planning and packages of viewers."""
+    """List the steps of an export in order, without planning."""
     done: list[object] = []
 
     @contextmanager
@@ -82,7 +82,7 @@ def steps(monkeypatch) -> list[object]:
     return done
 
 
-PLAN = "plan of nod.bml with setup"
+PLAN_TEXT = "plan of nod.bml with setup"
 
 
 @pytest.mark.parametrize("force", [False, True])
@@ -95,8 +95,8 @@ def test_planned_motion_is_exported_as_a_rerun_recording(steps, capsys, force):
         ("check", path, force),
         "planning",
         "writing",
-        ("rerun", f"planned: {PLAN}", path, force),
-        (PLAN, "screen"),
+        ("rerun", f"planned: {PLAN_TEXT}", path, force),
+        (PLAN_TEXT, "screen"),
     ]
     assert capsys.readouterr().out == "recording: nod.rrd\n"
 
@@ -110,8 +110,8 @@ def test_exported_performed_motion_is_that_of_the_twin(steps):
         "planning",
         "performing in the twin",
         "writing",
-        ("mcap", f"performed: run of {PLAN}", path, False),
-        (PLAN, "screen"),
+        ("mcap", f"performed: run of {PLAN_TEXT}", path, False),
+        (PLAN_TEXT, "screen"),
     ]
 
 

@@ -12,7 +12,7 @@ from kinesic.extras import install_extra
 
 ROOT = Path(__file__).resolve().parents[2]
 EXTRAS = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]["optional-dependencies"]
-WITHOUT = """
+HIDING_PROGRAM = """
 import sys
 hidden = sys.argv.pop(1)
 class Absent:
@@ -27,7 +27,7 @@ main()
 
 def run_without(package: str, folder: Path, *arguments: str) -> subprocess.CompletedProcess[str]:
     """Run the command line while a package cannot be imported."""
-    command = [sys.executable, "-c", WITHOUT, package, *arguments]
+    command = [sys.executable, "-c", HIDING_PROGRAM, package, *arguments]
     return subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
 
 

@@ -37,7 +37,7 @@ def make_puppet(elbow: str = "0 1 0") -> str:
 
 @pytest.fixture
 def within(monkeypatch):
-    """Import in this process; the imports of another would take most of the time."""
+    """Import robots in this process, as another process is slow to start."""
 
     def run(command, **_):
         return subprocess.CompletedProcess(command, 0, answer_import(Path(command[-3])), b"")

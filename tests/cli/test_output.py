@@ -29,7 +29,7 @@ FILE_VERBS = {
 
 @pytest.fixture
 def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """Home folder with a file and a marker of kinesic, outside the working folder."""
+    """Home folder of the user, marked as if kinesic had made it."""
     home = tmp_path.parent / f"{tmp_path.name}-home"
     home.mkdir()
     (home / "letter").write_text("dear")

@@ -10,8 +10,8 @@ import pytest
 from kinesic import Performer
 from kinesic.body.command import SETTLE_DURATION
 
-BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-TALK = BLOCK.format(
+BLOCK_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+SPOKEN_GESTURE = BLOCK_TEMPLATE.format(
     '<speech id="s"><text>Good <sync id="m"/>morning to you all, wherever you may be today</text></speech>'
     '<head id="h" lexeme="NOD" stroke="s:m"/><gesture id="rushed" lexeme="offer" mode="RIGHT_HAND" start="0" '
     'stroke="0.25" end="0.6"/><gesture id="odd" lexeme="xyzzy"/><faceLexeme id="f" lexeme="smile" start="1" end="2"/>'
@@ -19,7 +19,7 @@ TALK = BLOCK.format(
 
 
 def test_plan_without_out_prints_a_timeline_and_writes_no_file(kinesic, tmp_path: Path):
-    ended = kinesic("plan", "-", stdin=TALK)
+    ended = kinesic("plan", "-", stdin=SPOKEN_GESTURE)
     assert ended.code == 0, ended.err
     heading, *lines = ended.out.splitlines()
     assert heading.split() == ["from", "to", "behaviour", "action", "sync", "points"]
@@ -33,7 +33,7 @@ def test_plan_without_out_prints_a_timeline_and_writes_no_file(kinesic, tmp_path
 
 
 def test_plan_prints_the_duration_of_the_whole_performance_even_if_the_motion_is_shorter(kinesic):
-    smile = BLOCK.format('<head id="h" lexeme="NOD"/><faceLexeme id="f" lexeme="smile" start="0" end="6"/>')
+    smile = BLOCK_TEMPLATE.format('<head id="h" lexeme="NOD"/><faceLexeme id="f" lexeme="smile" start="0" end="6"/>')
     planned = Performer("upper22").plan(smile)
     assert planned.trajectory.duration < planned.duration == 6.0
     assert planned.command_times[-1] == pytest.approx(planned.duration + SETTLE_DURATION)
@@ -43,7 +43,7 @@ def test_plan_prints_the_duration_of_the_whole_performance_even_if_the_motion_is
 def test_timeline_shows_lexicon_entry_and_hands_of_gestures(kinesic):
     lexemes = ("LHandOnHip_Motex", "this_index_RH", "applause", "NOD")
     behaviours = "".join(f'<gesture id="g{k}" lexeme="{name}" start="{4 * k}"/>' for k, name in enumerate(lexemes))
-    words = " ".join(kinesic("plan", "-", stdin=BLOCK.format(behaviours).encode()).out.split())
+    words = " ".join(kinesic("plan", "-", stdin=BLOCK_TEMPLATE.format(behaviours).encode()).out.split())
     assert "gesture LHandOnHip_Motex as hand_on_hip, left hand ready" in words
     assert "gesture this_index_RH as this_index, right hand ready" in words
     assert "gesture applause, both hands ready" in words
@@ -51,7 +51,7 @@ def test_timeline_shows_lexicon_entry_and_hands_of_gestures(kinesic):
 
 
 def test_plan_timeline_shows_requested_times_of_moved_sync_points(kinesic):
-    ended = kinesic("plan", "-", stdin=TALK)
+    ended = kinesic("plan", "-", stdin=SPOKEN_GESTURE)
     moved = re.findall(r"(\w+) (-?[\d.]+) \(requested ([\d.]+)\)", " ".join(ended.out.split()))
     assert {sync for sync, _, _ in moved} >= {"start", "ready"}, "the gesture starts earlier than requested"
     assert "stroke" not in {sync for sync, _, _ in moved}, "the stroke is on time"
@@ -60,14 +60,14 @@ def test_plan_timeline_shows_requested_times_of_moved_sync_points(kinesic):
 
 
 def test_dropped_behaviours_are_listed_before_other_warnings(kinesic):
-    ended = kinesic("plan", "-", stdin=TALK)
+    ended = kinesic("plan", "-", stdin=SPOKEN_GESTURE)
     first, *others = ended.err.splitlines()
     assert first.startswith("dropped     xyzzy (odd): ")
     assert any(line.startswith("warning     offer (rushed): ") for line in others)
 
 
 def test_timeline_of_a_bap_motion_has_no_behaviours(kinesic, tmp_path: Path):
-    assert kinesic("plan", "-", "--out", "nod.bap", stdin=TALK).code == 0
+    assert kinesic("plan", "-", "--out", "nod.bap", stdin=SPOKEN_GESTURE).code == 0
     (tmp_path / "nod.bap").rename(tmp_path / "NOD.BAP")
     ended = kinesic("plan", "NOD.BAP")
     assert ended.code == 0, ended.err
@@ -76,14 +76,14 @@ def test_timeline_of_a_bap_motion_has_no_behaviours(kinesic, tmp_path: Path):
 
 
 def test_timeline_shows_when_the_hand_is_fastest_for_a_stroke_bound_to_a_word(kinesic):
-    tied = TALK.replace(b'start="0" stroke="0.25" end="0.6"', b'stroke="s:m + 1"')
+    tied = SPOKEN_GESTURE.replace(b'start="0" stroke="0.25" end="0.6"', b'stroke="s:m + 1"')
     words = " ".join(kinesic("plan", "-", stdin=tied).out.split())
     stroke, fastest = map(float, re.search(r"stroke ([\d.]+) \(hand fastest at ([\d.]+)\)", words).groups())
     median = float(
         re.search(r"hands are fastest ([\d.]+) s from their times on words \(median, strokes: 1\)", words)[1]
     )
     assert abs(abs(stroke - fastest) - median) < 0.011
-    assert "fastest" not in kinesic("plan", "-", stdin=TALK).out
+    assert "fastest" not in kinesic("plan", "-", stdin=SPOKEN_GESTURE).out
 
 
 def test_printed_bml_contains_no_terminal_control_characters(kinesic, tmp_path):
@@ -113,10 +113,10 @@ def test_plan_prints_fml_as_bml_and_lists_omitted_intentions(kinesic):
     assert ended.code == 0, ended.err
     assert "(performative-greet, 0.50)" in ended.out
     assert "not shown: no-set" in ended.err
-    assert kinesic("plan", "-", "--to", "bml", stdin=TALK).code == 2, "the document is BML already"
+    assert kinesic("plan", "-", "--to", "bml", stdin=SPOKEN_GESTURE).code == 2, "the document is BML already"
 
 
-HURRIED_NODS = BLOCK.format(
+HURRIED_NODS = BLOCK_TEMPLATE.format(
     '<head id="nods" lexeme="NOD" repetition="3" start="0" end="1.2"/>'
     '<head id="shakes" lexeme="SHAKE" repetition="3" start="1.3" end="2.4"/>'
 ).encode()
@@ -136,24 +136,24 @@ def test_plan_refuses_option_optimal_for_a_motion_file(kinesic):
 
 def test_plan_is_written_as_a_scene_or_a_motion_by_its_suffix(kinesic, tmp_path: Path):
     for name, start in (("talk.glb", b"glTF"), ("talk.npz", b"PK"), ("talk.csv", b"time")):
-        ended = kinesic("plan", "-", "--out", name, stdin=TALK)
+        ended = kinesic("plan", "-", "--out", name, stdin=SPOKEN_GESTURE)
         assert ended.code == 0, ended.err
         assert ended.out.splitlines()[-1] == f"motion: {name}"
         assert (tmp_path / name).read_bytes().startswith(start)
-        assert kinesic("plan", "-", "--out", name, stdin=TALK).code == 2, "an existing file is kept"
-        assert kinesic("plan", "-", "--out", name, "--force", stdin=TALK).code == 0
+        assert kinesic("plan", "-", "--out", name, stdin=SPOKEN_GESTURE).code == 2, "an existing file is kept"
+        assert kinesic("plan", "-", "--out", name, "--force", stdin=SPOKEN_GESTURE).code == 0
 
 
 def test_plan_writes_the_voice_next_to_a_scene_file(kinesic, tmp_path: Path):
     pytest.importorskip("espeakng_loader", reason="the extra speech is not installed")
-    ended = kinesic("plan", "-", "--out", "talk.glb", "--voice", "espeak", stdin=TALK)
+    ended = kinesic("plan", "-", "--out", "talk.glb", "--voice", "espeak", stdin=SPOKEN_GESTURE)
     assert ended.code == 0, ended.err
     assert ended.out.splitlines()[-2:] == ["voice: talk.wav", "motion: talk.glb"]
     duration = float(re.search(r"([\d.]+) s, \d+ keys", ended.out)[1])
     with wave.open(str(tmp_path / "talk.wav")) as file:
         assert file.getnframes() / file.getframerate() == pytest.approx(duration, abs=0.01), "both begin together"
     (tmp_path / "talk.glb").unlink()
-    ended = kinesic("plan", "-", "--out", "talk.glb", "--voice", "espeak", stdin=TALK)
+    ended = kinesic("plan", "-", "--out", "talk.glb", "--voice", "espeak", stdin=SPOKEN_GESTURE)
     assert ended.code == 2, "an existing voice is kept"
     assert not (tmp_path / "talk.glb").exists()
 
@@ -164,7 +164,7 @@ def test_voice_of_a_scene_does_not_replace_the_recording_even_with_force(kinesic
         file.writeframes(bytes(16000))
     recording = (tmp_path / "talk.wav").read_bytes()
     played = '<description type="audio/wav"><audio ref="talk.wav"/></description>'
-    spoken = BLOCK.format(f'<speech id="s"><text>Hello</text>{played}</speech>')
+    spoken = BLOCK_TEMPLATE.format(f'<speech id="s"><text>Hello</text>{played}</speech>')
     (tmp_path / "talk.bml").write_text(spoken)
     ended = kinesic("plan", "talk.bml", "--out", "talk.glb", "--force")
     assert ended.code == 2

@@ -105,7 +105,7 @@ def test_face_commands_have_the_times_of_the_plan(monkeypatch):
 
 
 class FakePreview:
-    """Face window that records how it was opened."""
+    """Test double of a face window that records its options."""
 
     def __init__(self, robot: object, *, look: object, windowed: bool) -> None:
         self.opened = (robot, look, windowed)
@@ -175,7 +175,7 @@ def test_face_window_plays_the_performance_with_its_voice_if_there_is_a_speaker(
 
 @pytest.fixture
 def servo_runs(monkeypatch) -> list[SimpleNamespace]:
-    """Performances on servos, each with all arguments; every one sends two statuses."""
+    """List the performances on servos, each of which reports two statuses."""
     runs: list[SimpleNamespace] = []
 
     @contextmanager

@@ -67,7 +67,7 @@ def test_markup_in_documents_is_printed_literally(known: Setup, screen: Console)
 
 
 def test_gesture_moved_to_the_other_hand_is_reported_as_substituted(known: Setup):
-    """The second of two simultaneous beats is performed in time by the free hand."""
+    """Plan two simultaneous beats, of which the free hand performs one."""
     document_plan = plan(
         BLOCK.format('<gesture id="one" lexeme="beat" stroke="1"/><gesture id="two" lexeme="beat" stroke="1"/>'), known
     )

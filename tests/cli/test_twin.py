@@ -81,7 +81,7 @@ def perform(kinesic, tmp_path):
 
 
 def test_fitted_servo_factors_improve_tracking_and_are_reported(kinesic, perform, tmp_path):
-    """Fit a log of soft servos, and perform in this robot's twin with and without the fitted factors."""
+    """Compare performances with soft servos before and after a fit."""
     (tmp_path / "soft.toml").write_text("gain = 0.6\n")
     unfitted = perform("--twin", "soft.toml", "--learn", "none")
     assert unfitted["lead"]["text"] == "as in the data sheets"

@@ -47,7 +47,7 @@ def parsed(ended):
 
 
 def interrupted_run(*arguments, cwd, min_done, journal):
-    """Run the command, and interrupt it when a number of documents is done."""
+    """Run the command, and interrupt it after `min_done` documents."""
     command = [
         sys.executable,
         "-c",

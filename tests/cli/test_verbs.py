@@ -112,7 +112,7 @@ def test_help_describes_every_verb(kinesic):
 
 
 def commands(group: click.Group, *words: str) -> Iterator[tuple[str, ...]]:
-    """Yield the words of every verb."""
+    """Yield the command words of every verb, such as `servos scan`."""
     for name, command in group.commands.items():
         yield (*words, name)
         if isinstance(command, click.Group):
@@ -120,7 +120,7 @@ def commands(group: click.Group, *words: str) -> Iterator[tuple[str, ...]]:
 
 
 def test_help_imports_no_slow_modules():
-    """A separate process is used because it has imported nothing yet."""
+    """Print all help pages in a new process."""
     program = f"""import sys
 from kinesic.cli import kinesic
 for words in {[(), *commands(cli.kinesic)]}:

@@ -104,7 +104,7 @@ def _prepare_folder(output: Output) -> Path | None:
 def _write_designs(
     result: SearchResult, pareto_designs: Sequence[Trial], robot: str, path: Path, file: RobotFile, folder: Path
 ) -> list[Path]:
-    """Write a robot file per Pareto-optimal design, and all designs' metrics.
+    """Write one robot file per Pareto-optimal design, and all designs' metrics.
 
     Each file extends the robot that was varied; a copy of that robot is written if it is not one of kinesic's.
     """
@@ -191,7 +191,7 @@ def _format_cell(value: float, step: float, *, more: bool) -> str:
 
 
 def _compare(steps: np.ndarray) -> str:
-    """Describe the criteria in which a design is better or worse.
+    """Name the criteria in which a design is better or worse.
 
     Args:
         steps: differences from the base design for each criterion; negative is better.

@@ -81,7 +81,7 @@ def calibrate_robot(robot: str, ports: tuple[str, ...], yes: bool, seconds: floa
 
 
 def _prepare_folder(path: Path) -> None:
-    """Create the calibration file's folder; refuse a link as file."""
+    """Create the calibration file's folder, and refuse a link as file."""
     with name_failures(path):
         path.parent.mkdir(parents=True, exist_ok=True)
     check_file(path, force=True)

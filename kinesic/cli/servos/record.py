@@ -25,7 +25,7 @@ ENTER_KEYS = {"\n", "\r"}  # characters that the Enter key sends
 
 
 def record_hands(robot: str, ports: tuple[str, ...], out: Path, seconds: float | None, force: bool) -> int:
-    """Write the joint angles of a robot that is moved by hand to a CSV file.
+    """Record the joint angles of a robot moved by hand as CSV.
 
     No servo gets torque.
     """

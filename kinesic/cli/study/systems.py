@@ -12,7 +12,7 @@ from kinesic.studies.gesture_perception.elo import RatingResult
 
 
 def print_matches(result: MatchResult, screen: Console) -> None:
-    """Print each system's rate of motions that participants matched with their speech."""
+    """Print each system's fraction of motions matched with the right speech."""
     screen.print("speech of the motion found (guessing: 0.50); detectable: smallest rate shown with a power of 80 %")
     table = Table("system", "answers", "found", "interval", "p", "detectable")
     for system, fraction in result.systems.items():

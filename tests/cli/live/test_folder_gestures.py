@@ -7,18 +7,18 @@ import pytest
 from kinesic.cli.live import folder_gestures
 from kinesic.cli.live.folder_gestures import read_folder
 
-GESTURE = 'category = "beat"\n[[gesture]]\nid = "{}"\nkeys = [{{ right = {{ at = [0.5, 0.3, 0.5] }} }}]\n'
+GESTURE_FILE = 'category = "beat"\n[[gesture]]\nid = "{}"\nkeys = [{{ right = {{ at = [0.5, 0.3, 0.5] }} }}]\n'
 
 
 def write(folder: Path, name: str, id: str | None = None, *, size: int = 0) -> int:
     """Write a file with one gesture, and return its size."""
-    text = GESTURE.format(id or name)
+    text = GESTURE_FILE.format(id or name)
     (folder / f"{name}.toml").write_text(text + "#" * max(size - len(text), 0))
     return max(size, len(text))
 
 
 def read_names(folder: Path) -> tuple[list[str], int]:
-    """Return the gestures that are read, in order, and the number of faults."""
+    """Return the names of a folder's gestures, and its number of faults."""
     result = read_folder(folder)
     return [form.id for part in result.parts for form, _ in part.entries], len(result.faults)
 
@@ -27,7 +27,7 @@ def test_gesture_files_of_a_folder_are_read_in_alphabetical_order(tmp_path: Path
     for name in ("c", "a", "b"):
         write(tmp_path, name)
     (tmp_path / "style.toml").write_text('[style]\nname = "x"\n')
-    (tmp_path / "other.txt").write_text(GESTURE.format("other"))
+    (tmp_path / "other.txt").write_text(GESTURE_FILE.format("other"))
     assert read_names(tmp_path) == (["a", "b", "c"], 0)
     assert read_names(tmp_path / "missing") == ([], 0)
 

@@ -1,4 +1,4 @@
-"""Start of `kinesic mcp`: answers before the robot's server, and an error line if that does not start."""
+"""Start of `kinesic mcp` if the robot's server starts late or never."""
 
 import gc
 import json
@@ -15,8 +15,8 @@ from kinesic.cli.options import Planning
 
 pytestmark = pytest.mark.skipif(find_spec("mcp") is None, reason="pip install 'kinesic[mcp]'")
 
-CLIENT = {"name": "test", "version": "1"}
-INITIALISE = {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": CLIENT}
+CLIENT_INFO = {"name": "test", "version": "1"}
+CLIENT_HELLO = {"protocolVersion": "2025-06-18", "capabilities": {}, "clientInfo": CLIENT_INFO}
 
 
 @pytest.mark.soak  # starts two processes
@@ -31,7 +31,7 @@ def test_mcp_server_answers_with_the_start_error_of_the_robot_server_and_exits_w
             print(json.dumps(question), file=tools.stdin, flush=True)
             return json.loads(tools.stdout.readline())["result"]
 
-        assert ask(1, "initialize", **INITIALISE)["serverInfo"]["name"] == "kinesic"
+        assert ask(1, "initialize", **CLIENT_HELLO)["serverInfo"]["name"] == "kinesic"
         print('{"jsonrpc": "2.0", "method": "notifications/initialized"}', file=tools.stdin, flush=True)
         assert "stop" in {tool["name"] for tool in ask(2, "tools/list")["tools"]}
         stopped = ask(3, "tools/call", name="stop", arguments={})

@@ -1,4 +1,4 @@
-"""Connection of `kinesic mcp` to a running server or to one that it starts, without any process."""
+"""Connection of `kinesic mcp` to test doubles of the robot's server."""
 
 import io
 import subprocess
@@ -26,7 +26,7 @@ SERVOS = Performers(frozenset({"servos", "twin"}), ("left=/dev/a", "right=/dev/b
 
 
 class Line:
-    """Connection to a server."""
+    """Test double of the connection to a server."""
 
     def __init__(self, host: str, port: int, *, token: str | None) -> None:
         if port == 1:
@@ -69,7 +69,7 @@ def test_connecting_to_a_server_that_does_not_run_raises_an_error_with_its_addre
 
 
 class Server:
-    """Process of a server, which prints some lines."""
+    """Test double of a server process that prints the given lines."""
 
     def __init__(self, lines: list[str]) -> None:
         self.lines, self.calls, self.stdin = lines, [], io.StringIO()
@@ -196,7 +196,7 @@ def test_setup_is_not_loaded_if_the_robot_server_does_not_start(monkeypatch) -> 
 
 
 class Tools:
-    """MCP server of the tools that only records its calls."""
+    """Test double of the MCP server that only records its calls."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.calls: list[object] = []
@@ -225,7 +225,7 @@ class Tools:
         monkeypatch.setattr("kinesic.mcp.web.serve_web", lambda *places, token: self.calls.append((places, token)))
 
     def submit(self, load: Callable[..., object], *arguments: object) -> Future[object]:
-        """Run a task of the thread pool at once."""
+        """Run a task of the thread pool in the calling thread."""
         done: Future[object] = Future()
         try:
             done.set_result(load(*arguments))

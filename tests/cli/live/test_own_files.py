@@ -1,4 +1,4 @@
-"""Files that the live verbs take from their options, and messages that `say -` prints."""
+"""Files given to the live verbs, and messages of `say -`."""
 
 import json
 import sys

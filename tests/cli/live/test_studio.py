@@ -104,13 +104,13 @@ def test_studio_page_data_contains_the_robot_its_gestures_and_example_documents(
     assert len({gesture["id"] for gesture in page_data["gestures"]}) > 200
 
 
-ACCESS = AccessOptions("127.0.0.1:0", "secret", (), texts=False)
+ACCESS_OPTIONS = AccessOptions("127.0.0.1:0", "secret", (), texts=False)
 PERFORMERS = Performers(frozenset({"twin"}), ())
 
 
 @pytest.fixture
 def served(monkeypatch) -> list[dict[str, object]]:
-    """Arguments of each served page, without a robot; its files are the arguments of `page_files`."""
+    """List the arguments with which each studio page is served."""
     pages: list[dict[str, object]] = []
 
     def serve(*arguments: object, **options: object) -> int:
@@ -124,18 +124,18 @@ def served(monkeypatch) -> list[dict[str, object]]:
     monkeypatch.setattr(studio_verb, "open_and_serve", serve)
     monkeypatch.setattr(studio_verb, "show_page", lambda *arguments: pages.append({"arguments": arguments}) or 6)
     monkeypatch.setattr(studio_verb, "ask_robot", lambda address, token: f"robot at {address} with {token}")
-    monkeypatch.setattr(studio_verb, "set_up_like", lambda *arguments: setup if arguments[1:] == ASKED else None)
+    monkeypatch.setattr(studio_verb, "set_up_like", lambda *arguments: setup if arguments[1:] == REMOTE_ROBOT else None)
     return pages
 
 
-ASKED = ("robot at 127.0.0.1:9 with secret", Address("127.0.0.1", 9))
+REMOTE_ROBOT = ("robot at 127.0.0.1:9 with secret", Address("127.0.0.1", 9))
 
 
 def open_page(
     file: Path | None, folder: Path | None = None, *, browser: bool = False, connect: str | None = None
 ) -> int:
     planning = Planning("upper22", "calm", {})
-    return open_studio(file, planning, ACCESS, PERFORMERS, folder, True, browser, ("rule",), connect)
+    return open_studio(file, planning, ACCESS_OPTIONS, PERFORMERS, folder, True, browser, ("rule",), connect)
 
 
 def test_studio_serves_the_folder_of_its_document(served, tmp_path):
@@ -143,7 +143,7 @@ def test_studio_serves_the_folder_of_its_document(served, tmp_path):
     assert open_page(tmp_path / "a.bml") == 5
     (page,) = served
     snapshot, *others = page["arguments"]
-    assert others == [ACCESS, PERFORMERS, True, ("rule",)]
+    assert others == [ACCESS_OPTIONS, PERFORMERS, True, ("rule",)]
     assert (snapshot.folder, page["folder"], page["armed"]) == (tmp_path, tmp_path, False)
     assert page["files"] == (("robot", "lexicon"), {"style": "calm", "document": "a.bml"})
 

@@ -36,7 +36,7 @@ def command_lines(pid: int) -> list[bytes]:
 def running(
     *arguments: str, until: str, **environment: str
 ) -> Iterator[tuple[subprocess.Popen[str], re.Match[str], str]]:
-    """Run a verb, and yield its process, the matched line and all output until then."""
+    """Run a verb until its output matches, and yield process and output."""
     inherited = {name: value for name, value in os.environ.items() if name != "KINESIC_TOKEN"}
     with subprocess.Popen(
         [*KINESIC, *arguments],

@@ -1,4 +1,4 @@
-"""Choice of a server's token from the command line, a file or the environment."""
+"""Choice of a server's token from command line, file or environment."""
 
 import subprocess
 import sys
@@ -33,7 +33,7 @@ def token_file(tmp_path: Path) -> Path:
 
 
 def run(*arguments: str) -> tuple[object, str]:
-    """Return the token that a verb gets, and the text on standard error."""
+    """Return the token passed to a verb, and the standard error output."""
     results: list[object] = []
 
     @click.command()

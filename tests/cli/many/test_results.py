@@ -10,12 +10,19 @@ from kinesic.cli.many.results import SUMMARY_QUERIES, ask_results
 from kinesic.tasks.store import QueryResult
 
 pytest.importorskip("duckdb", reason="the extra store is not installed")
-CHECK = {"name": "limits.speed", "status": "fail", "value": 1.5, "limit": 1.0, "unit": "ratio", "where": ""}
+FAILED_CHECK = {"name": "limits.speed", "status": "fail", "value": 1.5, "limit": 1.0, "unit": "ratio", "where": ""}
 
 
 @pytest.fixture
 def folder(tmp_path):
-    entry = {"file": "[a].bml", "outcome": "performed", "exit": 1, "behaviours": [], "checks": [CHECK], "error": ""}
+    entry = {
+        "file": "[a].bml",
+        "outcome": "performed",
+        "exit": 1,
+        "behaviours": [],
+        "checks": [FAILED_CHECK],
+        "error": "",
+    }
     (tmp_path / "finished.jsonl").write_text(json.dumps({"key": "1", "entry": entry}) + "\n")
     return tmp_path
 
@@ -47,7 +54,7 @@ def test_results_plot_is_written_and_replaces_no_file_of_another_name(kinesic, f
 
 
 class Store:
-    """Store of results that answers each query with its text and a few values."""
+    """Test double of a result store that answers with fixed rows."""
 
     tables = ("figures", "documents", "checks")
 
@@ -57,7 +64,7 @@ class Store:
 
 @pytest.fixture
 def store(monkeypatch, capsys) -> Store:
-    """Store in place of that of any folder, and pictures of one byte."""
+    """Replace result stores and their plots by test doubles."""
     opened = Store()
 
     @contextmanager

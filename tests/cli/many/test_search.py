@@ -29,9 +29,9 @@ from kinesic.tasks.store import DESIGNS_FILE
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" start="0.2"/></bml>'
 VARY_OPTIONS = ("--vary", "l_elbow_flexion.servo=xm430_w210,xc430_w240", "--vary", "vl5_roll.reduction=2.5,10")
-LIGHT: Design = (("l_elbow.length", "0.2"),)
-BODY = BodyFigures(price=100.0, mass=2.0, arm_length=0.5, torque=0.5, hinge="l_elbow_flexion", sectors=40)
-NAMED = Path("found", "upper22_1.toml")
+LIGHT_DESIGN: Design = (("l_elbow.length", "0.2"),)
+BODY_FIGURES = BodyFigures(price=100.0, mass=2.0, arm_length=0.5, torque=0.5, hinge="l_elbow_flexion", sectors=40)
+DESIGN_PATH = Path("found", "upper22_1.toml")
 
 
 @pytest.mark.realtime
@@ -82,16 +82,17 @@ def test_invalid_input_of_search_is_reported_in_one_line(kinesic, tmp_path, argu
 
 def test_printed_table_compares_each_pareto_optimal_design_with_the_base(capsys):
     documents = (DocumentFigures("nod.bml", 1, 0.5, 0.75, ("limits.speed",)),)
-    base = Trial(BASE_DESIGN, body=BODY, documents=documents)
-    light = Trial(LIGHT, body=replace(BODY, mass=1.0), documents=documents)
+    base = Trial(BASE_DESIGN, body=BODY_FIGURES, documents=documents)
+    light = Trial(LIGHT_DESIGN, body=replace(BODY_FIGURES, mass=1.0), documents=documents)
     mixed = Trial(
         (("l_elbow.length", "0.3"), ("vl5_roll.reduction", "2")),
-        body=replace(BODY, price=None, arm_length=0.6, torque=0.49),
+        body=replace(BODY_FIGURES, price=None, arm_length=0.6, torque=0.49),
         documents=documents,
     )
     rejected = Trial((("l_elbow.length", "9"),), out="too long [m]")
     _print_result(
-        SearchResult((light, base, mixed), (Trial(LIGHT),), (rejected,), (Round(3, 2), Round(9, 1))), [light, mixed]
+        SearchResult((light, base, mixed), (Trial(LIGHT_DESIGN),), (rejected,), (Round(3, 2), Round(9, 1))),
+        [light, mixed],
     )
     rounds, heading, (heads, units, *rows) = (lines := capsys.readouterr().out.splitlines())[:2], lines[2], lines[3:]
     assert rounds == ["round 1: 2 designs, 3 documents", "round 2: 1 designs, 9 documents"]
@@ -123,9 +124,11 @@ def test_design_comparison_names_better_and_worse_criteria(steps, text):
 
 def test_search_json_lists_changes_and_metrics_of_each_design():
     documents = (DocumentFigures("nod.bml", 2, 0.5, 0.75, ("limits.speed",)),)
-    light = Trial(LIGHT, body=replace(BODY, price=None), documents=documents)
+    light = Trial(LIGHT_DESIGN, body=replace(BODY_FIGURES, price=None), documents=documents)
     rejected = Trial((("a", "1"), ("b", "2")), out="too long")
-    found = _to_json(SearchResult((light,), (Trial(BASE_DESIGN, body=BODY),), (rejected,), (Round(3, 2),)), [light])
+    found = _to_json(
+        SearchResult((light,), (Trial(BASE_DESIGN, body=BODY_FIGURES),), (rejected,), (Round(3, 2),)), [light]
+    )
     first, second, third = found["designs"]
     assert found["rounds"] == [{"documents": 3, "designs": 2}]
     assert first == {
@@ -166,14 +169,14 @@ def test_search_reuses_the_folder_of_an_interrupted_search_but_needs_force_for_a
 
 @pytest.fixture
 def searches(tmp_path, monkeypatch) -> list[dict[str, object]]:
-    """Arguments of each search; its result is a light design, a cheap one and the robot itself."""
+    """List the arguments of each search, which returns three fixed designs."""
     asked: list[dict[str, object]] = []
     design = (("l_elbow_flexion.servo", "xc430_w240"),)
     cheap = (("vl5_roll.reduction", "2.5"),)
     trials = (
-        Trial(design, body=BODY),
-        Trial(cheap, body=replace(BODY, price=50.0, mass=3.0)),
-        Trial(BASE_DESIGN, body=replace(BODY, mass=3.0)),
+        Trial(design, body=BODY_FIGURES),
+        Trial(cheap, body=replace(BODY_FIGURES, price=50.0, mass=3.0)),
+        Trial(BASE_DESIGN, body=replace(BODY_FIGURES, mass=3.0)),
     )
 
     def search(
@@ -206,11 +209,11 @@ def test_search_writes_one_robot_per_pareto_optimal_design_if_requested(searches
     assert list(Path().glob("*.toml")) == []
     assert search_upper22(Output(Path("found"), False, False)) == 0
     printed = capsys.readouterr()
-    files = [NAMED, NAMED.with_name("upper22_2.toml"), NAMED.with_name(DESIGNS_FILE)]
+    files = [DESIGN_PATH, DESIGN_PATH.with_name("upper22_2.toml"), DESIGN_PATH.with_name(DESIGNS_FILE)]
     assert printed.out.splitlines()[-3:] == [f"{path.suffix[1:]}: {path}" for path in files]
     assert printed.err == ""
     assert [Robot.load(path).name for path in files[:2]] == ["upper22_1", "upper22_2"]
-    assert sorted(NAMED.parent.glob("*.toml")) == files[:2]
+    assert sorted(DESIGN_PATH.parent.glob("*.toml")) == files[:2]
 
 
 def test_search_with_option_json_prints_only_json_to_standard_output(searches, capsys):
@@ -219,7 +222,7 @@ def test_search_with_option_json_prints_only_json_to_standard_output(searches, c
     text = Path("found", DESIGNS_FILE).read_text()
     assert printed.out == f"{text}\n"
     assert text.startswith('{\n "rounds": [\n  {\n   "documents": 1,')
-    assert printed.err.splitlines()[0] == f"toml: {NAMED}"
+    assert printed.err.splitlines()[0] == f"toml: {DESIGN_PATH}"
 
 
 def test_search_performs_the_given_documents_with_all_variants(searches):
@@ -258,7 +261,7 @@ def test_search_replaces_the_designs_file_of_an_earlier_search(tmp_path):
     path = locate_config("robot", "upper22")
     for text in ("old", ""):
         (tmp_path / DESIGNS_FILE).write_text(text)
-        result = SearchResult((Trial(BASE_DESIGN, body=BODY),), (), (), (Round(1, 1),))
+        result = SearchResult((Trial(BASE_DESIGN, body=BODY_FIGURES),), (), (), (Round(1, 1),))
         file = read_robot(path, RobotFile)
         assert _write_designs(result, result.finished, "upper22", path, file, tmp_path) == [tmp_path / DESIGNS_FILE]
         (row,) = json.loads((tmp_path / DESIGNS_FILE).read_text())["designs"]

@@ -8,16 +8,20 @@ from kinesic.cli.screen.console import Console
 from kinesic.report.batch import DocumentVerdict
 from kinesic.report.checks import Check
 
-FAST = Check("limits.speed", "fail", 1.5, 1.0, "ratio", "at 1 s")
-SLOW = Check("limits.speed", "pass", 0.25, 1.0, "ratio", "")
-LATE = Check("timing.lag", "poor", 0.02, 0.01, "s", "at 2 s, [nod] late")
-FAILED = DocumentVerdict(
-    "a/one.bml", "performed", 1, behaviours=(("head", "realised"), ("gesture", "dropped")), checks=(FAST, LATE)
+FAILED_CHECK = Check("limits.speed", "fail", 1.5, 1.0, "ratio", "at 1 s")
+PASSED_CHECK = Check("limits.speed", "pass", 0.25, 1.0, "ratio", "")
+POOR_CHECK = Check("timing.lag", "poor", 0.02, 0.01, "s", "at 2 s, [nod] late")
+FAILED_DOCUMENT = DocumentVerdict(
+    "a/one.bml",
+    "performed",
+    1,
+    behaviours=(("head", "realised"), ("gesture", "dropped")),
+    checks=(FAILED_CHECK, POOR_CHECK),
 )
-PASSED = DocumentVerdict("a/two.bml", "performed", 0, checks=(SLOW,))
-REFUSED = DocumentVerdict("b/three.bml", "refused", 0, error="b/three.bml:1:2: [no] end" + 20 * " of it")
-CRASHED = DocumentVerdict("b/four.bml", "crashed", 3, error="b/four.bml: out of memory")
-NARROWEST = 79  # [characters] width that leaves 16 for the place and the file of FAST and LATE
+PASSED_DOCUMENT = DocumentVerdict("a/two.bml", "performed", 0, checks=(PASSED_CHECK,))
+REFUSED_DOCUMENT = DocumentVerdict("b/three.bml", "refused", 0, error="b/three.bml:1:2: [no] end" + 20 * " of it")
+CRASHED_DOCUMENT = DocumentVerdict("b/four.bml", "crashed", 3, error="b/four.bml: out of memory")
+NARROW_WIDTH = 79  # [characters] width that leaves 16 for the columns of place and file
 
 
 def summary(verdicts: list[DocumentVerdict], width: int, *, colour: bool = False) -> list[str]:
@@ -38,8 +42,8 @@ def test_result_table_truncates_no_names_and_numbers_in_a_narrow_terminal():
 
 
 def test_batch_summary_prints_failures_before_the_folder_and_check_tables():
-    assert summary([FAILED, PASSED, REFUSED], 120) == [
-        f"refused  {REFUSED.error}",
+    assert summary([FAILED_DOCUMENT, PASSED_DOCUMENT, REFUSED_DOCUMENT], 120) == [
+        f"refused  {REFUSED_DOCUMENT.error}",
         "failed   a/one.bml: limits.speed 1.5 ratio (limit 1) at 1 s",
         "poor     a/one.bml: timing.lag 0.02 s (limit 0.01) at 2 s, [nod] late",
         "",
@@ -54,7 +58,7 @@ def test_batch_summary_prints_failures_before_the_folder_and_check_tables():
 
 
 def test_summary_of_one_folder_has_no_total_and_passed_checks_name_no_file():
-    assert summary([PASSED], 120) == [
+    assert summary([PASSED_DOCUMENT], 120) == [
         " folder  documents  performed  refused  failed  poor  realised  partly  substituted  dropped",
         " a               1          1        0       0     0         0       0            0        0",
         " check         pass  warn  poor  fail  worst  limit  unit   worst where  in",
@@ -63,7 +67,7 @@ def test_summary_of_one_folder_has_no_total_and_passed_checks_name_no_file():
 
 
 def test_summary_has_a_column_for_crashed_documents_only_if_one_crashed():
-    header, row, _ = summary([CRASHED], 120)[2:]
+    header, row, _ = summary([CRASHED_DOCUMENT], 120)[2:]
     assert header.split()[:5] == ["folder", "documents", "performed", "refused", "crashed"]
     assert row.split()[:5] == ["b", "1", "0", "0", "1"]
 
@@ -75,34 +79,36 @@ def test_summary_of_no_documents_is_one_line():
 @pytest.mark.parametrize(
     ("width", "heading", "row"),
     [
-        (NARROWEST + 3, "worst wh…  in", "at 2 s, …  one.bml"),  # An odd remainder goes to the file.
-        (NARROWEST, "worst w…  in", "at 2 s,…  one.bml"),
-        (NARROWEST - 1, "in", "one.bml"),
-        (NARROWEST - 13, "in", "one.…"),
+        (NARROW_WIDTH + 3, "worst wh…  in", "at 2 s, …  one.bml"),  # An odd remainder goes to the file.
+        (NARROW_WIDTH, "worst w…  in", "at 2 s,…  one.bml"),
+        (NARROW_WIDTH - 1, "in", "one.bml"),
+        (NARROW_WIDTH - 13, "in", "one.…"),
     ],
 )
 def test_location_and_file_columns_share_the_remaining_terminal_width(width, heading, row):
-    *_, header, _, late = summary([FAILED], width)
+    *_, header, _, late = summary([FAILED_DOCUMENT], width)
     assert header.split("unit   ")[1] == heading
     assert late.split("0.01  s      ")[1] == row
 
 
 def test_narrow_terminal_truncates_only_the_text_columns_of_the_check_table():
-    *_, header, _, late = summary([FAILED], NARROWEST - 17)
+    *_, header, _, late = summary([FAILED_DOCUMENT], NARROW_WIDTH - 17)
     assert header == " check         pass  warn  poor  fail  worst  limit  unit   …"
     assert late == " timing.lag       0     0     1     0   0.02   0.01  s      …"
 
 
 def test_check_counts_are_coloured_by_status_unless_they_are_zero():
-    lines = summary([FAILED, PASSED, REFUSED], 120, colour=True)
-    assert lines[0] == f"refused  {REFUSED.error}"  # no word of an error is highlighted
+    lines = summary([FAILED_DOCUMENT, PASSED_DOCUMENT, REFUSED_DOCUMENT], 120, colour=True)
+    assert lines[0] == f"refused  {REFUSED_DOCUMENT.error}"  # no word of an error is highlighted
     fast, late = lines[-2:]
     assert fast.startswith(" limits.speed     \x1b[32m1\x1b[0m     0     0     \x1b[31m1\x1b[0m    1.5")
     assert late.startswith(" timing.lag       0     0     \x1b[35m1\x1b[0m     0   0.02")
 
 
 def test_only_the_total_row_of_all_folders_is_bold():
-    *_, header, first, second, total, _, _, _ = summary([FAILED, PASSED, REFUSED], 120, colour=True)
+    *_, header, first, second, total, _, _, _ = summary(
+        [FAILED_DOCUMENT, PASSED_DOCUMENT, REFUSED_DOCUMENT], 120, colour=True
+    )
     assert ["\x1b[1m" in line for line in (header, first, second, total)] == [True, False, False, True]
 
 

@@ -50,7 +50,7 @@ def test_film_of_several_robots_as_mp4_is_refused(kinesic, tmp_path):
 
 
 def test_mp4_film_has_the_requested_size_frame_rate_and_sound(kinesic, tmp_path, monkeypatch):
-    """Replace ffmpeg by a program that stores its arguments, and skip the film of the face."""
+    """Replace ffmpeg by a program that stores its arguments."""
     if why := opengl_fault():
         pytest.skip(why)
     begin = films._process

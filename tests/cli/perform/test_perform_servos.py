@@ -1,4 +1,4 @@
-"""Decisions of `kinesic perform --on servos`, with a recorded drive in place of the servos."""
+"""Decisions of `kinesic perform --on servos`, without real or virtual servos."""
 
 import json
 from contextlib import nullcontext
@@ -26,7 +26,7 @@ def runs() -> tuple[DryRun, ...]:
 
 
 class Drive:
-    """Recorded drive of the servos and the learning from it."""
+    """Test double of the servos that records performances and learning."""
 
     def __init__(self, performance: DryRun) -> None:
         self.ending, self.times, self.performance = "ended", [0.0, 0.01, 0.02], performance
@@ -168,7 +168,7 @@ def test_tracking_errors_of_several_twins_are_printed_side_by_side(runs, capsys,
 
 @pytest.mark.parametrize("servo_log", [None, Path("out/servos.npz")])
 def test_perform_prints_written_paths_and_why_the_face_film_is_missing(capsys, servo_log):
-    """A log of servos exists if servos performed, a voice if the block speaks."""
+    """Print paths with and without a log of the servos."""
     files = {name: Path("out", name) for name in ("report", "page", "measured")}
     written = output.WrittenPaths(**files, film=Path("out/film.webp"), why_no_face="no face")
     perform._print_paths(written, servo_log, to_stderr=False)

@@ -56,7 +56,7 @@ def test_option_json_is_accepted_if_perform_names_only_one_robot(kinesic_in, fol
 
 
 def test_combined_film_of_two_robots_aligns_their_block_starts(tmp_path):
-    """Each film turns from black to its colour at block zero, and so must both parts of the combined film."""
+    """Combine two films that change their colour at block time zero."""
     for name, zero, width, colour in (("a", 0.5, 16, (250, 0, 0)), ("b", 0.25, 30, (0, 0, 250))):
         (tmp_path / name).mkdir()
         timing = {"timing": {"zero_s": zero, "duration_s": 1.0}}

@@ -9,18 +9,18 @@ import pytest
 from kinesic.cli.screen.console import Console
 from kinesic.cli.screen.live import LiveLines
 
-SLOW = 1e-3  # [Hz] rate at which the thread draws only once
+SLOW_RATE = 1e-3  # [Hz] redraw rate so low that the thread draws only once
 
 
 class Terminal(io.StringIO):
-    """Text that acts as a terminal."""
+    """Text stream that claims to be a terminal."""
 
     def isatty(self) -> bool:
         return True
 
 
 def screen_of(output: str) -> list[str]:
-    """Return the lines that a terminal shows after some output."""
+    """Return the lines that a terminal shows after this output."""
     lines = [""]
     for piece in output.replace("\x1b[1A\x1b[2K", "\0").splitlines(keepends=True):
         for part in piece.split("\0")[:-1]:
@@ -43,7 +43,7 @@ def terminal(monkeypatch: pytest.MonkeyPatch) -> Terminal:
 def test_printed_output_appears_above_the_live_lines_which_disappear_at_the_end(terminal: Terminal, monkeypatch):
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setattr(sys, "stdout", terminal)
-    lines = LiveLines(Console(terminal, 40, is_terminal=True), lambda: ("first", "second"), rate=SLOW)
+    lines = LiveLines(Console(terminal, 40, is_terminal=True), lambda: ("first", "second"), rate=SLOW_RATE)
     with lines.shown():
         lines.redraw()
         assert screen_of(terminal.getvalue()) == ["first", "second", ""]
@@ -55,7 +55,7 @@ def test_printed_output_appears_above_the_live_lines_which_disappear_at_the_end(
 
 
 def test_long_live_lines_are_wrapped_and_cut_to_the_terminal_size(terminal: Terminal):
-    lines = LiveLines(Console(terminal, 5, height=3, is_terminal=True), lambda: ("one two three",), rate=SLOW)
+    lines = LiveLines(Console(terminal, 5, height=3, is_terminal=True), lambda: ("one two three",), rate=SLOW_RATE)
     with lines.shown():
         lines.redraw()
         assert screen_of(terminal.getvalue()) == ["one", "two", ""]
@@ -64,7 +64,7 @@ def test_long_live_lines_are_wrapped_and_cut_to_the_terminal_size(terminal: Term
 def test_output_to_a_pipe_is_not_redirected_to_the_terminal(terminal: Terminal, monkeypatch: pytest.MonkeyPatch):
     pipe = io.StringIO()
     monkeypatch.setattr(sys, "stdout", pipe)
-    with LiveLines(Console(terminal, 40, is_terminal=True), lambda: ("line",), rate=SLOW).shown():
+    with LiveLines(Console(terminal, 40, is_terminal=True), lambda: ("line",), rate=SLOW_RATE).shown():
         click.echo("result")
     assert pipe.getvalue() == "result\n"
     assert "result" not in terminal.getvalue()
@@ -72,7 +72,7 @@ def test_output_to_a_pipe_is_not_redirected_to_the_terminal(terminal: Terminal, 
 
 def test_live_lines_are_not_drawn_without_a_terminal():
     pipe = io.StringIO()
-    with LiveLines(Console(pipe, 40), lambda: ("line",), rate=SLOW).shown():
+    with LiveLines(Console(pipe, 40), lambda: ("line",), rate=SLOW_RATE).shown():
         pass
     assert pipe.getvalue() == ""
 

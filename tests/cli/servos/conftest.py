@@ -1,4 +1,4 @@
-"""Virtual servos of the default robot, and motion by hand, in virtual or real time."""
+"""Virtual servos of the default robot that is moved by hand."""
 
 import sys
 from collections.abc import Callable, Iterator
@@ -27,7 +27,7 @@ Posture = Callable[[str], float]  # hinge name -> angle from the start [deg]
 
 
 class Table:
-    """Virtual servos of the default robot on a table."""
+    """Virtual servos of the default robot, with scheduled motion by hand."""
 
     def __init__(self, faults: FaultPlan = NO_FAULTS) -> None:
         robot = Robot.load()
@@ -47,7 +47,7 @@ class Table:
         self._moves, self._next = list(moves), 0.0
 
     def move(self, time: float) -> None:
-        """Move the robot by hand to the next posture when it is due [s]."""
+        """Move the robot to the next scheduled posture if it is due."""
         if self._moves and time >= self._next:
             move, self._next = self._moves.pop(0), time + POSTURE_DURATION
             ids = [fitting.servo for fitting in self.cable.fittings]
@@ -68,7 +68,7 @@ class Table:
 
 
 class TableWire(MemoryWire):
-    """Wire to the table; its clock triggers the motion by hand."""
+    """Wire to virtual servos that moves the robot by hand in time."""
 
     def __init__(self, table: Table, path: Path, baud: int) -> None:
         super().__init__(table.bus, name=str(path), time=table.plant.time)
@@ -81,7 +81,7 @@ class TableWire(MemoryWire):
 
 @pytest.fixture
 def table(monkeypatch: pytest.MonkeyPatch) -> Table:
-    """Connect the ports of all verbs to a table in virtual time."""
+    """Connect the ports of all verbs to virtual servos in virtual time."""
     virtual_table = Table()
     for verb in PORT_MODULES:
         module = import_module(f"kinesic.cli.{verb}")
@@ -94,7 +94,7 @@ SWITCH_INTERVAL = 2e-4  # [s] short, so that a busy-waiting driver yields to the
 
 @contextmanager
 def serving(virtual_table: Table, port: Path) -> Iterator[Table]:
-    """Serve a table at a pseudo-terminal in real time."""
+    """Serve virtual servos at a pseudo-terminal in real time."""
     stop, switch_interval = Event(), sys.getswitchinterval()
     sys.setswitchinterval(SWITCH_INTERVAL)
     virtual_table.port = port

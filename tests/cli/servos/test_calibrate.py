@@ -17,7 +17,7 @@ from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.tools.calibration import Travel, measure_hinges
 
-HINGES = {hinge.name: np.degrees([hinge.lower, hinge.upper]) for hinge in Robot.load().skeleton.hinges}
+HINGE_RANGES = {hinge.name: np.degrees([hinge.lower, hinge.upper]) for hinge in Robot.load().skeleton.hinges}
 
 
 @pytest.fixture
@@ -65,8 +65,8 @@ def test_calibrate_writes_zeros_directions_and_ranges_measured_by_hand(kinesic, 
         travel = read_zero_posture(*arguments, **keywords)
         table.turn(
             lambda hinge: 15.0 if hinge != "vl5_roll" else -15.0,
-            lambda hinge: HINGES[hinge][1] if hinge != "l_elbow_flexion" else 110.0,
-            lambda hinge: HINGES[hinge][0],
+            lambda hinge: HINGE_RANGES[hinge][1] if hinge != "l_elbow_flexion" else 110.0,
+            lambda hinge: HINGE_RANGES[hinge][0],
         )
         return travel
 
@@ -109,7 +109,7 @@ def test_calibrate_refuses_servos_whose_torque_is_on(kinesic, table, mine):
 
 def turn_all_but(still: str) -> list[Callable[[str], float]]:
     """Motions of every hinge to its upper and lower limit, except one."""
-    return [lambda hinge, end=end: 0.0 if hinge == still else HINGES[hinge][end] for end in (1, 0)]
+    return [lambda hinge, end=end: 0.0 if hinge == still else HINGE_RANGES[hinge][end] for end in (1, 0)]
 
 
 def test_calibrate_keeps_earlier_values_of_joints_that_were_not_turned(kinesic, table, mine, move_after_zero):
@@ -137,7 +137,7 @@ def test_calibrate_ends_when_every_hinge_was_turned_through_its_range(kinesic, t
     assert all(servo.memory[Register.MIN_POSITION_LIMIT] == 0 for servo in table.plant.servos)
     assert all(servo.memory[Register.MAX_POSITION_LIMIT] == 4095 for servo in table.plant.servos)
     (row,) = [line for line in ended.out.splitlines() if line.strip().startswith("l_elbow_flexion ")]
-    lower, upper = HINGES["l_elbow_flexion"]
+    lower, upper = HINGE_RANGES["l_elbow_flexion"]
     assert row.split()[:2] == ["l_elbow_flexion", "15"]
     assert row.split()[-1] == "whole"
     assert f"{lower:.0f}..{upper:.0f}" in row

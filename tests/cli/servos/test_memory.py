@@ -105,20 +105,20 @@ class FakeIdentification(SimpleNamespace):
         return "latency 22 ms"
 
 
-IDENTIFICATION = FakeIdentification(why="", estimate=WEAKER_FACTORS)
+FAKE_IDENTIFICATION = FakeIdentification(why="", estimate=WEAKER_FACTORS)
 
 
 def test_learned_servo_factors_are_written_to_the_file_of_option_learn(learned: Path, tmp_path: Path) -> None:
     memory = ServoMemory.of(ServoOptions(None, str(learned)))
-    assert memory.keep(IDENTIFICATION, tmp_path / "report") == learned
+    assert memory.keep(FAKE_IDENTIFICATION, tmp_path / "report") == learned
     assert Factors.read(learned) == WEAKER_FACTORS
     assert learned.read_text().splitlines()[0] == "# latency 22 ms"
 
 
 def test_learned_factors_are_written_to_the_report_folder_by_default(tmp_path: Path) -> None:
-    assert NO_SERVO_MEMORY.keep(IDENTIFICATION, tmp_path) == tmp_path / LEARNED_FACTORS_FILE
+    assert NO_SERVO_MEMORY.keep(FAKE_IDENTIFICATION, tmp_path) == tmp_path / LEARNED_FACTORS_FILE
     assert Factors.read(tmp_path / LEARNED_FACTORS_FILE) == WEAKER_FACTORS
-    assert NO_SERVO_MEMORY.keep(IDENTIFICATION) is None
+    assert NO_SERVO_MEMORY.keep(FAKE_IDENTIFICATION) is None
 
 
 def test_learned_file_is_unchanged_if_the_identification_failed(learned: Path) -> None:

@@ -1,4 +1,4 @@
-"""Refusals of `kinesic perform --on servos`: one line each, and no servo gets torque."""
+"""Refusals of `kinesic perform --on servos` before any servo gets torque."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -21,7 +21,7 @@ from .conftest import Table, serving
 pytestmark = pytest.mark.realtime
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.8"/></bml>'
-FAULTS = [
+FAULT_REASONS = [
     (PlannedFault("silent"), "no servo of ids"),
     (PlannedFault("wrong_model", (15,)), "servo 15: is a xl430_w250, must be a xm430_w210"),
     (PlannedFault("old_firmware", (15,), value=37), "firmware 37 has no bus watchdog"),
@@ -68,7 +68,7 @@ def refused(kinesic: Callable, nod: Path, table: Table) -> str:
     ("fault", "message"),
     [
         pytest.param(*case, id=case[0].kind, marks=[pytest.mark.soak] * (case[0].kind in FAULTS_OF_ONE_CHECK))
-        for case in FAULTS
+        for case in FAULT_REASONS
     ],
 )
 def test_perform_refuses_faulty_servos_with_one_line_that_names_the_fault(

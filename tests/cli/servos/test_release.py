@@ -19,18 +19,18 @@ from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.physics import FirstOrder
 from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 
-REST = Manifest.of(Robot.load()).rest
-CYCLE = 0.01  # [s] cycle period of the supervisor
+REST_POSTURE = Manifest.of(Robot.load()).rest
+CYCLE_PERIOD = 0.01  # [s] cycle period of the supervisor
 
 
 class Supervisor:
-    """Supervisor that holds the robot with one raised elbow and folds it after a confirmation."""
+    """Test double of a supervisor that folds the arms after a confirmation."""
 
     def __init__(self, table, *, fold: float, dies: bool = False) -> None:
         self.table, self.fold, self.dies = table, fold, dies
         self.now, self.confirmed_at = 100.0, None
         self.naps: list[float] = []
-        self.angles = REST.copy()
+        self.angles = REST_POSTURE.copy()
         self.angles[Robot.load().skeleton.joint("l_elbow_flexion")] += np.radians(50.0)
 
     def set(self, name: str, value: int) -> None:
@@ -39,7 +39,7 @@ class Supervisor:
 
     def word(self, name: str) -> int:
         assert name == "cycles"
-        return round((0.0 if self.dies else self.now) / CYCLE)
+        return round((0.0 if self.dies else self.now) / CYCLE_PERIOD)
 
     def status(self) -> Status:
         if self.confirmed_at is None:
@@ -54,7 +54,7 @@ class Supervisor:
 
 @pytest.fixture
 def supervise(table, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Supervisor]:
-    """Return a function that lets a supervisor hold the robot of the table."""
+    """Return a function that starts a supervisor for the virtual servos."""
 
     def make(**given) -> Supervisor:
         supervisor = Supervisor(table, **given)

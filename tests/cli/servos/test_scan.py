@@ -1,4 +1,4 @@
-"""Output of `kinesic servos scan`, with played answers of the servos."""
+"""Output of `kinesic servos scan`, with simulated answers of the servos."""
 
 import json
 from collections.abc import Callable, Iterator
@@ -18,7 +18,7 @@ ELBOW, STRANGER = PingReply(15, 1020, 52), PingReply(200, 1060, 45)
 
 @pytest.fixture
 def tried(monkeypatch):
-    """Play two servos on each port, and list the tried baud rates and ids."""
+    """Simulate two servos per port, and record each scan's baud rate."""
     calls: list[tuple[int, int]] = []
 
     def scan_bus(opened, *, bauds, ids):

@@ -12,8 +12,8 @@ from kinesic.cli.servos import stop
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 
-CYCLE = 0.01  # [s] cycle period of a supervisor
-RATE = 0.5  # [rad/s] velocity of a setpoint that is not constant yet
+CYCLE_PERIOD = 0.01  # [s] cycle period of a supervisor
+SETPOINT_VELOCITY = 0.5  # [rad/s] velocity of a setpoint that is not constant yet
 
 
 class Clock:
@@ -26,7 +26,7 @@ class Clock:
 
 
 class Supervisor:
-    """Supervisor that decelerates for a while after an emergency stop."""
+    """Test double of a supervisor that decelerates after an emergency stop."""
 
     def __init__(
         self, clock: Clock, slows: float, *, stage: Stage = Stage.STOPPED, frozen: bool = False, moves: bool = False
@@ -39,12 +39,12 @@ class Supervisor:
 
     def word(self, name: str) -> int:
         assert name == "cycles"
-        return 7 if self.frozen else round(self.clock.now / CYCLE)
+        return 7 if self.frozen else round(self.clock.now / CYCLE_PERIOD)
 
     def status(self) -> Status:
         passed = self.clock.now - 50.0
         stands = passed >= self.slows
-        moved = RATE * (passed if self.moves else min(passed, self.slows))
+        moved = SETPOINT_VELOCITY * (passed if self.moves else min(passed, self.slows))
         setpoints = np.array([moved, np.nan])
         return Status(self.final if stands else Stage.ACTIVE, energised=11, setpoints=setpoints)
 
@@ -58,7 +58,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> Clock:
 
 @pytest.fixture
 def run(kinesic, clock: Clock, monkeypatch: pytest.MonkeyPatch) -> Callable:
-    """Return a function that stops some supervisors."""
+    """Return a function that runs `servos stop` with the given supervisors."""
 
     def stop_these(*supervisors: Supervisor):
         monkeypatch.setattr(stop, "find_supervisors", lambda: iter(supervisors))

@@ -118,7 +118,7 @@ class Arms:
 
 @dataclass
 class Command:
-    """`kinesic ...` in the foreground of a terminal, with its own folder for temporary files."""
+    """Process of `kinesic ...` in the foreground of a terminal."""
 
     folder: Path
     arguments: tuple[str, ...]
@@ -165,7 +165,7 @@ class Command:
         os.write(self._keys, keys)
 
     def close_terminal(self) -> None:
-        """Close the terminal and send SIGHUP to the command's group, as a shell does."""
+        """Close the terminal and send SIGHUP to the command's process group."""
         os.close(self._keys)
         self._keys = -1
         self.signal_all(signal.SIGHUP)
@@ -181,7 +181,7 @@ class Command:
         return self.process.returncode
 
     def processes(self, word: str = "") -> list[int]:
-        """Return the ids of all descendant processes with a word in their command lines."""
+        """Return the ids of descendant processes whose command lines contain a word."""
         ids = []
         for process_folder in Path("/proc").glob("[0-9]*"):
             try:
@@ -197,7 +197,7 @@ class Command:
         return process
 
     def has_cleaned_up(self) -> bool:
-        """Return whether no process and no temporary file is left, after waiting for processes to end."""
+        """Wait for all processes to end, and return whether no files remain."""
         wait(lambda: not self.processes())
         return not list(self.temporary.iterdir())
 
@@ -245,7 +245,7 @@ def run(tmp_path: Path) -> Iterator[Callable[..., Command]]:
 
 @pytest.fixture
 def perform(robot: Robot, run: Callable[..., Command], arms: Arms, tmp_path: Path) -> Callable[..., Command]:
-    """Return a function that starts a performance with the right hand raised until a time [s]."""
+    """Return a function that starts a performance with a raised hand."""
 
     def start(until: float, **environment: str) -> Command:
         (tmp_path / "raise.bml").write_text(RAISE_BML.format(until, until + 1.0), encoding="utf-8")

@@ -1,4 +1,4 @@
-"""Performance and server on a disk that becomes full while the arms are raised.
+"""Performance and server if the disk becomes full during the motion.
 
 A limit on the file size of the processes simulates the full disk.
 """

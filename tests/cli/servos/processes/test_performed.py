@@ -1,4 +1,4 @@
-"""Nod on virtual servos in another process, from the command line and from Python."""
+"""Nod on virtual servos, started by the command line and by Python."""
 
 import json
 import re
