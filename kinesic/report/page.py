@@ -32,18 +32,18 @@ FILM_TYPES = {  # MIME types of films, by suffix
     ".png": "image/png",
     ".gif": "image/gif",
     ".mp4": "video/mp4",
-}  # MIME types of films, by suffix
+}
 SOUND_TYPES = {".wav": "audio/wav"}  # MIME types of sounds, by suffix
 HAND_NAMES = {"l_hand": "left hand", "r_hand": "right hand"}  # names of the hands in texts, by body part
-SHOWN_LOADS = 6  # number of joint loads visible before the reader expands the table
+SHOWN_LOADS = 6  # number of joints visible before the reader expands the table of servo loads
 MIN_SHOWN_ANGLE = 0.5  # [deg] body rotations smaller than this are not listed
-SHOWN_CHAPTERS = 6  # number of behaviours changed by limits that are visible before the reader expands the list
+SHOWN_CHANGES = 6  # number of changed behaviours visible before the reader expands the list of limit changes
 OUTCOME_RANKS = {  # sort order of behaviour outcomes, the most severe first
     "dropped": 0,
     "substituted": 1,
     "partly": 2,
     "realised": 3,
-}  # sort order of outcomes, the most severe first
+}
 PAGE_SCRIPTS = (*SCENE_SCRIPTS, "film.js", "replay.js")  # script files of the page, in loading order
 GROUP_TITLES = {
     "meaning": "Meaning",
@@ -104,7 +104,7 @@ def write_page(
         fates={row["id"]: row for row in rows},
         transcript=transcribe(performance.plan),
         document=document_lines(performance.plan.timeline.block),
-        chapters=(chapters[:SHOWN_CHAPTERS], chapters[SHOWN_CHAPTERS:]),
+        chapters=(chapters[:SHOWN_CHANGES], chapters[SHOWN_CHANGES:]),
         deviations=find_deviations(performance.plan),
         parts=HAND_NAMES,
         modalities=MODALITIES,

@@ -233,7 +233,7 @@ def _limits(performance: DryRun) -> dict[str, Json]:
 
 
 def _conditioning(performance: DryRun) -> dict[str, Json]:
-    """Return changes made to keep motion limits, and each joint's deviation."""
+    """Return changes made to keep limits, and each joint's RMS deviation [deg]."""
     plan = performance.plan
     strays = zip(plan.setup.robot.skeleton.names, np.degrees(plan.motion.rms_distances), strict=True)
     return {

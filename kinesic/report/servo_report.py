@@ -41,7 +41,7 @@ def live_checks(live: ServoRun) -> list[Check]:
 
 
 def _find_host_delay(notes: Sequence[Note]) -> str:
-    """Return the first message about a busy computer that slowed time."""
+    """Return the first message about late cycles that slowed performance time."""
     slowing = (note.text for note in notes if note.kind == HOST_KIND and FULL_RATE not in note.text)
     return next((f"the computer was busy: {text}" for text in slowing), "")
 

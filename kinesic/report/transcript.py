@@ -17,7 +17,7 @@ PEAK_SYNCS = (  # sync points that count as a behaviour's peak, the preferred fi
     "attackPeak",
     "ready",
     "start",
-)  # sync points that mark the peak, the preferred first
+)
 MAX_LISTED_WORDS = 400  # largest number of listed words; the time after them becomes one entry
 MIN_SILENCE = 0.5  # [s] shortest silence listed in a transcript
 TIME_TOLERANCE = 1e-6  # [s] rounding tolerance of caption times

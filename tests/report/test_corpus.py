@@ -1,4 +1,4 @@
-"""Foreign documents: a seeded sample of each corpus folder; `kinesic validate` checks them all."""
+"""Documents of other authors: a seeded sample of each corpus folder."""
 
 import os
 import random
@@ -10,7 +10,7 @@ from kinesic.report.batch import documents, judge_document
 from kinesic.session.setup import set_up
 
 CORPUS = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[3] / "shared" / "corpus"))
-FOLDERS = {"greta/bml": 4, "greta/fml": 3, "openbmlparser": 4, "realizertester": 5, "asap": 3}
+SAMPLE_SIZES = {"greta/bml": 4, "greta/fml": 3, "openbmlparser": 4, "realizertester": 5, "asap": 3}
 
 pytestmark = pytest.mark.skipif(not CORPUS.exists(), reason=f"no corpus of BML documents at {CORPUS} (KINESIC_CORPUS)")
 
@@ -24,7 +24,7 @@ def sample() -> list[Path]:
     chosen = random.Random(24)
     return [
         path
-        for folder, count in FOLDERS.items()
+        for folder, count in SAMPLE_SIZES.items()
         if (CORPUS / folder).exists()
         for path in chosen.sample(documents((CORPUS / folder,)), count)
     ]

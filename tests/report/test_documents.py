@@ -15,12 +15,14 @@ from kinesic.report.verdict import format_number
 from kinesic.tasks.processes import WorkerCrash
 
 NOD = '<bml id="b"><head id="h" lexeme="NOD" start="1"/></bml>'
-UNKNOWN = '<bml id="b">\n <gesture id="x" lexeme="xyzzy" stroke="1"/><gesture id="y" lexeme="xyzzy" stroke="3"/></bml>'
-BROKEN = '<bml id="b"><head'
+UNKNOWN_GESTURES = (
+    '<bml id="b">\n <gesture id="x" lexeme="xyzzy" stroke="1"/><gesture id="y" lexeme="xyzzy" stroke="3"/></bml>'
+)
+BROKEN_DOCUMENT = '<bml id="b"><head'
 
 
-class Here:
-    """Engine that runs tasks in this process; documents of some names kill it."""
+class LocalEngine:
+    """Task engine in this process that simulates a crash for one document."""
 
     place = "here"
 
@@ -37,17 +39,17 @@ class Here:
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    for name, text in {"nod": NOD, "unknown": UNKNOWN, "broken": BROKEN}.items():
+    for name, text in {"nod": NOD, "unknown": UNKNOWN_GESTURES, "broken": BROKEN_DOCUMENT}.items():
         (tmp_path / f"{name}.bml").write_text(text)
     (tmp_path / "out").mkdir()
     return tmp_path
 
 
-def run(folder: Path, known, *, engine: Here | None = None, settings: str = "", out: bool = True):
+def run(folder: Path, known, *, engine: LocalEngine | None = None, settings: str = "", out: bool = True):
     result = validate_documents(
         documents((folder,)),
         lambda: known,
-        engine=engine or Here(),
+        engine=engine or LocalEngine(),
         folder=folder / "out" if out else None,
         settings=settings,
     )
@@ -98,7 +100,7 @@ def test_document_fails_if_its_performance_has_failed_checks(folder: Path, known
 def test_next_batch_run_reuses_recorded_reports(folder: Path, known):
     first = run(folder, known)
     (folder / "new.bml").write_text(NOD)
-    engine = Here()
+    engine = LocalEngine()
     again = run(folder, known, engine=engine)
     assert engine.did == ["new"]
     assert {name: again[name] for name in first} == first
@@ -108,38 +110,38 @@ def test_next_batch_run_reuses_recorded_reports(folder: Path, known):
     assert json.loads(report.read_text(encoding="utf-8"))["input"] == str(folder / "nod.bml")
     assert first["broken"].report is None
     report.unlink()
-    run(folder, known, engine=(lost := Here()))
+    run(folder, known, engine=(lost := LocalEngine()))
     assert lost.did == ["nod"]
 
 
 def test_changed_document_or_setting_is_run_again(folder: Path, known):
     run(folder, known)
     (folder / "nod.bml").write_text(NOD.replace("1", "2"))
-    run(folder, known, engine=(changed := Here()))
+    run(folder, known, engine=(changed := LocalEngine()))
     assert changed.did == ["nod"]
-    run(folder, known, engine=(other := Here()), settings="another style")
+    run(folder, known, engine=(other := LocalEngine()), settings="another style")
     assert sorted(other.did) == ["broken", "nod", "unknown"]
 
 
 def test_batch_without_a_folder_writes_nothing(folder: Path, known):
     before = sorted(folder.rglob("*"))
     for _ in range(2):
-        run(folder, known, engine=(engine := Here()), out=False)
+        run(folder, known, engine=(engine := LocalEngine()), out=False)
         assert len(engine.did) == 3
     assert sorted(folder.rglob("*")) == before
 
 
 @pytest.mark.parametrize("out", [True, False])
 def test_document_that_crashes_its_process_is_named_and_others_continue(folder: Path, known, out: bool):
-    result = run(folder, known, engine=Here(kills="nod"), out=out)
+    result = run(folder, known, engine=LocalEngine(kills="nod"), out=out)
     crashed = result["nod"]
     assert (crashed.outcome, crashed.exit, crashed.file) == ("crashed", 1, str(folder / "nod.bml"))
     assert crashed.error == f"{folder / 'nod.bml'}: it was killed"
     assert result["unknown"].outcome == "refused"
     traces = list(folder.glob("out/*.crash.txt"))
     assert [path.read_text() for path in traces] == ["a trace"] * out
-    assert run(folder, known, engine=Here(kills="nod"), out=out)["nod"] == crashed
-    run(folder, known, engine=(again := Here()), out=out)
+    assert run(folder, known, engine=LocalEngine(kills="nod"), out=out)["nod"] == crashed
+    run(folder, known, engine=(again := LocalEngine()), out=out)
     assert "nod" in again.did
 
 

@@ -89,7 +89,7 @@ def test_wide_motion_is_cropped_so_that_the_head_has_at_least_105_pixels():
 
 
 def seen_extent(robot, postures, middle, field, aspect) -> tuple[float, float, float, float]:
-    """Return left, right, lower and upper bound of hands and head in the picture, -1..1."""
+    """Return the bounds of hands and head in the picture, -1..1."""
     camera = replace(UPPER_BODY_CAMERA, pivot=middle, field_deg=field)
     places, radii = find_capsule_balls(robot, np.array(postures), list_watched_segments(robot))
     points = np.concatenate([(places + radii[:, None] * way).reshape(-1, 3) for way in np.eye(3)[1:]])

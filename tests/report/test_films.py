@@ -1,4 +1,4 @@
-"""Films of a report, each drawn in a process that ends with its caller."""
+"""Films of a report, each drawn in a process of its own."""
 
 import subprocess
 import sys
@@ -28,13 +28,13 @@ from kinesic.sim.filming.drawn_face import SCREEN_SIZE, paint_face
 from kinesic.sim.gl import opengl_fault
 
 ROBOT = Robot.load()
-REST = ROBOT.skeleton.rest
-NONE = np.zeros_like(REST)
-SPOKEN = (
+REST_POSTURE = ROBOT.skeleton.rest
+ZERO_RATES = np.zeros_like(REST_POSTURE)
+SPOKEN_BLOCK = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><speech id="s"><text>Hello <sync id="a"/>you</text>'
     '</speech><faceLexeme id="f" lexeme="smile" start="0" end="1.5"/></bml>'
 )
-SMALL = FilmSettings(size=(320, 180), rate=10.0)
+SMALL_FILM = FilmSettings(size=(320, 180), rate=10.0)
 
 
 class Drawn(NamedTuple):
@@ -46,16 +46,18 @@ class Drawn(NamedTuple):
 
 def face(units: dict[str, float], seconds: float = 0.1) -> FaceFilm:
     times = np.arange(round(seconds * FACE_RATE) + 1) / FACE_RATE
-    return FaceFilm.of(ROBOT, (Command(time, REST, NONE, NONE, REST, units) for time in times.tolist()))
+    return FaceFilm.of(
+        ROBOT, (Command(time, REST_POSTURE, ZERO_RATES, ZERO_RATES, REST_POSTURE, units) for time in times.tolist())
+    )
 
 
 def twin(seconds: float = 0.5) -> TwinFilm:
-    return TwinFilm(ROBOT, np.array([0.0, seconds]), np.array([REST, 0.5 * REST]), SMALL)
+    return TwinFilm(ROBOT, np.array([0.0, seconds]), np.array([REST_POSTURE, 0.5 * REST_POSTURE]), SMALL_FILM)
 
 
 @pytest.fixture
 def processes(monkeypatch: pytest.MonkeyPatch) -> Iterator[FilmProcesses]:
-    """Return film processes that are both prepared for the robot, as opening a face takes a second."""
+    """Return film processes prepared for the twin, which start quickly."""
     begin = films._process
     monkeypatch.setattr(films, "_process", lambda kind: begin("twin"))
     with film_processes() as begun:
@@ -70,7 +72,7 @@ def drawing() -> None:
 
 @pytest.fixture(scope="module")
 def drawn(drawing: None, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Drawn]:
-    """Draw the robot film after its face film: with a face, and with one that fails."""
+    """Draw the twin's film after a successful and a failed face film."""
     results = {}
     for name, units in (("with", {"12": 0.5, "26": 0.9}), ("without", {"99": 0.5})):
         folder, shares = tmp_path_factory.mktemp(name), list[float]()
@@ -86,7 +88,7 @@ def test_robot_and_face_films_are_drawn_and_progress_grows_to_one(drawn: dict[st
     film, portrait, whys, shares = drawn["with"]
     assert whys == {film: "", portrait: ""}
     with Image.open(film) as seen:
-        assert (seen.size, seen.n_frames) == (SMALL.size, 6)
+        assert (seen.size, seen.n_frames) == (SMALL_FILM.size, 6)
     with Image.open(portrait) as seen:
         assert (seen.size, seen.n_frames) == (FACE_SIZE, 1), "equal pictures are one"
     assert shares[-1] == 1.0
@@ -133,11 +135,11 @@ def test_robot_film_shows_a_painted_face_where_the_rendered_face_film_is_missing
             heads[name] = np.asarray(seen.convert("RGB")).astype(int)
     differs = np.argwhere(np.abs(heads["with"] - heads["without"]).max(axis=2) > 40)
     assert len(differs) > 40
-    assert np.ptp(differs, axis=0).max() < 0.15 * SMALL.size[0]
+    assert np.ptp(differs, axis=0).max() < 0.15 * SMALL_FILM.size[0]
 
 
 def test_film_has_a_face_per_picture_and_the_captions_of_its_plan() -> None:
-    planned = plan(SPOKEN, set_up("upper22", voice="durations"))
+    planned = plan(SPOKEN_BLOCK, set_up("upper22", voice="durations"))
     times = np.arange(round(planned.duration * 100) + 1) / 100
     film = TwinFilm.of(planned, times, planned.trajectory.sample(times)[0])
     shot = moments(float(times[0]), float(times[-1]))
@@ -176,7 +178,7 @@ def test_preparation_of_a_twin_film_imports_the_film_module_in_advance() -> None
 
 def test_face_film_keeps_the_face_of_a_command_that_is_changed_later() -> None:
     units = {"12": 0.5}
-    film = FaceFilm.of(None, [Command(0.0, REST, NONE, NONE, REST, units)], 12.0)
+    film = FaceFilm.of(None, [Command(0.0, REST_POSTURE, ZERO_RATES, ZERO_RATES, REST_POSTURE, units)], 12.0)
     units["12"] = 0.9
     assert film.commands[0].face == {"12": 0.5}
     assert (film.rate, film.robot) == (12.0, None)

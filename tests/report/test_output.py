@@ -1,4 +1,4 @@
-"""Written files of a performance: report and page first, then the films that could be drawn."""
+"""Written files of a performance: first the report, later the films."""
 
 import base64
 import json
@@ -20,7 +20,7 @@ from kinesic.report.report import Json, report
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
-SPOKEN = (
+SPOKEN_BLOCK = (
     '<bml id="b"><speech id="s"><text>Well, hello.</text></speech><faceLexeme id="f" lexeme="smile" start="0.2"/></bml>'
 )
 
@@ -33,7 +33,7 @@ def data(calm: DryRun) -> dict[str, Json]:
 @pytest.fixture(scope="module")
 def smiling(known) -> DryRun:
     """Return a performance with a face and a sound."""
-    return dry_run(plan(SPOKEN, known, source="smile.bml"))
+    return dry_run(plan(SPOKEN_BLOCK, known, source="smile.bml"))
 
 
 def page(folder: Path) -> str:
@@ -42,7 +42,7 @@ def page(folder: Path) -> str:
 
 @dataclass
 class Drawing:
-    """Stand-in for drawing processes, whose films are finished at once or fail."""
+    """Test double of drawing processes that finish or fail at once."""
 
     why: str = ""
     jobs: dict | None = None

@@ -25,8 +25,8 @@ from kinesic.report.scene import read_scripts
 from kinesic.report.verdict import format_number, verdict
 from kinesic.session.plan import plan
 
-HOSTILE = '<script>alert("$x_1^$")</script>&--> \u6b22\u8fce'
-FETCHED = re.compile(r'(?:src|href)="(?!data:|#)|url\((?!#)|@import|fetch\(|XMLHttpRequest|import\(')
+HOSTILE_TEXT = '<script>alert("$x_1^$")</script>&--> \u6b22\u8fce'
+FETCH_PATTERN = re.compile(r'(?:src|href)="(?!data:|#)|url\((?!#)|@import|fetch\(|XMLHttpRequest|import\(')
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="block">{}</bml>'
 
 
@@ -139,7 +139,7 @@ def test_empty_section_of_the_report_page_is_one_sentence(calm: DryRun, tmp_path
 
 def test_report_page_loads_no_other_files(text: str) -> None:
     tags = Outline(text).tags
-    assert not FETCHED.search(re.sub(r"<svg.*?</svg>", "", text, flags=re.DOTALL))
+    assert not FETCH_PATTERN.search(re.sub(r"<svg.*?</svg>", "", text, flags=re.DOTALL))
     assert not {"link", "iframe", "object", "embed"} & {tag for tag, _ in tags}
     assert not [attributes for tag, attributes in tags if tag in ("script", "img") and "src" in attributes]
     values = [value for _, attributes in tags for name, value in attributes.items() if not name.startswith("xmlns")]
@@ -172,7 +172,7 @@ def media(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def sources(hurried: DryRun, data: dict[str, Json], media: Path) -> list[tuple[str, str | None]]:
-    """Return tags and sources of all pictures and sounds of a page with every medium."""
+    """Return tag and source of each picture and sound of a page."""
     path = media / "x.html"
     everything = Recordings(film=media / "film.webp", face=media / "face.webp", voice=media / "speech.wav")
     write_page(hurried, data, everything, path=path)
@@ -219,13 +219,13 @@ def test_page_names_the_voice_and_the_reason_for_a_missing_face_film(text: str, 
 
 
 def test_markup_in_behaviour_ids_is_escaped_on_the_report_page(known: Setup, tmp_path: Path) -> None:
-    gesture = f'<gesture id={quoteattr(HOSTILE)} lexeme="beat" start="0" stroke="0.1"/>'
+    gesture = f'<gesture id={quoteattr(HOSTILE_TEXT)} lexeme="beat" start="0" stroke="0.1"/>'
     performance = dry_run(plan(BLOCK.format(gesture), known))
-    text = page(performance, report(performance, source=HOSTILE), tmp_path)
+    text = page(performance, report(performance, source=HOSTILE_TEXT), tmp_path)
     assert "<script>alert" not in text
-    assert HOSTILE in "".join(Outline(text).words)
+    assert HOSTILE_TEXT in "".join(Outline(text).words)
     replay = json.loads(re.findall(r'id="replay">(.*?)</script>', text, re.DOTALL)[0])
-    assert {mark["behaviour"] for mark in replay["marks"]} == {HOSTILE}
+    assert {mark["behaviour"] for mark in replay["marks"]} == {HOSTILE_TEXT}
 
 
 def test_plot_colours_are_defined_by_the_page(text: str) -> None:

@@ -1,4 +1,4 @@
-"""Player of the report's page in a browser: face film and voice stay synchronous to the replay."""
+"""Replay of the report's page with face film and voice."""
 
 import json
 import wave
@@ -17,10 +17,10 @@ from kinesic.sim.filming.drawn_face import paint_face
 
 from ..chromium import Page, binary, opened
 
-RATE = 20.0  # [Hz] frame rate of the film
-FRAMES = 40
-SECONDS = 1.0  # [s] duration of the sound
-SMALL = (480, 400)  # [pixels] size of the window, small because drawing in software is slow
+FILM_RATE = 20.0  # [Hz] frame rate of the film
+FRAME_COUNT = 40
+SOUND_DURATION = 1.0  # [s] duration of the sound
+WINDOW_SIZE = (480, 400)  # [pixels] size of the window, small because drawing in software is slow
 
 pytestmark = [
     pytest.mark.realtime,
@@ -34,16 +34,16 @@ def grey(frame: int) -> int:
 
 @pytest.fixture(scope="module")
 def url(hurried: DryRun, tmp_path_factory: pytest.TempPathFactory) -> str:
-    """Return a page whose face film brightens in one corner, with a silent voice."""
+    """Return the URL of a page whose face film slowly brightens."""
     folder = tmp_path_factory.mktemp("player")
     frames = []
-    for k in range(FRAMES):
+    for k in range(FRAME_COUNT):
         frames.append(np.full((64, 64, 3), 30, dtype=np.uint8))
         frames[-1][32:, 32:] = grey(k)  # most of the picture stays, so that the file holds parts of it
-    save_film(frames, folder / "face.webp", rate=RATE)
+    save_film(frames, folder / "face.webp", rate=FILM_RATE)
     with wave.open(str(folder / "speech.wav"), "wb") as sound:
         sound.setparams((1, 2, 8000, 0, "NONE", ""))
-        sound.writeframes(bytes(round(2 * 8000 * SECONDS)))
+        sound.writeframes(bytes(round(2 * 8000 * SOUND_DURATION)))
     data, path = report(hurried, source="x.bml"), folder / "report.html"
     write_page(
         hurried, data, Recordings(face=folder / "face.webp", voice=folder / "speech.wav", face_on_head=True), path=path
@@ -59,7 +59,7 @@ def resize(page: Page, width: int, height: int) -> None:
 def ready(url: str) -> Iterator[Page]:
     """Return a page in a small window, after its robot is drawn."""
     with opened(url) as page:
-        resize(page, *SMALL)
+        resize(page, *WINDOW_SIZE)
         page.until("document.querySelector('#stage')?.hidden === false")
         yield page
 
@@ -73,7 +73,7 @@ def page(url: str) -> Iterator[Page]:
 
 @pytest.fixture(scope="module")
 def plain(hurried: DryRun, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
-    """Return a page without face film and voice, whose twin deviates by 3 degrees from 0.5 s on."""
+    """Return a page whose twin deviates by 3 degrees after 0.5 s."""
     measured, robot = hurried.measured, hurried.plan.setup.robot
     astray = hurried.plan.trajectory.sample(measured.times)[0]
     elbow = robot.skeleton.names.index("r_elbow_flexion")
@@ -98,7 +98,7 @@ def test_face_follows_the_replay_forwards_and_backwards(page: Page):
     rest = "document.querySelector('[data-part=face]').getContext('2d').getImageData(10, 10, 1, 1).data[0]"
     with page.undrawn():
         for frame in (3, 20, 31, 30, 5, 0, 39):
-            seek(page, (frame + 0.5) / RATE)
+            seek(page, (frame + 0.5) / FILM_RATE)
             page.until(f"Math.abs({shade(page)} - {grey(frame)}) < 3")
             assert abs(int(str(page.value(rest))) - 30) < 4
 
@@ -121,12 +121,12 @@ def test_replay_follows_the_voice_clock_and_stops_the_voice(page: Page):
         look(page, "again", "voice.currentTime < 0.6 && !voice.paused")
         page.click("[data-part=play]")
         assert page.value("again")
-        page.until(f"voice.paused && {clock} > {SECONDS + 0.2}")  # it goes on after the last word
+        page.until(f"voice.paused && {clock} > {SOUND_DURATION + 0.2}")  # it goes on after the last word
         page.click("[data-part=play]")
 
 
 def look(page: Page, name: str, condition: str) -> None:
-    """Check a condition in every frame, however slow the machine; `name` is true once it holds.
+    """Define a promise `name` that is fulfilled once a condition holds.
 
     A condition may speak of the `gap` [s] since the frame before: what is drawn is as old as that.
     """
@@ -172,7 +172,7 @@ def test_plan_overlay_for_deviations_appears_only_after_the_twin_leaves_the_plan
 
 
 def edges(selector: str) -> str:
-    """Return a script expression for the left and top edge of an element [px]."""
+    """Return a script expression for an element's left and top edge [px]."""
     return f"(() => {{ const r = document.querySelector('{selector}').getBoundingClientRect(); return [r.x, r.y]; }})()"
 
 
@@ -192,14 +192,14 @@ def test_time_slider_aligns_with_the_plot_playhead_and_the_player_is_first_on_te
             hidden = "broad" if style == "narrow" else "narrow"
             assert page.value(f"document.querySelector('.{hidden}').getBoundingClientRect().width") == 0
             assert page.value("document.documentElement.scrollWidth <= document.documentElement.clientWidth")
-    resize(page, *SMALL)
+    resize(page, *WINDOW_SIZE)
 
 
 def test_face_film_on_the_robot_head_follows_the_replay_time(page: Page):
-    """A brightening film brightens the robot's head, and no other picture of the face exists."""
+    """Compare the head's brightness while the face film brightens."""
     lights = []
     for frame in (2, 20, 38):
-        seek(page, (frame + 0.5) / RATE)
+        seek(page, (frame + 0.5) / FILM_RATE)
         page.until(f"Math.abs({shade(page)} - {grey(frame)}) < 3")
         lights.append(brightest_change(page))
     assert page.value("document.querySelector('[data-part=face]').getBoundingClientRect().width") == 0
@@ -207,7 +207,7 @@ def test_face_film_on_the_robot_head_follows_the_replay_time(page: Page):
 
 
 def brightest_change(page: Page) -> float:
-    """Return the mean brightness of the canvas around the head, in its upper middle."""
+    """Return the mean brightness of the canvas around the head."""
     pen = "const p = document.createElement('canvas').getContext('2d', { willReadFrequently: true });"
     source = "const c = document.querySelector('#stage canvas');"
     copied = f"{pen} {source} p.canvas.width = c.width; p.canvas.height = c.height; p.drawImage(c, 0, 0);"

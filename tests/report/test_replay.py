@@ -23,7 +23,7 @@ def unpacked(text, kind, frames):
 
 
 def origins(data, angles):
-    """Return the origin (s, 3) of each segment, computed as the player does."""
+    """Compute the origins (s, 3) of all segments as the player does."""
     frames = []
     for segment in data["segments"]:
         rotation, origin = (np.eye(3), np.zeros(3)) if segment["parent"] < 0 else frames[segment["parent"]]

@@ -22,7 +22,7 @@ BML = """
   <wait id="w" duration="0.1"/>
 </bml>
 """
-ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+BLOCK_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 BLOCKS = {
     "feasible": '<gesture id="g" lexeme="beat" mode="RIGHT_HAND" stroke="2.5"/><head id="h" lexeme="NOD" start="2"/>',
     "still": '<faceLexeme id="f" lexeme="OPEN_MOUTH"/>',
@@ -35,8 +35,8 @@ BLOCKS = {
     "with speech": '<speech id="s"><text>Well, <sync id="m"/>hello.</text></speech>'
     '<gesture id="g" lexeme="offer" mode="RIGHT_HAND" stroke="s:m"/>',
 }
-MOVED = ("too soon", "too fast", "both")
-KEPT = ("feasible", "still", "empty")
+SHIFTED_BLOCKS = ("too soon", "too fast", "both")
+UNSHIFTED_BLOCKS = ("feasible", "still", "empty")
 
 
 @pytest.fixture(scope="module")
@@ -67,7 +67,7 @@ def test_report_lists_style_parameters_of_a_behaviour_with_their_sources(data: d
 @pytest.fixture(scope="module")
 def plans():
     known = set_up()
-    return {name: plan(ROOT.format(text), known) for name, text in BLOCKS.items()}
+    return {name: plan(BLOCK_TEMPLATE.format(text), known) for name, text in BLOCKS.items()}
 
 
 def local(element):
@@ -78,7 +78,7 @@ def messages_of(planned):
     return [ElementTree.fromstring(message) for message in feedback(planned)]
 
 
-def shifts_told(messages):
+def read_shift_warnings(messages):
     """Return (id, sync point) of each warning of a time shift."""
     return Counter(
         (message.get("id"), sync)
@@ -106,14 +106,14 @@ def test_feedback_warns_of_exactly_those_sync_points_that_shift_by_more_than_10_
         for sync in planned.syncs
         if abs(sync.planned - sync.requested) > SHIFT_TO_WARN
     )
-    assert shifts_told(messages_of(planned)) == moved
+    assert read_shift_warnings(messages_of(planned)) == moved
 
 
 def test_feedback_warns_of_shifts_only_for_example_blocks_whose_sync_points_shift(plans):
-    for name in MOVED:
-        assert shifts_told(messages_of(plans[name])), name
-    for name in KEPT:
-        assert not shifts_told(messages_of(plans[name])), name
+    for name in SHIFTED_BLOCKS:
+        assert read_shift_warnings(messages_of(plans[name])), name
+    for name in UNSHIFTED_BLOCKS:
+        assert not read_shift_warnings(messages_of(plans[name])), name
 
 
 @pytest.mark.parametrize("name", BLOCKS)
@@ -128,7 +128,7 @@ def test_prediction_feedback_has_planned_times(plans, name):
     assert times == pytest.approx({(sync.behaviour, sync.sync): sync.planned for sync in planned.syncs}, abs=1e-6)
 
 
-@pytest.mark.parametrize("name", MOVED)
+@pytest.mark.parametrize("name", SHIFTED_BLOCKS)
 def test_shift_warning_names_both_times_and_the_limiting_joint(plans, name):
     planned = plans[name]
     texts = [m.text for m in messages_of(planned) if local(m) == "warningFeedback" and " planned at " in m.text]
@@ -141,7 +141,7 @@ def test_shift_warning_names_both_times_and_the_limiting_joint(plans, name):
 def test_accompanying_body_motion_is_reported_per_gesture(known: Setup) -> None:
     gestures = '<gesture id="g" lexeme="doubt_shrug" stroke="2"/><gesture id="r" lexeme="arms_crossed" start="6"/>'
     nod = '<head id="h" lexeme="NOD" stroke="3"/>'
-    result = report(dry_run(plan(ROOT.format(gestures + nod), known)), source="x.bml")
+    result = report(dry_run(plan(BLOCK_TEMPLATE.format(gestures + nod), known)), source="x.bml")
     shrug, crossed, head = result["behaviours"]
     assert 12 <= shrug["body"]["shoulders_deg"] <= 20
     assert 5 <= shrug["body"]["head_deg"] <= 8

@@ -1,4 +1,4 @@
-"""Strokes bound to words, and the times of highest hand speed in report and page."""
+"""Times between words and highest hand speed in report and page."""
 
 from pathlib import Path
 

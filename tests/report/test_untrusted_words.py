@@ -1,4 +1,4 @@
-"""Hostile texts on the report's page, which are shown literally and never executed."""
+"""Literal display of hostile texts on the report's page."""
 
 from html import escape
 from html.parser import HTMLParser
@@ -14,7 +14,7 @@ from kinesic.session.plan import plan
 
 from ..chromium import binary, opened
 
-EVIL = (
+HOSTILE_TEXT = (
     "<script>window.hacked=1</script>",
     "</script><script>window.hacked=2</script>",
     '"><img src=x: onerror="window.hacked=3">',
@@ -43,7 +43,7 @@ def written(words: tuple[str, ...], known: Setup, path: Path) -> Path:
 
 @pytest.fixture(scope="module")
 def page(known: Setup, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    return written(EVIL, known, tmp_path_factory.mktemp("evil") / "report.html")
+    return written(HOSTILE_TEXT, known, tmp_path_factory.mktemp("evil") / "report.html")
 
 
 class Elements(HTMLParser):
@@ -75,7 +75,7 @@ def test_browser_ignores_untrusted_markup_and_plays_the_replay(page: Path, tmp_p
     with opened(page.as_uri(), drawn=False) as tab:
         tab.until("document.querySelector('#stage')?.hidden === false")
         assert tab.value("window.hacked ?? 0") == 0
-        assert EVIL[0] in tab.value("document.body.innerText")
+        assert HOSTILE_TEXT[0] in tab.value("document.body.innerText")
         tab.value("document.body.insertAdjacentHTML('beforeend', '<img src=x: onerror=\"window.hacked=7\">')")
         tab.until("document.querySelector('img[onerror]').complete")
         assert tab.value("window.hacked ?? 0") == 0  # were markup to slip through, the page's policy stops its scripts

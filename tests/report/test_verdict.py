@@ -1,4 +1,4 @@
-"""Verdict of a report in one line: what is wrong, and what an audience will miss."""
+"""One-line verdict of a report: failed checks and dropped behaviours."""
 
 import re
 
@@ -46,14 +46,14 @@ def test_verdict_names_the_style_unless_it_is_neutral(data: dict[str, Json]) -> 
 
 OFFER = '<gesture id="g" lexeme="offer" mode="BOTH_HANDS" stroke="1.0" end="2"/>'
 NODS = '<head id="h" lexeme="NOD" amount="1" repetition="6" start="0.5" end="1.2"/>'
-UNKNOWN = '<gesture id="x" lexeme="xyzzy" stroke="1"/>'
+UNKNOWN_GESTURE = '<gesture id="x" lexeme="xyzzy" stroke="1"/>'
 
 
 @pytest.mark.parametrize(
     ("document", "servos", "correction", "named"),
     [
         (NODS, NOMINAL_FACTORS, True, "timing.shift"),
-        (OFFER + UNKNOWN, NOMINAL_FACTORS, True, "1 of 2 dropped: xyzzy"),
+        (OFFER + UNKNOWN_GESTURE, NOMINAL_FACTORS, True, "1 of 2 dropped: xyzzy"),
         (OFFER, Factors(latency=0.2), False, "tracking.lateness"),
         (OFFER, Factors(gain=3.0, latency=0.03), True, "smoothness.hands"),
     ],

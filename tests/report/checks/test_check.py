@@ -1,4 +1,4 @@
-"""Verdict of a value: a missed goal warns, one missed by far is poor, a danger fails."""
+"""Status of a checked value: pass, warn, poor or fail."""
 
 import re
 from dataclasses import dataclass, replace
@@ -15,7 +15,7 @@ from kinesic.report.checks.content import content_checks
 from kinesic.report.checks.servos import draw_load, loads, power_checks
 from kinesic.report.checks.twin import measure_tracking, stroke_errors
 
-PAGE = Path(__file__).parents[3] / "docs" / "reference" / "report.md"
+REFERENCE_PAGE = Path(__file__).parents[3] / "docs" / "reference" / "report.md"
 CHECK_ROW = re.compile(r"^\| (`\w+\.\w+`(?:, `\w+\.\w+`)*) \| .+ \| (.+) \|$", re.MULTILINE)
 POOR_BOUNDS = re.compile(r"poor (?:above|below) ([\d.]+(?:, [\d.]+)*(?: and [\d.]+)?)( ms)?")
 
@@ -30,9 +30,9 @@ class DocumentedLimit:
 
 
 def documented_limits() -> dict[str, DocumentedLimit]:
-    """Read the third column of the table of checks; bounds in ms are converted to seconds."""
+    """Read the limits of all checks from the reference page of reports."""
     limits: dict[str, DocumentedLimit] = {}
-    for names, text in CHECK_ROW.findall(PAGE.read_text(encoding="utf-8")):
+    for names, text in CHECK_ROW.findall(REFERENCE_PAGE.read_text(encoding="utf-8")):
         checks, match = re.findall(r"\w+\.\w+", names), POOR_BOUNDS.search(text)
         bounds = [] if match is None else [float(bound) for bound in re.findall(r"[\d.]+", match[1])]
         scale = 0.001 if match is not None and match[2] else 1.0
@@ -42,19 +42,19 @@ def documented_limits() -> dict[str, DocumentedLimit]:
     return limits
 
 
-LIMITS = documented_limits()
-POOR = {name: limit.poor for name, limit in LIMITS.items() if limit.poor is not None}
-FATAL = {name for name, limit in LIMITS.items() if limit.is_fatal}
-LOW = {name for name, limit in LIMITS.items() if limit.at_least}
+DOCUMENTED_LIMITS = documented_limits()
+POOR_LIMITS = {name: limit.poor for name, limit in DOCUMENTED_LIMITS.items() if limit.poor is not None}
+FATAL_CHECKS = {name for name, limit in DOCUMENTED_LIMITS.items() if limit.is_fatal}
+MINIMUM_CHECKS = {name for name, limit in DOCUMENTED_LIMITS.items() if limit.at_least}
 
 
 def test_reference_page_of_reports_documents_the_limit_of_each_check():
-    assert sorted(LIMITS) == sorted(CHECK_LIMITS), (
+    assert sorted(DOCUMENTED_LIMITS) == sorted(CHECK_LIMITS), (
         "edit CHECK_LIMITS in kinesic/report/checks/check.py or the table of checks in docs/reference/report.md"
     )
     for name, limit in CHECK_LIMITS.items():
         documented = DocumentedLimit(limit.beyond == "fail", limit.at_least, limit.poor)
-        assert LIMITS[name] == documented, f"{name}: docs/reference/report.md and CHECK_LIMITS differ"
+        assert DOCUMENTED_LIMITS[name] == documented, f"{name}: docs/reference/report.md and CHECK_LIMITS differ"
 
 
 def test_error_for_a_check_without_a_limit_names_the_file_to_edit():
@@ -62,24 +62,26 @@ def test_error_for_a_check_without_a_limit_names_the_file_to_edit():
         Check.of("servo.unknown", 1.0, 2.0)
 
 
-@pytest.mark.parametrize("name", LIMITS)
+@pytest.mark.parametrize("name", DOCUMENTED_LIMITS)
 def test_value_at_its_limit_passes_and_one_beyond_warns_or_fails(name: str):
-    worse = -1.0 if name in LOW else 1.0
-    bound = POOR.get(name, 0.0)
+    worse = -1.0 if name in MINIMUM_CHECKS else 1.0
+    bound = POOR_LIMITS.get(name, 0.0)
     limit = 0.5 if name == "limits.holding" else bound - 0.1 * worse  # well inside of what is poor
     assert Check.of(name, limit, limit).status == "pass"
-    assert Check.of(name, limit + 0.01 * worse, limit).status == ("fail" if name in FATAL else "warn")
+    assert Check.of(name, limit + 0.01 * worse, limit).status == ("fail" if name in FATAL_CHECKS else "warn")
     assert Check.of(name, limit + 0.01 * worse, limit, slack=0.02).status == "pass"
-    assert Check.of(name, nan, limit).status == ("fail" if name in FATAL else "poor" if name in POOR else "warn")
+    assert Check.of(name, nan, limit).status == (
+        "fail" if name in FATAL_CHECKS else "poor" if name in POOR_LIMITS else "warn"
+    )
 
 
-@pytest.mark.parametrize(("name", "bound"), POOR.items())
+@pytest.mark.parametrize(("name", "bound"), POOR_LIMITS.items())
 def test_value_beyond_its_poor_threshold_is_graded_poor(name: str, bound: float):
-    worse = -1.0 if name in LOW else 1.0
+    worse = -1.0 if name in MINIMUM_CHECKS else 1.0
     limit = bound - 0.1 * worse
     assert Check.of(name, bound, limit).status == "warn"
     result = Check.of(name, bound + 0.001 * worse, limit, "somewhere")
-    assert (result.status, result.limit, result.at_least) == ("poor", bound, name in LOW)
+    assert (result.status, result.limit, result.at_least) == ("poor", bound, name in MINIMUM_CHECKS)
     assert (result.value, result.unit, result.where) == (bound + 0.001 * worse, CHECK_LIMITS[name].unit, "somewhere")
 
 

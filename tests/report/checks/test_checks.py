@@ -1,4 +1,4 @@
-"""Verdicts of every check on blocks performed by the twin, as measured and with one wrong value."""
+"""Statuses of every check, as measured and with one wrong value."""
 
 import json
 from dataclasses import replace
@@ -118,7 +118,7 @@ def test_nan_servo_duty_fails_its_check(done):
 @pytest.mark.parametrize(("share", "status", "limit"), [(0.39, "pass", 0.4), (0.5, "warn", 0.4), (0.81, "fail", 0.8)])
 def test_holding_torque_above_its_limits_warns_or_fails(done, known, share, status, limit):
     class Loaded:
-        """Dynamics of a robot that needs a share of its stall torque in one hinge."""
+        """Dynamics of a robot with a given holding torque in one hinge."""
 
         load = known.dynamics.load
 

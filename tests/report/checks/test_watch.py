@@ -1,4 +1,4 @@
-"""Clearance with measured tracking errors, for twins that were slowed, stopped or neither."""
+"""Checks of the clearance watch, for slowed, stopped and undisturbed twins."""
 
 from dataclasses import replace
 
@@ -51,7 +51,7 @@ def test_performance_stopped_before_contact_fails_the_collision_check(calm):
 
 
 def test_tracking_error_towards_the_body_makes_the_predicted_clearance_negative(calm):
-    """The same plan has less clearance if the right arm deviates towards the body."""
+    """Compare one plan with and without an arm error towards the body."""
     hinge = calm.plan.setup.robot.skeleton.joint("r_shoulder_abduct")
     angles = np.array(calm.measured.angles)
     angles[:, hinge] += np.radians(25.0)

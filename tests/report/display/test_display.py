@@ -124,7 +124,7 @@ def test_notebook_display_of_a_style_shows_each_parameter_of_each_modality():
 
 
 def test_notebook_display_of_a_modified_gesture_shows_the_modified_motion():
-    """A changed form is planned, not the gesture of that name in the lexicon."""
+    """Display a changed copy of a gesture of the lexicon."""
     match = Lexicon.load().find("beat")
     assert match is not None
     form = match.form

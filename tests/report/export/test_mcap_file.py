@@ -58,7 +58,7 @@ def test_mcap_joint_states_equal_planned_and_measured_motion(hurried: DryRun, pe
 
 
 def test_composed_mcap_transforms_give_the_measured_hand_position(hurried: DryRun, performed: Messages):
-    """Transforms of a chain, composed as a viewer does, give the forward kinematics."""
+    """Compose the transforms of a chain as a viewer does."""
     robot, row = hurried.plan.setup.robot, 40
     time, content = performed["/tf"][row]
     moves = {transform.child_frame_id: transform for transform in content.transforms}

@@ -1,4 +1,4 @@
-"""Face data of pages: the human's face shapes and eye rotations, as kinesic computes them."""
+"""Face data of pages, compared with the renderer's shapes and eye rotations."""
 
 import json
 import shutil
@@ -26,10 +26,10 @@ from kinesic.report.scene import read_scripts
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
-MOST = 1.5e6  # [bytes] largest growth of a page by skin and face
+MAX_PAGE_GROWTH = 1.5e6  # [bytes] largest growth of a page by skin and face
 HUMAN, FIGURE = Robot.load("human"), load_figure()
-UNITS = ({}, {"12": 1.0, "26": 0.6, "L1": 0.5}, {"61": 0.8, "63": 0.4}, {"45": 1.0, "64": 0.7, "66": 0.3})
-SCRIPT = """
+ACTION_UNITS = ({}, {"12": 1.0, "26": 0.6, "L1": 0.5}, {"61": 0.8, "63": 0.4}, {"45": 1.0, "64": 0.7, "66": 0.3})
+PAGE_SCRIPT = """
 const { skin, face, count, placed, angles } = JSON.parse(require("fs").readFileSync(0));
 const moved = faceOf(face.shapes, count), frames = face.weights.length;
 process.stdout.write(JSON.stringify(face.weights.map((weights, k) => ({
@@ -40,19 +40,19 @@ process.stdout.write(JSON.stringify(face.weights.map((weights, k) => ({
 
 
 def unpacked(data: dict) -> dict:
-    """Return shape weights and eye rotations as rows of numbers, decoded as the page does."""
-    weights = np.frombuffer(b64decode(data["weights"]), "u1").reshape(len(UNITS), -1) * data["weight_step"]
-    gaze = np.frombuffer(b64decode(data["gaze"]), "<i2").reshape(len(UNITS), 6) * data["gaze_step"]
+    """Decode shape weights and eye rotations as the page does."""
+    weights = np.frombuffer(b64decode(data["weights"]), "u1").reshape(len(ACTION_UNITS), -1) * data["weight_step"]
+    gaze = np.frombuffer(b64decode(data["gaze"]), "<i2").reshape(len(ACTION_UNITS), 6) * data["gaze_step"]
     return {"shapes": data["shapes"], "weights": weights.tolist(), "gaze": gaze.tolist()}
 
 
 def test_page_data_contain_only_blend_shapes_that_the_face_uses():
-    assert face_data(UNITS[:1])["shapes"] == []
-    assert 0 < len(face_data(UNITS)["shapes"]) < len(FIGURE.mesh.shapes) / 2
+    assert face_data(ACTION_UNITS[:1])["shapes"] == []
+    assert 0 < len(face_data(ACTION_UNITS)["shapes"]) < len(FIGURE.mesh.shapes) / 2
     every = [{channel: 1.0} for channel in FACE_CHANNELS]
     data = face_data(every)
     assert len(data["shapes"]) > 45
-    assert len(json.dumps(skin_data(HUMAN))) + len(json.dumps(data)) < MOST
+    assert len(json.dumps(skin_data(HUMAN))) + len(json.dumps(data)) < MAX_PAGE_GROWTH
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
@@ -62,17 +62,17 @@ def test_page_script_moves_vertices_and_eyes_like_the_renderer():
     placed[:, :3, :3], placed[:, :3, 3] = stand.rotations, stand.origins
     given = {
         "skin": skin_data(HUMAN),
-        "face": unpacked(face_data(UNITS)),
+        "face": unpacked(face_data(ACTION_UNITS)),
         "count": len(FIGURE.mesh.positions),
         "placed": placed.transpose(0, 2, 1).reshape(-1, 16).tolist(),
         "angles": HUMAN.skeleton.rest.tolist(),
     }
-    script = read_scripts(("shapes.js", "motion.js", "skin.js")) + SCRIPT
+    script = read_scripts(("shapes.js", "motion.js", "skin.js")) + PAGE_SCRIPT
     ended = subprocess.run(
         ["node", "-e", script], input=json.dumps(given), capture_output=True, text=True, check=True, timeout=60
     )
     skin, eyes = Skin(FIGURE, HUMAN.skeleton), FIGURE.mesh.vertices("eyes")
-    for units, result in zip(UNITS, json.loads(ended.stdout), strict=True):
+    for units, result in zip(ACTION_UNITS, json.loads(ended.stdout), strict=True):
         moves = np.array(result["moves"]).reshape(-1, 3)
         asked = (FIGURE.mesh.deltas @ compute_shape_weights(FIGURE.mesh, units)).reshape(-1, 3)
         assert np.abs(moves - asked).max() < 5e-4

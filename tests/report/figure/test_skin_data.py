@@ -1,4 +1,4 @@
-"""Skin data of pages: the human's skin moves as kinesic computes it."""
+"""Skin data of pages, compared with the renderer's skin."""
 
 import json
 import shutil
@@ -21,13 +21,13 @@ from ...chromium import binary, opened
 
 HUMAN = Robot.load("human")
 FIGURE = load_figure()
-MOST = 1.5e6  # [bytes] largest growth of a page by skin and scripts
-SIDE = 300  # [pixels] side of the page's picture
-BONES = """
+MAX_PAGE_GROWTH = 1.5e6  # [bytes] largest growth of a page by skin and scripts
+PICTURE_SIDE = 300  # [pixels] side of the page's picture
+BONES_SCRIPT = """
 const { skin, placed, angles } = JSON.parse(require("fs").readFileSync(0));
 process.stdout.write(JSON.stringify(angles.map((row, k) => Array.from(bonesOf(skin, placed[k], row)))));
 """
-PAGE = """<!doctype html><canvas style="width: SIDEpx; height: SIDEpx"></canvas><script>
+PAGE_TEMPLATE = """<!doctype html><canvas style="width: SIDEpx; height: SIDEpx"></canvas><script>
 SCRIPTS
 const canvas = document.querySelector("canvas"), data = DATA, scene = sceneOf(canvas, data);
 const look = { turn: 0.3, rise: 0.1, zoom: 1 };
@@ -70,7 +70,7 @@ def test_skin_vertices_packed_for_the_page_equal_those_of_the_human_figure():
 
 
 def test_page_data_contain_a_small_skin_for_the_human_and_none_for_a_robot_without_skin():
-    assert len(json.dumps(skin_data(HUMAN))) + len(read_scripts(("skin.js",))) < MOST
+    assert len(json.dumps(skin_data(HUMAN))) + len(read_scripts(("skin.js",))) < MAX_PAGE_GROWTH
     assert "skin" not in scene_data(Robot.load("upper36"))
     assert "skin" in scene_data(HUMAN)
 
@@ -86,7 +86,7 @@ def test_page_script_moves_the_skin_like_the_renderer():
     placed[..., :3, :3], placed[..., :3, 3] = stand.rotations, stand.origins
     columns_first = placed.transpose(0, 1, 3, 2).reshape(len(angles), -1, 16)
     given = {"skin": skin_data(HUMAN), "placed": columns_first.tolist(), "angles": angles.tolist()}
-    script = read_scripts(("shapes.js", "motion.js", "skin.js")) + BONES
+    script = read_scripts(("shapes.js", "motion.js", "skin.js")) + BONES_SCRIPT
     ended = subprocess.run(
         ["node", "-e", script], input=json.dumps(given), capture_output=True, text=True, check=True, timeout=60
     )
@@ -104,7 +104,7 @@ def test_page_script_moves_the_skin_like_the_renderer():
 @pytest.mark.skipif(binary() is None, reason="no Chromium: apt-get install chromium")
 def test_page_draws_skin_clothes_highlight_servo_duty_face_and_plan_overlay(tmp_path: Path):
     data = {**scene_data(HUMAN), "features": face_data([{"26": 1.0}])}
-    text = PAGE.replace("SIDE", str(SIDE)).replace("SCRIPTS", read_scripts(SCENE_SCRIPTS))
+    text = PAGE_TEMPLATE.replace("SIDE", str(PICTURE_SIDE)).replace("SCRIPTS", read_scripts(SCENE_SCRIPTS))
     (tmp_path / "page.html").write_text(text.replace("DATA", json.dumps(data)), encoding="utf-8")
     rest = json.dumps(HUMAN.skeleton.rest.tolist())
     with opened((tmp_path / "page.html").as_uri()) as page:

@@ -1,4 +1,4 @@
-"""Drawn face of robots in glTF scenes: morph targets show the face of the film."""
+"""Drawn robot face in glTF scenes, compared with the face in films."""
 
 from dataclasses import replace
 from pathlib import Path
@@ -14,12 +14,12 @@ from kinesic.sim.filming.face_screen import build_face_screen
 from .test_scene import read, values
 
 ROBOT = Robot.load()
-FACES = ({"12": 1.0, "6": 0.6, "26": 0.4}, {"L45": 1.0, "61": 0.7, "4": 0.5})
+SHOWN_FACES = ({"12": 1.0, "6": 0.6, "26": 0.4}, {"L45": 1.0, "61": 0.7, "4": 0.5})
 
 
 @pytest.fixture(scope="module")
 def scene(tmp_path_factory: pytest.TempPathFactory) -> tuple[dict, bytes]:
-    return write(tmp_path_factory.mktemp("face") / "face.glb", ROBOT, FACES)
+    return write(tmp_path_factory.mktemp("face") / "face.glb", ROBOT, SHOWN_FACES)
 
 
 def write(path: Path, robot: Robot, faces: tuple[dict[str, float], ...]) -> tuple[dict, bytes]:
@@ -46,12 +46,12 @@ def test_gltf_morph_targets_show_the_same_face_as_the_film(scene: tuple[dict, by
     (face,) = [mesh for mesh in tables["meshes"] if mesh["name"] == "face"]
     (animation,) = tables["animations"]
     (channel,) = [c for c in animation["channels"] if c["target"]["path"] == "weights"]
-    shown = values(tables, block, animation["samplers"][channel["sampler"]]["output"]).reshape(len(FACES), -1)
+    shown = values(tables, block, animation["samplers"][channel["sampler"]]["output"]).reshape(len(SHOWN_FACES), -1)
     assert ((shown >= -1e-6) & (shown <= 1.0 + 1e-6)).all()
     assert len(face["extras"]["targetNames"]) == shown.shape[1] == len(face["weights"])
     screen = build_face_screen(ROBOT)
     assert screen is not None
-    for units, weights in zip((*FACES, {}), (*shown, np.array(face["weights"])), strict=True):
+    for units, weights in zip((*SHOWN_FACES, {}), (*shown, np.array(face["weights"])), strict=True):
         strips = build_strips(read_controls(units))
         assert len(strips) == len(face["primitives"])
         for strip, primitive in zip(strips, face["primitives"], strict=True):

@@ -1,4 +1,4 @@
-"""Written glTF scenes, read by another library and compared with kinesic's forward kinematics."""
+"""glTF scenes read by another library, compared with kinesic's forward kinematics."""
 
 import json
 import struct
@@ -136,7 +136,7 @@ def test_gltf_animation_reproduces_each_posture_of_the_motion(trimesh: ModuleTyp
 
 
 def test_gltf_skin_moves_like_the_rendered_skin(trimesh: ModuleType, tmp_path: Path):
-    """The file's joints, inverse bind matrices and weights give the vertices of hands and clothes."""
+    """Compute vertices from the file's joints, inverse bind matrices and weights."""
     human, figure = ROBOTS["human"], load_figure()
     angles = wild(human, 1)
     path = written(human, angles, tmp_path / "human.glb")

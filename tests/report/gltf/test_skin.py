@@ -1,4 +1,4 @@
-"""Surfaces of a figure in a glTF file: colours, textures, morph targets and joints."""
+"""Human figure in a glTF file: colours, textures, morph targets, joints."""
 
 import io
 import json
@@ -24,18 +24,18 @@ from kinesic.report.gltf.skin_pictures import screen_colours
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
-HAIRLINE = (-0.06, 0.12)  # heights in the chart between which skin becomes hair
-HEM = 0.04  # [m] width of the clothes' texture on each side of a border
-PAINTED = 512  # [pixels] width and height of the skin texture
+HAIRLINE_RANGE = (-0.06, 0.12)  # heights in the chart between which skin becomes hair
+HEM_HALF_WIDTH = 0.04  # [m] width of the texture of clothes on each side of a border
+TEXTURE_SIZE = 512  # [pixels] width and height of the skin texture
 FIGURE = load_figure()
 MESH = FIGURE.mesh
-LOOK = {"61": 0.5, "63": 0.4}  # action units: eyes to the left and up
-KINDS = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
-WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+GAZE_UNITS = {"61": 0.5, "63": 0.4}  # action units: eyes to the left and up
+COMPONENT_TYPES = {5121: "<u1", 5123: "<u2", 5125: "<u4", 5126: "<f4"}
+ACCESSOR_WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 
 
 class GltfScene:
-    """Tables and values of a glTF file."""
+    """JSON tables and binary values of a glTF file."""
 
     def __init__(self, path: Path) -> None:
         data = path.read_bytes()
@@ -49,14 +49,14 @@ class GltfScene:
     def values(self, index: int) -> np.ndarray:
         """Return the values (n, width) of an accessor, also of a sparse one."""
         accessor = self.tables["accessors"][index]
-        shape = accessor["count"], WIDTHS[accessor["type"]]
+        shape = accessor["count"], ACCESSOR_WIDTHS[accessor["type"]]
         result = np.zeros(shape)
-        kind = KINDS[accessor["componentType"]]
+        kind = COMPONENT_TYPES[accessor["componentType"]]
         if "bufferView" in accessor:
             result[:] = np.frombuffer(self.view(accessor["bufferView"]), kind, shape[0] * shape[1]).reshape(shape)
         if "sparse" in accessor:
             sparse = accessor["sparse"]
-            index_kind = KINDS[sparse["indices"]["componentType"]]
+            index_kind = COMPONENT_TYPES[sparse["indices"]["componentType"]]
             places = np.frombuffer(self.view(sparse["indices"]["bufferView"]), index_kind, sparse["count"])
             moved = np.frombuffer(self.view(sparse["values"]["bufferView"]), kind, sparse["count"] * shape[1])
             result[places] = moved.reshape(-1, shape[1])
@@ -90,7 +90,7 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> GltfScene:
     human = Robot.load("human")
     angles = np.repeat(human.skeleton.rest[None], 2, axis=0)
     path = tmp_path_factory.mktemp("scene") / "human.glb"
-    write_scene(human, SceneMotion(np.arange(2) / KEY_FRAME_RATE, angles, [{}, LOOK]), path)
+    write_scene(human, SceneMotion(np.arange(2) / KEY_FRAME_RATE, angles, [{}, GAZE_UNITS]), path)
     return GltfScene(path)
 
 
@@ -143,9 +143,9 @@ def test_gltf_skin_texture_is_the_vertically_flipped_skin_painting(scene: GltfSc
     (primitive,) = scene.primitives("face", "skin")
     picture = scene.picture(primitive)
     assert picture.format == "JPEG"
-    assert picture.size == (PAINTED, PAINTED)
+    assert picture.size == (TEXTURE_SIZE, TEXTURE_SIZE)
     painted = np.asarray(paint_skin(COMPLEXIONS["female"]))[:, :, :3]
-    side = len(painted) // PAINTED
+    side = len(painted) // TEXTURE_SIZE
     expected = 255 * screen_colours(painted[::-1][side // 2 :: side, side // 2 :: side])
     assert np.abs(np.asarray(picture, dtype=float) - expected).mean() < 4.0
 
@@ -159,12 +159,14 @@ def test_texture_of_clothes_is_transparent_beyond_their_border(scene: GltfScene)
         assert material["pbrMetallicRoughness"]["roughnessFactor"] == 0.95
         own = vertices_of(scene, primitive, "cloth")
         across = scene.attribute(primitive, "TEXCOORD_0")
-        np.testing.assert_allclose(across[:, 0], np.clip(0.5 + MESH.tips[own] / (2 * HEM), 0.0, 1.0), atol=1e-6)
+        np.testing.assert_allclose(
+            across[:, 0], np.clip(0.5 + MESH.tips[own] / (2 * HEM_HALF_WIDTH), 0.0, 1.0), atol=1e-6
+        )
         np.testing.assert_allclose(across[:, 1], 0.5, atol=1e-6)
     picture = np.asarray(scene.picture(cloth[0]))
     assert (picture[:, :64, 3] == 255).all()
     assert (picture[:, 64:, 3] == 0).all()
-    seam = round(0.007 / HEM * 64)  # pixels
+    seam = round(0.007 / HEM_HALF_WIDTH * 64)  # pixels
     assert (picture[:, : 64 - seam - 1, :3] == 255).all()
     assert (picture[:, 64 - seam + 1 : 64, :3] == 225).all()
 
@@ -209,12 +211,12 @@ def test_hair_colour_of_the_skin_begins_at_the_hairline(scene: GltfScene) -> Non
     height = compute_vertex_chart(MESH)[own, 3]
     colours = scene.attribute(primitive, "COLOR_0")
     hair = np.clip(np.asarray(COMPLEXIONS["female"].hair) / COMPLEXIONS["female"].skin, 0.0, 1.0)
-    np.testing.assert_allclose(colours[height <= HAIRLINE[0]], 1.0, atol=1e-6)
-    bald = height >= HAIRLINE[1]
+    np.testing.assert_allclose(colours[height <= HAIRLINE_RANGE[0]], 1.0, atol=1e-6)
+    bald = height >= HAIRLINE_RANGE[1]
     assert bald.any()
     np.testing.assert_allclose(colours[bald], np.broadcast_to(hair, colours[bald].shape), atol=1e-6)
-    between = (height > HAIRLINE[0]) & (height < HAIRLINE[1])
-    share = (height[between] - HAIRLINE[0]) / (HAIRLINE[1] - HAIRLINE[0])
+    between = (height > HAIRLINE_RANGE[0]) & (height < HAIRLINE_RANGE[1])
+    share = (height[between] - HAIRLINE_RANGE[0]) / (HAIRLINE_RANGE[1] - HAIRLINE_RANGE[0])
     result = ((1.0 - colours[between]) / (1.0 - hair)).mean(axis=1)
     assert between.sum() > 20
     np.testing.assert_allclose(result, share, atol=0.1)  # smooth at both ends
@@ -275,7 +277,7 @@ def test_gltf_eyeballs_turn_with_the_gaze(scene: GltfScene) -> None:
     for number, name in enumerate(("l_eyeball", "r_eyeball")):
         straight, turned = scene.rotations(name)
         np.testing.assert_allclose(straight, np.eye(3), atol=1e-6)
-        np.testing.assert_allclose(turned, compute_gaze_rotation(read_intensities(LOOK), number), atol=1e-6)
+        np.testing.assert_allclose(turned, compute_gaze_rotation(read_intensities(GAZE_UNITS), number), atol=1e-6)
         assert np.abs(turned - np.eye(3)).max() > 0.1
 
 

@@ -1,4 +1,4 @@
-"""Scene and voice in step in the three.js page of examples/threejs, in a browser."""
+"""Synchrony of scene and voice in the page of examples/threejs."""
 
 import functools
 import threading
@@ -70,7 +70,7 @@ class QuietHandler(SimpleHTTPRequestHandler):
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory) -> Path:
-    """Copy the example into a folder with three.js, as npm would install it."""
+    """Copy the example into a folder with an installed three.js."""
     folder = tmp_path_factory.mktemp("threejs") / "page"
     copytree(EXAMPLE, folder, ignore=lambda *_: ["node_modules"])
     (folder / "node_modules").mkdir()
@@ -88,7 +88,7 @@ def address(folder: Path) -> Iterator[str]:
 
 
 def write_ramps(folder: Path) -> None:
-    """Write a jaw that opens steadily, and a tone whose loudness rises at the same rate."""
+    """Write a steadily opening jaw and a tone of equally rising loudness."""
     human = Robot.load("human")
     times = np.arange(round(DURATION * KEY_FRAME_RATE) + 1) / KEY_FRAME_RATE
     angles = np.tile(human.skeleton.rest, (len(times), 1))

@@ -1,4 +1,4 @@
-"""Scenes without errors according to the Khronos glTF validator, where node and the validator exist."""
+"""glTF scenes checked by the Khronos glTF validator, if it is installed."""
 
 import json
 import shutil

@@ -11,7 +11,7 @@ from kinesic.report.plots.axes import FIGURE_WIDTH, UNITS_PER_INCH, Figure, Plot
 
 @pytest.fixture
 def drawn() -> tuple[Figure, PlotAxes]:
-    """Draw axes of 1 x 1 in with margins of 2 in on the left and 1 in below."""
+    """Draw square axes of 1 in with left and lower margins."""
     figure = Figure(3.0)
     axes = figure.axes(2.0, 1.0, 1.0, 1.0)
     axes.limit_x(0.0, 10.0)

@@ -9,14 +9,16 @@ from kinesic.tasks.store import open_store
 
 duckdb = pytest.importorskip("duckdb", reason="the extra store is not installed")
 
-PLAYED = [{"value": value, "swept_volume": 2 + value} for value in (-1.0, 1.0)]
-SERIES = {"parameter": "spatial", "measure": "swept_volume", "played": PLAYED}
-FIGURE = {"name": "a", "value": 2.0, "unit": "s", "goal": 1.0, "better": "lower", "why": "", "ok": False}
-DESIGN = {"state": "finished", "price": 5.0, "lateness": 1.0, "mass": 4.0, "unbeaten": True, "changes": {}}
-RUNS = {
-    "sweep.json": {"gesture": "beat", "style": "calm", "series": [SERIES]},
-    "bench.json": [FIGURE],
-    "designs.json": {"designs": [DESIGN | {"performed": []}, DESIGN | {"performed": [], "unbeaten": False}]},
+SWEEP_ROWS = [{"value": value, "swept_volume": 2 + value} for value in (-1.0, 1.0)]
+SWEEP_SERIES = {"parameter": "spatial", "measure": "swept_volume", "played": SWEEP_ROWS}
+BENCHMARK_METRIC = {"name": "a", "value": 2.0, "unit": "s", "goal": 1.0, "better": "lower", "why": "", "ok": False}
+ROBOT_DESIGN = {"state": "finished", "price": 5.0, "lateness": 1.0, "mass": 4.0, "unbeaten": True, "changes": {}}
+RESULT_FILES = {
+    "sweep.json": {"gesture": "beat", "style": "calm", "series": [SWEEP_SERIES]},
+    "bench.json": [BENCHMARK_METRIC],
+    "designs.json": {
+        "designs": [ROBOT_DESIGN | {"performed": []}, ROBOT_DESIGN | {"performed": [], "unbeaten": False}]
+    },
 }
 
 
@@ -28,7 +30,7 @@ def height(path) -> int:
 @pytest.mark.soak
 def test_plot_of_results_grows_with_the_number_of_result_kinds(tmp_path):
     heights = []
-    for name, data in RUNS.items():
+    for name, data in RESULT_FILES.items():
         (tmp_path / name).write_text(json.dumps(data))
         with open_store(tmp_path) as store:
             draw_results(store, tmp_path / "results.png")
@@ -51,8 +53,8 @@ def test_violated_minimum_checks_have_ratios_above_one_in_the_result_plot(tmp_pa
     ]
     entry = {"file": "a.bml", "outcome": "performed", "exit": 1, "behaviours": [], "checks": entries, "error": ""}
     (tmp_path / "finished.jsonl").write_text(json.dumps({"key": "1", "entry": entry}) + "\n")
-    figure = FIGURE | {"goal": 4.0, "better": "higher"}
-    (tmp_path / "bench.json").write_text(json.dumps([figure, FIGURE | {"name": "b"}]))
+    figure = BENCHMARK_METRIC | {"goal": 4.0, "better": "higher"}
+    (tmp_path / "bench.json").write_text(json.dumps([figure, BENCHMARK_METRIC | {"name": "b"}]))
     with open_store(tmp_path) as store:
         ratios = {row[0]: row[4] for row in store.ask(CHECKS_QUERY).rows}
         figures = {row[0]: row[1] for row in store.ask(METRICS_QUERY).rows}
