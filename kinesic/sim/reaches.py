@@ -1,4 +1,4 @@
-"""Bounds on how far capsules move when hinges rotate."""
+"""Bounds of the motion of capsules per hinge rotation."""
 
 from collections.abc import Sequence
 

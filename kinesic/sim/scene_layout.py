@@ -158,7 +158,7 @@ def _list_hand_shapes(robot: Robot, arm: RobotArm) -> tuple[Capsule, ...]:
 
 
 def _find_nearest_on_axis(shape: Capsule, point: Floats) -> Floats:
-    """Return the point (3,) [m] of a capsule's axis nearest to another point."""
+    """Return the point [m] of a capsule's axis nearest to another point."""
     axis = shape.end - shape.start
     fraction = float((point - shape.start) @ axis) / max(float(axis @ axis), MIN_ROD_LENGTH**2)
     return sealed(shape.start + min(max(fraction, 0.0), 1.0) * axis)

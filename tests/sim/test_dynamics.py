@@ -106,7 +106,7 @@ def test_overloaded_drive_still_gets_a_positive_acceleration_limit():
 
 
 def test_torques_equal_mujoco_inverse_dynamics():
-    """`mj_inverse` includes armature and damping; friction is a constraint and not included."""
+    """Compare with `mj_inverse`, to which friction is added."""
     random = np.random.default_rng(5)
     postures = random_postures(ROBOT.skeleton, 40, seed=5)
     speeds, accelerations = random.normal(0.0, 2.0, (2, 40, 22))

@@ -26,7 +26,7 @@ RAISED_POSTURE[ROBOT.skeleton.joint("r_shoulder_flexion")] = 2.6
 
 @pytest.fixture(scope="module")
 def needs_opengl():
-    """Skip the test without OpenGL; the check starts a process, so only film tests use it."""
+    """Skip the test if OpenGL cannot draw, as tested by a process."""
     if why := gl.opengl_fault():
         pytest.skip(why)
 
@@ -208,7 +208,7 @@ def test_film_rejects_different_numbers_of_times_and_postures(tmp_path):
 @pytest.mark.soak
 @draws
 def test_no_servo_protrudes_visibly_from_the_forearms(tmp_path):
-    """Pixels along nine tenths of the forearms are as bright as their paint."""
+    """Compare pixels along the forearms with the brightness of their paint."""
     size, path = (1280, 720), tmp_path / "still.png"
     bare = replace(ROBOT, path=tmp_path / "own.toml")  # has no shell file next to it
     write_still(bare, REST_POSTURE, path, size=size)

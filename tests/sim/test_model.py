@@ -215,7 +215,7 @@ def pendulum(capsules):
 
 
 def integrate_pendulum(drive, inertia, moment, goal, duration):
-    """Integrate a servo-driven pendulum with small Runge-Kutta steps; angles [rad] per millisecond."""
+    """Integrate a servo-driven pendulum with Runge-Kutta, one angle [rad] per millisecond."""
 
     def change(state):
         angle, speed = state

@@ -29,7 +29,7 @@ def total_current(duties, speeds, share):
 
 
 def raise_arms(factors, *, seconds=1.0):
-    """Run a twin that raises both arms by 60 degrees in one step, unlike any plan."""
+    """Run a twin whose arm setpoints step by 60 degrees."""
     twin, goal = Twin(ROBOT, factors=factors), np.array(REST_POSTURE)
     for side in "lr":
         goal[ROBOT.skeleton.names.index(f"{side}_shoulder_flexion")] += np.radians(60)

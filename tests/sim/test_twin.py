@@ -154,7 +154,7 @@ def test_servo_latency_equals_the_actuator_delay_of_mujoco():
 
 
 def test_measured_angles_of_loaded_hinges_change_by_under_0_2_degrees_with_backlash():
-    """Motors are off by half the backlash, hinges are where they are without backlash."""
+    """Compare loaded hinges of twins with and without backlash."""
     raised = np.array(REST_POSTURE)
     for side in "lr":
         raised[SKELETON.joint(f"{side}_elbow_flexion")] = 1.5
@@ -281,7 +281,7 @@ def test_measurements_can_be_deleted_during_the_motion():
 
 
 def test_twin_results_do_not_depend_on_segment_order():
-    """MuJoCo orders joints depth first; a robot file may list both arms level by level."""
+    """Compare two robots that list the segments in different orders."""
     level = {None: -1}
     for segment in SKELETON.segments:
         level[segment.name] = level[segment.parent] + 1

@@ -1,4 +1,4 @@
-"""Uncounted pairs of segments never collide, except parent and child at their joint."""
+"""Segment pairs excluded from collision checks, in random postures."""
 
 from collections.abc import Iterator
 from itertools import product
@@ -33,7 +33,7 @@ class PairDistances:
         }
 
     def nearest(self, pairs: list[tuple[str, str]], postures: int) -> Iterator[tuple[tuple[str, str], float, Floats]]:
-        """Yield each pair in each posture with its distance [m] and the midpoint of the gap [m]."""
+        """Yield each pair, its distance [m] and the gap's midpoint per posture."""
         way = np.zeros(6)
         for angles in random_postures(self.robot.skeleton, postures, seed=3):
             self.data.qpos[self.order] = angles

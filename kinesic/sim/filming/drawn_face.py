@@ -47,7 +47,7 @@ MOUTH_HALF_THICKNESS = 6.0  # [pixels] half the thickness of a closed mouth
 MOUTH_DROP = 46.0  # [pixels] height of the mouth opening at full jaw drop (AU 26)
 STRIP_POINTS = 25  # number of points of each edge, upper and lower, of a strip
 EYE_STRIPS = 6  # number of overlaid strips that draw one eye with its lids and brow
-SIDES: tuple[tuple[str, float], ...] = (("R", -1.0), ("L", 1.0))  # (side, sign of x); R is left in the picture
+FACE_SIDES: tuple[tuple[str, float], ...] = (("R", -1.0), ("L", 1.0))  # (side, sign of x), with R left in the picture
 
 
 @dataclass(frozen=True, eq=False)
@@ -82,7 +82,7 @@ def shown_intensity(units: Mapping[str, float], number: int, side: str = "") -> 
 def read_controls(units: Mapping[str, float]) -> dict[str, float]:
     """Convert action units to face shape parameters [pixels], input of `build_strips`."""
     controls: dict[str, float] = {}
-    for side, sign in SIDES:
+    for side, sign in FACE_SIDES:
         controls |= {f"{side} {name}": value for name, value in _read_eye(units, side, sign).items()}
     return controls | _read_mouth(units)
 
@@ -116,14 +116,14 @@ def _read_eye(units: Mapping[str, float], side: str, sign: float) -> dict[str, f
 
 def _read_mouth(units: Mapping[str, float]) -> dict[str, float]:
     def shown(number: int) -> float:
-        return max(shown_intensity(units, number, side) for side, _ in SIDES)
+        return max(shown_intensity(units, number, side) for side, _ in FACE_SIDES)
 
     narrow = max(shown(18), 0.7 * shown(22), 0.4 * shown(23), 0.25 * shown(24))
     opening = max(0.3 * shown(25), shown(26), 1.3 * shown(27), 0.3 * shown(22))
     pressed = max(shown(24), shown(28), 0.7 * shown(23))
     opening *= 1.0 - max(shown(24), shown(28))
     controls: dict[str, float] = {}
-    for side, _ in SIDES:
+    for side, _ in FACE_SIDES:
         smile, depressed, stretch = (shown_intensity(units, number, side) for number in (12, 15, 20))
         dimple = shown_intensity(units, 14, side)
         controls[f"{side} corner out"] = MOUTH_HALF_WIDTH * (
@@ -141,7 +141,7 @@ def _read_mouth(units: Mapping[str, float]) -> dict[str, float]:
 def build_strips(controls: Mapping[str, float]) -> tuple[FaceStrip, ...]:
     """Return the coloured shapes of a face, back to front."""
     strips: list[FaceStrip] = []
-    for side, sign in SIDES:
+    for side, sign in FACE_SIDES:
         own = {name[2:]: value for name, value in controls.items() if name.startswith(f"{side} ")}
         strips += _build_eye(own, sign)
     return (*strips, _build_mouth(controls))
@@ -194,7 +194,7 @@ def _build_mouth(controls: Mapping[str, float]) -> FaceStrip:
                 MOUTH_TOP_DISTANCE - controls[f"{side} corner up"],
             ]
         )
-        for side, sign in SIDES
+        for side, sign in FACE_SIDES
     )
     columns = left[0] + along * (right[0] - left[0])
     straight = left[1] + along * (right[1] - left[1])

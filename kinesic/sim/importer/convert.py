@@ -79,7 +79,7 @@ def import_humanoid(path: Path) -> Mapped:
 
 
 def _add_sources(file: RobotFile, sources: Mapping[str, SourceTable]) -> RobotFile:
-    """Return a robot's tables with the joint of the imported file in each hinge and coupling."""
+    """Add the imported joint to each hinge and coupling of robot tables."""
     return msgspec.structs.replace(
         file,
         hinge=[msgspec.structs.replace(hinge, source=sources[hinge.name]) for hinge in file.hinge],

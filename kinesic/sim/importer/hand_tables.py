@@ -1,4 +1,4 @@
-"""Robot tables of a hand with fingers: segments, couplings, rest angles and exclusions."""
+"""Robot tables of fingers: segments, couplings, rest angles and collision exclusions."""
 
 from collections.abc import Mapping, Sequence
 from math import degrees

@@ -169,7 +169,7 @@ def _find_default_range(name: str) -> tuple[float, float]:
 
 
 def describe_source(hinge: MappedHinge, joint: str) -> SourceTable:
-    """Return the file's joint with its sign and zero, as the robot's file states it."""
+    """Return the robot file's entry for an imported joint's sign and zero."""
     return SourceTable(joint, 1 if hinge.sign > 0 else -1, round(degrees(hinge.zero), ZERO_DIGITS) + 0.0)
 
 

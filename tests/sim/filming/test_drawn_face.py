@@ -67,7 +67,7 @@ def test_action_units_raise_and_lower_mouth_corners_and_brows():
 
 
 def test_brow_lowerer_lowers_inner_lid_ends_and_inner_brow_raiser_lowers_outer_ones():
-    """The left half of the picture has one eye, whose inner end is right."""
+    """Measure the slant of the upper lid in the picture's left half."""
 
     def slant(units: dict[str, float]) -> float:
         seen = find_pixels(paint_face(units), LINE_COLOUR, slice(72, 150))

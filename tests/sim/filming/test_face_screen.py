@@ -16,7 +16,7 @@ ROBOT = Robot.load()
 
 
 def compute_normals(sheet: Sheet) -> tuple[np.ndarray, np.ndarray]:
-    """Return triangle normals (t, 3) from vertex order, and the mean of their vertex normals."""
+    """Return triangle normals (t, 3) by vertex order and by vertex normals."""
     one, two, three = (sheet.places[sheet.triangles[:, k]] for k in range(3))
     return np.cross(two - one, three - one), sheet.normals[sheet.triangles].mean(axis=1)
 

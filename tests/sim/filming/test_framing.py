@@ -138,7 +138,7 @@ def test_pixels_changed_by_the_robot_lie_within_the_reported_box(name: str):
 
 
 def test_capsules_below_the_floor_are_clipped_at_the_floor():
-    """A column through the floor, a bar that falls below it later, and one that stays above."""
+    """Clip a sunk column, a falling bar and a raised bar."""
     column, falling, above = (
         [[0.0, 0.0, 1.0], [0.0, 0.0, 0.0]],
         [[1.0, 0.0, 0.5], [2.0, 0.0, 0.5]],
@@ -154,7 +154,7 @@ def test_capsules_below_the_floor_are_clipped_at_the_floor():
 
 
 def test_floor_of_the_scene_hides_capsules_below_it():
-    """The column ends at a raised floor, also in a region of the picture."""
+    """Draw a robot whose column is cut off by a raised floor."""
     if why := opengl_fault():
         pytest.skip(why)
     robot, size = ROBOTS["upper22"], (160, 120)

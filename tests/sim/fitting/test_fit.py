@@ -55,7 +55,7 @@ def true_value(unknown, factors):
 
 @pytest.fixture(scope="module")
 def worn():
-    """Fit the log of worn servos, recorded with smaller steps than the twin's."""
+    """Fit a log of worn servos that were simulated with small steps."""
     return fit_factors(record_log(WORN_FACTORS, seconds=0.7, step=0.001), ROBOT, free=FREE_PARAMETERS)
 
 

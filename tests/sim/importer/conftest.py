@@ -1,4 +1,4 @@
-"""Two small test robots: an MJCF in a T-pose, and a URDF with hanging arms."""
+"""Small test robots: an MJCF in T-pose, a URDF with hanging arms."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -52,7 +52,7 @@ def leg(name: str, side: int) -> str:
 
 
 def puppet(*, left: str = "l_", right: str = "r_", turned: float = 0.0, neck: bool = True, trunk: bool = True) -> str:
-    """Return an MJCF of a whole body, rotated around the vertical by an angle [deg]."""
+    """Return an MJCF of a whole body with a given heading [deg]."""
     head = """
     <body pos="0 0 0.45"><joint name="pan" axis="0 0 1" range="-1.2 1.2"/>
       <joint name="nod" axis="0 -1 0" range="-0.5 0.7"/><geom size="0.09" pos="0.02 0 0.1" mass="2"/></body>"""

@@ -1,4 +1,4 @@
-"""Divisions, joint centres and likeness of hand-made arms, and the lines of their hinges."""
+"""Divisions, joint centres, likeness and hinge axes of synthetic arms."""
 
 from dataclasses import replace
 from math import cos, sin, sqrt

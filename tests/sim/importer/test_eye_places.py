@@ -1,4 +1,4 @@
-"""Places of the eye site on hand-made heads, with and without hinges of the neck."""
+"""Position of the eye site on synthetic heads, turning or fixed."""
 
 from types import SimpleNamespace
 

@@ -1,4 +1,4 @@
-"""Names, directions, ranges and couplings of fingers, by hand-made hinges."""
+"""Names, directions, ranges and couplings of synthetic finger hinges."""
 
 from itertools import pairwise
 from math import pi, radians
@@ -27,10 +27,10 @@ from kinesic.sim.importer.hand import (
 
 X, Y, Z = np.eye(3)
 AXES = _Axes(along=X, across=Y, palm=-Z)  # fingers forward, thumb to the left, palm down
-FLEXING = Y  # axis of a hinge that moves a finger along x towards -z
+FLEXION_AXIS = Y  # axis of a hinge that moves a finger along x towards -z
 
 
-def joint(axis=FLEXING, anchor=(0.0, 0.0, 0.0), name="j", lower=0.0, upper=1.0, zero=0.0, follows=None):
+def joint(axis=FLEXION_AXIS, anchor=(0.0, 0.0, 0.0), name="j", lower=0.0, upper=1.0, zero=0.0, follows=None):
     return SimpleNamespace(
         axis=np.asarray(axis, float),
         anchor=np.array(anchor, float),
@@ -157,7 +157,7 @@ def test_range_of_a_finger_hinge_comes_from_the_file_or_a_default(name, limits, 
     turn = _map_turn(joint(lower=limits[0], upper=limits[1], zero=0.1), 7, "l", "index2", name, sign)
     assert (turn.lower, turn.upper, turn.assumed) == pytest.approx(expected)
     assert (turn.name, turn.segment, turn.joint, turn.sign, turn.zero) == (f"l_{name}", "l_index2", 7, sign, 0.1)
-    assert turn.axis.tolist() == (sign * FLEXING).tolist()
+    assert turn.axis.tolist() == (sign * FLEXION_AXIS).tolist()
 
 
 def follow(driver, ratio, offset):
@@ -214,7 +214,7 @@ def test_finger_radius_grows_with_finger_length_between_4_and_11_mm(length, radi
 
 
 def figure(count, length=0.1):
-    """Return a hand of a thumb and fingers of one flexion, in descending order of their place."""
+    """Return a robot with a hand of one-hinge fingers, the thumb last."""
     joints, parts, children = [joint(name="wrist")], {}, {0: list(range(1, count + 1))}
     for k in range(1, count + 1):
         is_thumb = k == count

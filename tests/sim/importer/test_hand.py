@@ -1,4 +1,4 @@
-"""Test hands on both arms: five fingers with couplings, four without, five with mimic joints."""
+"""Import of hands with four or five fingers, couplings and mimic joints."""
 
 import re
 from dataclasses import replace
@@ -18,7 +18,7 @@ PHALANX_LENGTH = 0.03
 
 
 def finger(name: str, place: str, along: str, turns: list[str], *, last: str = "") -> str:
-    """Return a chain of hinges with phalanges, except hinges at the same position."""
+    """Return MJCF of a finger: hinges, each flexion with its phalanx."""
     text = ""
     for k, turn in enumerate(turns):
         at = place if k == 0 else along if "spread" not in turns[k - 1] and "oppose" not in turns[k - 1] else "0 0 0"

@@ -1,4 +1,4 @@
-"""Review notes, servos and tables of a converted robot, by hand-made parts."""
+"""Review notes, servos and tables of a robot converted from synthetic parts."""
 
 from math import exp, radians
 from pathlib import Path
@@ -22,8 +22,8 @@ from kinesic.sim.importer.convert import (
     import_humanoid,
 )
 
-LEGS = "legs are left out, the trunk stands on a fixed base"
-FINGERS = "fingers, and where palms look, were found by geometry, straight at zero"
+LEGS_NOTE = "legs are left out, the trunk stands on a fixed base"
+FINGERS_NOTE = "fingers, and where palms look, were found by geometry, straight at zero"
 
 
 def finger(name="thumb", turns=(), follows=()):
@@ -47,7 +47,7 @@ def hinge(name, joint=0, *, assumed=False):
     return SimpleNamespace(name=name, joint=joint, assumed=assumed)
 
 
-BOTH = {"l": hand(finger("thumb"), finger("index")), "r": hand(finger("thumb"))}
+BOTH_HANDS = {"l": hand(finger("thumb"), finger("index")), "r": hand(finger("thumb"))}
 
 
 def test_servos_with_assumed_values_are_counted_in_the_review():
@@ -59,7 +59,7 @@ def test_servos_with_assumed_values_are_counted_in_the_review():
 @pytest.mark.parametrize(
     ("figure", "hinges", "hands", "notes"),
     [
-        (figure(), (), BOTH, [f"{FINGERS} (left: thumb, index; right: thumb)", LEGS]),
+        (figure(), (), BOTH_HANDS, [f"{FINGERS_NOTE} (left: thumb, index; right: thumb)", LEGS_NOTE]),
         (
             figure(),
             (hinge("a", assumed=True), hinge("b"), hinge("c", assumed=True)),
@@ -68,18 +68,18 @@ def test_servos_with_assumed_values_are_counted_in_the_review():
                 "ranges of a, c are assumed, as the file gives none",
                 "palms are assumed to face the thighs",
                 "j2, j5, j6, j7 are held: a hand needs a thumb and two fingers",
-                LEGS,
+                LEGS_NOTE,
             ],
         ),
         (
             figure(certain=False, by_names=True, left_out=("a mesh", "a tendon")),
             (),
-            BOTH,
+            BOTH_HANDS,
             [
                 "which side is left is a guess",
                 "pairs of hinges were found by name, as the file's pose is not symmetric",
-                f"{FINGERS} (left: thumb, index; right: thumb)",
-                LEGS,
+                f"{FINGERS_NOTE} (left: thumb, index; right: thumb)",
+                LEGS_NOTE,
                 "a mesh",
                 "a tendon",
             ],
@@ -87,13 +87,13 @@ def test_servos_with_assumed_values_are_counted_in_the_review():
         (
             figure(off=(0.0, radians(10.6)), asymmetry=0.021, follows=(4,)),
             (hinge("a", 4),),
-            {"l": BOTH["l"]},
+            {"l": BOTH_HANDS["l"]},
             [
                 "arms hang 11 deg off the vertical at best",
                 "the arms differ by 2 % of their length",
-                f"{FINGERS} (left: thumb, index)",
+                f"{FINGERS_NOTE} (left: thumb, index)",
                 "j5, j6, j7 are held: a hand needs a thumb and two fingers",
-                LEGS,
+                LEGS_NOTE,
                 "j4 follows another hinge in its file, and has a motor here",
             ],
         ),
@@ -105,14 +105,14 @@ def test_review_notes_name_each_doubt(figure, hinges, hands, notes):
 
 @pytest.mark.parametrize("doubt", [{"off": (radians(9.9), 0.0)}, {"asymmetry": 0.02}])
 def test_small_geometric_errors_of_imported_arms_are_not_listed_for_review(doubt):
-    assert _review(figure(**doubt), (), BOTH)[1:] == [LEGS]
+    assert _review(figure(**doubt), (), BOTH_HANDS)[1:] == [LEGS_NOTE]
 
 
 def test_hands_without_joints_have_no_fingers():
     bare = figure()
     bare.arms["l"].joints, bare.arms["r"].joints = (1, 2), (6, 7)
     assert _describe_fixed_joints(bare, {}) == "hands have no fingers"
-    assert _describe_fingers({}) == f"{FINGERS} ()"
+    assert _describe_fingers({}) == f"{FINGERS_NOTE} ()"
 
 
 def test_coupled_hinges_that_get_their_own_motor_are_listed():

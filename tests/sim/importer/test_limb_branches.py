@@ -1,4 +1,4 @@
-"""Limbs, neck and ranges of hand-made trees, and mirrored angles of two arms."""
+"""Limbs, neck, joint ranges and mirrored arm angles of synthetic hinge trees."""
 
 from types import SimpleNamespace
 
@@ -26,7 +26,7 @@ X, Y, Z = np.eye(3)
 
 
 def make_tree(*rows):
-    """Return a tree of hinges from rows of name, parent, height and mass of the part."""
+    """Return a tree of hinges from rows (name, parent, height, mass)."""
     joints = tuple(
         Joint(name, parent, height * Z, X, 0.0, *(None,) * 8, follows=Follow("l0", 1, 0) if "mimic" in name else None)
         for name, parent, height, _ in rows
@@ -39,7 +39,7 @@ def make_sides(**pairs):
 
 
 def limb_tree(*rows):
-    """Return a tree whose hinges are all on the left, and sides that pair each with an imaginary one."""
+    """Return a tree of left hinges and their pairs without right hinges."""
     return make_tree(*rows), make_sides(pairs={k: 100 + k for k in range(len(rows))})
 
 
@@ -63,7 +63,7 @@ def test_limb_of_an_imported_robot_omits_unpaired_and_coupled_hinges():
 
 
 def limbs(hinges=3, arm_height=5.0, leg_height=1.0):
-    """Return rows of a waist, two arms on it and two legs on the base, and the pairs."""
+    """Return rows and pairs of a waist with arms, and of legs."""
     rows, pairs = [("waist", -1, 2.0, 1.0)], {}
     for name, parent, height, count in (("arm", 0, arm_height, hinges), ("leg", -1, leg_height, 3)):
         first = len(rows)
@@ -178,7 +178,7 @@ def test_arm_pose_search_gets_the_given_start_angles_and_strict_ranges(monkeypat
     ("in_file", "hanging", "tried", "best"),
     [((3.0, 2.3, 2.1), (1.0, 2.0, 3.0), [0, 1], 1), ((1.0, 3.0, 2.0), (9.0, 2.0, 3.0), [1], 1)],
 )
-def test_of_the_best_arm_divisions_in_the_file_pose_the_most_human_like_when_hanging_is_chosen(
+def test_best_arm_divisions_of_the_file_pose_are_compared_again_in_the_hanging_pose(
     monkeypatch, in_file, hanging, tried, best
 ):
     divisions = (Split(0, 2, 1), Split(0, 3, 0), Split(1, 2, 0))

@@ -96,7 +96,7 @@ def test_triangles_far_outside_a_robot_are_removed():
 
 
 def test_only_the_outward_one_of_two_faces_with_equal_corners_is_kept():
-    """Opposite walls of a hollow part lie on each other after their vertices were merged."""
+    """Keep one of two coincident walls that result from merged vertices."""
     vertices = np.array([[0.0, 0, 1], [1, 0, 1], [0, 1, 1], [0, 0, -3]])
     outside, inside = [0, 1, 2], [2, 1, 0]
     for corners in ([outside, inside], [inside, outside]):

@@ -1,4 +1,4 @@
-"""Left-right pairs and the left side of hand-made hinges, by symmetry, names, feet and head."""
+"""Left-right pairs and left direction of synthetic hinge trees."""
 
 from types import SimpleNamespace
 
@@ -23,7 +23,7 @@ X, Y, Z = np.eye(3)
 
 
 def make_tree(*rows, base=0 * X):
-    """Return a tree of hinges from rows of name, parent, anchor, axis and the centre of the part."""
+    """Return a tree from rows (name, parent, anchor, axis, optional part centre)."""
     joints = tuple(
         Joint(name, parent, np.asarray(anchor), np.asarray(axis), 0.0, *(None,) * 8)
         for name, parent, anchor, axis, *_ in rows
@@ -33,7 +33,7 @@ def make_tree(*rows, base=0 * X):
 
 
 def arms(left="l", right="r", count=3, spread=0.2):
-    """Return rows of two arms with some hinges each that hang one above the other."""
+    """Return rows of two arms with `count` hinges below each other."""
     rows = []
     for side, name in ((1, left), (-1, right)):
         first = len(rows)
@@ -150,21 +150,21 @@ def test_left_direction_is_rounded_to_the_nearest_world_axis(total, left):
     assert _axis(np.array(total)) == left
 
 
-FEET = [
+FEET_ROWS = [
     ("a", BASE_INDEX, 0.1 * Y - Z, X, 0.1 * Y - Z + 0.07 * X),
     ("b", BASE_INDEX, -0.1 * Y - Z, X, -0.1 * Y - Z + 0.06 * X),
 ]
-HEAD = ("head", BASE_INDEX, Z, Z, Z + 0.04 * X)
-HAND = ("hand", BASE_INDEX, 2 * Z, Z, 2 * Z + 0.5 * X)
+HEAD_ROW = ("head", BASE_INDEX, Z, Z, Z + 0.04 * X)
+HAND_ROW = ("hand", BASE_INDEX, 2 * Z, Z, 2 * Z + 0.5 * X)
 
 
 @pytest.mark.parametrize(
     ("rows", "pairs", "extent"),
     [
-        ((*FEET, HEAD), {0: 1}, 0.17),
-        (FEET, {0: 1}, 0.13),
-        ((HEAD,), {}, 0.12),
-        ((*FEET, HAND, HAND), {0: 1, 2: 3}, 0.13),
+        ((*FEET_ROWS, HEAD_ROW), {0: 1}, 0.17),
+        (FEET_ROWS, {0: 1}, 0.13),
+        ((HEAD_ROW,), {}, 0.12),
+        ((*FEET_ROWS, HAND_ROW, HAND_ROW), {0: 1, 2: 3}, 0.13),
         ((), {}, 0.0),
     ],
 )
@@ -182,7 +182,7 @@ def test_forward_extent_below_1_cm_counts_as_zero(reach, extent):
 
 
 def crooked(count):
-    """Return rows of symmetric arms and of one pair by name that is not symmetric."""
+    """Return rows of symmetric arms, and of asymmetric legs paired by name."""
     return [*arms(count=count), ("l_leg", BASE_INDEX, 0.1 * Y - 2 * Z, X), ("r_leg", BASE_INDEX, -0.1 * Y - 3 * Z, X)]
 
 
@@ -195,16 +195,16 @@ def test_names_pair_hinges_if_symmetry_finds_fewer_than_six_pairs_and_names_find
 
 
 def test_joint_names_decide_which_side_is_left():
-    found = sides(make_tree(*arms(), *FEET))
+    found = sides(make_tree(*arms(), *FEET_ROWS))
     assert (found.left, found.certain, found.pairs) == ((0.0, 1.0), True, {0: 3, 1: 4, 2: 5, 6: 7})
-    found = sides(make_tree(*arms("r", "l"), *FEET))
+    found = sides(make_tree(*arms("r", "l"), *FEET_ROWS))
     assert (found.left, found.certain, found.pairs) == ((0.0, -1.0), True, {3: 0, 4: 1, 5: 2, 7: 6})
 
 
 def test_toes_decide_which_side_is_left_without_names():
-    found = sides(make_tree(*arms("a", "b"), *FEET))
+    found = sides(make_tree(*arms("a", "b"), *FEET_ROWS))
     assert (found.left, found.certain, found.pairs) == ((0.0, 1.0), True, {0: 3, 1: 4, 2: 5, 6: 7})
-    backward = [(name, parent, anchor, axis, 2 * anchor - centre) for name, parent, anchor, axis, centre in FEET]
+    backward = [(name, parent, anchor, axis, 2 * anchor - centre) for name, parent, anchor, axis, centre in FEET_ROWS]
     found = sides(make_tree(*arms("a", "b"), *backward))
     assert (found.left, found.certain, found.pairs) == ((0.0, -1.0), True, {3: 0, 4: 1, 5: 2, 7: 6})
 

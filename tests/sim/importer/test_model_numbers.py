@@ -1,4 +1,4 @@
-"""Hinges, couplings, motors, masses and shapes read from small models, one value at a time."""
+"""Hinges, couplings, motors, masses and shapes read from small models."""
 
 from pathlib import Path
 from xml.etree import ElementTree

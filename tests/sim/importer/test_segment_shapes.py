@@ -1,4 +1,4 @@
-"""Generated shapes of segments and names, signs and ranges of hinges, by hand-made geometry."""
+"""Generated segment shapes and hinge names, signs and ranges of synthetic geometry."""
 
 from math import pi, radians
 from types import SimpleNamespace

@@ -1,4 +1,4 @@
-"""Paths, merged parts and motions of a hand-made tree of four hinges."""
+"""Paths, merged parts and motions of a synthetic tree of four hinges."""
 
 import numpy as np
 import pytest
@@ -8,7 +8,7 @@ from kinesic.sim.importer.mesh_file import Triangles
 from kinesic.sim.importer.model_tree import BASE_INDEX, Follow, Joint, ModelPart, Surface, Tree
 
 X, Y, Z = np.eye(3)
-QUARTER = np.pi / 2
+QUARTER_TURN = np.pi / 2
 CORNERS = np.array([[0, 1, 2]], dtype=np.int32)
 
 
@@ -57,16 +57,16 @@ def test_merged_part_without_mass_is_at_its_first_part():
 
 
 def test_hinges_beyond_a_rotated_hinge_move_with_it():
-    turned = TREE.turned({0: QUARTER, 1: QUARTER})
+    turned = TREE.turned({0: QUARTER_TURN, 1: QUARTER_TURN})
     np.testing.assert_allclose([j.anchor for j in turned.joints], (X, X + Y, X + 2 * Y, -X), atol=1e-12)
     np.testing.assert_allclose([j.axis for j in turned.joints], (Z, Y, Z, Z), atol=1e-12)
-    assert [j.zero for j in turned.joints] == pytest.approx([0.5 + QUARTER, QUARTER, 0, 0])
+    assert [j.zero for j in turned.joints] == pytest.approx([0.5 + QUARTER_TURN, QUARTER_TURN, 0, 0])
     assert (turned.name, turned.left_out) == ("hand-made", ("a note",))
     assert [j.name for j in turned.joints] == ["a", "b", "c", "d"]
 
 
 def test_part_moves_with_the_hinge_that_carries_the_part():
-    turned = TREE.turned({0: QUARTER, 1: QUARTER})
+    turned = TREE.turned({0: QUARTER_TURN, 1: QUARTER_TURN})
     centres = [p.centre for p in (*turned.parts, turned.base)]
     np.testing.assert_allclose(centres, (X + 0.5 * Y, X + 1.5 * Y, X + 3 * Y, -2 * X, 0 * X), atol=1e-12)
     shape = turned.parts[1].shapes[0]

@@ -21,10 +21,10 @@ from kinesic.sim.shells.shell import (
 
 ROBOT_NAMES = ("upper22", "upper36")
 MAX_SHELL_DISTANCE = 0.021  # [m] from a shell to the shapes and servos of its segment
-MAX_HEAD_DISTANCE = 0.030  # [m] likewise of the head, at its rounded corners
-PEDESTAL_HEIGHT = 0.23  # [m] of the base's foot, which is wider than its column and out of reach
+MAX_HEAD_DISTANCE = 0.030  # [m] from the head's shell to its shapes, at the rounded corners
+PEDESTAL_HEIGHT = 0.23  # [m] height of the base's wide foot, out of the hands' reach
 MAX_SEGMENT_TRIANGLES = 3000  # triangles of one segment
-MAX_FILE_SIZE = 300_000
+MAX_FILE_SIZE = 300_000  # [bytes] largest shell file
 
 
 @pytest.fixture(scope="module", params=ROBOT_NAMES)
@@ -129,7 +129,7 @@ def _surfaces(robot: Robot, shell: Shell) -> list[tuple[str, SegmentShell, Float
 
 
 def _winding(surface: SegmentShell, points: Floats) -> Floats:
-    """Return the winding number (n,) of a surface around points: 1 inside, 0 outside."""
+    """Return a surface's winding number around points: 1 inside, 0 outside."""
     a, b, c = (surface.vertices[surface.triangles[:, k]][None] - points[:, None] for k in range(3))
     la, lb, lc = (np.linalg.norm(v, axis=2) for v in (a, b, c))
     volume = np.einsum("nti,nti->nt", a, np.cross(b, c))
@@ -138,7 +138,7 @@ def _winding(surface: SegmentShell, points: Floats) -> Floats:
 
 
 def _distance(robot: Robot, name: str, points: Floats) -> Floats:
-    """Return distances (n,) [m] from points to a segment's shapes and servos, negative inside."""
+    """Return signed distances [m] from points to a segment's shapes and servos."""
     segment = robot.skeleton.segments[robot.skeleton.segment(name)]
     results = [np.full(len(points), np.inf)]
     for shape in segment.capsules:

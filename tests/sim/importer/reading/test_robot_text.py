@@ -13,7 +13,7 @@ from kinesic.sim.importer.reading.screening import UnfitError, count_copies, is_
 
 @pytest.fixture
 def read(tmp_path: Path):
-    """Provide a function that reads a robot text with other files next to it."""
+    """Return a function that reads a robot with its included files."""
 
     def of(text: str, **files: str) -> RobotFiles:
         (tmp_path / "robot.xml").write_text(text)

@@ -99,7 +99,7 @@ def test_model_with_an_include_can_be_attached_twice(robot: Path):
 
 
 def test_mujoco_opens_no_files_named_like_the_internal_tokens(robot: Path, monkeypatch: pytest.MonkeyPatch):
-    """Files in the current folder with token names are not read instead of the robot's."""
+    """Load a robot while the current folder has files with token names."""
     monkeypatch.chdir(robot.parent)
     (robot.parent / "model-0.xml").write_text("<nonsense/>")
     (robot.parent / "mesh-0.stl").write_bytes(bytes(1000))
