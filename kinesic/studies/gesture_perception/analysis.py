@@ -91,7 +91,7 @@ def compare_with_chance(hits: int, total: int, chance: float, tail: Tail = "two-
 
 
 def analyse_recognition(answers: Sequence[Recognition]) -> RecognitionResult | None:
-    """Analyse how often participants recognise each gesture.
+    """Compute recognition rates and confusions of each gesture.
 
     The result is None without answers.
     """

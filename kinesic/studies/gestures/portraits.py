@@ -1,4 +1,4 @@
-"""Shaded pictures of a robot in some postures."""
+"""Shaded pictures of a robot in given postures."""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager

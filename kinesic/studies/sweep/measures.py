@@ -155,7 +155,7 @@ def measures(performance: DryRun, behaviour: str) -> Measures:
 
 
 def _measure_travel(angles: Floats, joints: list[int]) -> float:
-    """Return the summed rotation of some joints over time [rad]."""
+    """Return the summed rotation [rad] of the given joints over time."""
     return float(np.abs(np.diff(angles[:, joints], axis=0)).sum())
 
 

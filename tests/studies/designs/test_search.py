@@ -7,13 +7,13 @@ from kinesic.studies.designs.search import BASE_DESIGN, document_steps, search
 from kinesic.studies.designs.trial import DesignTask, Trial
 from kinesic.tasks.journal import Journal
 
-BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
-NOD = BML.format('<head id="h" lexeme="NOD" start="0.2"/>').encode()
-WALK = BML.format('<locomotion id="w" target="door"/>').encode()
-WEAK = (("l_shoulder_[fa]*.servo", "xc330_t288"),)
-WIDE = (("l_sternoclavicular.length", "0.03"),)
-TURNED = (("l_shoulder_flexion.reduction", "2"),)
-CHEAP = (("l_elbow_flexion.servo", "xc430_w240"),)
+BLOCK_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
+NOD = BLOCK_TEMPLATE.format('<head id="h" lexeme="NOD" start="0.2"/>').encode()
+WALK = BLOCK_TEMPLATE.format('<locomotion id="w" target="door"/>').encode()
+WEAK_DESIGN = (("l_shoulder_[fa]*.servo", "xc330_t288"),)
+WIDE_DESIGN = (("l_sternoclavicular.length", "0.03"),)
+GEARED_DESIGN = (("l_shoulder_flexion.reduction", "2"),)
+CHEAP_DESIGN = (("l_elbow_flexion.servo", "xc430_w240"),)
 
 
 @dataclass
@@ -37,7 +37,7 @@ def folder(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def found(folder):
-    designs = (WEAK, WIDE, TURNED, CHEAP)
+    designs = (WEAK_DESIGN, WIDE_DESIGN, GEARED_DESIGN, CHEAP_DESIGN)
     documents = [("nod.bml", NOD), ("walk.bml", WALK)]
     journal = Journal(folder / "finished.jsonl", Trial)
     return search("upper22", designs, documents, engine=Here(), journal=journal)
@@ -45,19 +45,19 @@ def found(folder):
 
 def test_robot_designs_that_collide_sag_or_cannot_be_built_are_excluded(found):
     reasons = {trial.design: trial.out for trial in found.out}
-    assert set(reasons) == {WEAK, WIDE, TURNED}
-    assert "does not hold itself" in reasons[WEAK]
-    assert "collides: at rest" in reasons[WIDE]
-    assert "turns its servo by 440 degrees" in reasons[TURNED]
+    assert set(reasons) == {WEAK_DESIGN, WIDE_DESIGN, GEARED_DESIGN}
+    assert "does not hold itself" in reasons[WEAK_DESIGN]
+    assert "collides: at rest" in reasons[WIDE_DESIGN]
+    assert "turns its servo by 440 degrees" in reasons[GEARED_DESIGN]
 
 
 def test_design_search_evaluates_base_robot_and_cheaper_design_in_all_rounds(found):
     figures = {trial.design: trial for trial in found.finished}
-    assert set(figures) == {BASE_DESIGN, CHEAP}
-    assert figures[CHEAP].body.price == pytest.approx(figures[BASE_DESIGN].body.price - 300.0)
-    assert figures[CHEAP].body.mass == pytest.approx(figures[BASE_DESIGN].body.mass - 2 * 0.017)
+    assert set(figures) == {BASE_DESIGN, CHEAP_DESIGN}
+    assert figures[CHEAP_DESIGN].body.price == pytest.approx(figures[BASE_DESIGN].body.price - 300.0)
+    assert figures[CHEAP_DESIGN].body.mass == pytest.approx(figures[BASE_DESIGN].body.mass - 2 * 0.017)
     assert all(len(trial.documents) == 2 for trial in found.finished)
-    assert figures[CHEAP].violations == 1  # nobody walks
+    assert figures[CHEAP_DESIGN].violations == 1  # nobody walks
     assert [(each.documents, each.designs) for each in found.rounds] == [(1, 2), (2, 2)]
 
 
@@ -67,7 +67,7 @@ def test_design_search_resumes_after_a_crash(folder, found):
     engine = Here()
     again = search(
         "upper22",
-        (WEAK, WIDE, TURNED, CHEAP),
+        (WEAK_DESIGN, WIDE_DESIGN, GEARED_DESIGN, CHEAP_DESIGN),
         [("nod.bml", NOD), ("walk.bml", WALK)],
         engine=engine,
         journal=Journal(folder / "again.jsonl", Trial),
@@ -79,9 +79,9 @@ def test_design_search_resumes_after_a_crash(folder, found):
 
 def test_task_key_depends_on_design_documents_and_setup():
     keys = {
-        DesignTask(CHEAP, (("a", NOD),), "x").key,
-        DesignTask(CHEAP, (("a", WALK),), "x").key,
-        DesignTask(CHEAP, (("a", NOD),), "y").key,
+        DesignTask(CHEAP_DESIGN, (("a", NOD),), "x").key,
+        DesignTask(CHEAP_DESIGN, (("a", WALK),), "x").key,
+        DesignTask(CHEAP_DESIGN, (("a", NOD),), "y").key,
         DesignTask(BASE_DESIGN, (("a", NOD),), "x").key,
     }
     assert len(keys) == 4

@@ -14,9 +14,9 @@ from kinesic.studies.designs.variant import (
     write_design,
 )
 
-PATH = CONFIGS / "robots" / "upper22.toml"
-FILE = read_robot(PATH, RobotFile)
-LONGER = (("l_shoulder.length", "0.33"),)
+ROBOT_PATH = CONFIGS / "robots" / "upper22.toml"
+ROBOT_FILE = read_robot(ROBOT_PATH, RobotFile)
+LONG_ARM_DESIGN = (("l_shoulder.length", "0.33"),)
 
 
 def test_design_variable_is_parsed_and_its_errors_suggest_a_correction():
@@ -36,7 +36,7 @@ def test_designs_are_all_combinations_if_few_and_a_distinct_seeded_sample_if_man
 
 
 def test_lengthened_upper_arm_is_heavier_and_longer_on_both_sides():
-    was, robot = Robot.load(PATH, calibrated=False), build(FILE, LONGER, PATH)
+    was, robot = Robot.load(ROBOT_PATH, calibrated=False), build(ROBOT_FILE, LONG_ARM_DESIGN, ROBOT_PATH)
     assert robot.arm_length == pytest.approx(was.arm_length + 0.11)
     for side in "lr":
         k = robot.skeleton.segment(f"{side}_shoulder")
@@ -48,7 +48,7 @@ def test_lengthened_upper_arm_is_heavier_and_longer_on_both_sides():
 
 
 def test_name_patterns_select_joints_for_servos_and_reductions():
-    robot = build(FILE, (("*_elbow_flexion.servo", "xc430_w240"), ("vl5_roll.reduction", "3")), PATH)
+    robot = build(ROBOT_FILE, (("*_elbow_flexion.servo", "xc430_w240"), ("vl5_roll.reduction", "3")), ROBOT_PATH)
     drives = dict(zip(robot.skeleton.names, robot.drives, strict=True))
     assert drives["l_elbow_flexion"].servo.name == drives["r_elbow_flexion"].servo.name == "xc430_w240"
     assert drives["vl5_roll"].reduction == 3.0
@@ -56,8 +56,12 @@ def test_name_patterns_select_joints_for_servos_and_reductions():
 
 
 def test_design_values_equal_to_the_base_robot_are_dropped():
-    assert without_defaults(FILE, (("l_shoulder.length", "0.22"), ("vl5_roll.reduction", "2.50")), PATH) == ()
-    assert without_defaults(FILE, (*LONGER, ("vl5_roll.reduction", "2.5")), PATH) == LONGER
+    assert (
+        without_defaults(ROBOT_FILE, (("l_shoulder.length", "0.22"), ("vl5_roll.reduction", "2.50")), ROBOT_PATH) == ()
+    )
+    assert (
+        without_defaults(ROBOT_FILE, (*LONG_ARM_DESIGN, ("vl5_roll.reduction", "2.5")), ROBOT_PATH) == LONG_ARM_DESIGN
+    )
 
 
 @pytest.mark.parametrize(
@@ -73,17 +77,17 @@ def test_design_values_equal_to_the_base_robot_are_dropped():
 )
 def test_invalid_design_changes_are_refused(design, message):
     with pytest.raises(ConfigError, match=message):
-        build(FILE, (design,), PATH)
+        build(ROBOT_FILE, (design,), ROBOT_PATH)
 
 
 def test_written_design_is_minimal_and_reads_back_equal(tmp_path):
-    design = (*LONGER, ("l_wrist.length", "0.07"), ("vl5_tilt.reduction", "1"))
-    text = write_design(FILE, design, name="longer", extends="upper22", heading=["a longer one"])
+    design = (*LONG_ARM_DESIGN, ("l_wrist.length", "0.07"), ("vl5_tilt.reduction", "1"))
+    text = write_design(ROBOT_FILE, design, name="longer", extends="upper22", heading=["a longer one"])
     (tmp_path / "longer.toml").write_text(text)
-    read, built = Robot.load(tmp_path / "longer.toml"), build(FILE, design, PATH)
+    read, built = Robot.load(tmp_path / "longer.toml"), build(ROBOT_FILE, design, ROBOT_PATH)
     assert read.skeleton.zero_frames.origins == pytest.approx(built.skeleton.zero_frames.origins)
     assert read.sites["r_palm"].position == pytest.approx(built.sites["r_palm"].position)
     assert list(read.drives.stall) == list(built.drives.stall)
     assert read.drives[1].reduction == 1.0  # also a default value
     assert "skullbase" not in text
-    assert apply_design(FILE, (), PATH) == FILE
+    assert apply_design(ROBOT_FILE, (), ROBOT_PATH) == ROBOT_FILE

@@ -30,7 +30,7 @@ def first_place(chance: Random, shown: str, options: Sequence[str]) -> str:
 
 
 def rows_of(person: str, choice: Choice, seed: int) -> list[dict[str, str]]:
-    """Answers of one participant to all gestures and pairs, with balanced positions as on the page."""
+    """Return one participant's answers, with answer positions as on the page."""
     chance, rows = Random(seed), []
     for k, gesture in enumerate(chance.sample(GESTURES, len(GESTURES))):
         others = chance.sample([name for name in GESTURES if name != gesture], 5)
@@ -55,7 +55,7 @@ def rows_of(person: str, choice: Choice, seed: int) -> list[dict[str, str]]:
 
 
 def write_answers(path: Path, people: Sequence[Choice], seed: int = 0) -> Path:
-    """Write the answers of some participants."""
+    """Write the answers of simulated participants."""
     with path.open("w", newline="") as lines:
         rows = csv.DictWriter(lines, ANSWER_COLUMNS)
         rows.writeheader()

@@ -1,4 +1,4 @@
-"""Analysis of simulated participants; fractions and tests compared with formulas."""
+"""Analysis of simulated participants, compared with formulas."""
 
 import json
 from math import comb, sqrt
@@ -19,7 +19,7 @@ from kinesic.studies.gesture_perception.answers import Answers, Recognition, rea
 
 from .participants import CONDITIONS, GESTURES, PAIRS, always_right, first_place, guess, write_answers
 
-Z = 1.959963984540054  # 97.5 % quantile of the normal distribution
+NORMAL_QUANTILE = 1.959963984540054  # 97.5 % quantile of the normal distribution
 
 
 def read(tmp_path: Path, *people) -> Answers:
@@ -33,14 +33,16 @@ def binomial_probabilities(total: int, chance: float) -> list[float]:
 
 @pytest.mark.parametrize(("hits", "total"), [(0, 10), (3, 10), (10, 10), (1, 1), (17, 96), (700, 960)])
 def test_confidence_interval_is_the_wilson_interval(hits: int, total: int):
-    """The observed fraction is Z standard deviations away from either end of the interval."""
+    """Check the interval's ends by the normal quantile of the observed fraction."""
     low, high = compare_with_chance(hits, total, 1 / 6).interval
     rate, n = hits / total, total
-    middle = (rate + Z**2 / (2 * n)) / (1 + Z**2 / n)
-    half = Z * sqrt(rate * (1 - rate) / n + Z**2 / (4 * n**2)) / (1 + Z**2 / n)
+    middle = (rate + NORMAL_QUANTILE**2 / (2 * n)) / (1 + NORMAL_QUANTILE**2 / n)
+    half = (
+        NORMAL_QUANTILE * sqrt(rate * (1 - rate) / n + NORMAL_QUANTILE**2 / (4 * n**2)) / (1 + NORMAL_QUANTILE**2 / n)
+    )
     assert (low, high) == pytest.approx((middle - half, middle + half), abs=1e-9)
     for end in (low, high):
-        assert (rate - end) ** 2 == pytest.approx(Z**2 * end * (1 - end) / n, abs=1e-9)
+        assert (rate - end) ** 2 == pytest.approx(NORMAL_QUANTILE**2 * end * (1 - end) / n, abs=1e-9)
 
 
 @pytest.mark.parametrize(("hits", "total", "chance"), [(4, 24, 1 / 6), (12, 24, 1 / 6), (0, 5, 0.5), (9, 12, 0.5)])

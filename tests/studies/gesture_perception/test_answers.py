@@ -13,18 +13,18 @@ from kinesic.studies.gesture_perception.answers import (
     read_gesture_answers,
 )
 
-HEAD = ",".join(ANSWER_COLUMNS)
-ROW = "p,1,recognition,stop,,a|b|stop|c|d|e,b,1.0"
-PAIR = "p,2,comparison,stop,whole_body=0,changed|standard,standard,1.0"
+HEADER_LINE = ",".join(ANSWER_COLUMNS)
+RECOGNITION_LINE = "p,1,recognition,stop,,a|b|stop|c|d|e,b,1.0"
+COMPARISON_LINE = "p,2,comparison,stop,whole_body=0,changed|standard,standard,1.0"
 
 
 def download_answers(path: Path, *lines: str) -> Path:
-    path.write_text("\n".join((HEAD, *lines)) + "\n")
+    path.write_text("\n".join((HEADER_LINE, *lines)) + "\n")
     return path
 
 
 def test_recognition_and_preference_answers_are_read(tmp_path: Path):
-    file = download_answers(tmp_path / "answers.csv", ROW, PAIR)
+    file = download_answers(tmp_path / "answers.csv", RECOGNITION_LINE, COMPARISON_LINE)
     assert are_of_gestures(file)
     answers = read_gesture_answers([file])
     assert answers.recognitions == (Recognition("p", "stop", ("a", "b", "stop", "c", "d", "e"), "b"),)
@@ -37,17 +37,23 @@ def test_recognition_and_preference_answers_are_read(tmp_path: Path):
     ("lines", "what"),
     [
         ((), "no answers"),
-        ((ROW.replace("recognition", "recognise"),), "task is 'recognise'.*must be one of recognition, comparison"),
-        ((ROW.replace("|e", ""),), "must be 6 gestures, stop among them"),
-        ((ROW.replace("|e", "|a"),), "must be 6 gestures"),
-        ((ROW.replace("|stop|", "|x|"),), "must be 6 gestures, stop among them"),
-        ((ROW.replace(",b,1.0", ",z,1.0"),), "chosen is 'z', must be one of a, b, stop"),
-        ((PAIR.replace("changed|", "other|"),), "must be standard|changed in any order"),
-        ((PAIR.replace("whole_body=0", ""),), "no condition"),
-        ((ROW, ROW), "answers.csv:3: participant 'p' already answered at place '1', in .*answers.csv:2"),
-        ((ROW.replace("p,1", f"{'p' * 5000},1"),), "participant has 5000 characters"),
-        ((ROW + ",1",), "must have 8 values, like the first line"),
-        ((ROW.replace("p,1", f"{'p' * 200_000},1"),), "is not CSV: field larger"),
+        (
+            (RECOGNITION_LINE.replace("recognition", "recognise"),),
+            "task is 'recognise'.*must be one of recognition, comparison",
+        ),
+        ((RECOGNITION_LINE.replace("|e", ""),), "must be 6 gestures, stop among them"),
+        ((RECOGNITION_LINE.replace("|e", "|a"),), "must be 6 gestures"),
+        ((RECOGNITION_LINE.replace("|stop|", "|x|"),), "must be 6 gestures, stop among them"),
+        ((RECOGNITION_LINE.replace(",b,1.0", ",z,1.0"),), "chosen is 'z', must be one of a, b, stop"),
+        ((COMPARISON_LINE.replace("changed|", "other|"),), "must be standard|changed in any order"),
+        ((COMPARISON_LINE.replace("whole_body=0", ""),), "no condition"),
+        (
+            (RECOGNITION_LINE, RECOGNITION_LINE),
+            "answers.csv:3: participant 'p' already answered at place '1', in .*answers.csv:2",
+        ),
+        ((RECOGNITION_LINE.replace("p,1", f"{'p' * 5000},1"),), "participant has 5000 characters"),
+        ((RECOGNITION_LINE + ",1",), "must have 8 values, like the first line"),
+        ((RECOGNITION_LINE.replace("p,1", f"{'p' * 200_000},1"),), "is not CSV: field larger"),
     ],
 )
 def test_invalid_study_answers_are_refused(tmp_path: Path, lines: tuple[str, ...], what: str):
@@ -57,14 +63,14 @@ def test_invalid_study_answers_are_refused(tmp_path: Path, lines: tuple[str, ...
 
 def test_answer_file_with_a_missing_column_is_refused(tmp_path: Path):
     path = tmp_path / "answers.csv"
-    path.write_text(HEAD.replace("chosen", "choosen") + "\n" + ROW)
+    path.write_text(HEADER_LINE.replace("chosen", "choosen") + "\n" + RECOGNITION_LINE)
     with pytest.raises(ConfigError, match="no column chosen"):
         read_gesture_answers([path])
 
 
 def test_duplicate_answer_files_are_refused(tmp_path: Path):
-    file = download_answers(tmp_path / "answers.csv", ROW)
-    again = download_answers(tmp_path / "again.csv", ROW)
+    file = download_answers(tmp_path / "answers.csv", RECOGNITION_LINE)
+    again = download_answers(tmp_path / "again.csv", RECOGNITION_LINE)
     with pytest.raises(ConfigError, match="give each file once"):
         read_gesture_answers([file, again])
 

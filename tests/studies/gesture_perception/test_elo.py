@@ -1,4 +1,4 @@
-"""Ratings of systems: known strengths are recovered, and agree with a logistic regression."""
+"""Elo ratings compared with known strengths and a logistic regression."""
 
 from itertools import combinations
 from random import Random
@@ -14,7 +14,7 @@ TRUE_RATINGS = {"captured": 1150.0, "rules": 1080.0, "beats": 960.0, "idle": 810
 
 
 def judge(seed: int, participants: int = 60, repetitions: int = 3, spread: float = 0.0) -> list[PairChoice]:
-    """Return answers of judges with known strengths; spread [points]: of each judge's own ratings."""
+    """Return simulated answers of judges whose ratings vary by `spread` [points]."""
     chance, choices = Random(seed), []
     for person in range(participants):
         own = {name: rating + chance.gauss(0.0, spread) for name, rating in TRUE_RATINGS.items()}

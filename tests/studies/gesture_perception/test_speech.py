@@ -1,4 +1,4 @@
-"""Motions with speech for the mismatching test, and the results that the command prints."""
+"""Motions with speech for the mismatching test, and printed results."""
 
 import csv
 import json
@@ -67,7 +67,7 @@ def test_speech_study_refuses_a_single_text_and_texts_without_speech_and_names_w
 
 
 def write_study(path: Path, participants: int = 30) -> Path:
-    """Write answers of participants who find the speech of `rules` in 75 %, that of `idle` by guessing."""
+    """Write answers in which 75 % match the speech of system `rules`."""
     chance, rows = Random(2), []
     for person in range(participants):
         for k, system in enumerate(("rules", "idle") * 4):

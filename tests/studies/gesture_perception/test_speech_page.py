@@ -27,7 +27,7 @@ STANDARD = "document.querySelector('input[value=standard]')"
 
 
 def speak(text: str, system: str, seconds: float, robot: Robot) -> SpokenMotion:
-    """Return a simple motion with a tone of some length, from 0.5 s on."""
+    """Return a simple motion with a tone that starts at 0.5 s."""
     joints = len(robot.skeleton.names)
     angles = np.linspace(0.0, seconds / 10, round(50 * seconds) + 51)[:, None] * np.ones(joints)
     samples = np.concatenate([np.zeros(RATE // 2), 0.1 * np.ones(round(RATE * seconds))])

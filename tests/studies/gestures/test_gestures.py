@@ -56,7 +56,7 @@ def test_each_key_posture_of_a_gesture_has_facial_action_units(known):
 
 
 def test_pictures_of_a_gesture_skip_keys_that_move_only_fingers():
-    """Keys of fingers lie between keys of the arm, where the arm's angles do not matter."""
+    """Plan a gesture with key frames of the fingers between arm keys."""
     human = set_up("human")
     form, skeleton = human.lexicon.find("disgust").form, human.robot.skeleton
     shown = key_postures(form, plan_gesture(form, human), 6)

@@ -17,7 +17,7 @@ from kinesic.studies.gestures.sheet import draw_portraits
 
 from ...face.conftest import drawable  # noqa: F401  # fixture
 
-BARE = replace(Robot.load("human"), skin=None)
+UNSKINNED_HUMAN = replace(Robot.load("human"), skin=None)
 HUMAN = Robot.load("human")
 
 
@@ -110,4 +110,4 @@ def test_palm_paths_are_drawn_over_portraits(known, tmp_path, modelled: None):
 def test_missing_opengl_of_portraits_is_reported(monkeypatch):
     monkeypatch.setattr(portraits, "opengl_fault", lambda: "OpenGL is missing: install it")
     with pytest.raises(FilmError, match="install it"):
-        draw_turntable(BARE, BARE.skeleton.rest)
+        draw_turntable(UNSKINNED_HUMAN, UNSKINNED_HUMAN.skeleton.rest)

@@ -23,13 +23,13 @@ from kinesic.studies.perception.answers import (
 )
 from kinesic.studies.perception.design import list_stimuli
 
-PEOPLE = 60
-SHOWN = list_stimuli()
-REGIONS = {item.action.name: item.action.region for item in SHOWN}
+PARTICIPANT_COUNT = 60
+ALL_STIMULI = list_stimuli()
+REGIONS = {item.action.name: item.action.region for item in ALL_STIMULI}
 
 
 def simulate_answers(path: Path, *, strong: float, wrinkled: float, seed: int = 0) -> Path:
-    """Write simulated answers: strong faces get more points, and so does a frown with wrinkles."""
+    """Write simulated answers that prefer strong faces and wrinkled frowns."""
     rng = np.random.default_rng(seed)
 
     def points(mean: float) -> int:
@@ -38,9 +38,9 @@ def simulate_answers(path: Path, *, strong: float, wrinkled: float, seed: int = 
     with path.open("w", newline="") as lines:
         rows = csv.DictWriter(lines, ANSWER_COLUMNS, restval="")
         rows.writeheader()
-        for person in range(PEOPLE):
+        for person in range(PARTICIPANT_COUNT):
             for place, k in enumerate(rng.choice(128, 32, replace=False)):
-                shown = SHOWN[k]
+                shown = ALL_STIMULI[k]
                 better = strong * (shown.strength == "high") + wrinkled * (shown.wrinkles and shown.action.name == "4")
                 labels = [a for a in ACTION_NAMES if REGIONS[a] == shown.action.region]
                 rows.writerow(
@@ -114,7 +114,7 @@ def test_analysis_finds_the_simulated_effect_of_wrinkles_on_the_frown(answers: t
 
 
 def test_fully_separated_ratings_are_significant():
-    """Without overlap U = 0, and p is the asymptotic one, as ratings are tied."""
+    """Compare two groups of five ratings without overlap."""
     conditions = {"wrinkles": "with", "presentation": "image"}
     answers = [
         FaceRating(
@@ -164,7 +164,7 @@ def rate_frown(person: str, strength: str, points: int) -> FaceRating:
 
 
 def test_paired_test_finds_differences_hidden_by_variation_between_people():
-    """Each of ten people rates the strong frown one point higher, on a level of their own."""
+    """Simulate ten people with different levels and the same difference."""
     answers = [
         rate_frown(f"p{k}", strength, points)
         for k in range(10)

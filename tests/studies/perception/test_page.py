@@ -154,25 +154,28 @@ def test_stimulus_film_plays_once_even_after_a_reload(page: Page):
     assert page.value("document.getElementById('questions').dataset.stimulus") != moving
 
 
-HEAD = ",".join(ANSWER_COLUMNS)
-ROW = "p,1,s,female,4,upper,high,with,image,1,4,2,,,,3,3,1.0,30"
+HEADER_LINE = ",".join(ANSWER_COLUMNS)
+ANSWER_LINE = "p,1,s,female,4,upper,high,with,image,1,4,2,,,,3,3,1.0,30"
 
 
 @pytest.mark.parametrize(
     ("text", "what"),
     [
-        (HEAD.replace("naturalness", "natural") + "\n" + ROW, "no column naturalness"),
-        (HEAD + "\n" + ROW.replace(",3,3,", ",3,9,"), "realism is '9', must be a whole number from 1 to 5"),
-        (HEAD + "\n" + ROW.replace("high", "huge"), "strength is 'huge', must be one of low, high"),
-        (HEAD + "\n" + ROW.replace(",1,4,2,", ",1,,2,"), "no answer in column 4"),
-        (HEAD + "\n", "no answer for any of"),
+        (HEADER_LINE.replace("naturalness", "natural") + "\n" + ANSWER_LINE, "no column naturalness"),
+        (
+            HEADER_LINE + "\n" + ANSWER_LINE.replace(",3,3,", ",3,9,"),
+            "realism is '9', must be a whole number from 1 to 5",
+        ),
+        (HEADER_LINE + "\n" + ANSWER_LINE.replace("high", "huge"), "strength is 'huge', must be one of low, high"),
+        (HEADER_LINE + "\n" + ANSWER_LINE.replace(",1,4,2,", ",1,,2,"), "no answer in column 4"),
+        (HEADER_LINE + "\n", "no answer for any of"),
         ("", "no column participant; the file is empty"),
-        (HEAD + "\n" + ROW[:-11], "must have 19 values, like the first line"),
-        (HEAD + "\n" + ROW + ",1", "must have 19 values, like the first line"),
-        (HEAD + "\n" + ROW.replace(",3,3,", ",3,\u0663,"), "must be a whole number"),
-        (HEAD + "\n" + ROW.replace(",3,3,", f",3,{'9' * 5000},"), "must be a whole number"),
-        (HEAD + "\n" + ROW[:-2] + "7", "age is '7', must be a whole number from 10 to 119"),
-        (HEAD + "\n" + ROW.replace("p,1", f"{'p' * 200_000},1"), "is not CSV: field larger"),
+        (HEADER_LINE + "\n" + ANSWER_LINE[:-11], "must have 19 values, like the first line"),
+        (HEADER_LINE + "\n" + ANSWER_LINE + ",1", "must have 19 values, like the first line"),
+        (HEADER_LINE + "\n" + ANSWER_LINE.replace(",3,3,", ",3,\u0663,"), "must be a whole number"),
+        (HEADER_LINE + "\n" + ANSWER_LINE.replace(",3,3,", f",3,{'9' * 5000},"), "must be a whole number"),
+        (HEADER_LINE + "\n" + ANSWER_LINE[:-2] + "7", "age is '7', must be a whole number from 10 to 119"),
+        (HEADER_LINE + "\n" + ANSWER_LINE.replace("p,1", f"{'p' * 200_000},1"), "is not CSV: field larger"),
     ],
 )
 def test_invalid_study_answers_are_refused(text: str, what: str, tmp_path: Path):

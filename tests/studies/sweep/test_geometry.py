@@ -5,8 +5,8 @@ import pytest
 
 from kinesic.studies.sweep.geometry import count_visits, hull_volume, length, mean_curvature, peak_speed, rms_jerk
 
-PERIOD = 0.01
-TIMES = np.arange(0.0, 2.0 + PERIOD / 2, PERIOD)
+SAMPLE_PERIOD = 0.01  # [s] sample period of the paths
+TIMES = np.arange(0.0, 2.0 + SAMPLE_PERIOD / 2, SAMPLE_PERIOD)
 
 
 def curvature(path: np.ndarray) -> float | None:
@@ -26,9 +26,9 @@ def along(*places: tuple[float, float, float], count: int = 100) -> np.ndarray:
 
 def test_peak_speed_and_length_of_a_straight_path_are_exact():
     path = along((0, 0, 0), (0.5, 0, 0))
-    assert peak_speed(path, period=PERIOD) == pytest.approx(0.5)
+    assert peak_speed(path, period=SAMPLE_PERIOD) == pytest.approx(0.5)
     assert length(path) == pytest.approx(0.5)
-    assert peak_speed(path[:1], period=PERIOD) == 0.0
+    assert peak_speed(path[:1], period=SAMPLE_PERIOD) == 0.0
 
 
 def test_hull_volume_of_cube_corners_is_the_volume_of_the_cube():
@@ -87,18 +87,18 @@ def test_hand_motion_below_the_minimum_size_has_no_curvature():
 
 
 def test_sinusoidal_path_has_its_analytic_jerk():
-    """The jerk of a sine is its amplitude times the angular frequency cubed; ticks far above 10 Hz hardly count."""
+    """Compare the jerk of a sine with its formula, despite fast ticks."""
     swing = 0.1 * np.stack([np.sin(2 * np.pi * TIMES), 0 * TIMES, 0 * TIMES], axis=1)
     wanted = 0.1 * (2 * np.pi) ** 3 / np.sqrt(2)
-    assert rms_jerk(swing, period=PERIOD) == pytest.approx(wanted, rel=0.05)
+    assert rms_jerk(swing, period=SAMPLE_PERIOD) == pytest.approx(wanted, rel=0.05)
     ticks = 1e-4 * np.sin(2 * np.pi * 40 * TIMES)[:, None]
-    raw = np.diff(swing + ticks, n=3, axis=0) / PERIOD**3
+    raw = np.diff(swing + ticks, n=3, axis=0) / SAMPLE_PERIOD**3
     assert np.sqrt((raw**2).sum(axis=1).mean()) > 10 * wanted
-    assert rms_jerk(swing + ticks, period=PERIOD) == pytest.approx(wanted, rel=0.15)
+    assert rms_jerk(swing + ticks, period=SAMPLE_PERIOD) == pytest.approx(wanted, rel=0.15)
 
 
 def test_rms_jerk_of_a_path_with_too_few_samples_is_zero():
-    assert rms_jerk(np.zeros((5, 3)), period=PERIOD) == 0.0
+    assert rms_jerk(np.zeros((5, 3)), period=SAMPLE_PERIOD) == 0.0
 
 
 def test_visits_to_a_position_count_only_after_leaving_it():

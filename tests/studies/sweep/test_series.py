@@ -17,7 +17,7 @@ from kinesic.studies.sweep.series import (
     sweep_parameter,
 )
 
-PLAIN = Measures(
+NEUTRAL_MEASURES = Measures(
     peak_speed=1.0,
     stroke_speed=0.5,
     allowed_speed=1.0,
@@ -37,9 +37,9 @@ PLAIN = Measures(
 
 
 def series(parameter: str, *values: object, name: str = "") -> Series:
-    """Series with values of the parameter's main measure, or of the named one."""
+    """Return a series with given values of one measure."""
     field = name or MEASURE_OF[parameter].name
-    rows = [Played(k, replace(PLAIN, **{field: value}), {}, ()) for k, value in enumerate(values)]
+    rows = [Played(k, replace(NEUTRAL_MEASURES, **{field: value}), {}, ()) for k, value in enumerate(values)]
     return Series("beat", parameter, tuple(rows))
 
 

@@ -15,12 +15,12 @@ from kinesic.tasks.engine import Processes, using_engine
 TEXT = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><gesture id="g" lexeme="beat" stroke="0.8"/></bml>'
 )
-SOFT = Factors(gain=0.3)
+SOFT_SERVOS = Factors(gain=0.3)
 
 
 def test_servo_sweep_rows_equal_dry_runs_and_coarse_physics_is_close():
     planned = plan(TEXT, set_up())
-    variants = (NOMINAL_FACTORS, PESSIMISTIC_FACTORS, SOFT)
+    variants = (NOMINAL_FACTORS, PESSIMISTIC_FACTORS, SOFT_SERVOS)
     exact, coarse = (perform_variants(planned, variants, step=step) for step in (0.004, sweep.PHYSICS_STEP))
     run = dry_run(planned, twin=PESSIMISTIC_FACTORS, watch=False)
     assert exact[1, 0] == pytest.approx(np.sqrt(np.nanmean(run.errors**2)))
@@ -33,7 +33,7 @@ def test_servo_sweep_rows_equal_dry_runs_and_coarse_physics_is_close():
 
 def test_servo_sweep_keeps_the_variant_order_and_finds_larger_errors_of_soft_servos(monkeypatch):
     monkeypatch.setattr(sweep, "GROUP_SIZE", 2)
-    variants = [NOMINAL_FACTORS, SOFT, Factors(gain=0.31), Factors(mass=1.01), Factors(latency=0.03)]
+    variants = [NOMINAL_FACTORS, SOFT_SERVOS, Factors(gain=0.31), Factors(mass=1.01), Factors(latency=0.03)]
     with using_engine(Processes(2)):
         result = sweep_servos(TEXT, variants, set_up)
     assert result.variants == tuple(variants)
@@ -48,4 +48,4 @@ def test_sweep_without_servo_variants_gives_no_rows():
 
 def test_error_names_servo_variants_that_crash_a_worker():
     with using_engine(Processes(1)), pytest.raises(ConfigError, match=r"variants gain = 0\.3: its process ended"):
-        sweep_servos(TEXT, [SOFT], partial(set_up, "nobody"))
+        sweep_servos(TEXT, [SOFT_SERVOS], partial(set_up, "nobody"))
