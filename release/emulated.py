@@ -1,8 +1,8 @@
-"""Run release/smoke.py on aarch64 without such a machine, by QEMU's user-mode emulation.
+"""Test an aarch64 wheel with release/smoke.py under QEMU user-mode emulation.
 
 Everything comes from the registries: QEMU and an arm64 Python from Debian, unpacked into a folder without root, and the
 wheels of the dependencies from PyPI. Needed are Debian 12 or a later one (apt-get, dpkg-deb) on another processor. The
-same program runs first on this processor with this interpreter, which must have kinesic; the figures must agree.
+same program runs first on this processor with this interpreter, which must have kinesic; the results must agree.
 """
 
 import argparse
@@ -13,13 +13,13 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 SMOKE = ROOT / "release" / "smoke.py"
-PYTHON_PACKAGES = ("python3-minimal", "libpython3-stdlib", "libstdc++6")  # with what they depend on
+PYTHON_PACKAGES = ("python3-minimal", "libpython3-stdlib", "libstdc++6")  # Debian packages of the emulated Python
 PLATFORMS = [f"--platform=manylinux_{glibc}_aarch64" for glibc in ("2_17", "2_24", "2_27", "2_28", "2_31", "2_34")]
-TIME_LIMIT = 600  # [s] for the emulated run
+TIME_LIMIT = 600  # [s] longest duration of the emulated run
 
 
 def main() -> None:
-    """Prepare what is missing in the folder, run on both processors, and compare."""
+    """Run the smoke test on both processors and compare the results."""
     parser = argparse.ArgumentParser(description="Test an aarch64 wheel of kinesic under QEMU.")
     parser.add_argument("wheel", type=Path, help="wheel for aarch64")
     parser.add_argument("--folder", type=Path, default=ROOT / "build" / "aarch64", help="kept between runs")
@@ -36,16 +36,16 @@ def main() -> None:
     done = subprocess.run(command, env=environment, stdout=subprocess.PIPE, timeout=TIME_LIMIT, check=False)
     emulated.write_bytes(done.stdout)
     if done.returncode:
-        sys.exit("it failed, or figures differ; the wheel must have the sources of the kinesic of this interpreter")
+        sys.exit("the smoke test failed or its results differ; build the wheel from the kinesic of this interpreter")
 
 
 def unpack_debian(folder: Path, packages: tuple[str, ...], *, architecture: str | None = None) -> Path:
-    """Fetch packages of Debian with all that they need, and unpack them into a folder.
+    """Download Debian packages with their dependencies, and unpack them.
 
     Args:
-        folder: where they are unpacked; if it exists, nothing is done.
-        packages: names.
-        architecture: of the packages; None: of this machine, and without what they need.
+        folder: folder for the unpacked files; an existing one is used as it is.
+        packages: names of the packages.
+        architecture: processor of the packages; None: this machine's, without dependencies.
     """
     if folder.exists():
         return folder
@@ -71,7 +71,7 @@ def unpack_debian(folder: Path, packages: tuple[str, ...], *, architecture: str 
 
 
 def install(wheel: Path, folder: Path, version: str) -> Path:
-    """Install the wheel, its dependencies and SciPy for the other processor into a folder."""
+    """Install the wheel, its dependencies and SciPy for aarch64."""
     command = [sys.executable, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", "--upgrade"]
     command += ["--no-compile", "--only-binary=:all:", f"--python-version={version}", *PLATFORMS]
     subprocess.run([*command, "--target", folder, wheel, "scipy"], check=True)

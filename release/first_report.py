@@ -1,8 +1,8 @@
-"""Measure the way from nothing to the first report, as a new user goes it.
+"""Measure time and size of a first installation and performance of kinesic.
 
 An empty folder gets a virtual environment, kinesic from a folder of wheels and everything else from the package index,
-with nothing cached; then `kinesic demo` performs the greeting there. Printed are the time of each step and the sizes.
-Run it on a machine that does nothing else.
+with nothing cached; then `kinesic demo` performs the greeting there. The time of each step and the sizes are printed.
+Run the script on an idle machine.
 """
 
 import argparse
@@ -21,16 +21,16 @@ PIP_OPTIONS = ("--quiet", "--disable-pip-version-check", "--no-cache-dir")
 
 @dataclass(frozen=True)
 class Step:
-    """One command of a new user, and what it cost."""
+    """Command of a new user, with its elapsed and processor time."""
 
     name: str
-    elapsed: float  # [s]
-    processor: float  # [s] of all processes
+    elapsed: float  # [s] wall time
+    processor: float  # [s] CPU time of all processes
 
 
 def main() -> None:
-    """Measure all steps, and end with an error if one of them fails."""
-    parser = argparse.ArgumentParser(description="Measure the time from nothing to the first report, and the sizes.")
+    """Measure all steps, and exit with an error if one fails."""
+    parser = argparse.ArgumentParser(description="Measure time and size of a first installation and performance.")
     parser.add_argument("--wheels", type=Path, default=ROOT / "dist", help="folder of the wheels (default: dist)")
     parser.add_argument("--python", default=sys.executable, help="interpreter of the environment (default: this one)")
     arguments = parser.parse_args()
@@ -41,7 +41,7 @@ def main() -> None:
 
 
 def measure(folder: Path, wheels: Path, python: str) -> str:
-    """Install and perform in an empty folder; return what it cost.
+    """Install and run kinesic in an empty folder, and return the measurements.
 
     Raises:
         SystemExit: a step fails, or writes no report.
@@ -62,7 +62,7 @@ def measure(folder: Path, wheels: Path, python: str) -> str:
 
 
 def run(name: str, command: list[object], folder: Path) -> Step:
-    """Run a command in a folder without settings of the caller, and return its cost."""
+    """Run a command without the caller's settings, and return its times."""
     clean = {key: value for key, value in os.environ.items() if not key.startswith(("KINESIC_", "PYTHON", "VIRTUAL_"))}
     start, used = time.monotonic(), _used_by_children()
     done = subprocess.run(
@@ -80,7 +80,7 @@ def run(name: str, command: list[object], folder: Path) -> Step:
 
 
 def size_of(folder: Path) -> int:
-    """Return the size of all files below a folder, without links [bytes]."""
+    """Return the total size [bytes] of a folder's files, without links."""
     return sum(path.lstat().st_size for path in folder.rglob("*") if path.is_file() and not path.is_symlink())
 
 

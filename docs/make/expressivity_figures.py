@@ -22,7 +22,7 @@ LEXICON_COLUMNS = {"neutral style": "expressivity.lexicon.", "all styles": "expr
 
 
 def parameter_table(metrics: Mapping[str, Metric]) -> list[str]:
-    """Tabulate the monotone gestures and the largest stroke error of each parameter."""
+    """Tabulate monotone gestures and the largest stroke error by parameter."""
     rows = []
     for parameter in MEASURE_OF:
         monotone, stroke = (metrics[f"expressivity.{parameter}_{name}"] for name in ("monotone", "stroke"))

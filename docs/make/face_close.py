@@ -17,7 +17,7 @@ from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import NORMAL_PRESET
 
 SIDE, LABEL, COLUMNS = 170, 16, 8
-LARGE = 512  # pixels along a side of those two in docs/pictures/face.png
+LARGE = 512  # [pixels] width and height of the two pictures in face.png
 EMOTIONS = ("joy", "laugh", "surprise", "fear", "disgust")
 UNITS: Mapping[str, Mapping[str, float]] = {
     "rest": {},
@@ -32,7 +32,7 @@ DOCS = Path(__file__).parents[1]
 
 
 def labelled(pixels: Picture, text: str) -> Picture:
-    """Draw a picture with its name above."""
+    """Draw a picture with its name above it."""
     paper = Image.new("RGB", (SIDE, SIDE + LABEL), (250, 250, 250))
     ImageDraw.Draw(paper).text((4, 2), text, fill=(40, 40, 40))
     paper.paste(Image.fromarray(pixels), (0, LABEL))
@@ -47,7 +47,7 @@ def stills(variant: Variant) -> list[Picture]:
 
 
 def one(variant: Variant, units: Mapping[str, float], camera: Camera) -> Picture:
-    """Draw a large picture."""
+    """Draw one large picture of a head."""
     with Portrait(variant, preset=replace(NORMAL_PRESET, samples=2), size=(LARGE, LARGE)) as portrait:
         return portrait.draw(units, camera)
 

@@ -41,7 +41,7 @@ Metrics = Mapping[str, Metric]
 
 
 def occlusion_table(metrics: Metrics) -> list[str]:
-    """Tabulate time and error of each estimator, with the times of the thesis in brackets."""
+    """Tabulate each estimator's time and error beside the thesis' times."""
     rows = []
     for size in OCCLUSION_SIZES:
         for kind, label in OCCLUSION_ROWS.items():
@@ -51,7 +51,7 @@ def occlusion_table(metrics: Metrics) -> list[str]:
 
 
 def _with_thesis(metric: Metric | None) -> str:
-    """Format a value with that of the thesis in brackets."""
+    """Format a measurement, followed by the thesis' value in brackets."""
     if metric is None or metric.value is None:
         return ""
     thesis = metric.why.rpartition(": ")[2].removesuffix(" ms")

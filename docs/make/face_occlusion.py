@@ -13,10 +13,10 @@ from kinesic.face.render.camera import Camera
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import NORMAL_PRESET, Estimator, Occlusion
 
-SIDE, LABEL = 256, 16  # [pixels] of a tile and of its name
+SIDE, LABEL = 256, 16  # [pixels] side of a tile, and height of its label
 SMILE = {"6": 0.8, "12": 0.9, "25": 0.6}  # action units -> intensity
 ASIDE = Camera(yaw_deg=-40.0, field_deg=17.0)
-BLACK_DIFFERENCE = 10.0  # [dE] drawn in black
+BLACK_DIFFERENCE = 10.0  # [dE] colour difference that is drawn black
 ESTIMATORS: dict[Estimator, str] = {
     "depth": "plain depth test",
     "crytek": "above tangent plane",
@@ -27,7 +27,7 @@ ESTIMATORS: dict[Estimator, str] = {
 
 
 def draw(estimator: Estimator, *, exact: bool) -> tuple[Picture, Picture, Flags]:
-    """Return the occlusion buffer, the picture, and where the head is."""
+    """Return the occlusion buffer, the picture and the head mask."""
     occlusion = Occlusion(size=21, estimator=estimator, exact=exact)
     preset = replace(NORMAL_PRESET, occlusion=occlusion, hair=False, coarse=1)
     with Portrait(preset=preset, size=(SIDE, SIDE)) as portrait:
@@ -38,7 +38,7 @@ def draw(estimator: Estimator, *, exact: bool) -> tuple[Picture, Picture, Flags]
 
 
 def difference(exact: Picture, separable: Picture, head: Flags) -> tuple[str, Picture]:
-    """Return the name and picture of a colour difference: white for none."""
+    """Return label and picture of a colour difference, white for zero."""
     found = np.where(head, colour_difference(exact, separable), 0.0)
     return f"mean {found[head].mean():.2f} dE, p95 {np.percentile(found[head], 95):.1f}", to_grey(
         1.0 - found / BLACK_DIFFERENCE
@@ -46,7 +46,7 @@ def difference(exact: Picture, separable: Picture, head: Flags) -> tuple[str, Pi
 
 
 def column(estimator: Estimator) -> Image.Image:
-    """Draw one estimator: buffers, their difference, pictures, and their difference."""
+    """Draw buffers, pictures and their differences for one estimator."""
     (buffer, picture, head), (cheap, cheap_picture, _) = (draw(estimator, exact=exact) for exact in (True, False))
     name = ESTIMATORS[estimator]
     tiles = [

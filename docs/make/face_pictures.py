@@ -28,13 +28,13 @@ ROUND += ((45.0, {"1": 1.0, "2": 1.0}), (90.0, {"10": 1.0, "4": 0.6}), (180.0, {
 
 
 def drawn(preset: Preset, units: dict[str, float], camera: Camera) -> Picture:
-    """Draw one picture."""
+    """Draw a face with a rendering preset."""
     with Portrait(preset=preset, size=(SIDE, SIDE)) as portrait:
         return portrait.draw(units, camera)
 
 
 def labelled(pixels: Picture, text: str) -> Picture:
-    """Draw a picture with its name above."""
+    """Draw a picture with its name above it."""
     paper = Image.new("RGB", (SIDE, SIDE + LABEL), (250, 250, 250))
     ImageDraw.Draw(paper).text((4, 3), text, fill=(40, 40, 40))
     paper.paste(Image.fromarray(pixels), (0, LABEL))

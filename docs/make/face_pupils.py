@@ -1,4 +1,4 @@
-"""Draw docs/pictures/face-pupils.png: eyes in the dark, and for a second after the light goes on."""
+"""Draw docs/pictures/face-pupils.png: eyes in the dark, and in the first second of light."""
 
 from pathlib import Path
 
@@ -16,12 +16,12 @@ SIDE, LABEL = 560, 18
 EYES = np.s_[105:255, 100:460]
 NEAR = Camera(field_deg=11.0)
 DARK, BRIGHT = 0.1, 1.0
-LATER = (0.0, 0.2, 0.4, 0.8)  # [s] after the light went on
+PICTURE_TIMES = (0.0, 0.2, 0.4, 0.8)  # [s] time after the light is switched on
 VARIANTS: tuple[Variant, ...] = ("female", "male")
 
 
 def eyes(variant: Variant) -> list[Picture]:
-    """Draw pictures of one head, each with a label."""
+    """Draw one head's eyes in the dark and in bright light."""
     pupils, found = Pupils(), []
     with Portrait(variant, preset=NORMAL_PRESET, size=(SIDE, SIDE)) as portrait:
 
@@ -35,7 +35,7 @@ def eyes(variant: Variant) -> list[Picture]:
             found.append(np.asarray(paper))
 
         look(DARK, 0.0, f"light {DARK:g}")
-        for before, now in zip((0.0, *LATER), LATER, strict=False):
+        for before, now in zip((0.0, *PICTURE_TIMES), PICTURE_TIMES, strict=False):
             look(BRIGHT, now - before, f"{now:g} s after it is {BRIGHT:g}")
     return found
 

@@ -17,7 +17,7 @@ SIDE, LABEL = 194, 16
 SMILE = {"6": 0.8, "12": 0.9, "25": 0.6}
 NEAR = Camera(yaw_deg=-30.0, field_deg=12.0)
 ASIDE = Camera(yaw_deg=-40.0, field_deg=17.0)
-LOUD, LOUDEST = 4.0, 8.0  # times that differences are shown
+LOUD, LOUDEST = 4.0, 8.0  # factors by which pixel differences are amplified
 WHOLE = replace(NORMAL_PRESET, coarse=1)
 Tile = tuple[str, Picture]
 Corner = tuple[int, int]  # row and column, of a part of a picture
@@ -31,7 +31,7 @@ def grey(shares: Floats) -> Picture:
 
 
 def openness(occlusion: Occlusion, *, blurred: bool = True) -> Floats:
-    """Return the openness (n, n) of each pixel, final or before the blur."""
+    """Return the unoccluded fraction (n, n) of each pixel, optionally before the blur."""
     with Portrait(preset=replace(WHOLE, occlusion=occlusion, hair=False), size=(SIDE, SIDE)) as portrait:
         portrait.draw(SMILE, NEAR)
         found = portrait.pipeline.occlusion
@@ -43,36 +43,39 @@ def openness(occlusion: Occlusion, *, blurred: bool = True) -> Floats:
 
 
 def zoomed(pixels: Picture, corner: Corner) -> Picture:
-    """Crop a quarter of a picture and enlarge it, each pixel to four."""
+    """Crop a quarter of a picture and double its width and height."""
     row, column = corner
     return pixels[row : row + SIDE // 2, column : column + SIDE // 2].repeat(2, axis=0).repeat(2, axis=1)
 
 
 def seen(preset: Preset, effects: Effects, camera: Camera = ASIDE) -> Picture:
-    """Draw a smile with effects."""
+    """Draw a smiling face with some rendering effects."""
     with Portrait(preset=effects.apply_to(preset), size=(SIDE, SIDE)) as portrait:
         return portrait.draw(SMILE, camera)
 
 
 def seen_close(preset: Preset, effects: Effects, camera: Camera, corner: Corner) -> Picture:
-    """Crop a quarter of a smile drawn twice as large."""
+    """Draw a smiling face at double size and crop a quarter."""
     with Portrait(preset=effects.apply_to(preset), size=(2 * SIDE, 2 * SIDE)) as portrait:
         return close(portrait.draw(SMILE, camera), corner)
 
 
 def close(pixels: Picture, corner: Corner) -> Picture:
-    """Crop a part of the size of a tile."""
+    """Crop a tile-sized region of a picture."""
     row, column = corner
     return pixels[row : row + SIDE, column : column + SIDE]
 
 
 def apart(one: Picture, other: Picture, times: float) -> Picture:
-    """Return the difference of two pictures; black where they are equal."""
+    """Return the difference of two pictures, black for equal pixels."""
     return grey(times * np.abs(one.astype(float) - other.astype(float)).max(axis=2) / 255.0)
 
 
 def axes() -> list[Tile]:
-    """Draw Figure 3.9: one axis, one with twice the samples, two axes, all; and the errors of the first three."""
+    """Draw thesis Figure 3.9: occlusion along one and two axes.
+
+    The tiles show one axis, one axis with twice the samples, two axes and the exact result, then the three errors.
+    """
     two = Occlusion(size=21)
     settings = (replace(two, axes=1), replace(two, axes=1, size=41), two, replace(two, exact=True))
     found = [openness(each) for each in settings]
@@ -83,7 +86,10 @@ def axes() -> list[Tile]:
 
 
 def patterns() -> list[Tile]:
-    """Draw Figure 3.7, listing 11.1 and 3.3: patterns and noise before and after the blur, and a Gaussian."""
+    """Draw thesis Figure 3.7: sample patterns and noise, before and after blur.
+
+    Further tiles show the pattern sizes of listing 11.1 and the Gaussian falloff of section 3.3.
+    """
     usual = Occlusion(size=21)
     noise = replace(usual, pattern="noise")
     kinds: Sequence[tuple[str, Occlusion, bool]] = (
@@ -99,7 +105,10 @@ def patterns() -> list[Tile]:
 
 
 def levels() -> list[Tile]:
-    """Draw Figures 5.2 and 5.3: no scattering, everywhere the same, in levels, the levels, and differences."""
+    """Draw thesis Figures 5.2 and 5.3: subsurface scattering by level.
+
+    The tiles show no, uniform and graded scattering, then the levels and the differences.
+    """
     asked = (Effects(scattering="none"), Effects(scattering="everywhere"), Effects(scattering="levels"))
     preset = replace(WHOLE, scattering=replace(WHOLE.scattering, steps=5)) if WHOLE.scattering else WHOLE
     none, everywhere, in_levels = (seen_close(preset, each, NEAR, MOUTH) for each in asked)
@@ -122,7 +131,7 @@ def levels() -> list[Tile]:
 
 
 def planes() -> list[Tile]:
-    """Draw 12.1: depth of field, and shadows."""
+    """Draw depth of field and shadows (thesis section 12.1)."""
 
     def at(plane: float | None, within: float = 0.0) -> Preset:
         return replace(NORMAL_PRESET, focus=Focus(circle=0.12, plane=plane, within=within))
@@ -142,7 +151,7 @@ def planes() -> list[Tile]:
 
 
 def row(tiles: Sequence[Tile]) -> Picture:
-    """Arrange pictures side by side, each with its name above."""
+    """Arrange pictures side by side, each below its name."""
     paper = Image.new("RGB", (SIDE * len(tiles), SIDE + LABEL), (250, 250, 250))
     pen = ImageDraw.Draw(paper)
     for k, (name, pixels) in enumerate(tiles):

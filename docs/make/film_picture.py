@@ -15,8 +15,8 @@ from kinesic.report.films import TwinFilm, draw_films, film_processes
 from kinesic.report.output import face_film
 
 DOCS = Path(__file__).resolve().parents[1]
-MOMENTS = (2.5, 9.0)  # [s]
-SIZE = (640, 360)  # [pixels] of each
+FRAME_TIMES = (2.5, 9.0)  # [s] film times of the two pictures in a row
+PICTURE_SIZE = (640, 360)  # [pixels] width and height of one picture
 FEW = FilmSettings(rate=2.0)
 
 if __name__ == "__main__":
@@ -32,7 +32,9 @@ if __name__ == "__main__":
         assert not replace(job, after=None).draw(painted, lambda share: None)
         for path in (painted, film):
             reader = FilmReader(path)
-            shown = [Image.fromarray(reader.at(time)).resize(SIZE, Image.Resampling.LANCZOS) for time in MOMENTS]
+            shown = [
+                Image.fromarray(reader.at(time)).resize(PICTURE_SIZE, Image.Resampling.LANCZOS) for time in FRAME_TIMES
+            ]
             rows.append(np.concatenate([np.asarray(picture) for picture in shown], axis=1))
     whole = Image.fromarray(np.concatenate(rows)).quantize(256, dither=Image.Dither.FLOYDSTEINBERG)
     whole.save(DOCS / "pictures" / "film.png", optimize=True)

@@ -13,17 +13,20 @@ from kinesic.session.setup import set_up
 from kinesic.studies.gestures.isolated import BEHAVIOUR_ID, plan_gesture
 
 OUT = Path(__file__).parents[2] / "kinesic/studio/page/figures.json"
-ROBOT = "human"  # it has fingers, so that hand shapes are visible
-FRAME_COUNT = 12  # of each gesture
-BYTES_PER_ARM = 92.0  # coordinate units per arm length
-FIGURE_ORIGIN = (128.0, 122.0)  # units, place of the gesture origin: across, down
-VIEW_YAW = np.radians(20.0)  # [rad] the view is from the robot's left
-VIEW_PITCH = np.radians(12.0)  # [rad] and from above
-HEAD_HEIGHT = 0.1  # [m] from the base of the skull to the centre of the head
+ROBOT = "human"  # robot with fingers, so that hand shapes are visible
+FRAME_COUNT = 12  # number of frames per gesture
+UNITS_PER_ARM = 92.0  # picture units per arm length; coordinates are single bytes
+FIGURE_ORIGIN = (128.0, 122.0)  # [picture units] gesture origin: rightward, downward
+VIEW_YAW = np.radians(20.0)  # [rad] camera yaw towards the robot's left
+VIEW_PITCH = np.radians(12.0)  # [rad] camera elevation above the robot
+HEAD_HEIGHT = 0.1  # [m] height of the head's centre above the base of the skull
 
 
 def points(robot: Robot, angles: Floats) -> Floats:
-    """Return the points of a figure (k, 3) [m]: head, neck, trunk, then shoulder to finger tips of each arm."""
+    """Return the points (k, 3) [m] of a stick figure.
+
+    They are head, neck and trunk, then each arm from shoulder to fingertips.
+    """
     frames = robot.skeleton.frames(angles)
     head = robot.skeleton.segment(robot.sites["eyes"].segment)
     neck = robot.skeleton.segment(robot.chains["neck"][0])
@@ -41,17 +44,17 @@ def points(robot: Robot, angles: Floats) -> Floats:
 
 
 def project(robot: Robot, places: Floats) -> Floats:
-    """Return places (k, 3) [m] as units (k, 2) of the picture: across and down."""
+    """Project points (k, 3) [m] to picture units (k, 2), rightward and downward."""
     x, y, z = ((places - robot.gesture_origin) / robot.arm_length).T
     across = y * np.cos(VIEW_YAW) - x * np.sin(VIEW_YAW)
     depth = x * np.cos(VIEW_YAW) + y * np.sin(VIEW_YAW)
     up = z * np.cos(VIEW_PITCH) - depth * np.sin(VIEW_PITCH)
-    units = np.stack([FIGURE_ORIGIN[0] + BYTES_PER_ARM * across, FIGURE_ORIGIN[1] - BYTES_PER_ARM * up], axis=-1)
+    units = np.stack([FIGURE_ORIGIN[0] + UNITS_PER_ARM * across, FIGURE_ORIGIN[1] - UNITS_PER_ARM * up], axis=-1)
     return np.clip(np.round(units), 0, 255)
 
 
 def figure(plan: Plan) -> dict[str, object]:
-    """Return the frames of a gesture: base64 of bytes, duration [s], and the index of the stroke's frame."""
+    """Return a gesture's frames (base64), duration [s] and stroke frame index."""
     robot, zero = plan.setup.robot, plan.trajectory.zero
     times = {sync.sync: zero + sync.planned for sync in plan.syncs if sync.behaviour == BEHAVIOUR_ID}
     begin, end = min(times.values()), max(times.values())

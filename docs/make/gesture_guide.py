@@ -24,14 +24,14 @@ PICTURE_FOLDER = DOCS / "pictures"
 BODY_COLOUR = "#d5dbe2"
 GRID_COLOUR = "#35648f"
 ORIGIN_COLOUR = "#c0561f"
-PICTURE_COLOURS = 128  # of the compressed pictures
+PICTURE_COLOURS = 128  # number of colours of a compressed picture
 UP_LIMITS = (-1.0, 1.55)  # [arm lengths] visible heights
-TITLE_GAP = 0.2  # [arm lengths] between the visible heights and the titles
+TITLE_GAP = 0.2  # [arm lengths] distance of the titles above the visible heights
 BODY_LEFT_OF_SCREEN = -0.85  # [arm lengths] left edge of the front view
 
 
 def render_example() -> None:
-    """Draw the gesture `weigh_up` of the guide with the command that the guide shows."""
+    """Draw the guide's gesture `weigh_up` by the guide's command."""
     lexicon = re.findall(r"```toml\n(.*?)```", GUIDE_PAGE.read_text(encoding="utf-8"), re.DOTALL)[0]
     picture = PICTURE_FOLDER / "weigh_up.png"
     with tempfile.TemporaryDirectory() as folder:
@@ -43,14 +43,14 @@ def render_example() -> None:
 
 
 def compress(picture: Path) -> None:
-    """Reduce the number of colours of a picture."""
+    """Reduce a picture to `PICTURE_COLOURS` colours."""
     with Image.open(picture) as image:
         small = image.convert("RGB").quantize(PICTURE_COLOURS)
     small.save(picture, optimize=True)
 
 
 def draw_body(axes: Axes, robot: Robot, horizontal: int) -> None:
-    """Draw the capsules of the standing robot, in arm lengths, along world axis `horizontal` and up."""
+    """Draw the standing robot's capsules [arm lengths] in a vertical plane."""
     frames = robot.body_frames(robot.skeleton.rest)
     for k, segment in enumerate(robot.skeleton.segments):
         for capsule in segment.capsules:
@@ -70,7 +70,7 @@ def fill_capsule(axes: Axes, start: Floats, end: Floats, radius: float) -> None:
 
 
 def draw_space(robot: Robot) -> Figure:
-    """Draw the sectors of gesture space over the standing robot, from the front and from its right side."""
+    """Draw the gesture space over the robot, from front and right."""
     figure = Figure(figsize=(8.2, 4.6), dpi=100, facecolor="white")
     front, side = figure.subplots(1, 2, width_ratios=(1.25, 1), gridspec_kw={"wspace": 0.04})
     views = ((front, 1, "x", "outward", (BODY_LEFT_OF_SCREEN, 1.35)), (side, 0, "z", "forward", (-0.5, 1.35)))
@@ -89,7 +89,7 @@ def draw_space(robot: Robot) -> Figure:
 
 
 def draw_sectors(axes: Axes, axis: str) -> None:
-    """Draw the centres of all sectors as dots, with the names of one axis above them."""
+    """Draw sector centres as dots, with the names along one axis."""
     for name, across in SECTOR_CENTRES[axis].items():
         heights = list(SECTOR_CENTRES["y"].values())
         axes.plot([across] * len(heights), heights, "o", color=GRID_COLOUR, ms=3.5)
@@ -107,7 +107,7 @@ def label_heights(axes: Axes) -> None:
 
 
 def draw_origin(axes: Axes, label: str) -> None:
-    """Draw the origin of gesture space with one arrow per axis, half an arm length each."""
+    """Draw the gesture space origin with an arrow along each axis."""
     axes.plot(0, 0, "o", color=ORIGIN_COLOUR, ms=7)
     for (x, y), name, offset in (((0.5, 0), label, (0.02, -0.12)), ((0, 0.5), "up", (0.04, -0.02))):
         style = {"arrowstyle": "-|>", "color": ORIGIN_COLOUR, "lw": 2}

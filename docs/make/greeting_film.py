@@ -11,8 +11,8 @@ from kinesic.files.film_settings import FilmSettings
 from kinesic.report.films import TwinFilm, draw_films, film_processes
 
 FILM_FILE = Path(__file__).resolve().parents[1] / "pictures" / "greeting.webp"
-FILM_RATE = 10.0  # [Hz]
-FILM_SIZE = (480, 270)  # [pixels]
+FILM_RATE = 10.0  # [Hz] frame rate of the film
+FILM_SIZE = (480, 270)  # [pixels] width and height of the film
 
 if __name__ == "__main__":
     performer = Performer("upper36", voice="auto")

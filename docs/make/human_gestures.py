@@ -1,4 +1,4 @@
-"""Draw human-gestures.png, her strokes by `gestures render`, and human-page.png, the replay."""
+"""Draw human-gestures.png, strokes of the human model, and human-page.png, a replay in a report."""
 
 import shutil
 import subprocess
@@ -6,7 +6,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import numpy as np
-from page_pictures import BROWSERS, DRAWN, SETTLED
+from page_pictures import BROWSERS, DRAWING_TIME, DRAWN
 from PIL import Image
 
 from kinesic import Performer
@@ -18,8 +18,8 @@ from kinesic.studies.gestures.sheet import MAX_POSTURES, draw_portraits
 
 DOCS = Path(__file__).resolve().parents[1]
 STRIP, TURNED, VIEWS = "greet_wave", "count_two", 6
-WINDOW = (1000, 1100)  # [pixels]
-STAGE = (25, 512, 960, 960)  # [pixels] of the page: left, top, right and bottom of the replay
+WINDOW = (1000, 1100)  # [pixels] size of the browser window
+STAGE = (25, 512, 960, 960)  # [pixels] left, top, right and bottom edge of the replay in the page
 HUMAN = set_up("human")
 
 
@@ -30,7 +30,7 @@ def shown(name: str) -> Show:
 
 
 def draw_gestures(folder: Path) -> Image.Image:
-    """Draw a strip, and some views of a turntable below it."""
+    """Draw a strip of key postures above views from all sides."""
     strip = Image.open(draw_portraits(shown(STRIP), HUMAN.robot, folder / "strip.png")).convert("RGB")
     turned = shown(TURNED)
     views = draw_turntable(HUMAN.robot, turned.postures[turned.stroke], turned.faces[turned.stroke])[
@@ -42,13 +42,15 @@ def draw_gestures(folder: Path) -> Image.Image:
 
 
 def draw_page(folder: Path) -> Image.Image:
-    """Draw the replay of her welcome at its first stroke."""
+    """Draw a report's replay of the welcome on the human model."""
     performer = Performer("human", voice="auto")
     run = performer.perform(performer.plan(CONFIGS / "bml" / "welcome.bml", source="welcome.bml"))
     page, shot = run.report(folder / "report", film=False).page, folder / "page.png"
     browser = next(filter(None, map(shutil.which, BROWSERS)))
     size = f"--window-size={WINDOW[0]},{WINDOW[1]}"
-    subprocess.run([browser, *DRAWN, size, f"--timeout={SETTLED}", f"--screenshot={shot}", page.as_uri()], check=True)
+    subprocess.run(
+        [browser, *DRAWN, size, f"--timeout={DRAWING_TIME}", f"--screenshot={shot}", page.as_uri()], check=True
+    )
     return Image.open(shot).convert("RGB").crop(STAGE)
 
 

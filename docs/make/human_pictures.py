@@ -11,9 +11,9 @@ from kinesic.body.robot import Robot
 from kinesic.face.assets.skinning import Blending
 from kinesic.face.render.figure import UPPER_BODY_CAMERA, FigurePortrait
 
-SIDE, ACROSS = 200, 7  # pixels of a picture, and pictures in a row
+SIDE, ACROSS = 200, 7  # [pixels] side of a picture; number of pictures in a row
 CLOSE = replace(UPPER_BODY_CAMERA, distance=1.9, pivot=(0.05, 0.0, 1.22))
-POSTURES: dict[str, tuple[float, dict[str, float]]] = {  # how the camera stands, degrees of the hinges of both arms
+POSTURES: dict[str, tuple[float, dict[str, float]]] = {  # by label: camera yaw [deg], hinge angles [deg]
     "flexion 170": (30, {"shoulder_flexion": 170, "shoulder_abduct": 8, "sternoclavicular_abduct": 25}),
     "flexion 150": (60, {"shoulder_flexion": 150, "shoulder_abduct": 8}),
     "flexion 90": (60, {"shoulder_flexion": 90, "elbow_flexion": 0}),
@@ -40,7 +40,7 @@ SKELETON = Robot.load("human").skeleton
 
 
 def drawn(blending: Blending) -> list[Picture]:
-    """Return all postures."""
+    """Draw all postures with one skinning method."""
     pictures = []
     with FigurePortrait(SKELETON, size=(SIDE, SIDE), blending=blending) as portrait:
         for name, (yaw, degrees) in POSTURES.items():

@@ -15,8 +15,8 @@ ROOT_FOLDER = Path(__file__).resolve().parent.parent.parent
 PICTURE_FILE = ROOT_FOLDER / "docs" / "pictures" / "layers.svg"
 BOX_WIDTH = 1.7
 BOX_HEIGHT = 0.62
-BOX_GAP = 0.2  # between boxes of a layer
-LAYER_PITCH = 1.0  # from one layer to the next
+BOX_GAP = 0.2  # [axis units] horizontal gap between two boxes of a layer
+LAYER_PITCH = 1.0  # [axis units] vertical distance between two layers
 
 
 def read_layers() -> list[list[str]]:
@@ -63,7 +63,7 @@ def names_in(picture: Path) -> list[str]:
 
 
 def main() -> None:
-    """Write the picture, the same bytes for the same layers."""
+    """Write the picture, with reproducible bytes for equal layers."""
     with mpl.rc_context({"svg.hashsalt": "kinesic", "svg.fonttype": "none"}):
         draw(read_layers()).savefig(PICTURE_FILE, metadata={"Date": None, "Creator": None})
 

@@ -16,7 +16,7 @@ from kinesic.face.render.presets import NORMAL_PRESET
 
 SOUNDS = {"m": "m", "f": "f", "th": "θ", "w": "w", "sh": "ʃ", "see": "i", "palm": "ɑ", "you": "u"}  # noqa: RUF001
 SIDE, LABEL = 560, 16
-MOUTH = (slice(330, 458), slice(195, 365))  # rows and columns
+MOUTH = (slice(330, 458), slice(195, 365))  # [pixels] rows and columns of the mouth in a picture
 
 
 def mouth(portrait: Portrait, word: str) -> Picture:
@@ -29,7 +29,7 @@ def mouth(portrait: Portrait, word: str) -> Picture:
 
 
 def row(variant: Variant) -> Picture:
-    """Draw all sounds of one head."""
+    """Draw one head's mouth at all sounds."""
     with Portrait(variant, preset=replace(NORMAL_PRESET, samples=2), size=(SIDE, SIDE)) as portrait:
         return np.concatenate([mouth(portrait, word) for word in SOUNDS], axis=1)
 

@@ -13,7 +13,7 @@ MISSED_NOTES = {True: "", False: " (missed)", None: ""}
 
 
 def read_definitions(table: str) -> dict[str, str]:
-    """Return the definition of each metric of a table, in the table's order."""
+    """Return the definitions of a table's metrics, in the table's order."""
     definitions: dict[str, str] = tomllib.loads(DEFINITIONS_FILE.read_text(encoding="utf-8"))[table]
     return definitions
 
@@ -40,7 +40,7 @@ def metric_table(metrics: Iterable[Metric], table: str, details: Mapping[str, st
 def compared_table(
     metrics: Iterable[Metric], table: str, columns: Mapping[str, str], details: Mapping[str, str]
 ) -> list[str]:
-    """Format metrics that were measured several times, one column each, as Markdown.
+    """Format several measurements of the same metrics as Markdown columns.
 
     Args:
         metrics: measured metrics; the goal of a row is that of its first metric.
@@ -67,19 +67,19 @@ def format_value(metric: Metric, note: str = "") -> str:
 
 
 def format_number(value: float) -> str:
-    """Format a number with three significant digits, and without an exponent below one million."""
+    """Format a number with three digits, without exponent below a million."""
     return f"{value:.0f}" if 100 <= abs(value) < 1e6 else f"{value:.3g}"
 
 
 def format_goal(metric: Metric) -> str:
-    """Format a goal with its direction."""
+    """Format a metric's goal with its direction, such as `<= 5`."""
     if metric.goal is None:
         return ""
     return "0" if metric.goal == 0.0 else f"{'>=' if metric.better == 'higher' else '<='} {metric.goal:g}"
 
 
 def format_table(*header: str, rows: Iterable[Iterable[str]]) -> list[str]:
-    """Format rows as Markdown; a column without any text is left out."""
+    """Format rows as a Markdown table without empty columns."""
     cells = [tuple(row) for row in rows]
     kept = [k for k, title in enumerate(header) if k == 0 or any(row[k] for row in cells)]
     lines = ["| " + " | ".join(row[k] for k in kept) + " |" for row in (header, *cells)]
@@ -87,7 +87,7 @@ def format_table(*header: str, rows: Iterable[Iterable[str]]) -> list[str]:
 
 
 def replace_tables(page: Path, tables: Mapping[str, Iterable[str]]) -> None:
-    """Replace each table of a page between `<!-- NAME -->` and `<!-- end of NAME -->`."""
+    """Replace a page's tables between `<!-- NAME -->` and `<!-- end of NAME -->`."""
     text = page.read_text(encoding="utf-8")
     for name, lines in tables.items():
         begin, end = f"<!-- {name} -->", f"<!-- end of {name} -->"

@@ -30,7 +30,7 @@ DELAYS = re.compile(r"later: (\S+) \S+ \S+ \S+ (\S+) \(n (\d+)\)")  # percentile
 
 
 def hand_table(styles: HandsByStyle) -> list[str]:
-    """Tabulate percentiles of captured gestures and of the neutral style."""
+    """Tabulate percentiles of captured and neutral-style hand motion."""
     rows = []
     for name, label in hand_labels().items():
         people = read_captured_table().percentiles.get(name)
@@ -40,7 +40,7 @@ def hand_table(styles: HandsByStyle) -> list[str]:
 
 
 def style_table(styles: HandsByStyle) -> list[str]:
-    """Tabulate medians of each style."""
+    """Tabulate the medians of hand motion by style."""
     rows = [
         (label, *(f"{np.median(values(name, hands)):.2f}" for hands in styles.values()))
         for name, label in hand_labels().items()
@@ -55,7 +55,7 @@ def hand_labels() -> dict[str, str]:
 
 
 def format_range(percentiles: Sequence[float] | None) -> str:
-    """Format the median with the 5th and the 95th percentile."""
+    """Format a median with its 5th and 95th percentiles."""
     if percentiles is None:
         return ""
     low, _, median, _, high = percentiles
@@ -78,7 +78,7 @@ def describe_details(metrics: Iterable[Metric]) -> Mapping[str, str]:
 
 
 def describe_delay(seconds: str) -> str:
-    """Format a delay [s] with the side of the word on which it lies."""
+    """Format a stroke delay [s] as before or after its word."""
     value = float(seconds)
     return "0 s" if value == 0.0 else f"{abs(value):.2f} s {'before' if value < 0.0 else 'after'} the word"
 
@@ -95,7 +95,7 @@ def category_table(metrics: Mapping[str, Metric]) -> list[str]:
 
 
 def turn_table(metrics: Mapping[str, Metric]) -> list[str]:
-    """Tabulate the largest rotations of head, trunk and shoulders with those of people."""
+    """Tabulate the largest body rotations beside those of people."""
     part = f"{METRIC_PREFIX}.body."
     groups = dict.fromkeys(name.removeprefix(part).split(".")[0] for name in metrics if name.startswith(part))
     rows = []

@@ -1,4 +1,4 @@
-"""Draw notebook.png, the performance of welcome.bml as notebooks show it, in Chromium."""
+"""Draw notebook.png, the notebook view of a performance of welcome.bml."""
 
 import shutil
 import subprocess
@@ -10,8 +10,8 @@ from PIL import Image
 from kinesic import Performer
 
 PICTURE = Path(__file__).resolve().parents[1] / "pictures" / "notebook.png"
-WINDOW = (1000, 940)  # [pixels]
-SETTLED = 10_000  # [ms] after which the replay and the face are drawn
+WINDOW = (1000, 940)  # [pixels] size of the browser window
+DRAWING_TIME = 10_000  # [ms] wait until the replay and the face are drawn
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 DRAWN = (
     "--headless",
@@ -31,6 +31,6 @@ if __name__ == "__main__":
         page.write_text(f'<meta charset="utf-8"><body style="font:14px sans-serif">{run._repr_html_()}', "utf-8")
         size = f"--window-size={WINDOW[0]},{WINDOW[1]}"
         subprocess.run(
-            [browser, *DRAWN, size, f"--timeout={SETTLED}", f"--screenshot={shot}", page.as_uri()], check=True
+            [browser, *DRAWN, size, f"--timeout={DRAWING_TIME}", f"--screenshot={shot}", page.as_uri()], check=True
         )
         Image.open(shot).convert("RGB").save(PICTURE, optimize=True)

@@ -1,4 +1,4 @@
-"""Draw welcome.png, three strokes of welcome.bml in the twin, and report.png, its report in Chromium."""
+"""Draw welcome.png, three strokes of welcome.bml in simulation, and report.png, the report page."""
 
 import shutil
 import subprocess
@@ -14,8 +14,8 @@ from kinesic.sim.film import write_still
 
 DOCS = Path(__file__).resolve().parents[1]
 STROKES = ("wave:stroke", "open:stroke", "there:stroke")
-WINDOW = (1100, 1230)  # [pixels]
-SETTLED = 10_000  # [ms] after which the replay and the face are drawn
+WINDOW = (1100, 1230)  # [pixels] size of the browser window
+DRAWING_TIME = 10_000  # [ms] wait until the replay and the face are drawn
 BROWSERS = ("chromium", "chromium-browser", "google-chrome")
 DRAWN = ("--headless", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 
@@ -35,6 +35,6 @@ if __name__ == "__main__":
         shot = Path(folder) / "page.png"
         size = f"--window-size={WINDOW[0]},{WINDOW[1]}"
         subprocess.run(
-            [browser, *DRAWN, size, f"--timeout={SETTLED}", f"--screenshot={shot}", page.as_uri()], check=True
+            [browser, *DRAWN, size, f"--timeout={DRAWING_TIME}", f"--screenshot={shot}", page.as_uri()], check=True
         )
         Image.open(shot).convert("RGB").save(DOCS / "pictures" / "report.png", optimize=True)

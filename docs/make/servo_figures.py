@@ -7,7 +7,7 @@ from pathlib import Path
 
 PAGE = Path(__file__).parents[1] / "benchmarks/servos.md"
 COUNTS, BAUDS = (7, 14, 20, 26), {57_600: "57 600", 1_000_000: "1 M", 2_000_000: "2 M", 4_000_000: "4 M"}
-SERVOS, BAUD = 14, 1_000_000  # of the table that compares the drivers
+SERVOS, BAUD = 14, 1_000_000  # number of servos and baud rate in the comparison of the drivers
 DRIVERS = ("kinesic", "dynamixel-sdk")
 REPORTED_FAULTS = ("alert", "overheat", "undervoltage")  # cases in which a servo reports a hardware error
 
@@ -19,7 +19,7 @@ drivers = {each["driver"]: each["trials"] for each in json.loads(Path(sys.argv[2
 
 
 def table(*rows: Sequence[str]) -> list[str]:
-    """Format rows as Markdown; the first row is the header."""
+    """Format rows as a Markdown table, the first row as header."""
     lines = ["| " + " | ".join(row) + " |" for row in rows]
     return [lines[0], "|---" * len(rows[0]) + "|", *lines[1:]]
 
@@ -33,13 +33,13 @@ def by_case(trials: Sequence[Trial]) -> Trials:
 
 
 def format_rates() -> list[str]:
-    """Format the fraction of time in which the wire is busy, by number of servos and baud rate."""
+    """Tabulate the bus load by number of servos and baud rate."""
     rows = [[f"{figures[f'bus.rate_{count}_servos_{baud}_baud']:.1f} %" for baud in BAUDS] for count in COUNTS]
     return table(("servos", *BAUDS.values()), *[(str(count), *row) for count, row in zip(COUNTS, rows, strict=True)])
 
 
 def summarise(trials: Sequence[Trial]) -> tuple[str, str, str, str]:
-    """Summarise the results of a driver under one fault, with the seeds together."""
+    """Summarise a driver's results under one fault over all seeds."""
     refused = next((str(trial["refused"]) for trial in trials if trial["refused"]), "")
     if refused:
         return f"refused: {refused.partition(': ')[2].partition(';')[0]}", "", "", ""
@@ -58,14 +58,17 @@ def milliseconds(seconds: float) -> str:
 
 
 def compare_drivers() -> list[str]:
-    """Compare fresh positions and cycle times of the drivers."""
+    """Tabulate each driver's fraction of fresh positions and its cycle time."""
     head = [f"{name}: {column}" for column in ("fresh [%]", "cycle time, p99 [ms]") for name in DRIVERS]
     rows = {fault: [each[k] for k in (1, 2) for each in results] for fault, results in summarise_faults().items()}
     return table(("fault", *head), *[(fault, *row) for fault, row in rows.items()])
 
 
 def compare_errors() -> list[str]:
-    """Compare exceptions, wrong positions and reports of the drivers; faults without any are left out."""
+    """Tabulate the drivers' exceptions, wrong positions and error reports.
+
+    Faults without any of the three are omitted.
+    """
     columns = ("exceptions / wrong positions", "reported after [ms]")
     head = [f"{name}: {column}" for column in columns for name in DRIVERS]
     rows = {fault: [each[k] for k in (0, 3) for each in results] for fault, results in summarise_faults().items()}
@@ -74,7 +77,7 @@ def compare_errors() -> list[str]:
 
 
 def summarise_faults() -> dict[str, list[tuple[str, str, str, str]]]:
-    """Return the summary of each driver by fault, at one number of servos and one baud rate."""
+    """Summarise each driver by fault, at `SERVOS` servos and `BAUD` baud."""
     cases = [
         by_case([trial for trial in drivers[name] if (trial["servos"], trial["baud"]) == (SERVOS, BAUD)])
         for name in DRIVERS
@@ -83,7 +86,7 @@ def summarise_faults() -> dict[str, list[tuple[str, str, str, str]]]:
 
 
 def format_worst() -> list[str]:
-    """Format the lowest mean freshness of each fault over all sizes and rates, and its longest cycle."""
+    """Tabulate each fault's lowest mean freshness and longest cycle."""
     rows = []
     for name, trials in by_case(drivers["kinesic"]).items():
         if any(trial["refused"] for trial in trials) or name.startswith(REPORTED_FAULTS[0]):
@@ -109,7 +112,7 @@ def format_worst() -> list[str]:
 
 
 def mean(trials: Sequence[Trial], what: str) -> float:
-    """Return the mean of one value of the trials."""
+    """Return the mean of one metric over trials."""
     return sum(trial[what] for trial in trials) / len(trials)
 
 

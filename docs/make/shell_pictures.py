@@ -13,7 +13,7 @@ from kinesic.sim.film import write_still
 
 PICTURE, CUT = (720, 540), (140, 20, 620, 540)  # [pixels] of a picture, and what is kept of it
 WAVING = {"r_shoulder_abduct": 40, "r_elbow_flexion": 110, "r_shoulder_twisting": 60, "l_elbow_flexion": 80}
-EXTREME = (  # degrees of the hinges of both arms
+EXTREME = (  # [deg] hinge angles of both arms in each posture
     {"shoulder_flexion": 90, "elbow_flexion": 135},
     {"vl5_tilt": 35, "skullbase_tilt": 40, "shoulder_flexion": -50},
     {"vl5_roll": 20, "skullbase_roll": -25, "shoulder_abduct": 90, "elbow_flexion": 90, "sternoclavicular_abduct": 25},
@@ -32,7 +32,7 @@ def bent(robot: Robot, degrees: dict[str, float]) -> Floats:
 
 
 def still(robot: Robot, degrees: dict[str, float], folder: Path) -> Image.Image:
-    """Draw one picture."""
+    """Draw a robot in one posture."""
     write_still(robot, bent(robot, degrees), folder / "still.png", size=PICTURE)
     with Image.open(folder / "still.png") as picture:
         return picture.crop(CUT).resize((360, 390), Image.Resampling.LANCZOS)

@@ -51,7 +51,7 @@ class PageLinks(HTMLParser):
     """Links, pictures and anchors of one page."""
 
     def __init__(self, html: str) -> None:
-        """Parse a page."""
+        """Parse the HTML of a page."""
         super().__init__()
         self.links: list[str] = []
         self.anchors: set[str] = set()
@@ -68,7 +68,7 @@ class PageLinks(HTMLParser):
 
 
 def find_broken_links(site: Path) -> Iterator[str]:
-    """Yield every link without a target, and everything loaded from other servers, as `page: link`."""
+    """Yield broken links and external resources as `page: link`."""
     pages = {path: PageLinks(path.read_text(encoding="utf-8")) for path in sorted(site.rglob("*.html"))}
     for path, page in pages.items():
         yield from (f"{path.relative_to(site)}: {link}" for link in page.loaded if urlsplit(link).netloc)
@@ -84,7 +84,10 @@ def find_broken_links(site: Path) -> Iterator[str]:
 
 
 def write_llms_files(site: Path, entries: list[NavigationEntry]) -> None:
-    """Write llms.txt, a list of all pages, llms-full.txt, their texts, and each page as Markdown."""
+    """Write llms.txt, llms-full.txt and each page as Markdown.
+
+    llms.txt lists all pages, llms-full.txt contains their texts.
+    """
     lines, texts, section = ["# kinesic", "", f"> {_summary('index.md')}"], [], ""
     for entry in entries:
         if entry.section != section:
@@ -108,7 +111,7 @@ def _summary(page: str) -> str:
 
 
 def publish(site: Path, folder: Path, version: str) -> None:
-    """Copy a built site to `folder`/`version` and `folder`/latest, and list all versions.
+    """Publish a built site as a version and as latest.
 
     The pages read `versions.json` in the folder above them for their selector of versions.
     """

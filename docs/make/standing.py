@@ -32,7 +32,7 @@ HEAD = """\
 
 
 def format_row(values: Mapping[str, float]) -> str:
-    """Return the TOML text of one row of features, without zeros."""
+    """Return the TOML text of the non-zero features of a row."""
     return "{ " + ", ".join(f"{feature} = {value!r}" for feature, value in values.items() if value) + " }"
 
 

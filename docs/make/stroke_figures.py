@@ -16,13 +16,13 @@ from kinesic.sim.kinematics import compute_motion_frames
 
 PICTURES_FOLDER = Path(__file__).resolve().parent.parent / "pictures"
 DOCUMENT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><gesture id="g" lexeme="large"/></bml>'
-SAMPLE_PERIOD = 0.01  # [s]
+SAMPLE_PERIOD = 0.01  # [s] time between two points of a curve
 COLOURS = (SECOND_COLOUR, MAIN_COLOUR, OTHER_COLOUR)
 DASHES = ("--", "-", "-.")
 
 
 def compute_hand_velocity(performer: Performer) -> tuple[Floats, Floats]:
-    """Return times [s] since the stroke began, and the velocity of the right wrist [m/s]."""
+    """Return times [s] from strokeStart, and right wrist velocities [m/s]."""
     plan = performer.plan(DOCUMENT)
     times = np.arange(0.0, plan.duration, SAMPLE_PERIOD)
     origins = compute_motion_frames(performer.robot.skeleton, plan.trajectory.angles(times)).origins

@@ -17,14 +17,14 @@ from tests import chromium  # noqa: E402 - the film shows the actions of a test
 from tests.studio.newcomer import STATE, before_the_studio, make_and_perform  # noqa: E402
 
 DOCS = ROOT / "docs"
-WINDOW = (1280, 807)  # [pixels] with the browser's own 87
-SIZE = (960, 540)  # [pixels] of the film
-READ = 1600  # [ms] for which one action is shown
-STEP = 125  # [ms] shortest time between two frames of the performance
-STILL = 1500  # [ms] until the page is drawn in full quality
-MOMENT = 2.2  # [s] of the greeting in the picture
-PERFORMED = 9.0  # [s] of the performance
-MAX_WAIT = 240.0  # [s] for the browser on a busy machine
+WINDOW = (1280, 807)  # [pixels] size of the browser window, with 87 for its toolbar
+FILM_SIZE = (960, 540)  # [pixels] width and height of the film
+ACTION_TIME = 1600  # [ms] display time of one action and its caption
+MIN_FRAME_TIME = 125  # [ms] shortest time between two frames of the performance
+FULL_QUALITY_DELAY = 1500  # [ms] wait until the page is drawn in full quality
+PICTURE_TIME = 2.2  # [s] performance time of the greeting in the picture
+FILMED_TIME = 9.0  # [s] length of the filmed performance
+MAX_WAIT = 240.0  # [s] longest wait for the browser on a busy machine
 INK, PAPER, POINTER = "#23262d", "#fbfaf7", "#b4430f"
 
 
@@ -36,7 +36,7 @@ def picture(page: chromium.Page) -> Image.Image:
 
 
 def titled(shown: Image.Image, title: str, where: tuple[float, float] | None) -> Image.Image:
-    """Draw a frame of the film: the page, the pointer and a caption."""
+    """Draw one film frame: page, pointer and caption."""
     frame = shown.copy()
     pen = ImageDraw.Draw(frame)
     if where is not None:
@@ -47,24 +47,27 @@ def titled(shown: Image.Image, title: str, where: tuple[float, float] | None) ->
     x, y = (frame.width - wide) / 2, frame.height - 64
     pen.rounded_rectangle((x - 18, y - 8, x + wide + 18, y + 40), radius=10, fill=INK)
     pen.text((x, y), title, fill=PAPER, font=font)
-    return frame.resize(SIZE, Image.Resampling.LANCZOS)
+    return frame.resize(FILM_SIZE, Image.Resampling.LANCZOS)
 
 
 def performance(page: chromium.Page) -> Iterator[tuple[Image.Image, int]]:
-    """Record frames of a performance, each with its duration [ms]; a busy machine gives fewer and longer ones."""
+    """Record frames of a performance, each with its duration [ms].
+
+    A busy machine gives fewer and longer frames.
+    """
     page.until(f"{STATE}.mode === 'robot'")
     begun = monotonic()
-    while (taken := monotonic()) - begun < PERFORMED:
+    while (taken := monotonic()) - begun < FILMED_TIME:
         frame = titled(picture(page), "simulated servos perform it", None)
-        sleep(max(0.0, taken + STEP / 1000 - monotonic()))
+        sleep(max(0.0, taken + MIN_FRAME_TIME / 1000 - monotonic()))
         yield frame, round(1000 * (monotonic() - taken))
 
 
 def in_both_schemes(page: chromium.Page, name: str) -> None:
-    """Draw the page in light and dark."""
+    """Save pictures of the page in the light and dark colour schemes."""
     for scheme, path in (("dark", f"{name}_dark.png"), ("light", f"{name}.png")):
         page.call("Emulation.setEmulatedMedia", features=[{"name": "prefers-color-scheme", "value": scheme}])
-        page.value(f"new Promise(done => setTimeout(done, {STILL}))")
+        page.value(f"new Promise(done => setTimeout(done, {FULL_QUALITY_DELAY}))")
         picture(page).quantize(256, kmeans=2).save(DOCS / "pictures" / path, optimize=True)
 
 
@@ -79,12 +82,12 @@ if __name__ == "__main__":
         def film(what: str, where: tuple[float, float] | None) -> None:
             """Store a frame of the page before an action."""
             frames.append(titled(picture(person.page), f"{len(frames) + 1}. {what}", where))
-            times.append(READ)
+            times.append(ACTION_TIME)
             if what.startswith("Save the gesture"):
                 in_both_schemes(person.page, "studio_gesture")
 
         slider = "document.querySelector('#time')"
-        person.page.value(f"{slider}.value = {MOMENT}, {slider}.dispatchEvent(new Event('input'))")
+        person.page.value(f"{slider}.value = {PICTURE_TIME}, {slider}.dispatchEvent(new Event('input'))")
         person.sees("s.report !== null")
         in_both_schemes(person.page, "studio")
         person.page.value(f"{slider}.value = 0, {slider}.dispatchEvent(new Event('input'))")

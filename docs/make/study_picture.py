@@ -16,7 +16,7 @@ from kinesic.studies.perception.page import draw_stimuli, write_study_page  # no
 from tests import chromium  # noqa: E402 - the picture is taken in the browser of the tests
 
 STIMULUS = "female-4-high-wrinkled-image"
-WINDOW = (1000, 1150)  # [pixels]
+WINDOW = (1000, 1150)  # [pixels] size of the browser window
 
 
 if __name__ == "__main__":

@@ -15,18 +15,24 @@ import kinesic
 
 PICTURE = Path(__file__).parents[1] / "pictures" / "text_timeline.png"
 TEXT = "No, I did not say that! There were three big boxes."
-ROWS = {"s": "speech", "h": "head", "g": "hand", "f": "face", "l": "gaze"}  # by the first letter of an id
+ROWS = {
+    "s": "speech",
+    "h": "head",
+    "g": "hand",
+    "f": "face",
+    "l": "gaze",
+}  # row title by first letter of an id
 PALE_COLOUR = "#c9d8e6"
 STRONG_COLOUR = "#35648f"
 WORD_COLOUR = "#c0561f"
-BAR_HEIGHT = 0.3
-STAGGER = 0.17  # rows by which successive bars of a row are moved up and down
-LABEL_SIZE = 8.5
-LABEL_GAP = 0.03  # [s] between a bar and its label
+BAR_HEIGHT = 0.3  # [rows] height of a behaviour's bar
+STAGGER = 0.17  # [rows] alternating vertical shift of successive bars in a row
+LABEL_SIZE = 8.5  # [pt] font size of the labels
+LABEL_GAP = 0.03  # [s] distance between a bar and its label
 
 
 def plan_times(document: str) -> Mapping[tuple[str, str], float]:
-    """Return the planned time [s] of each sync point, by behaviour and name, with the silent voice."""
+    """Return the planned time [s] of each behaviour's sync points."""
     plan = kinesic.Performer("upper36", voice="durations").plan(document)
     return {(sync.behaviour, sync.sync): sync.planned for sync in plan.syncs}
 
@@ -40,7 +46,7 @@ def draw_words(axes: Axes, document: str, times: Mapping[tuple[str, str], float]
 
 
 def draw_behaviour(axes: Axes, name: str, label: str, times: Mapping[tuple[str, str], float], row: float) -> None:
-    """Draw a behaviour as a pale bar, with its stroke or hold as a strong one, and the time `stroke` as a dot."""
+    """Draw a behaviour as a bar, with stroke phase and stroke time."""
     start, end = times[name, "start"], times[name, "end"]
     axes.barh(row, end - start, BAR_HEIGHT, start, color=PALE_COLOUR)
     begin = next(times[name, sync] for sync in ("strokeStart", "attackPeak", "ready") if (name, sync) in times)
@@ -52,7 +58,7 @@ def draw_behaviour(axes: Axes, name: str, label: str, times: Mapping[tuple[str, 
 
 
 def draw(document: str) -> Figure:
-    """Draw one row for each channel."""
+    """Draw the timeline with one row per channel."""
     times = plan_times(document)
     figure = Figure(figsize=(8.6, 3.7), dpi=100, facecolor="white")
     axes = figure.add_axes((0.08, 0.13, 0.91, 0.86))

@@ -20,20 +20,20 @@ from kinesic.speech.voice import voice
 DOCS_FOLDER = Path(__file__).resolve().parent.parent
 PAGE = DOCS_FOLDER / "explanation" / "voice.md"
 PICTURE_FILE = DOCS_FOLDER / "pictures" / "voice.png"
-STEP = 0.005  # [s] between drawn postures
-LEAD_TIME = 0.45  # [s] shown before the speech
-CLOSED_SOUNDS = frozenset("pbm")  # sounds for which the lips close
+SAMPLE_PERIOD = 0.005  # [s] time between two points of a curve
+LEAD_TIME = 0.45  # [s] length of the time axis before the speech
+CLOSED_SOUNDS = frozenset("pbm")  # phonemes for which the lips close
 
 document = re.findall(r"```xml\n(.*?)```", PAGE.read_text(encoding="utf-8"), re.DOTALL)[0]
 performer = Performer("upper22", voice="hibari", idle=0.0)
 plan = performer.plan(document)
 spoken = plan.utterances["s"]
 assert spoken.sound is not None
-times = np.arange(0.0, plan.duration, STEP)
+times = np.arange(0.0, plan.duration, SAMPLE_PERIOD)
 speech_times = times - plan.trajectory.zero - plan.syncs["s:start"].planned
 origins = compute_motion_frames(performer.robot.skeleton, plan.trajectory.angles(times)).origins
 path = origins[performer.robot.arm("r").wrist].T
-velocity = np.linalg.norm(np.gradient(path, STEP, axis=0), axis=1)
+velocity = np.linalg.norm(np.gradient(path, SAMPLE_PERIOD, axis=0), axis=1)
 openings = [1000.0 * lip_opening(units) for units in compute_faces(plan, times)]
 
 text = re.sub(r"<.*?>", "", re.findall(r"<text>(.*?)</text>", document)[0])

@@ -9,7 +9,7 @@ from kinesic.bench.naturalness import COMPARED_ROBOTS, people_metrics
 from kinesic.bench.naturalness.whole_body.comparison import METRIC_PREFIX, compare_sets, split_sets
 from kinesic.bench.naturalness.whole_body.stored import read_captured_sets
 
-GESTURE_STEP = 3  # every third gesture of the lexicon
+GESTURE_STEP = 3  # only every third gesture of the lexicon is measured
 
 
 def body_table(metrics: Mapping[str, Metric]) -> list[str]:

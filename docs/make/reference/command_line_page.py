@@ -21,7 +21,7 @@ SHARED_TEXT = "These options of planning are the same for all verbs that plan."
 
 
 def write_page() -> str:
-    """Return the page with all verbs, by task, and the options that many of them share."""
+    """Return the page of all verbs by task, with shared options."""
     overview: list[str] = []
     sections: list[str] = []
     shared: dict[str, str] = {}
@@ -36,7 +36,7 @@ def write_page() -> str:
 
 
 def list_tasks() -> dict[str, tuple[str, ...]]:
-    """Return the verbs by task, as in the help of `kinesic`; those without a task come last."""
+    """Return the verbs by task, verbs without a task last."""
     listed = {name for names in VERBS_BY_TASK.values() for name in names}
     others = tuple(name for name in sorted(kinesic.commands) if name not in listed)
     tasks = {**VERBS_BY_TASK, "Other": others}
@@ -44,7 +44,7 @@ def list_tasks() -> dict[str, tuple[str, ...]]:
 
 
 def list_verbs(verb: click.Command, path: tuple[str, ...]) -> Iterator[tuple[tuple[str, ...], click.Command]]:
-    """Yield a verb, or all verbs of a group, with their paths of names."""
+    """Yield a verb, or a group's verbs, with their full names."""
     if not isinstance(verb, click.Group):
         yield path, verb
         return
@@ -64,7 +64,7 @@ def summary(verb: click.Command) -> str:
 
 
 def describe(path: tuple[str, ...], verb: click.Command, shared: dict[str, str]) -> Iterator[str]:
-    """Yield the lines of one verb's section, and add rows of shared options by name."""
+    """Yield the lines of a verb's section, and collect shared options."""
     context = click.Context(verb, info_name=" ".join(path), help_option_names=["-h", "--help"])
     yield f"## {' '.join(path)}"
     yield ""
@@ -87,7 +87,7 @@ def describe(path: tuple[str, ...], verb: click.Command, shared: dict[str, str])
 
 
 def prose(text: str) -> Iterator[str]:
-    r"""Yield paragraphs of help; one that begins with \b keeps its lines, as code."""
+    r"""Yield paragraphs of help text, preformatted ones (\b) as code."""
     for paragraph in re.split(r"\n\s*\n", text.replace("\f", "").strip()):
         if paragraph.lstrip().startswith("\b"):
             lines = paragraph.lstrip().removeprefix("\b").strip("\n").splitlines()
@@ -105,7 +105,7 @@ def option_row(option: click.Option, context: click.Context) -> str:
 
 
 def value_of(option: click.Option, context: click.Context) -> str:
-    """Return what the value of an option may be; flags have none."""
+    """Describe an option's accepted values, empty for flags."""
     if option.is_flag or option.count:
         return ""
     if isinstance(option.type, click.Choice):
@@ -116,10 +116,10 @@ def value_of(option: click.Option, context: click.Context) -> str:
 
 
 def cell(text: str) -> str:
-    """Return a text that fits into a table's cell."""
+    """Escape a text for a cell of a Markdown table."""
     return re.sub(r"\s+", " ", text).replace("|", "\\|")
 
 
 def plain(text: str) -> str:
-    """Return a text in which < and > are not HTML."""
+    """Escape < and > in a text."""
     return text.replace("<", "&lt;").replace(">", "&gt;")

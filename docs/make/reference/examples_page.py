@@ -19,7 +19,7 @@ def list_examples() -> list[Path]:
 
 
 def write_page() -> str:
-    """Return the page with every program."""
+    """Return the page with the source of every example program."""
     rows, sections = [], []
     for path in list_examples():
         source = path.read_text(encoding="utf-8")

@@ -21,7 +21,7 @@ long as a document. An unknown key or value is refused with its place.
 
 
 def list_messages() -> list[type[msgspec.Struct]]:
-    """Return the types of all messages from clients, in the order of their verbs."""
+    """Return all client message types, sorted by verb."""
     return sorted(get_args(Control), key=verb_of)
 
 

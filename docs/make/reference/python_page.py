@@ -1,4 +1,4 @@
-"""The page of the Python interface: every public name of the package and of its open rooms."""
+"""Reference page of the public Python names of kinesic and its subpackages."""
 
 import inspect
 from collections.abc import Iterator
@@ -25,7 +25,7 @@ Arguments after the obvious ones are keywords. Errors about documents are `kines
 
 
 def list_names(room: str) -> list[str]:
-    """Return the public names of a room, without those that only repeat a name of another room."""
+    """Return the public names of a package."""
     module = import_module(room)
     names = list(getattr(module, "__all__", [])) or [
         name
@@ -42,7 +42,7 @@ def place_of(room: str, name: str) -> str:
 
 
 def write_page() -> str:
-    """Return the page with a directive of mkdocstrings for every public name."""
+    """Return the page with one mkdocstrings directive per public name."""
     lines = [HEAD + "| name | use |", "|---|---|"]
     shown: set[str] = set()
     sections: list[str] = []
@@ -60,7 +60,7 @@ def write_page() -> str:
 
 
 def describe_options() -> Iterator[str]:
-    """Yield the section of the options that `Performer`, `perform` and `plan` take by keyword."""
+    """Yield the section on keyword options of `Performer`, `perform` and `plan`."""
     yield "## Planning options\n\n`Performer`, `perform` and `plan` take these keywords besides robot and style.\n"
     yield "| keyword | effect | value |\n|---|---|---|"
     for name, option in list_cli_options().items():

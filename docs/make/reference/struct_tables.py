@@ -1,4 +1,4 @@
-"""Markdown tables of msgspec structs, with the meanings in the comments of their sources."""
+"""Markdown tables of msgspec structs, described by the comments of their fields."""
 
 import ast
 import inspect
@@ -35,7 +35,7 @@ def list_keys(table: type[msgspec.Struct]) -> list[Key]:
 
 
 def read_meanings(table: type[msgspec.Struct]) -> dict[str, str]:
-    """Return the comment after each field of a struct and of the structs it extends."""
+    """Return the comment of each field of a struct, inherited ones included."""
     meanings: dict[str, str] = {}
     for part in reversed(table.__mro__):
         if part is not msgspec.Struct and issubclass(part, msgspec.Struct):
@@ -58,7 +58,7 @@ def _own_meanings(table: type) -> dict[str, str]:
 
 
 def default_of(field: msgspec.structs.FieldInfo) -> str:
-    """Return a field's default as it would be written, or "required"."""
+    """Return a field's default as written in a file, or "required"."""
     if field.required:
         return "required"
     value = field.default_factory() if field.default is msgspec.NODEFAULT else field.default
@@ -70,7 +70,7 @@ def default_of(field: msgspec.structs.FieldInfo) -> str:
 
 
 def describe_type(hint: object) -> str:
-    """Return a type in words of TOML and JSON."""
+    """Describe a Python type in terms of TOML and JSON."""
     origin, parts = get_origin(hint), get_args(hint)
     if hint in PLAIN_TYPES:
         return PLAIN_TYPES[hint]
@@ -98,18 +98,18 @@ def describe_type(hint: object) -> str:
 
 
 def describe_name(hint: object) -> str:
-    """Return what the names of a table may be."""
+    """Describe the key type of a mapping."""
     return "name" if hint is str else describe_type(hint)
 
 
 def title_of(table: type[msgspec.Struct]) -> str:
-    """Return the heading of a struct's table: that of `BodyFormTable` is "Body form"."""
+    """Return the heading of a struct (`BodyFormTable`: "Body form")."""
     words = re.findall(r"[A-Z][a-z]+", table.__name__.strip("_"))
     return " ".join(words[:-1] if len(words) > 1 and words[-1] == "Table" else words).capitalize()
 
 
 def nested_tables(table: type[msgspec.Struct]) -> Iterator[type[msgspec.Struct]]:
-    """Yield a struct and all structs of its fields, each before those inside it."""
+    """Yield a struct and all nested structs, outer ones first."""
     seen: list[type[msgspec.Struct]] = []
 
     def visit(hint: object) -> None:

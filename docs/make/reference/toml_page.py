@@ -1,4 +1,4 @@
-"""The page of all TOML files that users write, from their schemas."""
+"""Reference page of all TOML files that users write."""
 
 from dataclasses import dataclass
 
@@ -179,7 +179,7 @@ def write_page() -> str:
 
 
 def list_tables(document: Document) -> list[type[msgspec.Struct]]:
-    """Return all structs of a document; models of servos have a section of their own."""
+    """Return all structs of a document, except those of servo models."""
     found = dict.fromkeys(table for root in document.tables for table in nested_tables(root))
     return [table for table in found if table is not ServoTable or document.tables == (ServoTable,)]
 

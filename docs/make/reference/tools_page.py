@@ -94,7 +94,7 @@ def _escape(text: str) -> str:
 
 
 def _kind(schema: Mapping[str, object]) -> str:
-    """Return the kind of a parameter's value in words."""
+    """Describe a parameter's type in words."""
     choices, kind, limits = schema.get("enum"), schema.get("type"), ""
     if isinstance(choices, Sequence):
         return ", ".join(f"`{choice}`" for choice in choices)
