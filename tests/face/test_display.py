@@ -70,7 +70,7 @@ def test_missing_opengl_libraries_are_named_in_the_error(monkeypatch: pytest.Mon
 
 
 def test_second_graphics_device_draws_if_the_first_one_fails(monkeypatch: pytest.MonkeyPatch):
-    """A machine may have an inaccessible graphics card before an accessible one."""
+    """Skip an inaccessible graphics card before an accessible one."""
     draws()
     real = egl._QueryDevices
 
@@ -105,7 +105,7 @@ print(*{each.partition("/")[0] for each in files if each.endswith(".so")})
 
 
 def test_face_rendering_imports_no_compiled_packages_except_the_core_dependencies():
-    """Rendering works wherever kinesic's core can be installed, without a compiler."""
+    """Allow rendering on every machine that runs kinesic's core."""
     draws()
     output = subprocess.run([sys.executable, "-c", DRAWING_PROGRAM], capture_output=True, text=True, check=True).stdout
     assert set(output.split()) <= {"numpy", "scipy", "msgspec", "PIL"}

@@ -61,7 +61,7 @@ def test_studio_page_has_no_accessibility_violations(studio: Studio):
 
 
 def test_half_an_hour_of_studio_playback_leaks_no_memory(studio: Studio):
-    """Playback loops while the robot is watched; memory is measured after each sixth of the time."""
+    """Measure the memory after each sixth of the looped playback."""
     studio.page.click("#loop")
     studio.page.click("#play")
     studio.rest(WARM)

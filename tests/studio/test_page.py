@@ -127,7 +127,7 @@ def test_performance_is_exported_by_download(studio: Studio, tmp_path: Path):
 
 
 def test_hostile_document_id_writes_only_to_the_downloads(studio: Studio, tmp_path: Path):
-    """The id is the path of another file, with and without a link to it."""
+    """Use ids that are paths of other files, or of links."""
     letter = tmp_path / "mine" / "dear.csv"
     letter.parent.mkdir()
     letter.write_text("dear")
@@ -259,7 +259,7 @@ def test_document_is_saved_unchanged_and_listed_among_saved_files(studio: Studio
 
 
 def test_heap_grows_by_less_than_4_mb_in_1_5_s_of_looped_playback(studio: Studio):
-    """Short form of the soak test in test_long.py."""
+    """Run a short form of the soak test in test_long.py."""
     studio.write(WORDS)
     studio.page.click("#loop")
     studio.page.click("#play")

@@ -116,7 +116,7 @@ def test_another_browser_recovers_the_unsaved_text_from_the_backup_in_the_folder
 
 @pytest.mark.parametrize("count", [4, pytest.param(200, marks=pytest.mark.soak)])
 def test_browser_crash_and_page_reload_lose_no_edit(studio: Studio, count: int):
-    """A reload keeps the last keystroke; a crash of the page keeps each edit that is older than two seconds."""
+    """Expect edits older than two seconds after crashes, all after reloads."""
     chance = random.Random(1)
     for number in range(count):
         text = EMPTY.format(GESTURE.format(number))

@@ -167,7 +167,7 @@ def test_robot_drawn_without_webgl_looks_like_the_webgl_drawing(studio: Studio):
 
 
 def test_drag_sends_at_most_50_reach_requests_per_second(studio: Studio):
-    """The server reads a client 50 times a second; faster requests would each wait longer than a frame."""
+    """Expect at most one request per read cycle of the server."""
     studio.write(WORDS)
     studio.page.click("#mode-plan")
     studio.until("s.left !== null")

@@ -122,7 +122,7 @@ def test_overlapping_behaviours_in_a_track_do_not_cover_each_other(studio: Studi
 
 
 def test_playhead_follows_the_performance_of_the_robot(studio: Studio):
-    """The playhead is at the planned time of each stroke when its feedback arrives."""
+    """Compare the playhead with each stroke's planned time at the stroke's feedback."""
     early = '<gesture id="early" lexeme="welcome" mode="LEFT_HAND" stroke="0"/>'
     show(studio, f'{BML.replace("parts", "shown")}{early}<head id="late" lexeme="NOD" stroke="3"/></bml>')
     draft = studio.state("draft")

@@ -92,7 +92,7 @@ def test_hand_has_no_key_at_a_ready_sync_point_that_it_cannot_reach_in_time(pace
 
 
 def test_hand_keys_of_random_overlapping_gestures_reach_every_kept_stroke(pace, phases):
-    """Hold for random overlapping gestures."""
+    """Draw the timing of overlapping gestures at random."""
     rng, rest = np.random.default_rng(7), resting_hands(pace.robot)
     for _ in range(40):
         strokes = []

@@ -141,7 +141,7 @@ def test_hand_path_grows_with_spatial_extent_within_easy_reach(robot):
 
 
 def test_path_amplitude_is_kept_if_the_outward_swing_stays_within_easy_reach(robot):
-    """In the opposite direction, the same path would leave the easy reach."""
+    """Compare with the mirrored path, which leaves the easy reach."""
     wide = Expressivity(spatial=0.5)
     near, far = (poses(with_path(0.25, last=last), robot, wide) for last in (A, (0.6, 0.9, 0.6)))
     path, (start, end) = far.path("r", 1), places(far, "r")

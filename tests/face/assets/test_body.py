@@ -34,7 +34,7 @@ def test_figure_contains_the_head_mesh_vertices_above_the_neckline():
 
 
 def test_figure_has_only_hand_skin_far_below_the_neckline():
-    """Below the neckline there are only the hands."""
+    """Expect only the skin of the hands below the clothes' neckline."""
     moved = np.asarray(DRESSED_FIGURE.weights[SKIN_VERTICES].argmax(axis=1)).ravel()
     hands = {
         place

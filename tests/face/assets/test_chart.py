@@ -28,7 +28,7 @@ def test_painting_mask_is_zero_behind_the_head(variant: Variant):
 
 
 def test_head_mesh_is_split_along_the_chart_seam():
-    """Otherwise painting would be squeezed into the triangles at the seam."""
+    """Prevent triangles that squeeze the whole painting into the seam."""
     mesh = load_head()
     place = compute_vertex_chart(mesh)
     skin = mesh.parts[mesh.triangles[:, 0]] == 0
@@ -45,7 +45,7 @@ def test_head_mesh_is_split_along_the_chart_seam():
 
 
 def test_teeth_are_not_split_at_the_chart_seam():
-    """Their chart attributes are millimetres, which exceed the width of the skin's chart."""
+    """Allow chart attributes of teeth [mm] beyond the skin chart's width."""
     mesh = load_head()
     place = compute_vertex_chart(mesh)
     first = mesh.triangles[:, 0]

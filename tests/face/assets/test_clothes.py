@@ -42,7 +42,7 @@ def test_shirt_covers_the_top_of_the_trousers():
 
 @pytest.mark.parametrize("side", ["l", "r"])
 def test_shirt_cuff_is_1_to_7_mm_outside_the_skin_of_the_wrist(side: str):
-    """A gap of 13 mm used to show a dark sleeve."""
+    """Prevent a wide gap, which shows the dark inside of the sleeve."""
     mesh, elbow = load_figure().mesh, JOINT_CENTRES[f"{side}_elbow"]
     bone = JOINT_CENTRES[f"{side}_wrist"] - elbow
     along = (mesh.positions - elbow) @ bone / (bone @ bone)

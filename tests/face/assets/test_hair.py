@@ -82,7 +82,7 @@ def test_hair_generation_is_deterministic():
 
 
 def test_short_sideburns_have_no_locks():
-    """Locks in front of an ear would be thick patches; the scalp is painted there."""
+    """Prevent thick patches of hair in front of the ears."""
     forward, _, up = edges("male")[:, 0].mean(axis=1).T
     assert up[forward > EAR_REGION[0]].min() > SIDEBURN_HEIGHT
     assert measure_hairline_height(np.array([[-0.75, 1.1, -0.1]]))[0] > 0.1
@@ -91,7 +91,7 @@ def test_short_sideburns_have_no_locks():
 
 @pytest.mark.parametrize(("variant", "tip"), [("female", 0.07), ("male", 0.05)])
 def test_hair_locks_start_narrow_and_end_blunt(variant: Variant, tip: float):
-    """Wide roots look like steps, and thin tips like dots."""
+    """Prevent visible steps at wide roots and dots at thin tips."""
     points = edges(variant)
     widths = np.linalg.norm(points[:, :, 0] - points[:, :, 1], axis=2) / (2.0 * HAIR_STYLES[variant].width[0])
     first = measure_hairline_height(points[:, 0].mean(axis=1)) < 0.08
@@ -101,7 +101,7 @@ def test_hair_locks_start_narrow_and_end_blunt(variant: Variant, tip: float):
 
 
 def test_short_hair_lies_flat_on_the_neck():
-    """Locks there are long and narrow, and their tips lie flat."""
+    """Expect long narrow locks with flat tips on the neck."""
     mesh = load_head("male")
     skin = mesh.positions[mesh.vertices("skin")] / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
     tips = edges("male")[:, -1].mean(axis=1)
@@ -113,7 +113,7 @@ def test_short_hair_lies_flat_on_the_neck():
 
 
 def test_hair_covers_the_crown_of_the_head():
-    """Rays from inside the head hit a lock everywhere behind the forehead."""
+    """Cast rays from inside the head behind the forehead."""
     vectors = np.random.default_rng(3).standard_normal((1200, 3))
     vectors /= np.linalg.norm(vectors, axis=1, keepdims=True)
     crown = vectors[(vectors[:, 2] > 0.5) & (vectors[:, 0] < 0.1)]
@@ -142,7 +142,7 @@ def test_hair_locks_end_above_the_cut_height_of_the_hair_style(variant: Variant)
 
 @pytest.mark.parametrize("variant", FACE_VARIANTS)
 def test_hairline_has_closely_spaced_narrow_locks(variant: Variant):
-    """Wide gaps would show the painted scalp between pointed roots."""
+    """Prevent gaps that show the painted scalp between roots."""
     roots = edges(variant)[:, 0].mean(axis=1)
     front = roots[(measure_hairline_height(roots) < 0.16) & (roots[:, 0] > -0.6)]
     turns = np.degrees(np.sort(np.arctan2(front[:, 1], front[:, 0] - HEAD_CENTRE[0])))
@@ -167,7 +167,7 @@ def test_strand_directions_follow_the_locks():
 
 
 def test_front_edge_of_long_hair_touches_the_cheeks():
-    """A tunnel between cheek and hair would show the ears in front view."""
+    """Prevent a gap between cheek and hair in the front view."""
     mesh = load_head("female")
     skin = mesh.positions[mesh.vertices("skin")] / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
     forward, left, up = locks("female")[1].T

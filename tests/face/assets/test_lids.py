@@ -44,7 +44,7 @@ def test_eyelid_edges_run_from_corner_to_corner_of_the_eye(mesh: Mesh, eyes: lis
 
 
 def test_lids_at_rest_are_open_over_two_thirds_of_the_iris_height(mesh: Mesh, eyes: list[Lids]):
-    """Lower lids cut the iris to a square."""
+    """Prevent lowered lids, which make the iris look square."""
     for eye in eyes:
         assert gap(eye, mesh.positions)[4] > 0.66 * 2.0 * IRIS_RADIUS
 

@@ -31,7 +31,7 @@ def overlap(mouth: Lips, positions: np.ndarray) -> np.ndarray:
 
 @pytest.mark.parametrize("wide", [0.3, 1.0, 1.6])
 def test_lip_column_distances_match_a_brute_force_reference(mouth: Lips, wide: float):
-    """The lips are narrower than all columns together, as wide, and wider."""
+    """Compare lips narrower than, as wide as and wider than all columns."""
     random, half = np.random.default_rng(5), 0.5 * (mouth.middles[1] - mouth.middles[0])
     points = random.uniform(wide * mouth.middles[0], wide * mouth.middles[-1], len(mouth.outward))
     away = random.uniform(-0.01, 0.01, len(points))
@@ -84,7 +84,7 @@ def test_smiling_lips_stay_closed_unless_the_lips_part_unit_opens_them(mesh: Mes
 
 
 def test_viseme_w_differs_visibly_from_the_vowel_in_you(mesh: Mesh, mouth: Lips):
-    """It is narrower, further forward and less open, by millimetres."""
+    """Expect a mouth narrower, less open and further forward by millimetres."""
     unit, rest = mesh.eyes[0, 1] - mesh.eyes[1, 1], mesh.positions
     front = (mesh.parts == MESH_PARTS.index("skin")) & (rest[:, 0] > 0.0)
     around = front & (np.abs(rest[:, 2] / unit - MOUTH_LINE) < 0.15) & (np.abs(rest[:, 1] / unit) < 0.45)

@@ -27,9 +27,9 @@ def edges_beside_the_mouth(mesh: Mesh) -> np.ndarray:
 @pytest.mark.parametrize("variant", FACE_VARIANTS)
 @pytest.mark.parametrize("units", [{"12": 1.0}, {"6": 0.8, "12": 0.9, "25": 0.8}], ids=["12", "6+12+25"])
 def test_smile_keeps_skin_next_to_the_mouth_smooth(variant: Variant, units: dict[str, float]):
-    """In the source, neighbours turn by 23 degrees there.
+    """Expect less than the 23 degrees between neighbours in the source mesh.
 
-    Edges shrink to less than half.
+    There, edges also shrink to less than half their length.
     """
     mesh = load_head(variant)
     one, other = edges_beside_the_mouth(mesh).T
@@ -56,7 +56,7 @@ def test_only_skin_next_to_the_mouth_is_smoothed_in_smiles():
 
 @pytest.mark.parametrize("variant", FACE_VARIANTS)
 def test_raised_cheek_bulges_outward(variant: Variant):
-    """A bulge of 6 mm threw a dark spot on the cheek."""
+    """Expect a mean outward displacement of more than 3 mm."""
     mesh = load_head(variant)
     rest = mesh.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
     cheek = (mesh.parts == 0) & (np.hypot(np.abs(rest[:, 1]) - 0.55, rest[:, 2] + 0.4) < 0.1) & (rest[:, 0] > 0.0)
@@ -80,7 +80,7 @@ def test_smiling_lips_rest_on_the_teeth_without_sagging(variant: Variant):
 @pytest.mark.parametrize("variant", FACE_VARIANTS)
 @pytest.mark.parametrize("units", [{"22": 1.0}, {"22": 1.0, "25": 1.0}], ids=["22", "22+25"])
 def test_rounded_lips_open_as_arcs(variant: Variant, units: dict[str, float]):
-    """In the source, both lips form a V, whose sides are straight."""
+    """Expect curved lips instead of the straight V in the source."""
     mesh = load_head(variant)
     lips, unit = find_lips(mesh), float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
     points = lips.points @ deform(mesh, units)
@@ -94,7 +94,7 @@ def test_rounded_lips_open_as_arcs(variant: Variant, units: dict[str, float]):
 
 @pytest.mark.parametrize("variant", FACE_VARIANTS)
 def test_corners_of_an_open_mouth_are_smooth(variant: Variant):
-    """In the source, the lower lip ends in flat triangles, which stand out by up to 170 degrees."""
+    """Limit the angle between neighbouring triangles, 170 degrees in the source."""
     mesh, woman = load_head(variant), load_head()
     rest = woman.positions / (woman.eyes[0, 1] - woman.eyes[1, 1])
     near = (mesh.parts == 0) & (np.hypot(np.abs(rest[:, 1]) - 0.40, rest[:, 2] + 1.09) < 0.06) & (rest[:, 0] > 0.33)
@@ -110,7 +110,7 @@ def test_corners_of_an_open_mouth_are_smooth(variant: Variant):
 
 @pytest.mark.parametrize("variant", FACE_VARIANTS)
 def test_smiling_lips_curve_towards_the_corners(variant: Variant):
-    """A straight rise from the middle would be a V."""
+    """Prevent a V, with a straight rise from the middle."""
     mesh = load_head(variant)
     lips, unit = find_lips(mesh), float(mesh.eyes[0, 1] - mesh.eyes[1, 1])
     points = (lips.points @ deform(mesh, {"6": 0.8, "12": 0.9}))[lips.starts[1] :]
@@ -122,7 +122,7 @@ def test_smiling_lips_curve_towards_the_corners(variant: Variant):
 
 
 def test_forehead_furrows_of_the_inner_and_outer_brow_raiser_join_at_equal_height():
-    """Rows at different heights looked moulded."""
+    """Prevent furrows with a step where inner and outer halves join."""
     inner, outer = (next(item for item in load_wrinkles() if item.unit == unit).curves for unit in (1, 2))
     for one, other in zip(inner, outer, strict=False):
         end, start = one.points[-1], other.points[0]

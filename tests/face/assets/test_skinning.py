@@ -87,7 +87,7 @@ def test_skinning_frame_of_the_shoulder_does_not_flip_while_the_arm_is_raised_ab
 
 
 def test_linear_blending_keeps_the_forearm_round_when_twisted():
-    """Frames along the bone distribute the twist and avoid a candy-wrapper shape."""
+    """Expect no constriction, since several frames distribute the twist along the bone."""
     parts = [FRAME_INDICES[f"l_elbow_{k}"] for k in range(4)]
     of_bone = np.flatnonzero(DRESSED_FIGURE.weights[:, parts].sum(axis=1) > 0.98)
     elbow, wrist = (HUMAN_SKELETON.segment(f"l_{name}") for name in ("elbow", "wrist"))
@@ -119,7 +119,7 @@ def test_upper_arm_stays_round_when_twisted_by_90_degrees():
 
 
 def test_skin_does_not_tear_at_joint_limits_of_the_arms():
-    """No face edge grows by 30 mm, and few beyond 2.3 times."""
+    """Limit the growth of mesh edges to 30 mm."""
     mesh = DRESSED_FIGURE.mesh
     sides = np.concatenate([mesh.faces[:, [k, (k + 1) % 4]] for k in range(4)])
     cut_away = (mesh.parts == MESH_PARTS.index("cloth")) & (mesh.tips > 0.0)
@@ -145,7 +145,7 @@ def test_skinning_a_skeleton_with_unknown_segment_names_is_rejected():
 
 
 def test_skinned_fingers_move_with_the_finger_segments():
-    """The skin of each last finger part rotates with its segment."""
+    """Compare the rotations of skin and segment of each fingertip."""
     bent = posture(l_index_flexion1=80, l_pinky_flexion1=40, r_thumb_abduct=70)
     frames, points = HUMAN_SKELETON.frames(bent), LINEAR_SKIN.move_skin(BIND_POSITIONS, bent)
     for name in ("l_index3", "l_pinky2", "r_thumb3", "r_middle1"):

@@ -41,7 +41,7 @@ def test_opengl_texture_pixels_are_read_back_unchanged(context: GlContext, compo
 
 
 def test_written_mipmap_levels_are_read_back_by_a_shader(context: GlContext):
-    """A one-pixel frame reads the last of three levels."""
+    """Read the last of three levels by a one-pixel frame."""
     texture = context.texture((4, 4), 1, bytes(16), "f1")
     texture.write_smaller([bytes([50] * 4), b"\x64"])
     texture.filter = (gl.GL_LINEAR_MIPMAP_NEAREST, gl.GL_LINEAR)
@@ -86,7 +86,7 @@ def test_uniforms_attributes_and_textures_reach_a_pixel(context: GlContext):
 
 
 def test_matrix_rows_become_columns_in_the_shader(context: GlContext):
-    """Rotated by half a turn, the triangle misses the last pixel."""
+    """Rotate a triangle by 180 degrees away from the last pixel."""
     assert drawn(context, np.ones((2, 3)), -np.eye(2)) == pytest.approx([0.5, 0.5, 0.5, 0.2])
     assert drawn(context, np.ones((2, 3)), [[0.1, 0.0], [0.0, 0.1]]) == [0.25, 0.5, 0.75, 1.0]
 
@@ -174,7 +174,7 @@ def test_all_listed_opengl_functions_are_available(context: GlContext):
 
 
 def test_second_thread_can_open_an_opengl_context(context: GlContext):
-    """EGL stores the API per thread, initially OpenGL ES."""
+    """Select OpenGL in the thread, where EGL starts with OpenGL ES."""
     with ThreadPoolExecutor(1) as thread:
         assert thread.submit(red_of_a_frame).result() == 255
 

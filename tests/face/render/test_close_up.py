@@ -70,7 +70,7 @@ def test_inner_corner_of_an_eye_is_red(eye: tuple[np.ndarray, np.ndarray, np.nda
 
 
 def test_lashes_do_not_extend_far_above_the_eye(eye: tuple[np.ndarray, np.ndarray, np.ndarray]):
-    """Faint lines beyond their tips looked like stitches."""
+    """Prevent faint lines beyond the tips, which look like stitches."""
     without, with_them, ball = eye
     changed = np.abs(with_them - without).max(axis=2) > 6.0
     highest = np.nonzero(ball)[0].min()
@@ -95,7 +95,7 @@ def test_close_up_of_a_cheek_has_visible_skin_texture(drawable: None):
 
 
 def test_pores_vary_specular_but_not_subsurface_light(drawable: None):
-    """Light that enters skin spreads wider than a pore, and adaptive scattering would keep pores in it."""
+    """Expect pores in reflected light only, since scattering spreads wider than pores."""
     with Portrait("female", preset=NORMAL_PRESET, size=(SIDE, SIDE)) as portrait:
         portrait.draw({}, LEFT_CHEEK)
         light = portrait.pipeline._light.target.read(1)[40:-40, 100:-20]
@@ -105,7 +105,7 @@ def test_pores_vary_specular_but_not_subsurface_light(drawable: None):
 
 
 def test_hair_highlight_moves_up_with_the_lamp(drawable: None):
-    """It moves with the lamp, while the normals of the locks stay."""
+    """Move only the lamp, not the normals of the locks."""
     with Portrait("female", preset=DRAFT_PRESET, size=(SIDE, SIDE)) as portrait:
         colours = []
         for towards in ((0.0, 1.5, 0.8), (0.0, -0.8, 0.8)):

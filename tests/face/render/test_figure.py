@@ -94,7 +94,7 @@ def test_picture_size_and_camera_distance_beyond_their_limits_are_rejected(drawa
 
 
 def test_clothes_cast_shadow_on_less_than_9_percent_of_the_skin(drawable: None):
-    """Cut parts of a collar or sleeve cast no shadow."""
+    """Expect no shadow of the omitted parts of collar and sleeves."""
     preset = replace(DRAFT_PRESET, shadow=NORMAL_PRESET.shadow, coarse=1)
     with FigurePortrait(HUMAN_SKELETON, preset=preset, size=PICTURE_SIZE) as whole:
         shaded = whole.draw(HUMAN_SKELETON.rest, {}, STANDING_CAMERA).astype(int)

@@ -34,7 +34,7 @@ def brightness(portrait: Portrait, units: dict[str, float], yaw_deg: float = 0.0
 
 @pytest.mark.parametrize("units", [ROUNDED_UNITS, {"27": 0.8}], ids=["rounded", "wide open"])
 def test_upper_and_lower_teeth_are_equally_bright(close: Portrait, units: dict[str, float]):
-    """Their mesh turns over at the cutting edge without darkening."""
+    """Expect no dark cutting edge, where the mesh normals turn over."""
     bright = brightness(close, units)
     teeth = close.pipeline.geometry.parts() == MESH_PARTS.index("teeth") + 1
     rows = np.nonzero(teeth)[0]
@@ -43,7 +43,7 @@ def test_upper_and_lower_teeth_are_equally_bright(close: Portrait, units: dict[s
 
 
 def test_inside_of_cheeks_is_darker_than_teeth(close: Portrait):
-    """It has no specular reflection, so teeth stand out."""
+    """Prevent specular reflection on cheeks, so that teeth stand out."""
     bright = brightness(close, {"6": 0.8, "12": 0.9, "25": 0.8, "26": 0.5}, yaw_deg=45.0)
     geometry = close.pipeline.geometry
     parts, front = geometry.parts(), geometry.target.read(1)[..., 2]
@@ -63,7 +63,7 @@ def test_inside_of_the_mouth_darkens_with_depth(close: Portrait):
 
 
 def test_rim_light_does_not_reach_the_inside_of_cheeks(close: Portrait):
-    """It used to be a bright strip inside the lips."""
+    """Prevent a bright strip of rim light inside the lips."""
     bright = brightness(close, {"6": 0.8, "12": 1.0, "25": 0.6}, yaw_deg=60.0)
     geometry = close.pipeline.geometry
     a, y, front = np.moveaxis(geometry.target.read(1)[..., :3], -1, 0)
@@ -108,7 +108,7 @@ def test_ambient_occlusion_hardly_changes_direct_light(drawable: None):
 
 
 def test_teeth_darken_towards_the_corners_of_the_mouth(close: Portrait):
-    """Equally bright teeth looked like one white bar."""
+    """Prevent teeth that look like one white bar."""
     picture = brightness(close, dict(read_emotion("laugh", 1.0)))
     with close.pipeline.geometry.context:
         teeth = close.pipeline.geometry.parts() == MESH_PARTS.index("teeth") + 1

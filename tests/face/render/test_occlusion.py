@@ -98,7 +98,7 @@ def test_occlusion_of_a_plane_is_zero_and_of_a_step_foot_large(drawable: None, e
 
 
 def test_occlusion_by_depth_alone_darkens_slopes_that_the_tangent_plane_keeps_bright(drawable: None):
-    """Half of a slope is nearer to the camera than its middle (3.3.1)."""
+    """Use a slope, half of which is nearer than its middle."""
     position, _ = plane()
     position[..., 2] += position[..., 0]
     tilted = np.broadcast_to(np.array([-1.0, 0.0, 1.0, 0.0]) / np.sqrt(2.0), position.shape).copy()
@@ -144,7 +144,7 @@ def test_ambient_occlusion_is_close_to_the_exact_one_with_every_sample_pattern(d
 def test_ambient_occlusion_with_rotated_sample_directions_is_more_accurate_than_with_fixed_ones(
     drawable: None, monkeypatch: pytest.MonkeyPatch
 ):
-    """The scene is a corner that only a diagonal direction reaches."""
+    """Use a corner that only diagonal sample directions reach."""
     position, normal = plane()
     position[PICTURE_SIDE // 2 :, PICTURE_SIDE // 2 :, 2] += 0.006
     with open_offscreen_context() as context:
@@ -159,7 +159,7 @@ def test_ambient_occlusion_with_rotated_sample_directions_is_more_accurate_than_
 
 
 def test_occlusion_along_one_axis_is_less_accurate_than_along_two_axes(drawable: None):
-    """Figure 3.9: left half the cost, in the middle equal cost, on the right two axes."""
+    """Compare one axis at half and at full cost (Figure 3.9)."""
     one, same = replace(FINE_OCCLUSION, axes=1), replace(FINE_OCCLUSION, axes=1, size=2 * FINE_OCCLUSION.size)
     assert count_samples(FINE_OCCLUSION) / 2 == count_samples(one)
     assert count_samples(same) - count_samples(FINE_OCCLUSION) in (0, 2)
@@ -174,7 +174,7 @@ def test_occlusion_along_one_axis_is_less_accurate_than_along_two_axes(drawable:
 
 @pytest.mark.parametrize("tile", TILE_SIZES)
 def test_occlusion_blur_removes_a_sample_pattern_of_its_width(drawable: None, tile: int):
-    """At the foot of a long step all rows are equal for any pattern size."""
+    """Expect equal rows at the foot of a step."""
     with open_offscreen_context() as context:
         foot = opened(context, step(), replace(FINE_OCCLUSION, tile=tile, pattern="regular"))[
             32:96, PICTURE_SIDE // 2 - 24 : PICTURE_SIDE // 2 - 4
@@ -184,7 +184,7 @@ def test_occlusion_blur_removes_a_sample_pattern_of_its_width(drawable: None, ti
 
 
 def test_occlusion_blur_does_not_remove_full_screen_noise(drawable: None):
-    """Figure 3.7: the same blur leaves noise, but no pattern."""
+    """Compare the residual deviations of noise and a Hammersley pattern (Figure 3.7)."""
     with open_offscreen_context() as context:
         left = [
             opened(context, step(), replace(FINE_OCCLUSION, pattern=pattern))[
@@ -197,7 +197,7 @@ def test_occlusion_blur_does_not_remove_full_screen_noise(drawable: None):
 
 @pytest.mark.parametrize("estimator", ["angular", "crytek"])
 def test_gaussian_and_wendland_falloff_differ_slightly(drawable: None, estimator: Estimator):
-    """They have the same half width."""
+    """Compare two falloff functions of equal half width."""
     with open_offscreen_context() as context:
         wendlands, gaussians = (
             opened(context, heap(), replace(FINE_OCCLUSION, estimator=estimator, falloff=item))

@@ -73,7 +73,7 @@ def test_each_action_unit_changes_the_picture_mainly_in_its_region_of_the_face(
 
 
 def test_left_action_unit_changes_the_right_half_of_the_picture(portrait: Portrait):
-    """The left of the head is on the right of the picture of a facing person."""
+    """Expect the left of a facing head on the picture's right."""
     columns = np.flatnonzero(changed(portrait.draw({"L12": 1.0}), portrait.draw({})).any(axis=0))
     assert np.median(columns) > PICTURE_SIDE / 2
 
@@ -154,7 +154,7 @@ def test_each_rendering_effect_can_be_switched_off(gallery: Gallery, everything:
 @pytest.mark.parametrize("preset", [DRAFT_PRESET, NORMAL_PRESET])
 @pytest.mark.parametrize("yaw", [140, 160, 180, -140])
 def test_neck_seen_from_behind_has_no_red_line_at_the_texture_seam(gallery: Gallery, preset: Preset, yaw: int):
-    """On the neck, seen from behind, colours change slowly; squeezed face paint would be a red line."""
+    """Expect slowly changing colours, without face paint squeezed into the seam."""
     with gallery(dataclasses.replace(preset, hair=False), (512, 512)) as portrait:
         neck = portrait.draw({"4": 1.0, "12": 1.0}, Camera(yaw_deg=yaw))[315:430].astype(int)
     inside = binary_erosion(neck[..., 0] > 140, np.ones((9, 17)))
@@ -206,7 +206,7 @@ def test_default_portrait_camera_looks_at_the_head():
 def test_textures_of_bytes_are_not_interpolated_in_the_presets_normal_and_full(
     drawable: None, monkeypatch: pytest.MonkeyPatch
 ):
-    """Drivers round interpolated bytes differently, so edges and shadows would depend on the processor."""
+    """Prevent pictures that depend on the driver's rounding of bytes."""
     made: list[Texture] = []
     real = GlContext.texture
 

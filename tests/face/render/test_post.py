@@ -62,7 +62,7 @@ def test_larger_circle_of_confusion_blurs_more(drawn):
 
 
 def test_focus_distance_selects_the_sharp_region_of_the_picture(drawn):
-    """A plane through the nearer eye is the default; one through the ear blurs the eyes instead of the ear."""
+    """Compare focus planes through the nearer eye and through the ear."""
     usual, eyes, ear = (
         drawn(replace(NORMAL_PRESET, focus=Focus(circle=0.3, plane=plane)), FRONT_CAMERA)
         for plane in (None, 0.78, 0.87)
@@ -145,7 +145,7 @@ def test_three_scattering_levels_change_the_skin_less_than_full_scattering(smili
 
 
 def test_more_occluded_pixels_have_a_higher_scattering_level(gallery: Gallery):
-    """Figure 5.2: the scattering level of even skin falls with openness."""
+    """Compare scattering levels with openness on even skin (Figure 5.2)."""
     preset = replace(PLAIN_PRESET, scattering=replace(FULL_SCATTERING, levels=3), coarse=1)
     with gallery(preset, (192, 192)) as portrait:
         portrait.draw({})
@@ -158,7 +158,7 @@ def test_more_occluded_pixels_have_a_higher_scattering_level(gallery: Gallery):
 
 
 def test_skin_scattering_weights_a_neighbour_by_the_cosine_between_both_normals(drawable: None):
-    """The normal term of the trilateral filter is linear (5.1.5)."""
+    """Check the linear normal term of the trilateral filter (5.1.5)."""
     bent, diffuse = np.zeros((2, 1, 6, 4))
     turned = np.arange(6) >= 3
     bent[0, :, :3] = np.where(turned[:, None], (np.sqrt(0.75), 0.0, 0.5), (0.0, 0.0, 1.0))

@@ -74,7 +74,7 @@ def darkness(portrait: Portrait, diameter: float | None) -> tuple[float, float]:
 
 
 def test_both_pupils_are_drawn_with_their_diameter(drawable: None):
-    """The area grows with the square of the diameter, equally on both sides, inside the iris."""
+    """Expect equal pixel areas that grow with the squared diameter."""
     with Portrait(preset=DRAFT_PRESET, size=(512, 512)) as portrait:
         small, wide = darkness(portrait, 3e-3), darkness(portrait, 5e-3)
         assert sum(wide) / sum(small) == pytest.approx((5 / 3) ** 2, rel=0.35)

@@ -81,7 +81,7 @@ def test_wider_lamp_widens_penumbras(reached):
 
 
 def test_penumbra_grows_with_blocker_distance(reached):
-    """The edge of the jaw's shadow starts at the jaw and ends on the other shoulder."""
+    """Compare the shadow's edge width at the jaw and farther away."""
     light, seen = reached(Shadow(lamp=0.3))
     below = (seen == 1) & (np.arange(256)[:, None] > 196)
     partly = ((light[..., 0] > 0.1) & (light[..., 0] < 0.9) & below).sum(axis=0)
@@ -117,7 +117,7 @@ def test_lashes_cast_a_faint_shadow(reached):
 
 
 def test_bilinear_samples_halve_the_penumbra_error_of_nearest_samples(reached):
-    """Half of the error remains, compared with many samples (12.1)."""
+    """Compare both errors with a shadow of many samples (12.1)."""
     many, nearest, bilinear = (
         reached(Shadow(taps=taps, bilinear=mixed))[0] for taps, mixed in ((24, True), (6, False), (6, True))
     )

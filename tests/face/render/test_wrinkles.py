@@ -96,7 +96,7 @@ def test_wrinkle_maps_of_action_units_match_the_published_table():
 
 
 def test_furrows_around_the_mouth_are_wider_than_0_027_chart_units_to_either_side():
-    """Narrow ones would be pencil lines in small pictures."""
+    """Prevent furrows that look like pencil lines in small pictures."""
     assert min(curve.width for item in load_wrinkles() if item.unit in (15, 17, 20) for curve in item.curves) > 0.027
 
 
@@ -225,7 +225,7 @@ def test_wrinkle_normals_are_equal_if_drawn_on_the_whole_picture_or_the_face_onl
 
 
 def test_wrinkles_are_independent_of_camera_distance(bent: Bent):
-    """From twice the distance, with half the field of view, each furrow is equally steep."""
+    """Compare furrow slopes at twice the distance and half the field."""
     near = Camera()
     far = Camera(distance=2 * near.distance, field_deg=near.field_deg / 2)
     steep = [
@@ -236,7 +236,7 @@ def test_wrinkles_are_independent_of_camera_distance(bent: Bent):
 
 
 def test_picture_contrast_increases_with_wrinkle_intensity(portrait: Portrait):
-    """The contrast of the forehead is compared with the same shape without wrinkles."""
+    """Compare the forehead's contrast with and without wrinkles."""
     contrasts = []
     for intensity in (0.0, 0.25, 0.5, 0.75, 1.0):
         units = {"1": intensity, "2": intensity}

@@ -44,7 +44,7 @@ def test_invalid_film_path_is_named_in_the_error(tmp_path: Path, name: str):
 
 
 def test_frame_times_of_a_film_do_not_accumulate_rounding_errors(tmp_path: Path):
-    """Periods that are not whole milliseconds do not accumulate rounding errors."""
+    """Use frame periods that are not whole milliseconds."""
     frames = [np.full((8, 8, 3), 3 * k, dtype=np.uint8) for k in range(60)]
     save_film(frames, tmp_path / "x.webp", rate=24.0)
     total = 0
@@ -124,7 +124,7 @@ def test_saved_webp_film_loops_unless_the_caller_asks_for_one_showing(
 
 
 def test_webp_films_have_the_default_quality_and_compression_effort(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Other values are valid, but change the size of all films and the time to write them."""
+    """Detect unintended changes of file size and writing time."""
     asked: list[dict[str, object]] = []
     webp = film_file.WebpFilm
     monkeypatch.setattr(files, "WebpFilm", lambda *places, **options: asked.append(options) or webp(*places, **options))

@@ -110,9 +110,9 @@ def robot() -> Robot:
 
 
 def test_preview_write_takes_less_than_a_fifth_of_a_drawing_and_returns_after_closing(portrait: Portrait, robot: Robot):
-    """A command costs a small part of a picture, so that pictures are dropped and commands are not.
+    """Expect dropped pictures instead of delayed commands.
 
-    In the end nothing is drawn any more, as after somebody has closed the window.
+    After the end, as after a closed window, commands are accepted but not drawn.
     """
     began = time.perf_counter()
     for k in range(5):

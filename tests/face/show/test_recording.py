@@ -85,7 +85,7 @@ def test_unchanged_face_is_drawn_once_in_a_recorded_film(
 
 
 def test_filmed_pupils_widen_while_the_eyes_are_closed(drawable: None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """They widen while the eyes are closed and narrow after they open, more slowly than the lids move."""
+    """Expect pupils that narrow slowly after the eyes open."""
     wide: list[float] = []
 
     def draw(portrait: Portrait, *given: object, pupil: float, **others: object) -> np.ndarray:
