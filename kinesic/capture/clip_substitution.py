@@ -16,7 +16,7 @@ from kinesic.expressivity.lexicon.synonyms import POINTING_CATEGORY
 from kinesic.intent.behaviours import ChosenBehaviour
 from kinesic.planning.setup import Setup
 
-CAPTURED_CATEGORIES = frozenset({"beat", "deictic", "metaphoric"})  # emblems and pictures stay those of the lexicon
+CAPTURED_CATEGORIES = frozenset({"beat", "deictic", "metaphoric"})  # lexicon categories that clips may replace
 MAX_POINTING = 8  # largest number of clips compared for one pointing gesture
 MAX_TURN = float(np.radians(60.0))  # [rad] largest turn of a captured stroke towards a target
 MAX_WRIST_BEND = float(np.radians(50.0))  # [rad] largest angle between arm and hand of a clip that points

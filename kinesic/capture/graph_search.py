@@ -11,7 +11,7 @@ from kinesic.capture.motion_graph import Indices, MotionGraph
 REPETITION_TIME = 20.0  # [s] time within which no clip is performed twice
 REST_GAP = 1.5  # [s] pause between two gestures from which the hands return to rest, so that any clip may follow
 BEAM_WIDTH = 48  # number of partial paths that are kept
-MISMATCH_WEIGHT = 1.0  # cost per arm length of a transition beyond the threshold of the graph, besides the distance
+MISMATCH_WEIGHT = 1.0  # cost per arm length by which a transition exceeds the distance threshold of the graph
 STRETCH_WEIGHT = 2.0  # cost per unit of log time ratio, where a clip has less time than in the capture
 STYLE_WEIGHT = 0.3  # cost per unit of difference between the clip's relative velocity and the style's
 MIN_LEAD = 0.02  # [s] shortest assumed time from strokeStart to stroke

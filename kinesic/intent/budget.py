@@ -10,7 +10,7 @@ from kinesic.intent.pacing.memory import REPEAT_WINDOW
 from kinesic.intent.pacing.tempo import RHYTHM_DURATION, Tempo, beat_manner_of, tempo_of
 
 BASE_GESTURE_COUNT = 1.0  # gestures allowed in addition to those in proportion to the text's length
-MIN_PICTURES = 2  # number of gestures other than beats that even a short text may have
+MIN_PICTURES = 2  # number of illustrating gestures (not beats) allowed even in a short text
 STROKE_SPACINGS: Mapping[Channel, float] = {
     "gesture": 1.3,
     "head": 0.9,

@@ -12,7 +12,7 @@ from kinesic.intent.meaning.patterns import ANY_NUMBER, ANY_WORD, STEM_SIGN, Pat
 CLASS_SIGN = "@"  # sign before the name of a word class in a cue
 START_CLASS = "@start"  # name in a cue for the start of a clause
 END_CLASS = "@end"  # name in a cue for the end of a clause
-BARE_SHARE = 0.6  # fraction of content words from which optional words carry the meaning of a pattern
+MAX_BARE_FRACTION = 0.6  # fraction of content words above which an optional group is needed for a match
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,12 +109,15 @@ def _holds(context: Context, cue: Cue, pattern: Pattern, span: Span) -> bool:
 
 
 def _is_bare(context: Context, pattern: Pattern, span: Span) -> bool:
-    """Return whether function words match a pattern without its optional content words (`a few (crumbs/drops)`)."""
+    """Return whether a match consists of function words and lacks content words.
+
+    The match `a few` of the pattern `a few (crumbs/drops)` lacks its meaning.
+    """
     words = context.plain[span.first : span.last + 1]
     if not pattern.options or not all(context.language.has("function", word) for word in words):
         return False
     shares = (sum(not context.language.has("function", word) for word in each) / len(each) for each in pattern.options)
-    return max(shares) > BARE_SHARE
+    return max(shares) > MAX_BARE_FRACTION
 
 
 def _holds_near(context: Context, cue: Cue, span: Span) -> bool:
