@@ -28,6 +28,8 @@ INTERNAL_SCHEMAS = {  # schemas of files that only kinesic itself contains
     "CapturedTable": "captured gestures",
     "_PlainLanguages": "words of the rules for plain text",
     "_Table": "rules of a language",
+    "_Verbs": "irregular verb forms",
+    "GestureCard": "cards of gesture collections, which `kinesic capture import` writes",
 }
 
 

@@ -30,7 +30,7 @@ from kinesic.cli.options import force_option, implemented_by, planning_options
 @force_option
 @implemented_by("export:export_motion")
 def export_verb() -> None:
-    """Export the motion of FILE for viewers, ROS, analysis and animation.
+    """Export the motion of FILE for viewers, ROS and animation.
 
     FILE is as in `kinesic plan`. Recordings (mcap, rerun) have joint states, transforms, surfaces, words and sync
     points. Other files have the angles of all joints; those of an imported robot have the names and zeros of its file.
