@@ -29,7 +29,6 @@ INTERNAL_SCHEMAS = {  # schemas of files that only kinesic itself contains
     "_PlainLanguages": "words of the rules for plain text",
     "_Table": "rules of a language",
     "_Verbs": "irregular verb forms",
-    "GestureCard": "cards of gesture collections, which `kinesic capture import` writes",
 }
 
 

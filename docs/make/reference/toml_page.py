@@ -7,6 +7,7 @@ from struct_tables import describe_type, key_table, nested_tables, title_of
 
 from kinesic.body.calibration import Calibration
 from kinesic.body.robot_schema import RobotFile, ServoTable
+from kinesic.expressivity.lexicon.gesture_card import GestureCard
 from kinesic.expressivity.lexicon.toml_file import GestureFile
 from kinesic.expressivity.style.style import StyleTable
 from kinesic.hardware.protocol.servo_map import BusTable
@@ -123,6 +124,12 @@ DOCUMENTS = (
         "writes an example. [Gesture files](gesture-files.md) explains sectors, direction words and paths, and "
         "[Write a gesture](../how-to/write-a-gesture.md#hand-shapes) hand shapes.",
         (GestureFile,),
+    ),
+    Document(
+        "Cards of gesture folders",
+        "The file `card.toml` in a folder of gestures that is shared. `kinesic capture import` writes it, and "
+        "`kinesic gestures install` reads it.",
+        (GestureCard,),
     ),
     Document(
         "Robots",
