@@ -1,4 +1,4 @@
-// Requests the plan of a document after a pause in typing; only the newest answer counts.
+// Requests the plan of a document after a pause in typing; only the answer for the present document counts.
 import { readDraft } from "./checks.ts";
 import type { Draft, Fault } from "./types.ts";
 import type { Answer } from "./wire.ts";
@@ -16,8 +16,9 @@ export class Drafting {
     private readonly listener: { drafted(draft: Draft): void; failed(fault: Fault): void; waiting(on: boolean): void },
   ) {}
 
-  /** Request a plan after a pause; another call restarts the pause. */
+  /** Request a plan of a changed document after a pause; another call restarts the pause. */
   later(): void {
+    this.asked += 1; // a plan of the former document must not replace the shown one
     clearTimeout(this.timer);
     this.timer = window.setTimeout(() => void this.now(), TYPING_PAUSE);
   }
