@@ -94,7 +94,7 @@ def _is_hanging(gap: Gap, angles: Floats, side: Side, robot: Robot) -> bool:
     """
     (there, until), joints = gap.rests[-1], list(robot.arm(side).joints)
     return (
-        gap.end < inf
+        until < gap.end < inf
         and until - there >= MIN_REST_TIME
         and float(np.abs(angles - robot.skeleton.rest)[joints].max()) <= MAX_REST_DEVIATION
     )

@@ -71,6 +71,16 @@ def test_rest_posture_of_the_hand_varies_until_the_next_stroke(exact, courses):
     np.testing.assert_allclose(wrists(exact, laid, strokes), wrists(exact, exact.trajectory, strokes), atol=1e-5)
 
 
+def test_rest_posture_stays_exact_if_the_next_stroke_starts_at_rest(exact, courses):
+    """An offset without time to end is no smooth motion."""
+    (course,) = courses
+    until = course.gaps[1].rests[-1][1]
+    gaps = (course.gaps[0], replace(course.gaps[1], end=until), *course.gaps[2:])
+    bumps = found(exact, [replace(course, gaps=gaps)])
+    assert len(bumps) == len(found(exact, courses)) - 1
+    assert all(np.isfinite(bump.fractions_at(np.array([until]))).all() for bump in bumps)
+
+
 def test_return_variation_is_bounded_and_repeatable_by_seed(exact, courses):
     swells = found(exact, courses)
     assert len(swells) == 3 + 2
