@@ -133,7 +133,11 @@ def _apply_fallback(match: Match, action: Gesture, context: BlockContext) -> Mat
         return match
     named_hands = context.lexicon.named_hands(form) if action.mode == "unspecified" else action.mode
     other = context.lexicon.find(form.fallback, named_hands)
-    return match if other is None else replace(other, substitute=f"{form.id} needs fingers; {other.form.id} is done")
+    return (
+        match
+        if other is None
+        else replace(other, substitute=f"{form.id} needs fingers; {other.form.id} is performed instead")
+    )
 
 
 def _match_outcome(match: Match, shape: str, robot: Robot) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:

@@ -25,7 +25,7 @@ BML_BLOCK = '<bml id="b" xmlns="http://www.bml-initiative.org/bml/bml-1.0"><gest
 
 @pytest.mark.parametrize(
     ("robot", "kind", "why"),
-    [("upper22", "substituted", "hook needs fingers; nudge is done"), ("upper36", "realised", "")],
+    [("upper22", "substituted", "hook needs fingers; nudge is performed instead"), ("upper36", "realised", "")],
 )
 def test_hand_without_fingers_performs_the_fallback_gesture_of_the_lexicon(
     tmp_path: Path, robot: str, kind: str, why: str
@@ -58,6 +58,6 @@ def test_fallback_gesture_uses_the_hands_named_in_the_lexeme(tmp_path: Path, lex
     file = tmp_path / "mine.toml"
     file.write_text(LEXICON_TOML, encoding="utf-8")
     planned = plan(BML_BLOCK.replace("hook", lexeme), set_up("upper22", lexicon=file))
-    assert planned.keyframes.outcomes["g"].why == "hook needs fingers; nudge is done"
+    assert planned.keyframes.outcomes["g"].why == "hook needs fingers; nudge is performed instead"
     given = set().union(*(frame.given for frame in planned.keyframes.frames))
     assert given & {"l_hand", "r_hand"} == {f"{side}_hand" for side in sides}

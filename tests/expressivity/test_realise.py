@@ -93,7 +93,7 @@ def test_gesture_found_by_a_synonym_is_realised_with_a_remark(perform, beat):
     [
         ("horns", Outcome("partly", 'hand shape "horns" needs fingers')),
         ("rock_on", Outcome("partly", 'hand shape "horns" needs fingers; a synonym of horns')),
-        ("thumb_up", Outcome("substituted", "thumb_up needs fingers; allright is done")),
+        ("thumb_up", Outcome("substituted", "thumb_up needs fingers; allright is performed instead")),
         ("explode", Outcome("partly", 'hand shapes "fist" and "spread" need fingers')),
         (
             "point",

@@ -60,7 +60,7 @@ def test_later_of_two_gestures_in_timing_conflict_is_dropped(planned, first, sec
     both, alone, _ = document(first, second, later, mode)
     result, without = planned(both), planned(alone)
     assert result.keyframes.outcomes["next"].kind == "dropped"
-    assert "from that of ask at 1.80 s" in result.keyframes.outcomes["next"].why
+    assert "after the stroke of ask at 1.80 s" in result.keyframes.outcomes["next"].why
     assert any(notice.id == "b:next" and "ask" in notice.text for notice in result.notices)
     assert times(result) == pytest.approx(times(without), abs=1e-3)
 

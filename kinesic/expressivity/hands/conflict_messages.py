@@ -10,14 +10,15 @@ def busy_with_stroke(stroke: Stroke, side: Side, work: HandStroke, delay: float)
     """Return a message about a hand that another stroke keeps busy.
 
     Args:
-        stroke: that needs the hand.
-        side: of the hand.
+        stroke: stroke that needs the hand.
+        side: side of the hand.
         work: stroke that the hand performs.
         delay: delay of the hand after that stroke [s]; 0 where the strokes overlap.
     """
     if delay > 0.0:
-        times = f"from that of {work.id} at {work.at('stroke'):.2f} s the {SIDE_NAMES[side]} hand is {delay:.2f} s late"
-        return f"its stroke is at {stroke.times['stroke']:.2f} s, {times}"
+        previous = f"after the stroke of {work.id} at {work.at('stroke'):.2f} s"
+        late = f"the {SIDE_NAMES[side]} hand is {delay:.2f} s late"
+        return f"its stroke is at {stroke.times['stroke']:.2f} s; {previous}, {late}"
     use = f"the stroke of {work.id} until {work.at('strokeEnd'):.2f} s"
     return f"{_begins(stroke)}, the {SIDE_NAMES[side]} hand is busy with {use}"
 
@@ -25,7 +26,7 @@ def busy_with_stroke(stroke: Stroke, side: Side, work: HandStroke, delay: float)
 def busy_with_block(stroke: Stroke, other: BusyHand, travel_time: float) -> str:
     """Return a message about a hand that another block keeps busy.
 
-    It includes the time that the hand needs to arrive [s].
+    The message includes the hand's travel time [s].
     """
     use = f"{other.by} until {other.end:.2f} s, and needs {travel_time:.2f} s to get there"
     return f"{_begins(stroke)}, the {SIDE_NAMES[other.side]} hand is busy with {use}"
@@ -36,7 +37,7 @@ def displaced_outcome(work: HandStroke, side: Side, stroke: Stroke, delay: float
 
     Args:
         work: dropped stroke.
-        side: of the hand.
+        side: side of the hand.
         stroke: more important stroke.
         delay: time by which the more important stroke comes too early [s].
     """
@@ -54,8 +55,8 @@ def moved_outcome(option: frozenset[Side], hand_count: int, why: str) -> Outcome
     """Return the outcome of a stroke performed by other or fewer hands.
 
     Args:
-        option: hands that perform it.
-        hand_count: of its first option.
+        option: hands that perform the stroke.
+        hand_count: number of hands of the stroke's first option.
         why: conflict of the first option.
     """
     sides = sorted(option)

@@ -161,7 +161,7 @@ def test_gesture_strokes_with_a_reported_timing_conflict_count_as_overlapping(pa
     clashes = {frozenset(("g1", "g2")): Clash(0.31)}
     assert arrange_hands([first, second], pace).outcomes == {}
     arrangement = arrange_hands([first, second], pace, clashes=clashes)
-    why = "its stroke is at 1.80 s, from that of g1 at 1.00 s the right hand is 0.31 s late"
+    why = "its stroke is at 1.80 s; after the stroke of g1 at 1.00 s, the right hand is 0.31 s late"
     assert arrangement.outcomes["g2"].why == f"{why}; with its stroke at 2.11 s there would be time"
     either = replace(second, options=(*second.options, Poses({"l": (L, M)}, 1)))
     arrangement = arrange_hands([first, either], pace, clashes=clashes)
