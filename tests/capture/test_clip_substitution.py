@@ -18,7 +18,7 @@ FML = """<fml-apml>
 
 @pytest.fixture
 def setup(tmp_path):
-    """A setup that prefers captured beats and offers."""
+    """Set up a captured offer and a captured wave, preferred to the lexicon's."""
     write_gesture(tmp_path, "my_offer", category="metaphoric", like="offer")
     write_gesture(tmp_path, "my_wave", category="emblem", like="wave")
     return set_up("upper22", lexicon=tmp_path, prefer="captured", targets={"door": (2.0, -0.3, 0.3)})

@@ -18,7 +18,7 @@ HUMAN = Robot.load("human")
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A folder of clips with a licence."""
+    """Write a folder of clips with a licence file."""
     clips = tmp_path / "clips"
     (clips / "more").mkdir(parents=True)
     (clips / "LICENSE.txt").write_text("\nFree for all\nand more\n")

@@ -16,11 +16,11 @@ from kinesic.motion.easing import minimum_jerk
 
 CORPUS = find_corpus()
 CLIPS = sorted((CORPUS / "capture").rglob("*.skm")) if CORPUS else []
-TIMES = np.arange(0.0, 4.0, 1 / 60)  # [s] of a synthetic clip
+TIMES = np.arange(0.0, 4.0, 1 / 60)  # [s] frame times of a synthetic clip
 
 
 def clip(*moves: tuple[float, float, float]) -> BodyClip:
-    """A clip whose right wrist makes moves of (start [s], end [s], height [arm lengths])."""
+    """Return a clip of right wrist moves (start [s], end [s], height)."""
     height = sum(rise * minimum_jerk(np.clip((TIMES - start) / (end - start), 0.0, 1.0)) for start, end, rise in moves)
     still = np.tile([0.1, 0.0, -0.9], (len(TIMES), 1))
     moving = still + np.outer(height, [0.3, 0.0, 1.0])

@@ -22,11 +22,11 @@ KNUCKLES = {"thumb": -4.0, "index": -3.0, "middle": -1.0, "pinky": 3.0}  # [cm] 
 
 
 def hand(names: dict[str, str], *, bend: float = 0.0, mirror: float = 1.0) -> tuple[CapturedJoint, ...]:
-    """A hand that points forward with its palm down, in x forward, y left, z up.
+    """Return a palm-down hand that points forward (x forward, y left, z up).
 
     Args:
-        names: of the finger joints, with a placeholder for the number.
-        bend: [rad] of each finger joint.
+        names: names of the finger joints, with a placeholder for the number.
+        bend: [rad] flexion of each finger joint.
         mirror: 1 for a left, -1 for a right hand.
     """
     joints = [CapturedJoint("wrist", None, sealed(np.zeros(3)), sealed(np.zeros(3)))]
@@ -46,7 +46,7 @@ def test_fingers_are_found_by_the_names_of_three_conventions(names):
     assert fingers["index"] == tuple(names["index"].format(number) for number in "123")
 
 
-def test_hand_without_named_fingers_has_none():
+def test_joints_named_like_a_palm_are_not_fingers():
     assert find_fingers(hand({"thumb": "Palm{}"}), "wrist") == {}
 
 

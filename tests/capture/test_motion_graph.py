@@ -15,14 +15,14 @@ from ..expressivity.lexicon.captured_clips import MARKERS, motion
 
 
 def capture(id: str, shift: float = 0.0, height: float = 0.3, **markers: float) -> GestureCapture:
-    """A captured swing of the right hand, shifted outward [arm lengths]."""
+    """Return a captured swing of the right hand, shifted outward [arm lengths]."""
     table = MotionTable(file=f"{id}.npz", hand="right", markers={**MARKERS, **markers})
     return GestureCapture(id, motion(shift=shift, height=height), table)
 
 
 @pytest.fixture(scope="module")
 def graph() -> MotionGraph:
-    """Three similar clips and one far away."""
+    """Build the graph of three similar clips and one distant clip."""
     return build_graph([capture("a"), capture("b", 0.01), capture("c", 0.02, 0.32), capture("far", 2.0)])
 
 
@@ -79,7 +79,7 @@ def total(path) -> float:
     return sum(LEAVE_COST if choice is None else choice.cost for choice in path)
 
 
-def test_path_has_the_least_cost_of_all_paths(graph):
+def test_found_path_costs_no_more_than_any_forced_order_of_clips(graph):
     wanted = requests(1.0, 2.2, 3.5, candidates=(0, 1, 3))
     best = search_path(graph, wanted)
     cost = total(best)
@@ -89,7 +89,7 @@ def test_path_has_the_least_cost_of_all_paths(graph):
         assert cost <= total(other) + 1e-9
 
 
-def test_near_clip_follows_and_any_clip_follows_a_rest(graph):
+def test_nearest_clip_follows_a_stroke_at_once_and_any_clip_follows_a_long_pause(graph):
     soon = search_path(graph, [GestureRequest(1.0, (0,)), GestureRequest(2.5, (1, 3))])
     assert soon[1].capture == 1
     assert soon[1].distance == pytest.approx(graph.transitions[0, 1])
@@ -97,7 +97,7 @@ def test_near_clip_follows_and_any_clip_follows_a_rest(graph):
     assert (late[1].capture, late[1].distance) == (3, 0.0)
 
 
-def test_clip_without_time_leaves_the_gesture_to_the_lexicon(graph):
+def test_one_of_two_strokes_0_45_s_apart_gets_no_clip(graph):
     hurried = search_path(graph, [GestureRequest(1.0, (0,)), GestureRequest(1.45, (1,))])
     assert hurried.count(None) == 1
 
@@ -114,6 +114,6 @@ def test_gesture_without_candidates_has_no_clip(graph):
     assert search_path(graph, []) == []
 
 
-def test_motion_without_a_hand_has_windows():
+def test_windows_of_a_motion_with_only_one_hand_are_finite():
     left = replace(capture("left"), motion=replace(motion(sides="l"), head=sealed(np.zeros((100, 3)))))
     assert np.isfinite(build_graph([left, capture("right")]).windows).all()

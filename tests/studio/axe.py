@@ -10,11 +10,11 @@ from ..chromium import Page
 AXE_SCRIPT = (
     Path(__file__).parents[2] / "kinesic" / "studio" / "client" / "node_modules" / "axe-core" / "axe.min.js"
 )  # installed by npm
-SEVERE_IMPACTS = ("serious", "critical")  # impacts that no view may have
+SEVERE_IMPACTS = ("serious", "critical")  # axe-core impact levels that fail a test
 
 
 def severe_violations(page: Page, *rules: str) -> list[str]:
-    """Return the serious and critical violations in the present view, one line each.
+    """List the serious and critical violations of the current view.
 
     Args:
         page: page with the view.

@@ -1,4 +1,4 @@
-"""One server for all tests of the folder, and one page for those of a module."""
+"""Fixtures: one server per test folder, and one page per test module."""
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
@@ -20,9 +20,9 @@ from kinesic.studio.page import page_files
 from ..chromium import MAX_WAIT, Page, binary, opened
 from ..serve.conftest import Running, running
 
-PATIENT = Quotas(planning=60.0)  # the machine may be shared
+PATIENT = Quotas(planning=60.0)  # [s] longest planning time, ample for a busy machine
 STEP = 10.0  # [s] longest wait for an answer of the browser
-BACKUP_DELAY = 0.2  # [s] in which the server writes the last backup of a closed page
+BACKUP_DELAY = 0.2  # [s] time for the server to write the last backup of a closed page
 
 
 @dataclass(frozen=True)
@@ -72,7 +72,7 @@ class Studio:
     files: Mapping[str, WebFile] = field(default_factory=dict)
 
     def state(self, name: str) -> object:
-        """Return one value of the page's state."""
+        """Return an entry of the page's state."""
         return self.page.value(f"kinesicStudio.state().{name}")
 
     def until(self, condition: str) -> None:
@@ -80,7 +80,7 @@ class Studio:
         self.page.until(f"(s => {condition})(kinesicStudio.state())")
 
     def rest(self, seconds: float) -> None:
-        """Let the page run for some time."""
+        """Let the page run for `seconds` [s]."""
         for _ in range(ceil(seconds / STEP)):
             self.page.value(f"new Promise(done => setTimeout(done, {1000 * min(STEP, seconds)}))")
 
@@ -109,7 +109,7 @@ class Studio:
 
 @pytest.fixture(scope="package")
 def desk(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Desk]:
-    """Server with its twin, for all modules of this folder that run in succession."""
+    """Server with a simulated robot, shared by all modules of this folder."""
     if binary() is None:
         pytest.skip("no Chromium: apt-get install chromium")
     folder, setup = tmp_path_factory.mktemp("documents"), set_up()

@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ..chromium import Page, opened
 
-PATIENT = "planning=60"  # [s], the machine may be shared
+PATIENT = "planning=60"  # [s] longest planning time, ample for a busy machine
 STATE = "kinesicStudio.state()"
 TEXT = "It is tea versus coffee today."
 
@@ -40,7 +40,7 @@ class Person:
         self.page.value(script)
 
     def save_as(self, name: str, what: str) -> None:
-        """Save a document that has no file yet under a name."""
+        """Save a new document under a name."""
         self.click("#save", what)
         self.page.until("document.querySelector('#saving').open")
         self.write("#save-name", name, f"write its name: {name}")
@@ -66,7 +66,7 @@ class Person:
 
 @contextmanager
 def before_the_studio(folder: Path, *flags: str, drawn: bool = True, robot: str | Path = "upper22") -> Iterator[Person]:
-    """Open a studio for a folder in a browser with additional flags, drawn or not."""
+    """Open the studio of a folder in a browser with additional flags."""
     kinesic = [sys.executable, "-m", "kinesic"]
     with subprocess.Popen(
         [*kinesic, "servos", "simulate", "--robot", str(robot), "--folder", str(folder)],
@@ -91,7 +91,7 @@ def before_the_studio(folder: Path, *flags: str, drawn: bool = True, robot: str 
 
 
 def make_and_perform(person: Person) -> None:
-    """Make a weighing gesture, choose it for a word, make it shy, save and perform it."""
+    """Perform a word with a new gesture in shy style."""
     person.click("#lexicon summary", "Gestures are found by what they mean")
     person.write("#search", "weigh against", "search: weigh against")
     person.click("[aria-label='Edit a copy of balance']", "Edit opens a copy of its file")

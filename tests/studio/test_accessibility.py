@@ -12,7 +12,7 @@ from .test_recovery import reload
 DRAWN = False  # WebGL pictures are tested in test_stage.py
 TAB = 9
 COLOUR_RULES = ("color-contrast", "link-in-text-block")  # rules whose result depends on the colour scheme
-STEPS = 6  # of the tour
+STEPS = 6  # number of steps of the tour
 
 
 @contextmanager

@@ -1,4 +1,4 @@
-"""Page of a limp robot behind a relay and a token: display, capture of a posture, and arming by a person."""
+"""Page of a remote robot with torque off: display, posture capture and torque enabling."""
 
 import asyncio
 import re

@@ -1,4 +1,4 @@
-"""Escape in a dialog of the studio: it stops the robot only while something moves."""
+"""Escape key in a dialog of the studio, with a moving or resting robot."""
 
 from .conftest import Studio
 

@@ -13,8 +13,8 @@ from .conftest import STEP, Studio
 from .test_bundle import CLIENT
 
 AXE = CLIENT / "node_modules" / "axe-core" / "axe.min.js"
-HALF_HOUR, WARM = 1800.0, 30.0  # [s]
-PARTS = 6  # number of measurements
+HALF_HOUR, WARM = 1800.0, 30.0  # [s] duration of the playback, and of the warm-up before it
+PARTS = 6  # number of memory measurements
 
 pytestmark = [pytest.mark.soak, pytest.mark.realtime]
 
@@ -35,8 +35,8 @@ class Weight:
         return cls(heap, counted["nodes"], counted["jsEventListeners"], sum(resident()))
 
 
-MAX_GROWTH = Weight(8e6, 500, 100, 60e6)  # over the whole time
-MAX_LATE_GROWTH = Weight(2e6, 100, 20, 15e6)  # in the second half of the time
+MAX_GROWTH = Weight(8e6, 500, 100, 60e6)  # largest growth over the whole playback
+MAX_LATE_GROWTH = Weight(2e6, 100, 20, 15e6)  # largest growth in the second half of the playback
 
 
 def resident() -> Iterator[float]:

@@ -1,4 +1,4 @@
-"""First use of the studio: edit a gesture, choose it for a word, make it shy, perform it on servos."""
+"""First use of the studio, from editing a gesture to performing it on servos."""
 
 import json
 import re
@@ -21,7 +21,7 @@ EXAMPLES = ("welcome", *sorted(path.stem.partition("_")[2] for path in EXAMPLE_F
 
 @pytest.fixture
 def person(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Person]:
-    """Open the studio of a robot that has only arms: other servos would only take time."""
+    """Open the studio of an arms-only robot, which needs fewer servos."""
     if binary() is None:
         pytest.skip("no Chromium: apt-get install chromium")
     robot = write_robot(tmp_path_factory.mktemp("robot"), "neck", "torso", "clavicles")

@@ -22,7 +22,7 @@ WORDS = (
 )
 DECLARED = ' xmlns:kinesic="urn:kinesic"'  # declaration of the prefix of kinesic's attributes
 ESCAPE = 27
-ASKED = 180  # [ms] just after the request for a plan, which follows 150 ms after typing
+REQUEST_DELAY = 180  # [ms] time after typing, shortly after the page's plan request at 150 ms
 
 
 def middle(studio: Studio, selector: str) -> tuple[float, float]:
@@ -194,7 +194,7 @@ def test_emergency_stop_does_not_wait_for_a_long_plan(studio: Studio):
     typed = f"{area}.value = {long!r}; {area}.dispatchEvent(new Event('input'));"
     stopped = "s => s.stopped ? done(s.planned) : requestAnimationFrame(() => look(kinesicStudio.state()))"
     stop = f"document.querySelector('#stop').click(); const look = {stopped}; look(kinesicStudio.state())"
-    then = studio.page.value(f"new Promise(done => {{ {typed} setTimeout(() => {{ {stop} }}, {ASKED}) }})")
+    then = studio.page.value(f"new Promise(done => {{ {typed} setTimeout(() => {{ {stop} }}, {REQUEST_DELAY}) }})")
     assert then == planned, "the plan is not there yet"
     studio.page.click("#resume")
     studio.until(f"s.planned > {planned} && !s.stopped")

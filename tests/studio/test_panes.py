@@ -1,4 +1,4 @@
-"""Sizes of the panes and the zoom of the timeline, by mouse and keyboard, remembered by the browser."""
+"""Pane sizes and timeline zoom, set by mouse and keyboard and stored by the browser."""
 
 import pytest
 
@@ -16,7 +16,7 @@ SIZE = "(r => [r.width, r.height])(document.querySelector('#%s').getBoundingClie
 
 @pytest.fixture(autouse=True)
 def wide_window(studio: Studio) -> None:
-    """Give the page a window in which all panes are beside each other."""
+    """Set a window size that shows all panes side by side."""
     studio.page.call("Emulation.setDeviceMetricsOverride", **WIDE)
 
 
@@ -29,7 +29,7 @@ def reload(studio: Studio) -> None:
     studio.page.until(OPENED)
 
 
-def test_pane_borders_are_dragged_and_their_sizes_survive_a_reload(studio: Studio):
+def test_dragged_pane_sizes_survive_a_reload(studio: Studio):
     x, y = middle(studio, ".border.timeline")
     studio.page.drag((x, y), (x, y - 50), (x, y - 100))
     _, height = studio.page.value(SIZE % "timeline")
@@ -58,7 +58,7 @@ def test_pane_borders_move_by_arrow_keys_within_their_limits(studio: Studio):
         studio.page.value(f"{border}.dispatchEvent(new MouseEvent('dblclick'))")
 
 
-def test_zoom_buttons_and_wheel_change_the_scale_which_survives_a_reload(studio: Studio):
+def test_timeline_scale_set_by_zoom_buttons_and_wheel_survives_a_reload(studio: Studio):
     pixel = studio.page.value("kinesicStudio.timeline.pixel")
     for _ in range(3):
         studio.page.click("#zoom-in")

@@ -1,4 +1,4 @@
-"""Pauses that the menu Add puts into a speech, or beside it."""
+"""Pauses that the menu Add inserts into or after a speech."""
 
 from .conftest import Studio
 
@@ -9,7 +9,7 @@ SPEECH = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="doc">
 
 
 def add_pause(studio: Studio, label: str, time: float) -> None:
-    """Choose a pause in the menu Add while the slider is at a time."""
+    """Add a pause at a time by slider and menu Add."""
     planned = studio.state("planned")
     slider, menu = "document.querySelector('#time')", "document.querySelector('#add')"
     studio.page.value(f"{slider}.value = {time}; {slider}.dispatchEvent(new Event('input')); 0")

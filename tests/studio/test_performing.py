@@ -1,4 +1,4 @@
-"""A performance on the robot, as the page's clock shows it."""
+"""Clock of the page during a performance on the robot."""
 
 import pytest
 

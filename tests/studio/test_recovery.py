@@ -1,4 +1,4 @@
-"""Crashes and reloads of the page, and crashes of the server: edits survive them."""
+"""Preservation of edits in reloads and crashes of the page."""
 
 import random
 from time import sleep
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.realtime
 DRAWN = False  # WebGL pictures are tested in test_stage.py
 EMPTY = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="doc">{}</bml>'
 GESTURE = '<gesture id="g{0}" lexeme="offer" start="{0}"/>'
-MAX_LOST_TIME = 2.0  # [s] of edits that a crash may lose
+MAX_LOST_TIME = 2.0  # [s] largest age of edits that a crash may lose
 QUESTION, LOADED = "Page.javascriptDialogOpening", "Page.loadEventFired"  # events of the browser
 
 

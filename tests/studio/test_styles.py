@@ -1,4 +1,4 @@
-"""Styles in the browser: numbers on sliders, own styles in the folder, and playback of each change."""
+"""Styles in the browser: sliders, user-defined styles and previews."""
 
 from kinesic.expressivity.style.style import EXPRESSIVITY_RANGES, Style
 
@@ -40,13 +40,13 @@ def sliders(studio: Studio) -> dict[str, float]:
 
 
 def marked(studio: Studio, mark: str) -> set[str]:
-    """Return the names of the sliders with a mark."""
+    """Return the names of the sliders marked as changed."""
     names = f"[...document.querySelectorAll('#sliders .{mark} input')].map(each => each.name)"
     return set(studio.page.value(names))
 
 
 def save_style(studio: Studio, name: str) -> str:
-    """Save the present numbers as a style, and return the message."""
+    """Save the slider values as a style, and return the message."""
     form = "document.querySelector('#style-form')"
     studio.page.value("document.querySelector('#style-status').textContent = ''")
     studio.page.value(

@@ -1,4 +1,4 @@
-"""Text mode in the browser: text becomes a performance whose gestures can be exchanged word by word."""
+"""Text mode of the studio: gestures chosen for a text and replaced by word."""
 
 import re
 
@@ -22,7 +22,7 @@ def write_words(studio: Studio, text: str) -> None:
 
 
 def perform(studio: Studio, text: str, replaced: str = EMPTY) -> None:
-    """Type a text in place of an empty document, and let the studio choose its gestures."""
+    """Type a text into a new document, and let the studio choose gestures."""
     studio.write(replaced)
     studio.until("s.draft?.block === 'new'")
     write_words(studio, text)

@@ -35,7 +35,7 @@ def nothing_selected(studio: Studio) -> Iterator[None]:
 
 
 def press(studio: Studio, key: str, modifiers: int = 0) -> None:
-    """Press a key with modifiers."""
+    """Press a key together with modifier keys."""
     code = CODES.get(key, ord(key[0].upper()))
     for kind in ("rawKeyDown", "keyUp"):
         studio.page.call("Input.dispatchKeyEvent", type=kind, key=key, windowsVirtualKeyCode=code, modifiers=modifiers)
@@ -44,7 +44,7 @@ def press(studio: Studio, key: str, modifiers: int = 0) -> None:
 def click(
     studio: Studio, place: tuple[float, float], *, modifiers: int = 0, button: Literal["left", "right"] = "left"
 ) -> None:
-    """Click at a place with modifiers."""
+    """Click at a position with modifier keys."""
     for kind in ("mousePressed", "mouseReleased"):
         studio.page.call(
             "Input.dispatchMouseEvent",
@@ -268,7 +268,7 @@ def test_dragged_edge_of_a_phase_changes_the_phase_and_keeps_the_stroke(studio: 
 
 
 def drop(studio: Studio, source: str, place: tuple[float, float]) -> None:
-    """Drag a chip of the palette or a row of the gesture list to a place on the timeline."""
+    """Drag a palette chip or gesture row onto the timeline."""
     x, y = middle(studio, source)
     studio.page.drag((x, y), (x + 8, y + 8), ((x + place[0]) / 2, (y + place[1]) / 2), place)
 

@@ -19,7 +19,7 @@ DOCUMENT = (
 
 @pytest.fixture
 def setup(tmp_path):
-    """A robot with a captured deictic gesture of the right hand, and targets."""
+    """Set up a captured deictic gesture of the right hand, and targets."""
     return set_up("upper22", lexicon=write_gesture(tmp_path, category="deictic"), targets=TARGETS)
 
 
@@ -39,7 +39,7 @@ def test_arm_points_within_two_degrees_of_the_target_at_the_stroke(setup, name):
 
 
 @pytest.mark.parametrize("name", TARGETS)
-def test_path_changes_by_no_more_than_the_displacement_of_the_stroke(setup, name):
+def test_aimed_path_is_displaced_at_most_3_percent_more_than_its_stroke_key(setup, name):
     side = "l" if TARGETS[name][1] > 0 else "r"
     form = in_mode(setup.lexicon.forms_by_id["swing"], "left" if side == "l" else "right")
     aimed, angle = aim_captured(form, side, np.array(TARGETS[name]), setup.robot)
@@ -54,6 +54,6 @@ def test_path_changes_by_no_more_than_the_displacement_of_the_stroke(setup, name
         assert min(shifts[0], shifts[-1]) < 0.05 * displacement
 
 
-def test_gesture_of_the_lexicon_with_a_target_is_no_captured_one(setup):
+def test_only_gestures_with_a_motion_file_count_as_captured(setup):
     assert not is_captured(setup.lexicon.forms_by_id["this_index"])
     assert is_captured(setup.lexicon.forms_by_id["swing"])

@@ -7,7 +7,7 @@ import numpy as np
 from kinesic.body.arrays import sealed
 from kinesic.expressivity.lexicon.gesture_motion import GestureMotion, HandMotion, pack_motion
 
-TIMES = np.arange(0.0, 2.0, 0.02)  # [s] of a captured gesture
+TIMES = np.arange(0.0, 2.0, 0.02)  # [s] sample times of a captured gesture
 MARKERS = {"start": 0.2, "ready": 0.4, "strokeStart": 0.4, "stroke": 1.0, "strokeEnd": 1.4, "relax": 1.6, "end": 1.9}
 TABLE = """category = "{category}"
 
@@ -26,13 +26,13 @@ source = "a lab"
 
 
 def motion(*, sides="r", shift=0.0, height=0.3, turn=0.8) -> GestureMotion:
-    """A hand that swings in front of the body, highest at 1 s.
+    """Return a hand swing in front of the body, highest at 1 s.
 
     Args:
         sides: hands that move.
-        shift: [arm lengths] outward.
-        height: [arm lengths] of the swing.
-        turn: [rad] of the hand, upward.
+        shift: [arm lengths] outward shift of the path.
+        height: [arm lengths] height of the swing.
+        turn: [rad] upward rotation of the hand.
     """
     swing = np.sin(np.pi * TIMES / 2.0) ** 2
     wrist = np.stack([0.5 + 0.1 * swing, 0.3 + shift + 0.1 * np.sin(2.0 * np.pi * TIMES), height * swing], axis=1)

@@ -21,7 +21,7 @@ from .captured_clips import MARKERS, TIMES, motion, write_gesture
 
 
 def arrays(**changes) -> bytes:
-    """A motion file with changed arrays; None leaves one out."""
+    """Return a motion file with changed arrays, without those set to None."""
     with np.load(BytesIO(pack_motion(motion()))) as file:
         values = {**file, **changes}
     data = BytesIO()

@@ -17,7 +17,7 @@ CARD = 'name = "My gestures"\nlicence = "CC0"\nsource = "a lab"\n'
 
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
-    """A collection of one gesture."""
+    """Write a collection of one gesture."""
     made = tmp_path / "made"
     made.mkdir()
     (made / "card.toml").write_text(CARD)

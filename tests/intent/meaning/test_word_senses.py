@@ -45,12 +45,12 @@ def test_irregular_forms_of_a_verb_have_its_sense():
     assert pictures("They drove us apart and we grew apart.") & {"break_apart", "contrast_left_right"}
 
 
-def test_sense_fills_only_sentences_without_a_cue():
+def test_word_sense_gives_no_gesture_in_a_sentence_with_a_cue():
     assert pictures("I have no idea, it is gigantic.") <= {"doubt_shrug", "shrug_small", "large"}
     assert pictures("No problem, I'm terrified.") == {"open_low"}
 
 
-def test_idiom_with_a_meaning_of_its_own_overrides_a_silent_idiom():
+def test_idiom_listed_with_a_gesture_overrides_an_idiom_without_one():
     assert pictures("That really hit the spot!") & {"thumb_up_low", "ok_ring"}
     assert not pictures("We hit the road at six.")
 
