@@ -16,10 +16,11 @@ from kinesic.face.render.camera import CLOSE_CAMERA, FRONT_CAMERA, Camera
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import NORMAL_PRESET
 
-SIDE, LABEL, COLUMNS = 170, 16, 8
-LARGE = 512  # [pixels] width and height of the two pictures in face.png
+TILE_SIDE, LABEL_HEIGHT = 170, 16  # [pixels] side of a still, and height of its label
+COLUMNS = 8  # number of stills in a row
+LARGE_SIDE = 512  # [pixels] width and height of the two pictures in face.png
 EMOTIONS = ("joy", "laugh", "surprise", "fear", "disgust")
-UNITS: Mapping[str, Mapping[str, float]] = {
+EXPRESSIONS: Mapping[str, Mapping[str, float]] = {
     "rest": {},
     **{name: read_emotion(name, 1.0) for name in EMOTIONS},
     **{f"AU {number}": {number: 1.0} for number in ("6", "9", "15", "17", "20")},
@@ -27,28 +28,28 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     "m": viseme_of("m").units,
     "f": viseme_of("f").units,
 }
-ASIDE = "-90 degrees"
+SIDE_LABEL = "-90 degrees"
 DOCS = Path(__file__).parents[1]
 
 
 def labelled(pixels: Picture, text: str) -> Picture:
     """Draw a picture with its name above it."""
-    paper = Image.new("RGB", (SIDE, SIDE + LABEL), (250, 250, 250))
+    paper = Image.new("RGB", (TILE_SIDE, TILE_SIDE + LABEL_HEIGHT), (250, 250, 250))
     ImageDraw.Draw(paper).text((4, 2), text, fill=(40, 40, 40))
-    paper.paste(Image.fromarray(pixels), (0, LABEL))
+    paper.paste(Image.fromarray(pixels), (0, LABEL_HEIGHT))
     return np.asarray(paper)
 
 
 def stills(variant: Variant) -> list[Picture]:
     """Draw one head in every expression, and from the side."""
-    with Portrait(variant, preset=replace(NORMAL_PRESET, samples=2), size=(SIDE, SIDE)) as portrait:
-        faces = [labelled(portrait.draw(units, CLOSE_CAMERA), name) for name, units in UNITS.items()]
-        return [*faces, labelled(portrait.draw({}, replace(FRONT_CAMERA, yaw_deg=-90.0)), ASIDE)]
+    with Portrait(variant, preset=replace(NORMAL_PRESET, samples=2), size=(TILE_SIDE, TILE_SIDE)) as portrait:
+        faces = [labelled(portrait.draw(units, CLOSE_CAMERA), name) for name, units in EXPRESSIONS.items()]
+        return [*faces, labelled(portrait.draw({}, replace(FRONT_CAMERA, yaw_deg=-90.0)), SIDE_LABEL)]
 
 
 def one(variant: Variant, units: Mapping[str, float], camera: Camera) -> Picture:
     """Draw one large picture of a head."""
-    with Portrait(variant, preset=replace(NORMAL_PRESET, samples=2), size=(LARGE, LARGE)) as portrait:
+    with Portrait(variant, preset=replace(NORMAL_PRESET, samples=2), size=(LARGE_SIDE, LARGE_SIDE)) as portrait:
         return portrait.draw(units, camera)
 
 

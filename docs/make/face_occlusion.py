@@ -15,7 +15,7 @@ from kinesic.face.render.presets import NORMAL_PRESET, Estimator, Occlusion
 
 SIDE, LABEL = 256, 16  # [pixels] side of a tile, and height of its label
 SMILE = {"6": 0.8, "12": 0.9, "25": 0.6}  # action units -> intensity
-ASIDE = Camera(yaw_deg=-40.0, field_deg=17.0)
+SIDE_CAMERA = Camera(yaw_deg=-40.0, field_deg=17.0)
 BLACK_DIFFERENCE = 10.0  # [dE] colour difference that is drawn black
 ESTIMATORS: dict[Estimator, str] = {
     "depth": "plain depth test",
@@ -31,7 +31,7 @@ def draw(estimator: Estimator, *, exact: bool) -> tuple[Picture, Picture, Flags]
     occlusion = Occlusion(size=21, estimator=estimator, exact=exact)
     preset = replace(NORMAL_PRESET, occlusion=occlusion, hair=False, coarse=1)
     with Portrait(preset=preset, size=(SIDE, SIDE)) as portrait:
-        picture = portrait.draw(SMILE, ASIDE)
+        picture = portrait.draw(SMILE, SIDE_CAMERA)
         with portrait.pipeline.geometry.context:
             head = portrait.pipeline.geometry.parts() > 0
         return to_grey(read_openness(portrait)), picture, maximum_filter(head, 3)

@@ -13,8 +13,8 @@ from kinesic.face.render.presets import DRAFT_PRESET, FULL_PRESET, NORMAL_PRESET
 
 SIDE, LABEL = 194, 18
 SMILE = {"6": 0.8, "12": 0.9, "1": 0.4}
-ASIDE = Camera(yaw_deg=-28.0, field_deg=17.0)
-ONE_BY_ONE = (
+SIDE_CAMERA = Camera(yaw_deg=-28.0, field_deg=17.0)
+EFFECT_STEPS = (
     ("light alone", DRAFT_PRESET),
     ("+ wrinkles", replace(DRAFT_PRESET, wrinkles=True, smooth=True)),
     ("+ occlusion", replace(NORMAL_PRESET, shadow=None, scattering=None)),
@@ -23,8 +23,8 @@ ONE_BY_ONE = (
     ("full", FULL_PRESET),
     ("an eyeshade", replace(FULL_PRESET, eyeshade=True)),
 )
-ROUND = ((-90.0, {"4": 1.0}), (-60.0, {"27": 0.8}), (-30.0, {"20": 1.0}), (0.0, SMILE))
-ROUND += ((45.0, {"1": 1.0, "2": 1.0}), (90.0, {"10": 1.0, "4": 0.6}), (180.0, {"12": 1.0}))
+VIEWS = ((-90.0, {"4": 1.0}), (-60.0, {"27": 0.8}), (-30.0, {"20": 1.0}), (0.0, SMILE))
+VIEWS += ((45.0, {"1": 1.0, "2": 1.0}), (90.0, {"10": 1.0, "4": 0.6}), (180.0, {"12": 1.0}))
 
 
 def drawn(preset: Preset, units: dict[str, float], camera: Camera) -> Picture:
@@ -41,7 +41,7 @@ def labelled(pixels: Picture, text: str) -> Picture:
     return np.asarray(paper)
 
 
-effects = [labelled(drawn(preset, SMILE, ASIDE), name) for name, preset in ONE_BY_ONE]
-views = [labelled(drawn(NORMAL_PRESET, units, Camera(yaw_deg=yaw)), f"normal, {yaw:g} deg") for yaw, units in ROUND]
+effects = [labelled(drawn(preset, SMILE, SIDE_CAMERA), name) for name, preset in EFFECT_STEPS]
+views = [labelled(drawn(NORMAL_PRESET, units, Camera(yaw_deg=yaw)), f"normal, {yaw:g} deg") for yaw, units in VIEWS]
 sheet = Image.fromarray(np.concatenate([np.concatenate(effects, axis=1), np.concatenate(views, axis=1)]))
 sheet.save(Path(__file__).parents[1] / "pictures" / "face-light.png", optimize=True)

@@ -15,10 +15,11 @@ from kinesic.face.render.presets import NORMAL_PRESET, Focus, Occlusion, Preset
 
 SIDE, LABEL = 194, 16
 SMILE = {"6": 0.8, "12": 0.9, "25": 0.6}
-NEAR = Camera(yaw_deg=-30.0, field_deg=12.0)
-ASIDE = Camera(yaw_deg=-40.0, field_deg=17.0)
-LOUD, LOUDEST = 4.0, 8.0  # factors by which pixel differences are amplified
-WHOLE = replace(NORMAL_PRESET, coarse=1)
+NEAR_CAMERA = Camera(yaw_deg=-30.0, field_deg=12.0)
+SIDE_CAMERA = Camera(yaw_deg=-40.0, field_deg=17.0)
+ERROR_GAIN = 4.0  # factor by which occlusion errors are amplified in a tile
+DIFFERENCE_GAIN = 8.0  # factor by which differences of two pictures are amplified in a tile
+FULL_RESOLUTION = replace(NORMAL_PRESET, coarse=1)
 Tile = tuple[str, Picture]
 Corner = tuple[int, int]  # row and column, of a part of a picture
 EYE, MOUTH, BROW = (48, 70), (150, 120), (70, 97)
@@ -32,8 +33,8 @@ def grey(shares: Floats) -> Picture:
 
 def openness(occlusion: Occlusion, *, blurred: bool = True) -> Floats:
     """Return the unoccluded fraction (n, n) of each pixel, optionally before the blur."""
-    with Portrait(preset=replace(WHOLE, occlusion=occlusion, hair=False), size=(SIDE, SIDE)) as portrait:
-        portrait.draw(SMILE, NEAR)
+    with Portrait(preset=replace(FULL_RESOLUTION, occlusion=occlusion, hair=False), size=(SIDE, SIDE)) as portrait:
+        portrait.draw(SMILE, NEAR_CAMERA)
         found = portrait.pipeline.occlusion
         if found is None:
             raise ValueError("drawn without occlusion")
@@ -48,7 +49,7 @@ def zoomed(pixels: Picture, corner: Corner) -> Picture:
     return pixels[row : row + SIDE // 2, column : column + SIDE // 2].repeat(2, axis=0).repeat(2, axis=1)
 
 
-def seen(preset: Preset, effects: Effects, camera: Camera = ASIDE) -> Picture:
+def seen(preset: Preset, effects: Effects, camera: Camera = SIDE_CAMERA) -> Picture:
     """Draw a smiling face with some rendering effects."""
     with Portrait(preset=effects.apply_to(preset), size=(SIDE, SIDE)) as portrait:
         return portrait.draw(SMILE, camera)
@@ -80,8 +81,8 @@ def axes() -> list[Tile]:
     settings = (replace(two, axes=1), replace(two, axes=1, size=41), two, replace(two, exact=True))
     found = [openness(each) for each in settings]
     names = ("one axis: 20 samples", "one axis: 40 samples", "two axes: 40 samples", "exact: 420 samples")
-    errors = [grey(LOUD * np.abs(each - found[-1])) for each in found[:-1]]
-    heads = (f"error x {LOUD:g}: 20", f"error x {LOUD:g}: 40, one", f"error x {LOUD:g}: 40, two")
+    errors = [grey(ERROR_GAIN * np.abs(each - found[-1])) for each in found[:-1]]
+    heads = (f"error x {ERROR_GAIN:g}: 20", f"error x {ERROR_GAIN:g}: 40, one", f"error x {ERROR_GAIN:g}: 40, two")
     return [*zip(names, map(grey, found), strict=True), *zip(heads, errors, strict=True)]
 
 
@@ -110,10 +111,14 @@ def levels() -> list[Tile]:
     The tiles show no, uniform and graded scattering, then the levels and the differences.
     """
     asked = (Effects(scattering="none"), Effects(scattering="everywhere"), Effects(scattering="levels"))
-    preset = replace(WHOLE, scattering=replace(WHOLE.scattering, steps=5)) if WHOLE.scattering else WHOLE
-    none, everywhere, in_levels = (seen_close(preset, each, NEAR, MOUTH) for each in asked)
+    preset = (
+        replace(FULL_RESOLUTION, scattering=replace(FULL_RESOLUTION.scattering, steps=5))
+        if FULL_RESOLUTION.scattering
+        else FULL_RESOLUTION
+    )
+    none, everywhere, in_levels = (seen_close(preset, each, NEAR_CAMERA, MOUTH) for each in asked)
     with Portrait(preset=asked[2].apply_to(preset), size=(2 * SIDE, 2 * SIDE)) as portrait:
-        portrait.draw(SMILE, NEAR)
+        portrait.draw(SMILE, NEAR_CAMERA)
         scatter = portrait.pipeline.scatter
         if scatter is None:
             raise ValueError("drawn without scattering")
@@ -124,9 +129,9 @@ def levels() -> list[Tile]:
         ("everywhere", everywhere),
         ("in 3 levels", in_levels),
         ("the levels: white all", chosen),
-        (f"everywhere - none x {LOUDEST:g}", apart(everywhere, none, LOUDEST)),
-        (f"levels - none x {LOUDEST:g}", apart(in_levels, none, LOUDEST)),
-        (f"everywhere - levels x {LOUDEST:g}", apart(everywhere, in_levels, LOUDEST)),
+        (f"everywhere - none x {DIFFERENCE_GAIN:g}", apart(everywhere, none, DIFFERENCE_GAIN)),
+        (f"levels - none x {DIFFERENCE_GAIN:g}", apart(in_levels, none, DIFFERENCE_GAIN)),
+        (f"everywhere - levels x {DIFFERENCE_GAIN:g}", apart(everywhere, in_levels, DIFFERENCE_GAIN)),
     ]
 
 

@@ -17,7 +17,7 @@ from kinesic.report.output import face_film
 DOCS = Path(__file__).resolve().parents[1]
 FRAME_TIMES = (2.5, 9.0)  # [s] film times of the two pictures in a row
 PICTURE_SIZE = (640, 360)  # [pixels] width and height of one picture
-FEW = FilmSettings(rate=2.0)
+FILM_SETTINGS = FilmSettings(rate=2.0)
 
 if __name__ == "__main__":
     performer = Performer("upper22", voice="auto")
@@ -25,8 +25,8 @@ if __name__ == "__main__":
     rows = []
     with TemporaryDirectory() as folder, film_processes() as processes:
         film, painted, face = (Path(folder) / f"{name}.webp" for name in ("film", "painted", "face"))
-        job = replace(TwinFilm.of(run.plan, run.measured.times, run.measured.angles, FEW), after=face)
-        rendered = face_film(run.plan, FEW.rate)
+        job = replace(TwinFilm.of(run.plan, run.measured.times, run.measured.angles, FILM_SETTINGS), after=face)
+        rendered = face_film(run.plan, FILM_SETTINGS.rate)
         assert rendered is not None
         draw_films({film: job, face: rendered}, processes)
         assert not replace(job, after=None).draw(painted, lambda share: None)

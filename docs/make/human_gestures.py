@@ -17,7 +17,9 @@ from kinesic.studies.gestures.portraits import TURNTABLE_FRAMES, draw_turntable
 from kinesic.studies.gestures.sheet import MAX_POSTURES, draw_portraits
 
 DOCS = Path(__file__).resolve().parents[1]
-STRIP, TURNED, VIEWS = "greet_wave", "count_two", 6
+STRIP_GESTURE = "greet_wave"  # gesture of the strip of key postures
+TURNTABLE_GESTURE = "count_two"  # gesture that is shown from all sides
+VIEW_COUNT = 6  # number of views around the robot
 WINDOW = (1000, 1100)  # [pixels] size of the browser window
 STAGE = (25, 512, 960, 960)  # [pixels] left, top, right and bottom edge of the replay in the page
 HUMAN = set_up("human")
@@ -31,10 +33,10 @@ def shown(name: str) -> Show:
 
 def draw_gestures(folder: Path) -> Image.Image:
     """Draw a strip of key postures above views from all sides."""
-    strip = Image.open(draw_portraits(shown(STRIP), HUMAN.robot, folder / "strip.png")).convert("RGB")
-    turned = shown(TURNED)
+    strip = Image.open(draw_portraits(shown(STRIP_GESTURE), HUMAN.robot, folder / "strip.png")).convert("RGB")
+    turned = shown(TURNTABLE_GESTURE)
     views = draw_turntable(HUMAN.robot, turned.postures[turned.stroke], turned.faces[turned.stroke])[
-        :: TURNTABLE_FRAMES // VIEWS
+        :: TURNTABLE_FRAMES // VIEW_COUNT
     ]
     row = Image.fromarray(np.concatenate(views, axis=1))
     row = row.resize((strip.width, round(row.height * strip.width / row.width)), Image.Resampling.LANCZOS)

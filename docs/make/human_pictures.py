@@ -12,7 +12,7 @@ from kinesic.face.assets.skinning import Blending
 from kinesic.face.render.figure import UPPER_BODY_CAMERA, FigurePortrait
 
 SIDE, ACROSS = 200, 7  # [pixels] side of a picture; number of pictures in a row
-CLOSE = replace(UPPER_BODY_CAMERA, distance=1.9, pivot=(0.05, 0.0, 1.22))
+CLOSE_CAMERA = replace(UPPER_BODY_CAMERA, distance=1.9, pivot=(0.05, 0.0, 1.22))
 POSTURES: dict[str, tuple[float, dict[str, float]]] = {  # by label: camera yaw [deg], hinge angles [deg]
     "flexion 170": (30, {"shoulder_flexion": 170, "shoulder_abduct": 8, "sternoclavicular_abduct": 25}),
     "flexion 150": (60, {"shoulder_flexion": 150, "shoulder_abduct": 8}),
@@ -48,7 +48,7 @@ def drawn(blending: Blending) -> list[Picture]:
             for hinge, angle in degrees.items():
                 for k in [k for k, each in enumerate(SKELETON.names) if each in (hinge, f"l_{hinge}", f"r_{hinge}")]:
                     angles[k] = np.radians(angle)
-            picture = Image.fromarray(portrait.draw(angles, {}, replace(CLOSE, yaw_deg=yaw)))
+            picture = Image.fromarray(portrait.draw(angles, {}, replace(CLOSE_CAMERA, yaw_deg=yaw)))
             ImageDraw.Draw(picture).text((5, 4), f"{blending}: {name}", fill=(230, 230, 230))
             pictures.append(np.asarray(picture))
     return pictures

@@ -12,8 +12,13 @@ from kinesic.body.robot import Robot
 from kinesic.sim.film import write_still
 
 PICTURE, CUT = (720, 540), (140, 20, 620, 540)  # [pixels] of a picture, and what is kept of it
-WAVING = {"r_shoulder_abduct": 40, "r_elbow_flexion": 110, "r_shoulder_twisting": 60, "l_elbow_flexion": 80}
-EXTREME = (  # [deg] hinge angles of both arms in each posture
+WAVING_ANGLES = {  # [deg] hinge angles of a waving robot
+    "r_shoulder_abduct": 40,
+    "r_elbow_flexion": 110,
+    "r_shoulder_twisting": 60,
+    "l_elbow_flexion": 80,
+}
+EXTREME_ANGLES = (  # [deg] hinge angles of both arms in each posture
     {"shoulder_flexion": 90, "elbow_flexion": 135},
     {"vl5_tilt": 35, "skullbase_tilt": 40, "shoulder_flexion": -50},
     {"vl5_roll": 20, "skullbase_roll": -25, "shoulder_abduct": 90, "elbow_flexion": 90, "sternoclavicular_abduct": 25},
@@ -43,7 +48,7 @@ if __name__ == "__main__":
     with TemporaryDirectory() as place:
         folder = Path(place)
         bare = [replace(robot, path=folder / "none.toml") for robot in robots]
-        above = [still(robot, WAVING, folder) for pair in zip(bare, robots, strict=True) for robot in pair]
-        below = [still(robots[1], degrees, folder) for degrees in EXTREME]
+        above = [still(robot, WAVING_ANGLES, folder) for pair in zip(bare, robots, strict=True) for robot in pair]
+        below = [still(robots[1], degrees, folder) for degrees in EXTREME_ANGLES]
     sheet = np.concatenate([np.concatenate([np.asarray(one) for one in row], axis=1) for row in (above, below)])
     Image.fromarray(sheet).quantize(200).save(Path(__file__).parents[1] / "pictures" / "shells.png", optimize=True)
