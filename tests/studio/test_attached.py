@@ -98,6 +98,7 @@ def test_studio_captures_a_posture_of_a_remote_robot_and_enables_its_torque(atta
     assert [float(value) for value in seen[1].split(",")] == pytest.approx(expected.tolist(), abs=2e-3)
 
     assert page.value("document.querySelector('#perform').disabled")
+    assert page.value("document.querySelector('#perform').textContent") == "Perform (motors off)"
     page.click("#arm")
     page.until("document.querySelector('#arming').open")
     page.value("document.querySelector('#arm-yes').click()")  # a script's click does not count

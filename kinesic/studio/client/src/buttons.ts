@@ -1,5 +1,5 @@
 // Buttons that can be pressed in the present state of the page.
-import { byId } from "./dom.ts";
+import { byId, say } from "./dom.ts";
 import type { EditedDocument } from "./edited_document.ts";
 import type { Robot } from "./robot.ts";
 
@@ -10,7 +10,9 @@ export function enableButtons(edited: EditedDocument, robot: Robot): void {
   };
   enable("undo", edited.undoSteps > 0);
   enable("redo", edited.redoSteps > 0);
-  enable("perform", robot.ready);
-  byId("perform").title = robot.isTorqueOff ? "Switch the motors on first" : "Perform on the robot (Ctrl Enter)";
+  const { obstacle } = robot;
+  enable("perform", obstacle === null);
+  say(byId("perform"), obstacle ? `Perform (${obstacle.why})` : "Perform");
+  byId("perform").title = obstacle?.remedy ?? "Perform on the robot (Ctrl Enter)";
   for (const name of ["save", "save-as"]) enable(name, robot.wire.state === "open");
 }

@@ -62,7 +62,15 @@ export class Robot {
 
   /** Whether documents can be performed. */
   get ready(): boolean {
-    return this.wire.state === "open" && !this.stopped && !this.isTorqueOff;
+    return this.obstacle === null;
+  }
+
+  /** Why no document can be performed now, with the remedy; null if one can. */
+  get obstacle(): { why: string; remedy: string } | null {
+    const { state } = this.wire;
+    if (state !== "open") return { why: STATE_LABELS[state], remedy: "The page needs a connection to the robot" };
+    if (this.stopped) return { why: "stopped", remedy: "Press Resume first" };
+    return this.isTorqueOff ? { why: "motors off", remedy: "Switch the motors on first" } : null;
   }
 
   /** Whether the servos have no torque. */
