@@ -41,10 +41,12 @@ export class Performances {
     const request = ++this.requests;
     if (this.listener.hasTypedWords() && this.robot.ready) {
       this.isPreparing = true;
+      this.performing.prepare();
       const isComplete = await this.listener.chooseGestures();
       this.isPreparing = false;
       if (request !== this.requests) return;
       if (!isComplete) {
+        this.performing.fail();
         this.robot.live.say("not performed: the new words have no gestures yet");
         return;
       }
@@ -54,6 +56,7 @@ export class Performances {
       const bml = this.listener.bml();
       this.performing.begin(bml);
       if (this.robot.wire.perform(bml)) this.listener.sent();
+      else this.performing.fail();
     }
   }
 

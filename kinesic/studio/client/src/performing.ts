@@ -2,6 +2,8 @@
 import type { Feedback } from "./feedback.ts";
 import { BLOCK, findAttribute, tagWithId } from "./xml.ts";
 
+/** Beginnings of warnings about a block that does not start. */
+const REFUSALS = ["rule ", "not performed", "revoked", "a block of this id", "it is for "] as const;
 const MAX_AHEAD = 0.2; // [s] longest time that the clock runs on without a report
 
 export class Performing {
@@ -27,13 +29,24 @@ export class Performing {
     return this.isAsked;
   }
 
+  /** Tell that a document is prepared, before it is sent. */
+  prepare(): void {
+    this.say("Getting ready …");
+  }
+
+  /** Tell that the document is not performed; an earlier one may still run. */
+  fail(): void {
+    this.say("Not performed, see Messages");
+  }
+
   /** Wait for the start of a document, which is the time 0 of its plan. */
   begin(bml: string): void {
     const root = tagWithId(bml, BLOCK);
     this.block = (root && findAttribute(root, "id")?.value) ?? "";
     this.begun = null;
     this.isAsked = true;
-    this.say("");
+    if (this.block) this.prepare();
+    else this.say("Sent to the robot"); // its start is not reported
   }
 
   end(): void {
@@ -43,8 +56,10 @@ export class Performing {
     this.say("");
   }
 
-  /** Take the start and the end of the block from the feedback. */
-  hear({ kind, about, time }: Feedback): void {
+  /** Take the start, the end or the refusal of the block from the feedback. */
+  hear({ kind, about, time, text }: Feedback): void {
+    const isRefusal = kind === "warningFeedback" && REFUSALS.some((beginning) => text.startsWith(beginning));
+    if (isRefusal && this.block && about === this.block && !this.runs) this.fail();
     if (kind !== "blockProgress" || !this.block || time === null) return;
     if (about === `${this.block}:start`) {
       this.begun = time;

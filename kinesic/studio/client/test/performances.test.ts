@@ -53,10 +53,11 @@ test("Perform pauses the page, sends the document and shows the robot", async ()
 });
 
 test("a document that cannot be sent does not change the view", async () => {
-  const { performances, page, robot } = open();
+  const { performances, page, robot, said } = open();
   robot.wire.perform = () => false;
   await performances.perform();
   assert.equal(page.shown, "plan");
+  assert.equal(said.at(-1), "Not performed, see Messages");
 });
 
 test("a robot that is not ready gets no document, and no gestures are chosen for it", async () => {
@@ -69,9 +70,10 @@ test("a robot that is not ready gets no document, and no gestures are chosen for
 });
 
 test("typed words get their gestures before the document is sent", async () => {
-  const { performances, page, line, choose } = open();
+  const { performances, page, line, choose, said } = open();
   page.typed = true;
   void performances.perform();
+  assert.equal(said.at(-1), "Getting ready …", "at once");
   await settle();
   assert.deepEqual(line.sent, []);
   await choose(true);
@@ -79,11 +81,12 @@ test("typed words get their gestures before the document is sent", async () => {
 });
 
 test("words without gestures are not performed, and the log says so", async () => {
-  const { performances, page, line, choose } = open();
+  const { performances, page, line, choose, said } = open();
   page.typed = true;
   void performances.perform();
   await choose(false);
   assert.deepEqual(line.sent, []);
+  assert.equal(said.at(-1), "Not performed, see Messages");
   assert.equal(log(), "not performed: the new words have no gestures yet");
 });
 

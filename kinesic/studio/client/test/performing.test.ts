@@ -77,6 +77,34 @@ test("a stop ends the clock without calling the performance finished", () => {
   assert.equal(said.at(-1), "", "feedback of a stopped block changes nothing");
 });
 
+test("the page shows at once that the robot gets ready, until it moves", () => {
+  const { performing, said, hear, frame } = begin();
+  assert.equal(said.at(-1), "Getting ready …");
+  hear("b:start", 10);
+  assert.equal(frame().said, "Performing 0.0 s");
+  performing.begin("<bml/>");
+  assert.equal(said.at(-1), "Sent to the robot", "the start of a block without an id is not reported");
+});
+
+test("a refused block is not performed, and other warnings change nothing", () => {
+  const { performing, said } = begin();
+  const warn = (about: string, text: string) => performing.hear({ kind: "warningFeedback", about, time: null, text });
+  warn("g", "rule limp: the servos have no torque");
+  warn("b", "partly: the robot lacks fingers");
+  assert.equal(said.at(-1), "Getting ready …");
+  warn("b", "rule limp: the servos have no torque");
+  assert.equal(said.at(-1), "Not performed, see Messages");
+  assert.ok(performing.waits, "an earlier block of this id may still move the robot");
+});
+
+test("a refusal of the same block does not hide the clock of the running one", () => {
+  const { performing, said, hear } = begin();
+  hear("b:start", 10);
+  performing.hear({ kind: "warningFeedback", about: "b", time: null, text: "a block of this id plays already" });
+  assert.ok(performing.runs);
+  assert.equal(said.at(-1), "Getting ready …", "the next frame shows the clock");
+});
+
 test("feedback of other blocks, kinds and without a time is ignored", () => {
   const { performing, hear } = begin();
   hear("other:start");
@@ -101,7 +129,7 @@ test("a new document forgets the clock and the message of the former one", () =>
   hear("b:start", 10);
   hear("b:end", 11);
   performing.begin('<bml id="c"/>');
-  assert.deepEqual([performing.runs, performing.waits, said.at(-1)], [false, true, ""]);
+  assert.deepEqual([performing.runs, performing.waits, said.at(-1)], [false, true, "Getting ready …"]);
 });
 
 test("a block that starts again keeps a single clock", () => {
