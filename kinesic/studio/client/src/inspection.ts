@@ -2,6 +2,7 @@
 // expressivity that is tried on a gesture under edit.
 import { setAttribute, setKinesicAttribute } from "./edits.ts";
 import { Inspector } from "./inspector.ts";
+import { outcomeWords } from "./plain_words.ts";
 import type { Numbers } from "./styles/numbers.ts";
 import type { StylesPanel } from "./styles/styles_panel.ts";
 import type { Draft } from "./types.ts";
@@ -49,11 +50,13 @@ export class Inspection {
     const draft = this.listener.draft();
     const ids = this.ids;
     const first = ids[0]!;
-    const type = first === BLOCK ? "block" : draft?.behaviours.find(({ id }) => id === first)?.type;
+    const behaviour = draft?.behaviours.find(({ id }) => id === first);
+    const type = first === BLOCK ? "block" : behaviour?.type;
+    const warning = behaviour && ids.length === 1 ? outcomeWords(behaviour) : "";
     const alone = this.listener.isGesture();
     const inherited = this.styles().inherited(this.listener.text(), first);
     const read = (name: string) => this.read(first, name);
-    this.inspector.show(draft && type ? { ids, type, read, inherited, alone } : null);
+    this.inspector.show(draft && type ? { ids, type, warning, read, inherited, alone } : null);
   }
 
   /** Ids of all behaviours that a change concerns; `BLOCK` stands for the whole performance. */

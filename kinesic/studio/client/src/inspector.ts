@@ -12,6 +12,8 @@ export interface Chosen {
   ids: readonly string[];
   /** Type of the first one. */
   type: string;
+  /** Difference of a single behaviour from the request, with its reason; empty without one. */
+  warning: string;
   /** Value in the document, or undefined. */
   read(name: string): string | undefined;
   /** Numbers of its style. */
@@ -43,6 +45,7 @@ export class Inspector {
     const isBlock = chosen.ids[0] === BLOCK;
     const isSingle = chosen.ids.length === 1;
     say(byId("chosen"), describe(chosen));
+    say(byId("chosen-warning"), chosen.warning);
     byId("remove").hidden = chosen.alone || isBlock;
     byId("lexeme-line").hidden = byId("hand-line").hidden = chosen.type !== "gesture" || chosen.alone || !isSingle;
     byId("usual-style").hidden = !isBlock;

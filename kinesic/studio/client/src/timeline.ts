@@ -1,6 +1,6 @@
 // Timeline: spoken words, and a track per body part whose behaviours can be dragged and selected.
 import { make } from "./dom.ts";
-import { typeWords } from "./plain_words.ts";
+import { outcomeWords, typeWords } from "./plain_words.ts";
 import { type Drawing, drawTrack } from "./tracks/blocks.ts";
 import { beginDrag, type DragListener, type Ground } from "./tracks/drags.ts";
 import { layOut } from "./tracks/layout.ts";
@@ -185,8 +185,9 @@ export class Timeline implements Ground {
 
   private unplacedRow(unplaced: Draft["behaviours"]): HTMLElement | null {
     if (!unplaced.length) return null;
-    const buttons = unplaced.map(({ id, type, label, outcome, why }) => {
-      const title = `${typeWords(type)} ${label}: ${outcome}${why ? `, ${why}` : ""}`;
+    const buttons = unplaced.map((behaviour) => {
+      const { id, type, label, outcome } = behaviour;
+      const title = [`${typeWords(type)} ${label}`, outcomeWords(behaviour)].filter(Boolean).join(": ");
       const pressed = String(this.chosen.has(id));
       const attributes = { type: "button", title, "data-behaviour": id, "data-block": id, "aria-pressed": pressed };
       return make("button", { class: `unplaced ${outcome}`, ...attributes }, label || id);

@@ -1,6 +1,6 @@
 // Elements of the timeline: a block per behaviour with its phases, and handles at its sync points.
 import { make } from "../dom.ts";
-import { labelWords, pointWords, typeWords } from "../plain_words.ts";
+import { labelWords, outcomeWords, pointWords, typeWords } from "../plain_words.ts";
 import type { Sync } from "../types.ts";
 import type { Placed, TrackRow } from "./layout.ts";
 import { edgesOf, mainPoint, phasesOf } from "./phases.ts";
@@ -50,7 +50,7 @@ function drawItem(item: Placed, drawing: Drawing): HTMLElement[] {
 
 function drawBlock(item: Placed, drawing: Drawing, chosen: boolean): HTMLElement {
   const { behaviour, from, to } = item;
-  const { id, type, label, outcome, why } = behaviour;
+  const { id, type, label, outcome } = behaviour;
   const length = to - from || 1;
   const phases = phasesOf(item.points).map((phase) => {
     const made = make("i", { class: `phase ${phase.name}-phase` });
@@ -60,7 +60,8 @@ function drawBlock(item: Placed, drawing: Drawing, chosen: boolean): HTMLElement
   });
   const words = labelWords(type, label) || typeWords(type);
   const picture = type === "gesture" ? drawing.picture(label) : null;
-  const about = outcome === "realised" ? "" : `, ${outcome}${why ? `: ${why}` : ""}`;
+  const warning = outcomeWords(behaviour);
+  const about = warning && `, ${warning}`;
   const times = `${from.toFixed(2)} to ${to.toFixed(2)} s`;
   const block = make(
     "button",
@@ -71,7 +72,7 @@ function drawBlock(item: Placed, drawing: Drawing, chosen: boolean): HTMLElement
       ...(item.first ? { "data-block": id } : { "data-echo": id, "aria-hidden": "true" }),
       "aria-pressed": String(chosen),
       "aria-label": `${typeWords(type)} ${labelWords(type, label)}, ${id}, ${times}${about}`,
-      title: `${words} (${id}), ${times}${about}`,
+      title: `${words} (${id}), ${times}${warning && `\n${warning}`}`,
       tabindex: item.first && chosen ? "0" : "-1",
     },
     ...phases,
@@ -101,10 +102,11 @@ function slider(kind: string, sync: Sync, drawing: Drawing, more: Record<string,
 
 function drawStroke(item: Placed, main: Sync, drawing: Drawing, chosen: boolean): HTMLElement {
   const { id } = item.behaviour;
+  const warning = outcomeWords(item.behaviour);
   return slider("stroke", main, drawing, {
     "data-stroke": id,
     tabindex: chosen ? "0" : "-1",
-    title: `${id}, ${pointWords(main.sync)} at ${main.planned.toFixed(2)} s: drag it onto a word`,
+    title: `${id}, ${pointWords(main.sync)} at ${main.planned.toFixed(2)} s: drag it onto a word${warning && `\n${warning}`}`,
   });
 }
 
