@@ -54,6 +54,14 @@ export class AlternativesPanel {
     byId("alternatives-list").replaceChildren(...(rows.length ? rows : [make("li", { class: "none" }, none)]));
   }
 
+  /** Mark a chosen gesture until its plan arrives; null: the gesture is removed. */
+  markChosen(word: string, gesture: string | null): void {
+    say(byId("alternatives-title"), `“${word}”: ${gesture ?? "no gesture"}, planning …`);
+    for (const place of ["alternatives-reason", "alternatives-choice"]) say(byId(place), "");
+    for (const button of byId("alternatives-list").querySelectorAll<HTMLElement>("[data-gesture]"))
+      button.setAttribute("aria-pressed", String(button.dataset.gesture === gesture));
+  }
+
   /** Scroll as much of the list into view as the pane has room for, and its title in any case. */
   reveal(): void {
     this.place.scrollIntoView({ block: "nearest" });

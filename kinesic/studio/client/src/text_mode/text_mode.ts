@@ -177,6 +177,7 @@ export class TextMode {
     const present = word.gestures[0] ?? null;
     const text = this.listener.text();
     this.isReplaced = choice !== null;
+    this.panel.markChosen(word.text, choice?.id ?? null);
     if (choice) this.listener.edit(choose(text, word, present, choice));
     else if (present) this.listener.edit(remove(text, present.id));
   }
