@@ -11,7 +11,6 @@ MAX_STROKE_DELAY = 1.6  # [s] longest delay of a gesture's stroke point after it
 LONG_STROKES: Mapping[str, float] = {
     "around_here": 1.6,
     "brush_teeth": 2.4,
-    "chaos": 1.1,
     "circle_drawn": 1.3,
     "crazy": 1.8,
     "decline_curve": 1.2,
@@ -34,7 +33,6 @@ LONG_STROKES: Mapping[str, float] = {
     "rain": 2.4,
     "ride_horse": 3.2,
     "river": 3.2,
-    "roll_low": 1.6,
     "sea": 2.8,
     "shake_fist": 1.4,
     "slow_glide": 2.4,
