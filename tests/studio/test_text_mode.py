@@ -83,6 +83,11 @@ def test_gesture_of_a_word_has_a_reason_and_ranked_alternatives(studio: Studio):
     studio.page.click("#undo")
     studio.until(f"s.planned > {planned} + 1")
     assert shown(studio)["No,"] == "no_low"
+    gestures = [item for item in studio.state("draft")["behaviours"] if item["type"] == "gesture"]
+    other = next(item["id"] for item in gestures if item["label"] != "no_low")
+    studio.page.value(f"document.querySelector('.block[data-block=\"{other}\"]').click()")
+    chosen = "document.querySelector('#spoken > [aria-pressed=true]').textContent"
+    studio.page.until(f"!{chosen}.startsWith('No,')")  # the word of the block that is selected in the timeline
 
 
 def test_gesture_is_added_to_a_word_without_one_and_removed_again(studio: Studio):

@@ -86,7 +86,10 @@ export class Studio {
         ...{ text, edit, seek, locked: isGesture },
         draft: () => this.plan.draft,
         time: () => this.player.time,
-        chosen: () => this.display.selection(),
+        chosen: () => {
+          this.display.selection();
+          this.textMode?.follow(this.tracks.selection.single);
+        },
         say: (line) => say(byId("track-status"), line),
         add: (value) => this.insertion.paletteEntry(value),
         poses: {

@@ -1,4 +1,4 @@
-// The chosen word of text mode with its alternatives: marks while a choice is planned.
+// The chosen word of text mode with its alternatives: marks while a choice is planned, and the selection of the timeline.
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { TextMode } from "../src/text_mode/text_mode.ts";
@@ -71,4 +71,33 @@ test("a removed gesture is shown as removed at once", async () => {
   await press("[data-spoken='0']");
   click(window, "alternatives-remove");
   assert.deepEqual([title(), pressed("alternatives-list")], ["“three”: no gesture, planning …", []]);
+});
+
+test("a gesture selected in the timeline chooses its word and is the one to be replaced", async () => {
+  const { mode, page, press } = open();
+  mode.follow("g3");
+  await settle();
+  assert.deepEqual([title(), pressed("spoken")], ["“boxes”: square", ["boxes"]]);
+  mode.follow("g2");
+  await settle();
+  assert.deepEqual([title(), pressed("alternatives-list")], ["“boxes”: beat", ["beat"]]);
+  assert.deepEqual(page.selected, [], "the timeline keeps its selection and time");
+  mode.follow("g3");
+  await settle();
+  await press("[data-gesture=conduct]");
+  assert.match(page.text, /id="g2" lexeme="beat"/);
+  assert.match(page.text, /id="g3" lexeme="conduct"/);
+});
+
+test("an ended selection releases the word unless a person chose it", async () => {
+  const { mode, press } = open();
+  mode.follow("g1");
+  assert.equal(mode.wordAt(1.5)?.text, "boxes", "pauses stay at the time of the slider");
+  mode.follow(null);
+  assert.deepEqual([element("alternatives").hidden, pressed("spoken")], [true, []]);
+  await press("[data-spoken='0']");
+  mode.follow("g1");
+  mode.follow(null);
+  assert.deepEqual([element("alternatives").hidden, pressed("spoken")], [false, ["three"]]);
+  assert.equal(mode.wordAt(1.5)?.text, "three");
 });

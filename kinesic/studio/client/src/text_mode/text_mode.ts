@@ -43,6 +43,8 @@ export class TextMode {
   private draft: Draft | null = null;
   private words: SpokenWord[] = [];
   private chosen = -1; // index of the chosen word; -1: none
+  private behaviour: string | null = null; // gesture of the chosen word that is selected in the timeline
+  private isFollowing = false; // whether the word was chosen by a selection in the timeline
   private isReplaced = false; // whether the next draft shows a new choice for the word
   private isTyped = false; // whether the field differs from what the document says
   private documents = 0; // number of shown documents
@@ -81,7 +83,26 @@ export class TextMode {
 
   /** Return the selected word, or else the one at a time [s] within a speech. */
   wordAt(time: number): SpokenWord | undefined {
-    return this.words[this.chosen] ?? wordAt(this.words, time);
+    return (this.isFollowing ? undefined : this.words[this.chosen]) ?? wordAt(this.words, time);
+  }
+
+  /** Choose the word of a behaviour that is selected in the timeline; null: none or several are selected. */
+  follow(id: string | null): void {
+    const index = this.words.findIndex(({ gestures }) => gestures.some((each) => each.id === id));
+    if (index < 0 ? !this.isFollowing : index === this.chosen && this.present?.id === id) return;
+    this.list.press(this.chosen, false);
+    this.chosen = index;
+    this.behaviour = id;
+    this.isFollowing = index >= 0;
+    this.list.press(index, true);
+    if (this.isFollowing) void this.ask(false);
+    else this.panel.hide();
+  }
+
+  /** Gesture of the chosen word that the list of alternatives shows; null if there is none. */
+  private get present(): ShownGesture | null {
+    const gestures = this.words[this.chosen]?.gestures ?? [];
+    return gestures.find(({ id }) => id === this.behaviour) ?? gestures[0] ?? null;
   }
 
   /** Put text into the field again, without gestures yet. */
@@ -111,7 +132,7 @@ export class TextMode {
     this.field.value = "";
     say(byId("plain-status"), "");
     this.isTyped = false;
-    this.chosen = -1;
+    [this.chosen, this.isFollowing] = [-1, false];
     this.panel.hide();
     this.tabs.limit(isGesture);
   }
@@ -125,7 +146,7 @@ export class TextMode {
     if (!this.isTyped) this.field.value = spokenText(this.words);
     if (wasTyped && !this.isTyped) this.listener.typed();
     const chosen = this.words[this.chosen];
-    if (this.isReplaced && chosen) this.listener.select(chosen.gestures[0]?.id ?? null, chosen.start);
+    if (this.isReplaced && chosen) this.listener.select(this.present?.id ?? null, chosen.start);
     this.isReplaced = false;
     if (this.chosen >= this.words.length) this.chosen = -1;
     this.list.show(this.words, this.chosen, isWritten(this.listener.text()));
@@ -139,13 +160,14 @@ export class TextMode {
   private choose(index: number): void {
     this.list.press(this.chosen, false);
     this.chosen = this.chosen === index ? -1 : index;
+    [this.behaviour, this.isFollowing] = [null, false];
     const word = this.words[this.chosen];
     if (!word) {
       this.panel.hide();
       return;
     }
     this.list.press(index, true);
-    this.listener.select(word.gestures[0]?.id ?? null, word.start);
+    this.listener.select(this.present?.id ?? null, word.start);
     void this.ask(true);
   }
 
@@ -153,12 +175,12 @@ export class TextMode {
   private async ask(isClicked: boolean): Promise<void> {
     const word = this.words[this.chosen];
     if (!word) return;
-    const present = word.gestures[0] ?? null;
+    const { present } = this;
     const hand = present ? this.explainHand(present) : "";
     this.panel.show(word.text, present, null, [hand]);
     const place = locate(this.words, word);
     const answer = await this.wire.ask("alternatives", { ...place, intent: present?.intent ?? "" });
-    if (answer?.outdated || word !== this.words[this.chosen]) return;
+    if (answer?.outdated || word !== this.words[this.chosen] || present !== this.present) return;
     const alternatives = readAlternatives(answer);
     const rank = present ? explainRank(word, present, alternatives, this.words) : "";
     this.panel.show(word.text, present, alternatives, [rank, hand]);
@@ -174,7 +196,7 @@ export class TextMode {
   private replace(choice: Choice | null): void {
     const word = this.words[this.chosen];
     if (!word) return;
-    const present = word.gestures[0] ?? null;
+    const { present } = this;
     const text = this.listener.text();
     this.isReplaced = choice !== null;
     this.panel.markChosen(word.text, choice?.id ?? null);
