@@ -178,7 +178,7 @@ def _make_candidate(behaviour: ChosenBehaviour) -> Candidate:
     """Convert an earlier behaviour to a candidate preferred over equally certain candidates."""
     choices = (Choice(behaviour.lexeme, 1.0),)
     signal = Signal(behaviour.channel, behaviour.channel, choices)
-    return Candidate(behaviour.intent, signal, behaviour.intent.certainty + CORE_BONUS, choices, behaviour)
+    return Candidate(behaviour.intent, signal, behaviour.intent.certainty + CORE_BONUS, choices, earlier=behaviour)
 
 
 def _list_candidates(
@@ -196,7 +196,21 @@ def _list_candidates(
         choices = tuple(choice for choice in signal.choices if choice.lexeme.lower() != NO_SIGNAL)
         if choices and signal.channel not in part.muted:
             weight = intent.certainty * agent.weight(intent.name, signal.channel, "preference")
-            yield Candidate(part, signal, weight + CORE_BONUS * (signal.id in behaviour_set.core), choices)
+            others = _list_substitutes(part, behaviour_set) if signal.channel == "gesture" else ()
+            yield Candidate(part, signal, weight + CORE_BONUS * (signal.id in behaviour_set.core), choices, others)
+
+
+def _list_substitutes(intent: Intent, behaviour_set: BehaviourSet) -> tuple[Choice, ...]:
+    """Return gestures of an intent's meaning besides its lexemes.
+
+    They are its own substitutes and the gestures of its behaviour set. An intent without lexemes has none.
+    """
+    if not intent.lexemes:
+        return ()
+    signals = (signal for signal in behaviour_set.signals if signal.channel == "gesture")
+    of_set = [choice.lexeme for signal in signals for choice in signal.choices if choice.lexeme.lower() != NO_SIGNAL]
+    names = dict.fromkeys((*intent.substitutes, *of_set))
+    return tuple(Choice(name, 1.0) for name in names if name not in intent.lexemes)
 
 
 def _draw_signals(

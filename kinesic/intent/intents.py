@@ -29,6 +29,7 @@ class Intent:
     certainty: float  # 0..1; the least certain intents are dropped first
     reason: str  # description for people: the words and their meaning
     lexemes: tuple[str, ...] = ()  # gestures that show the intent better than those of its behaviour set; empty: none
+    substitutes: tuple[str, ...] = ()  # further gestures of the same meaning, less specific than `lexemes`
     word: int = -1  # index of the word on which the stroke falls; -1: no words
     phrase: int = -1  # index of that word's phrase; -1: no words
     style: str = ""  # style that the intent requests for the word's sentence; empty: none

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 from pathlib import Path
 
 import msgspec
@@ -25,6 +25,14 @@ class CueTable:
 
     cues: tuple[Cue, ...]
     starts: Mapping[str, tuple[tuple[Cue, Pattern], ...]]  # word, stem (`wav~`), `#` or `_` -> cues
+
+    @cached_property
+    def gestures(self) -> Mapping[str, tuple[str, ...]]:
+        """Gestures of all cues with the same meaning, by that meaning (`is large`)."""
+        shown = dict[str, dict[str, None]]()
+        for cue in self.cues:
+            shown.setdefault(cue.says, {}).update(dict.fromkeys(cue.shows))
+        return {says: tuple(names) for says, names in shown.items()}
 
 
 NO_CUES = CueTable((), {})  # cue table of a language without cue files

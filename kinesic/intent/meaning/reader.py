@@ -71,9 +71,10 @@ def read_meanings(
     tempered = (temper(context, intent, idioms, harmless) for intent in intents)
     kept = [_mute(intent, lexicon) for intent in tempered if intent is not None]
     silent = [each for each in cues if not each.cue.shows and each.cue.intent != "picture"]
+    same = {**load_senses(language.tag).gestures, **table.gestures}
     shown = [
-        *(_picture_intent(passage, picture.candidate, picture.score) for picture in pictures),
-        *(_picture_intent(passage, each, each.cue.certainty) for each in silent),
+        *(_picture_intent(passage, picture.candidate, picture.score, same) for picture in pictures),
+        *(_picture_intent(passage, each, each.cue.certainty, same) for each in silent),
         *place_beats(context, kept, [picture.candidate.stroke for picture in pictures]),
     ]
     return tuple(sorted(shown, key=lambda intent: (intent.stroke.seconds, -intent.certainty, intent.name)))
@@ -170,7 +171,17 @@ def _mute(intent: Intent, lexicon: Lexicon) -> Intent:
     return replace(intent, muted=intent.muted | HAND_CHANNEL)
 
 
-def _picture_intent(passage: Passage, candidate: Candidate, certainty: float) -> Intent:
+def _picture_intent(
+    passage: Passage, candidate: Candidate, certainty: float, same: Mapping[str, tuple[str, ...]]
+) -> Intent:
+    """Return the intent of a candidate.
+
+    Args:
+        passage: the text.
+        candidate: its words and gestures.
+        certainty: 0..1 that its gesture fits.
+        same: gestures by meaning, which replace recently shown ones.
+    """
     cue = candidate.cue
     stroke = place_stroke(passage, candidate.stroke)
     words = " ".join(word.text for word in passage.words[candidate.first : candidate.last + 1])
@@ -183,6 +194,7 @@ def _picture_intent(passage: Passage, candidate: Candidate, certainty: float) ->
         certainty=certainty,
         reason=f"'{words}' {cue.says}",
         lexemes=cue.shows,
+        substitutes=same.get(cue.says, ()),
         word=candidate.stroke,
         phrase=passage.words[stroke].phrase,
         style=FEELING_STYLES.get(cue.intent, ""),

@@ -15,4 +15,5 @@ class Candidate:
     signal: Signal
     weight: float  # certainty times preference, with a bonus for core signals
     choices: tuple[Choice, ...]
+    substitutes: tuple[Choice, ...] = ()  # gestures of the same meaning, shown if all `choices` were shown recently
     earlier: ChosenBehaviour | None = None  # earlier behaviour that the candidate repeats; None: a new behaviour

@@ -49,19 +49,24 @@ class GestureUses:
         """Return the alternative gestures not shown recently.
 
         A beat may use the one shown longest ago. So may a gesture for words that the text repeats, unless it is one of
-        the last two.
+        the last two. Otherwise the first substitute that was not shown recently follows.
         """
         choices, intent = candidate.choices, candidate.intent
         forms = {choice: name_form(choice.lexeme, intent) for choice in choices}
         if not self.window:
             return [choice for choice in choices if forms[choice] not in self._recent]
-        fresh = [choice for choice in choices if self.interval(forms[choice], at) >= self.window]
+        fresh = self.fresh(choices, intent, at)
         if fresh:
             return fresh
         is_repeated = intent.name not in FUNCTION_INTENTS and intent.name not in BEAT_INTENTS
         repeated = [choice for choice in choices if is_repeated and (forms[choice], intent.reason) in self._reasons]
         again = [item for item in repeated if forms[item] not in self._recent]
-        return self.oldest(choices if intent.name in BEAT_INTENTS else again, intent, at)
+        oldest = self.oldest(choices if intent.name in BEAT_INTENTS else again, intent, at)
+        return oldest or self.fresh(candidate.substitutes, intent, at)[:1]
+
+    def fresh(self, choices: Sequence[Choice], intent: Intent, at: float) -> Sequence[Choice]:
+        """Return the alternatives not shown within the window."""
+        return [choice for choice in choices if self.interval(name_form(choice.lexeme, intent), at) >= self.window]
 
     def oldest(self, choices: Sequence[Choice], intent: Intent, at: float) -> Sequence[Choice]:
         """Return the alternative shown longest ago, empty if all are recent."""

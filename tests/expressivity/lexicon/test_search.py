@@ -41,6 +41,10 @@ def ids(lexicon: Lexicon, query: str, count: int = 5) -> list[str]:
         ("call me on the phone", "phone_call"),
         ("push it away", "refuse_push"),
         ("point at my nose", "nose"),
+        ("she is heartbroken", "sadness"),
+        ("firstly, secondly, thirdly", "list_fingers"),
+        ("suddenly an idea strikes him", "grasp"),
+        ("a child about so high", "flat_hand_level"),
     ],
 )
 def test_gesture_search_lists_the_expected_gesture_first(lexicon, query, gesture):

@@ -9,7 +9,7 @@ from kinesic.session.setup import set_up
 
 LEXICON = set_up().lexicon
 STORY = (
-    "The new plan has three parts. We meet on Monday morning in the large room and look at every page of it. "
+    "The new plan has three parts. We meet on Monday morning in the other room and look at every page of it. "
     "After that the paper goes to the office, and everybody writes an answer until the end of the week."
 )
 
