@@ -82,7 +82,7 @@ def reached(plain, monkeypatch):
 
 @contextmanager
 def web_server(folder: Path) -> Iterator[int]:
-    """Serve a folder on a free port, like a foreign web server."""
+    """Serve a folder on a free port, as a web server of another origin."""
 
     class Quiet(SimpleHTTPRequestHandler):
         def log_message(self, *_: object) -> None:

@@ -32,7 +32,7 @@ MIN_SLOPE_DEFICIT = -0.01  # ln(required / available time) above which inaccurat
 MAX_SLOPE_IMBALANCE = 0.1  # largest sum of deficit slopes / sum of their magnitudes, ideally 0
 MIN_RELIABLE_SLOPE = 0.5  # [1/s] if no deficit slope exceeds this, finite differences replace the slopes
 DEFICIT_MARGIN = 0.002  # [ln(time ratio)] extra time demanded by cutting planes, so that the search ends soon
-MIN_PLANE_SLOPE = 0.1  # [1/s] if no deficit slope exceeds this, each binding gap has a cutting plane
+MIN_PLANE_SLOPE = 0.1  # [1/s] deficit gradient that counts as zero; each binding key interval then gets a cut
 BINDING_FRACTION = 0.05  # fraction of a segment's summed multipliers from which a gap's limit is binding
 
 

@@ -17,7 +17,7 @@ from kinesic.motion.trajectory import KNOT_INTERVAL, spline_weights
 
 SWING_FRACTION = 0.1  # overshoot allowed at keys, relative to the key interval's angle
 MIN_SWING = 0.05  # [rad] overshoot beyond a key always allowed within the joint range
-KEY_NEIGHBOURHOOD = 2  # [knot intervals] distance from a key within which the angle bounds of both gaps hold
+KEY_NEIGHBOURHOOD = 2  # [knot intervals] distance from a key with the wider bounds of both key intervals
 MIN_HOLD = 40  # [knot intervals] shortest hold that contains a rest; shorter ones may overshoot
 LONG_HOLD = 100  # [knot intervals] part of a long hold, at each end, in which the hinge may still move
 MIN_KNOT_INTERVALS = 4  # smallest number of knot intervals of a motion

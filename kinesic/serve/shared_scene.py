@@ -25,7 +25,9 @@ from kinesic.serve.tracks import Track, Version, changed_tracks
 PROPOSAL_MARGIN = 0.015  # [s] between a proposal and its splice time; doubled after each rejection
 MAX_EXPECTED_DURATION = 1.0  # [s] upper bound of the expected time to compute a proposal
 EXPECTATION_DECAY = 0.7  # factor on the expected time after a faster proposal
-MAX_PROPOSAL_ATTEMPTS = 9  # largest number of attempts to propose a change; the last has a margin of nearly 4 s
+MAX_PROPOSAL_ATTEMPTS = (
+    9  # largest number of proposals of a change; the time before it doubles with each, to nearly 4 s
+)
 Change = Callable[[Scene, float], Scene]
 
 

@@ -262,7 +262,7 @@ def test_behaviour_of_zero_or_ten_microseconds_is_scheduled(timed: Timing) -> No
     assert (at(timeline, "h:end"), at(timeline, "i:end"), timeline.dropped) == (1e-5, 1.0, ())
 
 
-def test_speech_without_utterance_is_dropped() -> None:
+def test_speech_that_no_voice_speaks_is_dropped() -> None:
     block = parse('<bml id="b"><speech id="s"/></bml>')
     (drop,) = schedule(block, {}, {}).dropped
     assert drop == Drop(block.behaviours[0], "no voice speaks its text")

@@ -127,7 +127,7 @@ def test_collision_of_torso_and_head_names_the_behaviour_at_its_time(collision):
 
 @pytest.fixture
 def overload(known, monkeypatch):
-    """Return the failure caused by peak duties of two hinges."""
+    """Return a function from peak motor duties to the failure of a merge."""
 
     def at(after: tuple[float, float], before: tuple[float, float], performed=()) -> MergeFailure | None:
         pairs, lengths = iter((after, before)), []

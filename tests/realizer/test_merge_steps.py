@@ -295,7 +295,7 @@ def test_behaviour_that_cannot_be_overlaid_is_left_out_with_its_reason(overlays,
     assert attempt.controls is attempt.base
 
 
-def test_idle_motion_that_cannot_be_overlaid_leaves_the_running_motion(overlays, planned, rest):
+def test_running_motion_is_unchanged_if_idle_motion_cannot_be_overlaid(overlays, planned, rest):
     _, failures, clashes = overlays
     idle = planned('<wait id="w" duration="1"/>')
     for cause in (failures, clashes):

@@ -159,7 +159,7 @@ def test_motion_without_the_block_is_corrected_if_it_exceeds_limits_after_the_ch
 
 @pytest.fixture
 def joins(monkeypatch):
-    """Record joined hinges with the knots of the next keys."""
+    """Replace `_join` by a stub that records its arguments by hinge."""
     calls = {}
 
     def join(current, goal, knot, coming, _limits, hinge):

@@ -173,7 +173,7 @@ def test_block_end_at_an_emergency_stop_cannot_be_withdrawn(queue: FeedbackQueue
     assert send(queue, 12.0) == ["h:stroke", ":end"]
 
 
-def test_new_planner_may_not_withdraw_feedback_it_did_not_receive_at_its_start(queue: FeedbackQueue) -> None:
+def test_new_planner_may_withdraw_only_feedback_that_was_handed_over_to_it(queue: FeedbackQueue) -> None:
     send(queue, 10.5)
     text = ScheduledFeedback(12.5, "<kept/>")
     assert queue.propose((*block()[:2], text), block()[2:])

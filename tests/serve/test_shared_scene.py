@@ -41,7 +41,7 @@ class Loop:
 
 
 def plan(wired: Wired, message: Message, answer: Callable[[Proposal], ProposalVerdict]) -> Loop:
-    """Plan a message with a stub loop."""
+    """Plan the document of a message, and return the stub control loop."""
     planning, end = wired
     loop = Loop(end, answer)
     listener = Thread(target=loop.listen, daemon=True)

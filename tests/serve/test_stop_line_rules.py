@@ -1,4 +1,4 @@
-"""Emergency-stop lines over simulated connections: their answers and their ends."""
+"""Emergency-stop connections of simulated clients: replies, and when they are closed."""
 
 import json
 import socket

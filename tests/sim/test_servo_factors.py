@@ -101,7 +101,7 @@ def test_torque_current_and_velocity_scale_with_supply_voltage():
         assert winding == pytest.approx(same)
 
 
-def test_servo_models_can_have_separate_factors():
+def test_factors_of_one_servo_model_replace_the_common_factors():
     some = Factors(stall=0.8, mass=1.1, servos={"xm430_w210": DriveFactors(friction=2.0)})
     for changed, drive in zip(some.applied(ROBOT).drives, ROBOT.drives, strict=True):
         own = drive.servo.name == "xm430_w210"

@@ -1,4 +1,4 @@
-"""Every document of the corpus (`make soak`)."""
+"""Soak test: each document of the corpus is performed or refused with location."""
 
 import os
 from pathlib import Path

@@ -55,7 +55,7 @@ class PlayedFuture:
 
 
 class PlayedClient:
-    """Dask client whose workers run each group at once."""
+    """Stub Dask client that runs a group when its result is requested."""
 
     def __init__(self, workers: int = 2, version: str | None = None) -> None:
         self.workers = {f"tcp://worker{k}": version or program_version() for k in range(workers)}

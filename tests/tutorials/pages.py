@@ -37,7 +37,7 @@ def read_tutorial(name: str) -> Document:
 
 
 def read_page(path: Path) -> Document:
-    """Read a page's blocks, presses of Enter and skipped blocks."""
+    """Parse the code blocks and the marking comments of a tutorial page."""
     return Document.parse(str(path), SkipParser(), _blocks, _presses, _marks)
 
 

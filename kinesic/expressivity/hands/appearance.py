@@ -18,7 +18,7 @@ from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY
 
 MIN_PATH_DISTANCE = 0.05  # [m] smallest RMS distance of the hand paths of two visibly different gestures
-MIN_ORIENTATION_ANGLE = radians(30)  # [rad] smallest RMS angle of the hands of two visibly different gestures
+MIN_ORIENTATION_ANGLE = radians(30)  # [rad] RMS angle between hand orientations from which gestures visibly differ
 
 _SAMPLE_COUNT = 50  # samples per stroke
 

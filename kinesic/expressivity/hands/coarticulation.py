@@ -118,7 +118,7 @@ class _Hands:
             )
 
     def _keep_series_hands(self, stroke: Stroke) -> Stroke:
-        """Restrict a stroke to the hands of its series."""
+        """Restrict a stroke to the hands of earlier strokes of its series."""
         before = [work for row in self.works.values() for work in row if work.stroke.series == stroke.series != ""]
         if not before:
             return stroke

@@ -21,7 +21,7 @@ FORCE_EXPONENT = 3.0  # exponent of power, and of tension if power is high, in t
 TENSION_EXPONENT = 1.5  # exponent of tension in the easing steepness of gestures without power
 OVERSHOOT_THRESHOLD = 0.5  # power from which accented strokes overshoot; if tension is as high, strokes bounce
 OVERSHOOT_ACCENT_FRACTION = 0.68  # steepness of easing `out_back` / steepness of an accent of equal peak velocity
-MIN_LATE_ACCENT = 2.5  # smallest steepness above `MIN_STEEPNESS` of a full accent at the end of a movement
+MIN_LATE_ACCENT = 2.5  # smallest easing steepness, less `MIN_STEEPNESS`, if a full accent ends the movement
 POWER_BIAS = 0.25  # spline bias at a power of 1, towards the direction of approach
 LOOSENESS_BIAS = 0.4  # spline bias in strokes at a tension of -1, towards the direction of departure
 

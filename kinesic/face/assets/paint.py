@@ -85,7 +85,7 @@ UPPER_LIP = (
 )  # upper edge of the red lips as chart coordinates a and y
 # Lower edge of the red lips as chart coordinates a and y.
 LOWER_LIP = ((0.0, -1.30), (0.12, -1.295), (0.25, -1.235), (0.36, -1.15), (0.43, MOUTH_LINE))
-MOUTH_CORNER = (0.38, 0.025)  # chart coordinate a of a mouth corner, and width of its shade
+MOUTH_CORNER = (0.38, 0.025)  # lateral chart coordinate of the mouth corners, and width of their shade
 CORNER_SHADE = 0.35  # factor on the lips' colour in the corners of the mouth
 # Upper and lower edge of a beard as chart coordinates a and y.
 BEARD_TOP = ((0.0, -0.82), (0.3, -0.86), (0.5, -1.12), (0.9, -1.22), (1.25, -0.95), (1.45, -0.55), (1.6, -0.3))

@@ -13,7 +13,7 @@ from kinesic.hardware.bus.listener import TIMEOUT_TUNING, Listener
 from kinesic.hardware.bus.plausibility import PlausibilityFilter, ServoSelection
 from kinesic.hardware.bus.query import Query, ServoReplies
 
-CLOCK_TOLERANCE = 0.004  # [s] a record older than its transmission time plus this answers an earlier query
+CLOCK_TOLERANCE = 0.004  # [s] margin over the duration of a reply on the wire; older records answer an earlier query
 LATE_REPLY_WINDOW = 0.05  # [s] longest delay of a missing reply after the end of its transmission time
 MAX_STALE_CYCLES = 2  # consecutive cycles with only seemingly late records, after which one cycle sends no query
 TRIAL_PAUSE = 100  # extra stale cycles before the next cycle without query, if the last one received late replies

@@ -55,7 +55,7 @@ GESTURE_THRESHOLDS: Mapping[str, float] = {  # smallest scores by gesture, where
     **dict.fromkeys(("gotcha", "watching_you", "shake_fist", "go_away", "contempt", "crazy"), 0.7),
 }
 UNKNOWN_THRESHOLD = 0.6  # smallest score of a gesture of an unknown category
-SENSITIVE_CATEGORIES = frozenset({"emblem", "emotion"})  # gesture categories penalised in reports and questions
+SENSITIVE_CATEGORIES = frozenset({"emblem", "emotion"})  # categories scored lower in reported speech and questions
 REPORT_CATEGORIES = frozenset(
     {"deictic", "metaphoric", "iconic", "adaptor"}
 )  # gesture categories that plain reports rarely need

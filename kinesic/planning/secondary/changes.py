@@ -108,7 +108,7 @@ class Changes:
         return int(self._sizes[amounts > 0.0].max(initial=len(self.motion.controls)))
 
     def _window(self, amounts: Floats, changed: Flags) -> slice:
-        """Return the control points whose limits must be rechecked after changed amounts."""
+        """Return the control points to recheck after some offsets were rescaled."""
         size, (first, last) = self._whole_size(amounts), self._spans[changed].T
         return slice(
             max(0, min(int(first.min()), size) - MAX_LIMIT_CONTROLS), min(int(last.max()) + MAX_LIMIT_CONTROLS, size)

@@ -19,7 +19,7 @@ IPA_SYMBOLS: Mapping[str, str] = {  # letters of hibari that differ from the pho
     **{"A": "eɪ", "I": "aɪ", "O": "oʊ", "Q": "əʊ", "W": "aʊ", "Y": "ɔɪ", "ᵊ": "ə"},  # noqa: RUF001 - phonetic letters
     **{"ʣ": "dz", "ʤ": "dʒ", "ʥ": "dʑ", "ʦ": "ts", "ʧ": "tʃ", "ʨ": "tɕ", "ꭧ": "tʂ", "S": "s", "T": "ɾ"},
 }
-DIPHTHONG_LETTERS = frozenset("AIOQWY")  # letters of hibari for two vowels
+DIPHTHONG_LETTERS = frozenset("AIOQWY")  # letters with which the voice hibari writes a diphthong as one symbol
 MODIFIER_LETTERS = frozenset("\u02d0\u02b0\u02b2\u0303")  # letters that change the sound before them
 INITIAL_ONSET_SHIFT = -0.090  # [s] from the start of a word's first consonant to its closure or constriction
 SIBILANT_ONSET_SHIFT = -0.105  # [s] from the start of a word's first sibilant to its constriction

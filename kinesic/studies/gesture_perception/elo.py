@@ -20,7 +20,7 @@ POINTS_PER_UNIT = 400.0 / math.log(10.0)  # [points] Elo points per unit of the 
 BOOTSTRAP_COUNT = 1000  # number of resampled sets of participants
 MAX_ITERATIONS = 100  # largest number of iterations of Newton's method
 STEP_TOLERANCE = 1e-8  # [logistic units] step below which the iteration has converged
-MAX_STEP = 2.0  # [logistic units] largest change of a strength per iteration
+MAX_STEP = 2.0  # [logistic units] largest change of a system's rating per iteration
 RIDGE_WEIGHT = 1e-9  # [answers] added to the information matrix's diagonal, so that uncompared systems have a solution
 PRIOR_ANSWERS = 0.5  # answers added for each side of a compared pair, if a rating would be infinite
 

@@ -26,7 +26,7 @@ def runs() -> tuple[DryRun, ...]:
 
 
 class Drive:
-    """Test double of the servos that records performances and learning."""
+    """Test double of the servos that records performances and parameter identification."""
 
     def __init__(self, performance: DryRun) -> None:
         self.ending, self.times, self.performance = "ended", [0.0, 0.01, 0.02], performance

@@ -153,7 +153,7 @@ def test_openness_of_the_style_becomes_that_of_the_hand_poses(robot, lexicon):
 
 
 @pytest.mark.parametrize(("power", "effort"), [(-1.0, 0.0), (0.0, 0.0), (0.7, 0.7)])
-def test_power_above_zero_sets_the_shoulder_effort_of_the_arm(robot, lexicon, power, effort):
+def test_positive_power_makes_the_shoulder_follow_the_arm(robot, lexicon, power, effort):
     work = poses(lexicon.find("beat", "right").form, robot, Expressivity(power=power))
     assert work.hands["r"][-1].effort == effort
 

@@ -16,7 +16,7 @@ from kinesic.face.assets.mesh import FACE_VARIANTS, load_head
 
 @cache
 def locks(variant: Variant) -> tuple[Locks, np.ndarray]:
-    """Return the hair and its positions in distances between the eyes."""
+    """Return the locks of hair and their vertex positions [eye distances]."""
     mesh = load_head(variant)
     actual = grow_locks(mesh, HAIR_STYLES[variant])
     return actual, actual.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
@@ -101,7 +101,7 @@ def test_hair_locks_start_narrow_and_end_blunt(variant: Variant, tip: float):
 
 
 def test_short_hair_lies_flat_on_the_neck():
-    """Expect long narrow locks with flat tips on the neck."""
+    """Expect narrow locks whose tips are near the skin of the neck."""
     mesh = load_head("male")
     skin = mesh.positions[mesh.vertices("skin")] / (mesh.eyes[0, 1] - mesh.eyes[1, 1])
     tips = edges("male")[:, -1].mean(axis=1)

@@ -30,7 +30,7 @@ def overlap(mouth: Lips, positions: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("wide", [0.3, 1.0, 1.6])
-def test_lip_column_distances_match_a_brute_force_reference(mouth: Lips, wide: float):
+def test_lip_edge_heights_in_vertical_strips_match_a_brute_force_reference(mouth: Lips, wide: float):
     """Compare lips narrower than, as wide as and wider than all columns."""
     random, half = np.random.default_rng(5), 0.5 * (mouth.middles[1] - mouth.middles[0])
     points = random.uniform(wide * mouth.middles[0], wide * mouth.middles[-1], len(mouth.outward))

@@ -137,7 +137,7 @@ def test_truncated_reply_is_parsed_immediately_if_the_cycle_has_no_spare_time():
     assert made.wire.now() < REPLY_END - 0.0005
 
 
-def test_reply_with_added_bytes_is_received_to_its_end():
+def test_joint_reply_with_a_repeated_servo_block_is_received_to_its_end():
     at = 8 + 22 * 3
     longer = joint()[: at + 22] + joint()[at:]
     made = listener(

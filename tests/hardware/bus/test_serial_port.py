@@ -189,7 +189,7 @@ def test_terminal_counts_as_reused_if_its_link_is_unchanged_but_its_device_is_no
         assert first.is_reused_by(later) is reused
 
 
-def test_terminal_identity_has_device_number_and_link_number(port: Port, tmp_path: Path) -> None:
+def test_identity_of_a_pseudo_terminal_has_device_and_inode_numbers(port: Port, tmp_path: Path) -> None:
     plain, link = tmp_path / "plain", tmp_path / "link"
     plain.write_text("")
     link.symlink_to(port.path)

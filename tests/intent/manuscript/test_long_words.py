@@ -1,4 +1,4 @@
-"""Tests of overlong words such as keys, which are spoken in part."""
+"""Tests of overlong words, of which the first 80 characters are spoken."""
 
 import pytest
 

@@ -111,7 +111,7 @@ def test_joyful_style_enlarges_no_uncertain_beats_and_repeats_no_illustrating_st
     ("text", "gesture"),
     [("The waiter opened the door.", "open_door"), ("The village had a long wall.", "wall")],
 )
-def test_lively_style_illustrates_words_of_plain_reports(text: str, gesture: str) -> None:
+def test_lively_style_illustrates_words_of_matter_of_fact_sentences(text: str, gesture: str) -> None:
     shown = {
         name: {behaviour.lexeme for behaviour in plan_behaviours(text, Lexicon.load(), Style.load(name))[1].behaviours}
         for name in ("neutral", "joyful")

@@ -55,7 +55,7 @@ def test_bvh_joint_positions_equal_those_of_the_robot(tmp_path: Path):
     assert "l_shoulder_flexion" in {joint.name for joint in joints}  # a joint of its own, about another centre
 
 
-def test_person_is_recognised_in_the_bvh_file_of_a_robot(tmp_path: Path):
+def test_bvh_file_of_a_robot_is_read_as_a_human_skeleton(tmp_path: Path):
     robot = Robot.load("upper22")
     write_bvh(np.tile(robot.skeleton.rest, (30, 1)), robot, tmp_path / "a.bvh", rate=100)
     clip = clip_of_skeleton(*read_bvh((tmp_path / "a.bvh").read_bytes(), "a.bvh"), "a.bvh")

@@ -21,7 +21,7 @@ def no_face(_: float) -> dict[str, float]:
 
 
 def followed(sink: RealTimeSink, setup: Setup, *times: float) -> list[list[float]]:
-    """Return the times of the commands sent at each time."""
+    """Return the time stamps [s] of the commands sent in each call."""
     motion, results = nod(setup, 0.1), []
     for time in times:
         sink.sink.commands.clear()
@@ -137,7 +137,7 @@ def test_sink_that_reports_no_cycles_provides_no_identification_data(known: Setu
     assert (learner.seen, sink.lesson) == (0, None)
 
 
-def test_sink_without_servo_identification_can_be_closed(known: Setup):
+def test_sink_that_identifies_no_servo_parameters_can_be_closed(known: Setup):
     sink = RealTimeSink(Recorder())
     sink.close()
     assert sink.sink.closed == 1

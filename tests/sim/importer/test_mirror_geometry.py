@@ -33,7 +33,7 @@ def make_tree(*rows, base=0 * X):
 
 
 def arms(left="l", right="r", count=3, spread=0.2):
-    """Return rows of two arms with `count` hinges below each other."""
+    """Return table rows of two hanging arms, each a chain of `count` hinges."""
     rows = []
     for side, name in ((1, left), (-1, right)):
         first = len(rows)

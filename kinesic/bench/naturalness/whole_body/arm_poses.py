@@ -1,4 +1,4 @@
-"""Fit of standing postures with raised forearms to captured resting frames."""
+"""Arm poses with hands before the body, fitted to captured resting frames."""
 
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence

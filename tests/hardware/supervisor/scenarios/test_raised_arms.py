@@ -1,4 +1,4 @@
-"""Raised arms with weight during faults, simulated by the twin."""
+"""Faults while the arms are raised: no limb with torque falls."""
 
 from collections.abc import Callable, Iterator
 from pathlib import Path
