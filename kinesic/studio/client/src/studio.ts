@@ -131,7 +131,10 @@ export class Studio {
       isUnsavedGesture: () => this.isGesture && !this.files.saving.isStored,
       isPlaying: () => this.player.playing,
       pause: () => this.player.play(false),
-      sent: () => this.view.setMode("robot"),
+      sent: () => {
+        this.styles.preview.cancel();
+        this.view.setMode("robot");
+      },
     });
     this.insertion = new Insertion(this.plan, {
       ...{ text, edit, isGesture, say: log },

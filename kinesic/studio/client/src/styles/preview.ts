@@ -14,8 +14,8 @@ export class Preview {
   private end: number | null = null; // [s] at which the playback of a change ends
 
   constructor(
-    private readonly view: StageView,
-    private readonly player: Player,
+    private readonly view: Pick<StageView, "motion" | "before" | "setMode">,
+    private readonly player: Pick<Player, "playing" | "seek" | "play">,
   ) {
     this.on.checked = !matchMedia("(prefers-reduced-motion: reduce)").matches;
   }
@@ -23,6 +23,12 @@ export class Preview {
   /** Expect the draft of changed expressivity. */
   expect(): void {
     if (this.on.checked) this.before = this.view.motion;
+  }
+
+  /** Play no change whose draft is still expected, because the robot performs. */
+  cancel(): void {
+    this.view.before = this.before = null;
+    this.end = null;
   }
 
   /** Play the changed behaviours, if this draft has their change. */
