@@ -1,4 +1,4 @@
-"""Conversion of hinge angles to the joint convention of an imported robot's file."""
+"""Conversion of hinge angles to the joints of an imported robot's file."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -134,7 +134,7 @@ def _head_rotations(frames: JointFrames, neutral: JointFrames, chest: Floats, jo
 
 
 def _mean_frame(frames: Floats) -> Floats:
-    """Return the rotation (3, 3) nearest to the mean of rotations (m, 3, 3)."""
+    """Return the mean rotation (3, 3) of rotations (m, 3, 3)."""
     left, _, right = np.linalg.svd(frames.mean(axis=0))
     mean: Floats = left @ np.diag([1.0, 1.0, np.sign(np.linalg.det(left @ right))]) @ right
     return mean

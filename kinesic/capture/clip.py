@@ -32,7 +32,7 @@ class HandTrack:
 
 @dataclass(frozen=True, eq=False)
 class BodyClip:
-    """Arm, hand, head and trunk motion of a human, independent of size and heading."""
+    """Upper-body motion of a human, independent of size and heading."""
 
     times: Floats  # (m,) [s] from 0
     arms: Mapping[Side, ArmPath]

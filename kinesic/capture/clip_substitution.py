@@ -1,4 +1,4 @@
-"""Replacement of a text's lexicon gestures by captured ones with the same meaning."""
+"""Replacement of lexicon gestures by captured gestures of the same meaning."""
 
 from collections.abc import Sequence
 from dataclasses import replace

@@ -161,7 +161,7 @@ def _describe(name: str) -> str:
 
 
 def _free_id(stem: str, taken: set[str]) -> str:
-    """Return a gesture name that resembles a file name and is not taken."""
+    """Return an unused gesture name that resembles a file name."""
     words = "_".join(split_words(_ID_LETTERS.sub("_", stem))) or "gesture"
     id = plain_stem(words if words[0].isalpha() else f"g_{words}", fallback="gesture").replace("-", "_")
     count = 2

@@ -14,7 +14,7 @@ MIN_DISTANCE = 1e-6  # [arm lengths] smallest shoulder-wrist distance by which i
 
 
 def measure_elbow_errors(desired: ArmPath, reached: ArmPath) -> tuple[Floats, Floats]:
-    """Return the upper-arm direction errors (m,) [deg], and the least ones with an exact wrist.
+    """Return upper-arm direction errors (m,) [deg], reached and least for exact wrists.
 
     Args:
         desired: elbows and wrists of the clip.

@@ -1,4 +1,4 @@
-"""Frechet distance between the distributions of arm motion in two sets of clips."""
+"""Frechet distance between the arm motions of two sets of clips."""
 
 from collections.abc import Mapping, Sequence
 

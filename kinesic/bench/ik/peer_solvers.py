@@ -54,7 +54,7 @@ def list_carriers(chain: Chain) -> tuple[WristHinge, ...]:
 
 
 def forearm_offset(chain: Chain) -> Floats:
-    """Return the offset (3,) [m] of the hand from the last joint moving it."""
+    """Return the hand's offset (3,) [m] from the last joint moving it."""
     return chain.joints[-2].bone
 
 

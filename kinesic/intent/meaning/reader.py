@@ -133,7 +133,7 @@ def _find_pictures(
 
 
 def _silences(cue: Candidate, sense: Candidate) -> bool:
-    """Return whether a cue without gesture shares words with a sense.
+    """Return whether a cue without gesture overlaps a sense.
 
     An idiom that contains all words of the cue has a meaning of its own, which is shown.
     """
