@@ -20,6 +20,7 @@ PACKAGES = (
         "controller",
         "metrics",
         "capture",
+        "conversation",
         "realizer",
         "serve",
         "report",

@@ -1,0 +1,1 @@
+"""Behaviour of a robot between blocks of a conversation: people, turns and gaze."""

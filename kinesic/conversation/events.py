@@ -1,0 +1,87 @@
+"""Events of a conversation, from voice stacks, cameras and clients.
+
+An event has no time of its own: the caller passes the time of its arrival, and `age` says how long it has been true.
+"""
+
+from dataclasses import dataclass
+from typing import Literal
+
+Place = tuple[float, float, float]  # [m] position in the robot's world frame: x forward, y left, z up
+
+
+@dataclass(frozen=True)
+class Conversing:
+    """Begin or end of a conversation."""
+
+    on: bool
+    amount: float = 1.0  # 0..1 amount of movement
+
+
+@dataclass(frozen=True)
+class Person:
+    """A person that a camera or tracker reports."""
+
+    id: str
+    place: Place  # [m] position of the eyes
+    looks: bool = False  # whether the person looks at the robot
+
+
+@dataclass(frozen=True)
+class PeopleSeen:
+    """All people whom a tracker sees at one time."""
+
+    people: tuple[Person, ...]
+    age: float = 0.0  # [s] time since the measurement
+
+
+@dataclass(frozen=True)
+class VoiceActivity:
+    """Begin or end of the voice of a person."""
+
+    active: bool
+    who: str | None = None  # id of the person; None: unknown
+    age: float = 0.0  # [s] time since the voice began or ended
+
+
+@dataclass(frozen=True)
+class Transcript:
+    """Recognised words of a person."""
+
+    text: str  # all words of the turn so far
+    final: bool = False  # whether the recogniser will not change them
+    who: str | None = None  # id of the person; None: unknown
+
+
+@dataclass(frozen=True)
+class TurnPrediction:
+    """Probability that the turn passes to the robot."""
+
+    yours: float  # 0..1
+
+
+@dataclass(frozen=True)
+class Thinking:
+    """Begin or end of the time in which a model prepares its answer."""
+
+    on: bool
+
+
+@dataclass(frozen=True)
+class RobotSpeech:
+    """Begin or end of the robot's own speech."""
+
+    active: bool
+    ends_in: float | None = None  # [s] time until the speech ends; None: unknown
+    filler: bool = False  # whether it only fills the time until the answer
+
+
+@dataclass(frozen=True)
+class BargeIn:
+    """Decision that a person takes the turn while the robot speaks."""
+
+    cause: Literal["voice", "words", "client"] = "voice"
+
+
+ConversationEvent = (
+    Conversing | PeopleSeen | VoiceActivity | Transcript | TurnPrediction | Thinking | RobotSpeech | BargeIn
+)
