@@ -14,6 +14,7 @@ from kinesic.files.film_file import explain_missing_encoder, find_encoder
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.wiring_check import find_supply_faults
 from kinesic.hardware.tools.diagnosis import ServoFinding, diagnose
 from kinesic.sim import gl
 from kinesic.speech import espeak_pool, loudspeaker
@@ -45,9 +46,13 @@ def examine_machine() -> int:
 
 def examine_servos(robot: str, ports: tuple[str, ...]) -> int:
     """Check ports, permissions, latency, supply and servos, and print remedies."""
-    manifest = Manifest.of(load_robot(robot))
+    robot_model = load_robot(robot)
+    manifest = Manifest.of(robot_model)
     paths = read_ports(ports, manifest.bauds)
     fault_count = 0
+    for line in find_supply_faults(robot_model):
+        fault_count += 1
+        _print_finding(ServoFinding("-", "supply", False, line))
     for finding in diagnose(manifest, paths, lambda bus: SerialWire(paths[bus], manifest.bauds[bus])):
         fault_count += not finding.well
         _print_finding(finding)

@@ -11,7 +11,10 @@ from kinesic.cli.progress import show_stages
 from kinesic.cli.screen.table import Table
 from kinesic.cli.terminal import console, quote_text
 from kinesic.files.output_file import check_file, new_file, write_text
-from kinesic.hardware.protocol.servo_map import load_robot
+from kinesic.hardware.protocol.servo_map import ServoMap, load_robot
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.settings import DEFAULT_SETTINGS
+from kinesic.hardware.supervisor.wiring_check import compute_bus_loads, find_supply_faults
 from kinesic.sim.importer.apart.imported import ImportedRobot, import_apart
 from kinesic.sim.shells.shell import SHELL_SUFFIX, is_stale, load_shell
 from kinesic.sim.shells.variant import find_shell
@@ -87,7 +90,18 @@ def assess_robot(robot: str) -> int:
     click.echo(f"{100 * checked.clear_share:.0f} % of random postures have {min_clearance:.0f} mm clearance")
     total = len(reach.reached) + len(reach.missed)
     click.echo(f"workspace: {len(reach.reached)} of {total} sectors within 2 cm, torso upright")
-    return 1 if failed else 0
+    return 1 if _has_wiring_faults(robot_model) or failed else 0
+
+
+def _has_wiring_faults(robot: Robot) -> bool:
+    """Print bus loads and wrong supply voltages, and return whether one is a fault."""
+    loads = compute_bus_loads(Manifest.of(robot), period=DEFAULT_SETTINGS.period) if ServoMap.of(robot).buses else ()
+    for load in loads:
+        click.echo(f"bus {load.bus}: {load.text}")
+    supply_faults = find_supply_faults(robot)
+    for line in supply_faults:
+        click.echo(f"supply: {line}")
+    return bool(supply_faults) or not all(load.fits for load in loads)
 
 
 def import_robot(file: Path, out: Path | None, force: bool) -> int:

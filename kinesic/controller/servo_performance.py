@@ -21,7 +21,8 @@ from kinesic.controller.play import commands
 from kinesic.controller.watch.servos import ServoWatch
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
-from kinesic.hardware.supervisor.channel import Note, Status
+from kinesic.hardware.supervisor.channel import Status
+from kinesic.hardware.supervisor.notes import Note
 from kinesic.host import ENDING_SIGNALS
 from kinesic.metrics.dry_run import DryRun
 from kinesic.metrics.servo_run import Ending, ServoRun

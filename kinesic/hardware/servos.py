@@ -22,10 +22,12 @@ from kinesic.body.servo import tracking_lags
 from kinesic.hardware.bus.telemetry import Telemetry
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.address import find_supervisor
-from kinesic.hardware.supervisor.channel import Channel, Note, Status, map_memory, memory_file, memory_size
+from kinesic.hardware.supervisor.channel import Channel, Status, map_memory, memory_file, memory_size
 from kinesic.hardware.supervisor.manifest import Manifest, Member, describe_raised_joints
+from kinesic.hardware.supervisor.notes import Note
 from kinesic.hardware.supervisor.settings import DEFAULT_SETTINGS, Policy, SupervisorOrder, SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
+from kinesic.hardware.supervisor.wiring_check import compute_bus_loads
 
 START_TIMEOUT = 30.0  # [s] time limit for the supervisor to become ready
 POLL_INTERVAL = 0.005  # [s] pause between two checks of the supervisor's state
@@ -62,6 +64,7 @@ class Servos:
         """
         manifest = Manifest.of(robot)
         check_ports(robot, manifest, ports)
+        check_bus_loads(manifest, period=settings.period)
         self._manifest, self._joints = manifest, len(manifest.rest)
         check_ports_free(ports.values(), self._joints)
         octets = memory_size(self._joints)
@@ -269,6 +272,21 @@ def check_ports(robot: Robot, manifest: Manifest, ports: Mapping[str, str | Path
     if mismatched:
         required = ", ".join(f"{name}=PATH" for name in manifest.bauds)
         raise BusError(f"ports are given for {', '.join(ports) or 'no bus'}, but {robot.name} needs {required}")
+
+
+def check_bus_loads(manifest: Manifest, *, period: float) -> None:
+    """Check that each bus has time for all of its servos in every cycle.
+
+    Args:
+        manifest: servos of the robot.
+        period: [s] cycle period.
+
+    Raises:
+        BusError: a bus is too slow; one line per bus, with a remedy.
+    """
+    loads = compute_bus_loads(manifest, period=period)
+    if lines := [f"bus {load.bus} is too slow: {load.text}" for load in loads if not load.fits]:
+        raise BusError("\n".join(lines))
 
 
 def check_ports_free(ports: Iterable[str | Path], joints: int) -> None:

@@ -7,7 +7,8 @@ from typing import Literal
 import numpy as np
 
 from kinesic.body.arrays import Flags, Floats, sealed
-from kinesic.hardware.supervisor.channel import Note, Status
+from kinesic.hardware.supervisor.channel import Status
+from kinesic.hardware.supervisor.notes import Note
 from kinesic.hardware.supervisor.settings import DEFAULT_SETTINGS
 from kinesic.metrics.arrival import compute_part_paths, measure_arrival_lags
 from kinesic.metrics.dry_run import DryRun

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from kinesic.hardware.supervisor.channel import Note
+from kinesic.hardware.supervisor.notes import Note
 from kinesic.metrics.servo_run import ServoRun
 from kinesic.report.checks import GRADE_NAMES, Check, grade
 from kinesic.report.checks.twin import P95_LIMIT, PEAK_ERROR_LIMIT

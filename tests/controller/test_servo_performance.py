@@ -9,7 +9,8 @@ from kinesic.body.command import Command
 from kinesic.controller.dry_run import dry_run
 from kinesic.controller.servo_performance import RunRequest, perform_live
 from kinesic.hardware.protocol.wire import BusError
-from kinesic.hardware.supervisor.channel import Note, Status
+from kinesic.hardware.supervisor.channel import Status
+from kinesic.hardware.supervisor.notes import Note
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.metrics.dry_run import DryRun
 from kinesic.metrics.servo_run import ServoRun

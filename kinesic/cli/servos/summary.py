@@ -6,7 +6,7 @@ from pathlib import Path
 import click
 
 from kinesic.controller.learned_gains import Identification
-from kinesic.hardware.supervisor.channel import Note
+from kinesic.hardware.supervisor.notes import Note
 
 
 def print_learned_factors(identification: Identification, path: Path | None, *, to_stderr: bool) -> None:

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.hardware.bus.telemetry import Telemetry
+from kinesic.hardware.supervisor.notes import TEXT_SIZE, Note, join_notes, split_note
 from kinesic.hardware.supervisor.settings import Policy
 from kinesic.hardware.supervisor.state_machine import Awaited, Stage
 
@@ -48,7 +49,6 @@ _WORD_NAMES = (
     "tellings",
 )
 _WORD_OFFSETS = {name: place for place, name in enumerate(_WORD_NAMES)}  # word name -> index in the shared memory
-_TEXT_SIZE = 400  # [bytes] space for the text of an event
 
 
 def _no_values() -> Floats:
@@ -77,16 +77,6 @@ class Status:
     def time_at(self, clock: float) -> float:
         """Extrapolate the performance time [s] to a slightly later clock time [s]."""
         return self.time + self.scale * (clock - self.clock)
-
-
-@dataclass(frozen=True)
-class Note:
-    """Supervisor event for planner and log: time, servo, kind and text."""
-
-    clock: float  # [s] of the machine's monotonic clock
-    servo: int  # id; -1: no single servo
-    kind: str
-    text: str
 
 
 Rows = NDArray[np.void]
@@ -209,22 +199,17 @@ class Channel:
 
     def note(self, note: Note) -> None:
         """Add a supervisor event to the ring buffer."""
-        number = self.word("noted")
-        kind, text = note.kind.encode(), note.text.encode()[:_TEXT_SIZE]
-        _store(self._events, number % EVENT_CAPACITY, number + 1, note.clock, note.servo, kind, text)
-        self.set("noted", number + 1)
+        number, rows = self.word("noted"), split_note(note)
+        for k, (kind, text) in enumerate(rows, number):
+            _store(self._events, k % EVENT_CAPACITY, k + 1, note.clock, note.servo, kind, text)
+        self.set("noted", number + len(rows))
 
     def notes(self) -> tuple[Note, ...]:
-        """Return the events since the last call, at most EVENT_CAPACITY."""
-        noted, new_notes = self.word("noted"), []
-        self._noted = max(self._noted, noted - EVENT_CAPACITY)
-        while self._noted < noted:
-            row = _load(self._events, self._noted % EVENT_CAPACITY, self._noted + 1)
-            if row is not None:
-                kind, text = (bytes(row[name]).decode(errors="replace") for name in ("kind", "text"))
-                new_notes.append(Note(float(row["clock"]), int(row["servo"]), kind, text))
-            self._noted += 1
-        return tuple(new_notes)
+        """Return the events since the last call, of at most EVENT_CAPACITY rows."""
+        noted = self.word("noted")
+        first, self._noted = max(self._noted, noted - EVENT_CAPACITY), noted
+        rows = (_load(self._events, k % EVENT_CAPACITY, k + 1) for k in range(first, noted))
+        return join_notes(row for row in rows if row is not None)
 
 
 def _status_of(row: np.void) -> Status:
@@ -264,7 +249,7 @@ def _status(joints: int) -> np.dtype[np.void]:
 
 
 _EVENT_DTYPE = np.dtype(
-    [("number", "<u8"), ("clock", "<f8"), ("servo", "<i8"), ("kind", "S24"), ("text", f"S{_TEXT_SIZE}"), ("crc", "<u8")]
+    [("number", "<u8"), ("clock", "<f8"), ("servo", "<i8"), ("kind", "S24"), ("text", f"S{TEXT_SIZE}"), ("crc", "<u8")]
 )
 _TELEMETRY_QUANTITIES = len(Telemetry().figures)  # number of rows of `figures`
 _TELEMETRY_DTYPE = np.dtype(

@@ -13,10 +13,11 @@ import numpy as np
 
 from kinesic.files.output_file import open_to_add
 from kinesic.hardware.bus.telemetry import VOLTS_PER_COUNT
-from kinesic.hardware.supervisor.channel import Channel, Note, Status
+from kinesic.hardware.supervisor.channel import Channel, Status
 from kinesic.hardware.supervisor.goals import GoalSteering
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.monitor import CommunicationMonitor
+from kinesic.hardware.supervisor.notes import Note
 from kinesic.hardware.supervisor.state_machine import Awaited, Stage, SupervisorState
 
 TELEMETRY_INTERVAL = 0.05  # [s] between updates of temperatures, loads, voltages and errors

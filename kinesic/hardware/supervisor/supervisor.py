@@ -33,6 +33,7 @@ from kinesic.hardware.supervisor.torque import (
     release_torque,
     watchdog_counts,
 )
+from kinesic.hardware.supervisor.wiring_check import explain_rare_answers
 
 MAX_COMMANDS_PER_CYCLE = 32  # Largest number of commands read per cycle, which bounds the cycle's duration
 COMMAND_LOOKAHEAD = 2.0  # [s] duration of commands read ahead from the channel
@@ -257,8 +258,8 @@ class Supervisor:
             self._look(axes, None, self._settings.period)
             if self._monitor.answering:
                 return
-        silent = ", ".join(axes.label(k) for k in np.flatnonzero(~self._monitor.answered).tolist())
-        raise BusError(f"{silent}: answers too rarely; check plugs, cable length and latency timer")
+        silent = [axes.label(k) for k in np.flatnonzero(~self._monitor.answered).tolist()]
+        raise BusError(explain_rare_answers(self.manifest, silent, period=self._settings.period))
 
     def _configure(self) -> None:
         if self._axes is not None:

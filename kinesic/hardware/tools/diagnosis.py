@@ -11,6 +11,8 @@ from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.preflight import RegisterTable, find_refusals
+from kinesic.hardware.supervisor.settings import DEFAULT_SETTINGS
+from kinesic.hardware.supervisor.wiring_check import compute_bus_loads
 from kinesic.hardware.tools.survey import find_unexpected_servos, open_slow_access
 
 MIN_COOLING_MARGIN = 10  # [K] smallest healthy margin between a resting servo's temperature and its limit
@@ -27,7 +29,12 @@ class ServoFinding:
 
 
 def diagnose(
-    manifest: Manifest, ports: dict[str, Path], opens: Callable[[str], Wire], *, system: Path = SYSFS_ROOT
+    manifest: Manifest,
+    ports: dict[str, Path],
+    opens: Callable[[str], Wire],
+    *,
+    period: float = DEFAULT_SETTINGS.period,
+    system: Path = SYSFS_ROOT,
 ) -> Iterator[ServoFinding]:
     """Check ports, adapters and servos, and yield the findings.
 
@@ -37,9 +44,12 @@ def diagnose(
         manifest: servos of the robot.
         ports: ports by bus name.
         opens: opens the port of a bus.
+        period: [s] cycle period of a performance, for the load of each bus.
         system: sysfs folder with the adapters' latency timers.
     """
+    loads = {load.bus: load for load in compute_bus_loads(manifest, period=period)}
     for bus in manifest.bauds:
+        yield ServoFinding(bus, "load", loads[bus].fits, loads[bus].text)
         if bus not in ports:
             yield ServoFinding(bus, "port", False, f"missing; give --port {bus}=PATH")
             continue

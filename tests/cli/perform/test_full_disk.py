@@ -11,7 +11,7 @@ from resource import RLIMIT_FSIZE, getrlimit, setrlimit
 import pytest
 
 from kinesic.cli.servos.summary import warn_of_lost_events
-from kinesic.hardware.supervisor.channel import Note
+from kinesic.hardware.supervisor.notes import Note
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="0.8"/></bml>'
 

@@ -18,8 +18,9 @@ from kinesic.hardware.bus.bus import Servo
 from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.ticks import Ticks
-from kinesic.hardware.supervisor.channel import Channel, Note, Status, memory_size
+from kinesic.hardware.supervisor.channel import Channel, Status, memory_size
 from kinesic.hardware.supervisor.manifest import Manifest, Member
+from kinesic.hardware.supervisor.notes import Note
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.supervisor.status import EventLog

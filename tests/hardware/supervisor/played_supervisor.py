@@ -12,7 +12,8 @@ from kinesic.body.command import Command
 from kinesic.body.robot import Robot
 from kinesic.hardware import servos as servos_module
 from kinesic.hardware.servos import Servos
-from kinesic.hardware.supervisor.channel import Channel, Note, Status, map_memory, memory_size
+from kinesic.hardware.supervisor.channel import Channel, Status, map_memory, memory_size
+from kinesic.hardware.supervisor.notes import Note
 from kinesic.hardware.supervisor.state_machine import Stage
 
 JOINTS = 4

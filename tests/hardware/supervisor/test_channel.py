@@ -8,12 +8,12 @@ from kinesic.hardware.supervisor.channel import (
     EVENT_CAPACITY,
     STATUS_CAPACITY,
     Channel,
-    Note,
     Status,
     map_memory,
     memory_file,
     memory_size,
 )
+from kinesic.hardware.supervisor.notes import Note
 from kinesic.hardware.supervisor.state_machine import Stage
 
 JOINTS = 3  # number of joints of the robot
@@ -97,7 +97,7 @@ def test_supervisor_channel_returns_each_event_once(ends):
     assert planner.notes() == (Note(1.0, 3, "error", "hardware error 0x00 -> 0x20"),)
     assert planner.notes() == ()
     for k in range(EVENT_CAPACITY + 5):
-        supervisor.note(Note(float(k), -1, "stage", "x" * 1000))
+        supervisor.note(Note(float(k), -1, "stage", "x" * 100))
     assert [note.clock for note in planner.notes()] == [float(k) for k in range(5, EVENT_CAPACITY + 5)]
 
 
@@ -114,3 +114,20 @@ def test_memory_is_shared_by_descriptor_without_a_name():
     os.close(descriptor)
     one.write(1.0, np.zeros(JOINTS))
     assert len(other.commands(9)) == 1
+
+
+def test_long_event_text_is_not_truncated(ends):
+    planner, supervisor = ends
+    long_note = Note(1.0, -1, "refused", "\N{DEGREE SIGN} too slow; " * 100)
+    for note in (Note(0.5, 3, "error", ""), long_note, Note(2.0, 4, "silent", "short")):
+        supervisor.note(note)
+    assert planner.notes() == (Note(0.5, 3, "error", ""), long_note, Note(2.0, 4, "silent", "short"))
+
+
+def test_continuation_without_its_first_row_is_skipped(ends):
+    planner, supervisor = ends
+    supervisor.note(Note(1.0, -1, "refused", "x" * 900))
+    for k in range(EVENT_CAPACITY - 2):
+        supervisor.note(Note(2.0, k, "silent", "short"))
+    notes = planner.notes()
+    assert [note.servo for note in notes] == list(range(EVENT_CAPACITY - 2))

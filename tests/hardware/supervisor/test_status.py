@@ -5,7 +5,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from kinesic.hardware.supervisor.channel import Note
+from kinesic.hardware.supervisor.notes import Note
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.supervisor.status import EventLog, awaited_input
 

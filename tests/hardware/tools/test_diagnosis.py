@@ -98,4 +98,13 @@ def test_diagnosis_reports_ports_that_are_not_given_or_cannot_be_opened(bench):
         raise BusError(f"{bus}: no permission")
 
     for ports, text in (({}, "missing; give --port body=PATH"), ({"body": Path("x")}, "body: no permission")):
-        assert list(diagnose(table.manifest, ports, shut)) == [ServoFinding("body", "port", False, text)]
+        load, port = diagnose(table.manifest, ports, shut)
+        assert (load.about, load.well) == ("load", True)
+        assert port == ServoFinding("body", "port", False, text)
+
+
+def test_diagnosis_computes_the_bus_load_without_opening_the_port(bench):
+    findings = diagnose(bench().manifest, {}, lambda bus: None, period=0.004)
+    load = next(iter(findings))
+    assert (load.about, load.well) == ("load", False)
+    assert load.text.startswith("23 servos at 1000000 baud use 192 % of the bus; set servos and robot file to 3000000")

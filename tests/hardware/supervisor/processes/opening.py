@@ -13,7 +13,7 @@ LATE_ERRORS = (  # parts of error messages that a slow machine can cause
     "no answer at",
     "no servo of ids",
     "no status packet",
-    "answers too rarely",
+    "answer too rarely",
 )
 MAX_TRIES = 4  # most attempts to open the servos
 

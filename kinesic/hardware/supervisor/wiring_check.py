@@ -1,0 +1,118 @@
+"""Checks of a robot's wiring before a port is opened: bus load and supply voltage."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from kinesic.body.robot import Robot
+from kinesic.hardware.bus.cycle import BLOCK_DTYPE, RECORD_SIZE
+from kinesic.hardware.protocol.models import MODELS_BY_NUMBER, UNREACHABLE_FIRMWARE
+from kinesic.hardware.protocol.packet import PACKET_OVERHEAD, STATUS_OVERHEAD
+from kinesic.hardware.protocol.registers import BAUD_RATES, Register
+from kinesic.hardware.protocol.wire import BITS_PER_BYTE
+from kinesic.hardware.supervisor.manifest import Manifest, Member
+
+MAX_BUS_LOAD = 0.95  # largest wire time of a cycle / cycle period
+SPAN_SIZE = 4  # [bytes] size of address and length in a collective packet
+FAST_HEADER_SIZE = 8  # [bytes] size of a fast reply before its first block
+
+
+@dataclass(frozen=True)
+class BusLoad:
+    """Wire time of one control cycle on a bus."""
+
+    bus: str
+    baud: int  # [bit/s]
+    servos: int  # number of servos
+    octets: int  # [bytes] of goals, query and replies per cycle
+    period: float  # [s] cycle period
+
+    @property
+    def ratio(self) -> float:
+        """Wire time of a cycle / cycle period."""
+        return self.octets * BITS_PER_BYTE / self.baud / self.period
+
+    @property
+    def fits(self) -> bool:
+        """Whether all goals and records of a cycle fit into its period."""
+        return self.ratio <= MAX_BUS_LOAD
+
+    @property
+    def text(self) -> str:
+        """Load in words, with a remedy for an overloaded bus."""
+        load = f"{self.servos} servos at {self.baud} baud use {100 * self.ratio:.0f} % of the bus"
+        if self.fits:
+            return load
+        sufficient = (rate for rate in BAUD_RATES if self.ratio * self.baud / rate <= MAX_BUS_LOAD)
+        rate = next(sufficient, None)
+        if rate is None:
+            return f"{load}; distribute them over several buses"
+        return f"{load}; set servos and robot file to {rate} baud: `kinesic servos set-baud`"
+
+
+def compute_bus_loads(manifest: Manifest, *, period: float) -> tuple[BusLoad, ...]:
+    """Compute the wire time of a control cycle on each bus.
+
+    Args:
+        manifest: servos of the robot.
+        period: [s] cycle period.
+    """
+    loads: list[BusLoad] = []
+    for name, baud in manifest.bauds.items():
+        members = [member for member in manifest.members if member.bus == name]
+        loads.append(BusLoad(name, baud, len(members), _cycle_size(members), period))
+    return tuple(loads)
+
+
+def explain_rare_answers(manifest: Manifest, silent: Sequence[str], *, period: float) -> str:
+    """Explain that servos answer too rarely, with the probable cause first.
+
+    Args:
+        manifest: servos of the robot.
+        silent: names of these servos.
+        period: [s] cycle period.
+    """
+    overloads = [load for load in compute_bus_loads(manifest, period=period) if not load.fits]
+    causes = "; ".join(f"bus {load.bus}: {load.text}" for load in overloads)
+    cause = causes or "check plugs, cable length and latency timer"
+    counted = f"{len(silent)} of {len(manifest.members)} servos"
+    return f"{counted} answer too rarely; {cause} ({', '.join(silent)})"
+
+
+def _cycle_size(members: list[Member]) -> int:
+    """Return the bytes of one cycle: goals, query and replies."""
+    count = len(members)
+    goals = PACKET_OVERHEAD + SPAN_SIZE + count * (1 + Register.GOAL_POSITION.field.size)
+    is_common = len({member.servo.cells for member in members}) == 1  # otherwise each id has its own address and size
+    query = PACKET_OVERHEAD + (SPAN_SIZE + count if is_common else (1 + SPAN_SIZE) * count)
+    is_fast = count > 1 and all(member.model.fast_firmware < UNREACHABLE_FIRMWARE for member in members)
+    fast_reply = FAST_HEADER_SIZE + count * BLOCK_DTYPE.itemsize
+    return goals + query + (fast_reply if is_fast else count * (STATUS_OVERHEAD + RECORD_SIZE))
+
+
+def find_supply_faults(robot: Robot) -> tuple[str, ...]:
+    """Return one line per servo model that the robot's supply voltage damages or starves.
+
+    A robot without `[supply]` has no such line, nor has a servo of an unknown model.
+    """
+    if robot.supply is None:
+        return ()
+    hinges: dict[str, list[str]] = {}
+    voltage_ranges: dict[str, tuple[float, float]] = {}
+    for hinge, mount in zip(robot.skeleton.names, robot.mounts, strict=True):
+        servo = mount.drive.servo
+        model = MODELS_BY_NUMBER.get(servo.model)
+        if model is None:
+            continue
+        scale = Register.MIN_VOLTAGE_LIMIT.field.scale
+        voltage_ranges[servo.name] = (
+            scale * model.factory_value(Register.MIN_VOLTAGE_LIMIT),
+            scale * model.factory_value(Register.MAX_VOLTAGE_LIMIT),
+        )
+        hinges.setdefault(servo.name, []).append(hinge)
+    volts, lines = robot.supply.volts, list[str]()
+    for name, (lowest, highest) in voltage_ranges.items():
+        if not lowest <= volts <= highest:
+            lines.append(
+                f"[supply] has {volts:g} V, but {name} takes {lowest:.1f}..{highest:.1f} V ({', '.join(hinges[name])})"
+            )
+    return tuple(lines)

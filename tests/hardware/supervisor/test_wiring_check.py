@@ -1,0 +1,90 @@
+"""Bus load and supply voltage of robots, computed from their files."""
+
+from dataclasses import replace
+from types import MappingProxyType
+
+import pytest
+
+from kinesic.body.description import Supply
+from kinesic.body.robot import Robot
+from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.servos import Servos
+from kinesic.hardware.supervisor.manifest import Manifest
+from kinesic.hardware.supervisor.preflight import prepare_servos
+from kinesic.hardware.supervisor.wiring_check import compute_bus_loads, explain_rare_answers, find_supply_faults
+from kinesic.hardware.virtual.memory_wire import MemoryWire
+from kinesic.hardware.virtual.wiring import build_bus, describe_cables
+
+
+def manifest_at(baud: int) -> Manifest:
+    manifest = Manifest.of(Robot.load())
+    return replace(manifest, bauds=MappingProxyType(dict.fromkeys(manifest.bauds, baud)))
+
+
+def test_bus_load_counts_goals_query_and_fast_reply():
+    (load,) = compute_bus_loads(manifest_at(1_000_000), period=0.01)
+    # 14 + 5 N goals, 10 + 5 N query of different addresses, 8 + 22 N reply
+    assert (load.servos, load.octets) == (23, 14 + 5 * 23 + 10 + 5 * 23 + 8 + 22 * 23)
+    assert load.fits
+    assert load.text == "23 servos at 1000000 baud use 77 % of the bus"
+
+
+def test_bus_load_equals_the_bytes_of_a_real_cycle():
+    robot = Robot.load()
+    (cable,) = describe_cables(robot)
+    _, buses = build_bus([cable])
+    wire = MemoryWire(buses[cable.name])
+    axes = prepare_servos(Manifest.of(robot), {cable.name: wire}, period=0.01)
+    sent, received = list[int](), list[int]()
+    write, read = wire.write, wire.read
+
+    def write_counted(data: bytes | bytearray) -> None:
+        sent.append(len(data))
+        write(data)
+
+    def read_counted(deadline: float) -> bytes:
+        data = read(deadline)
+        received.append(len(data))
+        return data
+
+    wire.write, wire.read = write_counted, read_counted
+    axes.cycle(axes.cycle(None).positions.astype(int))
+    (load,) = compute_bus_loads(axes.manifest, period=0.01)
+    goals = 14 + 5 * load.servos
+    assert sum(sent) + sum(received) == 2 * load.octets - goals  # the first cycle has no goals
+
+
+def test_slow_bus_names_a_sufficient_baud_rate():
+    manifest = manifest_at(57_600)
+    (load,) = compute_bus_loads(manifest, period=0.01)
+    assert not load.fits
+    assert load.text.endswith("set servos and robot file to 1000000 baud: `kinesic servos set-baud`")
+    (fast,) = compute_bus_loads(manifest, period=0.0005)
+    assert fast.text.endswith("distribute them over several buses")
+    text = explain_rare_answers(manifest, ["port: servo 1 (hinge)"], period=0.01)
+    assert text.startswith("1 of 23 servos answer too rarely; bus body: 23 servos at 57600 baud use ")
+    assert text.endswith(" (port: servo 1 (hinge))")
+
+
+def test_servos_refuse_a_slow_bus_before_a_port_is_opened(tmp_path):
+    robot_file = tmp_path / "slow.toml"
+    text = Robot.load().path.read_text(encoding="utf-8")
+    robot_file.write_text(text.replace("baud = 1_000_000", "baud = 57_600"), encoding="utf-8")
+    with pytest.raises(BusError, match=r"bus body is too slow: 23 servos at 57600 baud use 1333 % of the bus"):
+        Servos(Robot.load(robot_file), {"body": tmp_path / "missing"})
+
+
+@pytest.mark.parametrize(("volts", "count"), [(12.0, 0), (14.8, 1), (17.0, 5), (5.0, 5)])
+def test_supply_outside_the_voltage_range_names_models_and_hinges(volts: float, count: int):
+    robot = Robot.load()
+    robot = replace(robot, supply=Supply(volts, 10.0))
+    lines = find_supply_faults(robot)
+    assert len(lines) == count
+    if count == 5:
+        assert any("xm430_w210 takes 9.5..16.0 V (l_shoulder_twisting" in line for line in lines)
+    assert all(line.startswith(f"[supply] has {volts:g} V, but ") for line in lines)
+
+
+def test_robot_without_supply_has_no_supply_faults():
+    robot = Robot.load()
+    assert find_supply_faults(replace(robot, supply=None)) == ()
