@@ -113,7 +113,7 @@ def make_and_perform(person: Person) -> None:
     person.page.until(f"{versus} >= 0")
     person.click(f"[data-spoken='{person.page.value(versus)}']", "click the word: versus")
     mine = (
-        "[...document.querySelectorAll('#alternatives-list button')].find(e => e.textContent.startsWith('my_balance'))"
+        "[...document.querySelectorAll('#alternatives-list button')].find(e => e.textContent.startsWith('my balance'))"
     )
     person.page.until(f"{mine} !== undefined")
     person.page.value(f"{mine}.id = 'mine'")

@@ -39,13 +39,13 @@ def shown(studio: Studio) -> dict[str, str]:
 
 
 def choose(studio: Studio, word: str) -> list[list[str]]:
-    """Click on a word, and return ids and reasons of its alternatives."""
+    """Click on a word, and return names and reasons of its alternatives."""
     studio.page.value(f"{WORD.format(word)}.click()")
     studio.page.until("document.querySelectorAll('#alternatives-list button').length > 3")
     rows = "[...document.querySelectorAll('#alternatives-list button')].map(each => each.querySelector('b, .why'))"
-    ids = studio.page.value(f"{rows}.map(each => each.textContent)")
+    names = studio.page.value(f"{rows}.map(each => each.textContent)")
     reasons = studio.page.value("[...document.querySelectorAll('#alternatives-list .why')].map(e => e.textContent)")
-    return [list(pair) for pair in zip(ids, reasons, strict=True)]
+    return [list(pair) for pair in zip(names, reasons, strict=True)]
 
 
 def test_text_typed_in_the_studio_becomes_the_document_of_the_say_command(studio: Studio):
@@ -53,7 +53,7 @@ def test_text_typed_in_the_studio_becomes_the_document_of_the_say_command(studio
     assert studio.state("text") == write_bml(TEXT, set_up())
     assert studio.state("name") == "talk.bml"
     assert studio.state("unsaved"), "a reload must not lose it"
-    assert shown(studio) == {"No,": "no_low", "versus": "contrast_left_right"}
+    assert shown(studio) == {"No,": "no low", "versus": "contrast left right"}
     assert studio.page.value("document.querySelector('#spoken-count').textContent") == "18 words, 2 gestures"
 
 
@@ -64,26 +64,26 @@ def test_gesture_of_a_word_has_a_reason_and_ranked_alternatives(studio: Studio):
         r'lexeme="no_low".*? kinesic:reason="([^"]*) [(]negation, .*?[)]"', write_bml(TEXT, set_up())
     ).groups()
     assert studio.page.value("document.querySelector('#alternatives-reason').textContent") == reason
-    assert alternatives[0] == ["no_low", reason], "without the score"
-    assert ["no_wag", "shows the same intent: negation"] in alternatives
+    assert alternatives[0] == ["no low", reason], "without the score"
+    assert ["no wag", "shows the same intent: negation"] in alternatives
     drawn = sum(why != "your own gesture" for _, why in alternatives)  # other tests save gestures on the same page
     studio.page.until(f"document.querySelectorAll('#alternatives-list .figure').length === {drawn}")
     hover = "new PointerEvent('pointerover', {bubbles: true})"
     studio.page.value(f"document.querySelector('#alternatives-list button').dispatchEvent({hover})")
-    assert studio.page.value("document.querySelector('#figure-preview').textContent") == "no_low"
+    assert studio.page.value("document.querySelector('#figure-preview').textContent") == "no low"
     assert (
-        studio.page.value("document.querySelector('#alternatives-list [aria-pressed=true] b').textContent") == "no_low"
+        studio.page.value("document.querySelector('#alternatives-list [aria-pressed=true] b').textContent") == "no low"
     )
     planned = studio.state("planned")
-    wag = "[...document.querySelectorAll('#alternatives-list button')].find(e => e.textContent.startsWith('no_wag'))"
+    wag = "[...document.querySelectorAll('#alternatives-list button')].find(e => e.textContent.startsWith('no wag'))"
     studio.page.value(f"{wag}.click()")
     studio.until(f"s.planned > {planned}")
-    assert shown(studio)["No,"] == "no_wag"
+    assert shown(studio)["No,"] == "no wag"
     assert "chosen: shows the same intent: negation" in studio.state("text")
     assert {item["outcome"] for item in studio.state("draft")["behaviours"] if item["type"] == "head"} == {"realised"}
     studio.page.click("#undo")
     studio.until(f"s.planned > {planned} + 1")
-    assert shown(studio)["No,"] == "no_low"
+    assert shown(studio)["No,"] == "no low"
     gestures = [item for item in studio.state("draft")["behaviours"] if item["type"] == "gesture"]
     other = next(item["id"] for item in gestures if item["label"] != "no_low")
     studio.page.value(f"document.querySelector('.block[data-block=\"{other}\"]').click()")

@@ -1,5 +1,6 @@
 // List of the lexicon's gestures with a search; the server ranks them, as `kinesic gestures find` does.
 import { byId, make } from "./dom.ts";
+import { categoryWords, gestureWords } from "./plain_words.ts";
 import type { About } from "./types.ts";
 import type { Answer } from "./wire.ts";
 
@@ -50,7 +51,9 @@ export class GestureList {
     const query = this.search.value.trim();
     const words = query.toLowerCase().split(/\s+/).filter(Boolean);
     const here = this.gestures.filter(({ id, category, says }) =>
-      words.every((word) => `${id} ${category} ${says}`.toLowerCase().includes(word)),
+      words.every((word) =>
+        `${id} ${gestureWords(id)} ${category} ${categoryWords(category)} ${says}`.toLowerCase().includes(word),
+      ),
     );
     this.showAll(here);
     if (query) void this.rank(query, here);
@@ -77,11 +80,16 @@ export class GestureList {
     };
     return make(
       "li",
-      { class: near ? "gesture near" : "gesture", "data-add": `gesture:${id}`, "data-label": id, "data-gesture": id },
+      {
+        class: near ? "gesture near" : "gesture",
+        "data-add": `gesture:${id}`,
+        "data-label": gestureWords(id),
+        "data-gesture": id,
+      },
       this.listener.picture(id) ?? make("span"),
-      make("span", { title: says }, make("b", {}, id), ` ${category}`),
-      act("Add", `Add ${id} to the document`, () => this.listener.insert(id)),
-      act("Edit", `Edit a copy of ${id}`, () => this.listener.edit(id)),
+      make("span", { title: `${says}\n${id}` }, make("b", {}, gestureWords(id)), ` ${categoryWords(category)}`),
+      act("Add", `Add ${gestureWords(id)} to the document`, () => this.listener.insert(id)),
+      act("Edit", `Edit a copy of ${gestureWords(id)}`, () => this.listener.edit(id)),
     );
   }
 }

@@ -25,11 +25,27 @@ const OUTCOMES: Record<string, string> = {
   dropped: "left out",
 };
 
-const NAMED_TYPES: readonly string[] = ["gesture", "speech"]; // types whose labels are names or spoken words
+const CATEGORIES: Record<string, string> = {
+  adaptor: "touch of oneself",
+  beat: "stress",
+  deictic: "pointing",
+  emblem: "sign",
+  emotion: "feeling",
+  iconic: "picture",
+  metaphoric: "idea",
+};
 
-/** Return the label of a behaviour in plain words: `raise brows` for RAISE_BROWS; gestures keep their names. */
-export const labelWords = (type: string, label: string): string =>
-  NAMED_TYPES.includes(type) || !/^[A-Z_]+$/.test(label) ? label : label.toLowerCase().replaceAll("_", " ");
+/** Return the name of a gesture in words: `weigh up` for weigh_up. */
+export const gestureWords = (id: string): string => id.replaceAll("_", " ");
+
+/** Return the category of a gesture in plain words: `sign` for an emblem. */
+export const categoryWords = (category: string): string => CATEGORIES[category] ?? category;
+
+/** Return the label of a behaviour in plain words: `raise brows` for RAISE_BROWS, `weigh up` for weigh_up. */
+export function labelWords(type: string, label: string): string {
+  if (type === "gesture") return gestureWords(label);
+  return type === "speech" || !/^[A-Z_]+$/.test(label) ? label : label.toLowerCase().replaceAll("_", " ");
+}
 
 /** Return the outcome of a behaviour with its reason; empty if the behaviour is performed as requested. */
 export const outcomeWords = ({ outcome, why }: { outcome: string; why: string }): string =>

@@ -57,7 +57,7 @@ const title = () => element("alternatives-title").textContent;
 test("a chosen gesture is marked at once, and its plan ends the mark", async () => {
   const { mode, press, page } = open();
   await press("[data-spoken='0']");
-  assert.deepEqual([title(), pressed("alternatives-list")], ["“three”: count_three", ["count_three"]]);
+  assert.deepEqual([title(), pressed("alternatives-list")], ["“three”: count three", ["count three"]]);
   await press("[data-gesture=conduct]");
   assert.equal(page.edits, 1);
   assert.deepEqual([title(), pressed("alternatives-list")], ["“three”: conduct, planning …", ["conduct"]]);

@@ -60,7 +60,17 @@ test("a gesture that was saved here is shown although the server does not know i
   const { list, shown } = open(async () => []);
   list.add({ id: "my_balance", category: "iconic", says: "" });
   await type("balance");
-  assert.deepEqual(shown(), ["my_balance"]);
+  assert.deepEqual(shown(), ["my balance"]);
+});
+
+test("names and categories are shown in plain words, and found by them and by the words of files", async () => {
+  const { list, shown } = open(async () => null);
+  list.add({ id: "weigh_up", category: "metaphoric", says: "" });
+  for (const words of ["weigh up", "weigh_up", "idea", "metaphoric"]) {
+    await type(words);
+    assert.deepEqual(shown(), ["weigh up"], words);
+  }
+  assert.equal(document.querySelector("#found [title]")?.textContent, "weigh up idea");
 });
 
 test("only answers to a search are read", () => {

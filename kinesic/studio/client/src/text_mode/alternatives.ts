@@ -1,5 +1,6 @@
 // List of the gestures that could be shown at a word, the best first, with their reasons.
 import { byId, make, say } from "../dom.ts";
+import { categoryWords, gestureWords } from "../plain_words.ts";
 import type { Answer } from "../wire.ts";
 import type { Choice } from "./replacing.ts";
 import type { ShownGesture } from "./spoken.ts";
@@ -45,7 +46,7 @@ export class AlternativesPanel {
     reasons: readonly string[] = [],
   ): void {
     this.place.hidden = false;
-    say(byId("alternatives-title"), present ? `“${word}”: ${present.name}` : `“${word}”: no gesture`);
+    say(byId("alternatives-title"), present ? `“${word}”: ${gestureWords(present.name)}` : `“${word}”: no gesture`);
     say(byId("alternatives-reason"), present ? present.reason || "without a reason" : "Choose one below.");
     say(byId("alternatives-choice"), reasons.filter(Boolean).join(" "));
     byId("alternatives-remove").hidden = present === null;
@@ -56,7 +57,10 @@ export class AlternativesPanel {
 
   /** Mark a chosen gesture until its plan arrives; null: the gesture is removed. */
   markChosen(word: string, gesture: string | null): void {
-    say(byId("alternatives-title"), `“${word}”: ${gesture ?? "no gesture"}, planning …`);
+    say(
+      byId("alternatives-title"),
+      `“${word}”: ${gesture === null ? "no gesture" : gestureWords(gesture)}, planning …`,
+    );
     for (const place of ["alternatives-reason", "alternatives-choice"]) say(byId(place), "");
     for (const button of byId("alternatives-list").querySelectorAll<HTMLElement>("[data-gesture]"))
       button.setAttribute("aria-pressed", String(button.dataset.gesture === gesture));
@@ -73,7 +77,13 @@ export class AlternativesPanel {
       "button",
       { type: "button", "aria-pressed": String(isPresent), title: each.says, "data-gesture": each.id },
       this.listener.picture(each.id) ?? make("span"),
-      make("span", {}, make("b", {}, each.id), ` ${each.category}`, make("span", { class: "why" }, each.why)),
+      make(
+        "span",
+        {},
+        make("b", {}, gestureWords(each.id)),
+        ` ${categoryWords(each.category)}`,
+        make("span", { class: "why" }, each.why),
+      ),
     );
     button.addEventListener("click", () => this.listener.choose(each));
     return make("li", {}, button);

@@ -1,4 +1,5 @@
 // Explanations of a chosen gesture: why it is not the first of the list, and why it uses the left hand.
+import { gestureWords, labelWords } from "../plain_words.ts";
 import { pointsOf, spanOf } from "../tracks/phases.ts";
 import type { Draft } from "../types.ts";
 import type { Alternative } from "./alternatives.ts";
@@ -16,8 +17,8 @@ export function explainRank(
   const rank = alternatives.findIndex(({ id }) => id === present.name);
   if (rank <= 0 || present.isPicked) return "";
   const passed = alternatives.slice(0, rank).map(({ id }) => ({ id, at: findNear(id, word, words) }));
-  const repeated = passed.flatMap(({ id, at }) => (at ? [`${id} is shown at “${at.text}” already`] : []));
-  const others = passed.filter(({ at }) => !at).map(({ id }) => id);
+  const repeated = passed.flatMap(({ id, at }) => (at ? [`${gestureWords(id)} is shown at “${at.text}” already`] : []));
+  const others = passed.filter(({ at }) => !at).map(({ id }) => gestureWords(id));
   const varied = others.length
     ? [
         `${others.join(", ")} ${others.length === 1 ? "fits" : "fit"} as well; the choice varies with style and neighbours`,
@@ -50,6 +51,6 @@ export function explainHand(id: string, hand: string | undefined, draft: Draft):
     return times && span && spanOf(times).from < span.to && span.from < spanOf(times).to;
   });
   return busy
-    ? `Left hand: the right hand shows ${busy.label} at this time.`
+    ? `Left hand: the right hand shows ${labelWords(busy.type, busy.label)} at this time.`
     : "Left hand: the gesture is made with it.";
 }

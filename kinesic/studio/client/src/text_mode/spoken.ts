@@ -1,4 +1,5 @@
 // Spoken words of a document, each with the gestures whose strokes fall on it.
+import { gestureWords } from "../plain_words.ts";
 import { listWords, type Word } from "../tracks/words.ts";
 import type { Draft } from "../types.ts";
 import { findAttribute, findTags, type Tag, tagWithId } from "../xml.ts";
@@ -115,5 +116,6 @@ export function spokenText(words: readonly Word[]): string {
 /** Return name and reason of a gesture; `isMarked`: whether it says that a person has picked it. */
 export function describeGesture({ name, reason }: ShownGesture, isMarked: boolean): string {
   const why = [isMarked ? "picked by you" : "", reason].filter(Boolean).join(", ");
-  return why ? `${name}: ${why}` : name;
+  const words = gestureWords(name);
+  return why ? `${words}: ${why}` : words;
 }

@@ -1,5 +1,6 @@
 // Spoken words as buttons, each with its gestures; arrow keys move from word to word.
 import { byId, make } from "../dom.ts";
+import { gestureWords } from "../plain_words.ts";
 import { describeGesture, type ShownGesture, type SpokenWord } from "./spoken.ts";
 
 export class WordList {
@@ -24,7 +25,9 @@ export class WordList {
           title: word.gestures.map((each) => describeGesture(each, isMarked(each))).join("\n") || "no gesture",
         },
         word.text,
-        ...word.gestures.map((each) => make("span", { class: isMarked(each) ? "shown picked" : "shown" }, each.name)),
+        ...word.gestures.map((each) =>
+          make("span", { class: isMarked(each) ? "shown picked" : "shown" }, gestureWords(each.name)),
+        ),
       );
       button.addEventListener("click", () => this.choose(index));
       return button;

@@ -1,5 +1,6 @@
 // Stick figures of the gestures: still at the stroke in lists and tracks, and moving in a preview.
 import { byId, make } from "../dom.ts";
+import { gestureWords } from "../plain_words.ts";
 
 const SVG = "http://www.w3.org/2000/svg";
 const MARGIN = 0.4; // [s] still time between two loops of a preview
@@ -54,7 +55,7 @@ export class Figures {
     place.hidden = !picture;
     this.shown = null;
     if (!figure || !picture || !beside) return;
-    place.replaceChildren(picture, make("span", {}, gesture ?? ""));
+    place.replaceChildren(picture, make("span", {}, gestureWords(gesture ?? "")));
     const [own, area] = [place.getBoundingClientRect(), beside.getBoundingClientRect()];
     const before = area.left - own.width - GAP;
     const left = before >= 0 ? before : Math.min(area.right + GAP, innerWidth - own.width);
