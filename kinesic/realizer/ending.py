@@ -17,6 +17,7 @@ from kinesic.realizer.release import release_motion
 from kinesic.realizer.replan import replan
 from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
+from kinesic.realizer.yielding import MAX_YIELDING_RETRACTION, yield_motion
 
 
 def is_over(scene: Scene, running: RunningBlock, time: float) -> bool:
@@ -25,7 +26,7 @@ def is_over(scene: Scene, running: RunningBlock, time: float) -> bool:
     return running.state.is_playing and next(ends, -inf) <= time
 
 
-def stop_block(scene: Scene, running: RunningBlock, now: float, why: str) -> Scene:
+def stop_block(scene: Scene, running: RunningBlock, now: float, why: str, *, yields: bool = False) -> Scene:
     """Stop a running block, or revoke a waiting one.
 
     Its motion is removed from the earliest possible change on.
@@ -35,12 +36,13 @@ def stop_block(scene: Scene, running: RunningBlock, now: float, why: str) -> Sce
         running: block to stop.
         now: global time [s].
         why: reason for the sender.
+        yields: whether its arms decelerate and hold before they return.
     """
     after = end_block(scene, running, now, why)
     if running.merged is None or is_over(scene, running, scene.first_change(now)):
         return after
     moved = np.ptp(running.merged.layer.controls, axis=0) > 0.0
-    after = replace(after, motion=_take_back(scene, running, running.occupancy, moved, now))
+    after = replace(after, motion=_take_back(scene, running, running.occupancy, moved, now, yields=yields))
     return _warn_of_incomplete_return(after, running, now)
 
 
@@ -119,7 +121,9 @@ def _replan_trunk(
     return replace(remaining, merged=replanned, times={id: times.get(id, at) for id, at in remaining.times.items()})
 
 
-def _take_back(scene: Scene, running: RunningBlock, ended: Sequence[Occupancy], moved: Flags, now: float) -> Trajectory:
+def _take_back(
+    scene: Scene, running: RunningBlock, ended: Sequence[Occupancy], moved: Flags, now: float, *, yields: bool = False
+) -> Trajectory:
     """Return the scene's motion without the offsets of ended behaviours.
 
     Their hinges return to rest or to the held posture.
@@ -128,14 +132,16 @@ def _take_back(scene: Scene, running: RunningBlock, ended: Sequence[Occupancy], 
         return scene.motion
     at, remaining = scene.first_change(now), [entry for entry in running.occupancy if entry not in ended]
     others, robot = (*scene.occupancy_without(running.id), *remaining), scene.setup.robot
-    free = freed_hinges(ended, moved, at, robot, others=others)
+    longest = MAX_YIELDING_RETRACTION if yields else inf
+    free = freed_hinges(ended, moved, at, robot, others=others, longest_retraction=longest)
     layer = running.merged.layer
     lacking = np.abs(offset_to_held_posture(scene.motion.controls, others, robot))
     shared = (lacking > MOTION_TOLERANCE) & ~free  # hinges that other behaviours move, too
     if not (free | shared).any():
         return scene.motion
     kept = replace(layer, controls=sealed(np.where(shared, 0.0, layer.controls)))
-    return release_motion(scene.motion, at, free | shared, scene.setup, layer=kept, others=others)
+    remove = yield_motion if yields else release_motion
+    return remove(scene.motion, at, free | shared, scene.setup, layer=kept, others=others)
 
 
 def _passed(running: RunningBlock, time: float) -> dict[str, dict[str, float]]:

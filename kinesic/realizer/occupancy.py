@@ -3,6 +3,7 @@
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cmp_to_key
+from math import inf
 from typing import Literal, TypeVar
 
 import numpy as np
@@ -101,7 +102,13 @@ def occupancy_of(plan: Plan) -> tuple[Occupancy, ...]:
 
 
 def freed_hinges(
-    block_occupancy: Sequence[Occupancy], moved: Flags, time: float, robot: Robot, *, others: Sequence[Occupancy] = ()
+    block_occupancy: Sequence[Occupancy],
+    moved: Flags,
+    time: float,
+    robot: Robot,
+    *,
+    others: Sequence[Occupancy] = (),
+    longest_retraction: float = inf,
 ) -> Flags:
     """Return the hinges (n,) that an interrupted block releases.
 
@@ -111,6 +118,7 @@ def freed_hinges(
         time: time [s] of the interruption.
         robot: robot; only arms that the block uses at that time are released.
         others: other occupancies of the running motion; a superseded look is not released.
+        longest_retraction: remaining time [s] above which an arm that retracts is released, too.
     """
     hinges = np.array(moved)
     for entry in block_occupancy:
@@ -119,7 +127,7 @@ def freed_hinges(
         ):
             hinges &= ~entry.hinges
     for role in ARM_ROLES:
-        ends = [entry.relax for entry in block_occupancy if role in entry.roles]
+        ends = [max(entry.relax, entry.end - longest_retraction) for entry in block_occupancy if role in entry.roles]
         if ends and max(ends) <= time:  # an arm without a behaviour has idle motion alone
             hinges[list(arm_hinges(role, robot))] = False
     return hinges

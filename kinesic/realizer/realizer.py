@@ -135,18 +135,19 @@ def advance(scene: Scene, now: float) -> Scene:
             return forget_past(scene, now)
 
 
-def interrupt(scene: Scene, now: float, block: str | None = None) -> Scene:
+def interrupt(scene: Scene, now: float, block: str | None = None, *, yields: bool = False) -> Scene:
     """End one block, or all blocks and idle motion.
 
     Args:
         scene: scene at an earlier time.
         now: global time [s].
         block: id of the block; None ends all running and waiting blocks.
+        yields: whether arms decelerate and hold before they return, as people do who let somebody speak.
     """
     before = scene = advance(scene, now)
     for running in before.blocks:
         if block in (None, running.id):
-            scene = stop_block(scene, running, now, "it was interrupted")
+            scene = stop_block(scene, running, now, "it was interrupted", yields=yields)
     scene = scene if block is not None else end_idle(scene, now)
     return restore_pointing(before, scene, now)
 

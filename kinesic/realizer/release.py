@@ -77,7 +77,7 @@ def _release_from(
     if not free:
         return running
     current = extend_controls(running.controls, knot + MIN_TRANSITION)
-    after = _motion_without_block(current, layer, others, setup.robot)
+    after = motion_without_block(current, layer, others, setup.robot)
     slowest = _minimum_times(current, after, knot, setup.limits)[free].max()
     pieces = max(MIN_TRANSITION, ceil(RETURN_DURATION_FACTOR * slowest / KNOT_INTERVAL))
     while pieces <= MAX_RETURN_PIECES:
@@ -91,7 +91,7 @@ def _release_from(
             back = np.array(whole)
             back[:, free] = columns
             _rejoin_arms(back, whole, land, [entry for entry in others if entry.ready > knot * KNOT_INTERVAL], setup)
-            return _certified_motion(back, running, knot, setup)
+            return certified_motion(back, running, knot, setup)
         pieces = ceil(RETURN_GROWTH_FACTOR * pieces)
     return None
 
@@ -113,12 +113,18 @@ def _minimum_times(current: Floats, after: Floats, knot: int, limits: Limits) ->
     )
 
 
-def _motion_without_block(
+def motion_without_block(
     current: Floats, layer: Trajectory | None, others: Sequence[Occupancy], robot: Robot
 ) -> Floats:
     """Return the control points (k + 3, n) [rad] without the block.
 
     Hands rest, and the trunk ends at the values that other behaviours hold.
+
+    Args:
+        current: (k + 3, n) [rad] control points of the running motion.
+        layer: offsets that the block added to it; without it, all hinges rest.
+        others: other occupancies, in times since the start of the motion.
+        robot: robot of the motion.
     """
     if layer is None:
         return np.repeat(robot.skeleton.rest[None], len(current), axis=0)
@@ -148,8 +154,15 @@ def _rejoin_arms(back: Floats, current: Floats, knot: int, others: Sequence[Occu
         back[:, hinges] = current[:, hinges] if columns is None else columns
 
 
-def _certified_motion(controls: Floats, running: Trajectory, knot: int, setup: Setup) -> Trajectory | None:
-    """Return a feasible, collision-free motion for given control points, or None."""
+def certified_motion(controls: Floats, running: Trajectory, knot: int, setup: Setup) -> Trajectory | None:
+    """Return a feasible, collision-free motion for given control points, or None.
+
+    Args:
+        controls: (k + 3, n) [rad]; hinges beyond their limits are corrected in place.
+        running: motion with the same start.
+        knot: first knot that may change.
+        setup: limits and distances.
+    """
     limits = widen_limits(setup.limits)
     for hinge in np.flatnonzero(largest_limit_ratios(controls[knot:], limits) > 1.0).tolist():
         column = keep_limits(controls[:, hinge], knot, len(controls) - 3, limits, hinge)

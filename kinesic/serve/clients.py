@@ -234,8 +234,8 @@ class ClientRegistry:
         match request:
             case Resume():
                 self.session.resume()
-            case InterruptCommand(block):
-                self.session.interrupt(block)
+            case InterruptCommand(block, yields):
+                self.session.interrupt(block, yields=yields, sender=client.number)
             case Restyle(style, changes, amount, block):
                 self.session.restyle(Restyling(style, changes, amount, block, client.number))
             case SpokenWords(text, ends, instead, style):

@@ -146,6 +146,9 @@ class Interruption:
     """Request to the planner: end one block or all blocks."""
 
     block: str | None
+    yields: bool = False  # whether arms hold before they return, because a person speaks
+    silenced: float = 0.0  # [s] clock time at which the speech began to fade out
+    sender: int | None = None  # client to be told the text heard so far
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ from kinesic.realizer.realizer import (
 )
 from kinesic.realizer.release import release_motion
 from kinesic.realizer.request import Message, block_id, read_request, refusal_feedback
+from kinesic.realizer.spoken import divide_speeches
 from kinesic.serve.idling import IdleScheduler
 from kinesic.serve.messages import (
     ClientRequest,
@@ -179,10 +180,8 @@ class PlannerState:
             case DocumentRequest(message):
                 self._idling.allow(self._clock.now())
                 self._queue_words(message) if isinstance(message, Words) else self._plan(request)
-            case Interruption(block):
-                if block is None:
-                    self._cancel_pending()
-                self._shared.propose(lambda scene, now: interrupt(scene, now, block))
+            case Interruption():
+                self._interrupt(request)
             case Restyling():
                 self._restyle(request)
             case Renewal():
@@ -190,6 +189,20 @@ class PlannerState:
                 self._renewals += 1
             case Resumption(stops) if stops == self._shared.stops:
                 self._shared.propose(_resume)
+
+    def _interrupt(self, request: Interruption) -> None:
+        """End blocks and, if they yield, tell the text heard so far."""
+        if request.block is None:
+            self._cancel_pending()
+        texts = divide_speeches(self._scene, request.silenced, request.block)
+        senders = {running.id: running.sender for running in self._scene.playing}
+        self._shared.propose(lambda scene, now: interrupt(scene, now, request.block, yields=request.yields))
+        for block, text in texts.items() if request.yields else ():
+            if self._scene.find(block) is None:
+                answer = json_answer("yielded", block=block, said=text.said, unsaid=text.unsaid)
+                for client in dict.fromkeys((senders[block], request.sender)):
+                    if client is not None:
+                        self._tell(answer, client)
 
     def plan_phrases(self) -> None:
         """Plan the next complete phrases of streamed texts in turn."""

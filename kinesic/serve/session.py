@@ -148,12 +148,21 @@ class Session:
             self._is_stopped = False
             self._request(Resumption(self.loop.stop_count))
 
-    def interrupt(self, block: str | None) -> None:
-        """End one block, or all blocks if None, with a smooth return."""
+    def interrupt(self, block: str | None, *, yields: bool = False, sender: int | None = None) -> None:
+        """End one block, or all blocks if None, with a smooth return.
+
+        Speech fades out at the next tick of the loop, before the motion is planned.
+
+        Args:
+            block: id of the block.
+            yields: whether arms hold before they return, because a person speaks.
+            sender: client to be told the text heard so far, if the block yields.
+        """
+        self.loop.silence(block)
         if block is None:
             for document in self._documents.clear():
                 self._refuse(document, "interrupted", "everything was interrupted before this was planned")
-        self._request(Interruption(block))
+        self._request(Interruption(block, yields, self.clock.now(), sender))
 
     def restyle(self, restyling: Restyling) -> None:
         """Change the style of one block, or of running and future ones."""

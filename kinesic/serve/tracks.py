@@ -97,6 +97,7 @@ class TrackEffects:
             face: whether a sink shows the face.
         """
         self._speaker, self._tracks = speaker, dict[str, Track]()
+        self._silenced = set[str]()  # blocks whose sounds have faded out early
         self.accompaniment = SoundAndFace(face, speaker is not None)
 
     def take(self, changes: Mapping[str, Track | None]) -> None:
@@ -109,27 +110,34 @@ class TrackEffects:
             self._tracks.pop(block, None)
             if track is not None:
                 self._tracks[block] = track
+            else:
+                self._silenced.discard(block)
+        self._play(before, self._sounds())
+
+    def silence(self, block: str | None) -> None:
+        """Fade out the sounds of one block, or of all blocks."""
+        before = self._sounds()
+        self._silenced |= self._tracks.keys() if block is None else {block} & self._tracks.keys()
+        self._play(before, self._sounds())
+
+    def _play(self, before: Sounds, after: Sounds) -> None:
+        """Play sounds that were added, and fade out sounds that were removed."""
+        if self._speaker is None:
+            return
         try:
-            self._play(before, self._sounds())
+            for block, begin in before.keys() - after.keys():
+                self._speaker.fade_out(before[block, begin], begin)
+            for block, begin in after.keys() - before.keys():
+                self._speaker.play(after[block, begin], begin)
         except SpeakerError:
             self._speaker = None
 
-    def _play(self, before: Sounds, after: Sounds) -> None:
-        """Play sounds that were added, and stop sounds that were removed.
-
-        Removing one stops and restarts all others.
-        """
-        if self._speaker is None:
-            return
-        if before.keys() - after.keys():
-            self._speaker.stop()
-            before = {}
-        for block, begin in after.keys() - before.keys():
-            self._speaker.play(after[block, begin], begin)
-
     def clear(self) -> None:
-        """Remove all tracks at once."""
-        self.take(dict.fromkeys(self._tracks))
+        """Remove all tracks and stop all sounds at once, without a fade."""
+        self._tracks.clear()
+        self._silenced.clear()
+        if self._speaker is not None:
+            self._speaker.stop()
 
     def face(self, time: float) -> dict[str, float]:
         """Return maximum action unit intensities of all tracks at a time [s]."""
@@ -140,4 +148,9 @@ class TrackEffects:
         return intensities
 
     def _sounds(self) -> Sounds:
-        return {(block, begin): sound for block, track in self._tracks.items() for begin, sound in track.sounds}
+        return {
+            (block, begin): sound
+            for block, track in self._tracks.items()
+            if block not in self._silenced
+            for begin, sound in track.sounds
+        }

@@ -1,6 +1,8 @@
 """Playback of sounds on a loudspeaker at times on a clock."""
 
 import time
+from dataclasses import dataclass, replace
+from math import inf
 
 import numpy as np
 
@@ -9,6 +11,21 @@ from kinesic.speech.loudspeaker import Clock, Device, PortAudio
 
 SAMPLE_RATE = 44100  # [Hz] sample rate of the loudspeaker
 MAX_TIME_JITTER = 0.01  # [s] jumps of the device's reported time up to this size are ignored
+FADE_DURATION = 0.04  # [s] fade-out of a sound that ends early, long enough to be free of clicks
+
+
+@dataclass(frozen=True, eq=False)
+class PlayedSound:
+    """Sound with its start on the speaker's clock."""
+
+    sound: Sound
+    begin: float  # [s] time of its first sample
+    fade: float = inf  # [s] time at which it begins to fade out
+
+    @property
+    def end(self) -> float:
+        """Time [s] after which it is silent."""
+        return min(self.begin + self.sound.duration, self.fade + FADE_DURATION)
 
 
 class Speaker:
@@ -32,7 +49,7 @@ class Speaker:
         self._device = PortAudio(clock) if device is None else device
         self._rate = rate
         self._next = float("-inf")  # time on the clock at which the next sample is heard
-        self._playing: tuple[tuple[float, Sound], ...] = ()
+        self._playing: tuple[PlayedSound, ...] = ()
         self._device.open(rate, self._mix_next)
 
     @property
@@ -46,8 +63,19 @@ class Speaker:
         The part before the current time is left out.
         """
         now = self._clock()
-        current = (entry for entry in self._playing if entry[0] + entry[1].duration > now)
-        self._playing = (*current, (at, sound))
+        current = (entry for entry in self._playing if entry.end > now)
+        self._playing = (*current, PlayedSound(sound, at))
+
+    def fade_out(self, sound: Sound, at: float) -> None:
+        """Fade out the sound that was scheduled for a time [s].
+
+        Samples that the device already has are still heard before the fade.
+        """
+        now = max(self._clock(), self._next)
+        self._playing = tuple(
+            replace(entry, fade=min(entry.fade, now)) if entry.sound is sound and entry.begin == at else entry
+            for entry in self._playing
+        )
 
     def stop(self) -> None:
         """Discard all playing and scheduled sounds.
@@ -71,20 +99,28 @@ class Speaker:
         return mix(self._playing, begin, count, self._rate)
 
 
-def mix(playing: tuple[tuple[float, Sound], ...], begin: float, count: int, rate: int) -> Samples:
+def mix(playing: tuple[PlayedSound, ...], begin: float, count: int, rate: int) -> Samples:
     """Mix overlapping sounds to samples (count,) in -1..1.
 
     Args:
-        playing: sounds with the times of their first samples [s].
+        playing: sounds with their times.
         begin: time of the first sample [s].
         count: number of samples.
         rate: sample rate [Hz]; sounds with other rates are interpolated.
     """
     mixed = np.zeros(count, dtype=np.float32)
-    for at, sound in playing:
-        positions = round((begin - at) * sound.rate) + np.arange(count) * (sound.rate / rate)
+    for entry in playing:
+        sound = entry.sound
+        positions = round((begin - entry.begin) * sound.rate) + np.arange(count) * (sound.rate / rate)
         first, last = max(0, int(positions[0])), int(positions[-1]) + 2
         part = sound.samples[first:last] if last > 0 else sound.samples[:0]
         if len(part):
-            mixed += np.interp(positions, np.arange(first, first + len(part)), part, left=0.0, right=0.0)
+            heard = np.interp(positions, np.arange(first, first + len(part)), part, left=0.0, right=0.0)
+            mixed += heard if entry.fade == inf else heard * _fade_gains(entry, begin, count, rate)
     return np.clip(mixed, -1.0, 1.0)
+
+
+def _fade_gains(entry: PlayedSound, begin: float, count: int, rate: int) -> Samples:
+    """Return the gains (count,) of a sound that fades out, as a raised cosine."""
+    progress = np.clip((begin + np.arange(count) / rate - entry.fade) / FADE_DURATION, 0.0, 1.0)
+    return np.asarray(0.5 + 0.5 * np.cos(np.pi * progress), dtype=np.float32)

@@ -33,8 +33,8 @@ def steps(monkeypatch):
         return scene.with_block(replace(running, state=BlockState.IN_EXEC))
 
     def end(name):
-        def take(scene, running, *given):
-            calls.append((name, running.id, *given))
+        def take(scene, running, *given, yields=False):
+            calls.append((name, running.id, *given, *(["yields"] if yields else [])))
             return scene.without_block(running, BlockState.INTERRUPTED)
 
         return take
@@ -256,8 +256,8 @@ def test_command_to_a_missing_block_causes_a_warning(scene, steps, command):
 @pytest.mark.parametrize(("block", "stopped"), [(None, ["a", "b"]), ("b", ["b"]), ("gone", [])])
 def test_interruption_stops_one_block_or_all_blocks_and_idle_motion(scene, steps, block, stopped):
     busy = scene.with_block(small_block("a")).with_block(small_block("b"))
-    after = interrupt(busy, 10.0, block)
-    expected = [("stop_block", id, 10.0, "it was interrupted") for id in stopped]
+    after = interrupt(busy, 10.0, block, yields=True)
+    expected = [("stop_block", id, 10.0, "it was interrupted", "yields") for id in stopped]
     assert steps == expected + [("end_idle", 10.0)] * (block is None)
     assert [active.id for active in after.blocks] == [id for id in "ab" if id not in stopped]
 

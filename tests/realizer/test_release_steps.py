@@ -11,11 +11,11 @@ from kinesic.planning.quick_plan import compute_quintic_duration
 from kinesic.realizer import release as module
 from kinesic.realizer.occupancy import Occupancy, arm_hinges
 from kinesic.realizer.release import (
-    _certified_motion,
     _minimum_times,
-    _motion_without_block,
     _rejoin_arms,
     _release_from,
+    certified_motion,
+    motion_without_block,
     release_motion,
 )
 
@@ -62,9 +62,9 @@ def tries(monkeypatch):
 
     monkeypatch.setattr(module, "cross_over", cross_over)
     monkeypatch.setattr(module, "_minimum_times", lambda *_: times)
-    monkeypatch.setattr(module, "_motion_without_block", lambda current, *_: np.full(current.shape, -1.0))
+    monkeypatch.setattr(module, "motion_without_block", lambda current, *_: np.full(current.shape, -1.0))
     monkeypatch.setattr(module, "_rejoin_arms", lambda *given: ends.append(given))
-    monkeypatch.setattr(module, "_certified_motion", lambda *given: given)
+    monkeypatch.setattr(module, "certified_motion", lambda *given: given)
     return calls, times, ends
 
 
@@ -146,7 +146,7 @@ def test_minimum_return_time_includes_the_stop_from_velocity_and_acceleration(kn
 
 def test_motion_without_offsets_and_other_blocks_is_the_rest_posture(known):
     rest = known.robot.skeleton.rest
-    np.testing.assert_array_equal(_motion_without_block(motion(9).controls, None, (), known.robot), [rest] * 9)
+    np.testing.assert_array_equal(motion_without_block(motion(9).controls, None, (), known.robot), [rest] * 9)
 
 
 @pytest.mark.parametrize("count", [20, 40])
@@ -159,7 +159,7 @@ def test_motion_without_a_block_lacks_its_trunk_offsets_and_holds_the_last_arm_p
     current[5, arm] += 0.4
     current[-1, arm] += 0.1
     current[:20, 0] = 0.02
-    after = _motion_without_block(
+    after = motion_without_block(
         current, Trajectory(layer, 0.0), [use("o", "look", offset=0.3 * np.eye(22)[NECK])], robot
     )
     assert len(after) == 30
@@ -171,7 +171,7 @@ def test_motion_without_a_block_lacks_its_trunk_offsets_and_holds_the_last_arm_p
 def test_motion_without_a_block_ends_in_the_posture_held_by_other_blocks(known):
     current, layer = motion(30).controls, motion(30)
     held = [use("o", "look", offset=0.2 * np.eye(22)[NECK])]
-    after = _motion_without_block(current, layer, held, known.robot)
+    after = motion_without_block(current, layer, held, known.robot)
     np.testing.assert_allclose(after[:, NECK], 0.2)
 
 
@@ -183,7 +183,7 @@ def test_motion_without_a_block_exceeds_joint_ranges_no_more_than_the_running_mo
     current[:, NECK] = np.where(np.arange(30) < 10, end + 0.1 * sign, 0.0)
     layer.controls[:20, NECK] = -sign
     layer.controls[12:15, NECK] = -4.0 * sign
-    after = _motion_without_block(current, layer, (), known.robot)
+    after = motion_without_block(current, layer, (), known.robot)
     np.testing.assert_allclose(after[:10, NECK], end + 0.1 * sign)
     np.testing.assert_allclose(after[12:15, NECK], end)
     np.testing.assert_allclose(after[10:12, NECK], sign)
@@ -252,7 +252,7 @@ def test_returning_hinge_is_corrected_only_if_it_exceeds_limits_after_the_releas
     calls, _, seen = checks
     controls = np.tile(known.robot.skeleton.rest, (60, 1))
     controls[25:, NECK] = 1.5 * known.limits.jerk[NECK] * KNOT_INTERVAL**3
-    released = _certified_motion(controls, motion(9, start=START), knot, known)
+    released = certified_motion(controls, motion(9, start=START), knot, known)
     assert calls == corrections
     assert (released.zero, released.start) == (0.25, START)
     assert len(released.controls) == (4 if corrections else 28)
@@ -264,11 +264,11 @@ def test_return_to_rest_that_cannot_be_corrected_is_rejected(known, checks, monk
     monkeypatch.setattr(module, "keep_limits", lambda *_: None)
     controls = np.tile(known.robot.skeleton.rest, (60, 1))
     controls[25:, NECK] = 0.5
-    assert _certified_motion(controls, motion(9), 0, known) is None
+    assert certified_motion(controls, motion(9), 0, known) is None
 
 
 @pytest.mark.parametrize(("spare", "is_rejected"), [(0.0, False), (-1e-9, True), (-1.0, True)])
 def test_return_to_rest_below_the_required_clearance_is_rejected(known, checks, spare, is_rejected):
     checks[1][0] = known.robot.min_clearance + MIN_LAG_RESERVE + spare
     controls = np.tile(known.robot.skeleton.rest, (60, 1))
-    assert (_certified_motion(controls, motion(9), 0, known) is None) is is_rejected
+    assert (certified_motion(controls, motion(9), 0, known) is None) is is_rejected

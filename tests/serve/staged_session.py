@@ -40,6 +40,7 @@ class Loop:
         self.alive, self.held, self.is_idling, self.rests, self.shutdowns, self.joined = True, False, False, True, 0, 0
         self.servos: SimpleNamespace | None = None
         self.unfinished_client = -1
+        self.silenced: list[str | None] = []
         self.error: BusError | None = None
 
     def start(self) -> None: ...
@@ -49,6 +50,9 @@ class Loop:
 
     def emergency_stop(self) -> None:
         self.stop_count += 1
+
+    def silence(self, block: str | None) -> None:
+        self.silenced.append(block)
 
     def needs_resume(self) -> bool:
         return self.held

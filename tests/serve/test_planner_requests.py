@@ -1,5 +1,6 @@
 """Planner with a stub loop in simulated time: documents, stops and idling."""
 
+import json
 import re
 from collections.abc import Callable
 
@@ -142,6 +143,29 @@ def test_interruption_of_one_block_leaves_another_block_running(planning: Planni
     ends = [each.xml for each in feedback_of(proposal) if 'id="a:end"' in each.xml]
     assert any("INTERRUPTED" in end for end in ends)
     assert not any("INTERRUPTED" in each.xml and 'id="b' in each.xml for each in feedback_of(proposal))
+
+
+def test_yielding_block_tells_its_sender_and_the_interrupter_the_heard_text_once(planning: Planning):
+    speech = '<speech id="s"><text>one two three four five six</text></speech>'
+    planning.document("a", speech + LONG_GESTURE_BML, sender=1)
+    planning.document("n", NOD_BML, sender=2)
+    planning.said()
+    planning.time = 1.3
+    planning.state.execute(Interruption(None, yields=True, silenced=1.3, sender=2))
+    (proposal,), notices = planning.said()
+    told = [(json.loads(notice.message), notice.sender) for notice in notices if "yielded" in notice.message]
+    assert {(answer["block"], sender) for answer, sender in told} == {("a", 1), ("a", 2), ("n", 2)}
+    assert len(told) == 3
+    heard = next(answer for answer, _ in told if answer["block"] == "a")
+    assert heard["said"].startswith("one two")
+    assert f"{heard['said']} {heard['unsaid']}" == "one two three four five six"
+    assert sum("INTERRUPTED" in each.xml for each in feedback_of(proposal) if 'id="a:end"' in each.xml) == 1
+
+
+def test_plain_interruption_tells_no_text(planning: Planning):
+    planning.document("a", NOD_BML)
+    planning.state.execute(Interruption(None))
+    assert not any("yielded" in notice.message for notice in planning.said()[1])
 
 
 def test_expected_planning_time_decays_after_one_slow_plan(planning: Planning):

@@ -84,9 +84,11 @@ def test_idle_motion_that_did_not_begin_is_postponed(state, monkeypatch):
 
 @pytest.mark.parametrize("block", [None, "b"])
 def test_interruption_of_all_blocks_cancels_idle_motion_and_words(state, monkeypatch, block):
-    monkeypatch.setattr(module, "interrupt", lambda scene, now, block: replace(scene, runs=(now, block)))
-    state.execute(Interruption(block))
-    assert state._shared.scene.runs == (NOW, block)
+    monkeypatch.setattr(
+        module, "interrupt", lambda scene, now, block, yields: replace(scene, runs=(now, block, yields))
+    )
+    state.execute(Interruption(block, yields=True))
+    assert state._shared.scene.runs == (NOW, block, True)
     assert state._idling.calls == ["forbid"] * (block is None)
     assert state._talks.taken == ["cleared"] * (block is None)
     assert state._shared.waited == []

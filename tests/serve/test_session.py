@@ -49,7 +49,8 @@ def test_idle_planner_gets_a_request_immediately(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.planner.is_warm = True
         stage.session.interrupt("b")
-        assert list(stage.planner.sent) == [Interruption("b")]
+        assert [request.block for request in stage.planner.sent] == ["b"]
+        assert stage.loop.silenced == ["b"], "speech fades out before the planner answers"
 
     on_stage(act)
 
@@ -153,7 +154,7 @@ def test_waiting_documents_are_refused_only_if_all_blocks_are_interrupted(on_sta
         assert sender == 7
         assert "rule interrupted: everything was interrupted" in message
         stage.planner.become_free()
-        assert stage.planner.sent.popleft() == Interruption("x")
+        assert stage.planner.sent.popleft().block == "x"
         assert stage.planned() == ["Interruption"]
 
     on_stage(act)
@@ -252,7 +253,8 @@ def test_folding_the_arms_waits_until_all_blocks_have_ended(on_stage: Callable):
         assert not folding.done(), "the robot moves"
         stage.loop.rests = True
         await folding
-        assert stage.planner.sent.popleft() == Interruption(None)
+        interruption = stage.planner.sent.popleft()
+        assert (interruption.block, interruption.yields, interruption.sender) == (None, False, None)
 
     on_stage(act)
 

@@ -27,6 +27,9 @@ class Recorder:
             raise self.fault
         self.told.append(at)
 
+    def fade_out(self, sound, at):
+        self.told.append(("fades", at))
+
     def stop(self):
         self.told.append("stop")
 
@@ -78,15 +81,30 @@ def test_sound_that_was_played_is_not_played_again():
     assert speaker.told == [1.0, 2.0]
 
 
-def test_sounds_of_removed_blocks_stop_and_others_continue():
+def test_sounds_of_removed_blocks_fade_out_and_others_continue():
     speaker = Recorder()
     effects = TrackEffects(speaker)
     effects.take({"a": heard(1.0), "b": heard(2.0)})
     speaker.told.clear()
     effects.take({"a": None})
-    assert speaker.told == ["stop", 2.0]
+    assert speaker.told == [("fades", 1.0)]
     effects.clear()
-    assert speaker.told == ["stop", 2.0, "stop"]
+    assert speaker.told == [("fades", 1.0), "stop"]
+
+
+@pytest.mark.parametrize(("block", "faded"), [("a", [1.0]), (None, [1.0, 2.0]), ("x", [])])
+def test_silenced_blocks_stay_silent_until_their_tracks_are_removed(block, faded):
+    speaker = Recorder()
+    effects = TrackEffects(speaker, face=True)
+    effects.take({"a": heard(1.0), "b": heard(2.0)})
+    speaker.told.clear()
+    effects.silence(block)
+    assert sorted(speaker.told) == [("fades", at) for at in faded]
+    effects.take({"a": heard(1.5)})  # planned again before the interruption is planned
+    assert (1.5 in speaker.told) == (1.0 not in faded)
+    effects.take({"a": None, "b": None})
+    effects.take({"a": heard(3.0)})
+    assert speaker.told[-1] == 3.0
 
 
 def test_failed_loudspeaker_is_not_used_again_and_faces_continue():

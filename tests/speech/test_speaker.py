@@ -4,7 +4,7 @@ import pytest
 from kinesic.body.utterance import Sound
 from kinesic.speech import loudspeaker
 from kinesic.speech.loudspeaker import Feed, PortAudio, SpeakerError
-from kinesic.speech.speaker import Speaker, mix
+from kinesic.speech.speaker import FADE_DURATION, PlayedSound, Speaker, mix
 
 SAMPLE_RATE = 1000  # [Hz]
 CLICK_SOUND = Sound.of(SAMPLE_RATE, [1.0, 0.5, 0.25])  # sound of three samples
@@ -94,6 +94,23 @@ def test_stopped_speaker_is_silent_until_the_next_sound():
     assert np.flatnonzero(tape.heard)[0] == tape.at(100.9)
 
 
+def test_faded_sound_ends_without_a_step_and_others_continue():
+    tape, tone = Tape(), Sound.of(SAMPLE_RATE, np.full(1000, 0.25))
+    speaker = Speaker(tape.clock, device=tape, rate=SAMPLE_RATE)
+    speaker.play(tone, 100.1)
+    speaker.play(tone, 100.2)
+    tape.turn(5)
+    first = len(tape.heard)
+    speaker.fade_out(tone, 100.1)
+    tape.turn(2)
+    speaker.fade_out(tone, 100.1)  # a second request does not begin the fade again
+    tape.turn(5)
+    assert tape.heard[first - 1] == 0.5
+    assert np.abs(np.diff(tape.heard[first:])).max() < 0.25 * 1.6 / (FADE_DURATION * SAMPLE_RATE)
+    assert (tape.heard[first + round(FADE_DURATION * SAMPLE_RATE) :] == 0.25).all()
+    assert tape.heard[first + 20] == pytest.approx(0.375, abs=0.01)
+
+
 def test_closed_sound_device_plays_nothing():
     tape = Tape()
     speaker = Speaker(tape.clock, device=tape, rate=SAMPLE_RATE)
@@ -104,13 +121,13 @@ def test_closed_sound_device_plays_nothing():
 
 def test_sound_with_another_rate_keeps_its_duration():
     sound = Sound.of(2 * SAMPLE_RATE, np.ones(400))
-    mixed = mix(((1.0, sound),), 0.9, 400, SAMPLE_RATE)
+    mixed = mix((PlayedSound(sound, 1.0),), 0.9, 400, SAMPLE_RATE)
     assert np.flatnonzero(mixed > 0.5).tolist() == list(range(100, 300))
 
 
 @pytest.mark.parametrize("begin", [-5.0, 0.0, 5.0])
 def test_speaker_mix_is_silent_before_and_after_a_sound(begin: float):
-    assert mix(((1.0, CLICK_SOUND),), begin, 16, SAMPLE_RATE).tolist() == [0.0] * 16
+    assert mix((PlayedSound(CLICK_SOUND, 1.0),), begin, 16, SAMPLE_RATE).tolist() == [0.0] * 16
 
 
 def test_missing_sound_device_is_reported():

@@ -71,10 +71,14 @@ class Resume(Struct, tag="resume", tag_field="do", forbid_unknown_fields=True):
     """Request to return to rest after a stop and accept blocks again."""
 
 
-class InterruptCommand(Struct, tag="interrupt", tag_field="do", forbid_unknown_fields=True):
-    """Request to end one block or all blocks with smooth motion."""
+class InterruptCommand(Struct, tag="interrupt", tag_field="do", forbid_unknown_fields=True, rename={"yields": "yield"}):
+    """Request to end one block or all blocks with smooth motion.
+
+    Speech fades out within 40 ms.
+    """
 
     block: str | None = None  # id of the block; without it all blocks
+    yields: bool = False  # whether the robot yields to a person: arms hold first, and `yielded` tells the heard text
 
 
 class Restyle(Struct, tag="style", tag_field="do", forbid_unknown_fields=True):

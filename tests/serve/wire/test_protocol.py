@@ -70,6 +70,7 @@ def test_message_of_the_maximum_size_is_read(pieces):
         ('{"do": "hello", "token": "t"}', Hello("t")),
         ('{"do": "interrupt"}', InterruptCommand()),
         ('{"do": "interrupt", "block": "b"}', InterruptCommand("b")),
+        ('{"do": "interrupt", "yield": true}', InterruptCommand(yields=True)),
         ('{"do": "style", "style": "calm", "set": ["power=1"]}', Restyle("calm", ("power=1",))),
         ('{"do": "status"}', Enquiry()),
         ('{"do": "status", "id": 7}', Enquiry(7)),
