@@ -25,11 +25,12 @@ def begin_idle(scene: Scene, prepared: PreparedBlock, now: float) -> Scene:
         now: global time [s]; the motion changes at `scene.first_change(now)` at the earliest.
 
     Returns:
-        The unchanged scene if a block runs or waits, the robot moves, the block has no motion, or its motion would
-        collide in the held posture.
+        The unchanged scene if a block runs or waits, the robot moves without following people, the block has no
+        motion, or its motion would collide in the held posture.
     """
     earliest = scene.first_change(now)
-    if scene.blocks or scene.motion.end > earliest or not prepared.moves:
+    is_moving = scene.motion.end > earliest and not scene.follows
+    if scene.blocks or is_moving or not prepared.moves:
         return scene
     merged = merge(scene.motion, earliest, prepared.plan, begin=earliest, occupied=scene.lasting)
     if merged.trajectory is scene.motion:  # all behaviours were dropped

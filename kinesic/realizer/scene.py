@@ -12,6 +12,7 @@ from kinesic.body.arrays import Flags
 from kinesic.motion.trajectory import Trajectory, stay
 from kinesic.planning.setup import Setup
 from kinesic.realizer.feedback import ScheduledFeedback
+from kinesic.realizer.follow_steps import FOLLOWING_PREFIX, FollowStep
 from kinesic.realizer.occupancy import Occupancy, settle_occupancy
 from kinesic.realizer.request import SceneContext, TimedRequest
 from kinesic.realizer.running_block import EndedBlock, PlayingSpeech, RunningBlock
@@ -39,6 +40,7 @@ class Scene:
     ahead: float = 0.0  # [s] by which motion is sent in advance; no change begins before the sent motion ends
     lasting: tuple[Occupancy, ...] = ()  # last posture of each role that an ended block still holds
     idle: RunningBlock | None = None  # idle motion since the last block ended
+    following: tuple[FollowStep, ...] = ()  # steps of gaze following that may not have ended
     runs: int = 0  # number of the block added last; blocks are numbered from 1
 
     @classmethod
@@ -71,6 +73,11 @@ class Scene:
     def playing(self) -> tuple[RunningBlock, ...]:
         """Blocks that have begun and not ended."""
         return tuple(active for active in self.blocks if active.state.is_playing)
+
+    @property
+    def follows(self) -> bool:
+        """Whether the head follows people, so that it may move without a block."""
+        return any(entry.behaviour.startswith(FOLLOWING_PREFIX) for entry in self.lasting)
 
     @property
     def occupancy(self) -> tuple[Occupancy, ...]:

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from kinesic.expressivity.idle import Idling
+from kinesic.expressivity.keyframes import HeldTurns, Turn
 from kinesic.motion.stopping import stop
 from kinesic.planning.setup import Setup
+from kinesic.realizer.following import follow
 from kinesic.realizer.realizer import Scene, begin_idle, interrupt
 from kinesic.realizer.running_block import PreparedBlock
 from kinesic.serve.idling import plan_idle
@@ -81,3 +83,16 @@ def test_idle_motion_ends_within_0_8_s_of_an_interruption_and_0_3_s_of_a_stop(id
     idling.take(interrupt(idling.scene, idling.now))
     assert idling.scene.motion.end < 5.0 + 0.8
     assert farthest(idling, idling.scene.motion.end) < 1e-6
+
+
+def test_idle_motion_begins_while_the_head_follows_a_person(lively: Setup, spell: PreparedBlock):
+    play = Play(Scene.of(lively, ahead=0.02)).until(1.0)
+    moving = follow(play.scene, HeldTurns("look", Turn(np.radians(30.0))), play.now)
+    assert moving.motion.end > play.now + 0.3
+    idling = begin_idle(moving, spell, play.now)
+    assert idling.idle is not None
+    neck = list(lively.robot.joints("neck"))
+    swayed = np.degrees(idling.motion.angles(np.arange(2.0, idling.motion.end, 0.1))[:, neck[0]])
+    assert 10.0 < swayed.mean() < 50.0
+    released = Play(idling).until(3.0).send("b", SHIFT).until(9.0).scene.motion
+    assert np.degrees(released.controls[-1])[neck[0]] == pytest.approx(30.0, abs=0.01)

@@ -1,0 +1,94 @@
+"""Minimum-jerk steps of head and trunk, with durations within comfortable limits."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from kinesic.body.arrays import Floats
+from kinesic.motion.easing import minimum_jerk
+
+TrunkChain = Literal["neck", "torso"]
+TRUNK_CHAINS: tuple[TrunkChain, ...] = ("neck", "torso")
+FOLLOWING_PREFIX = "conversation:"  # prefix of the names of followed postures
+PEAK_VELOCITY_RATIO = 1.875  # peak / mean velocity of a minimum-jerk step
+PEAK_ACCELERATION_RATIO = 10.0 / 3.0**0.5  # peak acceleration of a minimum-jerk step * duration^2 / angle
+MAX_STEP_DURATION = 3.0  # [s] longest step that is tried
+STEP_GROWTH_FACTOR = 1.2  # duration of a step / that of the previous, too fast attempt
+RATE_SAMPLES = 25  # number of times at which a step is checked
+
+
+@dataclass(frozen=True)
+class StepLimits:
+    """Comfortable limits of one chain, stricter than those of its servos."""
+
+    velocity: float  # [rad/s] of each axis
+    acceleration: float  # [rad/s^2] of each axis
+    shortest: float  # [s] shortest duration of a step
+    delay: float = 0.0  # [s] begin of a step after that of the head
+
+
+STEP_LIMITS: dict[TrunkChain, StepLimits] = {
+    "neck": StepLimits(float(np.radians(90.0)), float(np.radians(400.0)), 0.2),
+    "torso": StepLimits(float(np.radians(25.0)), float(np.radians(100.0)), 0.4, delay=0.12),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class FollowStep:
+    """Rotation of one chain by a minimum-jerk step."""
+
+    chain: TrunkChain
+    change: Floats  # (3,) [rad] torsion, tilt and roll
+    begin: float  # [s]
+    end: float  # [s]
+
+    def progress(self, times: Floats) -> Floats:
+        """Return the completed fraction (m,) of the step at times (m,) [s]."""
+        return minimum_jerk((times - self.begin) / (self.end - self.begin))
+
+    def rates(self, times: Floats) -> tuple[Floats, Floats]:
+        """Return velocities and accelerations (m, 3) at times (m,) [s]."""
+        duration = self.end - self.begin
+        x = np.clip((times - self.begin) / duration, 0.0, 1.0)[:, None]
+        velocity = 30.0 * x**2 * (1.0 - x) ** 2 * self.change / duration
+        acceleration = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) * self.change / duration**2
+        return np.asarray(velocity), np.asarray(acceleration)
+
+
+def fit_step(chain: TrunkChain, change: Floats, begin: float, running: Sequence[FollowStep]) -> FollowStep | None:
+    """Return the shortest comfortable step in addition to running steps.
+
+    Args:
+        chain: rotated chain.
+        change: (3,) [rad] torsion, tilt and roll.
+        begin: time [s] of its begin.
+        running: steps that have begun and may not have ended.
+
+    Returns:
+        None if no step up to `MAX_STEP_DURATION` keeps the limits.
+    """
+    limits, angle = STEP_LIMITS[chain], float(np.abs(change).max())
+    duration = max(
+        limits.shortest,
+        PEAK_VELOCITY_RATIO * angle / limits.velocity,
+        (PEAK_ACCELERATION_RATIO * angle / limits.acceleration) ** 0.5,
+    )
+    others = [step for step in running if step.chain == chain and step.end > begin]
+    while duration <= MAX_STEP_DURATION:
+        step = FollowStep(chain, change, begin + limits.delay, begin + limits.delay + duration)
+        if _is_comfortable(step, others, limits):
+            return step
+        duration *= STEP_GROWTH_FACTOR
+    return None
+
+
+def _is_comfortable(step: FollowStep, others: Sequence[FollowStep], limits: StepLimits) -> bool:
+    """Return whether a step and running steps together keep the limits."""
+    if not others:
+        return True
+    times = np.linspace(step.begin, max(item.end for item in (step, *others)), RATE_SAMPLES)
+    rates = [item.rates(times) for item in (step, *others)]
+    velocity, acceleration = (np.abs(np.sum([rate[k] for rate in rates], axis=0)).max() for k in (0, 1))
+    return bool(velocity <= limits.velocity and acceleration <= limits.acceleration)
