@@ -17,7 +17,7 @@ from kinesic.session.options import PlanningOptions
 ROOT = Path(__file__).resolve().parent.parent
 GENERATOR = ROOT / "docs" / "make" / "reference"
 READ_SCHEMA = re.compile(r"(?:read_toml|fit_schema)\([^()\n]*(?:\([^()]*\)[^()\n]*)*, (_?[A-Z][a-z]\w+)[,)]")
-PAGES = ["command-line.md", "python.md", "toml-files.md", "messages.md", "mcp-tools.md", "examples.md"]
+PAGES = ["command-line.md", "python.md", "toml-files.md", "messages.md", "mcp-tools.md", "examples.md", "supervisor.md"]
 INTERNAL_SCHEMAS = {  # schemas of files that only kinesic itself contains
     "_File": "expressions and visemes of the face",
     "_HandsFile": "hand shapes",

@@ -1,4 +1,4 @@
-"""Write the generated pages of docs/reference: command line, Python, TOML files, messages, tools, examples.
+"""Write the generated pages of docs/reference: command line, Python, TOML files, messages, tools, examples, supervisor.
 
 .venv/bin/python docs/make/reference
 """
@@ -9,6 +9,7 @@ import command_line_page
 import examples_page
 import message_page
 import python_page
+import supervisor_page
 import toml_page
 import tools_page
 
@@ -24,6 +25,7 @@ def write_pages() -> dict[Path, str]:
         REFERENCE_FOLDER / "messages.md": message_page.write_page(),
         REFERENCE_FOLDER / "mcp-tools.md": tools_page.write_page(),
         REFERENCE_FOLDER / "examples.md": examples_page.write_page(),
+        REFERENCE_FOLDER / "supervisor.md": supervisor_page.write_page(),
     }
 
 

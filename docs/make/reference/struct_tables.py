@@ -39,11 +39,12 @@ def read_meanings(table: type[msgspec.Struct]) -> dict[str, str]:
     meanings: dict[str, str] = {}
     for part in reversed(table.__mro__):
         if part is not msgspec.Struct and issubclass(part, msgspec.Struct):
-            meanings |= _own_meanings(part)
+            meanings |= read_comments(part)
     return meanings
 
 
-def _own_meanings(table: type) -> dict[str, str]:
+def read_comments(table: type) -> dict[str, str]:
+    """Return the comment of each field that a class itself declares."""
     source = inspect.getsource(table)
     lines = source.splitlines()
     (definition,) = ast.parse(source).body

@@ -29,14 +29,6 @@ class Observation:
     policy: Policy = "hold"  # reaction to an emergency stop
 
     @property
-    def over(self) -> bool:
-        """Whether the performance must end."""
-        return self.ended or self.release or self.weak or self.confirmed
-
-    @property
-    def dismissed(self) -> bool:
-        """Whether an emergency stop may end by switching torque off.
-
-        A release was requested, or the planner that could resume is gone.
-        """
-        return self.release or self.confirmed or self.alone
+    def limp_policy(self) -> bool:
+        """Whether an emergency stop switches torque off."""
+        return self.policy == "limp"

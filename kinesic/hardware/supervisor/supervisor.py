@@ -22,7 +22,7 @@ from kinesic.hardware.supervisor.player import END_TOLERANCE
 from kinesic.hardware.supervisor.preflight import RegisterTable, configure, read_manifest_tables, take_over
 from kinesic.hardware.supervisor.requests import Requests
 from kinesic.hardware.supervisor.settings import SupervisorSettings
-from kinesic.hardware.supervisor.state_machine import MOVING_STAGES, Action, Event, Stage, SupervisorState, step
+from kinesic.hardware.supervisor.state_machine import MOVING_STAGES, Action, Event, Stage, SupervisorState
 from kinesic.hardware.supervisor.status import EventLog, StatusWriter
 from kinesic.hardware.supervisor.torque import (
     POWER_RAMP_TIME,
@@ -33,6 +33,7 @@ from kinesic.hardware.supervisor.torque import (
     release_torque,
     watchdog_counts,
 )
+from kinesic.hardware.supervisor.transitions import step
 from kinesic.hardware.supervisor.wiring_check import explain_rare_answers
 
 MAX_COMMANDS_PER_CYCLE = 32  # Largest number of commands read per cycle, which bounds the cycle's duration
@@ -162,7 +163,6 @@ class Supervisor:
     def _observe(self) -> Observation:
         player, monitor, requests, stage = self._steering.player, self._monitor, self._requests, self.state.stage
         settings, elapsed = self._settings, self._clock - self._since
-        resting = stage is Stage.HOLD and elapsed > settings.patience
         patience = settings.consent if self.state.paused else settings.patience
         waits = (stage is Stage.HOLD or not monitor.answering) and not self.state.stopped
         has_waited = waits and elapsed > patience
@@ -183,7 +183,7 @@ class Supervisor:
             interrupted=self._interruptions.interrupted,
             still=player.still,
             reached=player.reached and self._steering.arrived,
-            idle=resting,
+            idle=stage is Stage.HOLD and elapsed > settings.patience,
             hopeless=stage is Stage.LOST and self._interruptions.fault_duration > settings.hopeless,
             policy=requests.policy(settings.policy),
         )

@@ -8,6 +8,8 @@ import pytest
 from kinesic.hardware.supervisor.channel import Channel, memory_size
 from kinesic.hardware.supervisor.observation import Observation
 from kinesic.hardware.supervisor.requests import Requests
+from kinesic.hardware.supervisor.state_machine import Stage, SupervisorState
+from kinesic.hardware.supervisor.transitions import step
 
 
 class Asked:
@@ -115,11 +117,12 @@ FLAGS = [field.name for field in fields(Observation) if field.type in (bool, "bo
 @pytest.mark.parametrize("flag", FLAGS)
 def test_only_listed_observation_flags_end_a_performance_or_a_stop(flag: str):
     """Each flag alone is inverted, starting from a healthy robot at rest."""
-    calm = Observation()
-    assert (calm.over, calm.dismissed) == (False, False)
-    seen = Observation(**{flag: not getattr(calm, flag)})
-    assert seen.over == (flag in {"ended", "release", "weak", "confirmed"})
-    assert seen.dismissed == (flag in {"release", "confirmed", "alone"})
+    seen = Observation(**{flag: not getattr(Observation(), flag)})
+    waiting, stopped = SupervisorState(Stage.LIMP, checked=True), SupervisorState(Stage.STOPPED, stopped=True)
+    ended = step(waiting, "tick", seen)[0].stage is Stage.CLOSED
+    assert ended == (flag in {"ended", "release", "weak", "confirmed"})
+    dismissed = step(stopped, "tick", seen)[0].stage is Stage.HOLD
+    assert dismissed == (flag in {"release", "confirmed", "alone"})
 
 
 def test_initial_observation_is_healthy_without_torque():

@@ -5,7 +5,8 @@ from dataclasses import replace
 import pytest
 
 from kinesic.hardware.supervisor.observation import Observation
-from kinesic.hardware.supervisor.state_machine import Stage, SupervisorState, step
+from kinesic.hardware.supervisor.state_machine import Stage, SupervisorState
+from kinesic.hardware.supervisor.transitions import step
 
 HEALTHY_OBSERVATION = Observation(energised=True)  # all servos have torque and no fault
 
@@ -72,7 +73,7 @@ RULES = [  # stage, flags, event, observation; then next stage, actions, next fl
     (Stage.ACTIVE, {}, "tick", {"due": True, "reached": True}, Stage.ACTIVE, (), {}),
     (Stage.DEGRADED, {}, "tick", {"due": True, "still": True}, Stage.HOLD, ("hold",), {}),
     (Stage.DEGRADED, {}, "tick", {"due": True, "still": False}, Stage.ACTIVE, (), {}),
-    (Stage.DEGRADED, {"slowed": Stage.APPROACH}, "tick", {"due": True, "still": False}, Stage.APPROACH, (), {}),
+    (Stage.DEGRADED, {"approaching": True}, "tick", {"due": True, "still": False}, Stage.APPROACH, (), {}),
     (Stage.DEGRADED, {}, "tick", {"due": True, "well": False, "still": False}, Stage.DEGRADED, (), {}),
     (Stage.FOLD, {}, "tick", {}, Stage.FOLD, (), {"folded": False}),
     (
@@ -137,10 +138,10 @@ def test_each_event_leads_to_the_stage_actions_and_flags_of_the_rule_table(
     ],
 )
 def test_faults_pauses_and_missing_commands_slow_the_performance_to_a_stop(stage: Stage, before: dict, facts: dict):
-    other = Stage.ACTIVE if stage is Stage.APPROACH else Stage.APPROACH
+    approaching = stage is Stage.APPROACH
     known = replace(HEALTHY_OBSERVATION, **facts, reached=True)
-    state, begun = step(at(stage, **before, slowed=other), "tick", known)
-    assert (state.stage, begun, state.slowed) == (Stage.DEGRADED, ("slow",), stage)
+    state, begun = step(at(stage, **before, approaching=not approaching), "tick", known)
+    assert (state.stage, begun, state.approaching) == (Stage.DEGRADED, ("slow",), approaching)
     assert step(state, "tick", replace(known, still=False)) == (state, ())  # and does not go on by itself
 
 

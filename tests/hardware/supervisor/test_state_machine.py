@@ -3,7 +3,8 @@ from dataclasses import replace
 import pytest
 
 from kinesic.hardware.supervisor.observation import Observation
-from kinesic.hardware.supervisor.state_machine import Stage, SupervisorState, step
+from kinesic.hardware.supervisor.state_machine import Stage, SupervisorState
+from kinesic.hardware.supervisor.transitions import step
 
 HEALTHY_OBSERVATION = Observation(energised=True)  # all servos have torque and no fault
 

@@ -1,0 +1,99 @@
+"""The page of the supervisor's state machine, written from its transition table."""
+
+import inspect
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from typing import get_args
+
+from struct_tables import read_comments
+
+from kinesic.hardware.supervisor import state_machine
+from kinesic.hardware.supervisor.observation import Observation
+from kinesic.hardware.supervisor.state_machine import POWERED_STAGES, Action, Event, Stage, SupervisorState
+from kinesic.hardware.supervisor.transitions import (
+    ALL_EVENTS,
+    ALL_STAGES,
+    CONDITIONS,
+    FLAG_RULES,
+    FLAGS,
+    INPUTS,
+    TRANSITIONS,
+    FlagRule,
+    Transition,
+)
+
+HEAD = """# State machine of the supervisor
+
+`docs/make/reference` writes this page from the transition table in `kinesic/hardware/supervisor/transitions.py`, which
+the [supervisor](../explanation/servos.md#the-supervisor) executes. In each cycle, the supervisor passes its events and
+its observation of the servos to this table. A test checks [every reachable state with every event and every
+observation](../benchmarks/proof.md#state-machine-of-the-supervisor).
+"""
+SETS = {ALL_STAGES: "any", POWERED_STAGES: "any with torque"}  # names of sets of stages
+
+
+def write_page() -> str:
+    """Return the page with stages, events, inputs, flags, actions and transitions."""
+    inputs = read_comments(Observation) | {"limp_policy": "an emergency stop switches torque off"}
+    flags = read_comments(SupervisorState)
+    lines = [HEAD, "## Stages", "", "| stage | meaning | torque |", "|---|---|---|"]
+    meanings = _comments("class Stage", (stage.value for stage in Stage))
+    lines += [
+        f"| {stage.value} | {meanings[stage.value]} | {'possible' if stage in POWERED_STAGES else ''} |"
+        for stage in Stage
+    ]
+    lines += _meaning_table("Events", "event", _comments("Event =", get_args(Event)))
+    lines += _meaning_table("Inputs", "input", {name: inputs[name] for name in INPUTS})
+    lines += _meaning_table("Flags", "flag", {name: flags[name] for name in FLAGS})
+    lines += _meaning_table("Actions", "action", _comments("Action =", get_args(Action)))
+    lines += ["", "## Combined conditions", "", "| condition | holds if |", "|---|---|"]
+    lines += [f"| {name} | {_any_of(parts)} |" for name, parts in CONDITIONS.items()]
+    lines += ["", "## Changes of flags", "", "Each event first changes flags, in the order of this table.", ""]
+    lines += ["| stage | event | if | flags |", "|---|---|---|---|"]
+    lines += [
+        f"| {_stages(rule)} | {_events(rule)} | {_all_of(rule.when)} | {_flags(rule.sets)} |" for rule in FLAG_RULES
+    ]
+    lines += ["", "## Transitions", ""]
+    lines += ["Then the first row applies whose stage, event and conditions match. Without one, nothing changes.", ""]
+    lines += ["| stage | event | if | next stage | actions | flags |", "|---|---|---|---|---|---|"]
+    lines += map(_transition, TRANSITIONS)
+    return "\n".join(lines) + "\n"
+
+
+def _comments(definition: str, names: Iterable[str]) -> dict[str, str]:
+    """Return the comments of names in the source, after the beginning of their definition."""
+    source = inspect.getsource(state_machine).partition(definition)[2]
+    return {name: re.findall(rf'"{name}",?  # (.+)', source)[0] for name in names}
+
+
+def _meaning_table(title: str, kind: str, meanings: Mapping[str, str]) -> list[str]:
+    rows = [f"| {name} | {meaning} |" for name, meaning in meanings.items()]
+    return ["", f"## {title}", "", f"| {kind} | meaning |", "|---|---|", *rows]
+
+
+def _transition(row: Transition) -> str:
+    following = "unchanged" if row.to is None else row.to.value
+    cells = (_stages(row), _events(row), _all_of(row.when), following, ", ".join(row.actions), _flags(row.sets or {}))
+    return f"| {' | '.join(cells)} |"
+
+
+def _stages(row: FlagRule | Transition) -> str:
+    return SETS.get(row.stages) or ", ".join(stage.value for stage in Stage if stage in row.stages)
+
+
+def _events(row: FlagRule | Transition) -> str:
+    return "any" if row.events == ALL_EVENTS else ", ".join(sorted(row.events))
+
+
+def _all_of(conditions: Sequence[str]) -> str:
+    return " and ".join(conditions)
+
+
+def _any_of(alternatives: Sequence[Sequence[str]]) -> str:
+    return " or ".join(f"({_all_of(parts)})" if len(parts) > 1 else parts[0] for parts in alternatives)
+
+
+def _flags(changes: Mapping[str, bool]) -> str:
+    if set(changes) == set(FLAGS) and not any(changes.values()):
+        return "all off"
+    return ", ".join(f"{name} {'on' if value else 'off'}" for name, value in changes.items())
