@@ -6,6 +6,15 @@ from dataclasses import dataclass
 from kinesic.intent.meaning.context import Context
 from kinesic.intent.meaning.cues import PICTURE_INTENT
 from kinesic.intent.meaning.matching import Candidate
+from kinesic.intent.meaning.reports import (
+    is_detail,
+    is_last_fact,
+    is_mentioned,
+    is_name,
+    is_past_deed,
+    is_stressed,
+    is_told,
+)
 
 MIN_SECOND_LIVELINESS = 0.5  # liveliness from which a clause may have a second illustrating gesture
 MIN_WORD_DISTANCE = 3  # [words] smallest distance of two illustrating gestures
@@ -24,6 +33,8 @@ class Penalties:
     not_felt: float = 0.45  # feeling of somebody else
     plain_emblem: float = 0.12  # emblem, emotion or listener in a plain report
     plain_word: float = 0.12  # pointing, metaphor or drawn shape in a plain report
+    mentioned: float = 0.15  # action, thing or place that a plain report mentions among other facts, in addition
+    name: float = 0.3  # word that is a proper name
     asked_emblem: float = 0.15  # emblem or feeling in a question
     told_idiom: float = 0.15  # idiom with an emblem or feeling in a report
     quoted_idiom: float = 0.15  # idiom with an emblem or feeling in a quotation, in addition
@@ -59,6 +70,7 @@ SENSITIVE_CATEGORIES = frozenset({"emblem", "emotion"})  # categories scored low
 REPORT_CATEGORIES = frozenset(
     {"deictic", "metaphoric", "iconic", "adaptor"}
 )  # gesture categories that plain reports rarely need
+ACTED_CATEGORIES = frozenset({"iconic", "adaptor"})  # gesture categories that act out an action or draw a thing
 GRAVE_CLASSES = ("sad", "stern")  # classes of words whose presence in a sentence makes praise or joy unlikely
 SENSITIVE_INTENTS = ("emotion", "performative")  # prefixes of intents penalised in reports and questions
 # Prefixes of intents of praise, agreement, joy and pride.
@@ -110,8 +122,8 @@ def score(
         value -= DEFAULT_PENALTIES.ironic_praise * _sounds_ironic(context, candidate)
     if not LISTENER_GESTURES.isdisjoint(cue.shows):
         value -= DEFAULT_PENALTIES.others_listener * context.is_others(at)
-    if TIME_GESTURES.issuperset(cue.shows) and not context.is_talk(at):
-        value -= DEFAULT_PENALTIES.final_time * context.is_clause_end(candidate.last) * (cue.kind == "idiom")
+    if TIME_GESTURES.issuperset(cue.shows) and is_told(context, at):
+        value -= DEFAULT_PENALTIES.final_time * is_last_fact(context, candidate) * (cue.kind == "idiom")
     if is_literal and context.is_negated(at, idioms):
         value -= DEFAULT_PENALTIES.negated
     if cue.kind == "feeling":
@@ -122,9 +134,9 @@ def score(
     elif cue.kind == "word":
         value -= DEFAULT_PENALTIES.asked_word * (context.is_question(at) and not context.is_request(at))
         value -= DEFAULT_PENALTIES.wished_word * context.is_wished(at)
-    if cue.kind == "word" and not is_sensitive and not context.is_talk(at):
-        is_picture = any(categories.get(shown, "") in REPORT_CATEGORIES for shown in cue.shows)
-        value -= DEFAULT_PENALTIES.plain_word * (1.0 - liveliness) * is_picture
+    if cue.kind == "word":
+        value -= _penalise_report(context, candidate, categories) * (1.0 - liveliness) * (not is_sensitive)
+        value -= DEFAULT_PENALTIES.name * is_name(context, candidate)
     if is_sensitive and cue.kind != "question":
         value -= DEFAULT_PENALTIES.reported * (is_literal and context.is_reported(at))
         value -= DEFAULT_PENALTIES.plain_emblem * (not context.is_talk(at))
@@ -135,12 +147,26 @@ def score(
             and SHRUG_GESTURES.isdisjoint(cue.shows)
         )
         if cue.kind == "idiom":
+            value -= DEFAULT_PENALTIES.mentioned * is_past_deed(context, candidate)
             value -= DEFAULT_PENALTIES.told_idiom * context.is_reported(at)
             value -= DEFAULT_PENALTIES.quoted_idiom * context.is_quoted(at)
             value -= DEFAULT_PENALTIES.denied_idiom * context.is_negated(at, idioms)
             value -= DEFAULT_PENALTIES.asked_idiom * context.is_asked_within(at)
             value -= DEFAULT_PENALTIES.others_idiom * (cue.intent != PICTURE_INTENT and context.is_others(at))
     return min(max(value, 0.0), 1.0)
+
+
+def _penalise_report(context: Context, candidate: Candidate, categories: Mapping[str, str]) -> float:
+    """Return the penalty of a gesture for a word that a plain report mentions."""
+    shown = {categories.get(each, "") for each in candidate.cue.shows}
+    if shown.isdisjoint(REPORT_CATEGORIES):
+        return 0.0
+    is_plain = not (context.is_talk(candidate.first) or is_stressed(context, candidate))
+    value = DEFAULT_PENALTIES.plain_word * is_plain
+    if is_told(context, candidate.first):
+        is_acted = not shown.isdisjoint(ACTED_CATEGORIES)
+        value += DEFAULT_PENALTIES.mentioned * (is_mentioned if is_acted else is_detail)(context, candidate)
+    return value
 
 
 def _is_about_grave(context: Context, candidate: Candidate) -> bool:

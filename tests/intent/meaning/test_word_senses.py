@@ -29,7 +29,7 @@ def pictures(text: str, *, seed: int = 0) -> set[str]:
         ("My suitcase is roomy.", "I keep a roomy.", "large"),
         ("I am terrified.", "My uncle is terrified.", "fear"),
         ("We drifted apart.", "The drift was slow.", "break_apart"),
-        ("It gets louder and louder.", "It does not get louder and louder.", "growth_curve"),
+        ("It gets louder and louder.", "It does not get louder and louder.", "rise"),
         ("Shush, the baby sleeps.", "I told them to shush the crowd.", "hush"),
         ("It costs us a packet.", "We bought a packet of tea.", "money"),
     ],
