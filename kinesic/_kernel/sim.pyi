@@ -26,6 +26,31 @@ class CapsulePairs:
         origins: Floats,
     ) -> None: ...
 
+class ImpactTree:
+    def __init__(self) -> None: ...
+    def add_link(
+        self,
+        parent: int,
+        origin: Floats,
+        body: Floats,
+        joints: Sequence[int],
+        axes: Floats,
+        offsets: Floats,
+        armatures: Floats,
+        points: Floats,
+    ) -> None: ...
+    def survey(
+        self,
+        angles: Floats,
+        velocities: Floats,
+        inverse_masses: Floats,
+        squared_scales: Floats,
+        gate: float,
+        ratios: Floats,
+        points: Indices,
+    ) -> None: ...
+    def jacobians(self, angles: Floats, points: Indices, columns: Floats) -> None: ...
+
 def make_pairs(
     owners: Indices,
     starts: Floats,

@@ -9,3 +9,4 @@ GesturePreference = Literal["lexicon", "captured"]  # gestures of beats, offers 
 InvertedTerms = Literal["full", "lag", "none"]  # inverted terms of the servo model: all; velocity lag only; none
 Variant = Literal["female", "male"]  # face model
 Skin = Literal["female"]  # skin mesh of a virtual human's whole body
+Audience = Literal["nobody", "adult", "child"]  # people near the robot, for limits of contacts

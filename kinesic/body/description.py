@@ -6,7 +6,7 @@ from pathlib import Path
 
 from kinesic.body.arrays import Floats
 from kinesic.body.calibration import NO_CALIBRATION, Calibration
-from kinesic.body.choices import Skin
+from kinesic.body.choices import Audience, Skin
 from kinesic.body.servo import Drive
 from kinesic.body.skeleton import Skeleton
 from kinesic.body.source_joints import SourceJoint
@@ -65,5 +65,7 @@ class Description:
     targets: Mapping[str, Floats]  # named points (3,) [m] in the world
     skin: Skin | None = None  # None: drawn without skin
     supply: Supply | None = None  # None: unknown
+    audience: Audience = "nobody"  # people near the robot
+    impact_limits: Path | None = None  # file of regions and policies; None: kinesic's own
     calibration: Calibration = NO_CALIBRATION  # of these servos; the skeleton has its ranges already
     sources: Mapping[str, SourceJoint] = field(default_factory=dict)  # hinge or coupling -> joint of the imported file

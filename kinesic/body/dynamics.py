@@ -1,4 +1,4 @@
-"""Interfaces of inverse dynamics and of distances between robot segments.
+"""Interfaces of inverse dynamics, of distances between segments, and of contacts with people.
 
 `sim` implements them, and `controller` passes them to planning.
 """
@@ -7,7 +7,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, Indices
+from kinesic.body.impact_policy import ImpactRows
 
 
 @dataclass(frozen=True, eq=False)
@@ -77,4 +78,39 @@ class Distances(Protocol):
         Args:
             angles: (m, n) [rad].
             turns: (m, n) [rad] largest deviation of each hinge from its angle.
+        """
+
+
+@dataclass(frozen=True, eq=False)
+class ImpactSurvey:
+    """Largest contact of each posture with each region."""
+
+    rows: ImpactRows
+    values: Floats  # (m, r) values of the rows
+    points: Indices  # (m, r) index of the worst point; -1 if the value is only an upper bound
+
+
+class Impacts(Protocol):
+    """Interface of contacts between a moving robot and a person."""
+
+    @property
+    def owners(self) -> tuple[str, ...]:
+        """Segment of each point."""
+
+    def survey(self, angles: Floats, velocities: Floats, rows: ImpactRows, *, gate: float = 0.0) -> ImpactSurvey:
+        """Find the largest value of each row over all points of the robot.
+
+        Args:
+            angles: (m, n) [rad].
+            velocities: (m, n) [rad/s].
+            rows: quantities to compute.
+            gate: value below which an upper bound suffices.
+        """
+
+    def jacobians(self, angles: Floats, points: Indices) -> Floats:
+        """Compute the Jacobian (m, 3, n) of one point in each posture.
+
+        Args:
+            angles: (m, n) [rad].
+            points: (m,) indices of points.
         """

@@ -9,7 +9,7 @@ import numpy as np
 
 from kinesic.body.arrays import sealed
 from kinesic.body.calibration import NO_CALIBRATION, Calibration, narrow_ranges, read_calibration
-from kinesic.body.config import CONFIGS, ConfigError, read_toml, suggestion
+from kinesic.body.config import CONFIGS, ConfigError, check_inside, read_toml, suggestion
 from kinesic.body.description import Description, Exclusion, Mount, Site, Supply
 from kinesic.body.muscle import make_muscle
 from kinesic.body.robot_extension import read_robot
@@ -102,6 +102,8 @@ def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NO
         targets={name: sealed(position) for name, position in file.targets.items()},
         skin=file.robot.skin,
         supply=None if file.supply is None else Supply(file.supply.volts, file.supply.amps),
+        audience="nobody" if file.audience is None else file.audience.near,
+        impact_limits=_find_impact_limits(file, path),
         calibration=calibration,
         sources={
             name: SourceJoint(source.joint, float(source.sign), radians(source.zero_deg))
@@ -109,6 +111,19 @@ def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NO
             if source is not None
         },
     )
+
+
+def _find_impact_limits(file: RobotFile, path: Path) -> Path | None:
+    """Return the file of the robot's limits of contacts, in its folder."""
+    name = None if file.audience is None else file.audience.limits
+    if name is None:
+        return None
+    named = path.parent / name
+    try:
+        check_inside(path.parent, named)
+    except ConfigError as error:
+        raise ConfigError(f"{path}: [audience] limits = {name!r}: {error}") from None
+    return named
 
 
 def _segment(body: BodyTable) -> Segment:

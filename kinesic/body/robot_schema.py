@@ -6,7 +6,7 @@ from typing import Literal
 
 import msgspec
 
-from kinesic.body.choices import Skin
+from kinesic.body.choices import Audience, Skin
 
 Triple = tuple[float, float, float]
 
@@ -168,6 +168,13 @@ class ServoTable(Strict):
     price_usd: float | None = None  # [USD] price of one piece
 
 
+class AudienceTable(Strict):
+    """TOML table `[audience]`: people near the robot."""
+
+    near: Audience = "nobody"  # audience whose limits of contacts planned motion keeps
+    limits: str | None = None  # file of regions and policies in the folder of the robot's file
+
+
 class RobotFile(Strict):
     """TOML file of a robot."""
 
@@ -182,6 +189,7 @@ class RobotFile(Strict):
     targets: dict[str, Triple] = {}  # [m] named points in the world, for gaze and pointing
     servos: dict[str, ServoTable] = {}  # servo models of this robot
     supply: SupplyTable | None = None  # power supply
+    audience: AudienceTable | None = None  # people near the robot
     bus: list[object] = []  # wiring of servos, one `[[bus]]` each
 
 

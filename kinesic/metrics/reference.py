@@ -10,6 +10,7 @@ from kinesic.body.arrays import Flags, Floats, Indices, seal_in_place
 from kinesic.body.robot import SIDES, PartName
 from kinesic.metrics.arrival import Arrival, compute_part_paths, find_arrivals
 from kinesic.metrics.conditioning import ChangedBehaviour, find_changes
+from kinesic.metrics.impact_figures import ImpactFigures, measure_impacts
 from kinesic.metrics.smoothness import dimensionless_jerk, visible_jerk
 from kinesic.motion.limit_check import Peaks, check_limits
 from kinesic.planning.plan import Plan
@@ -130,6 +131,11 @@ class Reference:
     def changes(self) -> tuple[ChangedBehaviour, ...]:
         """Behaviours that the motion limits shifted or weakened."""
         return find_changes(self.plan, self.times, self.paths)
+
+    @cached_property
+    def impacts(self) -> ImpactFigures | None:
+        """Contacts of the planned motion with people, None without a model."""
+        return measure_impacts(self.plan)
 
     @cached_property
     def moving(self) -> Flags:

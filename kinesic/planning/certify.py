@@ -5,6 +5,7 @@ the motion: if inverse dynamics finds a drive above full duty, its limit is tigh
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -16,12 +17,14 @@ from kinesic.motion.condition import LEAD_IN, Conditioned, condition
 from kinesic.motion.keys import Bond, KeyPosture
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
+from kinesic.planning.impact_limits import slow_hinges
 from kinesic.planning.setup import Setup
 
 MAX_DUTY = 0.995  # largest duty at the knots, as a fraction of full PWM; slightly higher between them
 LOW_DUTY = 0.5  # duty at a knot below which full duty cannot occur within two knots, because jerk is limited
 TIGHTENING_FACTOR = 0.93  # factor on an overloaded servo's duty limit, in addition to 1 / its peak duty
 MAX_TIGHTENINGS = 6  # largest number of replanning rounds with lower duty limits
+MAX_SLOWED_ROUNDS = 12  # largest number of replanning rounds under a policy of contacts with people
 KNOTS_PER_WINDOW = 4096  # largest number of knots whose torques are computed together, which bounds the memory
 STATE_TOLERANCE = 1e-5  # [rad, rad/s, rad/s^2] grid to which states are rounded, to evaluate equal states once
 
@@ -62,25 +65,32 @@ def certify(
 
 
 def keep_duties(search: Callable[[Limits], Conditioned], setup: Setup) -> Conditioned:
-    """Replan a motion with tighter duty limits until no servo is overloaded.
+    """Replan a motion with tighter limits until no servo is overloaded.
 
-    After `MAX_TIGHTENINGS` attempts the last motion is returned, even if it still overloads a servo.
+    Under a policy of contacts with people, hinges are slowed, too. After `MAX_TIGHTENINGS` attempts, or
+    `MAX_SLOWED_ROUNDS` under a policy, the last motion is returned, even if it still violates a limit.
 
     Args:
         search: plans the motion within given limits.
         setup: limits and dynamics.
     """
     motion = search(setup.limits)
-    factors = np.ones(len(setup.limits.duty))
-    for attempt in range(MAX_TIGHTENINGS):
+    factors, limits = np.ones(len(setup.limits.duty)), setup.limits
+    overloads = 0
+    for attempt in range(MAX_TIGHTENINGS if setup.policy is None else MAX_SLOWED_ROUNDS):
         peaks = compute_peak_duties(motion.trajectory, setup)
         is_overloaded = peaks > MAX_DUTY
-        if not is_overloaded.any():
+        slowed = slow_hinges(motion.trajectory, limits.speed, setup, attempt)
+        if not is_overloaded.any() and slowed is None:
             break
-        factors[is_overloaded] *= TIGHTENING_FACTOR / peaks[is_overloaded]
-        if attempt >= MAX_TIGHTENINGS // 2:  # any hinge may cause the overload
-            factors *= TIGHTENING_FACTOR
-        motion = search(setup.limits.scaled(factors))
+        if is_overloaded.any():
+            factors[is_overloaded] *= TIGHTENING_FACTOR / peaks[is_overloaded]
+            if overloads >= MAX_TIGHTENINGS // 2:  # any hinge may cause the overload
+                factors *= TIGHTENING_FACTOR
+            overloads += 1
+        if slowed is not None:
+            limits = replace(limits, speed=slowed)
+        motion = search(limits.scaled(factors))
     return motion
 
 

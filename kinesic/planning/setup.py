@@ -9,7 +9,8 @@ from typing import Literal
 from kinesic.bml.block import Dialect
 from kinesic.body.arrays import Floats
 from kinesic.body.choices import GesturePreference, GrammarName, KeyFrameFilling
-from kinesic.body.dynamics import Distances, Dynamics, Load
+from kinesic.body.dynamics import Distances, Dynamics, Impacts, Load
+from kinesic.body.impact_policy import ImpactPolicy
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.body.utterance import Voice
@@ -57,6 +58,8 @@ class Setup:
     recordings: Path | None = None  # folder of the recordings of documents that are no files; None: not played
     preference: GesturePreference = "lexicon"  # gestures preferred for beats, offers and deictics of a text
     unstyled: Robot | None = None  # the robot without the posture of a style; None: documents cannot change the posture
+    impacts: Impacts | None = None  # contacts with people; None: not computed
+    policy: ImpactPolicy | None = None  # limits of contacts with people; None: no limits
     shared_limits: Limits | None = None  # limits of the same body in another rest posture; None: computed
 
     def __repr__(self) -> str:

@@ -21,6 +21,7 @@ from kinesic.realizer.feedback import Progress, block_span, schedule_feedback, t
 from kinesic.report.checks import LIMIT_TOLERANCE, checks, grade
 from kinesic.report.checks.plan import penetrations
 from kinesic.report.checks.twin import measure_tracking
+from kinesic.report.impacts import describe_impacts
 from kinesic.report.labels import label
 from kinesic.report.servo_estimate import describe_assumed
 from kinesic.report.speech import describe_speech
@@ -72,6 +73,7 @@ def report(performance: DryRun, *, source: str, seed: int = 0, other_runs: Seque
         "limits": _limits(performance),
         "conditioning": _conditioning(performance),
         "collision": _collision(performance),
+        "contact": describe_impacts(performance),
         "smoothness": _smoothness(performance),
         "power": _power(performance),
         "lead": describe_assumed(performance.servo_estimate),

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TypedDict, get_args
 
 from kinesic.bml.block import EXPRESSIVITY_RANGES, Dialect
-from kinesic.body.choices import GesturePreference, GrammarName, KeyFrameFilling, VoiceName
+from kinesic.body.choices import Audience, GesturePreference, GrammarName, KeyFrameFilling, VoiceName
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.intent.reading.language import ENGLISH_TAG, check_tag
 
@@ -34,6 +34,7 @@ PROSODY_HELP = (
 VARIATION_HELP = "Variation between gestures: 0 none, 1 like a person's, 2 twice as large."
 GRAMMAR_HELP = "Parser of English phrases and clauses: spacy needs kinesic[text]."
 PAUSE_HELP = "Longest pause added before a word so that a gesture arrives in time, unless documents set another."
+NEAR_HELP = "People near the robot, whose limits of contacts planned motion keeps; default: [audience] of the robot."
 
 
 @dataclass(frozen=True)
@@ -91,6 +92,7 @@ class PlanningOptions(TypedDict, total=False):
         str | Path | None, CliOption("Greta's qualifiers (XML): changes of the baseline by intentions.", kind=Path)
     ]
     recordings: Annotated[str | Path | None, CliOption(RECORDINGS_HELP, kind=Path, metavar="FOLDER")]
+    near: Annotated[Audience | None, CliOption(NEAR_HELP)]  # None: as in the robot's file
 
 
 INTERACTIVE_DEFAULTS: PlanningOptions = {"idle": 1.0, "variation": 1.0}  # for `Performer` and CLI; `set_up` uses 0
@@ -101,6 +103,7 @@ OPTION_CHOICES: Mapping[str, tuple[str, ...]] = {
     "prefer": get_args(GesturePreference),
     "voice": get_args(VoiceName),
     "grammar": get_args(GrammarName),
+    "near": get_args(Audience),
 }
 
 
@@ -122,6 +125,8 @@ def check_options(options: PlanningOptions) -> None:
             near = difflib.get_close_matches(name, option_names, n=1)
             hint = f"did you mean {near[0]}?" if near else f"known: {', '.join(option_names)}"
             raise TypeError(f"a performer has no option {name}; {hint}")
+        if value is None and name == "near":
+            continue
         if name in OPTION_CHOICES and value not in OPTION_CHOICES[name]:
             raise ConfigError(f"{name} is {value!r}{suggestion(str(value), OPTION_CHOICES[name])}")
         if value is None and name == "prosody":

@@ -8,6 +8,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
+from kinesic.body.impact_policy import find_policy
 from kinesic.body.robot import Robot
 from kinesic.expressivity.context import read_targets
 from kinesic.expressivity.idle import Idling
@@ -21,6 +22,7 @@ from kinesic.planning.standing import standing_robot, vary_standing
 from kinesic.session.options import PlanningOptions, check_options
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
+from kinesic.sim.impacts import RobotImpacts
 from kinesic.speech.engines.phrase import SpeechEngine
 from kinesic.speech.engines.program import EngineProgram
 from kinesic.speech.voice import voice as make_voice
@@ -75,6 +77,8 @@ def set_up(
         preference=options.get("prefer", "lexicon"),
         unstyled=unstyled,
         recordings=_to_path(options.get("recordings")),
+        impacts=RobotImpacts(body),
+        policy=find_policy(options.get("near") or body.audience, body.impact_limits),
     )
 
 

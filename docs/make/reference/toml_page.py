@@ -6,6 +6,7 @@ import msgspec
 from struct_tables import describe_type, key_table, nested_tables, title_of
 
 from kinesic.body.calibration import Calibration
+from kinesic.body.impact_policy import ImpactFile
 from kinesic.body.robot_schema import RobotFile, ServoTable
 from kinesic.expressivity.lexicon.gesture_card import GestureCard
 from kinesic.expressivity.lexicon.toml_file import GestureFile
@@ -144,6 +145,13 @@ DOCUMENTS = (
         "The file `kinesic/configs/servos.toml` has one table for each model, `[xm540_w270]`. A robot's "
         "`[servos.NAME]` adds models with the same keys. Values are those of the output shaft at `volt`.",
         (ServoTable,),
+    ),
+    Document(
+        "Limits of contacts",
+        "Read by `[audience] limits` of a robot's file; the built-in one is `kinesic/configs/impacts.toml`. It "
+        "describes parts of a person's body, and a policy for each audience. [Limit contacts with people]"
+        "(../how-to/limit-contacts.md) shows the use.",
+        (ImpactFile,),
     ),
     Document(
         "Calibrations",

@@ -20,6 +20,7 @@ from kinesic.motion.condition import Conditioned
 from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.certify import find_overloaded_times
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
+from kinesic.planning.impact_limits import find_excess_times
 from kinesic.planning.secondary.arcs import make_head_arcs
 from kinesic.planning.secondary.arm_times import ArmCourse, find_arm_courses
 from kinesic.planning.secondary.breath import make_breaths
@@ -222,11 +223,15 @@ def _find_violations(
     checked: Flags,
     setup: Setup,
 ) -> Flags:
-    """Flag the times (m,) with too little clearance or overloaded servos.
+    """Flag the times (m,) with too little clearance, overload or hard contacts.
 
-    Times that violate without the changes do not count. Drives are checked at the `checked` times.
+    Times that violate without the changes do not count. Drives and contacts are checked at the `checked` times.
     """
     now, before = clearances
     distances = before.distances[np.minimum(np.arange(len(times)), len(before.distances) - 1)]
     least = np.minimum(setup.robot.min_clearance + LAG_RESERVE, distances - MAX_CLEARANCE_LOSS)
-    return (now.distances < least) | np.isin(times, find_overloaded_times(original, summed, times[checked], setup))
+    return (
+        (now.distances < least)
+        | np.isin(times, find_overloaded_times(original, summed, times[checked], setup))
+        | np.isin(times, find_excess_times(original, summed, times[checked], setup))
+    )

@@ -6,6 +6,7 @@
 from kinesic.metrics.dry_run import DryRun
 from kinesic.report.checks.check import GRADE_NAMES, SEVERITY_RANKS, Check, CheckStatus, Grade, grade
 from kinesic.report.checks.content import content_checks
+from kinesic.report.checks.impacts import impact_checks
 from kinesic.report.checks.plan import LIMIT_TOLERANCE, distance_checks, limit_checks
 from kinesic.report.checks.servos import power_checks, servo_checks
 from kinesic.report.checks.twin import motion_checks, stroke_errors, timing_checks, tracking_checks
@@ -29,6 +30,7 @@ def checks(performance: DryRun) -> tuple[Check, ...]:
     parts = (
         limit_checks,
         distance_checks,
+        impact_checks,
         watch_checks,
         content_checks,
         timing_checks,

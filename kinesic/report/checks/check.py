@@ -40,6 +40,9 @@ CHECK_LIMITS = {
     "collision.foreseen": Limit("m", at_least=True, poor=0.0),
     "collision.pace": Limit("ratio", at_least=True, poor=0.5),
     "collision.performed": Limit("ratio", "fail", at_least=True),
+    "safety.energy": Limit("J", "fail"),
+    "safety.force": Limit("of limit", "fail"),
+    "safety.clamp": Limit("N"),  # planning cannot open gaps between links, so that covers are the remedy
     "meaning.performed": Limit("ratio", at_least=True, poor=0.9),
     "amplitude.path": Limit("ratio", poor=0.25),
     "timing.shift": Limit("s", poor=0.5),

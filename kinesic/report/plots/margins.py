@@ -1,4 +1,4 @@
-"""Plots of margins over time: clearance, servo limits and tracking error."""
+"""Plots of margins over time: clearance, servo limits, contacts and tracking error."""
 
 import numpy as np
 from markupsafe import Markup
@@ -12,12 +12,14 @@ PANEL_HEIGHT = 1.35  # [in] height of a panel with its heading
 BOTTOM_MARGIN = 0.3  # [in] margin below the panels
 LEFT_MARGIN = 0.45  # [in] margin left of the panels
 RIGHT_MARGIN = 0.1  # [in] margin right of the panels
+DRAWN_REGIONS = ("hand", "chest")  # parts of a person whose contact force is drawn
 HEADING_POSITION = 1.05  # y position of the heading, relative to the panel's height
 
 
 def margins(performance: DryRun) -> Markup:
-    """Draw clearance, limit ratios and tracking error over performance time."""
-    panels = (_clearance, _limit_ratios, _tracking)
+    """Draw clearance, limit ratios, contacts and tracking error over time."""
+    contacts = () if performance.reference.impacts is None else (_contacts,)
+    panels = (_clearance, _limit_ratios, *contacts, _tracking)
     drawn = Figure(PANEL_HEIGHT * len(panels) + BOTTOM_MARGIN)
     for row, panel in enumerate(panels):
         bottom = BOTTOM_MARGIN + PANEL_HEIGHT * (len(panels) - 1 - row)
@@ -73,6 +75,31 @@ def _limit_ratios(axes: PlotAxes, performance: DryRun) -> None:
     for k, (name, ratios, colour) in enumerate(ratios_by_name):
         heading = _peak(name, ratios, performance)
         axes.write((1.0 - 0.21 * (3 - k), HEADING_POSITION), heading, colour=colour, align="right")
+
+
+def _contacts(axes: PlotAxes, performance: DryRun) -> None:
+    """Draw the force of a contact with a free hand and a free chest.
+
+    Under a policy, the lower of the limits of both is drawn.
+    """
+    figures = performance.reference.impacts
+    assert figures is not None
+    curves = [(region, ThemeColour.PLANNED if region == "hand" else ThemeColour.ASKED) for region in DRAWN_REGIONS]
+    drawn = [(name, colour) for name, colour in curves if name in figures.regions]
+    top = 1.0
+    for name, colour in drawn:
+        forces = figures.forces[:, figures.regions.index(name)]
+        top = max(top, 1.05 * float(forces.max()))
+        axes.line(*thin_line(figures.times, forces), colour)
+    limits = {} if figures.policy is None else figures.policy.table.force
+    limit = min((limits[name] for name, _ in drawn if name in limits), default=None)
+    axes.limit_y(0.0, top if limit is None else max(top, 1.1 * limit))
+    if limit is not None:
+        axes.level(limit, ThemeColour.FAIL)
+        axes.band(limit, axes.y_limits[1], ThemeColour.OUTSIDE)
+    worst = [f"{name}: {figures.worst[name].value:.0f} N, {figures.worst[name].segment}" for name, _ in drawn]
+    title = f"force of a contact with a free {' or '.join(name for name, _ in drawn)} [N], model"
+    axes.write_heading(title, "; ".join(worst), height=HEADING_POSITION)
 
 
 def _tracking(axes: PlotAxes, performance: DryRun) -> None:

@@ -14,6 +14,8 @@
 namespace nb = nanobind;
 using namespace kinesic::sim;
 
+void bind_impacts(nb::module_& module);  // in impacts.cpp
+
 namespace {
 
 using Numbers = nb::ndarray<const double, nb::c_contig, nb::device::cpu>;
@@ -292,4 +294,5 @@ void bind_sim(nb::module_& module) {
     module.def("inverse", &inverse);
     module.def("keep_left", &keep_left);
     module.def("measure_drives", &measure_drives);
+    bind_impacts(module);
 }
