@@ -14,6 +14,7 @@ from kinesic.expressivity.lexicon.captured_gesture import GestureCapture
 from kinesic.expressivity.lexicon.space import to_gesture_space
 from kinesic.expressivity.lexicon.synonyms import POINTING_CATEGORY
 from kinesic.intent.behaviours import ChosenBehaviour
+from kinesic.intent.pacing.memory import PastGesture
 from kinesic.planning.setup import Setup
 
 CAPTURED_CATEGORIES = frozenset({"beat", "deictic", "metaphoric"})  # lexicon categories that clips may replace
@@ -23,13 +24,16 @@ MAX_WRIST_BEND = float(np.radians(50.0))  # [rad] largest angle between arm and 
 MAX_CANDIDATES = 60  # largest number of clips compared for one gesture
 
 
-def prefer_captured(behaviours: Sequence[ChosenBehaviour], setup: Setup) -> tuple[ChosenBehaviour, ...]:
+def prefer_captured(
+    behaviours: Sequence[ChosenBehaviour], earlier: Sequence[PastGesture] = (), *, setup: Setup
+) -> tuple[ChosenBehaviour, ...]:
     """Replace beats, offers and deictics by captured gestures of the same meaning.
 
     The reason of a replaced gesture names the clip and the distance of its transition.
 
     Args:
         behaviours: of a text, in the order of their strokes.
+        earlier: captured gestures before the text, on the clock of its behaviours, in the order of their strokes.
         setup: lexicon with captured gestures, style, robot and targets.
     """
     lexicon = setup.lexicon
@@ -39,9 +43,13 @@ def prefer_captured(behaviours: Sequence[ChosenBehaviour], setup: Setup) -> tupl
     ]
     if not any(request.candidates for request in requests):
         return tuple(behaviours)
-    graph = _graph_of(lexicon.captured)
+    graph = graph_of(lexicon.captured)
     manner = setup.style.of("gesture")
-    choices = search_path(graph, requests, pace=(manner.temporal + manner.power) / 2.0)
+    numbers = {capture.id: k for k, capture in enumerate(graph.captures)}
+    past = [
+        GestureRequest(clip.seconds, (numbers[name],)) for clip in earlier if (name := clip.form.split()[0]) in numbers
+    ]
+    choices = search_path(graph, requests, pace=(manner.temporal + manner.power) / 2.0, earlier=past)
     chosen = list(behaviours)
     for k, choice in zip(places, choices, strict=True):
         if choice is not None:
@@ -50,7 +58,8 @@ def prefer_captured(behaviours: Sequence[ChosenBehaviour], setup: Setup) -> tupl
 
 
 @lru_cache(maxsize=2)
-def _graph_of(captures: tuple[GestureCapture, ...]) -> MotionGraph:
+def graph_of(captures: tuple[GestureCapture, ...]) -> MotionGraph:
+    """Return the motion graph of captured gestures."""
     return build_graph(captures)
 
 

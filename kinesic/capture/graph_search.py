@@ -39,7 +39,11 @@ class ClipChoice:
 
 
 def search_path(
-    graph: MotionGraph, requests: Sequence[GestureRequest], *, pace: float = 0.0
+    graph: MotionGraph,
+    requests: Sequence[GestureRequest],
+    *,
+    pace: float = 0.0,
+    earlier: Sequence[GestureRequest] = (),
 ) -> list[ClipChoice | None]:
     """Return the clips of a sentence's gestures with the least total cost.
 
@@ -50,11 +54,13 @@ def search_path(
         graph: of the clips.
         requests: in the order of their strokes.
         pace: of the style: -1 slow and weak, 0 neutral, 1 fast and forceful.
+        earlier: gestures before the sentence, each with its clip as the only candidate.
     """
-    times = np.array([request.stroke for request in requests])
+    times = np.array([request.stroke for request in (*earlier, *requests)])
     features = _StrokeFeatures.of(graph)
-    costs, history = np.zeros(1), np.empty((1, 0), dtype=np.intp)  # total cost and clips of each kept path
-    for number, request in enumerate(requests):
+    past = [request.candidates[0] for request in earlier]
+    costs, history = np.zeros(1), np.array([past], dtype=np.intp)  # total cost and clips of each kept path
+    for number, request in enumerate(requests, len(past)):
         options = np.array([*request.candidates, NO_CLIP], dtype=np.intp)
         recent = history[:, times[number] - times[:number] < REPETITION_TIME]
         step = features.cost(history, options, np.diff(times[number - 1 : number + 1]), pace)
@@ -64,7 +70,7 @@ def search_path(
         best = best[np.isfinite(totals[best])]
         paths, chosen = np.divmod(best, len(options))
         costs, history = totals[best], np.column_stack([history[paths], options[chosen]])
-    return _describe_path(history[0], times, features, pace)
+    return _describe_path(history[0], times, features, pace)[len(past) :]
 
 
 @dataclass(frozen=True, eq=False)

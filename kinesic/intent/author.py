@@ -8,7 +8,7 @@ from kinesic.body.choices import GrammarName
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.behaviour_sets import BehaviourSets, builtin_sets
-from kinesic.intent.behaviours import ChosenBehaviour, Earlier, Revision, Selection
+from kinesic.intent.behaviours import ChosenBehaviour, Earlier, Selection
 from kinesic.intent.budget import budget_of
 from kinesic.intent.choosing import choose_behaviours
 from kinesic.intent.directed import DIRECTION_INTENT, find_directed
@@ -17,7 +17,7 @@ from kinesic.intent.manuscript.reading import read_manuscript
 from kinesic.intent.meaning.reader import read_meanings
 from kinesic.intent.pacing.accents import find_accents, follow_accents
 from kinesic.intent.pacing.long_strokes import slowness_of, stroke_delay
-from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory
+from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory, Revision
 from kinesic.intent.pacing.rhythm import BEAT_INTENTS
 from kinesic.intent.pacing.tempo import liveliness_of
 from kinesic.intent.reading.language import load_language
@@ -121,8 +121,8 @@ def author_text(
         character=character,
         recorded=recorded,
     )
-    after = memory.extend(selection.behaviours, passage.starts[-1])
-    behaviours = selection.behaviours if revise is None else revise(selection.behaviours)
+    behaviours = selection.behaviours if revise is None else revise(selection.behaviours, memory.list_clips())
+    after = memory.extend(selection.behaviours, passage.starts[-1], written=behaviours)
     bml = write_block(passage, behaviours, block=block, recorded=recorded)
     return AuthoredText(bml, selection.warnings, after, len(passage.words))
 

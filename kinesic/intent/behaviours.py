@@ -1,6 +1,6 @@
 """Chosen behaviours of a text, and omitted ones with their reasons."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from kinesic.intent.behaviour_sets import Channel
@@ -24,9 +24,6 @@ class ChosenBehaviour:
     def form(self) -> str:
         """Lexeme, with the hand if the intent chooses it."""
         return name_form(self.lexeme, self.intent)
-
-
-Revision = Callable[[Sequence[ChosenBehaviour]], Sequence[ChosenBehaviour]]  # replaces gestures before they are written
 
 
 def name_form(lexeme: str, intent: Intent) -> str:

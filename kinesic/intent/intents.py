@@ -1,6 +1,6 @@
 """Intents: meanings of text or FML, with times, certainty and reason."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 ChosenHand = Literal["", "left", "right"]  # empty: the hand that the gesture usually uses
@@ -37,6 +37,12 @@ class Intent:
     hand: ChosenHand = ""  # hand of a gesture that may use either hand; empty: not chosen yet
     strength: float = 1.0  # 0..1 factor on the amounts of facial expressions and head movements
     muted: frozenset[str] = frozenset()  # channels that do not show the intent
+
+    def counted_from(self, zero: float) -> "Intent":
+        """Return the intent with estimated times from another zero [s]."""
+        moments = (Moment(each.reference, each.seconds - zero) for each in (self.start, self.stroke, self.end))
+        start, stroke, end = moments
+        return replace(self, start=start, stroke=stroke, end=end)
 
 
 def shift_reference(moment: Moment, seconds: float) -> str:

@@ -14,13 +14,12 @@ from kinesic.intent.behaviour_sets import BehaviourSets
 from kinesic.intent.behaviours import ChosenBehaviour, Earlier
 from kinesic.intent.choosing import choose_behaviours
 from kinesic.intent.directed import find_directed
-from kinesic.intent.intents import Moment
 from kinesic.intent.manuscript.pieces import Manuscript
 from kinesic.intent.manuscript.reading import read_more
 from kinesic.intent.manuscript.subtitles import read_more_subtitles
 from kinesic.intent.meaning.reader import read_meanings
 from kinesic.intent.pacing.long_strokes import slowness_of
-from kinesic.intent.pacing.memory import NO_MEMORY, TURN_PAUSE, ChoiceMemory
+from kinesic.intent.pacing.memory import NO_MEMORY, TURN_PAUSE, ChoiceMemory, Revision
 from kinesic.intent.pacing.progress import NO_PROGRESS, Progress
 from kinesic.intent.pacing.tempo import liveliness_of
 from kinesic.intent.part_words import clip_intent, select_words
@@ -140,6 +139,7 @@ def next_part(
     quiet: float = 0.0,
     free: Collection[str] = (),
     seed: int = 0,
+    revise: Revision | None = None,
 ) -> Part | None:
     """Choose the next phrases to speak, with their behaviours.
 
@@ -153,6 +153,7 @@ def next_part(
         quiet: time since the last received words [s].
         free: ids of behaviours of the last part that have not begun, and may be replaced by more certain ones.
         seed: of the random choice among alternatives.
+        revise: replaces gestures of the chosen behaviours; None: they stay.
 
     Returns:
         None without a complete phrase.
@@ -195,6 +196,7 @@ def next_part(
         reachable=partial(reachable, since=since, slowness=slowness),
     )
     behaviours = merge_directed(selection.behaviours, asked, since)
+    written = behaviours if revise is None else tuple(revise(behaviours, talk.memory.list_clips(since)))
     replaced = frozenset(id for id, behaviour in talk.shown if behaviour in selection.replaced)
     pause = TURN_PAUSE if ends else PART_PAUSE
     after = replace(
@@ -204,10 +206,12 @@ def next_part(
         parts=talk.parts + 1,
         shown=tuple(name_behaviours(behaviours)),
         warnings=(),
-        memory=talk.memory.extend(behaviours, duration, since=since, replaced=selection.replaced, pause=pause),
+        memory=talk.memory.extend(
+            behaviours, duration, since=since, replaced=selection.replaced, pause=pause, written=written
+        ),
     )
     lacking = (language.warning,) if begins and language.warning else ()
-    return Part(after, passage, words, behaviours, replaced, gap, (*lacking, *talk.warnings, *directed.warnings))
+    return Part(after, passage, words, written, replaced, gap, (*lacking, *talk.warnings, *directed.warnings))
 
 
 def _perform_trailing(talk: Talk, passage: Passage, lexicon: Lexicon, quiet: float) -> Part | None:
@@ -289,16 +293,7 @@ def _shift_earlier(
     shown: tuple[tuple[str, ChosenBehaviour], ...], seconds: float
 ) -> tuple[tuple[str, ChosenBehaviour], ...]:
     """Subtract seconds from the estimated times of shown behaviours."""
-
-    def shift(moment: Moment) -> Moment:
-        return Moment(moment.reference, moment.seconds - seconds)
-
-    def move(behaviour: ChosenBehaviour) -> ChosenBehaviour:
-        intent = behaviour.intent
-        start, stroke, end = map(shift, (intent.start, intent.stroke, intent.end))
-        return replace(behaviour, intent=replace(intent, start=start, stroke=stroke, end=end))
-
-    return tuple((id, move(behaviour)) for id, behaviour in shown)
+    return tuple((id, replace(behaviour, intent=behaviour.intent.counted_from(seconds))) for id, behaviour in shown)
 
 
 def _count_complete_words(passage: Passage, talk: Talk, quiet: float) -> int:

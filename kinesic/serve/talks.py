@@ -19,7 +19,7 @@ from kinesic.serve.messages import Words
 from kinesic.serve.queues import MAX_TEXT_LENGTH
 from kinesic.serve.streamed_text import StreamedText
 from kinesic.serve.wire.protocol import json_answer
-from kinesic.session.documents import intention_sets
+from kinesic.session.documents import find_revision, intention_sets
 
 PHRASE_PLANNING_TIME = 1.5  # [s] time before the end of a phrase at which the next phrase is planned
 REPLACEMENT_MARGIN = 0.3  # [s] shortest time before its start at which a behaviour may still be replaced
@@ -168,6 +168,7 @@ def _next_part(speech: StreamedText, scene: Scene, now: float) -> Part | None:
         quiet=speech.quiet(now),
         free=free,
         seed=setup.idling.seed,
+        revise=find_revision(setup),
     )
 
 

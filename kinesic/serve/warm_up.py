@@ -10,6 +10,7 @@ from kinesic.serve.idling import plan_idle
 from kinesic.serve.messages import Words
 from kinesic.serve.talks import Talks
 from kinesic.serve.tracks import SoundAndFace, make_track
+from kinesic.session.documents import prepare_revision
 
 WARM_UP_DOCUMENT = (
     '<bml id="warming"><head id="nod" lexeme="NOD" start="0"/><gesture id="beat" lexeme="BEAT" start="0"/>'
@@ -29,6 +30,7 @@ def warm_up(setup: Setup, accompaniment: SoundAndFace) -> None:
     for running in scene.playing:
         make_track(running, accompaniment)
     advance(scene, 0.1)
+    prepare_revision(setup)
     talks = Talks()
     talks.take(Words(WARM_UP_TEXT, 0, ends=True), 0.0)
     phrase = talks.next_phrase(Scene.of(setup), 0.0)  # builds the tables of its own lexicon

@@ -12,12 +12,11 @@ from kinesic.bml.reading.prologue import find_first_tag
 from kinesic.bml.reading.wrapping import open_document
 from kinesic.intent.author import AuthoredText, author_text
 from kinesic.intent.behaviour_sets import BehaviourSets, builtin_sets
-from kinesic.intent.behaviours import Revision
 from kinesic.intent.fml.author import author_fml, is_fml, parse_fml
 from kinesic.intent.greta.agent import Agent, read_agent
 from kinesic.intent.greta.lexicon import read_lexicon
 from kinesic.intent.manuscript.decoding import decode_text
-from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory
+from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory, Revision
 from kinesic.intent.recorded import RecordedAudio
 from kinesic.planning.setup import Setup
 
@@ -64,7 +63,7 @@ def read_block(text: str | bytes, setup: Setup, *, source: str = "<text>") -> Bl
             sets=sets,
             agent=agent,
             seed=seed,
-            revise=_find_revision(setup),
+            revise=find_revision(setup),
         )
     opened = open_document(text)
     if is_ssml(opened.text):
@@ -114,7 +113,7 @@ def write_fml(text: str | bytes, setup: Setup, *, source: str = "<text>") -> tup
         BML, and a line for each intention that no behaviour shows; see `author_fml`.
     """
     sets, agent = _read_intention_files(setup)
-    return author_fml(text, source=source, sets=sets, agent=agent, seed=setup.idling.seed, revise=_find_revision(setup))
+    return author_fml(text, source=source, sets=sets, agent=agent, seed=setup.idling.seed, revise=find_revision(setup))
 
 
 def write_bml(text: str, setup: Setup) -> str:
@@ -162,17 +161,25 @@ def author_with_setup(
         memory=memory,
         character=setup.character or "",
         recorded=recorded,
-        revise=_find_revision(setup),
+        revise=find_revision(setup),
     )
 
 
-def _find_revision(setup: Setup) -> Revision | None:
+def find_revision(setup: Setup) -> Revision | None:
     """Return the replacement of lexicon gestures by captured ones, if preferred."""
     if setup.preference == "lexicon" or not setup.lexicon.captured:
         return None
     from kinesic.capture.clip_substitution import prefer_captured  # noqa: PLC0415 - needs SciPy
 
     return partial(prefer_captured, setup=setup)
+
+
+def prepare_revision(setup: Setup) -> None:
+    """Build the motion graph of a setup's captured gestures, if preferred."""
+    if find_revision(setup) is not None:
+        from kinesic.capture.clip_substitution import graph_of  # noqa: PLC0415 - needs SciPy
+
+        graph_of(setup.lexicon.captured)
 
 
 def intention_sets(setup: Setup) -> BehaviourSets:

@@ -1,9 +1,17 @@
 """Captured gestures in place of those of the lexicon, for a text."""
 
+from dataclasses import replace
+
 import pytest
 
+from kinesic.capture.clip_substitution import graph_of
+from kinesic.capture.graph_search import REPETITION_TIME
 from kinesic.expressivity.lexicon.gesture_motion import pack_motion
-from kinesic.session.documents import write_bml, write_fml
+from kinesic.intent.reading.language import load_language
+from kinesic.intent.talk import Talk, add_words, next_part
+from kinesic.serve.tracks import NO_ACCOMPANIMENT
+from kinesic.serve.warm_up import warm_up
+from kinesic.session.documents import find_revision, intention_sets, write_bml, write_fml, write_text
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
 
@@ -36,6 +44,30 @@ def test_captured_offer_replaces_that_of_the_lexicon_with_a_reason(setup):
 def test_lexicon_is_preferred_by_default(setup, tmp_path):
     plain = set_up("upper22", lexicon=tmp_path, targets={"door": (2.0, -0.3, 0.3)})
     assert "my_offer" not in write_bml(TEXT, plain)
+
+
+def test_streamed_phrases_also_show_captured_gestures_but_no_clip_twice_within_20_s(setup):
+    talk, shown = add_words(Talk(), "(offers) Please take it. (offers) Please take it, too. ", ends=True), []
+    sets, english = intention_sets(setup), load_language("en")
+    while part := next_part(talk, setup.lexicon, setup.style, english, sets, revise=find_revision(setup)):
+        talk, shown = part.talk, [*shown, *(each.lexeme for each in part.behaviours if each.channel == "gesture")]
+    assert shown.count("my_offer") == 1
+    assert [clip.form for clip in talk.memory.clips] == ["my_offer"]
+
+
+def test_no_clip_is_repeated_within_20_s_of_speech_in_the_next_text(setup):
+    first = write_text(TEXT, setup)
+    assert "my_offer" in first.bml
+    assert "my_offer" not in write_text(TEXT, setup, first.memory).bml
+    later = replace(first.memory, seconds=first.memory.seconds + REPETITION_TIME)
+    assert "my_offer" in write_text(TEXT, setup, later).bml
+
+
+def test_warm_up_of_a_live_planner_builds_the_motion_graph(setup):
+    warm_up(setup, NO_ACCOMPANIMENT)
+    before = graph_of.cache_info()
+    graph_of(setup.lexicon.captured)
+    assert graph_of.cache_info().hits == before.hits + 1
 
 
 def test_emblems_stay_those_of_the_lexicon(setup):

@@ -11,7 +11,7 @@ from kinesic.bml.reading.namespaces import KINESIC_NAMESPACE
 from kinesic.bml.reading.tree import Element, read_tree
 from kinesic.bml.reading.wrapping import find_root
 from kinesic.intent.behaviour_sets import BehaviourSets, builtin_sets
-from kinesic.intent.behaviours import ChosenBehaviour, Revision, Selection
+from kinesic.intent.behaviours import ChosenBehaviour, Selection
 from kinesic.intent.budget import STROKE_SPACINGS, MovementBudget
 from kinesic.intent.choosing import choose_behaviours
 from kinesic.intent.fml.intentions import SPEECH_INTENTIONS, Unreadable, describe_intention, read_intentions
@@ -19,6 +19,7 @@ from kinesic.intent.fml.mark_times import estimate_mark_times
 from kinesic.intent.greta.agent import Agent
 from kinesic.intent.intents import Intent
 from kinesic.intent.markup import escape, quote
+from kinesic.intent.pacing.memory import Revision
 from kinesic.intent.writing import write_behaviours
 
 ROOT_NAME = "fml-apml"  # root element of FML-APML documents
@@ -120,7 +121,7 @@ def _author(
         *_unshown(intents, selection),
     )
     taken = frozenset(element.attributes.get("id", "") for element in _all(bml))
-    behaviours = selection.behaviours if revise is None else revise(selection.behaviours)
+    behaviours = selection.behaviours if revise is None else revise(selection.behaviours, ())
     lines = tuple(write_behaviours(behaviours, taken))
     places = {describe_intention(element): element.place for element in _all(document.root)}
     return _Authored(document, tuple(selection.behaviours), lines, places, unshown)

@@ -1,6 +1,6 @@
 """Memory of chosen gestures, which lasts across turns."""
 
-from collections.abc import Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from kinesic.intent.behaviours import ChosenBehaviour
@@ -28,11 +28,20 @@ class ChoiceMemory:
     gestures: tuple[PastGesture, ...] = ()
     seconds: float = 0.0  # [s] duration of speech so far
     parts: int = 0  # number of texts and parts of streamed texts so far
+    clips: tuple[PastGesture, ...] = ()  # captured gestures that were performed in place of others
 
     @property
     def times(self) -> tuple[float, ...]:
         """Stroke times of the remembered gestures, in total speaking time [s]."""
         return tuple(gesture.seconds for gesture in self.gestures)
+
+    def list_clips(self, since: float = 0.0) -> tuple[PastGesture, ...]:
+        """Return the captured gestures with times before those of the next text [s].
+
+        Args:
+            since: time of its first word, on the clock of its behaviours [s].
+        """
+        return tuple(replace(clip, seconds=clip.seconds - self.seconds + since) for clip in self.clips)
 
     def extend(
         self,
@@ -42,6 +51,7 @@ class ChoiceMemory:
         since: float = 0.0,
         replaced: Collection[ChosenBehaviour] = (),
         pause: float = TURN_PAUSE,
+        written: Iterable[ChosenBehaviour] = (),
     ) -> "ChoiceMemory":
         """Return the memory extended by the gestures of further text.
 
@@ -51,15 +61,22 @@ class ChoiceMemory:
             since: time of its first word, on the clock of the behaviours [s].
             replaced: earlier behaviours that are not performed.
             pause: silence after it [s].
+            written: the behaviours, with captured gestures in place of some.
         """
-        new = [
-            PastGesture(behaviour.form, self.seconds + behaviour.intent.stroke.seconds - since, behaviour.intent.reason)
-            for behaviour in behaviours
-            if behaviour.channel == "gesture"
-        ]
+        new = (self._date(behaviour, since) for behaviour in behaviours if behaviour.channel == "gesture")
+        clips = (self._date(behaviour, since) for behaviour in written if behaviour.captured)
         now = self.seconds + duration + pause
-        kept = [item for item in (*self.forget(replaced).gestures, *new) if now - item.seconds < REPEAT_WINDOW]
-        return ChoiceMemory(tuple(kept), now, self.parts + 1)
+
+        def keep_recent(gestures: Iterable[PastGesture]) -> tuple[PastGesture, ...]:
+            return tuple(gesture for gesture in gestures if now - gesture.seconds < REPEAT_WINDOW)
+
+        gestures = keep_recent((*self.forget(replaced).gestures, *new))
+        return ChoiceMemory(gestures, now, self.parts + 1, keep_recent((*self.clips, *clips)))
+
+    def _date(self, behaviour: ChosenBehaviour, since: float) -> PastGesture:
+        """Return a behaviour of a text with its time in total speaking time."""
+        seconds = self.seconds + behaviour.intent.stroke.seconds - since
+        return PastGesture(behaviour.form, seconds, behaviour.intent.reason)
 
     def forget(self, replaced: Collection[ChosenBehaviour]) -> "ChoiceMemory":
         """Return the memory without gestures that were not performed."""
@@ -69,3 +86,7 @@ class ChoiceMemory:
 
 
 NO_MEMORY = ChoiceMemory()  # memory before the first text
+
+Revision = Callable[
+    [Sequence[ChosenBehaviour], Sequence[PastGesture]], Sequence[ChosenBehaviour]
+]  # replaces gestures of a text by captured ones, given the captured gestures before
