@@ -24,6 +24,7 @@ INTERNAL_SCHEMAS = {  # schemas of files that only kinesic itself contains
     "LegibilityTable": "requirements of tests",
     "StanceFile": "standing postures of captured people",
     "BodyTable": "captured whole bodies",
+    "TurnWordTable": "words that organise turns",
     "CapturedBodyTable": "captured bodies",
     "CapturedTable": "captured gestures",
     "_PlainLanguages": "words of the rules for plain text",

@@ -1,0 +1,171 @@
+"""Pure step of a conversation: from a state and an event to a state and wants."""
+
+from dataclasses import replace
+from math import inf
+
+from kinesic.conversation.events import (
+    BargeIn,
+    ConversationEvent,
+    Conversing,
+    PeopleSeen,
+    RobotSpeech,
+    Thinking,
+    Transcript,
+    TurnPrediction,
+    VoiceActivity,
+)
+from kinesic.conversation.gaze import begin_gaze, continue_gaze, next_gaze_time, request_look
+from kinesic.conversation.nods import consider_nod, next_nod_time
+from kinesic.conversation.people import Company, choose_focus, expire, observe
+from kinesic.conversation.settings import MOVEMENTS
+from kinesic.conversation.state import ConversationState, OwnSpeech, PersonVoice
+from kinesic.conversation.turn_words import NO_TURN_WORDS, TurnWords
+from kinesic.conversation.turns import interrupted, next_mode, next_transition
+from kinesic.conversation.wants import BodyLean, BriefExpression, Filler, ModeNotice, Want, Yield
+
+ROUNDING_TOLERANCE = 1e-6  # [s] delay by which rounded times are surely reached
+TURN_GAP = 2.0  # [s] silence after which a new stretch of voice begins a new turn
+CLAUSE_MARKS = (",", ";", ":", ".", "!", "?", "、", "。")  # punctuation at which a listener may nod
+SMILE = (("6", 0.3), ("12", 0.5))  # action units of a greeting smile
+RAISED_BROWS = (("1", 0.5), ("2", 0.5))  # action units of surprise
+PENSIVE_BROWS = (("1", 0.25), ("4", 0.3))  # action units of thinking
+SMILE_DURATION = 1.0  # [s]
+BROWS_DURATION = 0.8  # [s]
+PENSIVE_DURATION = 2.5  # [s]
+
+
+def advance_conversation(
+    state: ConversationState, event: ConversationEvent | None, now: float, *, words: TurnWords = NO_TURN_WORDS
+) -> tuple[ConversationState, tuple[Want, ...]]:
+    """Advance a conversation to a time.
+
+    Args:
+        state: state at an earlier time.
+        event: event that arrives now; None: only time has passed.
+        now: current time [s].
+        words: words of the language that organise turns.
+
+    Returns:
+        The new state, and the changes of the robot's body that it requests.
+    """
+    before = state
+    if not state.on and not isinstance(event, Conversing):
+        return state, ()
+    if event is not None:
+        state = _take(state, event, now)
+    if not state.on:
+        return _end(before, state, now)
+    company = choose_focus(expire(state.company, now), state.roles, now, eyes=state.eyes)
+    lonely_since = now if before.partner is not None and company.focus is None else state.lonely_since
+    state = replace(state, company=company, lonely_since=lonely_since)
+    wants: list[Want] = []
+    if isinstance(event, BargeIn) and state.speech.active:
+        state = interrupted(state, now)
+        wants.append(Yield(f"a person takes the turn ({event.cause})"))
+    else:
+        state, stop = next_mode(state, now, words)
+        wants += [stop] if stop is not None else []
+    if (state.mode, state.company.focus) != (before.mode, before.company.focus):
+        partner = state.partner
+        wants.append(ModeNotice(state.mode, None if partner is None else partner.id))
+    if state.mode != before.mode:
+        state = begin_gaze(state, now)
+        wants += _mode_wants(state, before)
+    state = continue_gaze(state, now)
+    state, look = request_look(state, now)
+    state, nod = consider_nod(state, now)
+    state, filler = _fill(state, now)
+    wants += [want for want in (look, nod, filler) if want is not None]
+    return state, tuple(wants)
+
+
+def next_time(state: ConversationState, now: float, *, words: TurnWords = NO_TURN_WORDS) -> float:
+    """Return the next time [s] at which `advance_conversation` has an effect without an event.
+
+    Infinity if there is none.
+    """
+    if not state.on:
+        return inf
+    filler = inf
+    if state.mode == "thinking" and state.fillers < len(MOVEMENTS.fillers):
+        filler = state.since + MOVEMENTS.fillers[state.fillers]
+    times = (next_transition(state, now, words), next_gaze_time(state, now), next_nod_time(state, now), filler)
+    return min((time for time in times if time > now), default=inf) + ROUNDING_TOLERANCE
+
+
+def _take(state: ConversationState, event: ConversationEvent, now: float) -> ConversationState:
+    """Return the state with the content of an event."""
+    match event:
+        case Conversing(on, amount):
+            if on and state.on:
+                return replace(state, amount=amount)
+            fresh = ConversationState(eyes=state.eyes, seed=state.seed, draws=state.draws)
+            return replace(fresh, on=on, amount=amount, mode=state.mode, since=now, lonely_since=now)
+        case PeopleSeen():
+            return replace(state, company=observe(state.company, event, now, eyes=state.eyes))
+        case VoiceActivity(active, who, age):
+            return replace(state, voice=_hear(state.voice, active, who, now - age))
+        case Transcript(text):
+            clauses = state.voice.clauses + (text.rstrip().endswith(CLAUSE_MARKS) and text != state.voice.text)
+            return replace(
+                state, voice=replace(state.voice, text=text, clauses=clauses, who=event.who or state.voice.who)
+            )
+        case TurnPrediction(yours):
+            return replace(state, voice=replace(state.voice, predicted=yours))
+        case Thinking(on):
+            return replace(state, thinks=on, listened=state.listened and not on)
+        case RobotSpeech(active, ends_in, filler) if not filler:
+            ends = inf if ends_in is None else now + ends_in
+            began = state.speech.began if state.speech.active else now
+            if not active:
+                return replace(state, speech=replace(state.speech, active=False))
+            return replace(state, speech=OwnSpeech(active=True, began=began, ends=ends))
+    return state
+
+
+def _hear(voice: PersonVoice, active: bool, who: str | None, time: float) -> PersonVoice:
+    """Return a voice after its begin or end at a time [s]."""
+    if active == voice.active:
+        return replace(voice, who=who or voice.who)
+    if not active:
+        return replace(voice, active=False, ended=time)
+    if time - voice.ended > TURN_GAP or (who is not None and who != voice.who):
+        return PersonVoice(active=True, who=who, began=time)
+    return replace(voice, active=True, who=who or voice.who, began=time, predicted=0.0)
+
+
+def _end(before: ConversationState, state: ConversationState, now: float) -> tuple[ConversationState, tuple[Want, ...]]:
+    """Return the state and wants at the end of a conversation."""
+    if before.mode == "off":
+        return state, ()
+    ended = replace(state, mode="off", since=now, company=Company())
+    return ended, (ModeNotice("off"),)
+
+
+def _mode_wants(state: ConversationState, before: ConversationState) -> list[Want]:
+    """Return posture and expression at the begin of a mode."""
+    listens, amount = state.mode == "listening", state.amount
+    wants: list[Want] = []
+    if listens or before.mode == "listening":
+        side = 1.0 if state.draws % 2 else -1.0
+        lean, tilt = (MOVEMENTS.lean, side * MOVEMENTS.tilt) if listens else (0.0, 0.0)
+        wants.append(BodyLean(amount * lean, amount * tilt, state.mode))
+    faces = {
+        "attending": (SMILE, SMILE_DURATION),
+        "interrupted": (RAISED_BROWS, BROWS_DURATION),
+        "thinking": (PENSIVE_BROWS, PENSIVE_DURATION),
+    }
+    if state.mode in faces and not (state.mode == "attending" and before.mode not in ("off", "idle")):
+        units, duration = faces[state.mode]
+        wants.append(BriefExpression(tuple((unit, amount * value) for unit, value in units), duration, state.mode))
+    return wants
+
+
+def _fill(state: ConversationState, now: float) -> tuple[ConversationState, Filler | None]:
+    """Return the state and a filler, if thinking lasts longer than usual."""
+    if state.mode != "thinking":
+        return (state if state.fillers == 0 else replace(state, fillers=0)), None
+    if state.fillers >= len(MOVEMENTS.fillers) or now < state.since + MOVEMENTS.fillers[state.fillers]:
+        return state, None
+    number = state.fillers + 1
+    return replace(state, fillers=number), Filler(number, f"thinks for {now - state.since:.1f} s")

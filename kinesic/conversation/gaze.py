@@ -1,0 +1,95 @@
+"""Alternation of looks at people and looks away."""
+
+from dataclasses import replace
+from math import dist, inf
+
+from kinesic.conversation.people import direction_change, next_check
+from kinesic.conversation.settings import MOVEMENTS, RHYTHMS, Rhythm
+from kinesic.conversation.state import ConversationState, GazeSpell
+from kinesic.conversation.wants import STRAIGHT, Direction, Look
+
+LOOKING = GazeSpell()  # look at the person without an end
+
+
+def begin_gaze(state: ConversationState, now: float) -> ConversationState:
+    """Return the state with the first gaze spell of its mode."""
+    rhythm = RHYTHMS.get(state.mode)
+    if rhythm is None:
+        return replace(state, gaze=LOOKING)
+    if state.mode == "speaking":
+        return _avert(state, rhythm, now + MOVEMENTS.first_aversion)
+    if state.mode == "thinking":
+        duration, state = state.vary(rhythm.away)
+        return _avert(state, rhythm, now + duration)
+    duration, state = state.vary(rhythm.look)
+    return replace(state, gaze=replace(LOOKING, until=now + duration))
+
+
+def continue_gaze(state: ConversationState, now: float) -> ConversationState:
+    """Return the state with the gaze spell of a time [s]."""
+    if _ends_soon(state, now):
+        return replace(state, gaze=LOOKING)
+    rhythm = RHYTHMS.get(state.mode)
+    if rhythm is None or now < state.gaze.until:
+        return state
+    if state.gaze.averted:
+        duration, state = state.vary(rhythm.look)
+        return replace(state, gaze=replace(LOOKING, until=now + duration))
+    duration, state = state.vary(rhythm.away)
+    return _avert(state, rhythm, now + duration)
+
+
+def request_look(state: ConversationState, now: float) -> tuple[ConversationState, Look | None]:
+    """Return the state and a look, if the gaze must change.
+
+    Movements within a dead zone are not followed, and corrections are limited in rate.
+    """
+    target = None if state.mode == "idle" else state.company.target(now)
+    place = None if target is None else target.place
+    away = tuple(state.amount * angle for angle in state.gaze.away) if state.gaze.averted else STRAIGHT
+    look = Look(place, (away[0], away[1]), state.gaze.head_fraction, _reason(state))
+    before = state.look
+    if before is not None and (before.place is None) == (place is None) and before.away == look.away:
+        if before.place is None or place is None:
+            return state, None
+        change = direction_change(place, before.place, state.eyes)
+        if change < MOVEMENTS.dead_zone or now < state.look_time + MOVEMENTS.shortest_look_interval:
+            return state, None
+    return replace(state, look=look, look_time=now), look
+
+
+def next_gaze_time(state: ConversationState, now: float) -> float:
+    """Return the next time [s] at which the gaze may change without an event."""
+    times = [state.gaze.until, next_check(state.company, now), state.speech.ends - MOVEMENTS.last_look]
+    if state.look is not None and state.look.place is not None:
+        target = state.company.target(now)
+        if target is not None and dist(target.place, state.look.place) > 0.0:
+            times.append(state.look_time + MOVEMENTS.shortest_look_interval)
+    return min((time for time in times if time > now), default=inf)
+
+
+def _ends_soon(state: ConversationState, now: float) -> bool:
+    return state.mode == "speaking" and state.speech.ends - MOVEMENTS.last_look <= now
+
+
+def _avert(state: ConversationState, rhythm: Rhythm, until: float) -> ConversationState:
+    """Return the state with a look away in a random direction."""
+    number, state = state.draw()
+    side, state = state.draw()
+    head, state = state.draw()
+    angle, sign = MOVEMENTS.averted_angle, 1.0 if side < 0.5 else -1.0
+    to_side, down, _ = rhythm.directions
+    away: Direction = (sign * angle, 0.0)
+    if to_side <= number < to_side + down:
+        away = (0.3 * sign * angle, -angle)
+    elif number >= to_side + down:
+        away = (0.6 * sign * angle, angle)
+    fraction = 0.6 if head < rhythm.head_probability else 0.0
+    return replace(state, gaze=GazeSpell(averted=True, away=away, head_fraction=fraction, until=until))
+
+
+def _reason(state: ConversationState) -> str:
+    """Return the reason of a look, for logs and clients."""
+    if state.gaze.averted:
+        return f"looks away while {state.mode}"
+    return f"{state.mode}: looks at {state.company.focus}" if state.company.focus else state.mode

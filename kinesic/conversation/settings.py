@@ -1,0 +1,63 @@
+"""Times and angles of the conversational states, from the literature on human conversation."""
+
+from dataclasses import dataclass
+
+from kinesic.conversation.wants import Mode
+
+
+@dataclass(frozen=True)
+class Rhythm:
+    """Alternation of looks at a person and looks away in one state."""
+
+    look: tuple[float, float]  # [s] mean and half range of the duration of looks at the person
+    away: tuple[float, float]  # [s] mean and half range of the duration of looks away
+    directions: tuple[float, float, float]  # probabilities of looks to a side, down and up
+    head_probability: float  # probability that the head takes part in a look away
+
+
+@dataclass(frozen=True)
+class TurnTimes:
+    """Times of changes between states."""
+
+    voice_to_listening: float = 0.15  # [s] voice after which the robot listens
+    voice_to_yield: float = 0.5  # [s] voice without words after which the robot stops its own speech
+    words_to_yield: int = 2  # recognised words after which the robot stops its own speech
+    silence: float = 0.7  # [s] silence that ends a turn
+    silence_if_predicted: float = 0.2  # [s] silence that ends a turn which a model expects to end
+    silence_if_unfinished: float = 1.2  # [s] silence that ends a turn after a conjunction or a hesitation
+    prediction_threshold: float = 0.6  # probability from which a model expects the end of the turn
+    end_to_thinking: float = 0.3  # [s] time from the end of a turn to the thinking state
+    longest_unasked_thinking: float = 8.0  # [s] thinking without a client that thinks
+    interrupted: float = 0.8  # [s] duration of the interrupted state
+    absence_to_idle: float = 10.0  # [s] time without a person after which the robot idles
+
+
+@dataclass(frozen=True)
+class Movements:
+    """Angles and times of the movements of states, at amount 1."""
+
+    dead_zone: float = 3.0  # [deg] movement of a person that gaze does not follow
+    shortest_look_interval: float = 0.25  # [s] between two corrections of the gaze
+    averted_angle: float = 14.0  # [deg] angle of looks away
+    first_aversion: float = 1.2  # [s] look away at the begin of speech
+    last_look: float = 2.3  # [s] before the end of speech at which the gaze returns
+    lean: float = 2.0  # [deg] forward lean of a listener
+    tilt: float = 5.0  # [deg] head tilt of a listener
+    nod: tuple[float, float] = (3.0, 6.0)  # [deg] smallest and largest nod
+    nod_interval: float = 2.0  # [s] shortest time between nods
+    nods_per_minute: int = 10  # largest number of nods in a minute
+    voice_before_nod: float = 0.7  # [s] shortest speech before a nod
+    pause_before_nod: float = 0.2  # [s] pause of a speaker after which the listener nods
+    nod_probability: float = 0.8  # probability of a nod at such a pause
+    fillers: tuple[float, ...] = (1.2, 4.0)  # [s] times of fillers after the begin of thinking
+
+
+TURN_TIMES = TurnTimes()
+MOVEMENTS = Movements()
+
+RHYTHMS: dict[Mode, Rhythm] = {
+    "attending": Rhythm((2.4, 0.6), (1.6, 0.4), (0.7, 0.2, 0.1), 0.1),
+    "listening": Rhythm((3.4, 1.0), (1.2, 0.2), (0.7, 0.2, 0.1), 0.1),
+    "thinking": Rhythm((1.0, 0.2), (3.0, 0.5), (0.1, 0.2, 0.7), 0.4),
+    "speaking": Rhythm((1.3, 0.4), (2.8, 0.5), (0.7, 0.2, 0.1), 0.1),
+}  # states without a rhythm look at the person all the time

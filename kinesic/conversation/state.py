@@ -1,0 +1,100 @@
+"""Immutable state of a conversation."""
+
+from dataclasses import dataclass, field, replace
+from math import inf
+
+from kinesic.conversation.events import Place
+from kinesic.conversation.people import Company, Roles, TrackedPerson
+from kinesic.conversation.wants import STRAIGHT, Direction, Look, Mode
+
+EYE_HEIGHT = 1.5  # [m] default height of the robot's eyes
+
+
+@dataclass(frozen=True)
+class PersonVoice:
+    """Voice of a person."""
+
+    active: bool = False
+    who: str | None = None  # id of the person; None: unknown
+    began: float = -inf  # [s] begin of the current or last stretch of voice
+    ended: float = -inf  # [s] end of the last stretch; meaningless while active
+    text: str = ""  # recognised words of the turn
+    clauses: int = 0  # number of clauses that ended with a pause mark
+    predicted: float = 0.0  # probability that the turn passes to the robot
+
+    def duration(self, now: float) -> float:
+        """Return the duration of the current or last stretch of voice [s]."""
+        return (now if self.active else self.ended) - self.began
+
+
+@dataclass(frozen=True)
+class OwnSpeech:
+    """Speech of the robot."""
+
+    active: bool = False
+    began: float = -inf  # [s]
+    ends: float = inf  # [s] expected end; infinity: unknown
+
+
+@dataclass(frozen=True)
+class GazeSpell:
+    """Look at a person, or away."""
+
+    averted: bool = False
+    away: Direction = STRAIGHT  # [deg] direction relative to the person
+    head_fraction: float = 0.0  # fraction of that direction performed by the head
+    until: float = inf  # [s]
+
+
+@dataclass(frozen=True)
+class ConversationState:
+    """State between two events, without a clock."""
+
+    on: bool = False
+    amount: float = 1.0  # 0..1 amount of movement
+    eyes: Place = (0.0, 0.0, EYE_HEIGHT)  # [m] position of the robot's eyes
+    seed: int = 0
+    draws: int = 0  # random numbers drawn so far
+    mode: Mode = "off"
+    since: float = 0.0  # [s] begin of the mode
+    company: Company = field(default_factory=Company)
+    addressee: str | None = None  # person of the last turn
+    voice: PersonVoice = field(default_factory=PersonVoice)
+    listened: bool = False  # whether the current turn of a person was listened to
+    thinks: bool = False  # whether a client prepares an answer
+    fillers: int = 0  # fillers since thinking began
+    speech: OwnSpeech = field(default_factory=OwnSpeech)
+    gaze: GazeSpell = field(default_factory=GazeSpell)
+    look: Look | None = None  # last requested gaze
+    look_time: float = -inf  # [s] time of that request
+    nods: tuple[float, ...] = ()  # [s] times of the nods of the last minute
+    nod_considered: float = -inf  # [s] end of the stretch of voice after which a nod was considered
+    lonely_since: float = -inf  # [s] time since when nobody is there
+
+    @property
+    def partner(self) -> TrackedPerson | None:
+        """Person whom the robot attends to, or None."""
+        return self.company.find(self.company.focus)
+
+    @property
+    def roles(self) -> Roles:
+        """Speaker and addressee among the people."""
+        return Roles(self.voice.who if self.voice.active else None, self.addressee)
+
+    def draw(self) -> tuple[float, "ConversationState"]:
+        """Return a random number in [0, 1), and the state after it."""
+        return _uniform(self.seed, self.draws), replace(self, draws=self.draws + 1)
+
+    def vary(self, spread: tuple[float, float]) -> tuple[float, "ConversationState"]:
+        """Return a random value about a mean within a half range, and the state after it."""
+        number, after = self.draw()
+        return spread[0] + spread[1] * (2.0 * number - 1.0), after
+
+
+def _uniform(seed: int, count: int) -> float:
+    """Return a number in [0, 1) by the generator SplitMix64."""
+    mask = (1 << 64) - 1
+    z = ((seed + 1) * 0x9E3779B97F4A7C15 * (count + 1) + count) & mask
+    z = ((z ^ (z >> 30)) * 0xBF58476D1CE4E5B9) & mask
+    z = ((z ^ (z >> 27)) * 0x94D049BB133111EB) & mask
+    return ((z ^ (z >> 31)) >> 11) / (1 << 53)

@@ -1,0 +1,73 @@
+"""Changes of the robot's body that a conversation requests, each with its reason."""
+
+from dataclasses import dataclass
+from typing import Literal
+
+from kinesic.conversation.events import Place
+
+Mode = Literal["off", "idle", "attending", "listening", "thinking", "speaking", "interrupted"]
+Direction = tuple[float, float]  # [deg] left and up
+
+STRAIGHT: Direction = (0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Look:
+    """Gaze at a position, or in a direction beside it."""
+
+    place: Place | None  # [m] position in the world; None: straight ahead
+    away: Direction = STRAIGHT  # direction relative to the position
+    head_fraction: float = 1.0  # fraction of `away` that the head performs, the eyes perform the rest
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class BodyLean:
+    """Lean of the trunk and tilt of the head, held until the next one."""
+
+    lean: float  # [deg] forward
+    tilt: float  # [deg] head, to the right
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Nod:
+    """One nod of the head."""
+
+    angle: float  # [deg]
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class BriefExpression:
+    """Brief facial expression."""
+
+    units: tuple[tuple[str, float], ...]  # action units with intensities 0..1
+    duration: float  # [s]
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Filler:
+    """Short utterance that fills the time until the answer."""
+
+    number: int  # count of fillers since thinking began, from 1
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class Yield:
+    """End of the robot's own speech because a person takes the turn."""
+
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class ModeNotice:
+    """News about the state of the conversation, for clients."""
+
+    mode: Mode
+    who: str | None = None  # id of the attended person
+
+
+Want = Look | BodyLean | Nod | BriefExpression | Filler | Yield | ModeNotice

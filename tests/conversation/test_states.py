@@ -1,0 +1,241 @@
+"""States of a conversation in virtual time."""
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from kinesic.conversation.advance import advance_conversation, next_time
+from kinesic.conversation.events import (
+    BargeIn,
+    Conversing,
+    PeopleSeen,
+    Person,
+    RobotSpeech,
+    Thinking,
+    Transcript,
+    TurnPrediction,
+    VoiceActivity,
+)
+from kinesic.conversation.settings import MOVEMENTS, TURN_TIMES
+from kinesic.conversation.state import ConversationState
+from kinesic.conversation.turn_words import NO_TURN_WORDS, turn_words
+from kinesic.conversation.wants import BodyLean, BriefExpression, Filler, Look, ModeNotice, Nod, Yield
+from tests.conversation.dialogues import ENGLISH, FRONT, converse, present, says
+
+LEFT = (1.0, 1.0, 1.5)
+
+
+def time_of(record, mode: str) -> float:
+    return next(time for time, name in record.modes() if name == mode)
+
+
+def test_turn_passes_through_listening_thinking_and_speaking():
+    speech = [(9.0, RobotSpeech(active=True, ends_in=4.0)), (13.0, RobotSpeech(active=False))]
+    record = converse([*present(15.0), *says(2.0, 6.0), (8.0, Thinking(on=True)), *speech], 15.0)
+    assert [mode for _, mode in record.modes()] == ["attending", "listening", "thinking", "speaking", "attending"]
+    assert time_of(record, "listening") == pytest.approx(2.0 + TURN_TIMES.voice_to_listening, abs=0.01)
+    assert time_of(record, "thinking") == pytest.approx(6.0 + 0.7 + 0.3, abs=0.01)
+    assert time_of(record, "speaking") == 9.0
+
+
+def test_end_of_a_turn_depends_on_words_and_prediction():
+    delays = {}
+    for name, event in {
+        "silence": Transcript("I saw a dog."),
+        "conjunction": Transcript("I saw a dog and"),
+        "hesitation": Transcript("I saw, um"),
+        "prediction": TurnPrediction(0.8),
+        "doubt": TurnPrediction(0.4),
+    }.items():
+        record = converse([*present(8.0), *says(2.0, 4.0), (3.9, event)], 8.0)
+        delays[name] = time_of(record, "thinking") - 4.0 - TURN_TIMES.end_to_thinking
+    expected = {"silence": 0.7, "conjunction": 1.2, "hesitation": 1.2, "prediction": 0.2, "doubt": 0.7}
+    assert delays == pytest.approx(expected, abs=0.01)
+
+
+def test_pause_within_a_turn_does_not_end_it():
+    record = converse([*present(9.0), *says(2.0, 3.0), *says(3.6, 5.0), *says(5.5, 6.5)], 9.0)
+    assert [mode for _, mode in record.modes()] == ["attending", "listening", "thinking"]
+    assert time_of(record, "thinking") > 6.5
+
+
+def test_person_who_speaks_over_the_robot_interrupts_it():
+    talk = [*present(9.0), (2.0, RobotSpeech(active=True, ends_in=6.0))]
+    cases = {
+        "long voice": ([(3.0, VoiceActivity(active=True))], 3.0 + TURN_TIMES.voice_to_yield),
+        "short voice": (says(3.0, 3.4), None),
+        "agreement": ([(3.0, VoiceActivity(active=True)), (3.3, Transcript("uh-huh yeah"))], None),
+        "stop word": ([(3.0, VoiceActivity(active=True)), (3.25, Transcript("Stop"))], 3.25),
+        "agreement, then stop": ([(3.0, VoiceActivity(active=True)), (3.25, Transcript("okay, wait"))], 3.25),
+        "two words": ([(3.0, VoiceActivity(active=True)), (3.3, Transcript("what about"))], 3.3),
+        "one word": ([(3.0, VoiceActivity(active=True)), (3.1, Transcript("what"))], 3.0 + TURN_TIMES.voice_to_yield),
+        "client": ([(3.1, BargeIn("client"))], 3.1),
+    }
+    for name, (events, expected) in cases.items():
+        record = converse([*talk, *events], 7.9)
+        times = [time for time, _ in record.of(Yield)]
+        assert times == ([] if expected is None else [pytest.approx(expected, abs=0.01)]), name
+        assert (record.mode_at(3.7) == "interrupted") == (expected is not None), name
+
+
+def test_interrupted_robot_looks_at_the_person_and_then_listens():
+    events = [*present(9.0), (2.0, RobotSpeech(active=True, ends_in=6.0)), *says(3.0, 6.0)]
+    record = converse(events, 6.0)
+    assert [mode for _, mode in record.modes()] == ["attending", "speaking", "interrupted", "listening"]
+    assert record.looking_fraction(3.6, 4.3) == 1.0
+    brows = [want for _, want in record.of(BriefExpression) if want.reason == "interrupted"]
+    assert len(brows) == 1
+
+
+def test_voice_before_own_speech_does_not_interrupt_it():
+    events = [*present(9.0), *says(1.0, 3.0), (3.2, RobotSpeech(active=True, ends_in=3.0))]
+    assert converse(events, 7.0).of(Yield) == []
+
+
+def test_gaze_fractions_match_human_conversation():
+    fractions = []
+    for seed in range(24):
+        duration = 7.0 + seed % 8
+        speech = [(20.0, RobotSpeech(active=True, ends_in=duration)), (20.0 + duration, RobotSpeech(active=False))]
+        record = converse([*present(40.0, period=0.8), *says(3.0, 15.0), *speech], 35.0, seed=seed)
+        spans = [(3.2, 15.0), (20.0, 20.0 + duration), (20.0, 21.0), (19.0 + duration, 20.0 + duration)]
+        fractions.append([record.looking_fraction(*span) for span in spans])
+    listening, speaking, first, last = np.mean(fractions, axis=0)
+    assert 0.68 <= listening <= 0.82
+    assert 0.38 <= speaking <= 0.52
+    assert first <= 0.3
+    assert last >= 0.9
+
+
+def test_longest_look_while_listening_is_no_stare():
+    record = converse([*present(60.0), *says(1.0, 60.0)], 60.0)
+    looks = record.of(Look)
+    spells = [after - before for (before, want), (after, _) in pairwise(looks) if not any(want.away)]
+    assert len(spells) > 8
+    assert max(spells) <= 6.0
+
+
+def test_listener_nods_at_pauses_within_its_limits():
+    events = present(120.0)
+    begin = 1.0
+    while begin < 118.0:
+        events += says(begin, begin + 1.2)
+        begin += 1.6
+    nods = [time for time, _ in converse(events, 119.0).of(Nod)]
+    assert len(nods) >= 12
+    assert min(np.diff(nods)) >= MOVEMENTS.nod_interval
+    assert max(sum(0 <= time - start < 60.0 for time in nods) for start in nods) <= MOVEMENTS.nods_per_minute
+    ends = np.arange(2.2, 119.0, 1.6)
+    delays = [min(time - ends[ends < time]) for time in nods]
+    assert max(delays) == pytest.approx(MOVEMENTS.pause_before_nod, abs=0.01)
+
+
+def test_clause_in_a_transcript_may_cause_a_nod():
+    spoken = [(2.0, VoiceActivity(active=True)), (4.0, Transcript("When I was young,"))]
+    nods = [converse([*present(5.0), *spoken], 5.0, seed=seed).of(Nod) for seed in range(8)]
+    assert any(nods)
+    assert all(time == 4.0 for record in nods for time, _ in record)
+    assert not any(converse([*present(5.0), *spoken[:1]], 5.0, seed=seed).of(Nod) for seed in range(8))
+
+
+def test_robot_that_does_not_listen_never_nods():
+    assert converse([*present(20.0), (1.0, RobotSpeech(active=True)), *says(3.0, 3.3)], 20.0).of(Nod) == []
+
+
+def test_thinking_robot_looks_up_and_fills_the_pause_twice():
+    ups = []
+    for seed in range(20):
+        record = converse([*present(12.0, period=0.8), (2.0, Thinking(on=True))], 12.0, seed=seed)
+        assert [round(time - 2.0, 2) for time, _ in record.of(Filler)] == list(MOVEMENTS.fillers)
+        first = next(want for time, want in record.of(Look) if time >= 2.0)
+        assert any(first.away)
+        ups.append(first.away[1] > 0)
+    assert 10 <= sum(ups) <= 18
+    assert (
+        time_of(converse([*present(6.0), (2.0, Thinking(on=True)), (4.0, Thinking(on=False))], 6.0), "thinking") == 2.0
+    )
+
+
+def test_thinking_without_a_client_ends_by_itself():
+    record = converse([*present(20.0), *says(2.0, 4.0)], 20.0)
+    assert record.modes()[-1][1] == "attending"
+    assert record.modes()[-1][0] == pytest.approx(5.0 + TURN_TIMES.longest_unasked_thinking, abs=0.01)
+
+
+def test_listener_leans_and_returns():
+    record = converse([*present(8.0), *says(2.0, 4.0)], 8.0, amount=0.5)
+    lean, upright = (want for _, want in record.of(BodyLean))
+    assert (lean.lean, abs(lean.tilt)) == (0.5 * MOVEMENTS.lean, 0.5 * MOVEMENTS.tilt)
+    assert (upright.lean, upright.tilt) == (0.0, 0.0)
+
+
+def test_robot_without_people_idles_after_a_while():
+    record = converse([*present(3.0)], 20.0)
+    assert record.modes()[-1] == (pytest.approx(2.9 + 1.0 + TURN_TIMES.absence_to_idle, abs=0.15), "idle")
+    assert record.of(Look)[-1][1].place is None
+
+
+def test_robot_without_a_camera_attends_to_a_voice():
+    record = converse(says(2.0, 4.0, who=None), 25.0)
+    assert [mode for _, mode in record.modes()] == ["attending", "listening", "thinking", "attending", "idle"]
+    assert all(want.place is None for _, want in record.of(Look))
+
+
+def test_small_movements_are_not_followed_and_corrections_are_limited():
+    """A person first sways by 4 cm, then walks at 1 m/s."""
+    sides = [*(0.04 * (k % 2) for k in range(20)), *(0.05 * k for k in range(20))]
+    walk = [(0.05 * k, PeopleSeen((Person("p", (1.5, side, 1.5)),))) for k, side in enumerate(sides)]
+    looks = [time for time, want in converse(walk, 1.98).of(Look) if time > 0.0 and not any(want.away)]
+    assert len(looks) >= 3
+    assert looks[0] > 1.0
+    assert min(np.diff(looks)) >= MOVEMENTS.shortest_look_interval - 1e-3
+
+
+def test_speaker_among_several_people_is_looked_at():
+    two = (Person("a", FRONT, looks=True), Person("b", LEFT, looks=True))
+    record = converse([*present(12.0, *two), *says(4.0, 11.0, "b")], 11.0)
+    assert record.mode_at(5.0) == "listening"
+    assert [want.who for time, want in record.of(ModeNotice) if time > 4.0][-1] == "b"
+    met = [want.place for time, want in record.of(Look) if time > 5.0 and not any(want.away)]
+    assert met
+    assert all(place == pytest.approx(LEFT) for place in met)
+
+
+def test_end_of_a_conversation_returns_the_posture_and_forgets_everybody():
+    record = converse([*present(3.0), (3.0, Conversing(on=False)), *present(5.0, begin=3.1)], 6.0)
+    assert record.modes()[-1] == (3.0, "off")
+    assert record.states[-1][1].company.tracked == ()
+    assert next_time(record.states[-1][1], 6.0) == float("inf")
+
+
+def test_same_seed_gives_the_same_conversation_and_another_seed_another_one():
+    events = [*present(20.0), *says(2.0, 9.0), (10.0, Thinking(on=True))]
+    one, same, other = (converse(events, 20.0, seed=seed).wants for seed in (1, 1, 2))
+    assert one == same
+    assert one != other
+
+
+def test_step_does_not_depend_on_calls_between_events():
+    events = [*present(15.0), *says(2.0, 9.0), (10.0, Thinking(on=True))]
+    record, state, often, now = converse(events, 14.0), ConversationState(), [], 0.0
+    queue = sorted([(0.0, Conversing(on=True)), *events], key=lambda pair: pair[0])
+    while now <= 14.0:
+        due = min(next_time(state, now, words=ENGLISH), now + 0.013)
+        event = queue.pop(0) if queue and queue[0][0] <= due else None
+        now = due if event is None else event[0]
+        state, wants = advance_conversation(state, None if event is None else event[1], now, words=ENGLISH)
+        often += [(now, want) for want in wants]
+    assert [want for time, want in often if time <= 14.0] == [want for _, want in record.wants]
+
+
+def test_turn_words_follow_the_language():
+    english, japanese = turn_words("en-GB"), turn_words("ja")
+    assert english.has_stop_word("Okay, hold on a second")
+    assert not english.has_stop_word("nobody stopped")
+    assert english.is_unfinished("I like it because")
+    assert not english.is_unfinished("I like the band")
+    assert japanese.has_stop_word("はい、待って")
+    assert japanese.is_unfinished("行きたいけど")
+    assert turn_words("sw") == NO_TURN_WORDS
+    assert all(turn_words(tag).fillers for tag in ("de", "en", "es", "fr", "it", "ja", "nl", "pt"))
