@@ -102,6 +102,25 @@ def find_excess_times(motion: Trajectory, changed: Trajectory, times: Floats, se
     return np.asarray(times[over][ratios[over] > np.maximum(MAX_IMPACT_RATIO, before)])
 
 
+def find_worst_excess(motion: Trajectory, before: Trajectory, setup: Setup) -> tuple[float, float] | None:
+    """Return time [s] and ratio of the largest new excess over the policy, or None.
+
+    Args:
+        motion: changed motion.
+        before: motion before the change, whose own excesses do not count.
+        setup: policy and robot.
+    """
+    if setup.policy is None:
+        return None
+    times = knot_times(motion)
+    ratios = compute_impact_ratios(motion, times, setup)
+    if not len(ratios) or ratios.max() <= 1.0:
+        return None
+    new = np.where(ratios > np.maximum(1.0, compute_impact_ratios(before, times, setup)), ratios, 0.0)
+    worst = int(new.argmax())
+    return (float(times[worst]), float(new[worst])) if new.any() else None
+
+
 def find_excessive_behaviours(frames: KeyFrames, motion: Conditioned, setup: Setup) -> dict[str, str]:
     """Find the behaviours to drop because no slower motion keeps the policy.
 
@@ -118,7 +137,7 @@ def find_excessive_behaviours(frames: KeyFrames, motion: Conditioned, setup: Set
     over = over[np.argsort(-ratios[over], kind="stable")]
     spans_of = find_planned_spans((name, planned) for name, _, _, planned in list_keyed_syncs(frames, motion))
     reasons: dict[str, str] = {}
-    while over.size:
+    while over.size and spans_of:
         worst = int(over[0])
         row, time = int(survey.values[worst].argmax()), float(times[worst] - trajectory.zero)
         owner = setup.impacts.owners[int(survey.points[worst, row])]

@@ -5,7 +5,7 @@ may replace a quick one while it runs: see `replan`.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from math import sqrt
 
@@ -24,6 +24,8 @@ from kinesic.motion.keys import Bond, KeyPassage, KeyPosture, Keys
 from kinesic.motion.plane_memory import PlaneMemory
 from kinesic.motion.segments import SplineSegment
 from kinesic.motion.trajectory import Trajectory
+from kinesic.planning.certify import MAX_SLOWED_ROUNDS
+from kinesic.planning.impact_limits import slow_hinges
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 
@@ -56,6 +58,8 @@ def rest_at_keys(
 ) -> Conditioned:
     """Return a motion within all limits that stops at every key.
 
+    Under a policy of contacts with people, hinges are slowed until the motion keeps it.
+
     Args:
         postures: at least two, the first and the last keyed in all hinges.
         setup: limits.
@@ -65,6 +69,20 @@ def rest_at_keys(
         memory: unused.
     """
     limits = setup.limits.scaled(limit_scale)
+    motion = _rest_within(limits, postures, bonds, budget)
+    for attempt in range(MAX_SLOWED_ROUNDS):
+        slowed = slow_hinges(motion.trajectory, limits.speed, setup, attempt)
+        if slowed is None:
+            break
+        limits = replace(limits, speed=slowed)
+        motion = _rest_within(limits, postures, bonds, budget)
+    return motion
+
+
+def _rest_within(
+    limits: Limits, postures: tuple[KeyPosture, ...], bonds: tuple[Bond, ...], budget: Budget
+) -> Conditioned:
+    """Return a motion within given limits that stops at every key."""
     keys = Keys.of(postures, limits, bonds)
     gaps, finder = dict(keys.gaps), NearestFinder(keys, limits, _resting)
     for (_, pair), least in _rest_times(keys, limits).items():

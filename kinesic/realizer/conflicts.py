@@ -1,4 +1,4 @@
-"""Checks of merged motions for collisions and drive overload.
+"""Checks of merged motions for collisions, drive overload and contacts with people.
 
 Both motions are free of collisions separately, so that only configurations from both together are checked. Inertia and
 gravity couple the joints, so that drive loads depend on the sum of both motions.
@@ -12,17 +12,19 @@ from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.motion.transition import MIN_TRANSITION, SAME_ANGLE, extend_controls
 from kinesic.planning.certify import compute_peak_duties
 from kinesic.planning.clearance import MIN_LAG_RESERVE, scan_clearance
+from kinesic.planning.impact_limits import find_worst_excess
 from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay
 from kinesic.realizer.release import motion_from_knot
 
 MAX_DUTY = 1.0  # largest accepted duty of a drive, as a fraction of full PWM
+MOVING_FRACTION = 0.2  # velocity above which a hinge contributes to a contact, relative to the fastest hinge
 
 
 def find_conflict(work: Overlay, controls: Floats, setup: Setup) -> MergeFailure | None:
-    """Return the collision or overload of a merged motion, or None.
+    """Return the collision, overload or excess over the policy of a merged motion.
 
-    The failure names the block's behaviour closest to it in time.
+    The failure names the block's behaviour closest to it in time. The result is None without a failure.
 
     Args:
         work: block and running motion.
@@ -37,7 +39,9 @@ def find_conflict(work: Overlay, controls: Floats, setup: Setup) -> MergeFailure
     if not len(rows) or rows[-1] < work.cut + MIN_TRANSITION:
         return None
     coming = motion_from_knot(controls[: rows[-1] + MIN_TRANSITION], work.cut)
-    return _find_collision(coming, work, setup) or _find_overload(coming, work, setup)
+    return (
+        _find_collision(coming, work, setup) or _find_overload(coming, work, setup) or _find_excess(coming, work, setup)
+    )
 
 
 def _find_collision(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure | None:
@@ -71,6 +75,18 @@ def _find_overload(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFail
     return MergeFailure(
         name, f"needs {100 * peaks[worst]:.0f} % of the duty of {joint} in combination with the running motion"
     )
+
+
+def _find_excess(coming: Trajectory, work: Overlay, setup: Setup) -> MergeFailure | None:
+    before = motion_from_knot(work.base[: work.cut + len(coming.controls)], work.cut)
+    excess = find_worst_excess(coming, before, setup)
+    if excess is None or setup.policy is None:
+        return None
+    time, _ = excess
+    moving = np.abs(coming.sample(np.array([time]))[1][0])
+    name = _nearest_behaviour(work, moving > MOVING_FRACTION * moving.max(), time + work.cut * KNOT_INTERVAL)
+    limit = f"the limit of contacts (near: {setup.policy.audience})"
+    return MergeFailure(name, f"exceeds {limit} in combination with the running motion")
 
 
 def _nearest_behaviour(work: Overlay, hinges: Flags, at: float) -> str:

@@ -26,6 +26,7 @@ from kinesic.motion.transition import (
 from kinesic.planning.arm_postures import with_arms
 from kinesic.planning.certify import compute_peak_duties
 from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
+from kinesic.planning.impact_limits import find_worst_excess
 from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.planning.torso import aim_from_shoulder
@@ -141,13 +142,18 @@ def correct_pointing(
 
 
 def _is_feasible(corrected: Floats, motion: Trajectory, first: int, last: int, setup: Setup) -> bool:
-    """Return whether a motion between two knots avoids collisions and drive overload."""
+    """Return whether a motion between two knots is feasible.
+
+    It must avoid collisions, drive overload and contacts beyond the policy.
+    """
     after, before = (
         motion_from_knot(extend_controls(controls, len(corrected))[: last + MIN_TRANSITION], first)
         for controls in (corrected, motion.controls)
     )
     peaks = compute_peak_duties(after, setup)
     if (peaks > np.maximum(MAX_DUTY, compute_peak_duties(before, setup))).any():
+        return False
+    if find_worst_excess(after, before, setup) is not None:
         return False
     min_clearance = setup.robot.min_clearance + LAG_RESERVE
     return float(scan_clearance(after, setup.distances)[1].distances.min()) >= min_clearance

@@ -22,6 +22,7 @@ from kinesic.motion.transition import (
     widen_limits,
 )
 from kinesic.planning.clearance import MIN_LAG_RESERVE, scan_clearance
+from kinesic.planning.impact_limits import find_worst_excess
 from kinesic.planning.quick_plan import compute_quintic_duration
 from kinesic.planning.setup import Setup
 from kinesic.realizer.held import offset_to_held_posture
@@ -71,7 +72,7 @@ def _release_from(
 ) -> Trajectory | None:
     """Return the motion with hinges released from a knot on, or None.
 
-    None if no tried path avoids collisions.
+    None if no tried path avoids collisions and keeps the policy of contacts with people.
     """
     limits, free = widen_limits(setup.limits), np.flatnonzero(hinges).tolist()
     if not free:
@@ -91,7 +92,11 @@ def _release_from(
             back = np.array(whole)
             back[:, free] = columns
             _rejoin_arms(back, whole, land, [entry for entry in others if entry.ready > knot * KNOT_INTERVAL], setup)
-            return certified_motion(back, running, knot, setup)
+            motion = certified_motion(back, running, knot, setup)
+            excess = None if motion is None else find_worst_excess(motion, running, setup)
+            if excess is None:
+                return motion
+            pieces = ceil(excess[1] * pieces)  # forces are inversely proportional to the duration
         pieces = ceil(RETURN_GROWTH_FACTOR * pieces)
     return None
 
