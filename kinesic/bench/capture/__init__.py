@@ -12,6 +12,7 @@ from kinesic.bench.blocks import find_corpus
 from kinesic.bench.capture.elbow_errors import measure_elbow_errors
 from kinesic.bench.capture.imported_robots import ROBOT_FILES, load_imported
 from kinesic.bench.capture.independent_checks import find_largest_ratio, has_penetration
+from kinesic.bench.capture.marker_shift import measure_stroke_shift
 from kinesic.bench.capture.path_distribution import frechet_distance, sample_features
 from kinesic.bench.capture.peer_metrics import PeerMotion, measure_peer, peer_metrics
 from kinesic.bench.metric import Metric
@@ -32,6 +33,8 @@ KEPT_STRETCH = 1.001  # certified / original duration up to which a motion count
 SMALL_STRETCH = 1.3  # certified / original duration up to which the stretch of a motion counts as small
 MIN_CORRELATION = 0.95  # goal of the 5th percentile of the clips' wrist-path correlations
 MEDIAN_CORRELATION = 0.98  # goal of the median correlation of wrist paths
+MAX_STROKE_SHIFT = 30.0  # [ms] goal: median shift of the strokes in motions with little stretch
+SHIFT_STRETCH = 1.5  # certified / original duration up to which shifts of strokes count
 MAX_UPPER_ARM_ERROR = 15.0  # [deg] goal: largest 95th percentile of upper-arm direction errors
 
 
@@ -47,6 +50,7 @@ class MeasuredClip:
     certified: Floats  # (k, f) features of the certified motion
     least_elbow_error: float  # [deg] 95th percentile of upper-arm errors that the proportions of the arms cause
     elbow_excess: float  # [deg] 95th percentile of upper-arm errors beyond these
+    stroke_shift: float | None  # [s] shift of the stroke; None: no marker, or no motion there
     peer: PeerMotion | None  # None: mink is not installed
 
 
@@ -117,6 +121,7 @@ def robot_metrics(robot: str, paths: Sequence[Path], setup: Setup) -> list[Metri
         Metric(f"{prefix}.elbow_least_p95", _high([clip.least_elbow_error for clip in clips]), "deg", None, "lower"),
         Metric(f"{prefix}.elbow_excess_p95", _high([clip.elbow_excess for clip in clips]), "deg", None, "lower"),
         Metric(f"{prefix}.wrist_p50", _median_distance(results), "arm lengths", None, "lower"),
+        _shift_metric(f"{prefix}.stroke_shift_p50", clips),
         Metric(f"{prefix}.unstretched", float(np.mean(stretches <= KEPT_STRETCH)), "fraction", 0.8, "higher"),
         Metric(f"{prefix}.small_stretch", float(np.mean(stretches <= SMALL_STRETCH)), "fraction", 0.95, "higher"),
         Metric(f"{prefix}.real_time", seconds / cpu_time, "times", 50.0, "higher", "on one core, by CPU time"),
@@ -147,8 +152,19 @@ def _measure(path: Path, setup: Setup) -> MeasuredClip:
         certified=sample_features(reached),
         least_elbow_error=float(np.percentile(least, 95.0)),
         elbow_excess=float(np.percentile(np.maximum(errors - least, 0.0), 95.0)),
+        stroke_shift=None
+        if (stroke := result.desired.syncs.get("stroke")) is None
+        else measure_stroke_shift(stroke, result.desired.arms, reached, result.nearest.clip_times),
         peer=measure_peer(result) if find_spec("mink") else None,
     )
+
+
+def _shift_metric(name: str, clips: Sequence[MeasuredClip]) -> Metric:
+    """Return the median size of stroke shifts [ms], null without markers."""
+    few = (clip for clip in clips if clip.result.nearest.total_stretch <= SHIFT_STRETCH)
+    shifts = [abs(clip.stroke_shift) for clip in few if clip.stroke_shift is not None]
+    where = f"{len(shifts)} clips with a marker"
+    return Metric(name, 1000.0 * float(np.median(shifts)) if shifts else None, "ms", MAX_STROKE_SHIFT, "lower", where)
 
 
 def _frechet_metric(name: str, first: Sequence[Floats], second: Sequence[Floats]) -> Metric:
