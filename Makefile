@@ -20,7 +20,7 @@ OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
 SCREENS := xvfb chromium
 
 .DELETE_ON_ERROR:
-.PHONY: demo setup test test-rounding check soak notebooks mutants mutants-studio bench docs tutorials reference wheels wheels-smoke first-report system-deps test-deps lock studio clean
+.PHONY: demo setup test test-rounding check soak campaign notebooks mutants mutants-studio bench docs tutorials reference wheels wheels-smoke first-report system-deps test-deps lock studio clean
 
 # Sets up .venv for tests, and does nothing else.
 setup: .venv/.stamp-test
@@ -52,6 +52,11 @@ check: .venv/.stamp-test
 soak: .venv/.stamp-test
 	@$(BIN)/python -m pytest -m soak
 	@$(BIN)/python -m pytest tests/theorems -n auto --hypothesis-profile soak
+
+# Random blocks and merges, judged by independent code: GROUPS groups of 20 planned and 80 merged blocks, in JOBS processes.
+# The journal out/campaign.jsonl lets an interrupted campaign go on.
+campaign: .venv/.stamp-test
+	@$(BIN)/python -m tests.campaign --groups $(or $(GROUPS),1000) --seed $(or $(SEED),1) --jobs $(or $(JOBS),1)
 
 # The notebooks in examples/notebooks, executed from the first cell to the last.
 notebooks: .venv/.stamp-test
