@@ -47,11 +47,12 @@ check: .venv/.stamp-test
 	@$(BIN)/lint-imports
 	@$(BIN)/python -m tests.language
 
-# Longer runs: a thousand random blocks in extreme styles, the whole corpus, the studio played for a minute, and theorems on
-# examples that nobody has seen.
+# Longer runs: a thousand random blocks in extreme styles, the whole corpus, the studio played for a minute, theorems on
+# examples that nobody has seen, and every reader of bytes and text fuzzed for five minutes.
 soak: .venv/.stamp-test
 	@$(BIN)/python -m pytest -m soak
 	@$(BIN)/python -m pytest tests/theorems -n auto --hypothesis-profile soak
+	@$(BIN)/python -m tests.fuzz --seconds 300
 
 # Random blocks and merges, judged by independent code: GROUPS groups of 20 planned and 80 merged blocks, in JOBS processes.
 # The journal out/campaign.jsonl lets an interrupted campaign go on.
