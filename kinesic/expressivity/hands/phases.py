@@ -25,6 +25,7 @@ NEIGHBOUR_INTERVAL = 0.5  # [s] longest gap between gestures in which the hand d
 ARM_PARTS: frozenset[Touch] = frozenset(("hand", "forearm", "upper_arm"))  # touchable parts of the other arm
 LOWERING_FRACTION = 0.5  # fraction of the distance to rest by which a waiting hand is lowered
 WAITING_OPENNESS = 0.2  # elbow openness (0 hanging .. 1 far out) of a waiting hand
+MIN_PAUSE_TIME = 0.35  # [s] shortest stop of a lowered hand; before a shorter one, it sinks more slowly and turns back
 MAX_WAITING_TIME = 2.5  # [s] longest wait of a hand that retracts together with the other hand
 ALL_FIXED: FixedSyncs = MappingProxyType({})  # default, empty: a behaviour without an entry has only fixed sync points
 
@@ -228,7 +229,8 @@ def _lower_waiting_hand(
         if relax - last.time >= MIN_KEY_SPACING
         else []
     )
-    return [*keys, *hold, HandKey(relax + lowering_time, lowered, holding.effort(pace).passage("retraction"))]
+    arrival = relax + lowering_time if leave - relax >= lowering_time + MIN_PAUSE_TIME else leave
+    return [*keys, *hold, HandKey(arrival, lowered, holding.effort(pace).passage("retraction"))]
 
 
 def _add_retraction(

@@ -250,3 +250,14 @@ def test_hand_waiting_between_gestures_is_lowered_if_time_allows(pace, phases, s
         hanging = resting_hands(pace.robot)["r"].position
         np.testing.assert_allclose(key.hand.reach.position, (B.reach.position + hanging) / 2)
         assert key.hand.openness > 0.0
+
+
+def test_lowered_hand_stops_only_for_a_long_pause(pace, phases):
+    """Prevent a dead stop of a few hundredths of a second between two gestures."""
+    for end, start, stops in [(1.8, 2.29, False), (2.8, 3.2, True)]:
+        first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.1, end), (work(A, B),))
+        second = Stroke("g2", phases(start, *(start + np.array([0.6, 0.6, 1.0, 1.0, 1.2, 1.8]))), (work(C, A),))
+        keys = arrange_hands([first, second], pace).hands["r"]
+        low = [key.time for key in keys if 1.1 < key.time <= start and key.hand not in (A, B, C)]
+        assert len(low) == 1 + stops
+        assert low[-1] - low[0] >= 0.35 * stops

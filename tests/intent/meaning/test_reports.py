@@ -18,7 +18,7 @@ MIN_PLAIN_PRECISION = 0.91  # fraction of fitting gestures in plain sentences
 MIN_HITS = 0.75  # fraction of expressive sentences with a fitting gesture on its word
 
 
-def shown(text: str) -> list[tuple[str, str, str, str]]:
+def shown(text: str) -> list[tuple[str, ...]]:
     """Return each gesture for a text, with the words before, at and after its stroke."""
     passage, selection = plan_behaviours(text, LEXICON, NEUTRAL, seed=0)
     words = ["", *(word.plain for word in passage.words), ""]
