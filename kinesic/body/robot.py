@@ -125,10 +125,15 @@ class Robot(Description, NotebookView):
         chain = Chain.of(self.skeleton, f"{side}_arm", arm.segments, along=arm.palm.position, palm=arm.palm.facing)
         return idealise(chain)
 
+    @cached_property
+    def sides(self) -> tuple[Side, ...]:
+        """Sides with an arm that moves."""
+        return tuple(side for side in SIDES if self.arm(side).joints)
+
     def arm(self, side: Side) -> RobotArm:
         """Return the skeleton's arm on one side.
 
-        `arms` has its idealised chain.
+        `arms` has its idealised chain. An arm that the robot lacks has segments, but no hinges.
         """
         return self._robot_arms[side]
 
@@ -224,7 +229,9 @@ class Robot(Description, NotebookView):
         """
         fingers = {f"{side}_fingers": self.fingers(side) for side in SIDES if self.fingers(side)}
         together = {name for names in fingers.values() for name in names}
-        return {s.name: (s.name,) for s in self.skeleton.segments if s.name not in together} | fingers
+        absent = {name for side in SIDES if side not in self.sides for name in self.arm(side).segments}
+        shapeless = {s.name for s in self.skeleton.segments if s.name in absent and not s.capsules}
+        return {s.name: (s.name,) for s in self.skeleton.segments if s.name not in together | shapeless} | fingers
 
     @cached_property
     def counted_pairs(self) -> tuple[tuple[str, str], ...]:

@@ -7,6 +7,7 @@ from pathlib import Path
 import msgspec
 import numpy as np
 
+from kinesic.body.absent_arm import ARM_CHAINS, with_absent_arm
 from kinesic.body.arrays import sealed
 from kinesic.body.calibration import NO_CALIBRATION, Calibration, narrow_ranges, read_calibration
 from kinesic.body.config import CONFIGS, ConfigError, check_inside, read_toml, suggestion
@@ -78,7 +79,7 @@ def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NO
     Raises:
         ConfigError: the tables contradict one another.
     """
-    file = with_both_sides(file)
+    file = with_absent_arm(with_both_sides(file))
     models = servo_models() | _models(file.servos)  # servos of the robot's file override
     _check(path, file, list(models))
     file = msgspec.structs.replace(file, hinge=narrow_ranges(file.hinge, calibration, path))
@@ -188,9 +189,9 @@ def _check(path: Path, file: RobotFile, servos: list[str]) -> None:
     for entry in file.collision.exclude:
         for body_name in entry.pair:
             _check_known(path, "[collision] exclude", body_name, [*bodies, *(FINGER_CHAINS & file.chains.keys())])
-    for chain in ("l_arm", "r_arm"):
-        _check_known(path, "[chains] needs", chain, list(file.chains))
-    for site_name in ("l_palm", "r_palm"):
+    if not file.chains.keys() & set(ARM_CHAINS):
+        raise ConfigError(f"{path}: [chains] has neither l_arm nor r_arm; at least one arm is needed")
+    for site_name in (f"{chain[0]}_palm" for chain in ARM_CHAINS if chain in file.chains):
         _check_known(path, "[sites] needs", site_name, list(file.sites))
 
 

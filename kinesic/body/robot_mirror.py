@@ -31,11 +31,11 @@ def with_both_sides(file: RobotFile) -> RobotFile:
         return file
     return msgspec.structs.replace(
         file,
-        body=_mirror_tables(file.body, mirror, _mirrored_body),
+        body=_mirror_tables(file.body, mirror, mirror_body),
         hinge=_mirror_tables(file.hinge, mirror, _mirrored_hinge),
         coupling=_mirror_tables(file.coupling, mirror, _mirrored_coupling),
-        chains=_both(file.chains, mirror, lambda names: [_renamed(name, mirror) for name in names]),
-        sites=_both(file.sites, mirror, lambda site: _mirrored_site(site, mirror)),
+        chains=_both(file.chains, mirror, lambda names: [mirror_name(name, mirror) for name in names]),
+        sites=_both(file.sites, mirror, lambda site: mirror_site(site, mirror)),
         rest=_both(file.rest, mirror, lambda degrees: degrees),
         collision=msgspec.structs.replace(
             file.collision,
@@ -56,7 +56,9 @@ def _mirror_tables(
 
 
 def _both(table: dict[str, Value], mirror: MirrorTable, mirrored: Callable[[Value], Value]) -> dict[str, Value]:
-    images = {_renamed(key, mirror): mirrored(value) for key, value in table.items() if key.startswith(mirror.source)}
+    images = {
+        mirror_name(key, mirror): mirrored(value) for key, value in table.items() if key.startswith(mirror.source)
+    }
     return table | images | table  # the described side comes first, and written entries override mirrored ones
 
 
@@ -65,10 +67,11 @@ def _both_pairs(pair: tuple[str, str], mirror: MirrorTable) -> list[tuple[str, s
     return [pair] if set(image) == set(pair) else [pair, image]
 
 
-def _mirrored_body(body: BodyTable, mirror: MirrorTable) -> BodyTable:
+def mirror_body(body: BodyTable, mirror: MirrorTable) -> BodyTable:
+    """Return the mirror image of a body and its capsules."""
     return BodyTable(
-        name=_renamed(body.name, mirror),
-        parent=_renamed(body.parent, mirror),
+        name=mirror_name(body.name, mirror),
+        parent=mirror_name(body.parent, mirror),
         pos=_flipped(body.pos),
         mass=body.mass,
         capsules=[CapsuleTable(_flipped(c.start), _flipped(c.end), c.radius) for c in body.capsules],
@@ -78,21 +81,27 @@ def _mirrored_body(body: BodyTable, mirror: MirrorTable) -> BodyTable:
 def _mirrored_hinge(hinge: HingeTable, mirror: MirrorTable) -> HingeTable:
     return msgspec.structs.replace(
         hinge,
-        name=_renamed(hinge.name, mirror),
-        body=_renamed(hinge.body, mirror),
+        name=mirror_name(hinge.name, mirror),
+        body=mirror_name(hinge.body, mirror),
         axis=_mirrored_axis(hinge.axis),
         at=_flipped(hinge.at),
-        mount=None if hinge.mount is None else MountTable(_renamed(hinge.mount.body, mirror), _flipped(hinge.mount.at)),
+        mount=None
+        if hinge.mount is None
+        else MountTable(mirror_name(hinge.mount.body, mirror), _flipped(hinge.mount.at)),
         source=None,  # a joint of the imported file is on one side
     )
+
+
+def _mirrored_mount(mount: MountTable, mirror: MirrorTable) -> MountTable:
+    return MountTable(mirror_name(mount.body, mirror), _flipped(mount.at))
 
 
 def _mirrored_coupling(coupling: CouplingTable, mirror: MirrorTable) -> CouplingTable:
     return msgspec.structs.replace(
         coupling,
-        name=_renamed(coupling.name, mirror),
-        body=_renamed(coupling.body, mirror),
-        driver=_renamed(coupling.driver, mirror),
+        name=mirror_name(coupling.name, mirror),
+        body=mirror_name(coupling.body, mirror),
+        driver=mirror_name(coupling.driver, mirror),
         axis=_mirrored_axis(coupling.axis),
         source=None,
     )
@@ -104,15 +113,17 @@ def _mirrored_axis(axis: Triple) -> Triple:
     return (-x, y, -z)
 
 
-def _mirrored_site(site: SiteTable, mirror: MirrorTable) -> SiteTable:
-    return SiteTable(_renamed(site.body, mirror), _flipped(site.at), _flipped(site.facing))
+def mirror_site(site: SiteTable, mirror: MirrorTable) -> SiteTable:
+    """Return the mirror image of a site."""
+    return SiteTable(mirror_name(site.body, mirror), _flipped(site.at), _flipped(site.facing))
 
 
 def _flipped(point: Triple) -> Triple:
     return (point[0], -point[1], point[2])
 
 
-def _renamed(name: str, mirror: MirrorTable) -> str:
+def mirror_name(name: str, mirror: MirrorTable) -> str:
+    """Replace the side prefix of a name, if it has one."""
     return mirror.target + name.removeprefix(mirror.source) if name.startswith(mirror.source) else name
 
 
@@ -120,4 +131,4 @@ def _swap_prefix(name: str, mirror: MirrorTable) -> str:
     """Replace the side prefix of a name by the opposite one."""
     if name.startswith(mirror.target):
         return mirror.source + name.removeprefix(mirror.target)
-    return _renamed(name, mirror)
+    return mirror_name(name, mirror)

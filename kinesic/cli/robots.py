@@ -122,7 +122,7 @@ def import_robot(file: Path, out: Path | None, force: bool) -> int:
         with new_file(shell, force=force) as temporary:
             temporary.write_bytes(imported.shell)
         click.echo(f"shell: {shell}")
-    _print_notes("left out", imported.left_out)
+    _print_notes("note", imported.left_out)
     if imported.doubt:
         click.echo(f"kinesic: review {target} before it moves: {imported.doubt}", err=True)
     return 1 if imported.doubt else 0

@@ -18,6 +18,9 @@ MAX_GIRDLE_HINGES = 3  # largest number of collar-bone hinges before the shoulde
 SHOULDER_HINGE_COUNTS = (2, 3, 4)  # possible numbers of hinges of a shoulder
 MAX_WRIST_HINGES = 3  # largest number of hinges after the elbow, with the forearm's twist; others are fingers
 MIN_TWIST_COSINE = 0.7  # |cosine| between an axis and its bone above which the hinge is a twist
+HAND_LENGTH_RATIO = 0.45  # length of an assumed hand / length of the forearm
+WRIST_FRACTION = 1.0 / (1.0 + HAND_LENGTH_RATIO)  # assumed distance elbow to wrist / distance elbow to tip
+TWIST_FRACTIONS = (0.5, 0.95)  # likewise, of a twist hinge that counts as wrist
 MIN_BONE_LENGTH = 0.02  # [m] shortest bone in an accepted division of an arm's hinges
 
 
@@ -91,11 +94,27 @@ def centres(limb: HingeRow, split: Split) -> Centres:
         elbow = foot(shoulder, limb.anchors[e], limb.axes[e])
     else:
         elbow = find_nearest_on_line(limb.anchors[e], limb.axes[e], limb.anchors[twist], limb.axes[twist])
-    tip = limb.centre + (limb.centre - elbow) if not split.wrist else limb.anchors[split.hinges - 1]
-    if split.wrist == 1 and abs(unit_vector(limb.centre - elbow) @ limb.axes[e + 1]) > MIN_TWIST_COSINE:
-        tip = limb.centre + (limb.centre - elbow)
+    has_twist = split.wrist == 1 and abs(unit_vector(limb.centre - elbow) @ limb.axes[e + 1]) > MIN_TWIST_COSINE
+    tip = limb.anchors[split.hinges - 1] if split.wrist else elbow
+    if has_twist or not split.wrist:
+        tip = _find_rigid_wrist(limb, elbow, tip)
     wrist = find_common_point(limb.anchors[wrist_hinges], limb.axes[wrist_hinges], tip) if split.wrist else tip
     return Centres(shoulder, elbow, wrist, limb.anchors[arm], limb.axes[arm])
+
+
+def _find_rigid_wrist(limb: HingeRow, elbow: Floats, twist: Floats) -> Floats:
+    """Estimate the wrist (3,) [m] of an arm with a fixed hand.
+
+    The centre of a twist hinge near the middle of forearm and hand is taken. Otherwise the hand is a fraction of the
+    length to the tip. A part without shapes is assumed to end as far beyond its centre as it begins before it.
+    """
+    if limb.tip is None:
+        return np.asarray(2 * limb.centre - elbow)
+    whole = limb.tip - elbow
+    length = float(np.linalg.norm(whole))
+    along = float((twist - elbow) @ unit_vector(whole))
+    fraction = along / length if TWIST_FRACTIONS[0] * length < along < TWIST_FRACTIONS[1] * length else WRIST_FRACTION
+    return np.asarray(elbow + fraction * whole)
 
 
 def _find_twist(limb: HingeRow, split: Split, shoulder: Floats) -> int | None:

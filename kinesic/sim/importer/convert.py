@@ -28,7 +28,7 @@ LEANING_SCALE = 0.5  # [rad] angle of a hanging arm off the vertical that divide
 ASYMMETRY_SCALE = 0.5  # [arm lengths] asymmetry of the arms that divides the confidence by e
 GUESSED_SIDE_FACTOR = 0.7  # factor on the confidence if the left side is guessed
 # Placeholder servo with 1 Nm stall torque, until the loads of the hinges are known.
-UNIT_SERVO = ServoTable(0, 48.0, 1.0, 1.0, 60.0, 1.0, 0.0, (0.01,) * 3, 800.0, 0.0, 128.0, 0.0, 0.0, 0.0)
+UNIT_SERVO = ServoTable(0, 48.0, 1.0, 1.0, 60.0, 1.0, 0.0, (0.01,) * 3, 800.0, 0.0, 128.0, 1e-6, 0.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +57,7 @@ def import_humanoid(path: Path) -> Mapped:
     geometry = analyse_geometry(load_robot_tree(path))
     hinges = name_hinges(geometry)
     layout = lay_out_segments(geometry, hinges)
-    hands = {side: hand for side in SIDES if (hand := find_hand(geometry, side)) is not None}
+    hands = {side: hand for side in geometry.arms if (hand := find_hand(geometry, side)) is not None}
     fingers = tuple(hinge for hand in hands.values() for finger in hand.fingers for hinge in finger.hinges)
     unit_servos = {name_servo(hinge): UNIT_SERVO for hinge in (*hinges, *fingers)}
     tables_without_hands = robot_tables(geometry, layout, hinges, unit_servos, find_limits_nearest_to_zero(hinges))
@@ -65,7 +65,7 @@ def import_humanoid(path: Path) -> Mapped:
     servos, sources = _choose_servos(geometry, (*hinges, *fingers), draft, path)
     file = msgspec.structs.replace(draft, servos=servos)
     rest = {name: angle for name, angle in draft.rest.items() if name in {hinge.name for hinge in fingers}}
-    rest = {name: angle for name, angle in (rest_pose(geometry, hinges, file, path) | rest).items() if angle}
+    rest = {name: angle for name, angle in (rest_pose(geometry, hinges, file, path, rest) | rest).items() if angle}
     file = with_exclusions(msgspec.structs.replace(file, rest=rest), path)
     turns = (*hinges, *(turn for hand in hands.values() for finger in hand.fingers for turn in finger.turns))
     joint_names = {turn.name: geometry.tree.joints[turn.joint].name for turn in turns}
@@ -124,6 +124,8 @@ def _rate_confidence(figure: HumanoidGeometry) -> float:
 def _review(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], hands: Hands) -> list[str]:
     assumed = [hinge.name for hinge in hinges if hinge.assumed]
     leaning = degrees(max(arm.off for arm in figure.arms.values()))
+    unmapped = _list_unmapped(figure, hinges, hands)
+    absent = "".join(SIDE_NAMES[side] for side in SIDES if side not in figure.arms)
     notes = {
         f"ranges of {', '.join(assumed)} are assumed, as the file gives none": bool(assumed),
         "which side is left is a guess": not figure.sides.certain,
@@ -132,8 +134,12 @@ def _review(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], hands: Ha
         f"the arms differ by {100 * figure.asymmetry:.0f} % of their length": figure.asymmetry > 0.02,
         "palms are assumed to face the thighs": not hands,
         _describe_fingers(hands): bool(hands),
-        f"{_describe_fixed_joints(figure, hands)}": len(hands) < len(SIDES),
-        "legs are left out, the trunk stands on a fixed base": True,
+        f"{_describe_fixed_joints(figure, hands)}": len(hands) < len(figure.arms),
+        f"held, because no hinge of kinesic fits: {', '.join(unmapped)}": bool(unmapped),
+        f"the robot has no {absent} arm: gestures of that hand are performed by the other, or left out": bool(absent),
+        "the arms may be legs: neither names nor geometry decide": figure.is_doubtful,
+        "legs are left out, the trunk stands on a fixed base": bool(figure.legs),
+        "the base is fixed": not figure.legs,
     }
     uncoupled_notes = [
         f"{name} follows another hinge in its file, and has a motor here"
@@ -160,7 +166,7 @@ def _describe_fixed_joints(figure: HumanoidGeometry, hands: Hands) -> str:
     tree = figure.tree
     fixed_joints = [
         tree.joints[k].name
-        for side in SIDES
+        for side in figure.arms
         if side not in hands
         for k in tree.below(figure.arms[side].joints[-1])
         if k not in figure.arms[side].joints
@@ -170,6 +176,19 @@ def _describe_fixed_joints(figure: HumanoidGeometry, hands: Hands) -> str:
         if fixed_joints
         else "hands have no fingers"
     )
+
+
+def _list_unmapped(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], hands: Hands) -> list[str]:
+    """List the joints of trunk, neck and head that no hinge represents."""
+    mapped = {hinge.joint for hinge in hinges} | {k for arm in figure.arms.values() for k in arm.joints}
+    mapped |= set(figure.legs)
+    hand_joints = {k for arm in figure.arms.values() for k in figure.tree.below(arm.joints[-1])}
+    mapped |= (
+        hand_joints
+        if len(hands) < len(figure.arms)
+        else {turn.joint for hand in hands.values() for finger in hand.fingers for turn in finger.turns}
+    )
+    return [joint.name for k, joint in enumerate(figure.tree.joints) if k not in mapped]
 
 
 def _list_uncoupled_hinges(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], hands: Hands) -> list[str]:

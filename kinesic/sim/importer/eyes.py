@@ -9,9 +9,9 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot_schema import SiteTable
-from kinesic.sim.importer.model_tree import ModelPart
+from kinesic.sim.importer.hinge_row import list_surface_points
 from kinesic.sim.importer.segments import FIXED_HEAD, HEAD_RADIUS_RATIO, HEAD_SEGMENT, SegmentLayout, round_triple
-from kinesic.sim.importer.zero_pose import HumanoidGeometry
+from kinesic.sim.importer.zero_pose import HumanoidGeometry, find_mid_shoulders
 
 EYE_HEIGHT_FRACTION = 0.5  # height of the eyes / height of the head, from its lowest point
 MAX_HEAD_HEIGHT = 0.6  # [arm lengths] largest assumed height of a head, measured from its top
@@ -31,32 +31,21 @@ def place_eyes(figure: HumanoidGeometry, layout: SegmentLayout, carried: Mapping
     size, tree = figure.arm_length, figure.tree
     if figure.neck:
         neck_part, last = tree.merge_parts(tree.below(figure.neck[0])), tree.merge_parts(tree.below(figure.neck[-1]))
-        position = _find_front(_list_points(last), size)
+        position = _find_front(list_surface_points(last), size)
         if position is None:
             position = sealed(neck_part.centre + HEAD_RADIUS_RATIO * size * np.array([1.0, 0.0, 0.2]))
         return SiteTable(HEAD_SEGMENT, round_triple(layout.inside(HEAD_SEGMENT, position)), (1.0, 0.0, 0.0))
-    shoulder = figure.arms["l"].centres.shoulder
-    mid_shoulders = np.array([shoulder[0], 0.0, shoulder[2]])
+    mid_shoulders = find_mid_shoulders(figure)
     points = (
-        _list_points(tree.merge_parts(carried[layout.carrier])) if carried.get(layout.carrier) else np.zeros((0, 3))
+        list_surface_points(tree.merge_parts(carried[layout.carrier]))
+        if carried.get(layout.carrier)
+        else np.zeros((0, 3))
     )
     is_above = points[:, 2] > mid_shoulders[2] + FIXED_HEAD[0] * size
     position = _find_front(sealed(points[is_above & (np.abs(points[:, 1]) < MAX_HEAD_HALF_WIDTH * size)]), size)
     if position is None:
         position = sealed(mid_shoulders + size * np.array([HEAD_RADIUS_RATIO, 0.0, 0.35]))
     return SiteTable(layout.carrier, round_triple(layout.inside(layout.carrier, position)), (1.0, 0.0, 0.0))
-
-
-def _list_points(part: ModelPart) -> Floats:
-    """Return surface points (n, 3) [m] of a part in the world.
-
-    The points come from meshes, or from primitive shapes without meshes.
-    """
-    if part.surfaces:
-        return sealed(np.concatenate([surface.mesh.vertices for surface in part.surfaces]))
-    directions = np.concatenate([np.eye(3), -np.eye(3)])
-    ends = [(end, shape.radius) for shape in part.shapes for end in (shape.start, shape.end)]
-    return sealed(np.concatenate([np.zeros((0, 3)), *(end + radius * directions for end, radius in ends)]))
 
 
 def _find_front(points: Floats, size: float) -> Floats | None:

@@ -8,7 +8,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.rotation import IDENTITY_ROTATION, rotation_about
-from kinesic.sim.importer.model_tree import Tree
+from kinesic.sim.importer.model_tree import ModelPart, Tree
 
 ZERO_VECTOR = np.zeros(3)  # [m] origin of a coordinate frame
 
@@ -20,14 +20,17 @@ class HingeRow:
     anchors: Floats  # (k, 3) [m] points on the axes
     axes: Floats  # (k, 3) unit vectors of the axes
     centre: Floats  # (3,) [m] centre of mass of the parts moved by the last hinge, including fingers
+    tip: Floats | None = None  # (3,) [m] point of these parts farthest from the last anchor; None without shapes
 
     @classmethod
     def of(cls, tree: Tree, joints: Sequence[int]) -> "HingeRow":
         """Return the hinge lines of a limb in the tree's current pose."""
+        last = tree.merge_parts(tree.below(joints[-1]))
         return cls(
             sealed([tree.joints[k].anchor for k in joints]),
             sealed([tree.joints[k].axis for k in joints]),
-            tree.merge_parts(tree.below(joints[-1])).centre,
+            last.centre,
+            _find_tip(last, tree.joints[joints[-1]].anchor),
         )
 
     def turned(self, angles: Floats) -> "HingeRow":
@@ -39,6 +42,7 @@ class HingeRow:
             sealed(_multiply(rotations, self.anchors) + shifts),
             sealed(_multiply(rotations, self.axes)),
             sealed(motion[-1][0] @ self.centre + motion[-1][1]),
+            None if self.tip is None else sealed(motion[-1][0] @ self.tip + motion[-1][1]),
         )
 
     def motion(self, angles: Floats) -> list[tuple[Floats, Floats]]:
@@ -55,6 +59,28 @@ class HingeRow:
             rotation = rotation @ turn
             result.append((rotation, shift))
         return result
+
+
+def _find_tip(part: ModelPart, anchor: Floats) -> Floats | None:
+    """Return the centre of a part's far end (3,) [m]."""
+    points = list_surface_points(part)
+    if not len(points):
+        return None
+    away = unit_vector(part.centre - anchor)
+    reach = (points - anchor) @ away
+    return sealed(anchor + away * float(reach.max())) if away.any() else None
+
+
+def list_surface_points(part: ModelPart) -> Floats:
+    """Return surface points (n, 3) [m] of a part in the world.
+
+    The points come from meshes, or from primitive shapes without meshes.
+    """
+    if part.surfaces:
+        return sealed(np.concatenate([surface.mesh.vertices for surface in part.surfaces]))
+    directions = np.concatenate([np.eye(3), -np.eye(3)])
+    ends = [(end, shape.radius) for shape in part.shapes for end in (shape.start, shape.end)]
+    return sealed(np.concatenate([np.zeros((0, 3)), *(end + radius * directions for end, radius in ends)]))
 
 
 def find_common_point(anchors: Floats, axes: Floats, near: Floats, pull: float = 1e-3) -> Floats:

@@ -10,7 +10,7 @@ from math import degrees, pi, radians
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.robot import SIDES, Side
+from kinesic.body.robot import Side
 from kinesic.body.robot_schema import SourceTable
 from kinesic.sim.importer.arm import MIN_TWIST_COSINE
 from kinesic.sim.importer.hanging_pose import find_elbow_sense
@@ -66,7 +66,7 @@ def name_hinges(figure: HumanoidGeometry) -> tuple[MappedHinge, ...]:
     Trunk and neck come first.
     """
     mapped = [*_spine(figure, "vl5", figure.trunk), *_spine(figure, "skullbase", figure.neck)]
-    for side in SIDES:
+    for side in figure.arms:
         mapped += _arm(figure, side)
     return tuple(mapped)
 

@@ -1,7 +1,7 @@
 """Load kinematics, masses, shapes, motors and meshes of MJCF or URDF."""
 
 import warnings
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.parsers.expat import ExpatError
@@ -12,9 +12,11 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.body.skeleton import Capsule
+from kinesic.sim.importer.couplings import UrdfJoint, find_gears, join_gear, read_equalities, to_absolute, urdf_joints
 from kinesic.sim.importer.looks import Looks, load_looks
 from kinesic.sim.importer.model_tree import BASE_INDEX, Follow, Joint, ModelPart, Tree
 from kinesic.sim.importer.reading.robot_files import RobotFiles, read_robot_files
+from kinesic.sim.importer.repairs import repair
 
 MESH_GEOM_TYPES = (mujoco.mjtGeom.mjGEOM_MESH, mujoco.mjtGeom.mjGEOM_HFIELD, mujoco.mjtGeom.mjGEOM_SDF)
 UNUSED_ELEMENTS = (
@@ -30,42 +32,18 @@ UNUSED_ELEMENTS = (
     "hfields",
 )
 APPEARANCE_ELEMENTS = ("materials", "textures", "cameras", "lights", "numerics", "texts", "tuples")
+SIZE_COUNTS = {  # type of a shape -> number of its sizes
+    mujoco.mjtGeom.mjGEOM_SPHERE: 1,
+    mujoco.mjtGeom.mjGEOM_CAPSULE: 2,
+    mujoco.mjtGeom.mjGEOM_CYLINDER: 2,
+    mujoco.mjtGeom.mjGEOM_ELLIPSOID: 3,
+    mujoco.mjtGeom.mjGEOM_BOX: 3,
+}
 MAX_BODIES = 2000  # largest number of bodies in a robot file
 MAX_GEOMS = 20_000  # largest number of geoms in a robot file
 DEFAULT_BODY_MASS = 1e-3  # [kg] mass of a body without inertial data or geoms, and minimum of all
 DEFAULT_BODY_INERTIA = 1e-6  # [kg m^2] inertia of a body without inertial data or geoms, and minimum of all
-CURVE_TOLERANCE = 1e-9  # largest non-linear coefficient of a coupling that counts as linear
 MIN_SHAPE_RADIUS = 0.005  # [m] radius below which a shape is ignored
-
-
-@dataclass(frozen=True)
-class UrdfJoint:
-    """Attributes of a URDF joint that MuJoCo drops."""
-
-    speed: float | None  # [rad/s] velocity limit
-    follows: Follow | None  # coupling of a mimic joint
-
-
-def urdf_joints(root: ElementTree.Element) -> dict[str, UrdfJoint]:
-    """Return a URDF's joints by name, empty for an MJCF.
-
-    Raises:
-        ValueError: a velocity is not a number.
-    """
-    if root.tag != "robot":
-        return {}
-    values = {}
-    for joint in root.findall("joint"):
-        limit = joint.find("limit")
-        speed = 0.0 if limit is None else float(limit.get("velocity", 0.0))
-        values[joint.get("name", "")] = UrdfJoint(speed if speed > 0 else None, _mimic(joint.find("mimic")))
-    return values
-
-
-def _mimic(mimic: ElementTree.Element | None) -> Follow | None:
-    if mimic is None:
-        return None
-    return Follow(mimic.get("joint", ""), float(mimic.get("multiplier", 1.0)), float(mimic.get("offset", 0.0)))
 
 
 def load_robot_tree(path: Path) -> Tree:
@@ -83,12 +61,14 @@ def load_robot_tree(path: Path) -> Tree:
     """
     try:
         files = read_robot_files(path)
+        repairs = repair(files.root)
         urdf = urdf_joints(files.root)
         mujoco.set_mju_user_warning(_ignore_warning)  # by default MuJoCo writes them to a file in the current folder
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # massless bodies get a default mass below
             spec = _read_spec(files.root, files)
-            equalities = _read_equalities(spec)
+            equalities = read_equalities(spec)
+            shapes = _leave_out_shapes(spec)
             model = _without_meshes(spec, path)
             looks = load_looks(files, _read_spec, lambda spec: _without_meshes(spec, path))
     except ConfigError:
@@ -103,11 +83,11 @@ def load_robot_tree(path: Path) -> Tree:
         mujoco.set_mju_user_warning(None)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    follows = {name: urdf_joint.follows for name, urdf_joint in urdf.items() if urdf_joint.follows} or _to_absolute(
+    follows = {name: urdf_joint.follows for name, urdf_joint in urdf.items() if urdf_joint.follows} or to_absolute(
         equalities.follows, model
     )
     tree = _tree(path.stem, model, data, urdf, follows, looks)
-    return replace(tree, left_out=(*tree.left_out, *equalities.left_out))
+    return replace(tree, left_out=(*repairs, *shapes, *tree.left_out, *equalities.left_out))
 
 
 def _ignore_warning(_: str) -> None:
@@ -120,49 +100,6 @@ def _ignore_warning(_: str) -> None:
 def _read_spec(root: ElementTree.Element, files: RobotFiles) -> mujoco.MjSpec:
     """Create a MuJoCo specification from XML text and attached models."""
     return mujoco.MjSpec.from_string(ElementTree.tostring(root, encoding="unicode"), include=dict(files.models))
-
-
-@dataclass(frozen=True)
-class Equalities:
-    """Couplings between hinges from the equality constraints of an MJCF file."""
-
-    follows: dict[str, Follow]  # coupled hinge -> coupling, with angles relative to the file's pose
-    left_out: tuple[str, ...]  # notes on omitted constraints
-
-
-def _read_equalities(spec: mujoco.MjSpec) -> Equalities:
-    """Read joint couplings from a model's equality constraints.
-
-    A polynomial coupling is approximated by its constant and linear terms.
-    """
-    follows: dict[str, Follow] = {}
-    left_out = []
-    for equality in spec.equalities:
-        is_coupling = equality.type == mujoco.mjtEq.mjEQ_JOINT and bool(equality.name2)
-        if not is_coupling:
-            left_out.append(
-                f"the equality {equality.name or equality.name1} is left out: only joint couplings are supported"
-            )
-            continue
-        offset, ratio, *curve = (float(value) for value in equality.data[:5])
-        follows[equality.name1] = Follow(equality.name2, ratio, offset)
-        if any(abs(value) > CURVE_TOLERANCE for value in curve):
-            left_out.append(f"{equality.name1} follows {equality.name2} linearly, but non-linearly in the file")
-    if len(spec.tendons):
-        left_out.append(f"{len(spec.tendons)} tendons are left out: hinges that they drive move independently")
-    return Equalities(follows, tuple(left_out))
-
-
-def _to_absolute(follows: dict[str, Follow], model: mujoco.MjModel) -> dict[str, Follow]:
-    """Convert couplings from angles relative to the file's pose to absolute angles."""
-
-    def zero(name: str) -> float:
-        return float(model.qpos0[model.jnt_qposadr[model.joint(name).id]])
-
-    return {
-        name: replace(follow, offset=zero(name) + follow.offset - follow.ratio * zero(follow.driver))
-        for name, follow in follows.items()
-    }
 
 
 def _without_meshes(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
@@ -189,6 +126,19 @@ def _without_meshes(spec: mujoco.MjSpec, path: Path) -> mujoco.MjModel:
     return spec.compile()
 
 
+def _leave_out_shapes(spec: mujoco.MjSpec) -> tuple[str, ...]:
+    """Remove the shapes of a specification without a positive size."""
+    notes = []
+    for geom in list(spec.geoms):
+        needed = SIZE_COUNTS.get(geom.type, 0)
+        has_ends = needed == SIZE_COUNTS[mujoco.mjtGeom.mjGEOM_CAPSULE] and not np.isnan(geom.fromto[0])
+        sizes = np.array(geom.size[: 1 if has_ends else needed])
+        if not (np.isfinite(sizes) & (sizes > 0.0)).all() and not geom.meshname:
+            notes.append(f"a shape of {geom.parent.name or 'the world'} is left out: its size is not positive")
+            spec.delete(geom)
+    return tuple(notes)
+
+
 def _tree(
     name: str,
     model: mujoco.MjModel,
@@ -197,7 +147,8 @@ def _tree(
     follows: dict[str, Follow],
     looks: Looks,
 ) -> Tree:
-    fixed_joints = _find_fixed_mimics(model, {name for name, urdf_joint in urdf.items() if urdf_joint.follows})
+    mimics = {name: urdf_joint.follows for name, urdf_joint in urdf.items() if urdf_joint.follows}
+    gears = find_gears(model, mimics | follows)
     joints: list[Joint] = []
     owner: dict[int, int] = {0: BASE_INDEX}  # body -> index of the hinge that moves it
     for body in range(1, model.nbody):
@@ -205,9 +156,14 @@ def _tree(
         first = int(model.body_jntadr[body])
         for k in range(first, first + int(model.body_jntnum[body])):
             joint_name = model.joint(k).name
-            if model.jnt_type[k] == mujoco.mjtJoint.mjJNT_HINGE and joint_name not in fixed_joints:
+            if model.jnt_type[k] == mujoco.mjtJoint.mjJNT_HINGE and joint_name not in gears.fixed:
                 joint = _joint(model, data, k, last, urdf.get(joint_name))
-                joints.append(replace(joint, follows=follows.get(joint_name)))
+                gear = gears.motors.get(joint_name)
+                if gear is not None:
+                    wheel = _joint(model, data, model.joint(gear.driver).id, last, urdf.get(gear.driver))
+                    joints.append(join_gear(joint, wheel, gear))
+                else:
+                    joints.append(replace(joint, follows=follows.get(joint_name)))
                 last = len(joints) - 1
         owner[body] = last
     rows: dict[int, list[int]] = {k: [] for k in range(BASE_INDEX, len(joints))}
@@ -217,24 +173,8 @@ def _tree(
     for k, bodies in rows.items():
         visible = tuple(surface for body in bodies for surface in looks.surfaces.get(body, ()))
         parts[k] = replace(parts[k], surfaces=visible)
-    return Tree(name, tuple(joints), tuple(parts[k] for k in range(len(joints))), parts[BASE_INDEX], looks.left_out)
-
-
-def _find_fixed_mimics(model: mujoco.MjModel, mimics: set[str]) -> set[str]:
-    """Return the mimic joints of a URDF that carry independent joints.
-
-    They are fixed, because a limb continues after them.
-    """
-    fixed_joints: set[str] = set()
-    for k in range(model.njnt):
-        if model.joint(k).name not in mimics:
-            body = int(model.jnt_bodyid[k])
-            while body := int(model.body_parentid[body]):
-                first = int(model.body_jntadr[body])
-                fixed_joints |= {
-                    model.joint(j).name for j in range(first, first + int(model.body_jntnum[body]))
-                } & mimics
-    return fixed_joints
+    notes = (*gears.notes, *looks.left_out)
+    return Tree(name, tuple(joints), tuple(parts[k] for k in range(len(joints))), parts[BASE_INDEX], notes)
 
 
 def _joint(model: mujoco.MjModel, data: mujoco.MjData, k: int, parent: int, urdf_joint: UrdfJoint | None) -> Joint:

@@ -6,22 +6,17 @@ Only files inside the robot's folder are read. Files that are not read are repor
 from collections.abc import Callable, Mapping
 from copy import deepcopy
 from dataclasses import dataclass, field
-from pathlib import Path
 from xml.etree import ElementTree
 
 import mujoco
 import numpy as np
 
 from kinesic.body.arrays import sealed
-from kinesic.body.config import ConfigError
-from kinesic.sim.importer.mesh_file import MESH_SUFFIXES, Triangles, read_mesh, simplify
+from kinesic.sim.importer.mesh_file import Triangles
+from kinesic.sim.importer.mesh_reader import MeshReader
 from kinesic.sim.importer.model_tree import Surface
-from kinesic.sim.importer.reading.model_text import MeshReference
 from kinesic.sim.importer.reading.robot_files import RobotFiles
 
-MAX_MESH_FILES = 300  # largest number of mesh files of one robot
-MAX_MESH_BYTES = 200_000_000  # [bytes] largest total size of a robot's mesh files
-MAX_MESH_TRIANGLES = 3000  # largest number of triangles of a simplified mesh
 DARK_LUMINANCE = 0.35  # luminance below which a shape is drawn dark
 POINT_RADIUS = 1e-3  # [m] radius of the ball that marks the position of a mesh
 
@@ -50,20 +45,20 @@ def load_looks(
     named = {mesh.name: mesh for mesh in spec.meshes}
     mesh_geoms = [geom for geom in spec.geoms if geom.type == mujoco.mjtGeom.mjGEOM_MESH and geom.meshname in named]
     visual_geoms = [geom for geom in mesh_geoms if not geom.contype and not geom.conaffinity]
-    reader = _Reader(files.path)
+    reader = MeshReader(files.path)
     meshes_to_place: list[tuple[str, Triangles, bool]] = []
     for k, geom in enumerate(visual_geoms or mesh_geoms):
         mesh = named[geom.meshname]
-        triangles = reader.read(files.meshes[mesh.file])
+        triangles = reader.read(files.meshes[mesh.file], mesh)
         if triangles is not None:
-            meshes_to_place.append((f"look_{k}", _scale_mesh(triangles, mesh), _is_dark(spec, geom)))
+            meshes_to_place.append((f"look_{k}", triangles, _is_dark(spec, geom)))
             _make_point(geom, f"look_{k}")
     if not meshes_to_place:
-        return Looks({}, tuple(reader.left_out))
+        return Looks({}, tuple(reader.notes))
     model = compiled(spec)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
-    return Looks(_place_surfaces(model, data, meshes_to_place), tuple(reader.left_out))
+    return Looks(_place_surfaces(model, data, meshes_to_place), tuple(reader.notes))
 
 
 def _make_point(geom: mujoco.MjsGeom, name: str) -> None:
@@ -84,55 +79,6 @@ def _keep_visuals(files: RobotFiles) -> ElementTree.Element:
     compiler = ElementTree.SubElement(extension, "compiler") if compiler is None else compiler
     compiler.set("discardvisual", "false")
     return root
-
-
-class _Reader:
-    """Reader of a robot's mesh files with limits and a cache."""
-
-    def __init__(self, path: Path) -> None:
-        self.left_out: list[str] = []
-        self._folder, self._bytes = path.parent.resolve(), 0
-        self._cache: dict[MeshReference, Triangles | None] = {}
-
-    def read(self, mesh: MeshReference) -> Triangles | None:
-        if mesh not in self._cache:
-            try:
-                self._cache[mesh] = self._read(mesh)
-            except (ConfigError, OSError, RuntimeError) as error:  # RuntimeError: symbolic links form a cycle
-                self._cache[mesh] = None
-                self.left_out.append(str(error))
-        return self._cache[mesh]
-
-    def _read(self, mesh: MeshReference) -> Triangles:
-        if not mesh.file:
-            raise ConfigError(f"mesh {mesh.name}: without a file; only {' and '.join(MESH_SUFFIXES)} files are drawn")
-        if len(self._cache) >= MAX_MESH_FILES:
-            raise ConfigError(f"{mesh.file}: more than {MAX_MESH_FILES} mesh files")
-        path = self._find(mesh)
-        self._bytes += path.stat().st_size
-        if self._bytes > MAX_MESH_BYTES:
-            raise ConfigError(f"{mesh.file}: more than {MAX_MESH_BYTES // 1_000_000} MB of meshes")
-        return simplify(read_mesh(path, folder=self._folder), MAX_MESH_TRIANGLES)
-
-    def _find(self, mesh: MeshReference) -> Path:
-        """Find the file whose path best matches the end of a reference."""
-        parts = Path(mesh.file.replace("\\", "/").rsplit("://", maxsplit=1)[-1]).parts
-        for k in range(len(parts)):
-            for start in (self._folder / mesh.below, self._folder):
-                candidate = start.joinpath(*parts[k:]).resolve()
-                if candidate.is_relative_to(self._folder) and candidate.is_file():
-                    return candidate
-        folder = self._folder.name
-        raise ConfigError(f"{mesh.file}: not in the folder {folder}; copy it there, or the robot's file above it")
-
-
-def _scale_mesh(triangles: Triangles, mesh: mujoco.MjsMesh) -> Triangles:
-    """Apply the scale and reference frame of a mesh to its triangles."""
-    scale, turn = np.array(mesh.scale), np.empty(9)
-    mujoco.mju_quat2Mat(turn, np.array(mesh.refquat))
-    vertices = (triangles.vertices * scale - np.array(mesh.refpos)) @ turn.reshape(3, 3)
-    corners = triangles.corners if np.prod(scale) > 0 else triangles.corners[:, ::-1]
-    return Triangles(sealed(vertices), corners)
 
 
 def _is_dark(spec: mujoco.MjSpec, geom: mujoco.MjsGeom) -> bool:

@@ -8,6 +8,7 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.config import ConfigError
 from kinesic.files.input_file import read_inside
+from kinesic.sim.importer.reading.file_kinds import refuse_pointer
 
 MAX_MESH_SIZE = 20_000_000  # [bytes] largest mesh file
 MESH_SUFFIXES = (".stl", ".obj")  # supported mesh formats
@@ -41,6 +42,7 @@ def read_mesh(path: Path, *, folder: Path) -> Triangles:
     if kind not in MESH_SUFFIXES:
         raise ConfigError(f"{path.name}: only {' and '.join(MESH_SUFFIXES)} are read; convert it to one of them")
     data = read_inside(folder, path, max_size=MAX_MESH_SIZE)
+    refuse_pointer(path.name, data)
     try:
         mesh = _parse_stl(data) if kind == ".stl" else _parse_obj(data.decode("utf-8", errors="replace"))
     except (ValueError, IndexError, OverflowError) as error:

@@ -10,6 +10,7 @@ from kinesic.sim.importer.model_tree import BASE_INDEX, Joint, Tree
 
 MIN_GEOMETRIC_PAIRS = 6  # number of pairs found by symmetry below which pairs by joint name are tried
 MAX_MIRROR_OFFSET = 0.02  # [m] largest weighted offset of an axis from the mirror image of its partner's
+EQUAL_OFFSET = 0.002  # [m] difference of offsets below which two candidates count as equally near
 MIN_MIRROR_COSINE = 0.98  # smallest cosine between an axis and the mirror image of its partner's axis
 MIN_FORWARD_EXTENT = 0.01  # [m] forward extent of toes and head below which the forward direction is undecided
 UP_AXIS = np.array([0.0, 0.0, 1.0])  # unit vector upward in the world
@@ -45,11 +46,43 @@ def sides(tree: Tree) -> Sides:
     pairs = name_pairs if by_names else geometric_pairs
     vote = sum(_find_side(tree.joints[a].name, tree.joints[b].name) for a, b in pairs.items())
     left_sum = sum(((tree.joints[a].anchor - tree.joints[b].anchor)[:2] for a, b in pairs.items()), np.zeros(2))
+    if not pairs:
+        return _find_left_without_pairs(tree)
     left = _axis(left_sum)
     if vote < 0 or (vote == 0 and _measure_forward_extent(tree, pairs, left) < 0.0):
         pairs = {b: a for a, b in pairs.items()}
         left = (-left[0], -left[1])
     return Sides(pairs, left, vote != 0 or _measure_forward_extent(tree, pairs, left) != 0.0, by_names)
+
+
+def _find_left_without_pairs(tree: Tree) -> Sides:
+    """Find the left direction of a robot without limb pairs.
+
+    Joint names decide; otherwise it is y, as in most robot files.
+    """
+    offsets = [find_named_side(joint.name) * (joint.anchor - tree.base.centre)[:2] for joint in tree.joints]
+    offset = np.sum([np.zeros(2), *offsets], axis=0)
+    certain = float(np.abs(offset).max()) > MAX_MIRROR_OFFSET
+    return Sides({}, _axis(offset) if certain else (0.0, 1.0), certain, by_names=False)
+
+
+def find_named_side(name: str) -> int:
+    """Find the side in a joint name.
+
+    1: left, -1: right, 0: neither.
+    """
+    words = [("l", "r"), *((left, right) for left, right in _SIDE_WORDS)]
+    sides = {1: any(_mentions(name, left) for left, _ in words), -1: any(_mentions(name, right) for _, right in words)}
+    return sides[1] - sides[-1]
+
+
+def _mentions(name: str, side: str) -> bool:
+    if len(side) > 1:
+        return side in name
+    return (
+        re.search(rf"(^|_){side}(?=_|$|[A-Z])", name) is not None
+        or re.match(rf"{side.upper()}[A-Z_]", name) is not None
+    )
 
 
 def _list_planes(tree: Tree) -> list[tuple[int, float]]:
@@ -73,26 +106,59 @@ def _pair_by_symmetry(tree: Tree, lateral: int, plane: float) -> dict[int, int]:
     """
     flip = np.ones(3)
     flip[lateral] = -1.0
+    centres = [tree.merge_parts(tree.below(k)).centre for k in range(len(tree.joints))]
     pairs: dict[int, int] = {}
     partners: dict[int, int] = {BASE_INDEX: BASE_INDEX}
     for k, joint in enumerate(tree.joints):
         if k in partners or joint.parent not in partners:
-            continue
+            continue  # paired before, or below an unpaired hinge
         image = joint.anchor * flip + (1.0 - flip) * plane
+        mirrored_centre = centres[k] * flip + (1.0 - flip) * plane
         candidates = [
-            (_measure_mirror_offset(other, image, joint.axis * flip), j)
+            (offset, float(np.linalg.norm(centres[j] - mirrored_centre)), j)
             for j, other in enumerate(tree.joints)
             if j not in partners and other.parent == partners[joint.parent]
+            if (offset := _measure_mirror_offset(other, image, joint.axis * flip)) <= MAX_MIRROR_OFFSET
         ]
-        offset, nearest = min(candidates)
-        if nearest == k or offset > MAX_MIRROR_OFFSET:
-            if _measure_mirror_offset(joint, image, joint.axis * flip) <= MAX_MIRROR_OFFSET:
-                partners[k] = k
+        nearest = _choose_partner(candidates)
+        if nearest is None:
             continue
         partners[k], partners[nearest] = nearest, k
-        side = joint.anchor[lateral] - tree.joints[nearest].anchor[lateral]
-        pairs |= {k: nearest} if side >= 0 else {nearest: k}
+        if nearest != k:
+            is_first = _is_on_positive_side(tree, k, nearest, pairs, centres, lateral)
+            pairs |= {k: nearest} if is_first else {nearest: k}
     return pairs
+
+
+def _choose_partner(candidates: list[tuple[float, float, int]]) -> int | None:
+    """Return the best mirror partner of a hinge, or None without candidates.
+
+    Hinges of both sides may share an axis on the midline. Among nearly equal axes, the moved masses decide.
+
+    Args:
+        candidates: Offset of the axis [m], offset of the centre of the moved mass [m] and index of each candidate.
+    """
+    least = min((offset for offset, _, _ in candidates), default=0.0)
+    equal = [row for row in candidates if row[0] <= least + EQUAL_OFFSET]
+    return min(equal, key=lambda row: row[1:], default=(0.0, 0.0, None))[2]
+
+
+def _is_on_positive_side(
+    tree: Tree, k: int, partner: int, pairs: dict[int, int], centres: list[Floats], lateral: int
+) -> bool:
+    """Tell the side of the first hinge of a pair.
+
+    True for the larger lateral coordinate.
+
+    Below a pair, the sides of the parents decide. On the midline, the moved masses decide.
+    """
+    parent = tree.joints[k].parent
+    if parent in pairs or parent in pairs.values():
+        return parent in pairs
+    offset = float(tree.joints[k].anchor[lateral] - tree.joints[partner].anchor[lateral])
+    if abs(offset) < EQUAL_OFFSET:
+        offset = float(centres[k][lateral] - centres[partner][lateral])
+    return offset >= 0.0
 
 
 def _measure_mirror_offset(joint: Joint, point: Floats, axis: Floats) -> float:

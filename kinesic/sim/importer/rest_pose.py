@@ -1,7 +1,9 @@
 """Rest pose and collision exclusions of an imported robot."""
 
+from collections.abc import Mapping
 from math import degrees
 from pathlib import Path
+from types import MappingProxyType
 
 import msgspec
 import numpy as np
@@ -13,9 +15,10 @@ from kinesic.body.robot_schema import CollisionTable, ExclusionTable, RobotFile
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.importer.hanging_pose import HangingPose
 from kinesic.sim.importer.hinges import MappedHinge
-from kinesic.sim.importer.zero_pose import HumanoidGeometry, hang_arm, mirror_angles
+from kinesic.sim.importer.zero_pose import HumanoidGeometry, first_arm, hang_arm, mirror_angles
 from kinesic.sim.worst_postures import random_postures
 
+NO_ANGLES: Mapping[str, float] = MappingProxyType({})  # default: no rest angles, empty
 REST_TILTS = (6.0, 10.0, 15.0, 20.0, 27.0, 35.0)  # [deg] angles of the arms away from the body, tried in turn
 REST_ELBOW_ANGLE = 18.0  # [deg] flexion of the elbow at rest
 REST_FORWARD_ANGLE = 0.0  # [deg] forward angle of the resting upper arm from the vertical
@@ -31,16 +34,27 @@ def find_limits_nearest_to_zero(hinges: tuple[MappedHinge, ...]) -> dict[str, fl
 
 
 def rest_pose(
-    figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], file: RobotFile, path: Path
+    figure: HumanoidGeometry,
+    hinges: tuple[MappedHinge, ...],
+    file: RobotFile,
+    path: Path,
+    fingers: Mapping[str, float] = NO_ANGLES,
 ) -> dict[str, float]:
     """Return rest angles [deg] of arms that hang close to the body.
 
     Elbows are slightly bent. The arms are as close to the body as their shapes allow.
+
+    Args:
+        figure: Robot with hanging arms.
+        hinges: Named hinges without fingers.
+        file: Tables of the robot.
+        path: File of the robot, for messages.
+        fingers: Rest angles [deg] of finger hinges.
     """
     rest: dict[str, float] = {}
     for tilt in REST_TILTS:
         rest = find_limits_nearest_to_zero(hinges) | _rest_arms(figure, hinges, np.radians(tilt))
-        robot = Robot.of(robot_from_tables(msgspec.structs.replace(file, rest=rest), path))
+        robot = Robot.of(robot_from_tables(msgspec.structs.replace(file, rest=rest | dict(fingers)), path))
         if _measure_arm_gap(robot) >= MIN_ARM_GAP:
             break
     return {name: angle for name, angle in rest.items() if angle}
@@ -48,11 +62,11 @@ def rest_pose(
 
 def _rest_arms(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], tilt: float) -> dict[str, float]:
     turns: dict[int, float] = {}
-    left = figure.arms["l"].joints
-    for side in SIDES:
-        row = figure.arms[side].joints
+    first = first_arm(figure).joints
+    for side, arm in figure.arms.items():
+        row = arm.joints
         start_angles = (
-            mirror_angles(figure.tree, left, row, np.array([turns[k] for k in left])) if turns else np.zeros(len(row))
+            mirror_angles(figure.tree, first, row, np.array([turns[k] for k in first])) if turns else np.zeros(len(row))
         )
         target = _make_hanging_target(tilt if side == "l" else -tilt)
         angles = hang_arm(figure.tree, row, figure.split, target, strict=True, first=start_angles).angles

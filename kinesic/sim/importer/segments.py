@@ -6,19 +6,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.robot import SIDES, Side
+from kinesic.body.robot import Side
 from kinesic.body.robot_schema import BodyTable, CapsuleTable, Triple
 from kinesic.body.skeleton import Capsule
-from kinesic.sim.importer.hinge_row import find_common_point
+from kinesic.sim.importer.arm import HAND_LENGTH_RATIO
+from kinesic.sim.importer.hinge_row import find_common_point, list_surface_points
 from kinesic.sim.importer.hinges import MappedHinge
 from kinesic.sim.importer.model_tree import BASE_INDEX, ModelPart
-from kinesic.sim.importer.zero_pose import HumanoidGeometry
+from kinesic.sim.importer.zero_pose import HumanoidGeometry, find_mid_shoulders, first_arm
 
 UPPER_ARM_GIRTH = 0.15  # radius of a generated upper arm / its length
 FOREARM_GIRTH = 0.14  # radius of a generated forearm / its length
 HAND_GIRTH = 0.12  # radius of a generated hand / length of the forearm
 HEAD_RADIUS_RATIO = 0.17  # radius of a generated head / length of the arm
-HAND_LENGTH_RATIO = 0.45  # length of a generated hand / length of the forearm
+MIN_HAND_RATIO = 0.1  # length of a short hand / length of the forearm, at least
+MAX_HAND_RATIO = 1.2  # length of a long hand / length of the forearm, at most
 ARM_TRUNK_GAP = 0.035  # [m] distance between a generated trunk and a hanging arm
 MIN_RADIUS = 0.01  # [m] smallest radius of a generated capsule
 ROOT_SEGMENT = "humanoid_root"  # name of the root segment in robot files
@@ -48,8 +50,7 @@ class SegmentLayout:
 
 def lay_out_segments(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...]) -> SegmentLayout:
     """Name the segments and place their origins at joint centres."""
-    left = figure.arms["l"].centres.shoulder
-    shoulders = np.array([left[0], 0.0, left[2]])
+    shoulders = find_mid_shoulders(figure)
     waist = shoulders - np.array([0.0, 0.0, WAIST_DEPTH * figure.arm_length])
     parents, origins = {ROOT_SEGMENT: "world"}, {ROOT_SEGMENT: sealed(waist)}
     if figure.trunk:
@@ -60,8 +61,8 @@ def lay_out_segments(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...]) 
     if figure.neck:
         rows = [hinge for hinge in hinges if hinge.segment == HEAD_SEGMENT]
         parents[HEAD_SEGMENT], origins[HEAD_SEGMENT] = carrier, _centre(rows, rows[-1].anchor)
-    for side in SIDES:
-        arm_centres = figure.arms[side].centres
+    for side, arm in figure.arms.items():
+        arm_centres = arm.centres
         girdle = housing(figure, side)
         rows = [hinge for hinge in hinges if hinge.segment == girdle]
         parents[girdle] = carrier
@@ -120,8 +121,8 @@ def assign_parts(
     carried: dict[str, list[int]] = {name: [] for name in layout.parents}
     carried[ROOT_SEGMENT].append(BASE_INDEX)
     owner = {hinge.joint: hinge.segment for hinge in hinges}
-    for side in SIDES:
-        shoulder = figure.arms[side].joints[figure.split.girdle : figure.split.elbow]
+    for side, arm in figure.arms.items():
+        shoulder = arm.joints[figure.split.girdle : figure.split.elbow]
         owner |= dict.fromkeys(shoulder[:-1], housing(figure, side))
     for k in range(len(tree.joints)):
         carriers = [owner[j] for j in tree.path_from_base(k) if j in owner]
@@ -133,8 +134,8 @@ def assign_parts(
 def _generate_capsules(
     figure: HumanoidGeometry, layout: SegmentLayout, name: str, part: ModelPart
 ) -> list[CapsuleTable]:
-    arm = figure.arms["l"].centres
-    upper, fore = arm.lengths
+    arm = first_arm(figure).centres
+    (upper, fore), half_width = arm.lengths, abs(float(arm.shoulder[1]))
     side, _, kind = name.rpartition("_")
     zero = np.zeros(3)
     if kind == "shoulder":
@@ -163,16 +164,19 @@ def _generate_capsules(
     if name == ROOT_SEGMENT and layout.carrier == TRUNK_SEGMENT:
         return [
             make_bone_capsule(
-                -0.1 * arm.shoulder * [0, 1, 0], 0.1 * arm.shoulder * [0, 1, 0], 0.4 * float(arm.shoulder[1])
+                np.array([0.0, -0.1 * half_width, 0.0]),
+                np.array([0.0, 0.1 * half_width, 0.0]),
+                0.4 * half_width,
             )
         ]
     return _trunk(figure, layout, name)
 
 
 def _trunk(figure: HumanoidGeometry, layout: SegmentLayout, name: str) -> list[CapsuleTable]:
-    arm = figure.arms["l"].centres
-    shoulders = layout.inside(name, np.array([arm.shoulder[0], 0.0, arm.shoulder[2]]))
-    capsules = make_trunk_capsules(np.zeros(3), shoulders, float(arm.shoulder[1]), UPPER_ARM_GIRTH * arm.lengths[0])
+    arm = first_arm(figure).centres
+    shoulders = layout.inside(name, find_mid_shoulders(figure))
+    half_width, girth = abs(float(arm.shoulder[1])), UPPER_ARM_GIRTH * arm.lengths[0]
+    capsules = make_trunk_capsules(np.zeros(3), shoulders, half_width, girth)
     if not figure.neck:
         low, high, radius = (ratio * figure.arm_length for ratio in FIXED_HEAD)
         up = np.array([0.0, 0.0, 1.0])
@@ -181,9 +185,17 @@ def _trunk(figure: HumanoidGeometry, layout: SegmentLayout, name: str) -> list[C
 
 
 def compute_hand_vector(figure: HumanoidGeometry, layout: SegmentLayout, side: Side) -> Floats:
-    """Return the vector (3,) [m] from the wrist along the hand."""
-    arm_centres = figure.arms[side].centres
-    return sealed(arm_centres.fore * HAND_LENGTH_RATIO * arm_centres.lengths[1])
+    """Return the vector (3,) [m] from the wrist along the hand.
+
+    Its length is that of the file's hand, or that of a human's hand if the file has no shapes for it.
+    """
+    arm, tree = figure.arms[side], figure.tree
+    fore = arm.centres.lengths[1]
+    points = list_surface_points(tree.merge_parts(tree.below(arm.joints[-1])))
+    if not len(points):
+        return sealed(arm.centres.fore * HAND_LENGTH_RATIO * fore)
+    length = float(((points - arm.centres.wrist) @ arm.centres.fore).max())
+    return sealed(arm.centres.fore * min(max(length, MIN_HAND_RATIO * fore), MAX_HAND_RATIO * fore))
 
 
 def make_bone_capsule(start: Floats, end: Floats, radius: float, *, free_fraction: float = 0.0) -> CapsuleTable:

@@ -5,7 +5,7 @@ from math import degrees
 
 import numpy as np
 
-from kinesic.body.robot import SIDES, Side
+from kinesic.body.robot import Side
 from kinesic.body.robot_schema import (
     CollisionTable,
     HingeTable,
@@ -65,7 +65,7 @@ def robot_tables(
         body=bodies(figure, layout, hinges),
         hinge=[_hinge(layout, hinge) for hinge in hinges],
         chains=_list_chains(figure, layout),
-        sites={f"{side}_palm": _place_palm(figure, layout, side) for side in SIDES} | {"eyes": eyes},
+        sites={f"{side}_palm": _place_palm(figure, layout, side) for side in figure.arms} | {"eyes": eyes},
         collision=CollisionTable(clearance=MIN_CLEARANCE),
         rest=dict(rest),
         targets={
@@ -99,7 +99,7 @@ def _list_chains(figure: HumanoidGeometry, layout: SegmentLayout) -> dict[str, l
     chains = {"torso": [TRUNK_SEGMENT]} if figure.trunk else {}
     if figure.neck:
         chains["neck"] = [HEAD_SEGMENT]
-    for side in SIDES:
+    for side in figure.arms:
         girdle = [f"{side}_sternoclavicular"] if figure.split.girdle else []
         chains[f"{side}_arm"] = [*girdle, f"{side}_shoulder", f"{side}_elbow", f"{side}_wrist"]
     return chains

@@ -1,87 +1,22 @@
 """Zero pose of an imported humanoid: upright with hanging arms."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
-from kinesic.body.config import ConfigError
-from kinesic.body.robot import Side
+from kinesic.body.robot import SIDES, Side
 from kinesic.sim.importer.arm import Centres, Split, centres, likeness, splits
+from kinesic.sim.importer.branches import Branches, branches
 from kinesic.sim.importer.hanging_pose import HangingPose, Posed, Ranges, pose_arm
 from kinesic.sim.importer.hinge_row import HingeRow
 from kinesic.sim.importer.mirror import Sides, sides
-from kinesic.sim.importer.model_tree import BASE_INDEX, Tree
+from kinesic.sim.importer.model_tree import Tree
 
-MIN_ARM_HINGES = 3  # smallest number of hinges of an arm
-FINGER_MASS_RATIO = 0.15  # links lighter than this fraction of their parent count as fingers
 MIRROR_SIGNS = sealed([1.0, -1.0, 1.0])  # signs that mirror a vector at the x-z plane
 HANGING_ARM = HangingPose(upper=sealed([0, 0, -1]), fore=sealed([0, 0, -1]), hinge=sealed([0, -1, 0]))
 RIVAL_LIKENESS_GAP = 0.8  # difference from the best `likeness` up to which other arm divisions are tried, too
-
-
-@dataclass(frozen=True)
-class Branches:
-    """Hinge indices of trunk, neck and arms, from the base outwards."""
-
-    trunk: tuple[int, ...]  # carries the arms
-    neck: tuple[int, ...]  # moves the head; without the eyes
-    left: tuple[int, ...]  # arm, up to where its fingers part
-    right: tuple[int, ...]
-
-
-def branches(tree: Tree, sides: Sides) -> Branches:
-    """Find the hinges of arms, trunk and neck.
-
-    The arms are the pair of limbs that begins highest. The trunk carries them.
-
-    Raises:
-        ConfigError: there is no pair of limbs with enough hinges.
-    """
-    limbs = [_find_limb(tree, sides, k) for k in sides.pairs if tree.joints[k].parent not in _both(sides)]
-    arms = [limb for limb in limbs if len(limb) >= MIN_ARM_HINGES]
-    if not arms:
-        raise ConfigError(
-            f"robot {tree.name}: no arms found: among {len(tree.joints)} hinges there are {len(sides.pairs)} mirror "
-            f"pairs, but no pair of limbs with {MIN_ARM_HINGES} hinges each"
-        )
-    left = max(arms, key=lambda limb: tree.joints[limb[0]].anchor[2])
-    trunk = tree.path_from_base(tree.joints[left[0]].parent)
-    return Branches(trunk, _find_neck(tree, sides, trunk, left), left, tuple(sides.pairs[k] for k in left))
-
-
-def _both(sides: Sides) -> set[int]:
-    return set(sides.pairs) | set(sides.pairs.values())
-
-
-def _find_limb(tree: Tree, sides: Sides, first: int) -> tuple[int, ...]:
-    """Return the hinges of a limb up to its hand.
-
-    The limb ends where it branches, where only a finger is left, or where the other side differs.
-    """
-    row = [first]
-    while True:
-        next_joints = [k for k in tree.children[row[-1]] if k in sides.pairs and tree.joints[k].follows is None]
-        min_mass = FINGER_MASS_RATIO * tree.parts[row[-1]].mass
-        if len(next_joints) != 1 or tree.merge_parts(tree.below(next_joints[0])).mass < min_mass:
-            return tuple(row)
-        row.append(next_joints[0])
-
-
-def _find_neck(tree: Tree, sides: Sides, trunk: tuple[int, ...], arm: tuple[int, ...]) -> tuple[int, ...]:
-    """Return the unpaired branch that ends highest above the shoulders.
-
-    Empty if no branch ends above them.
-    """
-    paired, carriers = _both(sides), (trunk[-1] if trunk else BASE_INDEX,)
-    paths = []
-    for first in (k for carrier in carriers for k in tree.children[carrier] if k not in paired):
-        path = [first]
-        while next_joints := [k for k in tree.children[path[-1]] if k not in paired]:
-            path.append(max(next_joints, key=lambda k: tree.joints[k].anchor[2]))
-        paths.append(tuple(k for k in path if "eye" not in tree.joints[k].name.lower()))
-    above = [path for path in paths if path and tree.joints[path[-1]].anchor[2] > tree.joints[arm[0]].anchor[2]]
-    return max(above, key=lambda path: tree.joints[path[-1]].anchor[2], default=())
 
 
 @dataclass(frozen=True, eq=False)
@@ -107,18 +42,36 @@ class HumanoidGeometry:
     neck: tuple[int, ...]
     split: Split
     likeness: float  # of the split
-    arms: dict[Side, HangingArm]
+    arms: dict[Side, HangingArm]  # one or two
+    legs: tuple[int, ...] = ()  # hinges of legs, which are not imported
+    is_doubtful: bool = False  # whether the arms may be legs
 
     @property
     def arm_length(self) -> float:
-        """Length [m] of the left arm from shoulder to wrist."""
-        return sum(self.arms["l"].centres.lengths)
+        """Length [m] of the first arm from shoulder to wrist."""
+        return sum(first_arm(self).centres.lengths)
 
     @property
     def asymmetry(self) -> float:
-        """Largest distance between mirrored joint centres of both arms, in arm lengths."""
+        """Largest distance between mirrored joint centres of both arms, in arm lengths.
+
+        Zero for a single arm.
+        """
+        if len(self.arms) < len(SIDES):
+            return 0.0
         left, right = (np.array([a.centres.shoulder, a.centres.elbow, a.centres.wrist]) for a in self.arms.values())
         return float(np.linalg.norm(left - right * MIRROR_SIGNS, axis=1).max()) / self.arm_length
+
+
+def first_arm(figure: HumanoidGeometry) -> HangingArm:
+    """Return the left arm, or the only arm."""
+    return next(iter(figure.arms.values()))
+
+
+def find_mid_shoulders(figure: HumanoidGeometry) -> Floats:
+    """Return the midpoint (3,) [m] between the shoulders."""
+    x, _, z = first_arm(figure).centres.shoulder
+    return sealed([x, 0.0, z])
 
 
 def analyse_geometry(tree: Tree) -> HumanoidGeometry:
@@ -130,20 +83,41 @@ def analyse_geometry(tree: Tree) -> HumanoidGeometry:
     sides_found = sides(tree)
     upright = tree.moved(sides_found.upright, np.zeros(3))
     branch_rows = branches(upright, sides_found)
-    split, left = _choose_split(upright, branch_rows)
-    row, image = branch_rows.left[: split.hinges], branch_rows.right[: split.hinges]
-    right = hang_arm(
-        upright, image, split, HANGING_ARM, strict=False, first=mirror_angles(upright, row, image, left.angles)
-    )
-    turns = dict(zip((*row, *image), (*left.angles, *right.angles), strict=True))
+    first_side, first_limb = next(iter(branch_rows.arms.items()))
+    split, posed = _choose_split(upright, first_limb)
+    rows = {side: limb[: split.hinges] for side, limb in branch_rows.arms.items()}
+    poses = {first_side: posed}
+    for side, row in rows.items():
+        if side != first_side:
+            start = mirror_angles(upright, rows[first_side], row, posed.angles)
+            poses[side] = hang_arm(upright, row, split, HANGING_ARM, strict=False, first=start)
+    turns = {k: angle for side, row in rows.items() for k, angle in zip(row, poses[side].angles, strict=True)}
     hanging = upright.turned(turns)
-    limbs = {"l": HingeRow.of(hanging, row), "r": HingeRow.of(hanging, image)}
-    middle = np.mean([centres(limb, split).shoulder[1] for limb in limbs.values()])
-    standing = hanging.moved(np.eye(3), np.array([0.0, -float(middle), 0.0]))
-    arms: dict[Side, HangingArm] = {"l": _arm(standing, row, split, left), "r": _arm(standing, image, split, right)}
+    middle = _find_middle(hanging, rows, split, branch_rows)
+    standing = hanging.moved(np.eye(3), np.array([0.0, -middle, 0.0]))
+    arms = {side: _arm(standing, row, split, poses[side]) for side, row in rows.items()}
     return HumanoidGeometry(
-        standing, sides_found, branch_rows.trunk, branch_rows.neck, split, likeness(arms["l"].limb, split), arms
+        standing,
+        sides_found,
+        branch_rows.trunk,
+        branch_rows.neck,
+        split,
+        likeness(arms[first_side].limb, split),
+        arms,
+        branch_rows.legs,
+        branch_rows.is_doubtful,
     )
+
+
+def _find_middle(tree: Tree, rows: Mapping[Side, tuple[int, ...]], split: Split, branch_rows: Branches) -> float:
+    """Return the lateral coordinate [m] of the midline.
+
+    It is between the shoulders. With a single arm it is that of neck, trunk or base.
+    """
+    if len(rows) == len(SIDES):
+        return float(np.mean([centres(HingeRow.of(tree, row), split).shoulder[1] for row in rows.values()]))
+    spine = branch_rows.neck or branch_rows.trunk
+    return float(tree.joints[spine[0]].anchor[1] if spine else tree.base.centre[1])
 
 
 def hang_arm(
@@ -167,16 +141,16 @@ def mirror_angles(tree: Tree, row: tuple[int, ...], image: tuple[int, ...], angl
     return np.array(signs) * angles
 
 
-def _choose_split(tree: Tree, branch_rows: Branches) -> tuple[Split, Posed]:
+def _choose_split(tree: Tree, arm: tuple[int, ...]) -> tuple[Split, Posed]:
     """Return the hinge division most similar to a hanging human arm.
 
     Only the best candidates in the pose of the file are tried.
     """
-    limb = HingeRow.of(tree, branch_rows.left)
-    ranked = {split: likeness(limb, split) for split in splits(len(branch_rows.left))}
+    limb = HingeRow.of(tree, arm)
+    ranked = {split: likeness(limb, split) for split in splits(len(arm))}
     candidates = []
     for split in (split for split, score in ranked.items() if score >= max(ranked.values()) - RIVAL_LIKENESS_GAP):
-        row = branch_rows.left[: split.hinges]
+        row = arm[: split.hinges]
         pose = hang_arm(tree, row, split, HANGING_ARM, strict=False)
         candidates.append((likeness(HingeRow.of(tree, row).turned(pose.angles), split), split, pose))
     _, split, pose = max(candidates, key=lambda candidate: candidate[0])

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from kinesic.body.skeleton import Capsule
 from kinesic.sim.importer.arm import Centres, Split, _find_twist, centres, likeness, splits
 from kinesic.sim.importer.hinge_row import (
     HingeRow,
@@ -16,6 +17,7 @@ from kinesic.sim.importer.hinge_row import (
     foot,
     unit_vector,
 )
+from kinesic.sim.importer.model_tree import ModelPart
 
 X, Y, Z = np.eye(3)
 SHOULDER = np.array([0.02, 0.2, 1.4])
@@ -185,12 +187,13 @@ def test_hinge_row_contains_hinge_axes_and_the_centre_of_mass_of_parts_beyond_th
     tree = SimpleNamespace(
         joints=joints,
         below=lambda k: {1: (1, 5), 2: (2, 6)}[k],
-        merge_parts=lambda parts: SimpleNamespace(centre=np.array(parts)),
+        merge_parts=lambda parts: ModelPart(1.0, np.array([*parts, 0.0]), (Capsule(X, 4 * X, 0.5),)),
     )
     row = HingeRow.of(tree, (2, 1))
     np.testing.assert_array_equal(row.anchors, (2 * X, X))
     np.testing.assert_array_equal(row.axes, (Z, Y))
-    assert row.centre.tolist() == [1, 5]
+    assert row.centre.tolist() == [1, 5, 0]
+    np.testing.assert_allclose(row.tip, X + 0.5 * Y)
 
 
 def test_rotation_of_a_hinge_moves_the_axes_of_all_later_hinges():

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from kinesic.body.skeleton import Capsule
-from kinesic.sim.importer.eyes import _find_front, _list_points, place_eyes
+from kinesic.sim.importer.eyes import _find_front, place_eyes
+from kinesic.sim.importer.hinge_row import list_surface_points
 from kinesic.sim.importer.mesh_file import Triangles
 from kinesic.sim.importer.model_tree import ModelPart, Surface
 from kinesic.sim.importer.segments import SegmentLayout
@@ -66,11 +67,11 @@ def test_surface_points_of_a_part_come_from_its_meshes_or_else_its_shapes():
     capsule = Capsule(Z, 2 * Z, 0.5)
     mesh = part((1, 2, 3), (4, 5, 6), (7, 8, 9))
     both = ModelPart(1.0, X, (capsule,), mesh.surfaces + part((0, 0, 1)).surfaces)
-    np.testing.assert_array_equal(_list_points(both), [(1, 2, 3), (4, 5, 6), (7, 8, 9), (0, 0, 1)])
+    np.testing.assert_array_equal(list_surface_points(both), [(1, 2, 3), (4, 5, 6), (7, 8, 9), (0, 0, 1)])
     ends = np.array([0.5 * X, 0.5 * Y, 0.5 * Z, -0.5 * X, -0.5 * Y, -0.5 * Z])
-    found = _list_points(ModelPart(1.0, X, (capsule,)))
+    found = list_surface_points(ModelPart(1.0, X, (capsule,)))
     np.testing.assert_array_equal(found, [*(Z + ends), *(2 * Z + ends)])
-    assert _list_points(part()).shape == (0, 3)
+    assert list_surface_points(part()).shape == (0, 3)
 
 
 def test_front_of_a_head_is_found_only_from_at_least_twelve_surface_points():

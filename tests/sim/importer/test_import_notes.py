@@ -35,12 +35,30 @@ def hand(*fingers):
     return SimpleNamespace(fingers=fingers)
 
 
-def figure(*, off=(0.0, 0.0), asymmetry=0.0, certain=True, by_names=False, likeness=3.0, follows=(), left_out=()):
+def figure(
+    *,
+    off=(0.0, 0.0),
+    asymmetry=0.0,
+    certain=True,
+    by_names=False,
+    likeness=3.0,
+    follows=(),
+    left_out=(),
+    doubtful=False,
+):
     joints = [SimpleNamespace(name=f"j{k}", follows="driver" if k in follows else None) for k in range(8)]
     tree = SimpleNamespace(joints=joints, below=lambda k: tuple(range(k, 3 if k < 3 else 8)), left_out=left_out)
     arms = {"l": SimpleNamespace(joints=(0, 1), off=off[0]), "r": SimpleNamespace(joints=(3, 4), off=off[1])}
     sides = SimpleNamespace(certain=certain, by_names=by_names)
-    return SimpleNamespace(tree=tree, arms=arms, sides=sides, asymmetry=asymmetry, likeness=likeness)
+    return SimpleNamespace(
+        tree=tree,
+        arms=arms,
+        sides=sides,
+        asymmetry=asymmetry,
+        likeness=likeness,
+        legs=(2, 5, 6, 7),
+        is_doubtful=doubtful,
+    )
 
 
 def hinge(name, joint=0, *, assumed=False):
@@ -103,6 +121,17 @@ def test_review_notes_name_each_doubt(figure, hinges, hands, notes):
     assert _review(figure, hinges, hands) == notes
 
 
+def test_review_names_joints_without_a_hinge_and_a_missing_arm():
+    one_arm = figure()
+    one_arm.arms, one_arm.legs, one_arm.is_doubtful = {"l": one_arm.arms["l"]}, (5, 6), True
+    notes = _review(one_arm, (hinge("a", 3),), {})
+    assert "held, because no hinge of kinesic fits: j4, j7" in notes
+    assert any(note.startswith("the robot has no right arm") for note in notes)
+    assert "the arms may be legs: neither names nor geometry decide" in notes
+    one_arm.legs = ()
+    assert "the base is fixed" in _review(one_arm, (), {})
+
+
 @pytest.mark.parametrize("doubt", [{"off": (radians(9.9), 0.0)}, {"asymmetry": 0.02}])
 def test_small_geometric_errors_of_imported_arms_are_not_listed_for_review(doubt):
     assert _review(figure(**doubt), (), BOTH_HANDS)[1:] == [LEGS_NOTE]
@@ -146,7 +175,7 @@ def test_placeholder_servo_has_unit_torque_and_current_without_losses():
     assert (UNIT_SERVO.stall_nm, UNIT_SERVO.stall_a, UNIT_SERVO.no_load_rpm, UNIT_SERVO.gear) == (1.0, 1.0, 60.0, 1.0)
     assert (UNIT_SERVO.model, UNIT_SERVO.volt, UNIT_SERVO.mass, UNIT_SERVO.size) == (0, 48.0, 0.0, (0.01,) * 3)
     assert (UNIT_SERVO.p_gain, UNIT_SERVO.d_gain, UNIT_SERVO.kp_divisor) == (800.0, 0.0, 128.0)
-    assert (UNIT_SERVO.armature, UNIT_SERVO.frictionloss, UNIT_SERVO.damping) == (0.0, 0.0, 0.0)
+    assert (UNIT_SERVO.armature, UNIT_SERVO.frictionloss, UNIT_SERVO.damping) == (1e-6, 0.0, 0.0)
 
 
 def test_mirrored_hinges_share_the_servo_chosen_for_the_first_hinge_of_the_pair(monkeypatch):
@@ -221,6 +250,7 @@ def test_converted_robot_has_servos_rest_pose_and_notes(monkeypatch):
     assert made["servos"][:2] == (shape, (*hinges, thumb))
     assert made["servos"][3] == path
     assert made["rest"][:2] == (shape, hinges)
+    assert made["rest"][4] == {"l_thumb1": 7.0}
     assert made["rest"][2].servos == {"a": "servo"}
     assert (made["rest"][3], made["excluded"]) == (path, path)
     assert made["sources"] == {"l_a": "j0", "r_a": "j3", "l_thumb1": "j2", "l_thumb2": "j6"}

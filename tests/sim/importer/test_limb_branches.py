@@ -8,16 +8,14 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.sim.importer import zero_pose
 from kinesic.sim.importer.arm import Split
+from kinesic.sim.importer.branches import _find_limb, _find_neck, branches
 from kinesic.sim.importer.mirror import Sides
 from kinesic.sim.importer.model_tree import Follow, Joint, ModelPart, Tree
 from kinesic.sim.importer.zero_pose import (
     HANGING_ARM,
     HumanoidGeometry,
     _choose_split,
-    _find_limb,
-    _find_neck,
     _find_ranges,
-    branches,
     hang_arm,
     mirror_angles,
 )
@@ -80,15 +78,16 @@ def test_arms_are_the_highest_limbs_with_three_hinges():
     assert (found.left, found.right, found.trunk, found.neck) == ((1, 2, 3), (4, 5, 6), (0,), ())
     rows, pairs = limbs(leg_height=6.0)
     found = branches(make_tree(*rows), make_sides(pairs=pairs))
-    assert (found.left, found.right, found.trunk) == ((7, 8, 9), (10, 11, 12), ())
+    assert (found.left, found.right, found.trunk) == ((1, 2, 3), (4, 5, 6), (0,))
     rows, pairs = limbs(hinges=2)
-    assert branches(make_tree(*rows), make_sides(pairs=pairs)).left == (5, 6, 7)
+    with pytest.raises(ConfigError, match="no movable arms; the mirrored limbs end in feet"):
+        branches(make_tree(*rows), make_sides(pairs=pairs))
 
 
 def test_error_for_a_robot_without_limbs_of_three_hinges_states_its_hinge_and_mirror_pair_counts():
     rows, pairs = limbs(hinges=2)
     short = {left: right for left, right in pairs.items() if left < 5}
-    message = "robot r: no arms found: among 11 hinges there are 2 mirror pairs, but no pair of limbs with 3 hinges"
+    message = "robot r: no arms found: among 11 hinges there are 2 mirror pairs, but no pair of limbs, and no single"
     with pytest.raises(ConfigError, match=message):
         branches(make_tree(*rows), make_sides(pairs=short))
 
@@ -111,14 +110,14 @@ def test_neck_is_the_unpaired_branch_that_ends_highest_above_the_shoulders(rows,
     names = [name for name, *_ in (*limb_rows, *rows)]
     extra = [(name, names.index(parent) if isinstance(parent, str) else parent, *rest) for name, parent, *rest in rows]
     tree = make_tree(*limb_rows, *extra)
-    found = _find_neck(tree, make_sides(pairs=pairs), (0,), (1, 2, 3))
+    found = _find_neck(tree, {*pairs, *pairs.values()}, (0,), (1, 2, 3))
     assert tuple(names[k] for k in found) == neck
 
 
 def test_neck_is_on_the_base_of_a_robot_without_a_trunk():
     limb_rows, pairs = limbs()
     tree = make_tree(*limb_rows, ("mast", -1, 6.0, 1.0))
-    assert _find_neck(tree, make_sides(pairs=pairs), (), (1, 2, 3)) == (13,)
+    assert _find_neck(tree, {*pairs, *pairs.values()}, (), (1, 2, 3)) == (13,)
 
 
 @pytest.mark.parametrize(
@@ -197,6 +196,6 @@ def test_best_arm_divisions_of_the_file_pose_are_compared_again_in_the_hanging_p
     monkeypatch.setattr(zero_pose, "hang_arm", pose)
     monkeypatch.setattr(zero_pose, "splits", lambda count: divisions if count == 5 else ())
     monkeypatch.setattr(zero_pose.HingeRow, "of", lambda tree, joints: row)
-    split, chosen = _choose_split(None, SimpleNamespace(left=(1, 2, 3, 4, 5)))
+    split, chosen = _choose_split(None, (1, 2, 3, 4, 5))
     assert posed == tried
     assert (divisions.index(split), chosen.angles) == (best, best)

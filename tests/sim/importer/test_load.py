@@ -3,7 +3,8 @@ import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.sim.importer.load import _find_effort, load_robot_tree, urdf_joints
+from kinesic.sim.importer.couplings import urdf_joints
+from kinesic.sim.importer.load import _find_effort, load_robot_tree
 from kinesic.sim.importer.model_tree import BASE_INDEX, Follow
 from kinesic.sim.importer.reading.robot_files import read_robot_files
 

@@ -21,11 +21,11 @@ def test_mujoco_warning_about_a_robot_file_is_ignored():
 
 def test_loaded_robot_is_named_after_its_file_and_notes_what_is_left_out(tmp_path):
     path = tmp_path / "one.xml"
-    coupling = '<equality><joint joint1="a" joint2="b" polycoef="0.1 2 0 0 0"/><joint joint1="b"/></equality>'
+    coupling = '<equality><joint joint1="b" joint2="a" polycoef="0.1 2 0 0 0"/><joint joint1="b"/></equality>'
     path.write_text(f"<mujoco>{BODIES}{coupling}</mujoco>", encoding="utf-8")
     tree = load.load_robot_tree(path)
     assert tree.name == "one"
-    assert [joint.follows for joint in tree.joints] == [Follow("b", 2.0, 0.1), None]
+    assert [joint.follows for joint in tree.joints] == [None, Follow("a", 2.0, 0.1)]
     assert tree.left_out == ("the equality b is left out: only joint couplings are supported",)
 
 

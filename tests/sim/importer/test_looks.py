@@ -7,7 +7,7 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.body.robot_schema import robot_text
-from kinesic.sim.importer import looks as module
+from kinesic.sim.importer import mesh_reader as module
 from kinesic.sim.importer.convert import import_humanoid
 from kinesic.sim.importer.load import load_robot_tree
 from kinesic.sim.importer.mesh_file import Triangles

@@ -9,21 +9,17 @@ import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.sim.importer import load
+from kinesic.sim.importer.couplings import UrdfJoint, find_gears, read_equalities, to_absolute, urdf_joints
 from kinesic.sim.importer.load import (
-    UrdfJoint,
     _actuators,
     _capsule,
     _find_effort,
-    _find_fixed_mimics,
     _find_gain,
     _joint,
     _part,
     _positive,
-    _read_equalities,
-    _to_absolute,
     _tree,
     _without_meshes,
-    urdf_joints,
 )
 from kinesic.sim.importer.looks import Looks
 from kinesic.sim.importer.model_tree import BASE_INDEX, Follow
@@ -72,7 +68,7 @@ def test_couplings_of_an_imported_robot_become_linear_and_other_constraints_are_
     <joint joint1="c" joint2="b" polycoef="0.2 3 0 0 -0.5"/>
     <joint joint1="d"/><connect name="loop" body1="a" body2="c" anchor="0 0 0"/></equality>
     <tendon><fixed><joint joint="a" coef="1"/></fixed><fixed><joint joint="b" coef="1"/></fixed></tendon>"""
-    found = _read_equalities(spec_of(hinges("a", "b", "c", "d") + equalities))
+    found = read_equalities(spec_of(hinges("a", "b", "c", "d") + equalities))
     assert found.follows == {"a": Follow("b", 2.0, 0.1), "c": Follow("b", 3.0, 0.2)}
     assert found.left_out == (
         "c follows b linearly, but non-linearly in the file",
@@ -80,20 +76,20 @@ def test_couplings_of_an_imported_robot_become_linear_and_other_constraints_are_
         "the equality loop is left out: only joint couplings are supported",
         "2 tendons are left out: hinges that they drive move independently",
     )
-    assert _read_equalities(spec_of(hinges("a"))).left_out == ()
+    assert read_equalities(spec_of(hinges("a"))).left_out == ()
 
 
 @pytest.mark.parametrize(("curve", "notes"), [("0.9e-9", 0), ("1.1e-9", 1), ("-1.1e-9", 1)])
 def test_coupling_with_a_negligible_nonlinear_coefficient_counts_as_linear(curve, notes):
     coupling = f'<equality><joint joint1="a" joint2="b" polycoef="0 1 {curve} 0 0"/></equality>'
-    assert len(_read_equalities(spec_of(hinges("a", "b") + coupling)).left_out) == notes
+    assert len(read_equalities(spec_of(hinges("a", "b") + coupling)).left_out) == notes
 
 
-def test_couplings_of_a_robot_file_are_converted_to_absolute_angles():
+def test_couplings_of_a_robot_file_are_convertedto_absolute_angles():
     text = """<worldbody><body><freejoint/><geom size="0.1"/><body><joint name="a" ref="0.5"/><geom size="0.1"/>
     <body><joint name="b" ref="0.25"/><geom size="0.1"/></body></body></body></worldbody>"""
     model, _ = compiled(text)
-    assert _to_absolute({"a": Follow("b", 3.0, 0.1)}, model) == {"a": Follow("b", 3.0, pytest.approx(-0.15))}
+    assert to_absolute({"a": Follow("b", 3.0, 0.1)}, model) == {"a": Follow("b", 3.0, pytest.approx(-0.15))}
 
 
 @pytest.mark.parametrize(("bodies", "geoms"), [(3, 3), (4, 2)])
@@ -211,7 +207,36 @@ def test_imported_hinge_has_the_axis_and_range_and_losses_of_its_joint():
 )
 def test_coupled_hinges_that_carry_independent_ones_are_fixed(mimics, fixed):
     model, _ = compiled(hinges("a", "b", "c"))
-    assert _find_fixed_mimics(model, mimics) == fixed
+    gears = find_gears(model, {name: Follow("missing", 1.0, 0.0) for name in mimics})
+    assert (gears.fixed, gears.motors, len(gears.notes)) == (fixed, {}, len(fixed))
+
+
+@pytest.mark.parametrize(("ratio", "name", "sign"), [(-1.0, "wheel", -1.0), (0.5, "driven", 1.0)])
+def test_limb_behind_a_gear_has_the_motor_of_the_gear(ratio, name, sign):
+    text = """<worldbody><body><geom size="0.1"/>
+      <body><joint name="wheel" range="-1 2" actuatorfrcrange="-4 4" armature="0.1"/><geom size="0.1"/></body>
+      <body pos="0 0 1"><joint name="driven" range="-9 1.5" axis="0 1 0"/><geom size="0.1"/>
+        <body><joint name="after"/><geom size="0.1"/></body></body></body></worldbody>"""
+    model, data = compiled(text)
+    follow = Follow("wheel", ratio, 0.25)
+    gears = find_gears(model, {"driven": follow})
+    assert (gears.fixed, gears.motors) == ({"wheel"}, {"driven": follow})
+    tree = _tree("name", model, data, {}, {"driven": follow}, Looks())
+    limb, after = tree.joints
+    assert (limb.name, after.name, after.parent) == (name, "after", 0)
+    assert (limb.axis.tolist(), limb.anchor.tolist()) == ([0.0, sign, 0.0], [0.0, 0.0, 1.0])
+    ends = (-1.0, 2.0) if ratio < 0 else (-0.25, 1.25)
+    assert (limb.lower, limb.upper) == pytest.approx(ends)
+    assert limb.zero == pytest.approx(0.25 if ratio < 0 else 0.0)
+    assert (limb.effort, limb.armature, limb.follows) == pytest.approx((4 / abs(ratio), 0.1 / ratio**2, None))
+
+
+def test_joint_that_drives_its_own_limb_or_a_second_gear_is_no_gear_motor():
+    model, _ = compiled(hinges("a", "b", "c"))
+    assert find_gears(model, {"b": Follow("a", 1.0, 0.0)}).fixed == {"b"}
+    assert find_gears(model, {"a": Follow("b", 1.0, 0.0)}).fixed == {"a"}
+    cyclic = {"a": Follow("b", 1.0, 0.0), "b": Follow("a", 1.0, 0.0)}
+    assert find_gears(model, cyclic).fixed == {"a", "b"}
 
 
 def test_merged_bodies_have_their_total_mass_and_common_centre_of_mass():
@@ -272,14 +297,14 @@ def test_bodies_belong_to_the_last_hinge_on_their_path_from_the_base():
     </body></worldbody>"""
     model, data = compiled(text)
     urdf = {"mimic": UrdfJoint(None, Follow("a1", 1, 0)), "c1": UrdfJoint(3.5, None)}
-    couplings = {"e1": Follow("a1", 2.0, 0.0)}
+    couplings = {"c1": Follow("a1", 2.0, 0.0)}
     looks = Looks({body: (f"surface {body}",) for body in (0, 1, 3)}, ("a note",))
     tree = _tree("name", model, data, urdf, couplings, looks)
     assert [(joint.name, joint.parent) for joint in tree.joints] == [("a1", -1), ("a2", 0), ("c1", 1), ("e1", -1)]
     assert [joint.speed for joint in tree.joints] == [None, None, 3.5, None]
-    assert [joint.follows for joint in tree.joints] == [None, None, None, couplings["e1"]]
+    assert [joint.follows for joint in tree.joints] == [None, None, couplings["c1"], None]
     assert [part.mass for part in (*tree.parts, tree.base)] == [0.0, 6.0, 8.0, 32.0, 17.0]
     assert tree.parts[0].centre.tolist() == [1, 0, 0]
     surfaces = [part.surfaces for part in (*tree.parts, tree.base)]
     assert surfaces == [(), ("surface 3",), (), (), ("surface 0", "surface 1")]
-    assert (tree.name, tree.left_out) == ("name", ("a note",))
+    assert (tree.name, len(tree.left_out), tree.left_out[-1]) == ("name", 2, "a note")

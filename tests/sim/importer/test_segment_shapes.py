@@ -18,7 +18,7 @@ from kinesic.sim.importer.hinges import (
     _spine,
     spell_angle,
 )
-from kinesic.sim.importer.model_tree import BASE_INDEX
+from kinesic.sim.importer.model_tree import BASE_INDEX, ModelPart
 from kinesic.sim.importer.segments import (
     SegmentLayout,
     _generate_capsules,
@@ -116,7 +116,8 @@ def layout(*extra, carrier_is_trunk=False):
 )
 def test_segment_without_shapes_gets_a_capsule_of_human_proportions(name, capsule):
     part = SimpleNamespace(centre=np.array([0.1, 0.0, 1.6]))
-    close(_generate_capsules(figure(neck=(1,)), layout(carrier_is_trunk=True), name, part), [capsule])
+    tree = SimpleNamespace(below=lambda k: (k,), merge_parts=lambda parts: ModelPart(0.0, 0 * X, ()))
+    close(_generate_capsules(figure(neck=(1,), tree=tree), layout(carrier_is_trunk=True), name, part), [capsule])
 
 
 def test_head_without_hinges_becomes_a_capsule_above_the_shoulders_of_the_trunk():

@@ -12,6 +12,7 @@ from kinesic.sim.importer.reading.screening import (
     MAX_COPIES,
     MAX_DEPTH,
     MAX_ELEMENTS,
+    MAX_INCLUDE_DEPTH,
     UnfitError,
     count_copies,
     is_unused,
@@ -69,7 +70,7 @@ class ModelText:
         self._builder, self._open, self._line = TreeBuilder(), list[_Open](), 1
         self._elements, self._attachments, self._largest = 0, 0, 0
         self._included = {path.resolve()}
-        self._below = ""
+        self._below, self._include_depth = "", 0
         self._meshes: dict[tuple[str, str], str] = {}  # file and name -> token
 
     @property
@@ -178,8 +179,12 @@ class ModelText:
         place, data = self._read(name, starts, named_at)
         if place in self._included:
             raise ConfigError(f"{named_at}: includes {name} again; a file is included once")
+        if self._include_depth >= MAX_INCLUDE_DEPTH:
+            raise UnfitError(f"includes are inside one another more than {MAX_INCLUDE_DEPTH} deep")
         self._included.add(place)
+        self._include_depth += 1
         self.parse(place, data, is_included=True)
+        self._include_depth -= 1
 
     def _token(self, file: str, name: str) -> str:
         """Return the placeholder token of a mesh, one per file and name."""

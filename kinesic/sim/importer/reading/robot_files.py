@@ -12,10 +12,11 @@ from xml.etree.ElementTree import Element, tostring
 
 from kinesic.body.config import ConfigError
 from kinesic.files.input_file import open_regular, read_inside
+from kinesic.sim.importer.reading.file_kinds import refuse_other_kinds, refuse_other_roots
 from kinesic.sim.importer.reading.model_text import Attached, MeshReference, ModelText
 
 MAX_MODEL_SIZE = 20_000_000  # [bytes] largest total size of a robot's XML files
-MAX_FILES = 50  # largest number of XML files of one robot
+MAX_FILES = 500  # largest number of XML files of one robot
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,8 +45,10 @@ def read_robot_files(path: Path) -> RobotFiles:
     reader = _Reader(path)
     with open_regular(path) as file:
         data = file.read(MAX_MODEL_SIZE + 1)
+    refuse_other_kinds(str(path), path.suffix, data)
     reader.count_file(path, len(data))
     root, _ = reader.parse(path, data)
+    refuse_other_roots(str(path), root.tag)
     return RobotFiles(path, root, reader.models, reader.meshes)
 
 

@@ -12,6 +12,7 @@ from kinesic.body.config import ConfigError
 from kinesic.sim.importer import load
 from kinesic.sim.importer.load import load_robot_tree
 from kinesic.sim.importer.reading import model_text, robot_files
+from kinesic.sim.importer.reading.screening import MAX_INCLUDE_DEPTH
 
 PART_XML = '<mujoco><worldbody><body name="part"><joint/><geom size="0.1"/></body></worldbody></mujoco>'
 
@@ -258,9 +259,16 @@ def test_robot_file_that_expands_beyond_the_limits_is_rejected(
 
 
 def test_too_many_included_files_are_rejected(robot: Path):
-    for k in range(robot_files.MAX_FILES + 1):
+    names = [f"{k}.xml" for k in range(robot_files.MAX_FILES)]
+    for name in names:
+        (robot.parent / name).write_text("<mujoco/>")
+    assert "more than 500 files" in refused(robot, mjcf("".join(f'<include file="{name}"/>' for name in names)))
+
+
+def test_includes_inside_one_another_are_rejected_beyond_a_depth(robot: Path):
+    for k in range(MAX_INCLUDE_DEPTH + 1):
         (robot.parent / f"{k}.xml").write_text(f'<mujoco><include file="{k + 1}.xml"/></mujoco>')
-    assert "more than 50 files" in refused(robot, mjcf('<include file="0.xml"/>'))
+    assert "includes are inside one another more than 50 deep" in refused(robot, mjcf('<include file="0.xml"/>'))
 
 
 def test_mesh_and_texture_files_of_a_robot_are_not_opened(robot: Path):

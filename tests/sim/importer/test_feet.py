@@ -1,0 +1,153 @@
+"""Legs and arms of synthetic robots without telling joint names, and words of joint names."""
+
+import numpy as np
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.body.skeleton import Capsule
+from kinesic.sim.importer.branches import branches
+from kinesic.sim.importer.feet import rate_limb
+from kinesic.sim.importer.joint_words import count_leg_words, is_contradiction, list_parts
+from kinesic.sim.importer.mirror import find_named_side, sides
+from kinesic.sim.importer.model_tree import Joint, ModelPart, Tree
+
+X, Y, Z = np.eye(3)
+
+
+def joint(name, parent, anchor, axis=X, lower=None, upper=None):
+    return Joint(name, parent, np.array(anchor, float), axis, 0.0, lower, upper, *(None,) * 6)
+
+
+def box(centre, size):
+    """Return a part of 1 kg with corner spheres of a box."""
+    centre, half = np.array(centre, float), np.array(size) / 2
+    ends = (Capsule(centre - half, centre + half, 0.005), Capsule(centre - half * [1, -1, 1], centre + half, 0.005))
+    return ModelPart(1.0, centre, ends)
+
+
+def robot(*, root=0.5, end=0.0, sole=(0.2, 0.08, 0.03), knee=None, name="j", mass=10.0, load=0.8):
+    """Return a robot with one pair of limbs of three hinges, which hang down from a trunk."""
+    joints, parts = [], []
+    for side, y in (("l", 0.1), ("r", -0.1)):
+        first = len(joints)
+        heights = (root, (root + end) / 2, end + 0.08)
+        lower, upper = (None, None) if knee is None else knee
+        joints += [
+            joint(f"{side}_{name}0", -1, (0, y, heights[0])),
+            joint(f"{side}_{name}1", first, (0, y, heights[1]), Y, lower, upper),
+            joint(f"{side}_{name}2", first + 1, (0, y, heights[2])),
+        ]
+        parts += [box((0, y, height), (0.04, 0.04, 0.04)) for height in heights[:2]]
+        parts.append(box((0.03, y, end + sole[2] / 2), sole))
+    return Tree("r", tuple(joints), tuple(parts), ModelPart(mass, load * Z, ()))
+
+
+def verdict(tree):
+    return rate_limb(tree, (0, 1, 2), [])
+
+
+def test_limbs_with_soles_on_the_ground_below_the_trunk_are_legs():
+    assert verdict(robot()).is_leg
+    with pytest.raises(ConfigError, match="no movable arms; the mirrored limbs end in feet"):
+        branches(robot(), sides(robot()))
+
+
+def test_knee_that_bends_backward_marks_a_leg_and_an_elbow_an_arm():
+    hand = (0.03, 0.03, 0.1)
+    assert verdict(robot(sole=hand, knee=(0.0, 2.0))).is_leg
+    assert not verdict(robot(sole=hand, knee=(-2.0, 0.0))).is_leg
+    assert verdict(robot(sole=hand, knee=(-2.0, 2.0))).is_doubtful
+
+
+def test_limbs_that_end_above_the_ground_or_begin_above_the_trunk_are_arms():
+    tree = robot(end=0.3)
+    raised = Tree("r", tree.joints, tree.parts, ModelPart(10.0, 0.2 * Z, (Capsule(0 * Z, 0.4 * Z, 0.01),)))
+    assert not verdict(raised).is_leg
+    low_trunk = verdict(robot(load=0.3))
+    assert not low_trunk.is_leg
+    assert low_trunk.is_doubtful
+
+
+def test_names_of_arm_or_leg_joints_overrule_the_geometry():
+    assert not verdict(robot(name="arm_joint")).is_leg
+    assert verdict(robot(name="hip", sole=(0.03, 0.03, 0.1), load=0.3)).is_leg
+
+
+def test_two_pairs_of_limbs_at_equal_height_are_the_legs_of_a_quadruped():
+    tree = robot(sole=(0.03, 0.03, 0.1), load=0.5)
+    assert not verdict(tree).is_leg
+    assert rate_limb(tree, (0, 1, 2), [(3, 4, 5)]).is_leg
+
+
+@pytest.mark.parametrize(
+    ("name", "parts"),
+    [
+        ("LHipYawPitch", ["leg"]),
+        ("lleg_joint3", ["leg"]),
+        ("left_shoulder_pitch", ["shoulder"]),
+        ("l_upper_arm_roll", ["arm"]),
+        ("head_lidar_spindle", ["neck", "sensor", "sensor"]),
+        ("j1", []),
+        ("charm_joint", []),
+    ],
+)
+def test_joint_names_are_split_into_words_of_body_parts(name, parts):
+    assert list_parts(name) == parts
+
+
+def test_leg_words_are_counted_against_arm_words():
+    assert count_leg_words(["l_hip", "l_knee", "l_arm_x"]) == 1
+    assert count_leg_words(["a", "elbow", "wrist_roll"]) == -2
+
+
+@pytest.mark.parametrize(
+    ("hinge", "joint_name", "contradicts"),
+    [
+        ("l_elbow_flexion", "left_elbow", False),
+        ("l_elbow_flexion", "left_wrist_pitch", False),
+        ("l_elbow_flexion", "left_shoulder_yaw", True),
+        ("l_shoulder_twisting", "Left_Elbow_Pitch", False),
+        ("l_shoulder_flexion", "left_wrist", True),
+        ("skullbase_torsion", "waist", True),
+        ("skullbase_torsion", "neck_yaw", False),
+        ("vl5_torsion", "head_pan", True),
+        ("l_wrist_pivot", "motor7", False),
+    ],
+)
+def test_joint_name_contradicts_a_hinge_of_another_body_part(hinge, joint_name, contradicts):
+    assert is_contradiction(hinge, joint_name) == contradicts
+
+
+@pytest.mark.parametrize(("name", "side"), [("left_arm", 1), ("r_arm", -1), ("RElbowYaw", -1), ("arm", 0), ("roll", 0)])
+def test_side_of_a_joint_name(name, side):
+    assert find_named_side(name) == side
+
+
+def single_arm(y, name="arm"):
+    """Return a robot with a waist, and one arm at a lateral position."""
+    joints = (
+        joint("waist", -1, (0, 0, 0.1), Z),
+        *(joint(f"{name}{k}", k, (0, y, 0.5 - 0.1 * k)) for k in range(4)),
+    )
+    parts = tuple(ModelPart(1.0, each.anchor - 0.05 * Z, ()) for each in joints)
+    return Tree("r", joints, parts, ModelPart(5.0, 0 * Z, ()))
+
+
+@pytest.mark.parametrize(
+    ("tree", "side"),
+    [(single_arm(0.2), "l"), (single_arm(-0.2), "r"), (single_arm(-0.2, "right_arm"), "r")],
+)
+def test_single_arm_is_on_the_side_of_its_name_or_position(tree, side):
+    found = branches(tree, sides(tree))
+    assert dict(found.arms) == {side: (1, 2, 3, 4)}
+    assert (found.trunk, found.legs) == ((0,), ())
+
+
+def test_single_arm_on_the_midline_is_no_arm():
+    with pytest.raises(ConfigError, match="no single arm"):
+        branches(single_arm(0.0), sides(single_arm(0.0)))
+
+
+def test_single_right_arm_at_positive_y_means_that_the_robot_faces_backward():
+    assert sides(single_arm(0.2, "right_arm")).left == (0.0, -1.0)
+    assert sides(single_arm(0.2)).left == (0.0, 1.0)

@@ -1,0 +1,99 @@
+"""Invalid values of robot files that are repaired with a note."""
+
+from xml.etree import ElementTree
+
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.sim.importer.load import load_robot_tree
+from kinesic.sim.importer.reading.file_kinds import LFS_POINTER
+from kinesic.sim.importer.reading.mesh_folders import list_mesh_folders
+from kinesic.sim.importer.repairs import repair
+
+LINK = '<robot name="r"><link name="a"><inertial><mass value="{}"/><inertia {}/></inertial>{}</link></robot>'
+GOOD = 'ixx="1" iyy="1" izz="1" ixy="0" ixz="0" iyz="0"'
+
+
+@pytest.mark.parametrize(
+    ("mass", "inertia", "inside", "note"),
+    [
+        ("1", GOOD, "", ()),
+        ("1", 'ixx="1" iyy="2" izz="3" ixy="5" ixz="0" iyz="0"', "", ("inertia of link a",)),
+        ("1", 'ixx="0" iyy="0" izz="0"', "", ("inertia of link a",)),
+        ("1", 'ixx="nan" iyy="1" izz="1"', "", ("inertia of link a",)),
+        ("-1", GOOD, "", ("mass of link a",)),
+        ("0", GOOD, "", ()),
+        ("1", GOOD, '<visual><geometry><sphere radius="0"/></geometry></visual>', ("sphere of link a",)),
+        ("1", GOOD, '<collision><geometry><box size="1 0 1"/></geometry></collision>', ("box of link a",)),
+        ("1", GOOD, '<visual><geometry><cylinder radius="1"/></geometry></visual>', ("cylinder of link a",)),
+        ("1", GOOD, '<visual><geometry><sphere radius="1"/></geometry></visual>', ()),
+        ("1", GOOD, "<inertial/>", ("link a has <inertial> twice",)),
+    ],
+)
+def test_invalid_value_of_a_link_is_repaired_with_a_note(mass, inertia, inside, note):
+    root = ElementTree.fromstring(LINK.format(mass, inertia, inside))
+    notes = repair(root)
+    assert len(notes) == len(note)
+    assert all(text in found for text, found in zip(note, notes, strict=True))
+    assert repair(root) == ()
+
+
+def test_replaced_inertia_is_the_mean_of_the_positive_diagonal():
+    root = ElementTree.fromstring(LINK.format(1, 'ixx="2" iyy="4" izz="-1" ixy="0" ixz="0" iyz="0"', ""))
+    repair(root)
+    assert root.find("link/inertial/inertia").get("izz") == "3.0"
+
+
+def test_limits_in_the_wrong_order_are_exchanged():
+    root = ElementTree.fromstring('<robot><joint name="j"><limit lower="1" upper="-2"/></joint></robot>')
+    (note,) = repair(root)
+    assert "joint j" in note
+    assert root.find("joint/limit").attrib == {"lower": "-2", "upper": "1"}
+
+
+def test_mjcf_with_a_zero_radius_and_an_impossible_inertia_is_loaded(tmp_path):
+    path = tmp_path / "r.xml"
+    path.write_text(
+        '<mujoco><worldbody><body name="b"><inertial pos="0 0 0" mass="1" diaginertia="-1 1 1"/><joint name="j"/>'
+        '<geom type="sphere" size="0"/><geom type="capsule" size="0.1" fromto="0 0 0 0 0 1"/></body></worldbody>'
+        "</mujoco>",
+        encoding="utf-8",
+    )
+    tree = load_robot_tree(path)
+    assert len(tree.parts[0].shapes) == 1
+    assert ["body b" in tree.left_out[0], "shape of b" in tree.left_out[1]] == [True, True]
+
+
+@pytest.mark.parametrize(
+    ("name", "data", "remedy"),
+    [
+        ("r.urdf", LFS_POINTER + b"v1\noid sha256:0\n", "git lfs pull"),
+        ("r.bvh", b"HIERARCHY\nROOT Hips", "captured motion"),
+        ("r.urdf", b"HIERARCHY\nROOT Hips", "captured motion"),
+        ("r.stl", b"solid", "it is a mesh"),
+        ("r.xml", b"<sdf/>", "it is SDF"),
+        ("r.xml", b"<html/>", "begins with <robot>"),
+        ("r.toml", b"", "use it with --robot"),
+    ],
+)
+def test_file_that_is_no_robot_is_refused_with_a_remedy(tmp_path, name, data, remedy):
+    (tmp_path / name).write_bytes(data)
+    with pytest.raises(ConfigError, match=remedy):
+        load_robot_tree(tmp_path / name)
+
+
+def test_meshes_are_searched_in_the_package_its_neighbours_and_sibling_folders(tmp_path):
+    urdf = tmp_path / "pkg" / "robots" / "urdf"
+    for folder in (urdf, tmp_path / "other", tmp_path / "plain", urdf.parent / "meshes"):
+        folder.mkdir(parents=True)
+    for folder in ("pkg", "other"):
+        (tmp_path / folder / "package.xml").write_text("<package/>")
+
+    def homes(reference):
+        return [place.home for place in list_mesh_folders(urdf, reference, "")]
+
+    own = [urdf, urdf, tmp_path / "pkg"]
+    assert homes("package://pkg/meshes/a.stl")[:3] == own
+    assert homes("package://other/a.stl") == [*own, tmp_path / "other", urdf.parent / "meshes"]
+    assert homes("package://plain/a.stl") == [*own, urdf.parent / "meshes"]
+    assert homes("package://../a.stl") == [*own, urdf.parent / "meshes"]
