@@ -21,6 +21,7 @@ PACKAGES = (
         "metrics",
         "capture",
         "conversation",
+        "hearing",
         "realizer",
         "serve",
         "report",

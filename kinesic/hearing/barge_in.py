@@ -1,0 +1,87 @@
+"""Decision whether a person takes the turn while the robot speaks.
+
+A voice first makes the robot quiet (duck), and makes it yield if it lasts. After a short voice, such as "mhm", the
+robot goes on. A cough, a knock or the robot's own echo is no voice.
+"""
+
+from dataclasses import dataclass
+from enum import Enum, auto
+
+
+@dataclass(frozen=True)
+class BargeInThresholds:
+    """Thresholds of the decision, chosen on seed 1 of the benchmark `hearing`."""
+
+    voice: float = 0.6  # probability above which a frame counts as voice
+    clear_voice: float = 0.85  # probability above which it counts for the turn; music seldom reaches it
+    duck_frames: int = 3  # voiced frames after which the robot is quiet: 96 ms
+    turn_frames: int = 16  # frames from the first to the last clear one after which the robot yields: 0.51 s
+    min_clear_frames: int = 9  # clear frames among them
+    max_gap: int = 6  # frames without voice that do not end the voice: 0.19 s
+
+
+class BargeInDecision(Enum):
+    """Change that a frame causes."""
+
+    DUCK = auto()  # a voice has begun: be quiet
+    END = auto()  # the voice has ended: go on, unless the turn was taken
+    YIELD = auto()  # a person takes the turn
+
+
+@dataclass
+class _Voice:
+    """Voice that sounds, in frames."""
+
+    frames: int = 0  # since it began
+    voiced: int = 0  # with a voice
+    clear: int = 0  # with a clear voice
+    first_clear: int = 0  # number of the first clear one; 0: none yet
+    gap: int = 0  # since the last voiced one
+    has_ducked: bool = False
+    has_yielded: bool = False
+
+
+class BargeInDetector:
+    """State of the decision, from frame to frame."""
+
+    def __init__(self, thresholds: BargeInThresholds = BargeInThresholds()) -> None:
+        """Create a detector before any voice."""
+        self._thresholds = thresholds
+        self._voice: _Voice | None = None
+
+    def step(self, probability: float, *, admitted: bool = True) -> tuple[BargeInDecision, int] | None:
+        """Return the change caused by the next frame, or None.
+
+        Args:
+            probability: probability that the frame contains a voice.
+            admitted: whether it contains more than the robot's own voice.
+
+        Returns:
+            The change, and the number of frames since the voice began or ended.
+        """
+        if admitted and probability > self._thresholds.voice:
+            return self._take_voice(is_clear=probability > self._thresholds.clear_voice)
+        voice = self._voice
+        if voice is None:
+            return None
+        voice.frames, voice.gap = voice.frames + 1, voice.gap + 1
+        if voice.gap <= self._thresholds.max_gap:
+            return None
+        self._voice = None
+        return (BargeInDecision.END, voice.gap) if voice.has_ducked else None
+
+    def _take_voice(self, *, is_clear: bool) -> tuple[BargeInDecision, int] | None:
+        """Count a voiced frame."""
+        thresholds = self._thresholds
+        voice = self._voice = self._voice or _Voice()
+        voice.frames, voice.voiced, voice.gap = voice.frames + 1, voice.voiced + 1, 0
+        if is_clear:
+            voice.clear, voice.first_clear = voice.clear + 1, voice.first_clear or voice.frames
+            is_long = voice.frames - voice.first_clear + 1 >= thresholds.turn_frames
+            if not voice.has_yielded and is_long and voice.clear >= thresholds.min_clear_frames:
+                voice.has_yielded = voice.has_ducked = True
+                return BargeInDecision.YIELD, voice.frames
+        if not voice.has_ducked and voice.voiced >= thresholds.duck_frames:
+            voice.has_ducked = True
+            return BargeInDecision.DUCK, voice.frames
+        return None

@@ -1,0 +1,58 @@
+"""Decision whether a frame contains another sound than the robot's own voice.
+
+A canceller leaves a part of the echo, which a voice detector takes for a voice. A frame counts only if its power is
+well above the part that the canceller has left so far.
+"""
+
+import numpy as np
+
+from kinesic.body.utterance import Samples
+from kinesic.hearing.voice_activity import FRAME_SIZE, VOICE_RATE
+
+VOICE_BAND = (300.0, 4000.0)  # [Hz] frequencies whose power is compared
+MIN_POWER_RATIO = 4.0  # smallest ratio of a frame's power to that of the expected residual: 6 dB
+INITIAL_RESIDUAL = 0.5  # expected fraction of the echo's power that the canceller leaves at first
+RESIDUAL_FALL = 0.2  # step towards a smaller observed fraction
+RESIDUAL_GROWTH = 1.01  # factor on the fraction in a frame with a larger one, as others may speak
+ECHO_DECAY = 0.7  # factor on the power of the echo per frame, for the reverberation after a sound
+ONSET_FRACTION = 0.1  # fraction of the decayed power above which a frame's echo counts for the observation
+NOISE_GROWTH = 1.01  # factor on the noise power per frame; it falls at once to a quieter frame
+NOISE_WEIGHT = 0.3  # fraction of the noise power in the expected residual
+MIN_ECHO_POWER = 1e-5  # power of an audible echo
+MIN_NOISE_POWER = 1e-9  # power below any microphone's noise
+
+
+class OwnVoiceGate:
+    """Comparison of the power of frames with the expected residual echo."""
+
+    def __init__(self) -> None:
+        """Create a gate that knows nothing about its room."""
+        frequencies = np.fft.rfftfreq(2 * FRAME_SIZE, 1.0 / VOICE_RATE)
+        self._band = (frequencies > VOICE_BAND[0]) & (frequencies < VOICE_BAND[1])
+        self._residual = INITIAL_RESIDUAL  # fraction of the echo's power that remains
+        self._echo = 0.0  # decaying power of the echo
+        self._noise: float | None = None  # power of the quietest frames; None before the first frame
+
+    def admits(self, frame: Samples, echo: Samples) -> bool:
+        """Return whether a frame contains more than echo and noise.
+
+        Args:
+            frame: (512,) samples after the cancellation.
+            echo: (512,) samples of the cancelled echo.
+        """
+        power, echo_power = self._power(frame), self._power(echo)
+        self._echo = max(echo_power, ECHO_DECAY * self._echo)
+        quietest = max(power, MIN_NOISE_POWER)
+        self._noise = quietest if self._noise is None else min(NOISE_GROWTH * self._noise, quietest)
+        expected = self._residual * self._echo + NOISE_WEIGHT * self._noise
+        if self._echo > MIN_ECHO_POWER and echo_power > ONSET_FRACTION * self._echo:
+            observed = power / self._echo
+            if observed < self._residual:
+                self._residual += RESIDUAL_FALL * (observed - self._residual)
+            else:
+                self._residual = min(self._residual * RESIDUAL_GROWTH, 1.0)
+        return power > MIN_POWER_RATIO * expected
+
+    def _power(self, frame: Samples) -> float:
+        """Return the mean power of a frame in the voice band."""
+        return float(np.mean(np.abs(np.fft.rfft(frame, 2 * FRAME_SIZE)[self._band]) ** 2))

@@ -1,0 +1,56 @@
+"""Decision whether a person takes the turn."""
+
+from kinesic.hearing.barge_in import BargeInDecision, BargeInDetector, BargeInThresholds
+
+DUCK, END, YIELD = BargeInDecision.DUCK, BargeInDecision.END, BargeInDecision.YIELD
+RULE = BargeInThresholds()
+
+
+def decisions(probabilities, admitted=None):
+    """Return the (number of the frame, decision, age) of all changes."""
+    detector = BargeInDetector()
+    flags = admitted or [True] * len(probabilities)
+    steps = [detector.step(p, admitted=flag) for p, flag in zip(probabilities, flags, strict=True)]
+    return [(number, *change) for number, change in enumerate(steps, 1) if change is not None]
+
+
+def test_voice_first_quietens_the_robot_and_takes_the_turn_if_it_lasts():
+    assert decisions([0.1] * 5 + [0.95] * 30) == [
+        (5 + RULE.duck_frames, DUCK, RULE.duck_frames),
+        (5 + RULE.turn_frames, YIELD, RULE.turn_frames),
+    ]
+
+
+def test_short_voice_ends_without_taking_the_turn():
+    short = [0.95] * (RULE.turn_frames - 1)
+    gap = RULE.max_gap + 1
+    assert decisions(short + [0.1] * 20) == [(3, DUCK, 3), (len(short) + gap, END, gap)]
+
+
+def test_voice_with_gaps_between_words_goes_on():
+    words = ([0.95] * 6 + [0.1] * RULE.max_gap) * 3
+    assert [change for _, change, _ in decisions(words)] == [DUCK, YIELD]
+    longer = ([0.95] * 6 + [0.1] * (RULE.max_gap + 1)) * 3
+    assert [change for _, change, _ in decisions(longer)] == [DUCK, END] * 3
+
+
+def test_turn_is_taken_once_and_its_end_is_reported():
+    changes = [change for _, change, _ in decisions([0.95] * 100 + [0.1] * 10)]
+    assert changes == [DUCK, YIELD, END]
+
+
+def test_voice_that_is_never_clear_does_not_take_the_turn():
+    unclear = (RULE.voice + RULE.clear_voice) / 2
+    assert [change for _, change, _ in decisions([unclear] * 60)] == [DUCK]
+    few_clear = [0.95] + [unclear] * 20 + [0.95] * (RULE.min_clear_frames - 2)
+    assert [change for _, change, _ in decisions(few_clear)] == [DUCK]
+    assert [change for _, change, _ in decisions([*few_clear, 0.95])] == [DUCK, YIELD]
+
+
+def test_frames_of_the_own_voice_do_not_count():
+    assert decisions([0.99] * 40, [False] * 40) == []
+    assert decisions([0.99] * 4, [True, False, True, True]) == [(4, DUCK, 4)]
+
+
+def test_two_noisy_frames_do_not_quieten_the_robot():
+    assert decisions([0.9, 0.9] + [0.1] * 20) == []

@@ -1,0 +1,81 @@
+"""Ear that hears a person while the robot speaks."""
+
+import numpy as np
+import pytest
+
+from kinesic.body.utterance import Script
+from kinesic.controller.soundtrack import resample_sound
+from kinesic.hearing.barge_in import BargeInDecision
+from kinesic.hearing.ear import Ear
+from kinesic.hearing.voice_activity import VOICE_RATE
+from kinesic.speech.espeak import Espeak
+
+from .test_echo import room_echo
+
+QUESTION_START = 4.0  # [s] time at which the person begins
+MAX_DUCK_DELAY = 0.25  # [s] from the begin of a voice
+MAX_YIELD_DELAY = 0.9  # [s] from the begin of a voice
+
+
+@pytest.fixture(scope="module")
+def voices(espeak: Espeak) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Samples at 16 kHz: the robot's sentence, a question and a short answer of another pitch."""
+    robot = "The castle was built on a hill above the river, and for many years nobody lived there at all."
+
+    def say(text: str, pitch: float) -> np.ndarray:
+        sound = espeak.say(Script(text), pitch=pitch).sound
+        assert sound is not None
+        samples = resample_sound(sound, VOICE_RATE)
+        loud = np.flatnonzero(np.abs(samples) > 0.03 * np.abs(samples).max())
+        return samples[loud[0] : loud[-1]] * 0.3
+
+    return say(f"{robot} {robot}", 1.0), say("wait, I have a question about that", 1.4), say("yeah", 1.4)
+
+
+def changes(heard, played=None, *, rate=VOICE_RATE, size=320):
+    ear, result = Ear(rate), []
+    for k in range(0, len(heard), size):
+        own = None if played is None else played[k : k + size]
+        result += list(ear.hear(heard[k : k + size], own))
+    return result
+
+
+def with_event(robot, event):
+    """Return microphone and playback, with a person who speaks from `QUESTION_START` on."""
+    heard = room_echo(robot) + np.random.default_rng(1).normal(0.0, 0.001, len(robot)).astype(np.float32)
+    begin = round(QUESTION_START * VOICE_RATE)
+    heard[begin : begin + len(event)] += event
+    return heard, robot
+
+
+def test_person_who_asks_while_the_robot_speaks_takes_the_turn(voices):
+    robot, question, _ = voices
+    late = [change for change in changes(*with_event(robot, question)) if change.time > QUESTION_START]
+    assert [change.decision for change in late[:2]] == [BargeInDecision.DUCK, BargeInDecision.YIELD]
+    duck, turn = (change.time - QUESTION_START for change in late[:2])
+    assert 0.06 < duck < MAX_DUCK_DELAY
+    assert duck < turn < MAX_YIELD_DELAY
+    assert late[1].age == pytest.approx(turn, abs=0.15)
+
+
+def test_short_answer_and_own_voice_do_not_take_the_turn(voices):
+    robot, _, short = voices
+    for event in (short, short[:0]):
+        assert BargeInDecision.YIELD not in [change.decision for change in changes(*with_event(robot, event))]
+
+
+def test_own_voice_without_a_known_playback_is_taken_for_a_person(voices):
+    heard, _ = with_event(voices[0], voices[2][:0])
+    assert BargeInDecision.YIELD in [change.decision for change in changes(heard[: 2 * VOICE_RATE])]
+
+
+def test_changes_do_not_depend_on_the_size_of_the_pieces(voices):
+    heard = np.concatenate([np.zeros(VOICE_RATE, np.float32), voices[1], np.zeros(VOICE_RATE, np.float32)])
+    small, large = changes(heard, size=100), changes(heard, size=5000)
+    assert small == large
+    assert [change.decision for change in small] == [BargeInDecision.DUCK, BargeInDecision.YIELD, BargeInDecision.END]
+
+
+def test_playback_of_another_length_is_refused():
+    with pytest.raises(ValueError, match="10 samples played and 20 heard"):
+        list(Ear().hear(np.zeros(20, np.float32), np.zeros(10, np.float32)))

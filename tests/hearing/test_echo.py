@@ -1,0 +1,82 @@
+"""Cancellation of the robot's own voice."""
+
+import numpy as np
+
+from kinesic.hearing.echo import EchoCanceller
+from kinesic.hearing.own_voice import OwnVoiceGate
+from kinesic.hearing.voice_activity import FRAME_SIZE, VOICE_RATE
+
+DELAY = 900  # [samples] of the echo: 56 ms
+
+
+def modulated_noise(seed: int, duration: float) -> np.ndarray:
+    """Return noise with the loudness of syllables, as a stand-in for a voice."""
+    count = round(duration * VOICE_RATE / FRAME_SIZE) * FRAME_SIZE
+    loudness = 0.05 * np.clip(np.sin(np.arange(count) * 2 * np.pi * 4 / VOICE_RATE) + 0.4, 0.0, None)
+    return (loudness * np.random.default_rng(seed).normal(size=count)).astype(np.float32)
+
+
+def room_echo(played: np.ndarray, seed: int = 1) -> np.ndarray:
+    """Return the echo by a path of a delay and 60 ms of reverberation."""
+    tail = 960
+    path = np.random.default_rng(seed).normal(size=tail) * np.exp(-np.arange(tail) / 200) * 0.1
+    path[0] = 0.8
+    return np.convolve(played, np.concatenate([np.zeros(DELAY), path]))[: len(played)].astype(np.float32)
+
+
+def run(heard, played):
+    """Return the cleaned sound, the echo, and the flags of the gate for each frame."""
+    canceller, gate = EchoCanceller(), OwnVoiceGate()
+    parts = []
+    for k in range(0, len(heard), FRAME_SIZE):
+        cleaned, echo = canceller.cancel(heard[k : k + FRAME_SIZE], played[k : k + FRAME_SIZE])
+        parts.append((cleaned, echo, gate.admits(cleaned, echo)))
+    cleaned, echoes, flags = zip(*parts, strict=True)
+    return np.concatenate(cleaned), np.concatenate(echoes), np.array(flags)
+
+
+def level(sound):
+    return 10 * np.log10(np.mean(np.square(sound)) + 1e-12)
+
+
+def test_echo_of_a_known_sound_is_cancelled_within_a_second():
+    played = modulated_noise(2, 4.0)
+    heard = room_echo(played)
+    cleaned, *_ = run(heard, played)
+    late = slice(2 * VOICE_RATE, None)
+    assert level(heard[late]) - level(cleaned[late]) > 20.0
+
+
+def test_voice_of_a_person_survives_the_cancellation():
+    played, person = modulated_noise(2, 4.0), modulated_noise(3, 4.0)
+    person[: 3 * VOICE_RATE] = 0.0
+    cleaned, *_ = run(room_echo(played) + person, played)
+    late = slice(3 * VOICE_RATE, None)
+    assert level(cleaned[late] - person[late]) < level(person[late]) - 10.0
+
+
+def test_silent_loudspeaker_leaves_the_sound_unchanged():
+    heard = modulated_noise(4, 1.0)
+    cleaned, echo, flags = run(heard, np.zeros_like(heard))
+    np.testing.assert_array_equal(cleaned, heard)
+    assert not echo.any()
+    assert flags.sum() > 0.5 * len(flags)
+
+
+def test_gate_admits_a_person_and_rejects_what_the_canceller_leaves_of_the_own_voice():
+    played, person = modulated_noise(2, 6.0), modulated_noise(5, 6.0)
+    person[: 4 * VOICE_RATE] = 0.0
+    clipped = np.clip(3 * played, -0.2, 0.2) / 3  # a loudspeaker that distorts leaves an echo
+    _, _, flags = run(room_echo(clipped) + person, played)
+    start, voice = VOICE_RATE // FRAME_SIZE, 4 * VOICE_RATE // FRAME_SIZE
+    assert flags[start:voice].mean() < 0.1
+    loud = np.abs(person.reshape(-1, FRAME_SIZE)).mean(axis=1) > 0.02
+    assert flags[loud].mean() > 0.8
+
+
+def test_path_that_changes_is_learned_again_within_four_seconds():
+    played = modulated_noise(2, 8.0)
+    half = len(played) // 2 // FRAME_SIZE * FRAME_SIZE
+    heard = np.concatenate([room_echo(played)[:half], room_echo(played, seed=9)[half:]])
+    cleaned, *_ = run(heard, played)
+    assert level(heard[-VOICE_RATE:]) - level(cleaned[-VOICE_RATE:]) > 8.0

@@ -1,0 +1,42 @@
+"""Conversion of streamed sound between sample rates."""
+
+import numpy as np
+import pytest
+
+from kinesic.hearing.resampling import StreamResampler
+
+NEW_RATE = 16_000  # [Hz]
+TONE = 440.0  # [Hz]
+
+
+def converted(rate: int, sizes: tuple[int, ...], tone: float = TONE) -> np.ndarray:
+    """Convert one second of a tone in pieces of the given sizes, repeatedly."""
+    sound = np.sin(2 * np.pi * tone * np.arange(rate) / rate).astype(np.float32)
+    resampler, parts, begin, number = StreamResampler(rate, NEW_RATE), [], 0, 0
+    while begin < len(sound):
+        size = sizes[number % len(sizes)]
+        parts.append(resampler.feed(sound[begin : begin + size]))
+        begin, number = begin + size, number + 1
+    return np.concatenate(parts)
+
+
+@pytest.mark.parametrize("rate", [8_000, 11_025, 16_000, 24_000, 44_100, 48_000])
+def test_tone_keeps_its_pitch_phase_and_amplitude(rate):
+    result = converted(rate, (1, 160, 7, 960))
+    assert abs(len(result) - NEW_RATE) < 40
+    expected = np.sin(2 * np.pi * TONE * np.arange(len(result)) / NEW_RATE)
+    assert np.abs(result - expected)[60:-60].max() < 2e-3
+
+
+def test_result_does_not_depend_on_the_size_of_the_pieces():
+    np.testing.assert_allclose(converted(44_100, (441,)), converted(44_100, (1, 3, 1000, 50)), atol=1e-6)
+
+
+def test_frequencies_above_half_the_new_rate_are_removed():
+    assert np.abs(converted(48_000, (480,), tone=12_000.0)[200:]).max() < 0.01
+
+
+@pytest.mark.parametrize("rate", [0, -1, 3_999, 192_001])
+def test_rate_of_no_microphone_is_refused(rate):
+    with pytest.raises(ValueError, match="from 4000 to 192000 Hz"):
+        StreamResampler(rate, NEW_RATE)
