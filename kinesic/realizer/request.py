@@ -256,7 +256,7 @@ def block_id(text: str | bytes) -> str:
     if data.lstrip()[:1] == b"{":
         try:
             return _named.decode(data).id
-        except (msgspec.DecodeError, UnicodeDecodeError):
+        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):  # the reader names the place
             return DEFAULT_BLOCK_ID
     ids = (match[1] or match[2] for match in _ID_PATTERN.finditer(data, 0, ID_SEARCH_SIZE))
     written = next(filter(None, ids), None)

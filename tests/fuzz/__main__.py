@@ -26,7 +26,7 @@ class Findings:
 
     inputs: int = 0
     accepted: int = 0
-    failures: dict[str, Path] = field(default_factory=dict)  # last line of the error -> first input with it
+    failures: dict[str, Path] = field(default_factory=dict)  # place and kind of the error -> first input with it
 
 
 def fuzz(name: str, seconds: float, *, seed: int, engine: str, corpus: Path) -> Findings:
@@ -56,18 +56,18 @@ def fuzz(name: str, seconds: float, *, seed: int, engine: str, corpus: Path) -> 
         if done.returncode == 0:
             break
         data = (folder / LAST_INPUT).read_bytes() if (folder / LAST_INPUT).exists() else b""
-        lines = [line for line in done.stderr.splitlines() if line.strip()] or [f"exit code {done.returncode}"]
         path = folder / f"failed-{blake2b(data, digest_size=6).hexdigest()}"
         path.write_bytes(data)
         path.with_suffix(".txt").write_text(done.stderr)
-        findings.failures.setdefault(_error_line(lines)[:200], path)
+        findings.failures.setdefault(_describe_error(done.stderr), path)
     return findings
 
 
-def _error_line(lines: list[str]) -> str:
-    """Return the line that names an error, or the last line."""
-    named = [line for line in lines if line.lstrip("= ").split(":")[0].endswith(("Error", "Exception", "Interrupt"))]
-    return (named or lines)[-1].strip()
+def _describe_error(text: str) -> str:
+    """Return the last place and the kind of an error, so that equal faults count once."""
+    lines = [line.strip() for line in text.splitlines() if line.strip()] or ["no output"]
+    places = [line for line in lines if line.startswith("File ") and "/kinesic/" in line]
+    return f"{lines[-1].partition(':')[0]} at {places[-1]}" if places else lines[-1][:200]
 
 
 def main() -> int:

@@ -206,14 +206,16 @@ def _place(reader: _Reader, hand: Element, side: Side) -> tuple[Floats, tuple[bo
     place = _first(hand, "symbolicPosition", "uniformPosition")
     if place is None:
         return None
+    values: list[float | str]
     if not place.children:  # a uniformPosition as the schema has it
-        return position(*(reader.number(place, name, "0") for name in "xyz")), (False, False, False)
-    x, y, z = (reader.child(place, name) for name in ("horizontalLocation", "verticalLocation", "frontalLocation"))
-    fixed = (reader.truth(z, "fixed"), reader.truth(x, "fixed"), reader.truth(y, "fixed"))
-    if place.local == "uniformPosition":
-        return position(*(reader.number(axis, "value") for axis in (x, y, z))), fixed
+        fixed, values = (False, False, False), [reader.number(place, name, "0") for name in "xyz"]
+    else:
+        axes = x, y, z = [reader.child(place, f"{name}Location") for name in ("horizontal", "vertical", "frontal")]
+        fixed = (reader.truth(z, "fixed"), reader.truth(x, "fixed"), reader.truth(y, "fixed"))
+        read = reader.number if place.local == "uniformPosition" else reader.attribute
+        values = [read(axis, "value") for axis in axes]
     try:
-        return position(*(reader.attribute(axis, "value") for axis in (x, y, z))), fixed
+        return position(*values), fixed
     except ValueError as error:
         reader.fail(place, str(error))
 

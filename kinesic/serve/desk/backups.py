@@ -109,5 +109,5 @@ def _headers(archive: HeldFolder) -> Iterator[tuple[str, Header]]:
             continue
         try:
             yield file, msgspec.json.decode(beginning.partition(b"\n")[0], type=Header)
-        except (msgspec.DecodeError, UnicodeDecodeError):
+        except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):
             continue

@@ -163,13 +163,13 @@ def read_control(message: bytes) -> Control | None:
         return None
     try:
         verb = _verbs.decode(text).do
-    except (msgspec.DecodeError, UnicodeDecodeError):
+    except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):  # the reader of documents names the place
         return None
     if len(text) > MAX_CONTROL_SIZE and verb not in LONG_VERBS:
         return None
     try:
         request: Control = _controls.decode(text)
-    except msgspec.ValidationError as error:
+    except (msgspec.ValidationError, RecursionError) as error:
         raise ValueError(f"{error}; see docs/reference/wire-protocol.md for the control messages") from None
     return request
 

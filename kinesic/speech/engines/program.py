@@ -167,7 +167,7 @@ class _Process:
             raise EngineError("the program ended" if len(line) < MAX_HEADER else "its answer has no end of line")
         try:
             answer = msgspec.json.decode(line, type=_Answer)
-        except msgspec.DecodeError as error:
+        except (msgspec.DecodeError, RecursionError) as error:
             raise EngineError(f"its answer is no valid JSON: {error}") from None
         if not 0 <= answer.bytes <= MAX_SOUND:
             raise EngineError(f"its sound has {answer.bytes} bytes, must be 0 to {MAX_SOUND}")

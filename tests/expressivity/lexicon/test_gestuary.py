@@ -216,3 +216,11 @@ def test_gestuary_trajectory_without_axes_has_default_parameters(read):
 def test_invalid_gestuary_trajectory_error_has_file_and_line(read, trajectory, said):
     with pytest.raises(ConfigError, match=said):
         read(hand(), moved(trajectory))
+
+
+def test_numeric_gestuary_position_out_of_reach_is_refused_at_its_line(tmp_path):
+    path = tmp_path / "own.xml"
+    phase = hand().replace('value="0.3"', 'value="1e11"')
+    path.write_text(f'<gestuary><gesture category="deictic" id="Own"><phase>{phase}</phase></gesture></gestuary>')
+    with pytest.raises(ConfigError, match=r"own\.xml:3: <uniformPosition> a hand is 1e\+11 arm lengths"):
+        read_gestuary(path)

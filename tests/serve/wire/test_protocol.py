@@ -6,6 +6,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from kinesic.bml.block import DEFAULT_BLOCK_ID
+from kinesic.realizer.request import block_id
 from kinesic.serve.wire.protocol import (
     MESSAGE_END,
     Enquiry,
@@ -86,6 +88,13 @@ def test_control_messages_are_decoded(text, wish):
 )
 def test_messages_without_a_control_key_are_documents(text):
     assert read_control(text.encode()) is None
+
+
+def test_deeply_nested_message_is_left_to_the_reader_of_documents():
+    for start in ('{"do": "interrupt", "block": ', '{"id": '):
+        text = start + "[" * 1900 + "]" * 1900 + "}"
+        assert read_control(text.encode()) is None
+        assert block_id(text) == DEFAULT_BLOCK_ID
 
 
 @pytest.mark.parametrize(
