@@ -141,11 +141,11 @@ def from_eyes(place: Floats, robot: Robot) -> Floats:
         place: (3,) [m] in the world.
         robot: standing upright.
     """
-    return np.asarray(place - _eyes(robot))
+    return np.asarray(place - eye_place(robot))
 
 
 @lru_cache(maxsize=16)
-def _eyes(robot: Robot) -> Floats:
+def eye_place(robot: Robot) -> Floats:
     """Return the position of the eyes, (3,) [m] in the world.
 
     For a robot without a neck it is the point between its shoulders.

@@ -11,6 +11,14 @@ from kinesic.serve.desk.requester import Requester
 from kinesic.serve.messages import Restyling, Words
 from kinesic.serve.queues import OutputQueue, UnreadMemory
 from kinesic.serve.session import Session
+from kinesic.serve.wire.conversing import (
+    ConversationMessage,
+    ConverseRequest,
+    HeardReport,
+    PeopleReport,
+    ThinkRequest,
+    TurnReport,
+)
 from kinesic.serve.wire.origin import Access
 from kinesic.serve.wire.protocol import (
     Arm,
@@ -38,7 +46,7 @@ CLOSE_POLICY_VIOLATION = 1008  # WebSocket close code of a policy violation
 CLOSE_TOO_BIG = 1009  # WebSocket close code: a message exceeds the size limit
 CLOSE_TRY_LATER = 1013  # WebSocket close code: the server is full
 REFUSAL_BURST_FACTOR = 10  # refused messages, in multiples of `Quotas.burst`, before a client is disconnected
-FREQUENT_MESSAGES = ReachQuestion | SpokenWords  # message types that clients send at high rates
+FREQUENT_MESSAGES = ReachQuestion | SpokenWords | ConversationMessage  # message types that clients send at high rates
 FREQUENT_RATE_FACTOR = 4  # rate and burst limit of `FREQUENT_MESSAGES` relative to those of other messages
 TOKEN_REQUIRED = 'a token is needed: send {"do": "hello", "token": "..."} first'  # reason of refusals before the token
 
@@ -240,6 +248,10 @@ class ClientRegistry:
                 self.session.restyle(Restyling(style, changes, amount, block, client.number))
             case SpokenWords(text, ends, instead, style):
                 self._submit(client, Words(text, client.number, ends=ends, instead=instead, style=style))
+            case ConverseRequest() | PeopleReport() | HeardReport() | TurnReport() | ThinkRequest():
+                obstacle = self.session.converse(request, client.number)
+                if obstacle and isinstance(request, ConverseRequest):
+                    client.send(json_answer("refused", do="converse", why=obstacle))
             case Arm(token):
                 trusted = self.access.token is None or self.is_token(token)
                 self.session.arming.arm(client, request, trusted=trusted)

@@ -45,7 +45,10 @@ class IdleScheduler:
         if scene.blocks or scene.setup.idling.amount == 0.0:
             return inf
         pause = REST_BEFORE_IDLING if scene.idle is None else 0.0  # consecutive spells follow without a pause
-        begin = max(scene.motion.end + pause, self._earliest)
+        rest = scene.motion.end
+        if scene.follows:  # the head keeps moving
+            pause, rest = 0.0, -inf if scene.idle is None else scene.idle.end
+        begin = max(rest + pause, self._earliest)
         return begin if begin < self._until else inf
 
     def plan_next(self, setup: Setup) -> PreparedBlock:

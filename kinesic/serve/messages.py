@@ -10,6 +10,7 @@ from typing import Literal
 from msgspec import Struct
 
 from kinesic.body.arrays import Flags, Floats
+from kinesic.conversation.events import ConversationEvent
 from kinesic.motion.trajectory import Trajectory
 from kinesic.realizer.realizer import ScheduledFeedback
 from kinesic.realizer.request import Message
@@ -163,6 +164,15 @@ class Restyling:
 
 
 @dataclass(frozen=True)
+class ConversationRequest:
+    """Request to the planner: an event of a conversation."""
+
+    event: ConversationEvent
+    sender: int
+    fills: bool = False  # whether the robot says fillers; of an event that begins the conversation
+
+
+@dataclass(frozen=True)
 class Resumption:
     """Request to the planner: return to rest after an emergency stop."""
 
@@ -174,7 +184,7 @@ class Renewal:
     """Request to the planner: reload the gesture lexicon."""
 
 
-ClientRequest = DocumentRequest | Interruption | Restyling | Resumption | Renewal
+ClientRequest = DocumentRequest | Interruption | Restyling | ConversationRequest | Resumption | Renewal
 
 
 @dataclass(frozen=True, eq=False)

@@ -4,7 +4,7 @@ It reads documents, keeps the scene of running blocks, and proposes motions and 
 """
 
 import traceback
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from dataclasses import replace
 from functools import partial
 from math import isfinite
@@ -13,6 +13,7 @@ from multiprocessing.connection import wait
 from kinesic.bml.block import BmlError, DocumentBounds
 from kinesic.body.config import ConfigError
 from kinesic.child import PipeEnd
+from kinesic.conversation.wants import Filler, Want, Yield
 from kinesic.expressivity.style.style import Style, style_preset
 from kinesic.heap import freeze_heap
 from kinesic.planning.setup import Setup
@@ -30,9 +31,11 @@ from kinesic.realizer.realizer import (
 from kinesic.realizer.release import release_motion
 from kinesic.realizer.request import Message, block_id, read_request, refusal_feedback
 from kinesic.realizer.spoken import divide_speeches
+from kinesic.serve.conversing import Conversation, filler_block
 from kinesic.serve.idling import IdleScheduler
 from kinesic.serve.messages import (
     ClientRequest,
+    ConversationRequest,
     DocumentRequest,
     Halted,
     Interruption,
@@ -46,6 +49,7 @@ from kinesic.serve.messages import (
     Words,
 )
 from kinesic.serve.refiner import RefinedPlan, RefinementJob, pack, unpack
+from kinesic.serve.rejections import DEFECT_TYPES, REJECTION_REASONS
 from kinesic.serve.renewal import renew_setup
 from kinesic.serve.shared_scene import SharedScene, Verdict
 from kinesic.serve.talks import Talks
@@ -57,21 +61,6 @@ TEXT_TABLES_MODULE = (
     "kinesic.intent.read_ahead"  # module with the tables for texts, imported once and shared by all planners
 )
 MIN_POLL_PERIOD = 0.05  # [s] smallest time between two checks for due events
-DEFECT_TYPES = (
-    ArithmeticError,
-    AssertionError,
-    AttributeError,
-    LookupError,
-    MemoryError,
-    RuntimeError,
-    TypeError,
-    ValueError,
-)  # exceptions that indicate a programming error
-REJECTION_REASONS = {
-    Verdict.STOPPED: ("stopped", "an emergency stop came; resume first"),
-    Verdict.LATE: ("planning", "planning was too late for every start time, the machine is too busy; send it again"),
-    Verdict.UNSTEADY: ("planning", "it would cause a step in the running motion; send it again"),
-}  # quota rule and reason for rejecting a block
 
 
 def run_planner(
@@ -140,14 +129,16 @@ class PlannerState:
         self._renewed, self._renewals = renewed, 0  # lexicon reload, and number of reloads
         self._refining = False  # whether the refiner has a job
         self._idling, self._talks = IdleScheduler(), Talks(setup.character)
+        self._fillers = 0  # spoken fillers of all conversations
         self._shared = SharedScene(
             setup,
             loop,
             properties,
             beginning=beginning,
             other_clients=lambda: self._talks.senders,
-            on_halt=self._cancel_pending,
+            on_halt=self._halt,
         )
+        self._conversation = Conversation(self._shared, shows_eyes=properties.accompaniment.face)
 
     @property
     def _scene(self) -> Scene:
@@ -157,13 +148,15 @@ class PlannerState:
     def pause(self) -> float | None:
         """Time [s] until the planner's next due event, or None without one."""
         scene = self._scene
-        next_time = min(scene.next_time, self._idling.next_time(scene), self._talks.next_time(scene))
-        pause = next_time - self._clock.now()
+        now, conversation = self._clock.now(), self._conversation
+        times = (self._idling.next_time(scene), self._talks.next_time(scene), conversation.next_time(now))
+        pause = min(scene.next_time, *times) - now
         return max(pause, MIN_POLL_PERIOD) if isfinite(pause) else None
 
     def advance_scene(self) -> None:
         """Advance the scene: remove ended blocks, start waiting blocks, or idle."""
         now = self._clock.now()
+        self._perform_wants(self._conversation.advance(now))
         if self._idling.next_time(self._scene) > now:
             self._shared.propose(advance)
             return
@@ -184,6 +177,10 @@ class PlannerState:
                 self._interrupt(request)
             case Restyling():
                 self._restyle(request)
+            case ConversationRequest():
+                self._perform_wants(self._conversation.take(request, self._clock.now()))
+                if self._conversation.is_on:
+                    self._idling.allow(self._clock.now())
             case Renewal():
                 self._shared.renew(self._renewed(self._scene.setup))
                 self._renewals += 1
@@ -203,6 +200,17 @@ class PlannerState:
                 for client in dict.fromkeys((senders[block], request.sender)):
                     if client is not None:
                         self._tell(answer, client)
+
+    def _perform_wants(self, wants: Iterable[Want]) -> None:
+        """Stop own speech for a person, or say a filler."""
+        for want in wants:
+            if isinstance(want, Yield):
+                self._interrupt(Interruption(None, True, self._clock.now(), self._conversation.owner))
+            elif isinstance(want, Filler):
+                self._fillers += 1
+                bml = filler_block(want, self._scene.setup.language, self._fillers)
+                if bml:
+                    self._plan(DocumentRequest(Message(bml, self._conversation.owner, "<filler>"), self._shared.stops))
 
     def plan_phrases(self) -> None:
         """Plan the next complete phrases of streamed texts in turn."""
@@ -244,6 +252,11 @@ class PlannerState:
     def handle_stop(self, halted: Halted) -> None:
         """Adopt the motion of an emergency stop, which interrupts all blocks."""
         self._shared.handle_stop(halted)
+
+    def _halt(self) -> None:
+        """Drop everything that would move the robot after an emergency stop."""
+        self._cancel_pending()
+        self._conversation.end(self._clock.now(), moves=False)
 
     def _cancel_pending(self) -> None:
         """Drop all unspoken text, and begin no further idle motion."""

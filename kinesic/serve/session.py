@@ -10,6 +10,7 @@ from typing import Literal
 
 from kinesic.planning.setup import Setup
 from kinesic.realizer.request import Message, block_id
+from kinesic.serve.conversation_requests import END_OF_CONVERSATION, conversation_requests, drop_outdated
 from kinesic.serve.desk.desk import Desk
 from kinesic.serve.desk.export import NO_WRITERS, Writers
 from kinesic.serve.loop import Loop
@@ -29,6 +30,7 @@ from kinesic.serve.queues import FairQueue
 from kinesic.serve.sinks.arming import Arming
 from kinesic.serve.sinks.real_time import RealTimeSink
 from kinesic.serve.tracks import NO_ACCOMPANIMENT, SoundAndFace, TrackEffects
+from kinesic.serve.wire.conversing import ConversationMessage, ConverseRequest
 from kinesic.serve.wire.quotas import Quotas, quota_feedback
 from kinesic.speech.speaker import Speaker
 from kinesic.speech.voice import table_modules
@@ -69,6 +71,7 @@ class Session:
         self._send_feedback, self._rules, self._sinks = send_feedback, rules, sinks
         self._documents, self._requests = FairQueue(rules.waiting), deque[ClientRequest]()
         self._is_stopped = False
+        self._converses = False  # whether a client has begun a conversation
         self._warm = Event()
         self._renewal: Task[None] | None = None  # requests the next lexicon reload
         self._renewed = -RENEWAL_PERIOD  # [s] monotonic clock time of the last requested reload
@@ -111,13 +114,9 @@ class Session:
 
         None if the document is accepted.
         """
-        if self._is_stopped:
-            return quota_feedback("stopped", "an emergency stop holds; resume first", name=block_id(document.text))
-        if self.loop.needs_resume():
-            why = "the servos hold after an interruption of more than a second; resume first"
-            return quota_feedback("stopped", why, name=block_id(document.text))
-        if self.loop.servos is not None and not self.loop.servos.armed:
-            return quota_feedback("limp", "the servos have no torque; arm them first", name=block_id(document.text))
+        obstacle = self._find_obstacle()
+        if obstacle is not None:
+            return quota_feedback(*obstacle, name=block_id(document.text))
         if not self._documents.add(document):
             why = f"{self._rules.waiting} of your blocks already wait to be planned; send fewer at once"
             return quota_feedback("waiting", why, name=block_id(document.text))
@@ -163,6 +162,26 @@ class Session:
             for document in self._documents.clear():
                 self._refuse(document, "interrupted", "everything was interrupted before this was planned")
         self._request(Interruption(block, yields, self.clock.now(), sender))
+
+    def converse(self, message: ConversationMessage, sender: int) -> str:
+        """Pass on a message about a conversation, or return why the robot cannot converse."""
+        obstacle = self._find_obstacle()
+        if obstacle is None:
+            self._converses |= isinstance(message, ConverseRequest)
+            for request in conversation_requests(message, sender):
+                drop_outdated(self._requests, request)
+                self._request(request)
+        return "" if obstacle is None else obstacle[1]
+
+    def _find_obstacle(self) -> tuple[str, str] | None:
+        """Return rule and reason that prevent motion, or None."""
+        if self._is_stopped:
+            return "stopped", "an emergency stop holds; resume first"
+        if self.loop.needs_resume():
+            return "stopped", "the servos hold after an interruption of more than a second; resume first"
+        if self.loop.servos is not None and not self.loop.servos.armed:
+            return "limp", "the servos have no torque; arm them first"
+        return None
 
     def restyle(self, restyling: Restyling) -> None:
         """Change the style of one block, or of running and future ones."""
@@ -219,7 +238,9 @@ class Session:
         return sender in self._documents or self.loop.has_unfinished_blocks(sender) or self.planner.serves(sender)
 
     async def fold(self) -> None:
-        """Interrupt all blocks and wait until the robot is at rest."""
+        """End blocks and conversation, and wait until the robot is at rest."""
+        if self._converses:
+            self._request(END_OF_CONVERSATION)
         self.interrupt(None)
         while self.loop.is_alive() and (self._requests or not self.planner.is_free or not self.loop.is_settled()):
             await sleep(SETTLE_POLL_PERIOD)

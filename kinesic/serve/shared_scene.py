@@ -152,7 +152,7 @@ class SharedScene:
             owed=frozenset(block.sender for block in scene.blocks) | self._other_clients(),
             moving={(block.id, need.behaviour): need.hinges for block in scene.blocks for need in block.occupancy},
             tracks=tracks,
-            idles=scene.idle is not None and not scene.blocks,
+            idles=(scene.idle is not None or scene.follows) and not scene.blocks,
         )
 
     def _answer(self) -> tuple[Halted | None, ProposalVerdict]:

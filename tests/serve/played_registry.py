@@ -19,6 +19,7 @@ class Performer:
         self.done: list[tuple] = []
         self.performed: list[Message] = []
         self.refusal: str | None = None
+        self.obstacle = ""
         self.fault: Exception | None = None
         self.desk = self.arming = self
 
@@ -34,11 +35,15 @@ class Performer:
     def resume(self) -> None:
         self.done.append(("resume",))
 
-    def interrupt(self, block: str | None) -> None:
+    def interrupt(self, block: str | None, *, yields: bool = False, sender: int | None = None) -> None:
         self.done.append(("interrupt", block))
 
     def restyle(self, restyling: Restyling) -> None:
         self.done.append(("restyle", restyling))
+
+    def converse(self, message: object, sender: int) -> str:
+        self.done.append(("converse", message, sender))
+        return self.obstacle
 
     def status(self) -> dict[str, object]:
         return {"state": "resting"}

@@ -77,6 +77,11 @@ def test_each_idle_motion_has_the_next_seed_and_lasts_twelve_seconds(scene, monk
 def test_forbidden_idle_motion_may_be_allowed_again(scene):
     scheduler = allowed()
     scheduler.forbid()
-    assert scheduler.next_time(SimpleNamespace(blocks=(), idle=None, motion=scene.motion, setup=scene.setup)) == inf
+    assert (
+        scheduler.next_time(
+            SimpleNamespace(blocks=(), idle=None, follows=False, motion=scene.motion, setup=scene.setup)
+        )
+        == inf
+    )
     scheduler.allow(0.0)
     assert scheduler.next_time(scene) < inf

@@ -15,7 +15,7 @@ from kinesic.serve.desk.gesture import draft_gesture, gesture_text
 from kinesic.serve.desk.gesture_file import find_fault
 from kinesic.serve.desk.helper import Unanswered
 from kinesic.serve.desk.text import list_alternatives, write_document
-from kinesic.serve.planner import DEFECT_TYPES
+from kinesic.serve.rejections import DEFECT_TYPES
 from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.questions import (
     AlternativesQuestion,

@@ -9,6 +9,7 @@ import msgspec
 from msgspec import Struct
 
 from kinesic.bml.reading.wrapping import find_root, is_wrapped
+from kinesic.serve.wire.conversing import CONVERSATION_VERBS, ConversationMessage
 from kinesic.serve.wire.questions import LONG_VERBS, Question
 
 MESSAGE_END = b"\0"  # byte that terminates a message in a byte stream
@@ -140,6 +141,7 @@ Control = (
     | Torque
     | Enquiry
     | Ping
+    | ConversationMessage
     | Question
 )
 
@@ -165,7 +167,7 @@ def read_control(message: bytes) -> Control | None:
         verb = _verbs.decode(text).do
     except (msgspec.DecodeError, UnicodeDecodeError, RecursionError):  # the reader of documents names the place
         return None
-    if len(text) > MAX_CONTROL_SIZE and verb not in LONG_VERBS:
+    if len(text) > MAX_CONTROL_SIZE and verb not in LONG_VERBS | CONVERSATION_VERBS:
         return None
     try:
         request: Control = _controls.decode(text)

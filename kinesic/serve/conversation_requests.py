@@ -1,0 +1,27 @@
+"""Requests of clients about a conversation, for the planner."""
+
+from collections import deque
+
+from kinesic.conversation.events import Conversing, PeopleSeen
+from kinesic.serve.messages import ClientRequest, ConversationRequest
+from kinesic.serve.wire.conversing import ConversationMessage, ConverseRequest, conversation_events
+
+END_OF_CONVERSATION = ConversationRequest(Conversing(on=False), 0)
+
+
+def conversation_requests(message: ConversationMessage, sender: int) -> tuple[ConversationRequest, ...]:
+    """Convert a message of a client to requests, one for each event."""
+    fills = isinstance(message, ConverseRequest) and message.fillers
+    return tuple(ConversationRequest(event, sender, fills) for event in conversation_events(message))
+
+
+def drop_outdated(waiting: deque[ClientRequest], request: ConversationRequest) -> None:
+    """Remove the last waiting request if it is an earlier report of people by the same client."""
+    last = waiting[-1] if waiting else None
+    if (
+        isinstance(last, ConversationRequest)
+        and last.sender == request.sender
+        and isinstance(last.event, PeopleSeen)
+        and isinstance(request.event, PeopleSeen)
+    ):
+        waiting.pop()

@@ -1,0 +1,201 @@
+"""Conversation of a client, performed beneath the blocks of a scene."""
+
+from math import copysign, inf, radians
+
+import numpy as np
+
+from kinesic.body.robot import Robot
+from kinesic.conversation.advance import advance_conversation, next_time
+from kinesic.conversation.events import ConversationEvent, Conversing, Place, RobotSpeech
+from kinesic.conversation.state import ConversationState
+from kinesic.conversation.turn_words import turn_words
+from kinesic.conversation.wants import BodyLean, Filler, Look, ModeNotice, Nod, Want, Yield
+from kinesic.expressivity.gaze import eye_place, towards
+from kinesic.expressivity.keyframes import HeldTurns, Turn
+from kinesic.expressivity.turns import UPRIGHT_TURN, add_turns, clip_turn, rotation_range, scale_turn
+from kinesic.planning.setup import Setup
+from kinesic.planning.torso import compute_torso_turn
+from kinesic.realizer.follow_steps import FOLLOWING_PREFIX
+from kinesic.realizer.following import follow, is_looking_elsewhere, nod
+from kinesic.realizer.realizer import Scene, advance
+from kinesic.serve.messages import ConversationRequest
+from kinesic.serve.shared_scene import SharedScene
+from kinesic.serve.wire.protocol import json_answer
+
+MAX_HEAD_ANGLE = radians(30.0)  # [rad] gaze direction above which the trunk turns, too
+MIN_HEAD_FRACTION = 0.5  # smallest fraction of a look away that the head of a robot without visible eyes performs
+RETRY_PERIOD = 0.25  # [s] time between attempts to follow while a block determines the gaze
+SPATIAL_GAIN = 0.5  # change of amplitudes by the spatial extent of a style
+SPEECH_END_TOLERANCE = 0.05  # [s] smallest change of the expected end of speech that is reported
+FILLER_BLOCK = "filler"  # first part of the ids of blocks with fillers
+
+
+class Conversation:
+    """Conversation of one client and its effects on the scene."""
+
+    def __init__(self, shared: SharedScene, *, shows_eyes: bool) -> None:
+        """Create a conversation that has not begun.
+
+        Args:
+            shared: scene that the conversation changes by proposals.
+            shows_eyes: whether an output shows the eyes of the robot.
+        """
+        self._shared, self._shows_eyes = shared, shows_eyes
+        self._state = ConversationState(eyes=_eyes(shared.scene.setup.robot))
+        self.owner = 0  # client that began the conversation
+        self._fills = False  # whether the robot says fillers
+        self._look = Look(None)
+        self._retry = inf  # [s] time of the next attempt to follow
+        self._speech: tuple[bool, float] = (False, inf)  # last reported activity and end [s] of own speech
+
+    @property
+    def is_on(self) -> bool:
+        """Whether the robot converses."""
+        return self._state.on
+
+    def next_time(self, now: float) -> float:
+        """Return the next time [s] at which `advance` has an effect without an event."""
+        if not self.is_on:
+            return inf
+        speeches = self._shared.scene.speeches
+        edges = [time for item in speeches for time in (item.begin, item.end) if time > now]
+        words = turn_words(self._shared.scene.setup.language)
+        return min([next_time(self._state, now, words=words), self._retry, *edges])
+
+    def take(self, request: ConversationRequest, now: float) -> tuple[Want, ...]:
+        """Apply an event of a client, and return the wants that a planner must perform."""
+        if isinstance(request.event, Conversing):
+            self._fills, was_on = request.fills, self.is_on
+            self.owner = request.sender if request.event.on else self.owner
+            if was_on and not request.event.on:
+                return self.end(now)
+        return self._advance([request.event], now)
+
+    def advance(self, now: float) -> tuple[Want, ...]:
+        """Advance to a time [s], and return the wants that a planner must perform."""
+        return self._advance([], now) if self.is_on else ()
+
+    def end(self, now: float, *, moves: bool = True) -> tuple[Want, ...]:
+        """End the conversation, and return the head to rest.
+
+        Args:
+            now: current time [s].
+            moves: whether the head returns; False at an emergency stop.
+        """
+        self._state, wants = advance_conversation(self._state, Conversing(on=False), now)
+        self._retry, self._speech = inf, (False, inf)
+        self._tell(wants)
+        if moves:
+            self._shared.propose(lambda scene, time: follow(advance(scene, time), None, time))
+        return ()
+
+    def _advance(self, events: list[ConversationEvent], now: float) -> tuple[Want, ...]:
+        """Advance by events and own speech, change the scene, and return the other wants."""
+        words, wants = turn_words(self._shared.scene.setup.language), list[Want]()
+        speech = self._own_speech(now)
+        for event in (*([] if speech is None else [speech]), *events) or (None,):
+            self._state, requested = advance_conversation(self._state, event, now, words=words)
+            wants += requested
+        self._tell(tuple(wants))
+        self._move([want for want in wants if isinstance(want, Look | BodyLean | Nod)], now)
+        return tuple(want for want in wants if isinstance(want, Yield) or (self._fills and isinstance(want, Filler)))
+
+    def _own_speech(self, now: float) -> RobotSpeech | None:
+        """Return the begin, end or new expected end of the robot's speech, or None."""
+        playing = [
+            item
+            for item in self._shared.scene.speeches
+            if item.begin <= now < item.end and not item.block.startswith(FILLER_BLOCK)
+        ]
+        active, end = bool(playing), max((item.end for item in playing), default=inf)
+        before, self._speech = self._speech, (active, end)
+        if active and (not before[0] or abs(end - before[1]) > SPEECH_END_TOLERANCE):
+            return RobotSpeech(active=True, ends_in=end - now)
+        return RobotSpeech(active=False) if before[0] and not active else None
+
+    def _tell(self, wants: tuple[Want, ...]) -> None:
+        """Report new states and backchannels to the client."""
+        for want in wants:
+            if isinstance(want, ModeNotice):
+                who = {} if want.who is None else {"who": want.who}
+                self._shared.tell(json_answer("conversing", state=want.mode, **who), self.owner)
+            elif isinstance(want, Nod):
+                self._shared.tell(json_answer("backchannel", sign="nod", reason=want.reason), self.owner)
+
+    def _move(self, wants: list[Look | BodyLean | Nod], now: float) -> None:
+        """Propose the motion of head and trunk."""
+        looks = [want for want in wants if isinstance(want, Look)]
+        self._look = looks[-1] if looks else self._look
+        is_due = bool(looks) or self._retry <= now
+        if not is_due and not wants:
+            return
+        self._retry = now + RETRY_PERIOD if is_looking_elsewhere(self._shared.scene, now) else inf
+
+        def change(scene: Scene, time: float) -> Scene:
+            scene = advance(scene, time)
+            scene = follow(scene, self._gaze_turns(scene), time)
+            for want in wants:
+                if isinstance(want, BodyLean) and not _holds_posture(scene):
+                    scene = follow(scene, _lean_turns(want, _amplitude(scene.setup)), time)
+                elif isinstance(want, Nod):
+                    scene = nod(scene, _amplitude(scene.setup) * radians(want.angle), time)
+            return scene
+
+        self._shared.propose(change)
+
+    def _gaze_turns(self, scene: Scene) -> HeldTurns:
+        """Return head and trunk rotations of the current look, within their ranges."""
+        robot, look = scene.setup.robot, self._look
+        fraction = look.head_fraction if self._shows_eyes else max(MIN_HEAD_FRACTION, look.head_fraction)
+        away = Turn(torsion=radians(look.away[0]), tilt=-radians(look.away[1]))
+        base = UPRIGHT_TURN if look.place is None else towards(np.array(look.place), robot)
+        head = add_turns(base, scale_turn(away, fraction))
+        torso = _followed_torso(scene)
+        if not scene.blocks:  # pointing hands and gestures need a steady trunk
+            excess = copysign(max(0.0, abs(base.torsion) - MAX_HEAD_ANGLE), base.torsion)
+            torso = clip_turn(Turn(torsion=excess), rotation_range(robot, "torso"))
+        neck = clip_turn(add_turns(head, scale_turn(torso, -1.0)), rotation_range(robot, "neck"))
+        return HeldTurns("look", add_turns(torso, neck), torso)
+
+
+def filler_block(want: Filler, language: str, count: int) -> str:
+    """Return the BML block of a filler, empty in a language without fillers.
+
+    Args:
+        want: requested filler.
+        language: language tag.
+        count: number of all fillers so far, for the block's id.
+    """
+    fillers = turn_words(language).fillers
+    if not fillers:
+        return ""
+    text = fillers[(want.number - 1) % len(fillers)]
+    return f'<bml id="{FILLER_BLOCK}{count}"><speech id="s"><text>{text}</text></speech></bml>'
+
+
+def _eyes(robot: Robot) -> Place:
+    x, y, z = (float(value) for value in eye_place(robot))
+    return x, y, z
+
+
+def _followed_torso(scene: Scene) -> Turn:
+    """Return the trunk rotation of the followed gaze."""
+    entry = next((item for item in scene.lasting if item.behaviour == f"{FOLLOWING_PREFIX}look"), None)
+    if entry is None or entry.offset is None:
+        return UPRIGHT_TURN
+    return Turn(*(float(angle) for angle in compute_torso_turn(scene.setup.robot, "torso", entry.offset)))
+
+
+def _holds_posture(scene: Scene) -> bool:
+    """Return whether a block holds a posture of the trunk."""
+    return any(entry.holds("trunk") and not entry.behaviour.startswith(FOLLOWING_PREFIX) for entry in scene.lasting)
+
+
+def _amplitude(setup: Setup) -> float:
+    """Return the factor on amplitudes of the style."""
+    return 1.0 + SPATIAL_GAIN * setup.style.head.spatial
+
+
+def _lean_turns(want: BodyLean, amplitude: float) -> HeldTurns:
+    head = Turn(roll=amplitude * radians(want.tilt))
+    return HeldTurns("posture", head, Turn(tilt=amplitude * radians(want.lean)))

@@ -1,0 +1,90 @@
+"""Messages about a conversation: people, voices, turns and thinking."""
+
+from typing import Annotated
+
+from msgspec import Meta, Struct
+
+from kinesic.conversation.events import (
+    ConversationEvent,
+    Conversing,
+    PeopleSeen,
+    Person,
+    Thinking,
+    Transcript,
+    TurnPrediction,
+    VoiceActivity,
+)
+
+MAX_PEOPLE = 32  # largest number of people in one report
+CONVERSATION_VERBS = frozenset({"people", "heard"})  # `do` values of messages with many people or long texts
+
+PersonId = Annotated[str, Meta(min_length=1, max_length=64)]
+Coordinate = Annotated[float, Meta(ge=-50.0, le=50.0)]  # [m]
+Age = Annotated[float, Meta(ge=0.0, le=5.0)]  # [s]
+Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]
+SpokenText = Annotated[str, Meta(max_length=2000)]
+
+
+class ConverseRequest(Struct, tag="converse", tag_field="do", forbid_unknown_fields=True):
+    """Request to begin or end a conversation, in which the robot attends to people."""
+
+    on: bool = True  # whether the robot converses
+    amount: Fraction = 1.0  # 0..1 amount of movement
+    fillers: bool = False  # whether the robot says a short filler while an answer takes long
+
+
+class SeenPerson(Struct, forbid_unknown_fields=True):
+    """Person in a `people` message."""
+
+    id: PersonId  # the same id for the same person
+    at: tuple[Coordinate, Coordinate, Coordinate]  # [m] position of the eyes: forward, left, up from the robot's base
+    looks: bool = False  # whether the person looks at the robot
+
+
+class PeopleReport(Struct, tag="people", tag_field="do", forbid_unknown_fields=True):
+    """Report of all people whom a tracker sees, 2 to 20 times a second."""
+
+    people: Annotated[tuple[SeenPerson, ...], Meta(max_length=MAX_PEOPLE)]  # a person missing for 1 s has left
+    age: Age = 0.0  # [s] time since the measurement
+
+
+class HeardReport(Struct, tag="heard", tag_field="do", forbid_unknown_fields=True):
+    """Report that the voice of a person began or ended, or of recognised words."""
+
+    voice: bool | None = None  # whether a voice began or ended; without it only words are reported
+    text: SpokenText | None = None  # all recognised words of the turn
+    final: bool = False  # whether the recogniser will not change these words
+    who: PersonId | None = None  # id of the person; without it unknown
+    age: Age = 0.0  # [s] time since the voice began or ended
+
+
+class TurnReport(Struct, tag="turn", tag_field="do", forbid_unknown_fields=True):
+    """Report of a model that predicts turns."""
+
+    yours: Fraction  # probability that the turn passes to the robot
+
+
+class ThinkRequest(Struct, tag="think", tag_field="do", forbid_unknown_fields=True):
+    """Report that a client prepares an answer, or no longer does."""
+
+    on: bool = True  # whether an answer is being prepared
+
+
+ConversationMessage = ConverseRequest | PeopleReport | HeardReport | TurnReport | ThinkRequest
+
+
+def conversation_events(message: ConversationMessage) -> tuple[ConversationEvent, ...]:
+    """Convert a message to the events of a conversation."""
+    match message:
+        case ConverseRequest(on, amount):
+            return (Conversing(on, amount),)
+        case PeopleReport(people, age):
+            return (PeopleSeen(tuple(Person(person.id, person.at, person.looks) for person in people), age),)
+        case HeardReport(voice, text, final, who, age):
+            voices = () if voice is None else (VoiceActivity(voice, who, age),)
+            words = () if text is None else (Transcript(text, final, who),)
+            return (*voices, *words) if voice else (*words, *voices)
+        case TurnReport(yours):
+            return (TurnPrediction(yours),)
+        case ThinkRequest(on):
+            return (Thinking(on),)

@@ -1,0 +1,174 @@
+"""Conversation of a client on the planner of the server, in simulated time."""
+
+import json
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+
+from kinesic.conversation.events import (
+    Conversing,
+    PeopleSeen,
+    Person,
+    Thinking,
+    Transcript,
+    VoiceActivity,
+)
+from kinesic.expressivity.gaze import towards
+from kinesic.motion.trajectory import stay
+from kinesic.planning.setup import Setup
+from kinesic.serve.messages import ConversationRequest, FeedbackNotice, Halted, Proposal
+
+from .planning_bench import Planning
+
+OWNER = 5
+FRONT, LEFT = (1.5, 0.2, 1.4), (1.2, 1.4, 1.4)
+SPEECH = '<speech id="s"><text>This is a rather long sentence, which I am telling you now.</text></speech>'
+
+
+class Talk:
+    """Planner in a conversation, with all that it tells."""
+
+    def __init__(self, planning: Planning) -> None:
+        self.planning, self.told, self.proposals = planning, [], []
+
+    @property
+    def state(self):
+        return self.planning.state
+
+    @property
+    def motion(self):
+        return self.state._scene.motion
+
+    def send(self, event, *, sender: int = OWNER, fills: bool = False) -> "Talk":
+        self.state.execute(ConversationRequest(event, sender, fills))
+        return self.collect()
+
+    def collect(self) -> "Talk":
+        for item in self.planning.loop.take():
+            if isinstance(item, FeedbackNotice) and item.message.startswith("{"):
+                self.told.append((self.planning.time, item.sender, json.loads(item.message)))
+            elif isinstance(item, Proposal):
+                self.proposals.append(item)
+        return self
+
+    def until(self, time: float, *people: Person, period: float = 0.2) -> "Talk":
+        """Advance the planner, with periodic reports of people."""
+        while self.planning.time < time - 1e-9:
+            pause = self.state.pause
+            self.planning.time = min(time, self.planning.time + min(period, np.inf if pause is None else pause))
+            self.state.advance_scene()
+            if people:
+                self.send(PeopleSeen(people))
+            self.collect()
+        return self
+
+    def states(self) -> list[str]:
+        return [message["state"] for _, _, message in self.told if message["told"] == "conversing"]
+
+    def head(self, time: float) -> float:
+        """Return the direction of the head to the left at a time [deg]."""
+        robot = self.planning.setup.robot
+        joints = [*robot.joints("torso"), *robot.joints("neck")]
+        turned = [k for k in joints if robot.skeleton.names[k].endswith("torsion")]
+        return float(np.degrees(self.motion.at(time).angles[turned].sum()))
+
+
+@pytest.fixture
+def talk(planning: Planning) -> Talk:
+    return Talk(planning).send(Conversing(on=True))
+
+
+def test_head_follows_a_person_and_returns_at_the_end(talk: Talk):
+    goal = np.degrees(towards(np.array(LEFT), talk.planning.setup.robot).torsion)
+    talk.until(2.0, Person("p", LEFT))
+    assert talk.head(2.0) == pytest.approx(goal, abs=3.0)
+    assert talk.states() == ["attending", "attending"]
+    assert [message.get("who") for _, _, message in talk.told] == [None, "p"]
+    assert {sender for _, sender, _ in talk.told} == {OWNER}
+    talk.send(Conversing(on=False)).until(4.5)
+    assert talk.states()[-1] == "off"
+    assert talk.head(4.5) == pytest.approx(0.0, abs=0.01)
+
+
+def test_head_starts_within_a_quarter_of_a_second(talk: Talk):
+    talk.until(1.0)
+    talk.send(PeopleSeen((Person("p", LEFT),)))
+    assert abs(talk.head(talk.planning.time + 0.25)) > 2.0
+
+
+def test_two_reports_of_the_same_place_cause_no_further_motion(talk: Talk):
+    talk.until(1.0, Person("p", FRONT))
+    motion = talk.motion
+    talk.send(PeopleSeen((Person("p", FRONT),)))
+    assert talk.motion.controls is motion.controls
+
+
+def test_listener_leans_and_nods_and_tells_the_backchannel(talk: Talk):
+    talk.until(1.0, Person("p", FRONT))
+    for k in range(6):
+        talk.send(VoiceActivity(active=True, who="p")).until(2.5 + 2 * k, Person("p", FRONT))
+        talk.send(VoiceActivity(active=False, who="p")).until(3.0 + 2 * k, Person("p", FRONT))
+    assert talk.states()[-1] == "listening"
+    signs = [message["sign"] for _, _, message in talk.told if message["told"] == "backchannel"]
+    assert 2 <= len(signs) <= 6
+    assert set(signs) == {"nod"}
+    tilts = [k for k, name in enumerate(talk.planning.setup.robot.skeleton.names) if name.endswith(("tilt", "roll"))]
+    assert np.degrees(np.abs(talk.motion.controls[-1] - talk.planning.setup.robot.skeleton.rest))[tilts].max() > 1.0
+
+
+def test_own_speech_is_a_state_and_a_voice_ends_it(talk: Talk):
+    talk.until(1.0, Person("p", FRONT))
+    talk.planning.document("b", SPEECH)
+    talk.until(2.5, Person("p", FRONT))
+    assert talk.states()[-1] == "speaking"
+    talk.send(VoiceActivity(active=True, who="p")).send(Transcript("wait a moment"))
+    assert talk.states()[-1] == "interrupted"
+    yielded = [message for _, sender, message in talk.told if message["told"] == "yielded" and sender == OWNER]
+    assert yielded[0]["said"]
+    assert "telling you now" in yielded[0]["unsaid"]
+    assert not talk.state._scene.playing
+
+
+def test_gesture_of_a_block_keeps_its_arms_while_the_head_follows(talk: Talk, planning: Planning):
+    talk.until(1.0, Person("p", FRONT))
+    planning.document("b", '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND" stroke="2"/>')
+    arms = list(planning.setup.robot.arm("l").all_joints)
+    before = talk.collect().motion
+    talk.until(2.0, Person("p", (1.5, -0.6, 1.4)))
+    times = np.arange(2.0, 4.0, 0.05)
+    assert talk.motion is not before
+    np.testing.assert_allclose(talk.motion.angles(times)[:, arms], before.angles(times)[:, arms], atol=1e-9)
+
+
+def test_fillers_are_spoken_only_if_the_client_wants_them(make_planning: Callable[..., Planning]):
+    for fills in (False, True):
+        talk = Talk(make_planning()).send(Conversing(on=True), fills=fills)
+        talk.until(1.0, Person("p", FRONT)).send(Thinking(on=True)).until(2.5, Person("p", FRONT))
+        spoken = [item.utterance for running in talk.state._scene.blocks for item in running.speeches]
+        assert bool(spoken) == fills
+        assert talk.states()[-1] == "thinking"
+
+
+def test_emergency_stop_ends_the_conversation_without_motion(talk: Talk):
+    talk.until(1.0, Person("p", LEFT))
+    held = stay(talk.motion.at(1.0).angles, start=1.0)
+    talk.state.handle_stop(Halted(1, 1.0, held))
+    talk.collect()
+    assert talk.states()[-1] == "off"
+    talk.proposals.clear()
+    talk.until(3.0)
+    talk.send(PeopleSeen((Person("p", FRONT),)))
+    motions = [proposal.motion for proposal in talk.proposals if proposal.motion is not None]
+    assert all(np.ptp(motion.controls, axis=0).max() == 0.0 for motion in motions)
+    np.testing.assert_array_equal(talk.motion.controls[-1], held.controls[-1])
+
+
+def test_idle_motion_goes_on_while_the_head_follows(make_planning: Callable[..., Planning], lively: Setup):
+    talk = Talk(make_planning(lively)).send(Conversing(on=True))
+    talk.until(4.0, Person("p", LEFT))
+    assert talk.state._scene.idle is not None
+    assert talk.proposals[-1].idles
+    first = talk.state._scene.idle
+    talk.until(16.0, Person("p", LEFT))
+    assert talk.state._scene.idle is not first

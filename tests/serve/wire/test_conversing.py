@@ -1,0 +1,65 @@
+"""Messages about a conversation."""
+
+import json
+
+import pytest
+
+from kinesic.conversation.events import (
+    Conversing,
+    PeopleSeen,
+    Person,
+    Thinking,
+    Transcript,
+    TurnPrediction,
+    VoiceActivity,
+)
+from kinesic.serve.wire.conversing import MAX_PEOPLE, conversation_events
+from kinesic.serve.wire.protocol import read_control
+
+
+def events(**message):
+    return conversation_events(read_control(json.dumps(message).encode()))
+
+
+def test_messages_become_events_of_a_conversation():
+    assert events(do="converse") == (Conversing(on=True),)
+    assert events(do="converse", on=False, amount=0.5) == (Conversing(on=False, amount=0.5),)
+    seen = events(do="people", people=[{"id": "p1", "at": [1, 0.5, 1.6], "looks": True}], age=0.08)
+    assert seen == (PeopleSeen((Person("p1", (1.0, 0.5, 1.6), looks=True),), 0.08),)
+    assert events(do="heard", voice=True, who="p1", age=0.1) == (VoiceActivity(active=True, who="p1", age=0.1),)
+    assert events(do="heard", text="so I", who="p1") == (Transcript("so I", who="p1"),)
+    assert events(do="turn", yours=0.8) == (TurnPrediction(0.8),)
+    assert events(do="think") == (Thinking(on=True),)
+
+
+def test_words_precede_the_end_of_their_voice_and_follow_its_begin():
+    begins, ends = (events(do="heard", voice=voice, text="yes", final=True) for voice in (True, False))
+    assert [type(event) for event in begins] == [VoiceActivity, Transcript]
+    assert [type(event) for event in ends] == [Transcript, VoiceActivity]
+
+
+def test_values_outside_their_limits_are_refused():
+    person = {"id": "p", "at": [1, 0, 1]}
+    refused = [
+        {"do": "people", "people": [person] * (MAX_PEOPLE + 1)},
+        {"do": "people", "people": [{"id": "p", "at": [1, 0]}]},
+        {"do": "people", "people": [{"id": "p", "at": [1e9, 0, 0]}]},
+        {"do": "people", "people": [{"id": "", "at": [1, 0, 1]}]},
+        {"do": "people", "people": [person], "age": -1},
+        {"do": "heard", "text": "x" * 2001},
+        {"do": "heard", "volume": 3},
+        {"do": "turn", "yours": 1.5},
+        {"do": "converse", "amount": 2},
+    ]
+    for message in refused:
+        with pytest.raises(ValueError, match="control messages"):
+            read_control(json.dumps(message).encode())
+
+
+def test_report_of_many_people_may_exceed_the_size_of_other_messages():
+    people = [
+        {"id": f"person-{k:057}", "at": [-1.12345678, 0.123456789, 1.6], "looks": True} for k in range(MAX_PEOPLE)
+    ]
+    message = json.dumps({"do": "people", "people": people}).encode()
+    assert len(message) > 4096
+    assert read_control(message) is not None
