@@ -31,6 +31,7 @@ from kinesic.expressivity.lexicon.form import GestureForm, Match
 from kinesic.expressivity.lexicon.lexicon import in_mode, mirror_form
 from kinesic.expressivity.lexicon.names import shorten_name
 from kinesic.expressivity.lexicon.shape_override import unknown_shape, with_shape
+from kinesic.expressivity.present_arms import PresentForm, describe_missing_arm, fit_form, select_present
 from kinesic.expressivity.turns import UPRIGHT_TURN, Layer, layers_of_holds, set_passages
 
 REALISED_OUTCOME = Outcome("realised")  # outcome of a behaviour that is performed as requested
@@ -83,7 +84,10 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     match = replace(match, form=with_shape(match.form, action.shape))
     requested_shapes = (*match.form.shapes, *((action.shape,) if unknown_shape(action.shape) else ()))
     match = _apply_fallback(match, action, context)
-    form = match.form
+    present = fit_form(match.form, context.robot, action.mode)
+    if present.dropped:
+        return drop_behaviour(present.dropped)
+    form = present.form
     if not form.keys and not form.rest:
         return drop_behaviour(f"gesture {form.id} has no stroke")
     target_warnings = _target_warnings(action, form, context)
@@ -100,16 +104,17 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
         place is None
         and action.mode == "unspecified"
         and len(form.sides) == len(full_form.sides) == 1
+        and len(context.robot.sides) == len(SIDES)
         and not form.rest
     ):
         options.append(mirror_form(form))
         if (deviation := context.deviations.get(timed.behaviour.id)) is not None:
             options = deviation.order_hands(options)
     pose_options = tuple(
-        poses(option, context.robot, manner) if option.keys else hanging_arms(SIDES) for option in options
+        poses(option, context.robot, manner) if option.keys else hanging_arms(context.robot.sides) for option in options
     )
     pose_options = tuple(work.with_effort(context.styles[timed.behaviour.id].effort) for work in pose_options)
-    outcome, warnings = _match_outcome(match, action.shape, context.robot)
+    outcome, warnings = _match_outcome(replace(match, form=form), action.shape, context.robot, present)
     may_split = action.mode == "unspecified"
     series = COUNTING_PREFIX if may_split and form.id.startswith(f"{COUNTING_PREFIX}_") else ""
     importance = 2 if timed.behaviour.required else 0 if form.category == "beat" else 1
@@ -122,7 +127,8 @@ def _aim_form(form: GestureForm, mode: HandMode, place: Floats, robot: Robot) ->
 
     By default, the hand on the side of the place points.
     """
-    side: Side = "l" if mode == "left" or (mode != "right" and place[1] > 0) else "r"
+    wished: Side = "l" if mode == "left" or (mode != "right" and place[1] > 0) else "r"
+    (side, *_) = select_present((wished,), robot)
     return aim_captured(in_mode(form, "left" if side == "l" else "right"), side, place, robot)[0]
 
 
@@ -140,17 +146,20 @@ def _apply_fallback(match: Match, action: Gesture, context: BlockContext) -> Mat
     )
 
 
-def _match_outcome(match: Match, shape: str, robot: Robot) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:
+def _match_outcome(
+    match: Match, shape: str, robot: Robot, present: PresentForm
+) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:
     """Return the outcome and warnings of a lexicon match.
 
     The outcome is realised, substituted, or partial if the robot lacks fingers for the hand shapes or one is unknown.
     """
     synonym_text = f"a synonym of {match.form.id}" if match.kind == "synonym" and not match.substitute else ""
     lacking_text, unknown_text = _lacking_fingers(match.form.shapes, robot), unknown_shape(shape)
-    why = "; ".join(filter(None, (match.substitute, lacking_text, unknown_text, synonym_text)))
-    if match.substitute:
+    reasons = (match.substitute, present.swapped, present.reduced, lacking_text, unknown_text, synonym_text)
+    why = "; ".join(filter(None, reasons))
+    if match.substitute or present.swapped:
         return substitution_outcome(why)
-    return _partly(why) if lacking_text or unknown_text else (Outcome("realised", why), ())
+    return _partly(why) if present.reduced or lacking_text or unknown_text else (Outcome("realised", why), ())
 
 
 def _partly(why: str) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:
@@ -190,17 +199,28 @@ def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext
     default_body = _scale_body(context.lexicon.bodies.get(POINTING_CATEGORY, NO_BODY), timed, context)
     bodies: Mapping[Side, BodyForm] = {"l": default_body.mirrored, "r": default_body}
     shape = action.shape or POINTING_SHAPE
-    work = {side: replace(pointing_poses(place, side, context.robot, shape), body=bodies[side]) for side in SIDES}
-    both = Poses({side: work[side].hands[side] for side in SIDES}, work["l"].stroke, body=default_body.symmetric)
-    by_distance = (work["l"], work["r"]) if place[1] > 0 else (work["r"], work["l"])
-    options = {"left": (work["l"],), "right": (work["r"],), "both": (both,), "unspecified": by_distance}
+    robot = context.robot
+    work = {side: replace(pointing_poses(place, side, robot, shape), body=bodies[side]) for side in robot.sides}
+    options = _order_pointing(work, action.mode, place, default_body.symmetric)
     manner, weight = context.manner(timed.behaviour, "gesture"), context.styles[timed.behaviour.id].effort
     importance = 2 if timed.behaviour.required else 1
-    pose_options = tuple(option.with_effort(weight) for option in options[action.mode])
+    pose_options = tuple(option.with_effort(weight) for option in options)
     stroke = Stroke(timed.behaviour.id, timed.times, pose_options, manner=manner, importance=importance)
-    target_warnings = unknown_shape(action.shape) or (_lacking_fingers((shape,), context.robot) if action.shape else "")
+    target_warnings = unknown_shape(action.shape) or (_lacking_fingers((shape,), robot) if action.shape else "")
+    target_warnings = "; ".join(filter(None, (describe_missing_arm(action.mode, robot), target_warnings)))
     outcome, warnings = _partly(target_warnings) if target_warnings else (REALISED_OUTCOME, ())
     return Move(outcome, strokes=(stroke,), warnings=warnings, shapes=(shape,))
+
+
+def _order_pointing(work: Mapping[Side, Poses], mode: HandMode, place: Floats, body: BodyForm) -> tuple[Poses, ...]:
+    """Return the poses of pointing hands, best first."""
+    if len(work) < len(SIDES):
+        return tuple(work.values())
+    if mode == "both":
+        return (Poses({side: work[side].hands[side] for side in SIDES}, work["l"].stroke, body=body),)
+    if mode == "unspecified":
+        return (work["l"], work["r"]) if place[1] > 0 else (work["r"], work["l"])
+    return (work["l" if mode == "left" else "r"],)
 
 
 def _scale_body(body: BodyForm, timed: TimedBehaviour, context: BlockContext) -> BodyForm:

@@ -25,6 +25,7 @@ from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.movement_words import movement_words, read_head_name, read_trunk_name
 from kinesic.expressivity.lexicon.names import shorten_name
+from kinesic.expressivity.present_arms import fit_form, select_present
 from kinesic.expressivity.trunk import Lean, hold_lean, limit_trunk, trunk_direction
 from kinesic.expressivity.turns import (
     UPRIGHT_TURN,
@@ -250,7 +251,13 @@ def _from_standing(posture_pose: Pose, robot: Robot) -> Turn:
 def _arm_strokes(timed: TimedBehaviour, arms: Arms, context: BlockContext) -> tuple[Stroke, ...]:
     """Return arm motions into a posture and, if temporary, to rest."""
     times, shift, manner = timed.times, stays(timed.behaviour.action), context.manner(timed.behaviour)
-    work = poses(arms, context.robot, manner) if isinstance(arms, GestureForm) else hanging_arms(_MODE_SIDES[arms])
+    if isinstance(arms, GestureForm):
+        present = fit_form(arms, context.robot)
+        if present.dropped:
+            return ()
+        work = poses(present.form, context.robot, manner)
+    else:
+        work = hanging_arms(select_present(_MODE_SIDES[arms], context.robot))
     arrival_time = times["end"] if shift else times["ready"]
     departure = times["end"] if shift else times["relax"]
     into_pose = Stroke(timed.behaviour.id, _instant_syncs(times["start"], arrival_time), (work,), rest=True)

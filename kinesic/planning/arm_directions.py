@@ -30,7 +30,8 @@ def measure_arm(robot: Robot, side: Side, angles: Floats) -> Floats:
 def set_arm(robot: Robot, side: Side, features: Floats, angles: Floats) -> Floats:
     """Return a posture (n,) [rad] whose arm has given link angles.
 
-    Link directions are compared as unit vectors. Hinges that lift the shoulder keep their angles.
+    Link directions are compared as unit vectors. Hinges that lift the shoulder keep their angles. An arm that the robot
+    lacks is ignored.
 
     Args:
         robot: with the arm.
@@ -40,6 +41,8 @@ def set_arm(robot: Robot, side: Side, features: Floats, angles: Floats) -> Float
     """
     skeleton, arm, solved = robot.skeleton, robot.arm(side), np.array(angles)
     joints = [joint for joint in arm.joints if joint not in arm.shoulder_lift_joints]
+    if not joints:
+        return solved
     targets, start = _to_directions(side, features), np.array(angles[joints])
     lower, upper = (np.asarray(bound)[joints] for bound in (skeleton.lower, skeleton.upper))
     for _ in range(SOLVER_STEPS):

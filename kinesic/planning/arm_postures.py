@@ -13,7 +13,7 @@ from msgspec import structs
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Distances
 from kinesic.body.reach import Reach
-from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.robot import Robot, Side
 from kinesic.body.skeleton import Frames
 from kinesic.expressivity.keyframes import Hand
 from kinesic.ik.arm.passive_shoulder import carry_shoulder
@@ -196,7 +196,7 @@ def solve_arms(
     """
     angles, path_starts = np.array(bodies), dict[Side, Floats]()
     targets: list[Mapping[Side, Reach | None]] = []
-    max_count = MAX_KEYS_PER_CALL if all(true_arm(robot, side).exact for side in SIDES) else 1
+    max_count = MAX_KEYS_PER_CALL if all(true_arm(robot, side).exact for side in robot.sides) else 1
     first, count = 0, max_count
     while first < len(tasks):
         next_tasks = _list_independent_keys(tasks, first, count, angles[first], robot)
@@ -204,7 +204,7 @@ def solve_arms(
         collision_row = _cleared(next_tasks, rows, robot, distances)
         solved_count = len(rows) if collision_row is None else collision_row + 1
         angles[first : first + solved_count] = rows[:solved_count]
-        for side in SIDES:
+        for side in robot.sides:
             _carry(side, next_tasks[:solved_count], rows[:solved_count], beginnings, path_starts, robot)
             arm = list(robot.arm(side).joints)
             angles[first + solved_count :, arm] = rows[solved_count - 1, arm]
@@ -243,7 +243,7 @@ def _solved(
         (m, n) [rad] postures, and the arm at the start of each hand's path.
     """
     rows, beginnings = postures.copy(), dict[Side, Floats]()
-    for side in SIDES:
+    for side in robot.sides:
         arm = np.array(robot.arm(side).joints)
         rows_of_side = [k for k, task in enumerate(tasks) if side in task.keys]
         if not rows_of_side:

@@ -8,7 +8,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Clearance, Distances
-from kinesic.body.robot import SIDES, Robot
+from kinesic.body.robot import Robot
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.budget import UNLIMITED_BUDGET, Budget
 from kinesic.motion.condition import Conditioned
@@ -151,6 +151,6 @@ def _find_responsible_behaviour(
 
     If none moves these parts, the nearest behaviour of all is returned.
     """
-    parts = {f"{side}_hand" for side in SIDES if set(pair) & robot.arm(side).bodies} or {"torso", "head"}
+    parts = {f"{side}_hand" for side in robot.sides if set(pair) & robot.arm(side).bodies} or {"torso", "head"}
     away = {name: max(start - time, time - end, 0.0) for name, (start, end) in spans_of.items()}
     return min(away, key=lambda name: (not frames.uses.get(name, frozenset()) & parts, away[name], name))

@@ -8,7 +8,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.dynamics import Distances
-from kinesic.body.robot import SIDES, Robot
+from kinesic.body.robot import Robot
 from kinesic.planning.collision import Spacing, separate
 from kinesic.planning.posture_course import SCAN_RATE, ArmHinges, PostureCourse
 
@@ -188,7 +188,7 @@ def _propose_detours(
     """
     gaps = clear_postures.distances.gaps(course.at(time)[None])[0]
     close = {segment for k in np.flatnonzero(gaps < min_clearance) for segment in course.robot.counted_pairs[k]}
-    arms = [arm.joints for side in SIDES if close & (arm := course.robot.arm(side)).bodies]
+    arms = [arm.joints for side in course.robot.sides if close & (arm := course.robot.arm(side)).bodies]
     near = [course.near(arm, time) for arm in arms]
     free = [arm for arm, key in zip(arms, near, strict=True) if key is None]
     if free:

@@ -7,7 +7,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.limits import Limits
-from kinesic.body.robot import SIDES, Robot
+from kinesic.body.robot import Robot
 from kinesic.motion.desired import DesiredMotion, join_keys
 from kinesic.motion.keys import KeyPassage, KeyPosture, Keys
 from kinesic.motion.trajectory import Trajectory
@@ -136,7 +136,7 @@ class PostureCourse:
             swing_ratio: remaining fraction of the overshoot; accents are removed only if it is 0.
         """
         calm_keys = set[tuple[int, int]]()
-        for joints in (self.robot.arm(side).joints for side in SIDES):
+        for joints in (self.robot.arm(side).joints for side in self.robot.sides):
             lively_keys = [k for k, posture in enumerate(self.postures) if joints and _is_lively(posture, joints[0])]
             before, after = ([k for k in lively_keys if (self.planned[k] <= time) == early] for early in (True, False))
             calm_keys |= {(k, joint) for k in (*before[-1:], *after[:1]) for joint in joints}

@@ -8,7 +8,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.dynamics import Distances
 from kinesic.body.reach import Reach
-from kinesic.body.robot import PART_CHAINS, SIDES, Robot, Side
+from kinesic.body.robot import PART_CHAINS, Robot, Side
 from kinesic.body.skeleton import Frames
 from kinesic.expressivity.keyframes import Hand, KeyFrame, KeyFrames
 from kinesic.expressivity.turns import add_turns, rest_head_turn, rest_turn, turn_angles
@@ -73,7 +73,7 @@ def _tasks(keyframes: KeyFrames, leans: Sequence[Floats], bodies: Floats, robot:
     for k, frame in enumerate(keyframes.frames):
         keyed = _keyed(frame, robot, any(leaning[max(0, k - 1) : k + 2]), ends=k in (0, len(leans) - 1))
         body = Frames(frames.rotations[k], frames.origins[k])
-        hands = {side: hand for side, hand in frame.hands.items() if keyed[robot.arm(side).joints[0]]}
+        hands = {side: frame.hands[side] for side in robot.sides if keyed[robot.arm(side).joints[0]]}
         targets = {side: _in_world(hand, frame, robot) for side, hand in hands.items()}
         keys = {
             side: ArmKey.same(robot, side, hand)
@@ -133,7 +133,7 @@ def _keyed(frame: KeyFrame, robot: Robot, leaning: bool, *, ends: bool) -> list[
         keyed[list(robot.joints("torso"))] = True
     if ends or "head" in frame.given or (torso and "head" in frame.posed_parts):
         keyed[list(robot.joints("neck"))] = True
-    for side in SIDES:
+    for side in robot.sides:
         hand = frame.hands[side]
         holding = hand.reach is not None and (leaning or (torso and hand.aim is not None))
         if ends or f"{side}_hand" in frame.given or (holding and f"{side}_hand" in frame.posed_parts):

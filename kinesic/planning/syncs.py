@@ -11,7 +11,7 @@ from kinesic.bml.block import Block, Notice, NoticeType, Precedence, SyncRef, Ti
 from kinesic.bml.timing.constraints import find_equalities, get_point
 from kinesic.body.arrays import Floats
 from kinesic.body.config import suggestion
-from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.keyframes import KeyFrames
 from kinesic.motion.condition import Conditioned
 from kinesic.motion.infeasibility import Bottleneck
@@ -190,7 +190,7 @@ def describe_path_changes(
         motion: planned motion.
         robot: with the hands.
     """
-    arms = [robot.arm(side).joints[0] for side in SIDES]
+    arms = [robot.arm(side).joints[0] for side in robot.sides]
     if all(posture.is_exact or not any(posture.keyed[arm] for arm in arms) for posture in postures):
         return []
     requested_origins = robot.body_frames(np.array([posture.angles for posture in postures])).origins
@@ -198,7 +198,7 @@ def describe_path_changes(
     results = []
     for timed in frames.timeline.timed:
         shortening, name = 0.0, timed.behaviour.id
-        for side in SIDES:
+        for side in robot.sides:
             if f"{side}_hand" in frames.uses.get(name, ()):
                 rows = _on_path(postures, timed, robot, side)
                 hand = robot.arm(side).wrist

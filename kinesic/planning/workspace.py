@@ -22,8 +22,9 @@ class Workspace:
 
 
 def find_workspace(robot: Robot) -> Workspace:
-    """Find the gesture sectors that the left hand reaches, starting at rest."""
-    chain, rest = robot.arms["l"], robot.skeleton.rest
+    """Find the gesture sectors that the left hand, or the only hand, reaches from rest."""
+    side = robot.sides[0]
+    chain, rest = robot.arms[side], robot.skeleton.rest
     hand = robot.skeleton.segment(chain.joints[-1].name)
     frames = robot.skeleton.frames(rest)
     base = robot.skeleton.segment(chain.base)
@@ -31,11 +32,11 @@ def find_workspace(robot: Robot) -> Workspace:
     reached: list[tuple[str, str, str]] = []
     missed: list[tuple[str, str, str]] = []
     for name in [(x, y, z) for x in SECTOR_CENTRES["x"] for y in SECTOR_CENTRES["y"] for z in SECTOR_CENTRES["z"]]:
-        target = to_world(robot, "l", position(*name))
+        target = to_world(robot, side, position(*name))
         posture = np.array(rest)
         reach = Reach(np.asarray(rotation.T @ (target - origin)))
         posture[list(chain.indices)] = solve(chain, reach, start=chain.rest).angles
-        posture = refine_posture(robot, "l", Reach(target), posture, near=rest)
+        posture = refine_posture(robot, side, Reach(target), posture, near=rest)
         residual = float(np.linalg.norm(robot.skeleton.frames(posture).origins[hand] - target))
         (reached if residual <= SECTOR_TOLERANCE else missed).append(name)
     return Workspace(tuple(reached), tuple(missed))

@@ -1,5 +1,6 @@
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
@@ -52,7 +53,7 @@ def changed(tmp_path: Path):
         ("count = 2", "count = 0", "vl5_tilt: count must be at least 1"),
         ("reduction = 2.5", "reduction = -2.5", "vl5_roll: .*reduction above 0"),
         ('torso = ["vl5"]', 'torso = ["vl6"]', r"chain torso: no vl6; did you mean vl5\?"),
-        ('l_arm = ["l_s', 'left_arm = ["l_s', r"\[chains\] needs: no l_arm"),
+        ('l_arm = ["l_s', 'left_arm = ["l_s', r"\[chains\] has neither l_arm nor r_arm"),
         ("l_palm = {", "l_hand = {", r"\[sites\] needs: no l_palm"),
         ('eyes = { body = "skullbase"', 'eyes = { body = "skull"', r"site eyes: no skull; did you mean skullbase\?"),
         ('pair = ["vl5", "skullbase"]', 'pair = ["vl5", "head"]', r"\[collision\] exclude: no head"),
@@ -65,9 +66,16 @@ def test_invalid_robot_file_error_is_one_line_with_the_file_and_the_cause(change
     assert "\n" not in str(caught.value)
 
 
-def test_robot_file_without_mirror_must_describe_both_sides(changed):
-    with pytest.raises(ConfigError, match="no r_sternoclavicular"):
-        changed('mirror = { from = "l_", to = "r_" }\n', "")
+def test_robot_file_with_one_side_describes_a_robot_with_one_arm(changed):
+    robot = changed('mirror = { from = "l_", to = "r_" }\n', "")
+    assert robot.sides == ("l",)
+    arm, absent = robot.arm("l"), robot.arm("r")
+    assert (absent.joints, len(absent.segments)) == ((), len(arm.segments))
+    places, origins = robot.skeleton.zero_frames.origins, [1.0, -1.0, 1.0]
+    np.testing.assert_allclose(places[absent.wrist], places[arm.wrist] * origins)
+    segments = [segment for segment in robot.skeleton.segments if segment.name in absent.segments]
+    assert all(segment.mass == 0.0 and not segment.capsules for segment in segments)
+    assert not absent.bodies & set(robot.bodies)
 
 
 def test_hinges_are_sorted_by_body_order(tmp_path: Path):

@@ -7,7 +7,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats, Indices, sealed
 from kinesic.body.limits import Limits
-from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.keyframes import Turn
 from kinesic.expressivity.turns import MIN_KEY_SPACING, TURN_AXES, add_turns, scale_turn, turn_angles
 from kinesic.motion.double_s import least_rest_times
@@ -143,7 +143,7 @@ class Pace:
     @cached_property
     def _least_hand_times(self) -> Floats:
         """Minimum duration of the slower hand at each sampled distance [s]."""
-        times = [self._hand_times(side) for side in SIDES if self.robot.arm(side).joints]
+        times = [self._hand_times(side) for side in self.robot.sides]
         return sealed(np.max(times, axis=0) if times else np.zeros(len(_SAMPLED_DISTANCES)))
 
     def _hand_times(self, side: Side) -> Floats:

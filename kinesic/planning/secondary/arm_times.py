@@ -7,7 +7,7 @@ from math import inf
 
 import numpy as np
 
-from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.idle import Span
 from kinesic.expressivity.keyframes import NO_SUCCESSION, KeyFrames, Succession
 from kinesic.motion.condition import Conditioned
@@ -64,7 +64,7 @@ def find_arm_courses(frames: KeyFrames, motion: Conditioned, robot: Robot) -> It
         robot: with the arms.
     """
     spans = _find_stroke_spans(frames, motion)
-    for side in SIDES:
+    for side in robot.sides:
         if strokes := _list_strokes(side, spans, frames):
             yield ArmCourse(side, strokes, _find_gaps(motion.trajectory, list(robot.arm(side).joints), strokes))
 

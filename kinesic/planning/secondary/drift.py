@@ -8,7 +8,7 @@ from types import MappingProxyType
 import numpy as np
 
 from kinesic.body.arrays import Floats, find_runs
-from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.robot import Robot, Side
 from kinesic.expressivity.idle import Span
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.planning.secondary.offset_bumps import OffsetBump
@@ -43,7 +43,7 @@ def make_drifts(
         chance: random generator of the directions.
         touching: [s] performance times at which a hand touches the body or points at a place.
     """
-    for side in SIDES:
+    for side in robot.sides:
         joints = [joint for joint in robot.arm(side).joints if joint not in robot.arm(side).shoulder_lift_joints]
         for begin, end in find_held_spans(motion, side, robot):
             count = max(1, round((end - begin) / DRIFT_PERIOD))

@@ -8,7 +8,7 @@ from zlib import crc32
 
 import numpy as np
 
-from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.body.robot import OTHER_SIDE, Robot, Side
 from kinesic.expressivity.idle import Span
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory
 from kinesic.planning.secondary.arm_times import ArmCourse, ArmStroke, Gap
@@ -59,7 +59,9 @@ def _draw_swings(
     touched: Mapping[Side, Sequence[float]],
 ) -> Iterator[ArmOffset]:
     """Yield random offsets of the arm that does not perform the strokes."""
-    side = next(other for other in SIDES if other != course.side)
+    side = OTHER_SIDE[course.side]
+    if side not in robot.sides:
+        return
     for stroke, (before, after) in zip(course.strokes, pairwise(course.gaps), strict=True):
         begin, end = _find_motion(stroke, before, after, motion)
         if end - begin < MIN_SWING_TIME or not begin < stroke.end < end:

@@ -135,7 +135,7 @@ def test_only_arms_with_strokes_have_a_course_of_their_own_joints(monkeypatch):
     monkeypatch.setattr(arm_times, "list_keyed_syncs", lambda frames, motion: [("a", "stroke", 0.0, 0.4)])
     still, moves = np.zeros(100), moving((30, 50)).controls[:, 0]
     motion = SimpleNamespace(trajectory=Trajectory(np.stack([still, moves], axis=1), MOTION_START, MOTION_START))
-    robot = SimpleNamespace(arm=lambda side: SimpleNamespace(joints=(0,) if side == "l" else (1,)))
+    robot = SimpleNamespace(sides=("l", "r"), arm=lambda side: SimpleNamespace(joints=(0,) if side == "l" else (1,)))
     for used, counts in ((BOTH_HANDS, {"l": 1, "r": 1}), (frozenset({"r_hand"}), {"r": 1}), (frozenset(), {})):
         frames = SimpleNamespace(uses={"a": used}, successions={})
         courses = {course.side: course for course in find_arm_courses(frames, motion, robot)}
