@@ -27,9 +27,10 @@ from kinesic.hardware.supervisor.manifest import Manifest, Member, describe_rais
 from kinesic.hardware.supervisor.notes import Note
 from kinesic.hardware.supervisor.settings import DEFAULT_SETTINGS, Policy, SupervisorOrder, SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
-from kinesic.hardware.supervisor.wiring_check import compute_bus_loads
+from kinesic.hardware.supervisor.wiring_check import compute_bus_loads, explain_missing_watchdog
 
 START_TIMEOUT = 30.0  # [s] time limit for the supervisor to become ready
+UNWATCHED_KIND = "no watchdog"  # kind of the event that servos have no bus watchdog
 POLL_INTERVAL = 0.005  # [s] pause between two checks of the supervisor's state
 READY_STAGES = frozenset({Stage.LIMP, Stage.HOLD})  # Stages in which the supervisor accepts commands
 
@@ -73,7 +74,8 @@ class Servos:
         self._lock = Lock()  # another thread may read the state while one waits in `close`
         self._lags = tracking_lags(robot.drives)
         self._waiting: deque[tuple[float, Floats, Floats]] = deque()  # commands that did not fit into the channel
-        self._notes: list[Note] = []
+        unwatched = explain_missing_watchdog(manifest)
+        self._notes = [Note(time.monotonic(), -1, UNWATCHED_KIND, unwatched)] if unwatched else []
         self._reasons: list[str] = []  # reasons of refused or failed servos
         order = SupervisorOrder(
             robot=str(robot.path.resolve()),

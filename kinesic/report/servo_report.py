@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from kinesic.hardware.servos import UNWATCHED_KIND
 from kinesic.hardware.supervisor.notes import Note
 from kinesic.metrics.servo_run import ServoRun
 from kinesic.report.checks import GRADE_NAMES, Check, grade
@@ -50,14 +51,16 @@ def with_live(data: Mapping[str, Json], live: ServoRun) -> dict[str, Json]:
     """Return the report data with the results of a servo run."""
     results = live_checks(live)
     rows: list[Json] = [{**vars(check)} for check in results]
-    earlier, syncs = data["checks"], data["sync"]
+    earlier, syncs, warnings = data["checks"], data["sync"], data["warnings"]
     assert isinstance(earlier, list)  # as `report` makes them
     assert isinstance(syncs, list)
+    assert isinstance(warnings, list)
     return {
         **data,
         "grade": max(str(data["grade"]), grade(results), key=GRADE_NAMES.index),
         "ok": bool(data["ok"]) and grade(results) != "fail",
         "checks": [*earlier, *rows],
+        "warnings": [*warnings, *(note.text for note in live.notes if note.kind == UNWATCHED_KIND)],
         "sync": _syncs(syncs, live),
         "servos": _servos(live, {check.name.partition(".")[2]: check.value for check in results}),
     }

@@ -11,7 +11,7 @@ from kinesic.body.config import CONFIGS
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.play import commands
 from kinesic.controller.virtual_robot import TwinPhysics
-from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.bus.dialect import Servo
 from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.servo_map import ServoMap

@@ -19,7 +19,8 @@ import numpy as np
 from kinesic.bench.bus.supervisor import measure_supervisor
 from kinesic.bench.metric import Metric
 from kinesic.hardware.bus.bring_up import open_bus
-from kinesic.hardware.bus.bus import Bus, Servo
+from kinesic.hardware.bus.bus import Bus
+from kinesic.hardware.bus.dialect import Servo
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.servo_map import MID_TICKS

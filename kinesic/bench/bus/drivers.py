@@ -13,7 +13,7 @@ from dynamixel_sdk import COMM_SUCCESS, GroupSyncRead, GroupSyncWrite, PortHandl
 
 from kinesic.body.arrays import Flags, Floats
 from kinesic.hardware.bus.bring_up import open_bus
-from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.bus.dialect import Servo
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.sdk import WirePort
 from kinesic.hardware.protocol.ticks import Ticks

@@ -12,7 +12,7 @@ import numpy as np
 
 from kinesic.bench.bus.drivers import Driver, DriverReading
 from kinesic.body.arrays import Floats
-from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.bus.dialect import Servo
 from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.registers import HardwareError, Register
 from kinesic.hardware.protocol.ticks import Ticks
@@ -44,6 +44,7 @@ class FaultCase:
     name: str
     faults: tuple[PlannedFault, ...] = ()
     cycles: int = 300  # number of cycles of a trial
+    model: str = SERVO_MODEL  # model of all servos
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +120,7 @@ def run_trial(
         cycles: number of cycles, one per period or as fast as the driver can; default: the number of the case.
     """
     plan = FaultPlan(case.faults, seed)
-    fittings = tuple(ServoFitting(servo, model=SERVO_MODEL) for servo in range(1, servos + 1))
+    fittings = tuple(ServoFitting(servo, model=case.model) for servo in range(1, servos + 1))
     built = FaultPlan(plan.of(BUILD_KINDS), seed)
     plant, buses = build_bus([Cable("trial", fittings, baud=baud, faults=built)])
     bus = buses["trial"]
@@ -128,7 +129,7 @@ def run_trial(
         BUS_PERIOD, PERIOD_MARGIN * _compute_min_cycle_time(servos, baud, fast=not plan.of(frozenset({"old_firmware"})))
     )
     try:
-        driver = make_driver(wire, [Servo(fitting.servo, SERVO_MODELS[SERVO_MODEL]) for fitting in fittings], period)
+        driver = make_driver(wire, [Servo(fitting.servo, SERVO_MODELS[case.model]) for fitting in fittings], period)
     except BusError as error:
         return TrialResult(case.name, servos, baud, seed, period, refused=str(error).splitlines()[0])
     bus.advance(wire.now())

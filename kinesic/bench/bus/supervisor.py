@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from kinesic.body.arrays import sealed
-from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.bus.dialect import Servo
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.servo_map import MID_TICKS

@@ -48,7 +48,7 @@ def release_robot(robot: str, ports: tuple[str, ...], yes: bool) -> int:
             stack.callback(wires[name].close)
         if supervisor is None:
             _confirm_release(manifest, holding_angles(manifest, wires), yes=yes)
-        problems += release_servos(wires, _group_ids(manifest, wires))
+        problems += release_servos(wires, _group_ids(manifest, wires), manifest.tables)
     for line in problems:
         click.echo(f"kinesic: {line}", err=True)
     if not problems:

@@ -19,7 +19,7 @@ from kinesic.body.robot import Robot
 from kinesic.cli.option_values import ShaftPhysics
 from kinesic.files.held_folder import name_failures
 from kinesic.hardware.bus.host import request_real_time
-from kinesic.hardware.protocol.registers import BAUD_RATES
+from kinesic.hardware.protocol.models import ALL_BAUD_RATES
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.hardware.virtual.faults import NO_FAULTS, FaultPlan
 from kinesic.hardware.virtual.hand_turning import HandTurnedPhysics
@@ -36,8 +36,8 @@ def simulate_servos(
     robot: str, shafts: ShaftPhysics, faults: Path | None, baud: int | None, folder: Path | None
 ) -> int:
     """Simulate a robot's servos behind pseudo-terminals until stopped."""
-    if baud is not None and baud not in BAUD_RATES:
-        raise ConfigError(f"--baud is {baud}, must be one of {', '.join(str(rate) for rate in BAUD_RATES)}")
+    if baud is not None and baud not in ALL_BAUD_RATES:
+        raise ConfigError(f"--baud is {baud}, must be one of {', '.join(str(rate) for rate in ALL_BAUD_RATES)}")
     if shafts.by_hand and shafts.physics == "twin":
         raise ConfigError("--by-hand turns servos without a body; leave out --physics twin")
     robot_model = load_robot(robot)

@@ -7,10 +7,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from kinesic.hardware.bus.bus import Bus, Servo
+from kinesic.hardware.bus.bus import Bus
 from kinesic.hardware.bus.cycle import CELL_CONTENTS, RECORD_DTYPE, RECORD_SIZE
+from kinesic.hardware.bus.dialect import Servo
 from kinesic.hardware.bus.query import FastQuery
 from kinesic.hardware.protocol.device import ServoAccess
+from kinesic.hardware.protocol.frame_access import open_access
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE, BusError, Wire
 
@@ -29,10 +31,13 @@ def open_bus(wire: Wire, servos: Sequence[Servo], *, period: float = 0.01) -> Bu
     Raises:
         BusError: servos are missing or unsuitable; one line each.
     """
-    access = ServoAccess(wire)
+    table = servos[0].model.table if servos else None
+    access = open_access(wire, table)
     found_problems = find_problems(access, servos)
     if found_problems:
         raise BusError("\n".join(found_problems))
+    if table is not None:
+        return Bus(wire, servos, period=period, fast=False)
     for servo in servos:
         map_record(access, servo)
     return Bus(wire, servos, period=period, fast=supports_fast_reads(wire, servos))

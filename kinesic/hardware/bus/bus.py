@@ -7,23 +7,21 @@ or of the port, but returns them. Opening and other slow operations are in `brin
 
 from collections import deque
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from math import inf
 
 import numpy as np
 
-from kinesic.body.servo import TICKS_PER_TURN
-from kinesic.hardware.bus.bounds import RecordBounds, TickRange
-from kinesic.hardware.bus.cycle import BLOCK_DTYPE, CELL_CONTENTS, RECORD_SIZE, Cycle, Event, EventKind, Records
-from kinesic.hardware.bus.goals import GoalFrame
+from kinesic.hardware.bus.bounds import RecordBounds
+from kinesic.hardware.bus.changes import describe_changes
+from kinesic.hardware.bus.cycle import BLOCK_DTYPE, CELL_CONTENTS, RECORD_SIZE, Cycle, Event, EventKind
+from kinesic.hardware.bus.dialect import Servo, make_dialect
 from kinesic.hardware.bus.late_replies import LateReplies
 from kinesic.hardware.bus.listener import TIMEOUT_TUNING, Listener
 from kinesic.hardware.bus.plausibility import PlausibilityFilter, ServoSelection
 from kinesic.hardware.bus.polling import PollingPlan
-from kinesic.hardware.bus.query import Query, make_query
+from kinesic.hardware.bus.query import Query
 from kinesic.hardware.protocol import packet
-from kinesic.hardware.protocol.models import Model
-from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, Register
+from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError, Wire
 
@@ -33,20 +31,6 @@ MAX_RETRIES = 4  # largest number of repeated queries per cycle, for servos whos
 FAST_OVERHEAD = 22  # [bytes] size of a fast query and its reply, without the bytes per servo
 REOPEN_INTERVAL = 0.05  # [s] pause between two attempts to reopen a lost port
 MISMATCH_DELAY = 1.0  # [s] wait before reopening a port whose servos were not identified
-
-
-@dataclass(frozen=True)
-class Servo:
-    """Servo on a bus: its id, model and goal range."""
-
-    id: int
-    model: Model
-    span: TickRange = (0, TICKS_PER_TURN - 1)  # [ticks] range of its goal positions
-
-    @property
-    def cells(self) -> int:
-        """Address of the servo's record in its indirect data area."""
-        return self.model.cells[0].data
 
 
 class Bus:
@@ -63,7 +47,7 @@ class Bus:
         """
         self.wire, self.servos, self.period, self.fast = wire, tuple(servos), period, fast
         self.ids = tuple(servo.id for servo in servos)
-        self._frame = GoalFrame(self.ids)
+        self._dialect = make_dialect(servos, baud=wire.baud, period=period, fast=fast)
         bounds = RecordBounds.of([servo.model for servo in servos], [servo.span for servo in servos])
         self._accepted = PlausibilityFilter(bounds, period)
         self._polling = PollingPlan(len(servos))
@@ -73,10 +57,12 @@ class Bus:
         self._events: list[Event] = []
         self._reported, self._signature = self._accepted.blocks, self._accepted.signature
         self._rebooted: set[int] = set()  # indices of rebooted servos whose indirect addresses are not confirmed yet
+        self._requested: set[int] = set()  # indices of the servos queried in this cycle
         self._lost = False
         self._looked = -REOPEN_INTERVAL
         self._begun = self._sent_at = 0.0  # [s] start of this cycle and its query
         self._question, self._places = self._next_question()
+        self._repeated = self._question  # last repeated query
         self._whole = True  # whether the reply is complete
         self._only_listens = False  # whether this cycle sends no query
 
@@ -88,9 +74,7 @@ class Bus:
         Raises:
             ValueError: a value does not fit into the register.
         """
-        field = register.field
-        rows = {servo: field.pack(value) for servo, value in values.items()}
-        self._queue.append(packet.sync_write(field.address, field.size, rows))
+        self._queue.append(self._dialect.write(register, values))
 
     def cycle(self, goals: Ticks | None = None) -> Cycle:
         """Send goals, query all servos, and return their records.
@@ -105,6 +89,8 @@ class Bus:
         """Run the first half of a cycle: send writes, goals and query."""
         self._begun = self.wire.now()
         self._accepted.begin()
+        if not self._dialect.collective:
+            self._requested = set(self._indices(self._places))
         try:
             if self._lost and not self._reopen_port():
                 self._queue.clear()
@@ -112,7 +98,9 @@ class Bus:
             self._late.catch_up(self.wire.read(self._begun), self._begun)
             self._listener.forget()
             self._only_listens = self._late.needs_trial
-            goal_frame = self._frame.fill(goals) if goals is not None else b""
+            goal_frame = self._dialect.goals(goals) if goals is not None else b""
+            if not self._dialect.has_cells:
+                self._question = self._date(self._question, self._indices(self._places))
             question = b"" if self._only_listens else self._question.data
             self._listener.send(b"".join((*self._queue, goal_frame, question)))
             self._sent_at = self._listener.sent_at
@@ -192,8 +180,10 @@ class Bus:
         accepted, polling, listener = self._accepted, self._polling, self._listener
         if accepted.fresh.all():
             return
-        for _ in range(MAX_RETRIES):
+        for _ in range(MAX_RETRIES if self._dialect.collective else len(self.ids)):
             missing = [k for k in polling.order if not accepted.fresh[k] and k not in accepted.unmapped]
+            if not self._dialect.collective:  # each servo once, that with the oldest record first
+                missing = sorted(set(missing) - self._requested, key=lambda k: accepted.times[k])[:1]
             # the first missing servo may have cut off the others, so it is queried last
             suspect_last = (*missing[1:], *missing[:1])
             mute = listener.mute
@@ -203,6 +193,8 @@ class Bus:
                 # a repeated query recovers lost replies but destroys late ones
                 listener.replies_late = 2 * int(accepted.fresh.sum()) < len(missing)
             self._look_again()
+        if not self._dialect.has_cells:
+            accepted.unmapped.clear()
         for place in tuple(accepted.unmapped):
             self._restore_cells(place)
         if not accepted.fresh.all():
@@ -211,21 +203,24 @@ class Bus:
         if alone is not None and self._request((alone[0],), must=alone[1]):
             polling.note_alone(alone[0], self.wire.now())
             if not accepted.fresh[alone[0]]:
-                self._late.keep_alone(self._question_to((alone[0],)), np.array([alone[0]]), sent_at=listener.sent_at)
+                self._late.keep_alone(self._repeated, np.array([alone[0]]), sent_at=listener.sent_at)
 
     def _count_possible_servos(self) -> int:
+        """Return how many servos one repeated query may address."""
         wire_time, status_size = self._listener.wire_time, packet.STATUS_OVERHEAD + RECORD_SIZE + 1
         left = self._end - self.wire.now() - self._listener.slack.usual - wire_time(FAST_OVERHEAD)
         return max(1, int(left / wire_time(BLOCK_DTYPE.itemsize + 1 if self.fast else status_size)))
 
     def _request(self, places: tuple[int, ...], *, must: bool = False) -> bool:
         """Send a query if the cycle has time, and return whether sent."""
-        question = self._question_to(places)
+        question = self._date(self._dialect.question(places), places)
         listener = self._listener
         ends = self.wire.now() + listener.wire_time(len(question.data) + question.length) + listener.slack.usual
         if ends > self._end and not must:
             return False
         listener.send(question.data)
+        self._repeated = question
+        self._requested.update(places)
         self._receive(question, np.array(places), strict=not must)
         return True
 
@@ -262,7 +257,11 @@ class Bus:
         """Choose the servos of the next query, and report events."""
         accepted, polling = self._accepted, self._polling
         if not (accepted.fresh.all() and polling.is_natural) and not (self._lost or self._only_listens):
-            gone, back = polling.note(accepted.fresh | accepted.late)
+            heard = accepted.fresh | accepted.late
+            if not self._dialect.collective:  # the cycle may have had no time for every servo
+                unasked = np.array([k not in self._requested for k in range(len(self.ids))])
+                heard = heard | (unasked & ~polling.silent)
+            gone, back = polling.note(heard)
             for place in gone:
                 self._report(self.ids[place], "silent", "no credible answer in five cycles")
             for place in back:
@@ -275,20 +274,10 @@ class Bus:
         accepted.doubted.clear()
         accepted.impossible.clear()
         if accepted.signature != self._signature:
-            self._compare(self._reported, accepted.blocks)
+            for servo, kind, text in describe_changes(self.ids, self._reported, accepted.blocks):
+                self._report(servo, kind, text)
             self._signature = accepted.signature
         self._reported = accepted.blocks
-
-    def _compare(self, before: Records, after: Records) -> None:
-        for servo, was, now in zip(self.ids, before, after, strict=True):
-            if was["hardware_error"] != now["hardware_error"]:
-                self._report(
-                    servo, "error", f"hardware error {was['hardware_error']:#04x} -> {now['hardware_error']:#04x}"
-                )
-            if was["watchdog"] != now["watchdog"] == WATCHDOG_TRIPPED:
-                self._report(servo, "watchdog", "stopped: the bus was silent for too long")
-            if was["torque"] != now["torque"]:
-                self._report(servo, "torque", "on" if now["torque"] else "off")
 
     def _report_lost_port(self, error: BusError) -> None:
         self._lost = True
@@ -306,13 +295,17 @@ class Bus:
 
     def _next_question(self) -> tuple[Query, ServoSelection]:
         order = self._polling.order
+        if not self._dialect.collective:
+            order = (min(order, key=lambda k: self._accepted.times[k]),)
         places: ServoSelection = slice(None) if order == tuple(range(len(self.ids))) else np.array(order)
-        return self._question_to(order), places
+        return self._dialect.question(order), places
 
-    def _question_to(self, places: tuple[int, ...]) -> Query:
-        servos = tuple(self.ids[k] for k in places)
-        cells = tuple(self.servos[k].cells for k in places)
-        return make_query(servos, cells, fast=self.fast)
+    def _indices(self, places: ServoSelection) -> list[int]:
+        indices: list[int] = np.arange(len(self.ids))[places].tolist()
+        return indices
+
+    def _date(self, question: Query, places: Sequence[int]) -> Query:
+        return self._dialect.dated(question, self.wire.now(), places, self._accepted.blocks)
 
     def _report(self, servo: int | None, kind: EventKind, text: str) -> None:
         self._events.append(Event(self.wire.now(), servo, kind, text))

@@ -14,6 +14,7 @@ from kinesic.hardware.protocol.wire import BusError, Wire
 MAX_TRIES = 4  # Default number of attempts per instruction
 REPLY_TO_ALL = 2  # Value of STATUS_RETURN_LEVEL at which a servo replies to every instruction
 COLLISION_TRIES = 3  # Damaged replies after which several servos must have the same id
+TABLE_SIZE = Register.PRESENT_TEMPERATURE.field.end  # [bytes] size of the span that `read_table` returns
 _VARYING_START = Register.REALTIME_TICK.field.address  # first address of a span that differs between any two servos
 _VARYING_SIZE = 28  # [bytes] size of the span at _VARYING_START, with clock and sensors
 
@@ -49,22 +50,49 @@ class RegisterChange:
     after: int  # raw value after the change
 
 
-def enable_replies(wire: Wire) -> None:
-    """Make all servos on a wire answer every instruction.
-
-    Raises:
-        BusError: the port is gone.
-    """
-    wire.write(write_packet(BROADCAST_ID, Register.STATUS_RETURN_LEVEL.field.address, bytes((REPLY_TO_ALL,))))
-
-
 class ServoAccess:
-    """Access to single servos of a wire with retries, between bus cycles."""
+    """Access to single servos of a wire with retries, between bus cycles.
+
+    This class speaks Protocol 2.0; `FrameAccess` speaks Protocol 1.0.
+    """
 
     def __init__(self, wire: Wire, *, tries: int = MAX_TRIES) -> None:
         """Use a wire, with at most `tries` attempts per instruction."""
         self.wire, self._tries = wire, tries
         self._port, self._packets = WirePort(wire), Packets()
+
+    def enable_replies(self) -> None:
+        """Make all servos on the wire answer every instruction.
+
+        Raises:
+            BusError: the port is gone.
+        """
+        address = Register.STATUS_RETURN_LEVEL.field.address
+        self.wire.write(write_packet(BROADCAST_ID, address, bytes((REPLY_TO_ALL,))))
+
+    def release_all(self) -> None:
+        """Switch the torque of all servos on the wire off, without verification.
+
+        Raises:
+            BusError: the port is gone.
+        """
+        self.wire.write(write_packet(BROADCAST_ID, Register.TORQUE_ENABLE.field.address, b"\0"))
+
+    def reboot(self, servo: int) -> None:
+        """Restart a servo, which resets its RAM and switches its torque off.
+
+        Raises:
+            BusError: the servo does not answer, or refuses.
+        """
+        self._repeat(servo, "reboot", lambda: self._packets.reboot(self._port, servo))
+
+    def read_table(self, servo: int) -> bytes:
+        """Read the registers of a servo up to PRESENT_TEMPERATURE in one span.
+
+        Raises:
+            BusError: the servo does not answer.
+        """
+        return self.read_span(servo, 0, TABLE_SIZE)
 
     def ping_all(self) -> tuple[PingReply, ...]:
         """Ping all servos and return the replies, sorted by id.

@@ -1,6 +1,6 @@
-"""Servo models of the X series, from the ROBOTIS e-Manual.
+"""Servo models of all families: registers, factory values, ranges and baud rates.
 
-Values are raw counts. Mechanical data (torque, velocity, mass) are in `configs/servos.toml` under the same names.
+The sheets of the models are in `x_series` and `native_models`.
 """
 
 from collections.abc import Mapping
@@ -10,15 +10,15 @@ from typing import Literal
 
 from kinesic.body.config import ConfigError
 from kinesic.body.servo import ServoModel
-from kinesic.hardware.protocol.registers import Mode, Register
+from kinesic.hardware.protocol.native_models import NATIVE_SHEETS, NativeSheet
+from kinesic.hardware.protocol.registers import BAUD_RATES, Mode, Register
+from kinesic.hardware.protocol.tables import FamilyTable
+from kinesic.hardware.protocol.x_series import FACTORY_SHEETS, FactorySheet
 
-Family = Literal["330", "430", "540"]
+Family = Literal["330", "430", "540", "native"]  # native: a family with its own control table
 
 WATCHDOG_FIRMWARE = 38  # First firmware with a bus watchdog, which stops servos when the host fails
 UNREACHABLE_FIRMWARE = 256  # First firmware of a feature that a model never gets; real versions are one byte
-# Registers of external ports, which only some models have
-_PORT_REGISTERS = tuple(register for register in Register if register.name.startswith("EXTERNAL_PORT"))
-_CURRENT_REGISTERS = (Register.CURRENT_LIMIT, Register.GOAL_CURRENT)  # missing without a current sensor
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,7 @@ class Model:
     ranges: Mapping[Register, tuple[int, int]]
     missing: frozenset[Register]
     modes: frozenset[Mode]
+    table: FamilyTable | None = None  # control table with Protocol 1.0 frames; None: X series with Protocol 2.0
 
     def has(self, register: Register) -> bool:
         """Return whether the model has this register."""
@@ -60,6 +61,42 @@ class Model:
     def allowed_range(self, register: Register) -> tuple[int, int]:
         """Return the smallest and the largest writable value of a register."""
         return self.ranges.get(register, (register.field.lower, register.field.upper))
+
+    def quantise(self, register: Register, value: int) -> int:
+        """Return the value that a register has after a write of this value."""
+        return value if self.table is None or not self.has(register) else self.table.quantise(register, value)
+
+    @property
+    def native_table(self) -> FamilyTable:
+        """Control table of a family with Protocol 1.0 frames.
+
+        Raises:
+            ValueError: the model is of the X series.
+        """
+        if self.table is None:
+            raise ValueError(f"{self.name} speaks Protocol 2.0, and has no table of another family")
+        return self.table
+
+    def baud_code(self, baud: int) -> int:
+        """Return the value of BAUD_RATE for a baud rate [bit/s].
+
+        Raises:
+            ValueError: the model has no such rate.
+        """
+        code = _RATE_CODES.get(baud) if self.table is None else self.table.baud_code(baud)
+        if code is None:
+            raise ValueError(f"{self.name} has no baud rate {baud}; there are {', '.join(map(str, self.bauds))}")
+        return code
+
+    def baud_rate(self, code: int) -> int:
+        """Return the baud rate [bit/s] of a value of BAUD_RATE, 0 if unknown."""
+        rates = dict(enumerate(BAUD_RATES)) if self.table is None else self.table.bauds
+        return rates.get(code, 0)
+
+    @property
+    def bauds(self) -> tuple[int, ...]:
+        """Baud rates of the model [bit/s]."""
+        return BAUD_RATES if self.table is None else tuple(self.table.bauds.values())
 
     @property
     def registers(self) -> tuple[Register, ...]:
@@ -82,194 +119,52 @@ class Model:
 
         UNREACHABLE_FIRMWARE if no version has them. The bus tests the servo itself.
         """
-        if self.name.startswith("2"):
+        if self.name.startswith("2") or self.table is not None:
             return UNREACHABLE_FIRMWARE
         return 46 if self.family == "330" else 45
 
     @property
     def min_firmware(self) -> int:
-        """First firmware with the required bus watchdog."""
-        return WATCHDOG_FIRMWARE
+        """First firmware with the required bus watchdog, 0 for a family without one."""
+        return WATCHDOG_FIRMWARE if self.has(Register.BUS_WATCHDOG) else 0
 
 
-@dataclass(frozen=True)
-class FactorySheet:
-    """Factory settings of a servo model, in raw counts.
-
-    It is a row of the manual's table.
-    """
-
-    name: str  # as in `configs/servos.toml`
-    number: int  # model number, as in register MODEL_NUMBER
-    volts: tuple[int, int]  # [0.1 V] lower and upper limit of the supply voltage
-    amperes: int | None  # current limit; None: no current sensor
-    speed: int  # [counts] velocity limit
-    gains: tuple[int, int, int]  # P, I and D gain of the position loop
-    inner: tuple[int, int] = (1920, 100)  # I and P gain of the velocity loop
-    hottest: int = 80  # [C] temperature limit
-    lowest: int | None = None  # [0.1 V] smallest allowed voltage limit, if it differs from the factory limit
-    shutdown: int = 52  # bit mask of the errors that switch torque off
-    threshold: int = 10  # [counts] velocity from which the servo reports motion
-    ports: bool = False  # whether the model has external ports
-    light: bool = True  # whether the model has an LED
-
-    @property
-    def family(self) -> Family:
-        """Servo series that determines the control table: 330, 430 or 540."""
-        return "330" if "330" in self.name else "540" if "540" in self.name else "430"
-
-    @property
-    def initial(self) -> Mapping[Register, int]:
-        """Factory values of the registers that vary between models."""
-        currents = {} if self.amperes is None else dict.fromkeys(_CURRENT_REGISTERS, self.amperes)
-        return MappingProxyType(
-            {
-                Register.MODEL_NUMBER: self.number,
-                Register.MAX_VOLTAGE_LIMIT: self.volts[1],
-                Register.MIN_VOLTAGE_LIMIT: self.volts[0],
-                Register.TEMPERATURE_LIMIT: self.hottest,
-                Register.MOVING_THRESHOLD: self.threshold,
-                Register.VELOCITY_LIMIT: self.speed,
-                Register.SHUTDOWN: self.shutdown,
-                Register.VELOCITY_I_GAIN: self.inner[0],
-                Register.VELOCITY_P_GAIN: self.inner[1],
-                Register.POSITION_P_GAIN: self.gains[0],
-                Register.POSITION_I_GAIN: self.gains[1],
-                Register.POSITION_D_GAIN: self.gains[2],
-                Register.PWM_SLOPE: 140 if self.volts[1] == 70 else 255,
-                **currents,
-            }
-        )
-
-    @property
-    def ranges(self) -> Mapping[Register, tuple[int, int]]:
-        """Writable ranges of the registers that vary between models."""
-        is_small, max_current = self.family == "330", self.amperes
-        span = (self.volts[0] if self.lowest is None else self.lowest, self.volts[1])
-        currents = (
-            {}
-            if max_current is None
-            else {Register.CURRENT_LIMIT: (0, max_current), Register.GOAL_CURRENT: (-max_current, max_current)}
-        )
-        return MappingProxyType(
-            {
-                Register.MAX_VOLTAGE_LIMIT: span,
-                Register.MIN_VOLTAGE_LIMIT: span,
-                Register.VELOCITY_LIMIT: (0, 2047 if is_small else 1023),
-                Register.GOAL_VELOCITY: (-2047, 2047) if is_small else (-1023, 1023),
-                Register.BAUD_RATE: (0, 6 if is_small else 7),
-                Register.PROTOCOL_TYPE: (2, 22) if is_small else (1, 2),
-                Register.DRIVE_MODE: (0, 15 if self.family == "540" else 13),
-                **currents,
-            }
-        )
-
-    @property
-    def missing(self) -> frozenset[Register]:
-        """Registers that the model lacks."""
-        absent = set() if self.ports else set(_PORT_REGISTERS)
-        absent |= set() if self.family == "330" else {Register.PWM_SLOPE}
-        absent |= set() if self.light else {Register.LED}
-        return frozenset(absent | (set(_CURRENT_REGISTERS) if self.amperes is None else set()))
-
-    def model(self) -> Model:
-        """Make the servo model with these factory settings."""
-        has_sensor = self.amperes is not None
-        return Model(
-            name=self.name,
-            number=self.number,
-            family=self.family,
-            amperes=None if not has_sensor else 1e-3 if self.family == "330" else 2.69e-3,
-            initial=self.initial,
-            ranges=self.ranges,
-            missing=self.missing,
-            modes=frozenset(set(Mode) if has_sensor else set(Mode) - {Mode.CURRENT, Mode.CURRENT_POSITION}),
-        )
+_RATE_CODES = {rate: code for code, rate in enumerate(BAUD_RATES)}  # [bit/s] -> value of BAUD_RATE, X series
 
 
-_RANGE_5V = (35, 70)  # [0.1 V] supply limits of 5 V models
-_RANGE_12V = (55, 140)  # [0.1 V] supply limits of 12 V models
-_RANGE_14V = (60, 140)  # [0.1 V] supply limits of 14 V models
-_RANGE_16V = (60, 160)  # [0.1 V] supply limits of 16 V models
-_RANGE_9V5 = (95, 160)  # [0.1 V] supply limits of models for at least 9.5 V
+def _x_model(sheet: FactorySheet) -> Model:
+    """Make the X series model with the factory settings of a sheet."""
+    has_sensor = sheet.amperes is not None
+    return Model(
+        name=sheet.name,
+        number=sheet.number,
+        family=sheet.family,
+        amperes=None if not has_sensor else 1e-3 if sheet.family == "330" else 2.69e-3,
+        initial=sheet.initial,
+        ranges=sheet.ranges,
+        missing=sheet.missing,
+        modes=frozenset(set(Mode) if has_sensor else set(Mode) - {Mode.CURRENT, Mode.CURRENT_POSITION}),
+    )
 
-_FACTORY_SHEETS = (
-    FactorySheet(
-        "xl330_m077",
-        1190,
-        _RANGE_5V,
-        amperes=1750,
-        speed=1620,
-        gains=(400, 400, 0),
-        inner=(400, 40),
-        hottest=70,
-        lowest=31,
-        shutdown=53,
-    ),
-    FactorySheet(
-        "xl330_m288",
-        1200,
-        _RANGE_5V,
-        amperes=1750,
-        speed=445,
-        gains=(400, 0, 0),
-        inner=(1600, 180),
-        hottest=70,
-        lowest=31,
-        shutdown=53,
-    ),
-    FactorySheet(
-        "xc330_t181", 1210, _RANGE_12V, amperes=910, speed=510, gains=(900, 0, 0), inner=(1200, 40), hottest=70
-    ),
-    FactorySheet(
-        "xc330_t288", 1220, _RANGE_12V, amperes=910, speed=320, gains=(900, 0, 0), inner=(1200, 40), hottest=70
-    ),
-    FactorySheet(
-        "xc330_m181",
-        1230,
-        _RANGE_5V,
-        amperes=2352,
-        speed=545,
-        gains=(1200, 0, 500),
-        inner=(1400, 100),
-        hottest=70,
-        lowest=31,
-    ),
-    FactorySheet(
-        "xc330_m288",
-        1240,
-        _RANGE_5V,
-        amperes=2352,
-        speed=350,
-        gains=(1100, 0, 500),
-        inner=(1600, 50),
-        hottest=70,
-        lowest=31,
-    ),
-    FactorySheet(
-        "xl430_w250", 1060, _RANGE_14V, amperes=None, speed=265, gains=(640, 0, 4000), inner=(1000, 100), hottest=72
-    ),
-    FactorySheet(
-        "2xl430_w250", 1090, _RANGE_14V, amperes=None, speed=250, gains=(640, 0, 2000), inner=(1800, 100), hottest=72
-    ),
-    FactorySheet("xc430_w150", 1070, _RANGE_16V, amperes=None, speed=460, gains=(460, 0, 0), threshold=20),
-    FactorySheet("xc430_w240", 1080, _RANGE_16V, amperes=None, speed=306, gains=(700, 0, 0)),
-    FactorySheet(
-        "xm430_w350", 1020, _RANGE_9V5, amperes=1193, speed=350, gains=(800, 0, 0)
-    ),  # velocity limit of an older table
-    FactorySheet("xm430_w210", 1030, _RANGE_9V5, amperes=1193, speed=330, gains=(800, 0, 0)),
-    FactorySheet("xh430_w350", 1000, _RANGE_9V5, amperes=648, speed=130, gains=(900, 0, 0)),
-    FactorySheet(
-        "xh430_w210", 1010, _RANGE_9V5, amperes=648, speed=360, gains=(900, 0, 0)
-    ),  # velocity limit of an older table
-    FactorySheet("xm540_w270", 1120, _RANGE_9V5, amperes=2047, speed=128, gains=(800, 0, 0), ports=True),
-    FactorySheet("xm540_w150", 1130, _RANGE_9V5, amperes=2047, speed=230, gains=(800, 0, 0), ports=True),
-    FactorySheet("xh540_w270", 1100, _RANGE_9V5, amperes=2047, speed=167, gains=(800, 0, 0), ports=True),
-    FactorySheet("xh540_w150", 1110, _RANGE_9V5, amperes=2047, speed=300, gains=(800, 0, 0), ports=True),
-    FactorySheet("xw540_t260", 1170, _RANGE_9V5, amperes=2047, speed=167, gains=(800, 0, 0), light=False),
-)
 
-SERVO_MODELS: Mapping[str, Model] = MappingProxyType({sheet.name: sheet.model() for sheet in _FACTORY_SHEETS})
+def _native_model(sheet: NativeSheet) -> Model:
+    """Make the model of another family from its sheet."""
+    return Model(
+        name=sheet.name,
+        number=sheet.number,
+        family="native",
+        amperes=sheet.amperes,
+        initial=sheet.initial,
+        ranges=sheet.ranges,
+        missing=frozenset(register for register in Register if not sheet.table.has(register)),
+        modes=frozenset({Mode.POSITION}),
+        table=sheet.table,
+    )
+
+
+_MODELS = (*(_x_model(sheet) for sheet in FACTORY_SHEETS), *(_native_model(sheet) for sheet in NATIVE_SHEETS))
+SERVO_MODELS: Mapping[str, Model] = MappingProxyType({model.name: model for model in _MODELS})
+ALL_BAUD_RATES = tuple(sorted({rate for model in _MODELS for rate in model.bauds}))  # [bit/s] of all families
 MODELS_BY_NUMBER: Mapping[int, Model] = MappingProxyType({model.number: model for model in SERVO_MODELS.values()})
 
 
@@ -283,11 +178,12 @@ def control_table_of(servo: ServoModel, where: str) -> Model:
     Raises:
         ConfigError: no `FactorySheet` has this number.
     """
-    model = MODELS_BY_NUMBER.get(servo.model)
+    named = SERVO_MODELS.get(servo.name)  # versions for several supply voltages share a number
+    model = named if named is not None and named.number == servo.model else MODELS_BY_NUMBER.get(servo.model)
     if model is None:
         names = ", ".join(sorted(SERVO_MODELS))
         raise ConfigError(
             f"{where}: servo {servo.name} has model number {servo.model}, which has no FactorySheet; "
-            f"add one to kinesic/hardware/protocol/models.py, or mount one of {names}"
+            f"add one to kinesic/hardware/protocol/x_series.py, or mount one of {names}"
         )
     return model

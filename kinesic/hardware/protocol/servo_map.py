@@ -18,7 +18,7 @@ from kinesic.body.config import ConfigError, suggestion
 from kinesic.body.robot import Robot
 from kinesic.body.robot_extension import read_robot
 from kinesic.body.servo import TICKS_PER_TURN
-from kinesic.hardware.protocol.registers import BAUD_RATES
+from kinesic.hardware.protocol.models import ALL_BAUD_RATES, MODELS_BY_NUMBER
 from kinesic.hardware.protocol.ticks import Scale
 
 MAX_ID = 252  # Largest id of a servo
@@ -90,11 +90,13 @@ class ServoMap:
             return cls((), ())
         _check_buses(robot.path, tables)
         servos_by_hinge: dict[str, HingeServos] = {}
+        bauds = {table.name: table.baud for table in tables}
         for servos in _servos(robot, tables):
             if servos.hinge in servos_by_hinge:
                 buses = f"{servos_by_hinge[servos.hinge].bus} and {servos.bus}"
                 raise ConfigError(f"{robot.path}: hinge {servos.hinge} is on the buses {buses}, must be on one")
             _check_servos(robot, servos)
+            _check_baud(robot, servos, bauds[servos.bus])
             servos_by_hinge[servos.hinge] = servos
         missing = [name for name in robot.skeleton.names if name not in servos_by_hinge]
         if missing:
@@ -146,8 +148,8 @@ def _check_buses(path: Path, tables: list[BusTable]) -> None:
             raise ConfigError(
                 f"{path}: bus {table.name!r} must consist of letters, digits, - and _, as it names its port"
             )
-        if table.baud not in BAUD_RATES:
-            rates = ", ".join(str(rate) for rate in BAUD_RATES)
+        if table.baud not in ALL_BAUD_RATES:
+            rates = ", ".join(str(rate) for rate in ALL_BAUD_RATES)
             raise ConfigError(f"{path}: bus {table.name}: baud is {table.baud}, must be one of {rates}")
         owners: dict[int, str] = {}
         for hinge, ids in table.ids.items():
@@ -172,6 +174,17 @@ def _check_servos(robot: Robot, servos: HingeServos) -> None:
     if ends.min() < 0 or ends.max() >= TICKS_PER_TURN:
         turned = f"{degrees(hinge.lower):.0f}..{degrees(hinge.upper):.0f} deg is {ends.min()}..{ends.max()} ticks"
         raise ConfigError(f"{where}: {turned}, outside 0..{TICKS_PER_TURN - 1}; move zero_ticks")
+
+
+def _check_baud(robot: Robot, servos: HingeServos, baud: int) -> None:
+    """Refuse a baud rate that a servo's family does not have."""
+    servo = robot.drives[robot.skeleton.joint(servos.hinge)].servo
+    model = MODELS_BY_NUMBER.get(servo.model)
+    if model is not None and baud not in model.bauds:
+        rates = ", ".join(str(rate) for rate in sorted(model.bauds))
+        raise ConfigError(
+            f"{robot.path}: bus {servos.bus}: baud is {baud}, but {servo.name} of {servos.hinge} has {rates}"
+        )
 
 
 def load_robot(name: str | Path = "upper22") -> Robot:

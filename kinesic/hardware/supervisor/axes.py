@@ -13,11 +13,13 @@ from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.bus.bus import Bus
 from kinesic.hardware.bus.cycle import Cycle, Event, Records
 from kinesic.hardware.protocol.device import ServoAccess
+from kinesic.hardware.protocol.frame_access import open_access
 from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED, Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.manifest import Manifest
 
+MAX_POLL_CYCLES = 3  # cycles within which servos that are read one by one must all answer
 RECENT_PERIODS = 4.0  # [cycle periods] largest age of a recent record
 Kind = TypeVar("Kind", bound=np.generic)
 
@@ -56,8 +58,9 @@ class Axes:
     def __init__(self, manifest: Manifest, buses: Mapping[str, Bus]) -> None:
         self.manifest = manifest
         self.buses: Mapping[str, Bus] = {name: buses[name] for name in manifest.bauds}
-        self._access = {name: ServoAccess(bus.wire) for name, bus in self.buses.items()}
-        self._quick_access = {name: ServoAccess(bus.wire, tries=1) for name, bus in self.buses.items()}
+        tables = manifest.tables
+        self._access = {name: open_access(bus.wire, tables[name]) for name, bus in self.buses.items()}
+        self._quick_access = {name: open_access(bus.wire, tables[name], tries=1) for name, bus in self.buses.items()}
         places = {name: [k for k, m in enumerate(manifest.members) if m.bus == name] for name in manifest.bauds}
         self._parts = {name: slice(indices[0], indices[-1] + 1) for name, indices in places.items()}
         self._unidentified: set[str] = set()  # buses whose port was lost and may now lead to other servos
@@ -68,6 +71,12 @@ class Axes:
     def all_places(self) -> tuple[int, ...]:
         """Indices of the servos on all buses."""
         return tuple(range(len(self.manifest.members)))
+
+    @property
+    def poll_interval(self) -> float:
+        """Time [s] beyond one cycle in which servos that are read one by one all answer."""
+        single = any(table is not None and table.collective == "none" for table in self.manifest.tables.values())
+        return MAX_POLL_CYCLES * self._period if single else 0.0
 
     @property
     def unidentified(self) -> tuple[int, ...]:

@@ -69,6 +69,8 @@ def describe_difference(before: RegisterTable, now: RegisterTable, *, watchdog: 
         if before[register] != now[register]:
             return f"its {register.name} is {now[register]}, must be {before[register]}"
     actual_watchdog = now[Register.BUS_WATCHDOG]
+    if not now.member.model.has(Register.BUS_WATCHDOG):
+        return ""
     if now[Register.TORQUE_ENABLE] and actual_watchdog not in (watchdog, WATCHDOG_TRIPPED):
         return f"it has torque and a BUS_WATCHDOG of {actual_watchdog}, must be {watchdog} or tripped"
     return ""

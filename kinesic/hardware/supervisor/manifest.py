@@ -14,10 +14,12 @@ from kinesic.body.muscle import MUSCLE_NAME as MUSCLE
 from kinesic.body.robot import Robot
 from kinesic.body.servo import TICKS_PER_TURN, Drive
 from kinesic.hardware.bus.bounds import TickRange
-from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.bus.dialect import Servo
+from kinesic.hardware.protocol.device import REPLY_TO_ALL
 from kinesic.hardware.protocol.models import Model, control_table_of
 from kinesic.hardware.protocol.registers import TICK_ANGLE, VELOCITY_UNIT, Mode, Register
 from kinesic.hardware.protocol.servo_map import HingeServos, ServoMap
+from kinesic.hardware.protocol.tables import FamilyTable
 from kinesic.hardware.protocol.ticks import Scale
 
 GOAL_MARGIN = 40  # [ticks] distance by which goals may exceed a hinge's range, as joints may hang slightly outside
@@ -61,15 +63,18 @@ class Member:
     @property
     def eeprom_values(self) -> Mapping[Register, int]:
         """Required EEPROM values that do not depend on present register values."""
-        return {
-            Register.RETURN_DELAY_TIME: 0,
-            Register.DRIVE_MODE: 0,
-            Register.OPERATING_MODE: Mode.POSITION.value,
-            Register.SECONDARY_ID: NO_ALIAS,
-            Register.HOMING_OFFSET: 0,
-            Register.SHUTDOWN: SHUTDOWN_MASK,
-            **{r: self.model.factory_value(r) for r in FACTORY_REGISTERS if self.model.has(r)},
-        }
+        return self._storable(
+            {
+                Register.RETURN_DELAY_TIME: 0,
+                Register.DRIVE_MODE: 0,
+                Register.OPERATING_MODE: Mode.POSITION.value,
+                Register.SECONDARY_ID: NO_ALIAS,
+                Register.HOMING_OFFSET: 0,
+                Register.SHUTDOWN: SHUTDOWN_MASK,
+                **{r: self.model.factory_value(r) for r in FACTORY_REGISTERS},
+                **({Register.STATUS_RETURN_LEVEL: REPLY_TO_ALL} if self.model.table is not None else {}),
+            }
+        )
 
     @property
     def ram_values(self) -> Mapping[Register, int]:
@@ -78,15 +83,22 @@ class Member:
         A reboot resets all of them, a tripped watchdog the profile.
         """
         pace = min(ceil(self.speed / VELOCITY_UNIT), self.model.factory_value(Register.VELOCITY_LIMIT))
-        return {
-            Register.POSITION_P_GAIN: self.gains[0],
-            Register.POSITION_D_GAIN: self.gains[1],
-            Register.POSITION_I_GAIN: 0,
-            Register.FEEDFORWARD_1ST_GAIN: 0,
-            Register.FEEDFORWARD_2ND_GAIN: 0,
-            Register.PROFILE_ACCELERATION: 0,  # an acceleration limit would brake at every goal of a stream
-            Register.PROFILE_VELOCITY: pace,
-        }
+        return self._storable(
+            {
+                Register.POSITION_P_GAIN: self.gains[0],
+                Register.POSITION_D_GAIN: self.gains[1],
+                Register.POSITION_I_GAIN: 0,
+                Register.FEEDFORWARD_1ST_GAIN: 0,
+                Register.FEEDFORWARD_2ND_GAIN: 0,
+                Register.PROFILE_ACCELERATION: 0,  # an acceleration limit would brake at every goal of a stream
+                Register.PROFILE_VELOCITY: pace,
+            }
+        )
+
+    def _storable(self, values: Mapping[Register, int]) -> dict[Register, int]:
+        """Return the values that the model's registers can hold, without missing registers."""
+        model = self.model
+        return {register: model.quantise(register, value) for register, value in values.items() if model.has(register)}
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,6 +147,17 @@ class Manifest:
             upper=robot.skeleton.upper,
             chains=(*(frozenset(robot.joints(chain)) for chain in robot.chains), *loose),
         )
+
+    @cached_property
+    def tables(self) -> Mapping[str, FamilyTable | None]:
+        """Control table of the family on each bus; None: X series with Protocol 2.0."""
+        return {member.bus: member.model.table for member in self.members}
+
+    @cached_property
+    def unwatched(self) -> tuple[str, ...]:
+        """Names of the buses whose servos have no bus watchdog."""
+        lacking = {member.bus for member in self.members if not member.model.has(Register.BUS_WATCHDOG)}
+        return tuple(name for name in self.bauds if name in lacking)
 
     @cached_property
     def joints(self) -> NDArray[np.intp]:

@@ -1,6 +1,6 @@
 """Checks and register settings of the servos before torque is switched on."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from math import ceil
 
@@ -8,7 +8,8 @@ from kinesic.body.limits import PLANNED_DUTY
 from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.bus.bring_up import open_bus
 from kinesic.hardware.bus.bus import Bus
-from kinesic.hardware.protocol.device import RegisterChange, ServoAccess, enable_replies
+from kinesic.hardware.protocol.device import RegisterChange, ServoAccess
+from kinesic.hardware.protocol.frame_access import open_access
 from kinesic.hardware.protocol.registers import VELOCITY_UNIT, HardwareError, Register
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.axes import Axes
@@ -25,7 +26,6 @@ POSITION_REGISTERS = (
 VITAL_REGISTERS = (*POSITION_REGISTERS, Register.SECONDARY_ID)  # Registers that must be correct on a servo with torque
 LOWER_LIMIT_REGISTER = Register.MIN_VOLTAGE_LIMIT  # Register whose limit is raised to its factory value if lower
 UPPER_LIMIT_REGISTERS = (Register.MAX_VOLTAGE_LIMIT, Register.TEMPERATURE_LIMIT)  # Lowered to factory values if higher
-_TABLE_END = Register.PRESENT_TEMPERATURE.field.end  # [bytes] size of the read span from address 0 on
 
 
 @dataclass(frozen=True)
@@ -42,7 +42,7 @@ class RegisterTable:
         Raises:
             BusError: the servo does not answer.
         """
-        return cls(member, access.read_span(member.id, 0, _TABLE_END))
+        return cls(member, access.read_table(member.id))
 
     def __getitem__(self, register: Register) -> int:
         return register.field.unpack(self.data[register.field.address : register.field.end])
@@ -108,7 +108,7 @@ def prepare_servos(manifest: Manifest, wires: Mapping[str, Wire], *, period: flo
     lines: list[str] = []
     for name, wire in wires.items():
         members = [member for member in manifest.members if member.bus == name]
-        enable_replies(wire)
+        open_access(wire, manifest.tables[name]).enable_replies()
         try:
             buses[name] = open_bus(wire, [member.servo for member in members], period=period)
         except BusError as error:
@@ -192,7 +192,7 @@ def _heat(table: RegisterTable) -> str:
 
 
 def _place(table: RegisterTable) -> str:
-    if any(table[r] != table.member.eeprom_values[r] for r in POSITION_REGISTERS):
+    if _differing(table, POSITION_REGISTERS):
         return ""  # its position is unknown until these are set
     lower, upper = table.member.span
     position = table[Register.PRESENT_POSITION] % TICKS_PER_TURN
@@ -206,10 +206,16 @@ def _place(table: RegisterTable) -> str:
 
 def _mode(table: RegisterTable) -> str:
     """Describe wrong mode registers of a servo with torque, or return ""."""
-    wrong = [r.name for r in VITAL_REGISTERS if table[r] != table.member.eeprom_values[r]]
+    wrong = [register.name for register in _differing(table, VITAL_REGISTERS)]
     if not table[Register.TORQUE_ENABLE] or not wrong:
         return ""
     return f"has torque, but other values of {', '.join(wrong)}; release it with `kinesic servos release`"
+
+
+def _differing(table: RegisterTable, registers: Sequence[Register]) -> list[Register]:
+    """Return which of some registers differ from their required EEPROM value."""
+    required = table.member.eeprom_values
+    return [register for register in registers if table[register] != required.get(register, table[register])]
 
 
 def configure(axes: Axes, tables: tuple[RegisterTable, ...]) -> tuple[RegisterChange, ...]:
@@ -243,8 +249,9 @@ def required_registers(table: RegisterTable) -> dict[Register, int]:
     member, model, startup = table.member, table.member.model, Register.STARTUP_CONFIGURATION
     lower, upper = member.span
     values = dict(member.eeprom_values)
-    if model.family == "330" or table[Register.FIRMWARE_VERSION] >= startup.field.firmware:
+    if model.has(startup) and (model.family == "330" or table[Register.FIRMWARE_VERSION] >= startup.field.firmware):
         values[startup] = 0
     least = {Register.MIN_POSITION_LIMIT: lower, LOWER_LIMIT_REGISTER: model.factory_value(LOWER_LIMIT_REGISTER)}
     most = {Register.MAX_POSITION_LIMIT: upper} | {r: model.factory_value(r) for r in UPPER_LIMIT_REGISTERS}
-    return values | {r: max(v, table[r]) for r, v in least.items()} | {r: min(v, table[r]) for r, v in most.items()}
+    narrowed = {r: max(v, table[r]) for r, v in least.items()} | {r: min(v, table[r]) for r, v in most.items()}
+    return values | {r: model.quantise(r, v) for r, v in narrowed.items()}

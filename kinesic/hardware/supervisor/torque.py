@@ -58,7 +58,8 @@ def energise(
     for _ in range(MAX_SETTLING_CYCLES):
         snapshot = yield goals
         here, since, before = fold_turns(snapshot.positions[chosen]), snapshot.time, since
-        if (snapshot.times[chosen] < before).any() or float(np.abs(here - goals).max(initial=0.0)) > STILL_TOLERANCE:
+        outdated = snapshot.times[chosen] < before - axes.poll_interval
+        if outdated.any() or float(np.abs(here - goals).max(initial=0.0)) > STILL_TOLERANCE:
             goals, confirmed = here, False
         elif confirmed:
             break
@@ -129,7 +130,8 @@ def adopt(axes: Axes, first: Snapshot, earlier: Floats, power: Ticks, *, watchdo
     yield goals
     _put_ram_values(axes, chosen)
     axes.put(Register.GOAL_PWM, {k: int(power[k]) for k in chosen})
-    late, denials, since = chosen, 0, axes.now()
+    watched = [k for k in chosen if axes.manifest.members[k].model.has(Register.BUS_WATCHDOG)]
+    late, denials, since = watched, 0, axes.now()
     for _ in range(MAX_SETTLING_CYCLES):
         axes.put_all(Register.BUS_WATCHDOG, late, 0)
         axes.put_all(Register.BUS_WATCHDOG, late, watchdog)
@@ -201,7 +203,9 @@ def _has_taken(axes: Axes, place: int, goal: float | None = None) -> bool:
     """Return whether a servo has stored its required RAM values and goal."""
     required = {**axes.manifest.members[place].ram_values}
     if goal is not None:
-        required[Register.GOAL_POSITION] = round(goal)
+        required[Register.GOAL_POSITION] = axes.manifest.members[place].model.quantise(
+            Register.GOAL_POSITION, round(goal)
+        )
     try:
         return axes.read(place, required) == required
     except BusError:

@@ -5,13 +5,16 @@ from dataclasses import dataclass
 
 from kinesic.body.robot import Robot
 from kinesic.hardware.bus.cycle import BLOCK_DTYPE, RECORD_SIZE
+from kinesic.hardware.bus.dialect import SERVO_TURNAROUND, cycle_size
 from kinesic.hardware.protocol.models import MODELS_BY_NUMBER, UNREACHABLE_FIRMWARE
 from kinesic.hardware.protocol.packet import PACKET_OVERHEAD, STATUS_OVERHEAD
-from kinesic.hardware.protocol.registers import BAUD_RATES, Register
+from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE
+from kinesic.hardware.supervisor.axes import MAX_POLL_CYCLES
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 
 MAX_BUS_LOAD = 0.95  # largest wire time of a cycle / cycle period
+ADAPTER_LATENCY = 0.001  # [s] latency timer of an adapter in its recommended setting
 SPAN_SIZE = 4  # [bytes] size of address and length in a collective packet
 FAST_HEADER_SIZE = 8  # [bytes] size of a fast reply before its first block
 
@@ -23,13 +26,19 @@ class BusLoad:
     bus: str
     baud: int  # [bit/s]
     servos: int  # number of servos
-    octets: int  # [bytes] of goals, query and replies per cycle
+    octets: int  # [bytes] of goals, query and replies of all servos
     period: float  # [s] cycle period
+    bauds: tuple[int, ...]  # [bit/s] baud rates of the servos
+    idle: float = 0.0  # [s] pauses while the host waits for single servos
+    cycles: int = 1  # number of cycles in which all servos are read
 
     @property
     def ratio(self) -> float:
-        """Wire time of a cycle / cycle period."""
-        return self.octets * BITS_PER_BYTE / self.baud / self.period
+        """Time of goals, queries and replies / time for them."""
+        return self._duration(self.baud) / (self.cycles * self.period)
+
+    def _duration(self, baud: int) -> float:
+        return self.octets * BITS_PER_BYTE / baud + self.idle
 
     @property
     def fits(self) -> bool:
@@ -42,8 +51,8 @@ class BusLoad:
         load = f"{self.servos} servos at {self.baud} baud use {100 * self.ratio:.0f} % of the bus"
         if self.fits:
             return load
-        sufficient = (rate for rate in BAUD_RATES if self.ratio * self.baud / rate <= MAX_BUS_LOAD)
-        rate = next(sufficient, None)
+        budget = MAX_BUS_LOAD * self.cycles * self.period
+        rate = next((rate for rate in sorted(self.bauds) if self._duration(rate) <= budget), None)
         if rate is None:
             return f"{load}; distribute them over several buses"
         return f"{load}; set servos and robot file to {rate} baud: `kinesic servos set-baud`"
@@ -59,8 +68,27 @@ def compute_bus_loads(manifest: Manifest, *, period: float) -> tuple[BusLoad, ..
     loads: list[BusLoad] = []
     for name, baud in manifest.bauds.items():
         members = [member for member in manifest.members if member.bus == name]
-        loads.append(BusLoad(name, baud, len(members), _cycle_size(members), period))
+        model = members[0].model
+        if model.table is None:
+            loads.append(BusLoad(name, baud, len(members), _cycle_size(members), period, model.bauds))
+            continue
+        octets = cycle_size(model.table, len(members), full=False)
+        single = model.table.collective == "none"
+        pauses = len(members) * (SERVO_TURNAROUND + (ADAPTER_LATENCY if single else 0.0))
+        cycles = MAX_POLL_CYCLES if single else 1
+        loads.append(BusLoad(name, baud, len(members), octets, period, model.bauds, idle=pauses, cycles=cycles))
     return tuple(loads)
+
+
+def explain_missing_watchdog(manifest: Manifest) -> str:
+    """State what the servos without a bus watchdog do if the host fails, or return ""."""
+    if not manifest.unwatched:
+        return ""
+    buses = ", ".join(manifest.unwatched)
+    return (
+        f"servos of bus {buses} have no bus watchdog: if the supervisor process, the computer or the adapter fails, "
+        "they move to their last goal and hold it with torque; keep the power switch within reach"
+    )
 
 
 def explain_rare_answers(manifest: Manifest, silent: Sequence[str], *, period: float) -> str:

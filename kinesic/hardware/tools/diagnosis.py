@@ -12,7 +12,7 @@ from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.preflight import RegisterTable, find_refusals
 from kinesic.hardware.supervisor.settings import DEFAULT_SETTINGS
-from kinesic.hardware.supervisor.wiring_check import compute_bus_loads
+from kinesic.hardware.supervisor.wiring_check import compute_bus_loads, explain_missing_watchdog
 from kinesic.hardware.tools.survey import find_unexpected_servos, open_slow_access
 
 MIN_COOLING_MARGIN = 10  # [K] smallest healthy margin between a resting servo's temperature and its limit
@@ -47,6 +47,8 @@ def diagnose(
         period: [s] cycle period of a performance, for the load of each bus.
         system: sysfs folder with the adapters' latency timers.
     """
+    for bus in manifest.unwatched:
+        yield ServoFinding(bus, "safety", True, explain_missing_watchdog(manifest))
     loads = {load.bus: load for load in compute_bus_loads(manifest, period=period)}
     for bus in manifest.bauds:
         yield ServoFinding(bus, "load", loads[bus].fits, loads[bus].text)
@@ -62,7 +64,7 @@ def diagnose(
         yield _adapter(bus, ports[bus], system)
         try:
             members = [member for member in manifest.members if member.bus == bus]
-            yield from _servos(bus, open_slow_access(wire), members)
+            yield from _servos(bus, open_slow_access(wire, manifest.tables[bus]), members)
         except BusError as error:
             yield ServoFinding(bus, "port", False, str(error))
         finally:

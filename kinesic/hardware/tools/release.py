@@ -10,17 +10,15 @@ from math import nan
 import numpy as np
 
 from kinesic.body.arrays import Floats
-from kinesic.hardware.protocol import packet
 from kinesic.hardware.protocol.device import ServoAccess
-from kinesic.hardware.protocol.packet import BROADCAST_ID
+from kinesic.hardware.protocol.frame_access import open_access
 from kinesic.hardware.protocol.registers import Register
+from kinesic.hardware.protocol.tables import FamilyTable
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.tools.survey import open_slow_access
 
 RELEASE_REPEATS = 2  # Number of torque-off broadcasts before each servo is verified
-# Broadcast that switches the torque of all servos off
-TORQUE_OFF_PACKET = packet.write_packet(BROADCAST_ID, Register.TORQUE_ENABLE.field.address, b"\0")
 
 
 def holding_angles(manifest: Manifest, wires: Mapping[str, Wire]) -> Floats:
@@ -35,7 +33,7 @@ def holding_angles(manifest: Manifest, wires: Mapping[str, Wire]) -> Floats:
     angles, accesses = manifest.rest.copy(), dict[str, ServoAccess]()
     for name, wire in wires.items():
         with suppress(BusError):
-            accesses[name] = open_slow_access(wire)
+            accesses[name] = open_slow_access(wire, manifest.tables[name])
     for k, member in enumerate(manifest.members):
         rest, angle = manifest.rest[member.joint], nan
         with suppress(BusError, KeyError):
@@ -49,12 +47,15 @@ def holding_angles(manifest: Manifest, wires: Mapping[str, Wire]) -> Floats:
     return angles
 
 
-def release_servos(wires: Mapping[str, Wire], servos: Mapping[str, Sequence[int]]) -> tuple[str, ...]:
+def release_servos(
+    wires: Mapping[str, Wire], servos: Mapping[str, Sequence[int]], tables: Mapping[str, FamilyTable | None]
+) -> tuple[str, ...]:
     """Switch torque off on all servos, and verify it.
 
     Args:
         wires: open wires, by name.
         servos: ids that must be without torque then, by wire name; other answering servos must be, too.
+        tables: control table of the family on each wire; None: X series with Protocol 2.0.
 
     Returns:
         One line per servo that may still have torque.
@@ -64,8 +65,8 @@ def release_servos(wires: Mapping[str, Wire], servos: Mapping[str, Sequence[int]
     for name, wire in wires.items():  # all wires first, so that no servo waits for the replies of another wire
         try:
             for _ in range(RELEASE_REPEATS):
-                wire.write(TORQUE_OFF_PACKET)
-            accesses[name] = open_slow_access(wire)
+                open_access(wire, tables.get(name)).release_all()
+            accesses[name] = open_slow_access(wire, tables.get(name))
         except BusError as error:
             lines.append(f"{error}; its servos may still have torque: switch the power off")
     for name, access in accesses.items():

@@ -6,8 +6,10 @@ from math import degrees, nan
 
 import numpy as np
 
-from kinesic.hardware.protocol.device import PingReply, RegisterChange, ServoAccess, enable_replies
+from kinesic.hardware.protocol.device import PingReply, RegisterChange, ServoAccess
+from kinesic.hardware.protocol.frame_access import open_access
 from kinesic.hardware.protocol.registers import BAUD_RATES, HardwareError, Register
+from kinesic.hardware.protocol.tables import FamilyTable
 from kinesic.hardware.protocol.ticks import Scale
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.manifest import Manifest, Member
@@ -90,18 +92,23 @@ def survey(manifest: Manifest, wires: Mapping[str, Wire]) -> tuple[SurveyedServo
     Raises:
         BusError: a port is gone.
     """
-    accesses = {name: open_slow_access(wire) for name, wire in wires.items()}
+    accesses = {name: open_slow_access(wire, manifest.tables[name]) for name, wire in wires.items()}
     return tuple(_seen(accesses[member.bus], member) for member in manifest.members if member.bus in accesses)
 
 
-def open_slow_access(wire: Wire) -> ServoAccess:
+def open_slow_access(wire: Wire, table: FamilyTable | None = None) -> ServoAccess:
     """Make servos answer all instructions, and return access with retries.
+
+    Args:
+        wire: an open wire.
+        table: control table of the family on the wire; None: X series with Protocol 2.0.
 
     Raises:
         BusError: the port is gone.
     """
-    enable_replies(wire)
-    return ServoAccess(wire)
+    access = open_access(wire, table)
+    access.enable_replies()
+    return access
 
 
 def _seen(access: ServoAccess, member: Member) -> SurveyedServo:

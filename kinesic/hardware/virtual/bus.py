@@ -12,9 +12,11 @@ from collections.abc import Iterator, Sequence
 from math import inf
 from typing import NamedTuple
 
+from kinesic.hardware.protocol.frame import FrameReader, split_frames
 from kinesic.hardware.protocol.packet import PACKET_HEADER, Packet, Reader
 from kinesic.hardware.protocol.wire import BITS_PER_BYTE
 from kinesic.hardware.virtual.faults import NO_FAULTS, FaultPlan, Transmission, WireFaults
+from kinesic.hardware.virtual.frame_protocol import frame_answers
 from kinesic.hardware.virtual.protocol import answers, obey_aliases
 from kinesic.hardware.virtual.servo import VirtualServo
 from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
@@ -47,7 +49,8 @@ class VirtualBus:
         self.baud = baud
         self._plant, self._servos = plant, tuple(servos)
         self._latency = latency
-        self._reader = Reader()
+        self._uses_frames = any(servo.memory.model.table is not None for servo in servos)
+        self._reader = FrameReader() if self._uses_frames else Reader()
         self._sent_until = self._replied_until = plant.time  # [s] end of the transmissions of host and servos
         self._coming: deque[Burst] = deque()  # bursts in transit to the host
         self.expose(faults)
@@ -88,7 +91,7 @@ class VirtualBus:
         """
         byte = BITS_PER_BYTE / self.baud
         clock = max(time, self._sent_until)
-        for part in _parts(bytes(data)):
+        for part in split_frames(bytes(data)) if self._uses_frames else _parts(bytes(data)):
             begun, clock = clock, clock + byte * len(part)
             if begun < self._replied_until:
                 self._collide(begun, clock)
@@ -129,7 +132,8 @@ class VirtualBus:
                 hearing.setdefault(id, []).append(servo)
                 if alias is not None:
                     aliases.setdefault(alias, []).append(servo)
-        transmissions = self._wire_faults.replies(answers(packet, hearing), clock)
+        replies = frame_answers(packet, hearing) if self._uses_frames else answers(packet, hearing)
+        transmissions = self._wire_faults.replies(replies, clock)
         obey_aliases(packet, aliases)
         return self._deliver(transmissions, clock, byte)
 

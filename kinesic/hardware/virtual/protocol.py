@@ -63,12 +63,12 @@ def _plain(servo: int, instruction: int, parameters: bytes, servos: Servos) -> I
         has_reply, delay = requested.answers(instruction) and not requested.mute, requested.delay
         error, data = requested.execute(instruction, parameters)
         if has_reply:
-            reply = _mixed(reply, status(servo, error, data))
+            reply = mix_bits(reply, status(servo, error, data))
     if reply:
         yield Sent(servo, reply, TURNAROUND_TIME + delay)
 
 
-def _mixed(one: bytes, other: bytes) -> bytes:
+def mix_bits(one: bytes, other: bytes) -> bytes:
     """Combine two simultaneous transmissions bit by bit (a low level wins)."""
     if not one:
         return other
@@ -143,7 +143,7 @@ def _read_fast(packet: Packet, servos: Servos) -> Iterator[Sent]:
             if candidate.fast and candidate.answers(Instruction.READ) and not candidate.mute:
                 error, data = candidate.execute(Instruction.READ, span)
                 begun = (b"" if k else head) + bytes((error, servo)) + data.ljust(size, b"\0")
-                block, delay = _mixed(block, begun), candidate.delay
+                block, delay = mix_bits(block, begun), candidate.delay
         if not block:
             return
         crc = crc16(block, crc)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from kinesic.hardware.protocol.models import Model
 from kinesic.hardware.protocol.packet import Fault, Instruction
-from kinesic.hardware.protocol.registers import BAUD_RATES, Register
+from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.virtual.control_table import (
     GOAL_REGISTERS,
     TORQUE_BY_GOAL_BIT,
@@ -75,7 +75,7 @@ class VirtualServo:
         """
         self.memory = Memory(model, firmware)
         self.memory[Register.ID] = servo
-        self.memory[Register.BAUD_RATE] = BAUD_RATES.index(baud)
+        self.memory[Register.BAUD_RATE] = model.baud_code(baud)
         self.electronics = Firmware(self.memory)
         self.mute = False  # whether the servo receives without answering
         self._latches_goal = latches_goal
@@ -99,7 +99,7 @@ class VirtualServo:
     @property
     def baud(self) -> int:
         """Baud rate [bit/s]."""
-        return BAUD_RATES[self.memory[Register.BAUD_RATE]]
+        return self.memory.model.baud_rate(self.memory[Register.BAUD_RATE])
 
     @property
     def station(self) -> "Station":

@@ -135,11 +135,16 @@ def read_tuning(memory: Memory) -> Tuning:
     return Tuning(
         mode=mode,
         sign=-1 if drive & REVERSE_BIT else 1,
-        offset=0 if mode == Mode.POSITION.value and abs(homing) > MAX_HOMING_OFFSET else homing,
+        offset=homing if mode != Mode.POSITION.value or abs(homing) <= _largest_offset(memory) else 0,
         pwm_limit=memory[Register.PWM_LIMIT],
         moving_threshold=memory[Register.MOVING_THRESHOLD],
         has_time_profile=bool(drive & TIME_PROFILE_BIT),
     )
+
+
+def _largest_offset(memory: Memory) -> int:
+    """Return the largest homing offset [ticks] that a servo applies in position mode."""
+    return MAX_HOMING_OFFSET if memory.model.table is None else TICKS_PER_TURN // 2
 
 
 class SetPoint:

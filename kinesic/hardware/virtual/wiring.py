@@ -10,6 +10,7 @@ from kinesic.hardware.protocol.registers import TICK_ANGLE, Register
 from kinesic.hardware.protocol.servo_map import MID_TICKS, ServoMap
 from kinesic.hardware.virtual.bus import ADAPTER_LATENCY, VirtualBus
 from kinesic.hardware.virtual.faults import BUILD_KINDS, NO_FAULTS, FaultPlan
+from kinesic.hardware.virtual.frame_servo import FrameServo
 from kinesic.hardware.virtual.physics import FirstOrder, Motor, Physics, Shaft
 from kinesic.hardware.virtual.servo import NEWEST_FIRMWARE, VirtualServo
 from kinesic.hardware.virtual.shaft_simulation import ShaftSimulation
@@ -31,8 +32,9 @@ class ServoFitting:
 
     def build(self, baud: int) -> VirtualServo:
         """Build the virtual servo for a baud rate [bit/s]."""
-        servo = VirtualServo(
-            SERVO_MODELS[self.model],
+        model = SERVO_MODELS[self.model]
+        servo = (VirtualServo if model.table is None else FrameServo)(
+            model,
             servo=self.servo,
             baud=baud,
             firmware=self.firmware,

@@ -55,7 +55,7 @@ def test_servo_model_without_a_control_table_is_refused(kinesic, robot_file, tmp
     (line,) = [line for line in ended.err.splitlines() if line.startswith("kinesic: ")]
     assert "mine.toml: " in line
     assert ": servo wrist_servo has model number 1140, which has no FactorySheet; " in line
-    assert "add one to kinesic/hardware/protocol/models.py" in line
+    assert "add one to kinesic/hardware/protocol/x_series.py" in line
 
 
 def test_renamed_servo_model_uses_the_control_table_of_its_model_number(robot_file):

@@ -1,7 +1,7 @@
 import pytest
 
 from kinesic.hardware.bus.bring_up import open_bus
-from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.bus.dialect import Servo
 from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError

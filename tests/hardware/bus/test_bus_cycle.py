@@ -5,8 +5,9 @@ from collections.abc import Callable, Sequence
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.bus import Bus, Servo
+from kinesic.hardware.bus.bus import Bus
 from kinesic.hardware.bus.cycle import RECORD_SIZE, signature
+from kinesic.hardware.bus.dialect import Servo
 from kinesic.hardware.bus.late_replies import MAX_STALE_CYCLES
 from kinesic.hardware.protocol import packet
 from kinesic.hardware.protocol.models import SERVO_MODELS

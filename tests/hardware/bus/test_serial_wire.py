@@ -11,8 +11,9 @@ import pytest
 import serial
 
 from kinesic.hardware.bus.bring_up import open_bus
-from kinesic.hardware.bus.bus import Bus, Servo
+from kinesic.hardware.bus.bus import Bus
 from kinesic.hardware.bus.cycle import Cycle
+from kinesic.hardware.bus.dialect import Servo
 from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.registers import Register

@@ -73,7 +73,7 @@ def test_order_of_hinges_in_the_robot_file_does_not_matter(changed):
         ("l_elbow_flexion = 15", "l_elbow_flexion = -1", r"l_elbow_flexion: id is -1, outside 0\.\.252"),
         ("vl5_tilt = [2, 3]", "vl5_tilt = 2", "vl5_tilt: 1 ids, but the hinge has count = 2"),
         ("vl5_roll = 4", "vl5_roll = [4, 8]", "vl5_roll: 2 ids, but the hinge has count = 1"),
-        ("baud = 1_000_000", "baud = 1_000_001", "baud is 1000001, must be one of 9600, 57600"),
+        ("baud = 1_000_000", "baud = 1_000_001", "baud is 1000001, must be one of 9600, 19200, 57600"),
         ("baud = 1_000_000", "baudrate = 1_000_000", r"unknown field `baudrate`.*did you mean baud\?"),
         ("baud = 1_000_000", "baud = 1_000_000\nzero_ticks = { elbow = 2048 }", "zero_ticks of bus body: no elbow"),
         ("baud = 1_000_000", 'baud = 1_000_000\ninverted = ["elbow"]', "inverted of bus body: no elbow"),

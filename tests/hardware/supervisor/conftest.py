@@ -14,7 +14,7 @@ import pytest
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
-from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.bus.dialect import Servo
 from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.ticks import Ticks
@@ -34,6 +34,7 @@ from .judged import Room
 PERIOD = 0.01
 QUICK_SETTINGS = SupervisorSettings(pace=3.0, patience=1.0)  # fast moves and a short wait for commands
 MODEL = "xm430_w350"
+GAINS = {MODEL: (800, 0), "sts3215": (16, 32), "scs0009": (15, 0), "ax12": (0, 0), "mx28": (32, 0)}  # P and D gain
 
 
 @pytest.fixture(params=["kinesic", pytest.param("manual", marks=pytest.mark.soak)])
@@ -230,10 +231,13 @@ def crowd(tmp_path: Path, servos: str) -> Iterator[Callable[..., Desk]]:
         baud: int = 1_000_000,
         faults: FaultPlan = NO_FAULTS,
         settings: SupervisorSettings = QUICK_SETTINGS,
+        model: str = MODEL,
     ) -> Desk:
-        fittings = tuple(ServoFitting(k + 1, model=MODEL) for k in range(count))
+        fittings = tuple(ServoFitting(k + 1, model=model) for k in range(count))
         wires = (Cable("body", fittings, baud=baud, faults=faults),)
-        desks.append(Desk(manifest_of(count, baud), wires, tmp_path / "events.jsonl", settings=settings, servos=servos))
+        desks.append(
+            Desk(manifest_of(count, baud, model), wires, tmp_path / "events.jsonl", settings=settings, servos=servos)
+        )
         return desks[-1]
 
     yield made
@@ -242,11 +246,11 @@ def crowd(tmp_path: Path, servos: str) -> Iterator[Callable[..., Desk]]:
         assert not each.dropped
 
 
-def manifest_of(count: int, baud: int) -> Manifest:
+def manifest_of(count: int, baud: int, model: str = MODEL) -> Manifest:
     members = [
         Member(
             bus="body",
-            servo=Servo(k + 1, SERVO_MODELS[MODEL]),
+            servo=Servo(k + 1, SERVO_MODELS[model]),
             hinge=f"hinge{k}",
             joint=k,
             zero=2048,
@@ -254,7 +258,7 @@ def manifest_of(count: int, baud: int) -> Manifest:
             lower=1000,
             upper=3000,
             speed=4.8,
-            gains=(800, 0),
+            gains=GAINS[model],
             full=141.0,
         )
         for k in range(count)

@@ -10,7 +10,7 @@ from typing import get_args
 import numpy as np
 import pytest
 
-from kinesic.hardware.bus.bus import Servo
+from kinesic.hardware.bus.dialect import Servo
 from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.packet import Instruction
 from kinesic.hardware.protocol.registers import Register

@@ -11,7 +11,7 @@ def energise(table) -> None:
 
 
 def released(table) -> tuple[str, ...]:
-    return release_servos({"body": table.wire}, {"body": list(table.servos)})
+    return release_servos({"body": table.wire}, {"body": list(table.servos)}, {})
 
 
 def test_release_tool_switches_torque_off_on_all_servos(bench):
@@ -67,7 +67,7 @@ def test_release_tool_reports_a_servo_that_keeps_its_torque(bench, monkeypatch: 
 def test_release_tool_also_switches_torque_off_on_unexpected_servos(bench):
     table = bench()
     energise(table)
-    assert release_servos({"body": table.wire}, {"body": [1, 2]}) == ()
+    assert release_servos({"body": table.wire}, {"body": [1, 2]}, {}) == ()
     assert table.energised == []
 
 

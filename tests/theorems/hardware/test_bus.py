@@ -4,8 +4,9 @@ import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
 
-from kinesic.hardware.bus.bus import Bus, Servo
+from kinesic.hardware.bus.bus import Bus
 from kinesic.hardware.bus.cycle import CELL_CONTENTS
+from kinesic.hardware.bus.dialect import Servo
 from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.virtual.faults import WIRE_KINDS, FaultPlan, PlannedFault
