@@ -1,12 +1,13 @@
-"""Minimum-jerk steps of head and trunk, with durations within comfortable limits."""
+"""Minimum-jerk steps of head and trunk within comfortable limits, and the face that goes with them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
 
 from kinesic.body.arrays import Floats
+from kinesic.expressivity.keyframes import Turn
 from kinesic.motion.easing import minimum_jerk
 
 TrunkChain = Literal["neck", "torso"]
@@ -55,6 +56,25 @@ class FollowStep:
         velocity = 30.0 * x**2 * (1.0 - x) ** 2 * self.change / duration
         acceleration = 60.0 * x * (1.0 - x) * (1.0 - 2.0 * x) * self.change / duration**2
         return np.asarray(velocity), np.asarray(acceleration)
+
+
+@dataclass(frozen=True, eq=False)
+class Glimpse:
+    """Brief expression of the face."""
+
+    units: tuple[tuple[str, float], ...] = ()  # action units with intensities 0..1
+    begin: float = 0.0  # [s] global time
+    end: float = 0.0  # [s] global time
+
+
+@dataclass(frozen=True, eq=False)
+class FollowedFace:
+    """Gaze direction of the eyes and brief expression."""
+
+    gaze: Turn = field(default_factory=Turn)  # direction in the world, from upright
+    before: Turn = field(default_factory=Turn)  # direction before `begin`
+    begin: float = 0.0  # [s] global time of the shift of the eyes
+    expression: Glimpse = field(default_factory=Glimpse)
 
 
 def fit_step(chain: TrunkChain, change: Floats, begin: float, running: Sequence[FollowStep]) -> FollowStep | None:

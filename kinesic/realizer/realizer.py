@@ -164,7 +164,7 @@ def stop_all_blocks(scene: Scene, time: float, motion: Trajectory) -> Scene:
     for running in scene.blocks:
         scene = end_block(scene, running, time, "it was interrupted")
     texts = tuple(message for message in scene.agenda if message.block is None)
-    return replace(scene, agenda=texts, motion=motion, idle=None)
+    return replace(scene, agenda=texts, motion=motion, idle=None, followed_face=None)
 
 
 def _follow_up(scene: Scene, message: ScheduledFeedback, now: float) -> Scene:

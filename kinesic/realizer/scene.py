@@ -12,7 +12,7 @@ from kinesic.body.arrays import Flags
 from kinesic.motion.trajectory import Trajectory, stay
 from kinesic.planning.setup import Setup
 from kinesic.realizer.feedback import ScheduledFeedback
-from kinesic.realizer.follow_steps import FOLLOWING_PREFIX, FollowStep
+from kinesic.realizer.follow_steps import FOLLOWING_PREFIX, FollowedFace, FollowStep
 from kinesic.realizer.occupancy import Occupancy, settle_occupancy
 from kinesic.realizer.request import SceneContext, TimedRequest
 from kinesic.realizer.running_block import EndedBlock, PlayingSpeech, RunningBlock
@@ -41,6 +41,7 @@ class Scene:
     lasting: tuple[Occupancy, ...] = ()  # last posture of each role that an ended block still holds
     idle: RunningBlock | None = None  # idle motion since the last block ended
     following: tuple[FollowStep, ...] = ()  # steps of gaze following that may not have ended
+    followed_face: FollowedFace | None = None  # eyes and expression of a robot that follows people
     runs: int = 0  # number of the block added last; blocks are numbered from 1
 
     @classmethod

@@ -1,5 +1,7 @@
 """Conversation of a client, performed beneath the blocks of a scene."""
 
+from collections.abc import Sequence
+from dataclasses import replace
 from math import copysign, inf, radians
 
 import numpy as np
@@ -9,13 +11,13 @@ from kinesic.conversation.advance import advance_conversation, next_time
 from kinesic.conversation.events import ConversationEvent, Conversing, Place, RobotSpeech
 from kinesic.conversation.state import ConversationState
 from kinesic.conversation.turn_words import turn_words
-from kinesic.conversation.wants import BodyLean, Filler, Look, ModeNotice, Nod, Want, Yield
+from kinesic.conversation.wants import BodyLean, BriefExpression, Filler, Look, ModeNotice, Nod, Want, Yield
 from kinesic.expressivity.gaze import eye_place, towards
 from kinesic.expressivity.keyframes import HeldTurns, Turn
 from kinesic.expressivity.turns import UPRIGHT_TURN, add_turns, clip_turn, rotation_range, scale_turn
 from kinesic.planning.setup import Setup
 from kinesic.planning.torso import compute_torso_turn
-from kinesic.realizer.follow_steps import FOLLOWING_PREFIX
+from kinesic.realizer.follow_steps import FOLLOWING_PREFIX, FollowedFace, Glimpse
 from kinesic.realizer.following import follow, is_looking_elsewhere, nod
 from kinesic.realizer.realizer import Scene, advance
 from kinesic.serve.messages import ConversationRequest
@@ -86,7 +88,7 @@ class Conversation:
         self._retry, self._speech = inf, (False, inf)
         self._tell(wants)
         if moves:
-            self._shared.propose(lambda scene, time: follow(advance(scene, time), None, time))
+            self._shared.propose(lambda scene, time: _rest(advance(scene, time), time))
         return ()
 
     def _advance(self, events: list[ConversationEvent], now: float) -> tuple[Want, ...]:
@@ -97,7 +99,7 @@ class Conversation:
             self._state, requested = advance_conversation(self._state, event, now, words=words)
             wants += requested
         self._tell(tuple(wants))
-        self._move([want for want in wants if isinstance(want, Look | BodyLean | Nod)], now)
+        self._move([want for want in wants if isinstance(want, Look | BodyLean | Nod | BriefExpression)], now)
         return tuple(want for want in wants if isinstance(want, Yield) or (self._fills and isinstance(want, Filler)))
 
     def _own_speech(self, now: float) -> RobotSpeech | None:
@@ -122,8 +124,8 @@ class Conversation:
             elif isinstance(want, Nod):
                 self._shared.tell(json_answer("backchannel", sign="nod", reason=want.reason), self.owner)
 
-    def _move(self, wants: list[Look | BodyLean | Nod], now: float) -> None:
-        """Propose the motion of head and trunk."""
+    def _move(self, wants: list[Look | BodyLean | Nod | BriefExpression], now: float) -> None:
+        """Propose the motion of head, trunk and face."""
         looks = [want for want in wants if isinstance(want, Look)]
         self._look = looks[-1] if looks else self._look
         is_due = bool(looks) or self._retry <= now
@@ -134,6 +136,8 @@ class Conversation:
         def change(scene: Scene, time: float) -> Scene:
             scene = advance(scene, time)
             scene = follow(scene, self._gaze_turns(scene), time)
+            if self._shows_eyes:
+                scene = replace(scene, followed_face=self._face(scene, wants, time))
             for want in wants:
                 if isinstance(want, BodyLean) and not _holds_posture(scene):
                     scene = follow(scene, _lean_turns(want, _amplitude(scene.setup)), time)
@@ -143,12 +147,29 @@ class Conversation:
 
         self._shared.propose(change)
 
+    def _face(self, scene: Scene, wants: Sequence[Want], time: float) -> FollowedFace:
+        """Return the gaze of the eyes and the last brief expression."""
+        before, base = scene.followed_face or FollowedFace(), self._direction(scene)
+        away = Turn(torsion=radians(self._look.away[0]), tilt=-radians(self._look.away[1]))
+        gaze, expression = add_turns(base, away), before.expression
+        for want in wants:
+            if isinstance(want, BriefExpression):
+                expression = Glimpse(want.units, time, time + want.duration)
+        if gaze == before.gaze:
+            return replace(before, expression=expression)
+        return FollowedFace(gaze, before.gaze, time, expression)
+
+    def _direction(self, scene: Scene) -> Turn:
+        """Return the direction of the person, or straight ahead."""
+        place = self._look.place
+        return UPRIGHT_TURN if place is None else towards(np.array(place), scene.setup.robot)
+
     def _gaze_turns(self, scene: Scene) -> HeldTurns:
         """Return head and trunk rotations of the current look, within their ranges."""
         robot, look = scene.setup.robot, self._look
         fraction = look.head_fraction if self._shows_eyes else max(MIN_HEAD_FRACTION, look.head_fraction)
         away = Turn(torsion=radians(look.away[0]), tilt=-radians(look.away[1]))
-        base = UPRIGHT_TURN if look.place is None else towards(np.array(look.place), robot)
+        base = self._direction(scene)
         head = add_turns(base, scale_turn(away, fraction))
         torso = _followed_torso(scene)
         if not scene.blocks:  # pointing hands and gestures need a steady trunk
@@ -171,6 +192,11 @@ def filler_block(want: Filler, language: str, count: int) -> str:
         return ""
     text = fillers[(want.number - 1) % len(fillers)]
     return f'<bml id="{FILLER_BLOCK}{count}"><speech id="s"><text>{text}</text></speech></bml>'
+
+
+def _rest(scene: Scene, now: float) -> Scene:
+    """Return the scene with head, trunk and eyes on their way to rest."""
+    return replace(follow(scene, None, now), followed_face=None)
 
 
 def _eyes(robot: Robot) -> Place:

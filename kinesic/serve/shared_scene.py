@@ -109,7 +109,7 @@ class SharedScene:
             self._expected_duration = min(
                 MAX_EXPECTED_DURATION, max(self._clock.now() - began, EXPECTATION_DECAY * self._expected_duration)
             )
-            versions, tracks = changed_tracks(scene, self._versions, self._accompaniment)
+            versions, tracks = changed_tracks(scene, self._versions, self._accompaniment, now)
             moved = moves and scene.motion is not self.scene.motion
             self._loop.send(self._proposal(scene, now, tracks, moved=moved))
             halted, answer = self._answer()

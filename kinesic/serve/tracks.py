@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from math import isfinite, nan
 
 import numpy as np
 
@@ -9,6 +10,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.command import COMMAND_RATE
 from kinesic.body.utterance import Sound
 from kinesic.planning.face_track import compute_action_units, needs_face
+from kinesic.realizer.followed_face import followed_action_units
 from kinesic.realizer.running_block import RunningBlock
 from kinesic.realizer.scene import Scene
 from kinesic.speech.loudspeaker import SpeakerError
@@ -23,6 +25,8 @@ class SoundAndFace:
     sound: bool = False  # whether speech is audible
 
 
+FOLLOWED_FACE = "conversation:face"  # key of the track of a robot that follows people
+EYE_UNITS = ("61", "62", "63", "64")  # action units of the gaze
 NO_ACCOMPANIMENT = SoundAndFace()  # default: neither a face nor sound is output
 
 
@@ -33,6 +37,7 @@ class Track:
     begin: float  # [s] clock time of the first row
     face: Mapping[str, Floats]  # action unit -> (m,) intensities 0..1 at 100 Hz
     sounds: tuple[tuple[float, Sound], ...]  # start [s] in clock time, and sound
+    is_held: bool = False  # whether the last row is held after the end
 
     def at(self, time: float) -> dict[str, float]:
         """Return action unit intensities 0..1 at a clock time [s].
@@ -40,6 +45,8 @@ class Track:
         Empty outside the track.
         """
         row = int((time - self.begin) * COMMAND_RATE)
+        if self.is_held and self.face:
+            row = min(row, min(map(len, self.face.values())) - 1)
         return {unit: float(values[row]) for unit, values in self.face.items() if 0 <= row < len(values)}
 
 
@@ -65,7 +72,7 @@ def make_track(running: RunningBlock, accompaniment: SoundAndFace) -> Track:
 
 
 def changed_tracks(
-    scene: Scene, old_versions: Mapping[str, Version], accompaniment: SoundAndFace
+    scene: Scene, old_versions: Mapping[str, Version], accompaniment: SoundAndFace, now: float = 0.0
 ) -> tuple[dict[str, Version], dict[str, Track | None]]:
     """Return the versions of all tracks, and the changed tracks.
 
@@ -75,15 +82,22 @@ def changed_tracks(
         scene: running blocks.
         old_versions: versions of the tracks that the loop has.
         accompaniment: available outputs for face and sound.
+        now: clock time [s], from which the face of a robot that follows people is computed.
     """
     if not (accompaniment.face or accompaniment.sound):
         return {}, {}
     idling = () if scene.idle is None else (scene.idle,)
     playing = {running.id: running for running in (*idling, *scene.playing)}
     versions = {id: track_version(running) for id, running in playing.items()}
+    face = scene.followed_face if accompaniment.face else None
+    if face is not None:
+        versions[FOLLOWED_FACE] = (id(scene.motion), face.begin, face.expression.begin, id(face))
     ended: dict[str, Track | None] = dict.fromkeys(old_versions.keys() - versions.keys())
     changed = [id for id, version in versions.items() if old_versions.get(id) != version]
-    return versions, ended | {id: make_track(playing[id], accompaniment) for id in changed}
+    tracks = {id: make_track(playing[id], accompaniment) for id in changed if id != FOLLOWED_FACE}
+    if face is not None and FOLLOWED_FACE in changed:
+        tracks[FOLLOWED_FACE] = Track(now, followed_action_units(scene, face, now), (), is_held=True)
+    return versions, ended | tracks
 
 
 class TrackEffects:
@@ -140,11 +154,18 @@ class TrackEffects:
             self._speaker.stop()
 
     def face(self, time: float) -> dict[str, float]:
-        """Return maximum action unit intensities of all tracks at a time [s]."""
-        intensities: dict[str, float] = {}
-        for track in self._tracks.values():
-            for unit, value in track.at(time).items():
-                intensities[unit] = max(value, intensities.get(unit, 0.0))
+        """Return maximum action unit intensities of all tracks at a time [s].
+
+        The eyes of a robot that follows people replace those of blocks, unless a block determines the gaze.
+        """
+        followed = self._tracks.get(FOLLOWED_FACE)
+        shown = {} if followed is None else followed.at(time)
+        looks = any(isfinite(shown.get(unit, nan)) for unit in EYE_UNITS)
+        intensities = {unit: value for unit, value in shown.items() if isfinite(value)}
+        for name, track in self._tracks.items():
+            for unit, value in track.at(time).items() if name != FOLLOWED_FACE else ():
+                if not (looks and unit in EYE_UNITS):
+                    intensities[unit] = max(value, intensities.get(unit, 0.0))
         return intensities
 
     def _sounds(self) -> Sounds:

@@ -6,6 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
+from kinesic.body.action_units import MAX_EYE_YAW
 from kinesic.conversation.events import (
     Conversing,
     PeopleSeen,
@@ -18,6 +19,7 @@ from kinesic.expressivity.gaze import towards
 from kinesic.motion.trajectory import stay
 from kinesic.planning.setup import Setup
 from kinesic.serve.messages import ConversationRequest, FeedbackNotice, Halted, Proposal
+from kinesic.serve.tracks import FOLLOWED_FACE, SoundAndFace, TrackEffects
 
 from .planning_bench import Planning
 
@@ -172,3 +174,46 @@ def test_idle_motion_goes_on_while_the_head_follows(make_planning: Callable[...,
     first = talk.state._scene.idle
     talk.until(16.0, Person("p", LEFT))
     assert talk.state._scene.idle is not first
+
+
+def test_eyes_reach_a_person_before_the_head_and_keep_looking(make_planning: Callable[..., Planning]):
+    talk = Talk(make_planning(accompaniment=SoundAndFace(face=True))).send(Conversing(on=True)).until(1.0)
+    effects = TrackEffects(face=True)
+    talk.send(PeopleSeen((Person("p", FRONT),)))
+    for proposal in talk.proposals:
+        effects.take(proposal.tracks)
+    goal = towards(np.array(FRONT), talk.planning.setup.robot).torsion
+    begin = talk.planning.time
+    for delay, is_turning in ((0.12, True), (2.0, False)):
+        time = begin + delay
+        face, head = effects.face(time), np.radians(talk.head(time))
+        seen = head + (face["61"] - face["62"]) * MAX_EYE_YAW
+        assert seen == pytest.approx(goal, abs=np.radians(0.6))
+        assert (abs(goal - head) > np.radians(2.0)) == is_turning
+    assert effects.face(begin + 60.0)["61"] == effects.face(begin + 10.0)["61"]
+
+
+def test_smile_of_a_greeting_appears_and_vanishes(make_planning: Callable[..., Planning]):
+    talk = Talk(make_planning(accompaniment=SoundAndFace(face=True))).send(Conversing(on=True))
+    effects = TrackEffects(face=True)
+    talk.until(0.2, Person("p", FRONT))
+    for proposal in talk.proposals:
+        effects.take(proposal.tracks)
+    smiles = [effects.face(time).get("L12", 0.0) for time in (0.55, 1.6)]
+    assert smiles[0] > 0.4
+    assert smiles[1] == pytest.approx(0.0, abs=0.01)
+
+
+def test_gaze_of_a_block_also_determines_the_eyes(make_planning: Callable[..., Planning]):
+    talk = Talk(make_planning(accompaniment=SoundAndFace(face=True))).send(Conversing(on=True))
+    talk.until(1.0, Person("p", FRONT))
+    talk.planning.document(
+        "b", '<gaze id="g" target="right" influence="EYES" start="0.2" ready="0.5" relax="3" end="3.3"/>'
+    )
+    talk.until(2.0, Person("p", FRONT))
+    effects = TrackEffects(face=True)
+    for proposal in talk.proposals:
+        effects.take(proposal.tracks)
+    assert effects.face(2.5)["62"] > 0.5
+    talk.send(Conversing(on=False))
+    assert talk.proposals[-1].tracks == {FOLLOWED_FACE: None}

@@ -150,7 +150,7 @@ def test_only_changed_face_tracks_are_computed_and_ended_ones_removed(monkeypatc
         return SimpleNamespace(id=name, zero=zero, end=end, times=times, prepared=SimpleNamespace(plan="plan"))
 
     outputs = SoundAndFace(sound=True)
-    scene = SimpleNamespace(idle=None, playing=[block("a", 1.0), block("b", 2.0)])
+    scene = SimpleNamespace(idle=None, followed_face=None, playing=[block("a", 1.0), block("b", 2.0)])
     versions, changes = changed_tracks(scene, {}, outputs)
     assert changes == {"a": ("a", outputs), "b": ("b", outputs)}
     assert changed_tracks(scene, versions, outputs) == (versions, {})

@@ -1,0 +1,47 @@
+"""Eyes and expression of a robot that follows people."""
+
+import numpy as np
+
+from kinesic.body.action_units import face_keys
+from kinesic.body.arrays import Floats
+from kinesic.body.command import COMMAND_RATE
+from kinesic.expressivity.face.eyes import gaze_units
+from kinesic.motion.easing import minimum_jerk
+from kinesic.planning.torso import compute_torso_turn
+from kinesic.realizer.follow_steps import TRUNK_CHAINS, FollowedFace
+from kinesic.realizer.scene import Scene
+
+FACE_ROWS = 4 * COMMAND_RATE  # number of computed commands; the last one is held
+SACCADE_DURATION = 0.06  # [s] duration of a shift of the eyes
+ONSET_FRACTION = 0.25  # fraction of the duration of an expression in which it appears, and in which it vanishes
+
+
+def followed_action_units(scene: Scene, face: FollowedFace, begin: float) -> dict[str, Floats]:
+    """Return intensities (m,) of action units at 100 Hz from a time [s] on.
+
+    The eyes keep their target while the head moves. Eye units are NaN while a block determines the gaze.
+    """
+    times = begin + np.arange(FACE_ROWS) / COMMAND_RATE
+    arrived = minimum_jerk((times - face.begin) / SACCADE_DURATION)[:, None]
+    before, after = (np.array([turn.torsion, -turn.tilt]) for turn in (face.before, face.gaze))
+    eyes = before + arrived * (after - before) - _head_directions(scene, times)
+    units = {unit: np.array(values) for unit, values in gaze_units(eyes).items()}
+    blocked = np.zeros(len(times), dtype=np.bool_)
+    for running in scene.playing:
+        for entry in running.occupancy:
+            if "look" in entry.roles:
+                blocked |= (times >= entry.begin) & (times < entry.end)
+    for values in units.values():
+        values[blocked] = np.nan
+    shown = face.expression
+    onset = ONSET_FRACTION * max(shown.end - shown.begin, 1.0 / COMMAND_RATE)
+    strength = minimum_jerk((times - shown.begin) / onset) - minimum_jerk((times - shown.end + onset) / onset)
+    return units | {key: value * strength for unit, value in shown.units for key in face_keys(unit)}
+
+
+def _head_directions(scene: Scene, times: Floats) -> Floats:
+    """Return the direction of the head (m, 2) [rad] to the left and up, from upright."""
+    robot = scene.setup.robot
+    angles = scene.motion.angles(times) - robot.skeleton.rest
+    turn = sum((compute_torso_turn(robot, chain, angles) for chain in TRUNK_CHAINS), np.zeros((len(times), 3)))
+    return np.stack([turn[:, 0], -turn[:, 1]], axis=1)
