@@ -9,6 +9,7 @@ BENCH_PARTS: Mapping[str, tuple[str, ...]] = {
     "naturalness": ("naturalness",),
     "capture": ("capture",),
     "plan": ("plan.first_command", "plan", "plan.styles"),
+    "contact": ("contact",),
     "twin": ("twin",),
     "speed": ("speed",),
     "growth": ("growth",),

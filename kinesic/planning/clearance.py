@@ -47,6 +47,7 @@ class Conditioner(Protocol):
 LAG_RESERVE = 0.004  # [m] extra clearance in plans for the tracking lag of the servos
 MIN_LAG_RESERVE = 0.002  # [m] smallest remaining `LAG_RESERVE`; with less, a behaviour is dropped
 MAX_REPAIRS = 2  # largest number of replanning rounds for a motion with too little clearance
+MAX_SLOWED_REPAIRS = 6  # likewise under a policy of contacts, whose slower hinges leave the desired path
 SAMPLE_COST = 3.0  # [knot intervals] work charged to the budget per clearance sample of a replanned motion
 REPAIR_MARGIN = 0.002  # [m] margin by which a repair raises the required clearance beyond the missing clearance
 LIMIT_REDUCTION_FACTOR = 0.8  # factor on the limits used for key times, applied when no detour helps
@@ -59,7 +60,7 @@ def keep_clear(
     bonds: tuple[Bond, ...] = (),
     *,
     conditioned: Conditioner = certify,
-    repairs: int = MAX_REPAIRS,
+    repairs: int | None = None,
     budget: Budget = UNLIMITED_BUDGET,
 ) -> tuple[Postures, Conditioned, Floats, Clearance]:
     """Plan a motion through postures with detours around the body.
@@ -72,7 +73,7 @@ def keep_clear(
         setup: robot, limits and distances.
         bonds: between sync points of different behaviours.
         conditioned: turns keys into a motion within the limits.
-        repairs: largest number of repeated conditionings.
+        repairs: largest number of repeated conditionings; None: `MAX_REPAIRS`, or more under a policy.
         budget: for all motions; once it is spent, no motion is conditioned again.
 
     Returns:
@@ -90,6 +91,8 @@ def keep_clear(
     postures = add_detours_to(_course(solved.postures, planned, setup), min_clearance=min_clearance).postures
     motion = conditioned(postures, setup, bonds, limit_scale=limit_scale)
     times, clearance = scan_clearance(motion.trajectory, setup.distances)
+    if repairs is None:
+        repairs = MAX_REPAIRS if setup.policy is None else MAX_SLOWED_REPAIRS
     for _ in range(repairs):
         deficit = min_clearance - float(clearance.distances[clearance.worst])
         if deficit <= 0.0:
