@@ -10,3 +10,4 @@ InvertedTerms = Literal["full", "lag", "none"]  # inverted terms of the servo mo
 Variant = Literal["female", "male"]  # face model
 Skin = Literal["female"]  # skin mesh of a virtual human's whole body
 Audience = Literal["nobody", "adult", "child"]  # people near the robot, for limits of contacts
+MappingTrust = Literal["checked", "any"]  # accepted joint mappings of imported robots

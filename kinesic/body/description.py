@@ -68,4 +68,5 @@ class Description:
     audience: Audience = "nobody"  # people near the robot
     impact_limits: Path | None = None  # file of regions and policies; None: kinesic's own
     calibration: Calibration = NO_CALIBRATION  # of these servos; the skeleton has its ranges already
+    mapping_confidence: float | None = None  # 0..1, of an imported robot's joint mapping; None: not imported
     sources: Mapping[str, SourceJoint] = field(default_factory=dict)  # hinge or coupling -> joint of the imported file

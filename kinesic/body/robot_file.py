@@ -106,6 +106,7 @@ def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NO
         audience="nobody" if file.audience is None else file.audience.near,
         impact_limits=_find_impact_limits(file, path),
         calibration=calibration,
+        mapping_confidence=None if file.robot.imported is None else file.robot.imported.confidence,
         sources={
             name: SourceJoint(source.joint, float(source.sign), radians(source.zero_deg))
             for name, source in _source_tables(file).items()

@@ -99,9 +99,13 @@ class Planning:
         Raises:
             ConfigError: a file is missing or an option is invalid.
         """
+        from kinesic.session.mapping_check import describe_mapping_doubt  # noqa: PLC0415 - after help
         from kinesic.session.setup import set_up  # noqa: PLC0415 - slow to import, and unused by help
 
-        return set_up(self.robot, style=self.style, **self.options)
+        setup = set_up(self.robot, style=self.style, **self.options)
+        if (doubt := describe_mapping_doubt(setup.robot)) is not None:
+            click.echo(f"kinesic: robot {setup.robot.name}: {doubt}", err=True)
+        return setup
 
 
 @dataclass(frozen=True)

@@ -8,7 +8,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TypedDict, get_args
 
 from kinesic.bml.block import EXPRESSIVITY_RANGES, Dialect
-from kinesic.body.choices import Audience, GesturePreference, GrammarName, KeyFrameFilling, VoiceName
+from kinesic.body.choices import (
+    Audience,
+    GesturePreference,
+    GrammarName,
+    KeyFrameFilling,
+    MappingTrust,
+    VoiceName,
+)
 from kinesic.body.config import ConfigError, suggestion
 from kinesic.intent.reading.language import ENGLISH_TAG, check_tag
 
@@ -34,6 +41,7 @@ PROSODY_HELP = (
 VARIATION_HELP = "Variation between gestures: 0 none, 1 like a person's, 2 twice as large."
 GRAMMAR_HELP = "Parser of English phrases and clauses: spacy needs kinesic[text]."
 PAUSE_HELP = "Longest pause added before a word so that a gesture arrives in time, unless documents set another."
+MAPPING_HELP = "Imported robots that perform: checked needs a confidence of 0.6 in the joint mapping, any does not."
 NEAR_HELP = "People near the robot, whose limits of contacts planned motion keeps; default: [audience] of the robot."
 
 
@@ -93,6 +101,7 @@ class PlanningOptions(TypedDict, total=False):
     ]
     recordings: Annotated[str | Path | None, CliOption(RECORDINGS_HELP, kind=Path, metavar="FOLDER")]
     near: Annotated[Audience | None, CliOption(NEAR_HELP)]  # None: as in the robot's file
+    mapping: Annotated[MappingTrust, CliOption(MAPPING_HELP, "checked", show_default=True)]
 
 
 INTERACTIVE_DEFAULTS: PlanningOptions = {"idle": 1.0, "variation": 1.0}  # for `Performer` and CLI; `set_up` uses 0
@@ -104,6 +113,7 @@ OPTION_CHOICES: Mapping[str, tuple[str, ...]] = {
     "voice": get_args(VoiceName),
     "grammar": get_args(GrammarName),
     "near": get_args(Audience),
+    "mapping": get_args(MappingTrust),
 }
 
 

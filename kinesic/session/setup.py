@@ -19,6 +19,7 @@ from kinesic.expressivity.variation import Variation
 from kinesic.hardware.protocol.servo_map import load_robot
 from kinesic.planning.setup import IntentionFiles, Setup
 from kinesic.planning.standing import standing_robot, vary_standing
+from kinesic.session.mapping_check import check_mapping
 from kinesic.session.options import PlanningOptions, check_options
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.sim.dynamics import MujocoDynamics
@@ -47,6 +48,7 @@ def set_up(
     """
     check_options(options)
     body = robot if isinstance(robot, Robot) else load_robot(robot)
+    check_mapping(body, options.get("mapping", "checked"))
     base_style = style if isinstance(style, Style) else Style.load(style)
     performed_style = base_style.changed(_format_settings(options.get("settings", ())))
     lexicon, seed = _read_lexicon(options), options.get("seed", 0)

@@ -14,6 +14,7 @@ from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.importer.hand import MappedHand, find_hand
 from kinesic.sim.importer.hand_tables import Hands, with_hands
 from kinesic.sim.importer.hinges import MappedHinge, describe_source, name_hinges, spell_angle
+from kinesic.sim.importer.joint_words import is_contradiction
 from kinesic.sim.importer.load import load_robot_tree
 from kinesic.sim.importer.rest_pose import find_limits_nearest_to_zero, rest_pose, with_exclusions
 from kinesic.sim.importer.segments import lay_out_segments
@@ -26,6 +27,8 @@ ZERO_CONFIDENCE_LIKENESS = 1.0  # score of `likeness` (higher: more like a human
 FULL_CONFIDENCE_LIKENESS = 3.0  # score of `likeness` from which on it does not reduce the confidence
 LEANING_SCALE = 0.5  # [rad] angle of a hanging arm off the vertical that divides the confidence by e
 ASYMMETRY_SCALE = 0.5  # [arm lengths] asymmetry of the arms that divides the confidence by e
+CONTRADICTION_RATE = 3.0  # fraction of joints with names of other body parts that divides the confidence by e^3
+DOUBTFUL_LIMB_FACTOR = 0.5  # factor on the confidence if the arms may be legs
 GUESSED_SIDE_FACTOR = 0.7  # factor on the confidence if the left side is guessed
 # Placeholder servo with 1 Nm stall torque, until the loads of the hinges are known.
 UNIT_SERVO = ServoTable(0, 48.0, 1.0, 1.0, 60.0, 1.0, 0.0, (0.01,) * 3, 800.0, 0.0, 128.0, 1e-6, 0.0, 0.0)
@@ -70,7 +73,7 @@ def import_humanoid(path: Path) -> Mapped:
     turns = (*hinges, *(turn for hand in hands.values() for finger in hand.fingers for turn in finger.turns))
     joint_names = {turn.name: geometry.tree.joints[turn.joint].name for turn in turns}
     file = _add_sources(file, {turn.name: describe_source(turn, joint_names[turn.name]) for turn in turns})
-    confidence = _rate_confidence(geometry)
+    confidence = _rate_confidence(geometry, hinges)
     file.robot.imported = ImportTable(
         path.name, round(confidence, 2), [*_review(geometry, hinges, hands), *_review_servos(sources)]
     )
@@ -110,20 +113,32 @@ def _choose_servos(
     }
 
 
-def _rate_confidence(figure: HumanoidGeometry) -> float:
-    """Compute the confidence 0..1 in the joint mapping from its geometry."""
+def _rate_confidence(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...]) -> float:
+    """Compute the confidence 0..1 in the joint mapping.
+
+    Geometry and joint names count.
+    """
     split = min(
         max((figure.likeness - ZERO_CONFIDENCE_LIKENESS) / (FULL_CONFIDENCE_LIKENESS - ZERO_CONFIDENCE_LIKENESS), 0.0),
         1.0,
     )
     leaning = max(arm.off for arm in figure.arms.values())
     sides = 1.0 if figure.sides.certain else GUESSED_SIDE_FACTOR
-    return split * sides * exp(-leaning / LEANING_SCALE) * exp(-figure.asymmetry / ASYMMETRY_SCALE)
+    geometry = split * sides * exp(-leaning / LEANING_SCALE) * exp(-figure.asymmetry / ASYMMETRY_SCALE)
+    names = exp(-CONTRADICTION_RATE * len(_list_contradictions(figure, hinges)) / max(len(hinges), 1))
+    return geometry * names * (DOUBTFUL_LIMB_FACTOR if figure.is_doubtful else 1.0)
+
+
+def _list_contradictions(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...]) -> list[str]:
+    """List the joints with names of another body part than their hinge."""
+    joints = [(hinge.name, figure.tree.joints[hinge.joint].name) for hinge in hinges]
+    return [f"{joint} ({hinge})" for hinge, joint in joints if is_contradiction(hinge, joint)]
 
 
 def _review(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], hands: Hands) -> list[str]:
     assumed = [hinge.name for hinge in hinges if hinge.assumed]
     leaning = degrees(max(arm.off for arm in figure.arms.values()))
+    contradictions = _list_contradictions(figure, hinges)
     unmapped = _list_unmapped(figure, hinges, hands)
     absent = "".join(SIDE_NAMES[side] for side in SIDES if side not in figure.arms)
     notes = {
@@ -137,6 +152,7 @@ def _review(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...], hands: Ha
         f"{_describe_fixed_joints(figure, hands)}": len(hands) < len(figure.arms),
         f"held, because no hinge of kinesic fits: {', '.join(unmapped)}": bool(unmapped),
         f"the robot has no {absent} arm: gestures of that hand are performed by the other, or left out": bool(absent),
+        f"names contradict the hinges of {', '.join(contradictions)}": bool(contradictions),
         "the arms may be legs: neither names nor geometry decide": figure.is_doubtful,
         "legs are left out, the trunk stands on a fixed base": bool(figure.legs),
         "the base is fixed": not figure.legs,

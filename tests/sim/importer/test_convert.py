@@ -111,7 +111,9 @@ def test_unlikely_arms_uncertain_sides_and_asymmetry_lower_the_import_confidence
     def rate(likeness=3.0, off=0.0, certain=True, asymmetry=0.0):
         arms = {"l": SimpleNamespace(off=0.0), "r": SimpleNamespace(off=off)}
         sides = SimpleNamespace(certain=certain)
-        return _rate_confidence(SimpleNamespace(likeness=likeness, arms=arms, sides=sides, asymmetry=asymmetry))
+        return _rate_confidence(
+            SimpleNamespace(likeness=likeness, arms=arms, sides=sides, asymmetry=asymmetry, is_doubtful=False), ()
+        )
 
     assert rate() == rate(likeness=9.0) == 1.0
     assert rate(likeness=2.0) == pytest.approx(0.5)

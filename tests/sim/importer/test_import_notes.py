@@ -163,7 +163,18 @@ def test_coupled_hinges_that_get_their_own_motor_are_listed():
     ],
 )
 def test_import_confidence_is_the_product_of_its_factors(values, confidence):
-    assert _rate_confidence(figure(**values)) == pytest.approx(confidence)
+    assert _rate_confidence(figure(**values), ()) == pytest.approx(confidence)
+
+
+def test_doubtful_limbs_and_contradicting_names_reduce_the_confidence():
+    shape = figure()
+    shape.is_doubtful = True
+    assert _rate_confidence(shape, ()) == pytest.approx(0.5)
+    named = figure()
+    named.tree.joints[0].name = "left_wrist"
+    hinges = (hinge("l_shoulder_flexion", 0), hinge("l_elbow_flexion", 1), hinge("skullbase_tilt", 3))
+    assert _rate_confidence(named, hinges) == pytest.approx(np.exp(-1.0))
+    assert "names contradict the hinges of left_wrist (l_shoulder_flexion)" in _review(named, hinges, BOTH_HANDS)
 
 
 @pytest.mark.parametrize(("confidence", "doubtful"), [(0.59, True), (0.6, False), (0.61, False)])
