@@ -1,6 +1,7 @@
 """Joint torques required by a motion, and worst-case loads of each hinge."""
 
-from functools import cached_property
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
 
 import mujoco
 import numpy as np
@@ -15,6 +16,7 @@ from kinesic.sim.worst_postures import Extremes, extremes
 
 INVERSE_DYNAMICS_STAGES = ("mj_kinematics", "mj_comPos", "mj_comVel", "mj_rne")  # unconstrained MuJoCo stages
 INERTIA_STAGES = ("mj_kinematics", "mj_comPos", "mj_makeM")  # MuJoCo stages that compute the joint-space inertia
+LOAD_CACHE_SIZE = 8  # largest number of robots whose worst-case loads are kept
 COULOMB_FADE_VELOCITY = 0.05  # [rad/s] scale of the tanh that keeps Coulomb friction continuous
 
 
@@ -121,24 +123,30 @@ class MujocoDynamics:
             row[:] = data.M[diagonal]
         return inertias[:, self._order]
 
-    @cached_property
+    @property
     def worst_static(self) -> Extremes:
         """Largest holding torque / stall torque of each hinge.
 
         With the posture that needs it.
         """
-        return extremes(self._robot.skeleton, self.static_ratios)
+        return _find_worst_static(self._source)
 
-    @cached_property
+    @property
     def load(self) -> Load:
         """Worst-case holding torque [Nm] and inertia [kg m^2] of each hinge.
 
         Each is the largest value over all postures, and of both hinges of a left-right pair.
         """
-        return Load(
-            holding=sealed(self._combine_sides(self.worst_static.values * self._robot.drives.stall)),
-            inertia=sealed(self._combine_sides(extremes(self._robot.skeleton, self.inertias).values)),
-        )
+        return _compute_load(self._source)
+
+    @cached_property
+    def _source(self) -> "_LoadSource":
+        """Dynamics with the data that determine their worst-case loads."""
+        model = np.empty(mujoco.mj_sizeModel(self._model), dtype=np.uint8)
+        mujoco.mj_saveModel(self._model, None, model)
+        skeleton = self._robot.skeleton
+        arrays = (model, skeleton.rest, skeleton.lower, skeleton.upper, self._robot.drives.stall)
+        return _LoadSource(skeleton.names, tuple(values.tobytes() for values in arrays), self)
 
     def _combine_sides(self, worst: Floats) -> Floats:
         """Return worst-case values (n,), the larger of each left-right hinge pair."""
@@ -147,3 +155,29 @@ class MujocoDynamics:
         swapped |= {image: name for name, image in swapped.items()}
         partners = [names.index(image) if (image := swapped.get(n, n)) in names else k for k, n in enumerate(names)]
         return np.maximum(worst, worst[partners])
+
+
+@dataclass(frozen=True)
+class _LoadSource:
+    """Data that determine the worst-case loads of a robot."""
+
+    names: tuple[str, ...]  # hinges
+    data: tuple[bytes, ...]  # model of MuJoCo, rest posture, joint ranges and stall torques
+    dynamics: MujocoDynamics = field(compare=False)
+
+
+# Equal robots have the same worst-case loads, also if they were loaded from their file at different times.
+
+
+@lru_cache(maxsize=LOAD_CACHE_SIZE)
+def _find_worst_static(source: _LoadSource) -> Extremes:
+    return extremes(source.dynamics._robot.skeleton, source.dynamics.static_ratios)
+
+
+@lru_cache(maxsize=LOAD_CACHE_SIZE)
+def _compute_load(source: _LoadSource) -> Load:
+    dynamics, robot = source.dynamics, source.dynamics._robot
+    return Load(
+        holding=sealed(dynamics._combine_sides(_find_worst_static(source).values * robot.drives.stall)),
+        inertia=sealed(dynamics._combine_sides(extremes(robot.skeleton, dynamics.inertias).values)),
+    )

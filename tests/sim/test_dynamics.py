@@ -1,13 +1,15 @@
+from dataclasses import replace
+
 import mujoco
 import numpy as np
 import pytest
 
 from kinesic.body.limits import MIN_ACCELERATION, MIN_DUTY, Limits
 from kinesic.body.robot import Robot
-from kinesic.sim.dynamics import COULOMB_FADE_VELOCITY, MujocoDynamics
+from kinesic.sim.dynamics import COULOMB_FADE_VELOCITY, MujocoDynamics, _compute_load, _find_worst_static
 from kinesic.sim.model import build_model, find_joint_indices
 from kinesic.sim.servo_factors import Factors
-from kinesic.sim.worst_postures import random_postures
+from kinesic.sim.worst_postures import extremes, random_postures
 
 ROBOT = Robot.load()
 DYNAMICS = MujocoDynamics(ROBOT)
@@ -87,6 +89,8 @@ def test_acceleration_limits_agree_with_the_documented_values():
     limits = Limits.of(ROBOT, DYNAMICS.load).acceleration
     assert limits == pytest.approx(DOCUMENTED_ACCELERATIONS, rel=0.06)
     assert np.array_equal(limits[6:14], limits[14:22])
+    _compute_load.cache_clear()
+    _find_worst_static.cache_clear()
     assert np.array_equal(limits, Limits.of(ROBOT, MujocoDynamics(ROBOT).load).acceleration)
 
 
@@ -96,6 +100,32 @@ def test_default_robot_holds_each_posture_with_at_most_40_percent_of_stall_torqu
     assert worst.values.max() <= 0.40
     again = DYNAMICS.static_ratios(worst.postures).diagonal()
     assert worst.values == pytest.approx(again)
+
+
+def test_equal_robots_share_their_worst_case_load():
+    first, second = (MujocoDynamics(Robot.load()) for _ in range(2))
+    assert first.load is second.load
+    assert first.worst_static is second.worst_static
+
+
+def test_robot_with_another_mass_drive_range_or_rest_posture_has_its_own_worst_case_load():
+    hinges = ROBOT.skeleton.hinges
+
+    def turn(**changes: float) -> Robot:
+        changed = tuple(replace(hinge, **changes) if k == 7 else hinge for k, hinge in enumerate(hinges))
+        return replace(ROBOT, skeleton=replace(ROBOT.skeleton, hinges=changed))
+
+    for changed in (
+        Factors(mass=1.1).applied(ROBOT),
+        Factors(stall=0.9).applied(ROBOT),
+        turn(lower=hinges[7].lower + 0.1),
+        turn(upper=hinges[7].upper - 0.1),
+        turn(rest=hinges[7].rest + 0.1),
+    ):
+        dynamics = MujocoDynamics(changed)
+        load, worst = dynamics.load, dynamics.worst_static
+        assert load is not DYNAMICS.load
+        assert np.array_equal(worst.values, extremes(changed.skeleton, dynamics.static_ratios).values)
 
 
 def test_overloaded_drive_still_gets_a_positive_acceleration_limit():
