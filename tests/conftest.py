@@ -5,7 +5,8 @@ hidden. Signals that a background shell or nohup ignores are reset, because chil
 Machines are shared, so examples have no deadline. Realtime tests first check whether the machine keeps time, and are
 skipped if not (`machine too slow`). After a failure the machine is checked again: the test is skipped if the machine is
 too slow, and otherwise repeated once, as the summary reports. Examples of theorems are few and fixed, whichever modules
-are imported; `make soak` runs more and new ones each time.
+are imported; `make soak` runs more and new ones each time. Linear algebra uses one thread, because the test processes
+already use all cores, and waiting threads of OpenBLAS would use up to half of the processor time.
 """
 
 import atexit
@@ -16,6 +17,8 @@ import tempfile
 from collections.abc import Generator
 from pathlib import Path
 from types import ModuleType
+
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # read at the first import of NumPy, also in child processes
 
 import pytest
 from hypothesis import HealthCheck, settings
@@ -47,7 +50,7 @@ from .performances import calm, hurried, known, through  # noqa: F401  # fixture
 gl.prepare()
 
 settings.register_profile("soak", max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
-settings.register_profile("kinesic", settings.get_profile("soak"), derandomize=True, max_examples=16)
+settings.register_profile("kinesic", settings.get_profile("soak"), derandomize=True, max_examples=12)
 settings.load_profile("kinesic")
 
 _nobody = tempfile.TemporaryDirectory(prefix="kinesic-tests-")  # removed at interpreter exit

@@ -1,5 +1,8 @@
 """Order of test files in each process."""
 
+import os
+import subprocess
+import sys
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
@@ -74,6 +77,14 @@ def test_process_stays_in_its_package_while_files_of_its_kind_remain(root: Path)
 def test_process_takes_test_packages_of_other_processes_last(root: Path):
     assert choose_file(FILE_TEXTS, "gw2", root, {"gw3": "tests/sum"}) == "tests/face/test_eyes.py"
     assert choose_file(list(FILE_TEXTS)[:4], "gw2", root, {"gw3": "tests/sum"}) == "tests/sum/test_large.py"
+
+
+@pytest.mark.skipif(not Path("/proc/self/task").exists(), reason="the system does not list threads")
+def test_child_processes_of_tests_use_one_thread_for_linear_algebra():
+    if os.environ["OPENBLAS_NUM_THREADS"] != "1":
+        pytest.skip("the caller has set OPENBLAS_NUM_THREADS")
+    code = "import os, numpy; print(len(os.listdir('/proc/self/task')))"
+    assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=True).stdout == b"1\n"
 
 
 def test_package_of_a_test_is_its_folder_below_tests_or_its_file():
