@@ -17,6 +17,7 @@ BENCH_PARTS: Mapping[str, tuple[str, ...]] = {
     "bus": ("bus", "bus.faults"),
     "bml": ("bml", "bml.speech", "bml.merging", "bml.server", "bml.emergency_stop"),
     "face": ("face",),
+    "hearing": ("hearing",),
     "meaning": ("meaning",),
     "studio": ("studio",),
 }

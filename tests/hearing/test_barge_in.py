@@ -24,7 +24,7 @@ def test_voice_first_quietens_the_robot_and_takes_the_turn_if_it_lasts():
 def test_short_voice_ends_without_taking_the_turn():
     short = [0.95] * (RULE.turn_frames - 1)
     gap = RULE.max_gap + 1
-    assert decisions(short + [0.1] * 20) == [(3, DUCK, 3), (len(short) + gap, END, gap)]
+    assert decisions(short + [0.1] * 20) == [(RULE.duck_frames, DUCK, RULE.duck_frames), (len(short) + gap, END, gap)]
 
 
 def test_voice_with_gaps_between_words_goes_on():
@@ -49,8 +49,8 @@ def test_voice_that_is_never_clear_does_not_take_the_turn():
 
 def test_frames_of_the_own_voice_do_not_count():
     assert decisions([0.99] * 40, [False] * 40) == []
-    assert decisions([0.99] * 4, [True, False, True, True]) == [(4, DUCK, 4)]
+    assert decisions([0.99] * 3, [True, False, True]) == [(3, DUCK, 3)]
 
 
-def test_two_noisy_frames_do_not_quieten_the_robot():
-    assert decisions([0.9, 0.9] + [0.1] * 20) == []
+def test_a_single_noisy_frame_does_not_quieten_the_robot():
+    assert decisions([0.9] * (RULE.duck_frames - 1) + [0.1] * 20) == []

@@ -12,7 +12,7 @@ from kinesic.speech.espeak import Espeak
 
 from .test_echo import room_echo
 
-QUESTION_START = 4.0  # [s] time at which the person begins
+QUESTION_START = 2.5  # [s] time at which the person begins
 MAX_DUCK_DELAY = 0.25  # [s] from the begin of a voice
 MAX_YIELD_DELAY = 0.9  # [s] from the begin of a voice
 
@@ -29,7 +29,7 @@ def voices(espeak: Espeak) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         loud = np.flatnonzero(np.abs(samples) > 0.03 * np.abs(samples).max())
         return samples[loud[0] : loud[-1]] * 0.3
 
-    return say(f"{robot} {robot}", 1.0), say("wait, I have a question about that", 1.4), say("yeah", 1.4)
+    return say(robot, 1.0), say("wait, I have a question about that", 1.4), say("yeah", 1.4)
 
 
 def changes(heard, played=None, *, rate=VOICE_RATE, size=320):
