@@ -7,6 +7,7 @@ import pytest
 
 from kinesic.bml.parse import parse
 from kinesic.body.impact_policy import find_policy
+from kinesic.motion.stopping import stop
 from kinesic.motion.trajectory import Trajectory, stay
 from kinesic.planning.impact_limits import compute_impact_ratios, find_worst_excess, knot_times
 from kinesic.planning.plan import plan_block
@@ -72,6 +73,11 @@ def test_interrupted_hands_return_within_the_policy(setup: Setup, raised: Trajec
     kept = [largest_ratio(release_motion(raised, time, everything, setup), setup) for time in times]
     unlimited = [largest_ratio(release_motion(raised, time, everything, free), setup) for time in times]
     assert max(kept) <= 1.0 < max(unlimited)
+
+
+def test_emergency_stops_stay_within_the_policy(setup: Setup, raised: Trajectory):
+    stops = [stop(raised, time, setup.limits) for time in np.linspace(0.3, 2.1, 5)]
+    assert max(largest_ratio(stopped, setup) for stopped in stops) <= 1.0
 
 
 def test_quick_plan_keeps_the_policy(setup: Setup):

@@ -40,7 +40,8 @@ struct ImpactTree {
     std::vector<TreeLink> links;
 
     // Writes ratios (m, r) and point indices (m, r) of postures and velocities (m, n).
-    // A posture whose kinetic energy bounds all squared ratios by `gate` gets this bound, with the index -1.
+    // A posture whose kinetic energy bounds all ratios by `gate` gets this bound, with the index -1. In other postures,
+    // ratios below the gate are reported as the gate, with the index -1.
     void survey(const double* angles, const double* velocities, size_t joints, size_t count, const ImpactRows& rows,
                 double gate, double* ratios, int64_t* points) const {
         Work work(links.size(), count_hinges());
@@ -60,7 +61,7 @@ struct ImpactTree {
                 continue;
             }
             invert(work);
-            compare(work, rows, k, part, ratios, points);
+            compare(work, rows, energy, gate, k, part, ratios, points);
         }
     }
 
@@ -261,11 +262,12 @@ private:
     }
 
     // Finds the point with the largest ratio of each row.
-    void compare(const Work& work, const ImpactRows& rows, size_t k, size_t part, double* ratios, int64_t* points) const {
+    void compare(const Work& work, const ImpactRows& rows, const Lane& energy, double gate, size_t k, size_t part,
+                 double* ratios, int64_t* points) const {
         const size_t size = rows.inverse_masses.size();
-        std::vector<Lane> best(size, Lane::of(0.0));
+        std::vector<Lane> best(size, Lane::of(gate * gate));
         std::vector<std::array<int64_t, LANES>> who(size);
-        for (auto& indices : who) indices.fill(0);
+        for (auto& indices : who) indices.fill(-1);
         int64_t point = 0;
         for (size_t l = 0; l < links.size(); ++l) {
             const Lane6& twist = work.twists[l];
@@ -277,9 +279,10 @@ private:
                 std::array<Lane, 6> mobility;  // lower triangle of W
                 bool known = false;
                 for (size_t r = 0; r < size; ++r) {
-                    const double factor = rows.squared_scales[r] / rows.inverse_masses[r];
-                    bool may_exceed = false;  // as the person's part has a mass
-                    for (int m = 0; m < LANES; ++m) may_exceed |= square.v[m] * factor > best[r].v[m];
+                    const double scale = rows.squared_scales[r], factor = scale / rows.inverse_masses[r];
+                    bool may_exceed = false;  // as neither the person's mass nor the robot's energy allows it
+                    for (int m = 0; m < LANES; ++m)
+                        may_exceed |= square.v[m] * factor > best[r].v[m] && energy.v[m] * scale > best[r].v[m];
                     if (!may_exceed) continue;
                     if (!known) mobility = mobility_at(work.inverses[l], at);
                     known = true;
@@ -295,7 +298,7 @@ private:
         }
         for (size_t m = 0; m < part; ++m)
             for (size_t r = 0; r < size; ++r) {
-                ratios[(k + m) * size + r] = std::sqrt(best[r].v[m]);
+                ratios[(k + m) * size + r] = who[r][m] < 0 ? gate : std::sqrt(best[r].v[m]);
                 points[(k + m) * size + r] = who[r][m];
             }
     }
