@@ -11,9 +11,15 @@ from kinesic.cli.completion import ROBOT_NAME
 from kinesic.cli.help_pages import VerbGroup
 from kinesic.cli.option_values import ShaftPhysics
 from kinesic.cli.options import group_options, implemented_by, robot_and_port_options, robot_option
+from kinesic.hardware.protocol.packet import MAX_ID
 from kinesic.hardware.virtual.faults import FAULT_KINDS
 from kinesic.host import SERVO_DRIVER, VIRTUAL_PORTS
 
+PORT_OPTION = click.option(
+    "--port", type=click.Path(path_type=Path, dir_okay=False), required=True, help="Port of the servo."
+)
+ID_OPTION = click.option("--id", "servo", type=click.IntRange(0, MAX_ID), default=1, show_default=True, help="Id.")
+BAUD_OPTION = click.option("--baud", type=int, default=57_600, show_default=True, help="Present baud rate.")
 ROBOT_HELP = "Robot whose hinges are listed with the ids: name or TOML file."
 PHYSICS_HELP = "Physics of the shafts: each servo's motor alone, or the robot's twin."
 
@@ -77,6 +83,38 @@ def _release_robot() -> None:
 @implemented_by("servos.scan:scan_ports", needs=SERVO_DRIVER)
 def _scan_ports() -> None:
     """Search for servos at every baud rate without changing them."""
+
+
+@servo_verbs.command("set-baud")
+@PORT_OPTION
+@ID_OPTION
+@BAUD_OPTION
+@click.option("--to", "new", type=int, required=True, help="New baud rate.")
+@implemented_by("servos.setup:change_baud", needs=SERVO_DRIVER)
+def _change_baud() -> None:
+    """Change the baud rate of one servo of any family, and verify it."""
+
+
+@servo_verbs.command("set-id")
+@PORT_OPTION
+@ID_OPTION
+@BAUD_OPTION
+@click.option("--to", "new", type=click.IntRange(0, MAX_ID), required=True, help="New id.")
+@implemented_by("servos.setup:change_id", needs=SERVO_DRIVER)
+def _change_id() -> None:
+    """Change the id of one servo of any family, and verify it.
+
+    Connect one servo at a time: two with the same id cannot be told apart.
+    """
+
+
+@servo_verbs.command("reboot")
+@PORT_OPTION
+@ID_OPTION
+@BAUD_OPTION
+@implemented_by("servos.setup:restart_servo", needs=SERVO_DRIVER)
+def _restart_servo() -> None:
+    """Restart one servo without torque, which clears its error."""
 
 
 @servo_verbs.command("show")

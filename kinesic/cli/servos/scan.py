@@ -1,7 +1,7 @@
 """Verb `kinesic servos scan`: find the servos on serial ports."""
 
 import json
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 import click
@@ -12,8 +12,9 @@ from kinesic.cli.screen.table import Table
 from kinesic.cli.terminal import console, quote_text
 from kinesic.hardware.bus.host import list_ports as ports_here
 from kinesic.hardware.bus.serial_wire import SerialWire
-from kinesic.hardware.protocol.registers import BAUD_RATES
-from kinesic.hardware.protocol.servo_map import MAX_ID, ServoMap, load_robot
+from kinesic.hardware.protocol.models import ALL_BAUD_RATES
+from kinesic.hardware.protocol.packet import MAX_ID
+from kinesic.hardware.protocol.servo_map import ServoMap, load_robot
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.tools.survey import FoundServo, scan_bus
 
@@ -29,10 +30,12 @@ def scan_ports(robot: str, ports: tuple[str, ...], bauds: tuple[int, ...], thoro
     paths = [Path(text.partition("=")[2] or text) for text in ports] or list(ports_here())
     if not paths:
         raise ConfigError("no USB serial port here; plug the adapter in, or give --port PATH")
-    unknown_rates = [rate for rate in bauds if rate not in BAUD_RATES]
+    unknown_rates = [rate for rate in bauds if rate not in ALL_BAUD_RATES]
     if unknown_rates:
-        raise ConfigError(f"--baud is {unknown_rates[0]}, must be one of {', '.join(str(rate) for rate in BAUD_RATES)}")
-    rates = sorted(bauds or BAUD_RATES, key=lambda rate: (rate not in COMMON_BAUD_RATES, rate))
+        raise ConfigError(
+            f"--baud is {unknown_rates[0]}, must be one of {', '.join(str(rate) for rate in ALL_BAUD_RATES)}"
+        )
+    rates = sorted(bauds or ALL_BAUD_RATES, key=lambda rate: (rate not in COMMON_BAUD_RATES, rate))
     found_servos: list[tuple[Path, FoundServo]] = []
     notes: list[str] = []
     with show_steps("scanning", len(paths) * len(rates)) as step:
@@ -56,26 +59,39 @@ def _scan_port(
 
     A baud rate that the port does not support is noted; a port that never opens is an error.
     """
-    is_first = True
+    is_first, heard, count = True, dict[int, int](), 0
     for rate in rates:
         try:
-            yield from scan_bus(
-                lambda baud: SerialWire(path, baud), bauds=(rate,), ids=range(MAX_ID + 1) if thorough else ()
-            )
+            ids = range(MAX_ID + 1) if thorough else ()
+            for found_servo in scan_bus(lambda baud: SerialWire(path, baud), bauds=(rate,), ids=ids, heard=heard):
+                count += 1
+                yield found_servo
         except BusError as error:
             if is_first:
                 raise
             notes.append(str(error))
         is_first = False
         step()
+    if not count:
+        notes.append(f"{path}: {_explain_silence(heard)}")
+
+
+def _explain_silence(heard: Mapping[int, int]) -> str:
+    """Explain that no servo answered, from the number of received bytes by baud rate."""
+    rates = ", ".join(str(rate) for rate, octets in heard.items() if octets)
+    if rates:
+        return f"bytes came back at {rates} baud, but no packet of a known protocol; noise, or another kind of device?"
+    return "no byte came back at any baud rate; is the power on, is the data line connected, does the adapter transmit?"
 
 
 def _tabulate(found_servos: Sequence[tuple[Path, FoundServo]], hinges: dict[int, str]) -> Table:
-    table = Table("port", "baud", "id", "model", "firmware", "hinge", "")
+    table = Table("port", "baud", "id", "model", "firmware", "protocol", "hinge", "")
     for path, found_servo in found_servos:
         servo = found_servo.servo
         note = quote_text("several servos have this id" if found_servo.shared else "", style="red")
-        cells = (str(found_servo.baud), str(servo.id), servo.name, str(servo.firmware), hinges.get(servo.id, "-"))
+        version = str(servo.firmware)
+        hinge = hinges.get(servo.id, "-")
+        cells = (str(found_servo.baud), str(servo.id), servo.name, version, found_servo.protocol, hinge)
         table.add_row(quote_text(path.name), *cells, note)
     return table
 
@@ -89,4 +105,5 @@ def _to_json(path: Path, found_servo: FoundServo) -> dict[str, object]:
         "model": servo.name,
         "firmware": servo.firmware,
         "shared": found_servo.shared,
+        "protocol": found_servo.protocol,
     }

@@ -79,6 +79,9 @@ class FrameAccess(ServoAccess):
         """Return whether several servos have this id, so that their replies collide."""
         try:
             start, size = self._model(servo).native_table.sensor_span
+        except BusError:  # of an unknown model, but its identity was read
+            return False
+        try:
             self._exchange(servo, "read of sensors", read_frame(servo, start, size), size)
         except BusError:
             return True
@@ -216,7 +219,8 @@ class FrameAccess(ServoAccess):
             if data[place] == servo:
                 candidates.append((table, table.unpack(Register.MODEL_NUMBER, data[field.address : field.end])))
         numbered = [(table, number) for table, number in candidates if _is_of(number, table)]
-        for table, number in numbered or candidates:
+        known = [(table, number) for table, number in candidates if number in MODELS_BY_NUMBER]
+        for table, number in numbered or known or candidates:
             return PingReply(servo, number, data[table.fields[Register.FIRMWARE_VERSION].address])
         return PingReply(servo, int.from_bytes(data[:2], "little"), 0)
 

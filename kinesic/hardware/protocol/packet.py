@@ -12,6 +12,7 @@ from enum import IntEnum
 
 PACKET_HEADER = b"\xff\xff\xfd\x00"  # first bytes of every packet
 BROADCAST_ID = 0xFE  # Id that addresses all servos
+MAX_ID = 252  # Largest id of a servo
 ALERT_BIT = 0x80  # Bit of the error byte for a nonzero hardware error register
 MAX_LENGTH = 1024  # [bytes] largest accepted length field of a packet; a larger one is treated as noise
 PACKET_OVERHEAD = 10  # [bytes] size of an instruction packet without parameters

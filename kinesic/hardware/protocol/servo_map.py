@@ -19,9 +19,9 @@ from kinesic.body.robot import Robot
 from kinesic.body.robot_extension import read_robot
 from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.protocol.models import ALL_BAUD_RATES, MODELS_BY_NUMBER
+from kinesic.hardware.protocol.packet import MAX_ID
 from kinesic.hardware.protocol.ticks import Scale
 
-MAX_ID = 252  # Largest id of a servo
 BUS_NAME_PATTERN = re.compile(r"[A-Za-z0-9_-]{1,64}")  # valid names of buses, also used in file names
 MID_TICKS = TICKS_PER_TURN // 2  # [ticks] middle of a turn, default servo position at hinge angle 0
 

@@ -7,13 +7,18 @@ from math import degrees, nan
 import numpy as np
 
 from kinesic.hardware.protocol.device import PingReply, RegisterChange, ServoAccess
-from kinesic.hardware.protocol.frame_access import open_access
-from kinesic.hardware.protocol.registers import BAUD_RATES, HardwareError, Register
-from kinesic.hardware.protocol.tables import FamilyTable
+from kinesic.hardware.protocol.frame_access import FrameAccess, open_access
+from kinesic.hardware.protocol.models import ALL_BAUD_RATES
+from kinesic.hardware.protocol.registers import HardwareError, Register
+from kinesic.hardware.protocol.tables import FAMILY_TABLES, FamilyTable
 from kinesic.hardware.protocol.ticks import Scale
 from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.preflight import RegisterTable, required_registers
+
+PACKET_PROTOCOL, FRAME_PROTOCOL, FEETECH_PROTOCOL = "Protocol 2.0", "Protocol 1.0", "Feetech"
+USUAL_FRAME_IDS = range(21)  # ids that a quick scan pings one by one, because not all families answer a ping of all
+FRAME_BAUD_RATES = frozenset(rate for table in FAMILY_TABLES.values() for rate in table.bauds.values())  # [bit/s]
 
 
 @dataclass(frozen=True)
@@ -23,41 +28,104 @@ class FoundServo:
     servo: PingReply
     baud: int  # [bit/s]
     shared: bool  # whether several servos seem to have this id
+    protocol: str = PACKET_PROTOCOL
+
+
+class CountingWire:
+    """Wire that counts the received bytes."""
+
+    def __init__(self, wire: Wire) -> None:
+        self._wire, self.octets = wire, 0
+
+    @property
+    def name(self) -> str:
+        """Path of the port."""
+        return self._wire.name
+
+    @property
+    def baud(self) -> int:
+        """Baud rate [bit/s]."""
+        return self._wire.baud
+
+    def now(self) -> float:
+        """Return the wire's clock [s]."""
+        return self._wire.now()
+
+    def write(self, data: bytes | bytearray, /) -> None:
+        """Send bytes."""
+        self._wire.write(data)
+
+    def read(self, deadline: float, /) -> bytes:
+        """Wait for bytes until a deadline [s], and count them."""
+        data = self._wire.read(deadline)
+        self.octets += len(data)
+        return data
+
+    def sleep(self, until: float, /) -> None:
+        """Wait until a time [s]."""
+        self._wire.sleep(until)
+
+    def reopen(self) -> bool:
+        """Try once to reopen the port."""
+        return self._wire.reopen()
+
+    def close(self) -> None:
+        """Close the port."""
+        self._wire.close()
 
 
 def scan_bus(
     opened: Callable[[int], Wire],
     *,
-    bauds: Iterable[int] = BAUD_RATES,
+    bauds: Iterable[int] = ALL_BAUD_RATES,
     ids: Iterable[int] = (),
     step: Callable[[], None] = lambda: None,
+    heard: dict[int, int] | None = None,
 ) -> tuple[FoundServo, ...]:
-    """Search for servos at several baud rates and ids.
+    """Search for servos of all families at several baud rates and ids.
 
     Args:
         opened: opens the port at a baud rate.
         bauds: [bit/s] rates to try.
         ids: ids to ping one by one, if they did not answer the ping to all.
         step: called after each baud rate.
+        heard: filled with the number of received bytes by baud rate.
 
     Raises:
         BusError: the port does not open.
     """
     found_servos: list[FoundServo] = []
     for baud in bauds:
-        wire = opened(baud)
+        wire = CountingWire(opened(baud))
         try:
-            access = ServoAccess(wire)
-            servos = {servo.id: servo for servo in access.ping_all()}
-            for servo in ids:
-                alone = access.ping(servo) if servo not in servos else None
-                if alone is not None:
-                    servos[servo] = alone
-            found_servos += [FoundServo(servo, baud, access.is_shared(servo.id)) for _, servo in sorted(servos.items())]
+            found_servos += _scan(ServoAccess(wire), ids, lambda servo: PACKET_PROTOCOL)
+            if baud in FRAME_BAUD_RATES:
+                found_servos += _scan(FrameAccess(wire, tries=1), ids or USUAL_FRAME_IDS, _frame_protocol)
         finally:
             wire.close()
+        if heard is not None:
+            heard[baud] = wire.octets
         step()
     return tuple(found_servos)
+
+
+def _scan(access: ServoAccess, ids: Iterable[int], protocol: Callable[[PingReply], str]) -> list[FoundServo]:
+    """Return the servos that answer in one protocol, sorted by id."""
+    servos = {servo.id: servo for servo in access.ping_all()}
+    for servo in ids:
+        alone = access.ping(servo) if servo not in servos else None
+        if alone is not None:
+            servos[servo] = alone
+    return [
+        FoundServo(servo, access.wire.baud, access.is_shared(servo.id), protocol(servo))
+        for _, servo in sorted(servos.items())
+    ]
+
+
+def _frame_protocol(servo: PingReply) -> str:
+    """Return the name of the protocol of a servo that answers with frames."""
+    table = servo.model.table if servo.model is not None else None
+    return FEETECH_PROTOCOL if table is not None and table.maker == "Feetech" else FRAME_PROTOCOL
 
 
 @dataclass(frozen=True)

@@ -7,7 +7,7 @@ torque is refused as a result error.
 from typing import NamedTuple
 
 from kinesic.hardware.protocol.models import Model
-from kinesic.hardware.protocol.packet import Fault, Instruction
+from kinesic.hardware.protocol.packet import MAX_ID, Fault, Instruction
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.virtual.control_table import (
     GOAL_REGISTERS,
@@ -19,7 +19,6 @@ from kinesic.hardware.virtual.control_table import (
 )
 from kinesic.hardware.virtual.firmware import BOOT_TIME, Firmware
 
-MAX_ID = 252  # Largest id of a servo
 NEWEST_FIRMWARE = 52  # Default firmware version of a virtual servo
 CLEAR_FIRMWARE = 42  # First firmware with the CLEAR instruction
 _CLEAR_TURNS = bytes((0x01, 0x44, 0x58, 0x4C, 0x22))  # Parameters of CLEAR that reset the turn count

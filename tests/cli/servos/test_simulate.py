@@ -165,7 +165,7 @@ def test_lerobot_reads_and_moves_simulated_servos(port: Path):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        (("--baud", "1000001"), "--baud is 1000001, must be one of 9600, 57600"),
+        (("--baud", "1000001"), "--baud is 1000001, must be one of 9600, 19200, 57600"),
         (("--faults", "nowhere.toml"), "nowhere.toml: no such file"),
         (("--robot", "upper2"), "no robot upper2; did you mean upper22?"),
         (("--physics", "magic"), "'magic' is not one of 'servo', 'twin'"),

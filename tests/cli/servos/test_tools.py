@@ -14,7 +14,7 @@ def test_scan_prints_id_baud_rate_and_joint_of_each_servo(kinesic, table):
     ended = kinesic("servos", "scan", "--port", table.port, "--baud", "1000000", "--baud", "57600")
     assert (ended.code, ended.out.splitlines()[-1]) == (0, "23 servos")
     row = next(line for line in ended.out.splitlines() if "l_elbow_flexion" in line)
-    assert row.split() == ["table", "1000000", "15", "xm430_w210", "52", "l_elbow_flexion"]
+    assert row.split() == ["table", "1000000", "15", "xm430_w210", "52", "Protocol", "2.0", "l_elbow_flexion"]
 
 
 def test_scan_prints_servos_as_json(kinesic, table):
@@ -27,6 +27,7 @@ def test_scan_prints_servos_as_json(kinesic, table):
         "model": "xm540_w150",
         "firmware": 52,
         "shared": False,
+        "protocol": "Protocol 2.0",
     }
 
 

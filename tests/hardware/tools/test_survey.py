@@ -22,10 +22,12 @@ def port(baud: int = 1_000_000, faults: FaultPlan = NO_FAULTS):
         ]
     )
 
+    wires = [MemoryWire(buses["body"])]
+
     def opened(rate: int) -> Wire:
-        wire = MemoryWire(buses["body"])
-        wire.baud = rate
-        return wire
+        wires.append(MemoryWire(buses["body"], time=wires[-1].now()))
+        wires[-1].baud = rate
+        return wires[-1]
 
     return opened
 
