@@ -24,6 +24,7 @@ from kinesic.serve.wire.protocol import (
     Arm,
     Control,
     Disarm,
+    DuckRequest,
     Enquiry,
     Hello,
     InterruptCommand,
@@ -242,6 +243,8 @@ class ClientRegistry:
         match request:
             case Resume():
                 self.session.resume()
+            case DuckRequest(on):
+                self.session.loop.change_sound(lambda effects: effects.duck(on=on))
             case InterruptCommand(block, yields):
                 self.session.interrupt(block, yields=yields, sender=client.number)
             case Restyle(style, changes, amount, block):

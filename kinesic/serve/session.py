@@ -157,7 +157,7 @@ class Session:
             yields: whether arms hold before they return, because a person speaks.
             sender: client to be told the text heard so far, if the block yields.
         """
-        self.loop.silence(block)
+        self.loop.change_sound(lambda effects: effects.silence(block))
         if block is None:
             for document in self._documents.clear():
                 self._refuse(document, "interrupted", "everything was interrupted before this was planned")

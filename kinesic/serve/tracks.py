@@ -134,6 +134,11 @@ class TrackEffects:
         self._silenced |= self._tracks.keys() if block is None else {block} & self._tracks.keys()
         self._play(before, self._sounds())
 
+    def duck(self, *, on: bool) -> None:
+        """Mute all sounds, or let them be heard again."""
+        if self._speaker is not None:
+            self._speaker.mute(on=on)
+
     def _play(self, before: Sounds, after: Sounds) -> None:
         """Play sounds that were added, and fade out sounds that were removed."""
         if self._speaker is None:
@@ -152,6 +157,7 @@ class TrackEffects:
         self._silenced.clear()
         if self._speaker is not None:
             self._speaker.stop()
+            self._speaker.mute(on=False)
 
     def face(self, time: float) -> dict[str, float]:
         """Return maximum action unit intensities of all tracks at a time [s].

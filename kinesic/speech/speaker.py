@@ -11,6 +11,7 @@ from kinesic.speech.loudspeaker import Clock, Device, PortAudio
 
 SAMPLE_RATE = 44100  # [Hz] sample rate of the loudspeaker
 MAX_TIME_JITTER = 0.01  # [s] jumps of the device's reported time up to this size are ignored
+MAX_MUTE_DURATION = 5.0  # [s] longest mute by one request, in case nobody ends it
 FADE_DURATION = 0.04  # [s] fade-out of a sound that ends early, long enough to be free of clicks
 
 
@@ -50,6 +51,7 @@ class Speaker:
         self._rate = rate
         self._next = float("-inf")  # time on the clock at which the next sample is heard
         self._playing: tuple[PlayedSound, ...] = ()
+        self._muted_until, self._gain = -inf, 1.0  # [s] on the clock; gain of the last sample
         self._device.open(rate, self._mix_next)
 
     @property
@@ -77,6 +79,13 @@ class Speaker:
             for entry in self._playing
         )
 
+    def mute(self, *, on: bool) -> None:
+        """Fade all sounds out while they go on, or in again.
+
+        Without another request, they fade in after `MAX_MUTE_DURATION`.
+        """
+        self._muted_until = self._clock() + MAX_MUTE_DURATION if on else -inf
+
     def stop(self) -> None:
         """Discard all playing and scheduled sounds.
 
@@ -96,7 +105,14 @@ class Speaker:
         """
         begin = self._next if abs(at - self._next) < MAX_TIME_JITTER else at
         self._next = begin + count / self._rate
-        return mix(self._playing, begin, count, self._rate)
+        return mix(self._playing, begin, count, self._rate) * self._gains(begin, count)
+
+    def _gains(self, begin: float, count: int) -> Samples:
+        """Return the gains (count,) of the next samples, which change within `FADE_DURATION`."""
+        change = np.arange(1, count + 1) / (FADE_DURATION * self._rate)
+        gains = np.clip(self._gain + (-change if begin < self._muted_until else change), 0.0, 1.0)
+        self._gain = float(gains[-1])
+        return np.asarray(gains, np.float32)
 
 
 def mix(playing: tuple[PlayedSound, ...], begin: float, count: int, rate: int) -> Samples:

@@ -2,6 +2,7 @@
 
 import asyncio
 import json
+from collections.abc import Callable
 
 from kinesic.realizer.request import Message
 from kinesic.serve.clients import ClientRegistry, ConnectedClient
@@ -21,7 +22,7 @@ class Performer:
         self.refusal: str | None = None
         self.obstacle = ""
         self.fault: Exception | None = None
-        self.desk = self.arming = self
+        self.desk = self.arming = self.loop = self
 
     def perform(self, document: Message) -> str | None:
         self.performed.append(document)
@@ -36,7 +37,13 @@ class Performer:
         self.done.append(("resume",))
 
     def interrupt(self, block: str | None, *, yields: bool = False, sender: int | None = None) -> None:
-        self.done.append(("interrupt", block))
+        self.done.append(("interrupt", block, *(["yields"] * yields)))
+
+    def change_sound(self, change: Callable[[object], None]) -> None:
+        change(self)
+
+    def duck(self, *, on: bool) -> None:
+        self.done.append(("duck", on))
 
     def restyle(self, restyling: Restyling) -> None:
         self.done.append(("restyle", restyling))

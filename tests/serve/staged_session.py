@@ -51,8 +51,8 @@ class Loop:
     def emergency_stop(self) -> None:
         self.stop_count += 1
 
-    def silence(self, block: str | None) -> None:
-        self.silenced.append(block)
+    def change_sound(self, change: Callable) -> None:
+        change(SimpleNamespace(silence=self.silenced.append))
 
     def needs_resume(self) -> bool:
         return self.held

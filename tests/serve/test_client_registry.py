@@ -149,6 +149,8 @@ def test_plain_text_is_spoken_only_if_allowed():
         ({"do": "resume"}, ("resume",)),
         ({"do": "interrupt"}, ("interrupt", None)),
         ({"do": "interrupt", "block": "b"}, ("interrupt", "b")),
+        ({"do": "interrupt", "yield": True}, ("interrupt", None, "yields")),
+        ({"do": "duck", "on": True}, ("duck", True)),
         ({"do": "disarm"}, ("disarm", 1)),
         ({"do": "arm"}, ("arm", 1, True)),
         (

@@ -32,7 +32,7 @@ def test_speech_fades_at_the_next_tick_after_an_interruption_without_the_planner
         track = Track(0.0, {}, ((0.2, Sound.of(8000, np.zeros(8000))),))
         planner.send(proposal(tracks={"b": track}))
         yield 1.0
-        loop.silence("b")
+        loop.change_sound(lambda effects: effects.silence("b"))
         yield 1.2
 
     simulation.run(script())

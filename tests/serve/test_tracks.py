@@ -20,7 +20,7 @@ class Recorder:
     """Stub loudspeaker that records its calls."""
 
     def __init__(self, fault=None):
-        self.told, self.fault = [], fault
+        self.told, self.muted, self.fault = [], [], fault
 
     def play(self, sound, at):
         if self.fault:
@@ -29,6 +29,9 @@ class Recorder:
 
     def fade_out(self, sound, at):
         self.told.append(("fades", at))
+
+    def mute(self, *, on):
+        self.muted.append(on)
 
     def stop(self):
         self.told.append("stop")
@@ -105,6 +108,17 @@ def test_silenced_blocks_stay_silent_until_their_tracks_are_removed(block, faded
     effects.take({"a": None, "b": None})
     effects.take({"a": heard(3.0)})
     assert speaker.told[-1] == 3.0
+
+
+def test_ducked_sounds_are_muted_until_they_go_on_or_an_emergency_stop():
+    speaker = Recorder()
+    effects = TrackEffects(speaker)
+    effects.duck(on=True)
+    effects.duck(on=False)
+    assert speaker.muted == [True, False]
+    effects.clear()
+    assert speaker.muted[2:] == [False]
+    TrackEffects().duck(on=True)
 
 
 def test_failed_loudspeaker_is_not_used_again_and_faces_continue():

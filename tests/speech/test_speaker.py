@@ -4,7 +4,7 @@ import pytest
 from kinesic.body.utterance import Sound
 from kinesic.speech import loudspeaker
 from kinesic.speech.loudspeaker import Feed, PortAudio, SpeakerError
-from kinesic.speech.speaker import FADE_DURATION, PlayedSound, Speaker, mix
+from kinesic.speech.speaker import FADE_DURATION, MAX_MUTE_DURATION, PlayedSound, Speaker, mix
 
 SAMPLE_RATE = 1000  # [Hz]
 CLICK_SOUND = Sound.of(SAMPLE_RATE, [1.0, 0.5, 0.25])  # sound of three samples
@@ -109,6 +109,34 @@ def test_faded_sound_ends_without_a_step_and_others_continue():
     assert np.abs(np.diff(tape.heard[first:])).max() < 0.25 * 1.6 / (FADE_DURATION * SAMPLE_RATE)
     assert (tape.heard[first + round(FADE_DURATION * SAMPLE_RATE) :] == 0.25).all()
     assert tape.heard[first + 20] == pytest.approx(0.375, abs=0.01)
+
+
+def test_muted_speaker_fades_out_and_in_while_its_sounds_go_on():
+    tape = Tape()
+    speaker = Speaker(tape.clock, device=tape, rate=SAMPLE_RATE)
+    speaker.play(Sound.of(SAMPLE_RATE, np.linspace(0.2, 0.8, 1000)), 100.05)
+    tape.turn(3)
+    speaker.mute(on=True)
+    tape.turn(3)
+    speaker.mute(on=False)
+    tape.turn(3)
+    muted, heard, fade = 3 * 64, 6 * 64, round(FADE_DURATION * SAMPLE_RATE)
+    assert np.abs(np.diff(tape.heard[muted - 1 : heard + fade])).max() < 0.03
+    assert not tape.heard[muted + fade : heard].any()
+    undisturbed = np.linspace(0.2, 0.8, 1000)
+    assert tape.heard[heard + fade] == pytest.approx(undisturbed[heard + fade], abs=1e-3)
+    assert tape.heard[muted - 1] == pytest.approx(undisturbed[muted - 1], abs=1e-3)
+
+
+def test_mute_that_nobody_ends_is_over_after_its_maximum_duration():
+    tape = Tape()
+    speaker = Speaker(tape.clock, device=tape, rate=SAMPLE_RATE)
+    speaker.play(Sound.of(SAMPLE_RATE, np.full(9000, 0.5)), 100.0)
+    speaker.mute(on=True)
+    tape.turn(110)
+    begin = np.flatnonzero(tape.heard[100:])[0] + 100
+    assert begin / SAMPLE_RATE == pytest.approx(MAX_MUTE_DURATION - DEVICE_LATENCY, abs=0.07)
+    assert tape.heard[-1] == 0.5
 
 
 def test_closed_sound_device_plays_nothing():

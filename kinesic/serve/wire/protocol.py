@@ -72,6 +72,12 @@ class Resume(Struct, tag="resume", tag_field="do", forbid_unknown_fields=True):
     """Request to return to rest after a stop and accept blocks again."""
 
 
+class DuckRequest(Struct, tag="duck", tag_field="do", forbid_unknown_fields=True):
+    """Request to mute the speech while a voice sounds, and to go on later."""
+
+    on: bool  # whether to mute, for at most 5 s; the motion goes on, and muted words are lost
+
+
 class InterruptCommand(Struct, tag="interrupt", tag_field="do", forbid_unknown_fields=True, rename={"yields": "yield"}):
     """Request to end one block or all blocks with smooth motion.
 
@@ -135,6 +141,7 @@ Control = (
     | Stop
     | StopLineRequest
     | Resume
+    | DuckRequest
     | InterruptCommand
     | Restyle
     | SpokenWords

@@ -10,6 +10,7 @@ from kinesic.bml.block import DEFAULT_BLOCK_ID
 from kinesic.realizer.request import block_id
 from kinesic.serve.wire.protocol import (
     MESSAGE_END,
+    DuckRequest,
     Enquiry,
     Hello,
     InterruptCommand,
@@ -71,6 +72,7 @@ def test_message_of_the_maximum_size_is_read(pieces):
         (' {"do": "resume"}\n', Resume()),
         ('{"do": "hello", "token": "t"}', Hello("t")),
         ('{"do": "interrupt"}', InterruptCommand()),
+        ('{"do": "duck", "on": true}', DuckRequest(on=True)),
         ('{"do": "interrupt", "block": "b"}', InterruptCommand("b")),
         ('{"do": "interrupt", "yield": true}', InterruptCommand(yields=True)),
         ('{"do": "style", "style": "calm", "set": ["power=1"]}', Restyle("calm", ("power=1",))),
