@@ -19,5 +19,6 @@ BENCH_PARTS: Mapping[str, tuple[str, ...]] = {
     "face": ("face",),
     "hearing": ("hearing",),
     "meaning": ("meaning",),
+    "conversation": ("conversation",),
     "studio": ("studio",),
 }

@@ -131,7 +131,7 @@ def _hear(voice: PersonVoice, active: bool, who: str | None, time: float) -> Per
         return replace(voice, active=False, ended=time)
     if time - voice.ended > TURN_GAP or (who is not None and who != voice.who):
         return PersonVoice(active=True, who=who, began=time)
-    return replace(voice, active=True, who=who or voice.who, began=time, predicted=0.0)
+    return replace(voice, active=True, who=who or voice.who, began=time, predicted=None)
 
 
 def _end(before: ConversationState, state: ConversationState, now: float) -> tuple[ConversationState, tuple[Want, ...]]:

@@ -8,6 +8,7 @@ from kinesic.conversation.settings import MOVEMENTS, RHYTHMS, Rhythm
 from kinesic.conversation.state import ConversationState, GazeSpell
 from kinesic.conversation.wants import STRAIGHT, Direction, Look
 
+SHORTEST_LAST_LOOK = 0.6  # [s] look at the end of a very short speech
 LOOKING = GazeSpell()  # look at the person without an end
 
 
@@ -21,8 +22,7 @@ def begin_gaze(state: ConversationState, now: float) -> ConversationState:
     if state.mode == "thinking":
         duration, state = state.vary(rhythm.away)
         return _avert(state, rhythm, now + duration)
-    duration, state = state.vary(rhythm.look)
-    return replace(state, gaze=replace(LOOKING, until=now + duration))
+    return _look(state, rhythm, now)
 
 
 def continue_gaze(state: ConversationState, now: float) -> ConversationState:
@@ -33,8 +33,7 @@ def continue_gaze(state: ConversationState, now: float) -> ConversationState:
     if rhythm is None or now < state.gaze.until:
         return state
     if state.gaze.averted:
-        duration, state = state.vary(rhythm.look)
-        return replace(state, gaze=replace(LOOKING, until=now + duration))
+        return _look(state, rhythm, now)
     duration, state = state.vary(rhythm.away)
     return _avert(state, rhythm, now + duration)
 
@@ -55,12 +54,13 @@ def request_look(state: ConversationState, now: float) -> tuple[ConversationStat
         change = direction_change(place, before.place, state.eyes)
         if change < MOVEMENTS.dead_zone or now < state.look_time + MOVEMENTS.shortest_look_interval:
             return state, None
-    return replace(state, look=look, look_time=now), look
+    met_since = state.met_since if before is not None and before.away == look.away == STRAIGHT else now
+    return replace(state, look=look, look_time=now, met_since=met_since), look
 
 
 def next_gaze_time(state: ConversationState, now: float) -> float:
     """Return the next time [s] at which the gaze may change without an event."""
-    times = [state.gaze.until, next_check(state.company, now), state.speech.ends - MOVEMENTS.last_look]
+    times = [state.gaze.until, next_check(state.company, now), _last_look_time(state)]
     if state.look is not None and state.look.place is not None:
         target = state.company.target(now)
         if target is not None and dist(target.place, state.look.place) > 0.0:
@@ -69,7 +69,26 @@ def next_gaze_time(state: ConversationState, now: float) -> float:
 
 
 def _ends_soon(state: ConversationState, now: float) -> bool:
-    return state.mode == "speaking" and state.speech.ends - MOVEMENTS.last_look <= now
+    return state.mode == "speaking" and _last_look_time(state) <= now
+
+
+def _last_look_time(state: ConversationState) -> float:
+    """Return the time [s] before the end of own speech at which the gaze returns.
+
+    Infinity without an expected end.
+    """
+    begin, end = state.speech.began, state.speech.ends
+    if not state.speech.active or end == inf:
+        return inf
+    return end - min(MOVEMENTS.last_look, SHORTEST_LAST_LOOK + MOVEMENTS.last_look_fraction * (end - begin))
+
+
+def _look(state: ConversationState, rhythm: Rhythm, now: float) -> ConversationState:
+    """Return the state with a look at the person that is no stare."""
+    duration, state = state.vary(rhythm.look)
+    is_met = state.look is not None and state.look.away == STRAIGHT
+    latest = (state.met_since if is_met else now) + MOVEMENTS.longest_look
+    return replace(state, gaze=replace(LOOKING, until=min(now + duration, max(latest, now))))
 
 
 def _avert(state: ConversationState, rhythm: Rhythm, until: float) -> ConversationState:

@@ -20,12 +20,13 @@ class TurnTimes:
     """Times of changes between states."""
 
     voice_to_listening: float = 0.15  # [s] voice after which the robot listens
-    voice_to_yield: float = 0.5  # [s] voice without words after which the robot stops its own speech
+    voice_to_yield: float = 0.75  # [s] reported voice without words that stops own speech; detectors hold it for 0.3 s
     words_to_yield: int = 2  # recognised words after which the robot stops its own speech
     silence: float = 0.7  # [s] silence that ends a turn
     silence_if_predicted: float = 0.2  # [s] silence that ends a turn which a model expects to end
     silence_if_unfinished: float = 1.2  # [s] silence that ends a turn after a conjunction or a hesitation
     prediction_threshold: float = 0.6  # probability from which a model expects the end of the turn
+    doubt_threshold: float = 0.4  # probability below which a model expects that the turn goes on
     end_to_thinking: float = 0.3  # [s] time from the end of a turn to the thinking state
     longest_unasked_thinking: float = 8.0  # [s] thinking without a client that thinks
     interrupted: float = 0.8  # [s] duration of the interrupted state
@@ -41,14 +42,16 @@ class Movements:
     averted_angle: float = 14.0  # [deg] angle of looks away
     first_aversion: float = 1.2  # [s] look away at the begin of speech
     last_look: float = 2.3  # [s] before the end of speech at which the gaze returns
+    last_look_fraction: float = 0.25  # of the duration of a short speech in which the gaze has returned, after 0.6 s
+    longest_look: float = 5.5  # [s] longest look at a person without a look away
     lean: float = 2.0  # [deg] forward lean of a listener
     tilt: float = 5.0  # [deg] head tilt of a listener
     nod: tuple[float, float] = (3.0, 6.0)  # [deg] smallest and largest nod
-    nod_interval: float = 2.0  # [s] shortest time between nods
+    nod_interval: float = 5.0  # [s] shortest time between nods
     nods_per_minute: int = 10  # largest number of nods in a minute
     voice_before_nod: float = 0.7  # [s] shortest speech before a nod
     pause_before_nod: float = 0.2  # [s] pause of a speaker after which the listener nods
-    nod_probability: float = 0.8  # probability of a nod at such a pause
+    nod_probability: float = 0.55  # probability of a nod at such a pause
     fillers: tuple[float, ...] = (1.2, 4.0)  # [s] times of fillers after the begin of thinking
 
 
@@ -57,7 +60,7 @@ MOVEMENTS = Movements()
 
 RHYTHMS: dict[Mode, Rhythm] = {
     "attending": Rhythm((2.4, 0.6), (1.6, 0.4), (0.7, 0.2, 0.1), 0.1),
-    "listening": Rhythm((3.4, 1.0), (1.2, 0.2), (0.7, 0.2, 0.1), 0.1),
+    "listening": Rhythm((2.8, 0.8), (1.2, 0.2), (0.7, 0.2, 0.1), 0.1),
     "thinking": Rhythm((1.0, 0.2), (3.0, 0.5), (0.1, 0.2, 0.7), 0.4),
-    "speaking": Rhythm((1.3, 0.4), (2.8, 0.5), (0.7, 0.2, 0.1), 0.1),
+    "speaking": Rhythm((1.2, 0.3), (2.8, 0.5), (0.7, 0.2, 0.1), 0.1),
 }  # states without a rhythm look at the person all the time

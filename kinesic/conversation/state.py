@@ -20,7 +20,7 @@ class PersonVoice:
     ended: float = -inf  # [s] end of the last stretch; meaningless while active
     text: str = ""  # recognised words of the turn
     clauses: int = 0  # number of clauses that ended with a pause mark
-    predicted: float = 0.0  # probability that the turn passes to the robot
+    predicted: float | None = None  # probability that the turn passes to the robot; None: not predicted
 
     def duration(self, now: float) -> float:
         """Return the duration of the current or last stretch of voice [s]."""
@@ -67,6 +67,7 @@ class ConversationState:
     gaze: GazeSpell = field(default_factory=GazeSpell)
     look: Look | None = None  # last requested gaze
     look_time: float = -inf  # [s] time of that request
+    met_since: float = -inf  # [s] begin of the current look at the person
     nods: tuple[float, ...] = ()  # [s] times of the nods of the last minute
     nod_considered: float = -inf  # [s] end of the stretch of voice after which a nod was considered
     lonely_since: float = -inf  # [s] time since when nobody is there

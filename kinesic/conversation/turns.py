@@ -17,9 +17,10 @@ def turn_end(state: ConversationState, words: TurnWords) -> float:
     voice = state.voice
     if voice.active or not state.listened:
         return inf
-    if voice.predicted > TURN_TIMES.prediction_threshold:
+    if voice.predicted is not None and voice.predicted > TURN_TIMES.prediction_threshold:
         return voice.ended + TURN_TIMES.silence_if_predicted
-    if words.is_unfinished(voice.text):
+    is_unlikely = voice.predicted is not None and voice.predicted < TURN_TIMES.doubt_threshold
+    if is_unlikely or words.is_unfinished(voice.text):
         return voice.ended + TURN_TIMES.silence_if_unfinished
     return voice.ended + TURN_TIMES.silence
 

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import replace
 from math import copysign, inf, radians
+from typing import Protocol
 
 import numpy as np
 
@@ -21,7 +22,7 @@ from kinesic.realizer.follow_steps import FOLLOWING_PREFIX, FollowedFace, Glimps
 from kinesic.realizer.following import follow, is_looking_elsewhere, nod
 from kinesic.realizer.realizer import Scene, advance
 from kinesic.serve.messages import ConversationRequest
-from kinesic.serve.shared_scene import SharedScene
+from kinesic.serve.shared_scene import Change
 from kinesic.serve.wire.protocol import json_answer
 
 MAX_HEAD_ANGLE = radians(30.0)  # [rad] gaze direction above which the trunk turns, too
@@ -32,10 +33,22 @@ SPEECH_END_TOLERANCE = 0.05  # [s] smallest change of the expected end of speech
 FILLER_BLOCK = "filler"  # first part of the ids of blocks with fillers
 
 
+class ChangeableScene(Protocol):
+    """Scene that is changed by proposals."""
+
+    scene: Scene
+
+    def propose(self, change: Change, /) -> object:
+        """Propose a change of the scene."""
+
+    def tell(self, message: str, client: int, /) -> None:
+        """Send a message to a client."""
+
+
 class Conversation:
     """Conversation of one client and its effects on the scene."""
 
-    def __init__(self, shared: SharedScene, *, shows_eyes: bool) -> None:
+    def __init__(self, shared: ChangeableScene, *, shows_eyes: bool) -> None:
         """Create a conversation that has not begun.
 
         Args:
@@ -46,7 +59,7 @@ class Conversation:
         self._state = ConversationState(eyes=_eyes(shared.scene.setup.robot))
         self.owner = 0  # client that began the conversation
         self._fills = False  # whether the robot says fillers
-        self._look = Look(None)
+        self.look = Look(None)  # current gaze
         self._retry = inf  # [s] time of the next attempt to follow
         self._speech: tuple[bool, float] = (False, inf)  # last reported activity and end [s] of own speech
 
@@ -127,7 +140,7 @@ class Conversation:
     def _move(self, wants: list[Look | BodyLean | Nod | BriefExpression], now: float) -> None:
         """Propose the motion of head, trunk and face."""
         looks = [want for want in wants if isinstance(want, Look)]
-        self._look = looks[-1] if looks else self._look
+        self.look = looks[-1] if looks else self.look
         is_due = bool(looks) or self._retry <= now
         if not is_due and not wants:
             return
@@ -150,7 +163,7 @@ class Conversation:
     def _face(self, scene: Scene, wants: Sequence[Want], time: float) -> FollowedFace:
         """Return the gaze of the eyes and the last brief expression."""
         before, base = scene.followed_face or FollowedFace(), self._direction(scene)
-        away = Turn(torsion=radians(self._look.away[0]), tilt=-radians(self._look.away[1]))
+        away = Turn(torsion=radians(self.look.away[0]), tilt=-radians(self.look.away[1]))
         gaze, expression = add_turns(base, away), before.expression
         for want in wants:
             if isinstance(want, BriefExpression):
@@ -161,12 +174,12 @@ class Conversation:
 
     def _direction(self, scene: Scene) -> Turn:
         """Return the direction of the person, or straight ahead."""
-        place = self._look.place
+        place = self.look.place
         return UPRIGHT_TURN if place is None else towards(np.array(place), scene.setup.robot)
 
     def _gaze_turns(self, scene: Scene) -> HeldTurns:
         """Return head and trunk rotations of the current look, within their ranges."""
-        robot, look = scene.setup.robot, self._look
+        robot, look = scene.setup.robot, self.look
         fraction = look.head_fraction if self._shows_eyes else max(MIN_HEAD_FRACTION, look.head_fraction)
         away = Turn(torsion=radians(look.away[0]), tilt=-radians(look.away[1]))
         base = self._direction(scene)

@@ -47,10 +47,11 @@ def test_end_of_a_turn_depends_on_words_and_prediction():
         "hesitation": Transcript("I saw, um"),
         "prediction": TurnPrediction(0.8),
         "doubt": TurnPrediction(0.4),
+        "unlikely": TurnPrediction(0.2),
     }.items():
         record = converse([*present(8.0), *says(2.0, 4.0), (3.9, event)], 8.0)
         delays[name] = time_of(record, "thinking") - 4.0 - TURN_TIMES.end_to_thinking
-    expected = {"silence": 0.7, "conjunction": 1.2, "hesitation": 1.2, "prediction": 0.2, "doubt": 0.7}
+    expected = {"silence": 0.7, "conjunction": 1.2, "hesitation": 1.2, "prediction": 0.2, "doubt": 0.7, "unlikely": 1.2}
     assert delays == pytest.approx(expected, abs=0.01)
 
 
@@ -76,14 +77,14 @@ def test_person_who_speaks_over_the_robot_interrupts_it():
         record = converse([*talk, *events], 7.9)
         times = [time for time, _ in record.of(Yield)]
         assert times == ([] if expected is None else [pytest.approx(expected, abs=0.01)]), name
-        assert (record.mode_at(3.7) == "interrupted") == (expected is not None), name
+        assert (record.mode_at(3.85) == "interrupted") == (expected is not None), name
 
 
 def test_interrupted_robot_looks_at_the_person_and_then_listens():
     events = [*present(9.0), (2.0, RobotSpeech(active=True, ends_in=6.0)), *says(3.0, 6.0)]
     record = converse(events, 6.0)
     assert [mode for _, mode in record.modes()] == ["attending", "speaking", "interrupted", "listening"]
-    assert record.looking_fraction(3.6, 4.3) == 1.0
+    assert record.looking_fraction(3.8, 4.5) == 1.0
     brows = [want for _, want in record.of(BriefExpression) if want.reason == "interrupted"]
     assert len(brows) == 1
 
