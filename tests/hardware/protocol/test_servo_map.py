@@ -135,3 +135,11 @@ def test_bus_name_with_invalid_characters_is_refused(changed, name: str):
     )
     with pytest.raises(ConfigError, match="must consist of letters, digits, - and _"):
         ServoMap.of(robot)
+
+
+def test_baud_rate_that_the_servo_family_lacks_is_refused(tmp_path):
+    text = Robot.load().path.read_text(encoding="utf-8").replace("baud = 1_000_000", "baud = 500_000")
+    path = tmp_path / "mine.toml"
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"bus body: baud is 500000, but xm540_w150 of vl5_torsion has 9600, 57600"):
+        ServoMap.of(Robot.load(path))

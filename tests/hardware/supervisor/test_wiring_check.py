@@ -11,9 +11,16 @@ from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.preflight import prepare_servos
-from kinesic.hardware.supervisor.wiring_check import compute_bus_loads, explain_rare_answers, find_supply_faults
+from kinesic.hardware.supervisor.wiring_check import (
+    compute_bus_loads,
+    explain_missing_watchdog,
+    explain_rare_answers,
+    find_supply_faults,
+)
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.wiring import build_bus, describe_cables
+
+from .conftest import manifest_of
 
 
 def manifest_at(baud: int) -> Manifest:
@@ -88,3 +95,21 @@ def test_supply_outside_the_voltage_range_names_models_and_hinges(volts: float, 
 def test_robot_without_supply_has_no_supply_faults():
     robot = Robot.load()
     assert find_supply_faults(replace(robot, supply=None)) == ()
+
+
+def test_servos_without_a_watchdog_have_a_safety_statement():
+    assert explain_missing_watchdog(manifest_of(2, 1_000_000)) == ""
+    text = explain_missing_watchdog(manifest_of(2, 1_000_000, "sts3215"))
+    assert text.startswith("servos of bus body have no bus watchdog: if the supervisor process")
+    assert "hold it with torque" in text
+
+
+def test_load_of_servos_that_are_read_one_by_one_includes_the_adapter():
+    (sts,) = compute_bus_loads(manifest_of(14, 1_000_000, "sts3215"), period=0.01)
+    (few,) = compute_bus_loads(manifest_of(8, 1_000_000, "ax12"), period=0.01)
+    (many,) = compute_bus_loads(manifest_of(26, 1_000_000, "ax12"), period=0.01)
+    assert (sts.octets, sts.cycles) == (8 + 3 * 14 + 8 + 14 + 21 * 14, 1)
+    assert sts.fits
+    assert (few.fits, few.cycles) == (True, 3)
+    assert not many.fits
+    assert many.text.endswith("distribute them over several buses")

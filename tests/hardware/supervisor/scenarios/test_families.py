@@ -58,3 +58,24 @@ def struck(make: Make, case: FaultCase, model: str) -> None:
 )
 def test_performance_of_each_family_survives_each_bus_fault(crowd: Make, model: str, case: FaultCase):
     struck(crowd, case, model)
+
+
+@pytest.mark.parametrize("model", ["sts3215", "ax12"])
+def test_servos_without_a_watchdog_are_adopted_after_a_killed_supervisor(crowd: Make, model: str):
+    desk = crowd(3, settings=SETTINGS, model=model)
+    desk.open()
+    desk.perform(3.0)
+    desk.until(Stage.ACTIVE)
+    desk.run(0.3)
+    last_goals = desk.true(Register.GOAL_POSITION)
+    desk.pass_time(1.0)
+    assert desk.true(Register.TORQUE_ENABLE).all()
+    assert abs(desk.present_position - last_goals).max() <= 3  # they hold the last goal after the supervisor's end
+    desk.start()
+    desk.open()
+    desk.run(0.5)
+    assert desk.true(Register.TORQUE_ENABLE).all()
+    desk.channel.set("ended", 1)
+    desk.until(Stage.CLOSED)
+    assert not desk.true(Register.TORQUE_ENABLE).any()
+    assert max(desk.jumps) <= 4
