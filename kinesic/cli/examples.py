@@ -34,7 +34,10 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "plan": ("kinesic plan welcome", "kinesic plan my.bml --out motion.csv", "kinesic plan my.txt --to bml"),
     "results": ("kinesic results summary reports", "kinesic results plot reports --out checks.png"),
     "robots check": ("kinesic robots check upper36",),
-    "robots import": ("kinesic robots import robot.urdf --out robot.toml",),
+    "robots import": (
+        "kinesic robots import robot.urdf --out robot.toml",
+        "kinesic robots import robot.urdf --map left_wrist_yaw=l_wrist_pivot --force",
+    ),
     "robots list": ("kinesic robots list",),
     "robots search": ("kinesic robots search upper22 documents --vary l_shoulder.length=0.20,0.25 --designs 8",),
     "robots show": ("kinesic robots show upper36",),

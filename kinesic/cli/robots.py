@@ -104,7 +104,7 @@ def _has_wiring_faults(robot: Robot) -> bool:
     return bool(supply_faults) or not all(load.fits for load in loads)
 
 
-def import_robot(file: Path, out: Path | None, force: bool) -> int:
+def import_robot(file: Path, out: Path | None, wished: tuple[str, ...], force: bool) -> int:
     """Convert an MJCF or URDF robot to a robot file."""
     target = out or Path(f"{file.stem}.toml")
     shell = target.with_suffix(SHELL_SUFFIX)
@@ -112,7 +112,7 @@ def import_robot(file: Path, out: Path | None, force: bool) -> int:
         check_file(path, force=force)
     with show_stages() as stage:
         stage("mapping the joints")
-        imported = import_apart(file)
+        imported = import_apart(file, wished=wished)
     write_text(target, imported.text, force=force, durable=True)
     console().print(_tabulate_mapping(imported))
     click.echo(f"confidence of the joint mapping: {imported.confidence:.2f} of 1")

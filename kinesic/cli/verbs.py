@@ -37,6 +37,7 @@ ON_HELP = (
     "Space stops the servos, Ctrl-C folds them to rest."
 )
 AUDIO_HELP = "WAV recording of TEXT, or of speech without a text."
+MAP_HELP = "Hinge of a joint of FILE, or none to hold the joint. Repeatable."
 WORDS_HELP = (
     "Times of the words in --audio: Whisper, ElevenLabs, Polly or Azure JSON, TextGrid, EAF, SRT or VTT "
     "(default: found by their sound)."
@@ -235,10 +236,14 @@ def _assess_robot() -> None:
 @click.option(
     "--out", type=click.Path(path_type=Path), help="TOML file of the robot (default: FILE's name, in this folder)."
 )
+@click.option("--map", "wished", multiple=True, metavar="JOINT=HINGE", help=MAP_HELP)
 @force_option
 @implemented_by("robots:import_robot")
 def _import_robot() -> None:
-    """Convert an MJCF or URDF robot to a robot file."""
+    """Convert an MJCF or URDF robot to a robot file.
+
+    --map corrects the hinge of a joint, and of its partner on the other side, such as --map left_yaw=l_elbow_twisting.
+    """
 
 
 @kinesic.command("new")

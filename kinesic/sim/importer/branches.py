@@ -1,6 +1,6 @@
 """Trunk, neck and arms in the tree of an imported robot."""
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -42,11 +42,16 @@ class Branches:
         return self.arms.get("r", ())
 
 
-def branches(tree: Tree, sides: Sides) -> Branches:
+def branches(tree: Tree, sides: Sides, arm_joints: Collection[int] = ()) -> Branches:
     """Find the hinges of arms, trunk and neck.
 
     The arms are the pair of limbs that begins highest and does not end in feet, or a single limb. The trunk carries
     them.
+
+    Args:
+        tree: Robot with x forward, y left and z up.
+        sides: Left-right pairs of its hinges.
+        arm_joints: Hinges that certainly belong to arms.
 
     Raises:
         ConfigError: there is no limb with enough hinges, or all limbs are legs.
@@ -55,12 +60,14 @@ def branches(tree: Tree, sides: Sides) -> Branches:
         raise ConfigError(f"robot {tree.name}: no movable joint: all joints of the file are fixed or slide")
     limbs = [_find_limb(tree, sides, k) for k in sides.pairs if tree.joints[k].parent not in _both(sides)]
     verdicts = {limb: rate_limb(tree, limb, [other for other in limbs if other != limb]) for limb in limbs}
-    legs = [limb for limb in limbs if verdicts[limb].is_leg]
+    requested = [limb for limb in limbs if {*limb, *(sides.pairs[k] for k in limb)} & set(arm_joints)]
+    legs = [limb for limb in limbs if verdicts[limb].is_leg and limb not in requested]
     leg_hinges = tuple(k for limb in legs for first in (limb[0], sides.pairs[limb[0]]) for k in tree.below(first))
     pairs = [limb for limb in limbs if len(limb) >= MIN_ARM_HINGES and limb not in legs]
     arms: dict[Side, tuple[int, ...]] = {}
     if pairs:
-        left = max(pairs, key=lambda limb: tree.joints[limb[0]].anchor[2])
+        candidates = [limb for limb in pairs if limb in requested] or pairs
+        left = max(candidates, key=lambda limb: tree.joints[limb[0]].anchor[2])
         arms = {"l": left, "r": tuple(sides.pairs[k] for k in left)}
     else:
         arms = _find_single_arm(tree, sides)
@@ -70,7 +77,7 @@ def branches(tree: Tree, sides: Sides) -> Branches:
     trunk = tree.path_from_base(tree.joints[first[0]].parent)
     others = _both(sides) | {k for arm in arms.values() for k in tree.below(arm[0])}
     neck = _find_neck(tree, others, trunk, first)
-    is_doubtful = bool(pairs) and verdicts[first].is_doubtful
+    is_doubtful = bool(pairs) and verdicts[arms["l"]].is_doubtful and arms["l"] not in requested
     return Branches(_limit_same_axis(tree, trunk), _limit_same_axis(tree, neck), arms, leg_hinges, is_doubtful)
 
 

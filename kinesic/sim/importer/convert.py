@@ -1,6 +1,6 @@
 """Convert an MJCF or URDF file to robot tables with review notes."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from math import degrees, exp
 from pathlib import Path
@@ -20,6 +20,7 @@ from kinesic.sim.importer.rest_pose import find_limits_nearest_to_zero, rest_pos
 from kinesic.sim.importer.segments import lay_out_segments
 from kinesic.sim.importer.servos import servo
 from kinesic.sim.importer.tables import name_servo, robot_tables
+from kinesic.sim.importer.wishes import read_wishes
 from kinesic.sim.importer.zero_pose import HumanoidGeometry, analyse_geometry
 
 REVIEW_CONFIDENCE = 0.6  # confidence in the joint mapping below which a person must review it
@@ -51,13 +52,17 @@ class Mapped:
         return self.confidence < REVIEW_CONFIDENCE
 
 
-def import_humanoid(path: Path) -> Mapped:
+def import_humanoid(path: Path, wished: Sequence[str] = ()) -> Mapped:
     """Convert an MJCF or URDF humanoid to kinesic robot tables.
+
+    Args:
+        path: File of the robot.
+        wished: Requested hinges of joints, each as JOINT=HINGE.
 
     Raises:
         ConfigError: the file cannot be read, or no two arms are found.
     """
-    geometry = analyse_geometry(load_robot_tree(path))
+    geometry = analyse_geometry(*read_wishes(load_robot_tree(path), wished))
     hinges = name_hinges(geometry)
     layout = lay_out_segments(geometry, hinges)
     hands = {side: hand for side in geometry.arms if (hand := find_hand(geometry, side)) is not None}
@@ -131,7 +136,8 @@ def _rate_confidence(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...]) 
 
 def _list_contradictions(figure: HumanoidGeometry, hinges: tuple[MappedHinge, ...]) -> list[str]:
     """List the joints with names of another body part than their hinge."""
-    joints = [(hinge.name, figure.tree.joints[hinge.joint].name) for hinge in hinges]
+    unrequested = [hinge for hinge in hinges if hinge.joint not in figure.wishes.hinges]
+    joints = [(hinge.name, figure.tree.joints[hinge.joint].name) for hinge in unrequested]
     return [f"{joint} ({hinge})" for hinge, joint in joints if is_contradiction(hinge, joint)]
 
 

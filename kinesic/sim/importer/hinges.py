@@ -10,14 +10,14 @@ from math import degrees, pi, radians
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.config import ConfigError
 from kinesic.body.robot import Side
 from kinesic.body.robot_schema import SourceTable
 from kinesic.sim.importer.arm import MIN_TWIST_COSINE
 from kinesic.sim.importer.hanging_pose import find_elbow_sense
+from kinesic.sim.importer.hinge_names import SPINE_TURNS, VERTEBRA_NAMES, find_segment
 from kinesic.sim.importer.zero_pose import MIRROR_SIGNS, HumanoidGeometry
 
-SPINE_TURNS = ("roll", "tilt", "torsion")  # name suffixes of trunk and head hinges, by their nearest axis x, y, z
-VERTEBRA_NAMES = {"vl5": ("vl5", "vt10", "vt6", "vt1"), "skullbase": ("skullbase", "vc4", "vc7", "vc2")}
 ZERO_DIGITS = 6  # decimal digits of joint zeros [deg] in robot files
 MAX_USEFUL_RANGE = radians(350)  # [rad] widest joint range that is used; a default replaces wider ranges
 
@@ -68,7 +68,37 @@ def name_hinges(figure: HumanoidGeometry) -> tuple[MappedHinge, ...]:
     mapped = [*_spine(figure, "vl5", figure.trunk), *_spine(figure, "skullbase", figure.neck)]
     for side in figure.arms:
         mapped += _arm(figure, side)
-    return tuple(mapped)
+    return _rename_hinges(figure, mapped) if figure.wishes.hinges else tuple(mapped)
+
+
+def _rename_hinges(figure: HumanoidGeometry, mapped: Sequence[MappedHinge]) -> tuple[MappedHinge, ...]:
+    """Exchange names within a segment until hinges have the requested names.
+
+    Raises:
+        ConfigError: a joint belongs to another segment than the requested hinge.
+    """
+    names, segments = ({hinge.joint: getattr(hinge, key) for hinge in mapped} for key in ("name", "segment"))
+    for joint, wanted in figure.wishes.hinges.items():
+        if segments.get(joint) != find_segment(wanted):
+            place = f"moves {segments[joint]}" if joint in segments else "is on no path to the head or a hand"
+            raise ConfigError(f"--map {figure.tree.joints[joint].name}={wanted}: this joint {place}")
+        for other in [k for k, name in names.items() if name == wanted]:
+            names[other] = names[joint]
+        names[joint] = wanted
+    return tuple(
+        hinge if names[hinge.joint] == hinge.name else _name_again(figure, hinge, names[hinge.joint])
+        for hinge in mapped
+    )
+
+
+def _name_again(figure: HumanoidGeometry, hinge: MappedHinge, name: str) -> MappedHinge:
+    axis = figure.tree.joints[hinge.joint].axis
+    if name[:2] not in ("l_", "r_"):
+        return _map_hinge(figure, hinge.joint, name, hinge.segment, float(np.sign(axis[int(np.argmax(np.abs(axis)))])))
+    side: Side = "l" if name.startswith("l_") else "r"
+    sign = _find_elbow_sign(figure, side, hinge.joint) if name.endswith("elbow_flexion") else 0.0
+    sign = sign or _find_axis_sign(name[2:], axis, side)
+    return _map_hinge(figure, hinge.joint, name, hinge.segment, sign)
 
 
 def _spine(figure: HumanoidGeometry, segment: str, joints: Sequence[int]) -> Iterator[MappedHinge]:

@@ -1,6 +1,6 @@
 """Tree of an imported robot's hinges and moving parts in one pose."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -101,6 +101,29 @@ class Tree:
     def below(self, joint: int) -> tuple[int, ...]:
         """List the indices of a hinge and of all its descendants."""
         return (joint, *(k for child in self.children[joint] for k in self.below(child)))
+
+    def without(self, held: Collection[int]) -> "Tree":
+        """Return the tree with some hinges held in this pose.
+
+        Their parts belong to the part of the previous hinge.
+        """
+        kept = [k for k in range(len(self.joints)) if k not in held]
+
+        def owner(k: int) -> int:
+            while k in held:
+                k = self.joints[k].parent
+            return k
+
+        indices = {BASE_INDEX: BASE_INDEX} | {k: place for place, k in enumerate(kept)}
+        rows: dict[int, list[int]] = {k: [k] for k in (BASE_INDEX, *kept)}
+        for k in sorted(held):
+            rows[owner(k)].append(k)
+        joints = tuple(replace(self.joints[k], parent=indices[owner(self.joints[k].parent)]) for k in kept)
+        parts = tuple(self.merge_parts(rows[k]) for k in kept)
+        notes = tuple(f"{self.joints[k].name} is held, as requested" for k in sorted(held))
+        return replace(
+            self, joints=joints, parts=parts, base=self.merge_parts(rows[BASE_INDEX]), left_out=(*self.left_out, *notes)
+        )
 
     def merge_parts(self, parts: Sequence[int]) -> ModelPart:
         """Merge several rigid parts into one.

@@ -1,11 +1,12 @@
 """Zero pose of an imported humanoid: upright with hanging arms."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.config import ConfigError
 from kinesic.body.robot import SIDES, Side
 from kinesic.sim.importer.arm import Centres, Split, centres, likeness, splits
 from kinesic.sim.importer.branches import Branches, branches
@@ -13,6 +14,7 @@ from kinesic.sim.importer.hanging_pose import HangingPose, Posed, Ranges, pose_a
 from kinesic.sim.importer.hinge_row import HingeRow
 from kinesic.sim.importer.mirror import Sides, sides
 from kinesic.sim.importer.model_tree import Tree
+from kinesic.sim.importer.wishes import NO_WISHES, Wishes
 
 MIRROR_SIGNS = sealed([1.0, -1.0, 1.0])  # signs that mirror a vector at the x-z plane
 HANGING_ARM = HangingPose(upper=sealed([0, 0, -1]), fore=sealed([0, 0, -1]), hinge=sealed([0, -1, 0]))
@@ -45,6 +47,7 @@ class HumanoidGeometry:
     arms: dict[Side, HangingArm]  # one or two
     legs: tuple[int, ...] = ()  # hinges of legs, which are not imported
     is_doubtful: bool = False  # whether the arms may be legs
+    wishes: Wishes = NO_WISHES  # requested hinges, on both sides
 
     @property
     def arm_length(self) -> float:
@@ -74,17 +77,18 @@ def find_mid_shoulders(figure: HumanoidGeometry) -> Floats:
     return sealed([x, 0.0, z])
 
 
-def analyse_geometry(tree: Tree) -> HumanoidGeometry:
+def analyse_geometry(tree: Tree, wishes: Wishes = NO_WISHES) -> HumanoidGeometry:
     """Find trunk, neck and arms of a robot in its zero pose.
 
     Raises:
         ConfigError: the robot has no arms.
     """
-    sides_found = sides(tree)
+    sides_found = wishes.orient(sides(tree))
+    wishes = wishes.on_both_sides(sides_found)
     upright = tree.moved(sides_found.upright, np.zeros(3))
-    branch_rows = branches(upright, sides_found)
+    branch_rows = branches(upright, sides_found, wishes.arm_joints)
     first_side, first_limb = next(iter(branch_rows.arms.items()))
-    split, posed = _choose_split(upright, first_limb)
+    split, posed = _choose_split(upright, first_limb, _list_splits(branch_rows, wishes))
     rows = {side: limb[: split.hinges] for side, limb in branch_rows.arms.items()}
     poses = {first_side: posed}
     for side, row in rows.items():
@@ -106,6 +110,7 @@ def analyse_geometry(tree: Tree) -> HumanoidGeometry:
         arms,
         branch_rows.legs,
         branch_rows.is_doubtful,
+        wishes,
     )
 
 
@@ -141,13 +146,26 @@ def mirror_angles(tree: Tree, row: tuple[int, ...], image: tuple[int, ...], angl
     return np.array(signs) * angles
 
 
-def _choose_split(tree: Tree, arm: tuple[int, ...]) -> tuple[Split, Posed]:
+def _list_splits(branch_rows: Branches, wishes: Wishes) -> list[Split]:
+    """List the divisions of the arms' hinges that fit the requested mapping.
+
+    Raises:
+        ConfigError: there is none.
+    """
+    arms = list(branch_rows.arms.values())
+    fitting = [split for split in splits(len(arms[0])) if all(wishes.allows(split, arm) for arm in arms)]
+    if not fitting:
+        raise ConfigError("--map: no division of the arm into shoulder, elbow and wrist has these hinges")
+    return fitting
+
+
+def _choose_split(tree: Tree, arm: tuple[int, ...], fitting: Sequence[Split]) -> tuple[Split, Posed]:
     """Return the hinge division most similar to a hanging human arm.
 
     Only the best candidates in the pose of the file are tried.
     """
     limb = HingeRow.of(tree, arm)
-    ranked = {split: likeness(limb, split) for split in splits(len(arm))}
+    ranked = {split: likeness(limb, split) for split in fitting}
     candidates = []
     for split in (split for split, score in ranked.items() if score >= max(ranked.values()) - RIVAL_LIKENESS_GAP):
         row = arm[: split.hinges]

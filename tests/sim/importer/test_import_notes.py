@@ -58,6 +58,7 @@ def figure(
         likeness=likeness,
         legs=(2, 5, 6, 7),
         is_doubtful=doubtful,
+        wishes=SimpleNamespace(hinges={}),
     )
 
 
@@ -236,7 +237,8 @@ def test_converted_robot_has_servos_rest_pose_and_notes(monkeypatch):
 
     stubs = {
         "load_robot_tree": lambda path: ("tree", path),
-        "analyse_geometry": lambda tree: shape if tree == ("tree", Path("dir/r.xml")) else None,
+        "read_wishes": lambda tree, wished: (tree, ("wishes", *wished)),
+        "analyse_geometry": lambda *found: shape if found == (("tree", Path("dir/r.xml")), ("wishes", "a=b")) else None,
         "name_hinges": lambda geometry: hinges,
         "lay_out_segments": lambda geometry, named: ("layout", named),
         "find_hand": lambda geometry, side: hands.get(side),
@@ -253,7 +255,7 @@ def test_converted_robot_has_servos_rest_pose_and_notes(monkeypatch):
     for name, stub in stubs.items():
         monkeypatch.setattr(convert, name, stub)
     path = Path("dir/r.xml")
-    imported = import_humanoid(path)
+    imported = import_humanoid(path, ["a=b"])
     layout, thumb = ("layout", hinges), turns[0]
     placeholders = dict.fromkeys(("a", "thumb1"), UNIT_SERVO)
     assert made["tables"] == (shape, layout, hinges, placeholders, ("limits", hinges))

@@ -194,8 +194,7 @@ def test_best_arm_divisions_of_the_file_pose_are_compared_again_in_the_hanging_p
     row = SimpleNamespace(centre=X, turned=lambda angles: SimpleNamespace(centre=None))
     monkeypatch.setattr(zero_pose, "likeness", likeness)
     monkeypatch.setattr(zero_pose, "hang_arm", pose)
-    monkeypatch.setattr(zero_pose, "splits", lambda count: divisions if count == 5 else ())
     monkeypatch.setattr(zero_pose.HingeRow, "of", lambda tree, joints: row)
-    split, chosen = _choose_split(None, (1, 2, 3, 4, 5))
+    split, chosen = _choose_split(None, (1, 2, 3, 4, 5), divisions)
     assert posed == tried
     assert (divisions.index(split), chosen.angles) == (best, best)

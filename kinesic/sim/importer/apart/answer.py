@@ -1,5 +1,6 @@
 """Result of an import as plain data: TOML text, shell and notes."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -15,11 +16,11 @@ from kinesic.sim.importer.shell import build_imported_shell
 from kinesic.sim.shells.shell import write_shell
 
 
-def answer_import(path: Path) -> bytes:
+def answer_import(path: Path, wished: Sequence[str] = ()) -> bytes:
     """Import a robot and return an `Answer` as MessagePack."""
     answer: Answer
     try:
-        answer = _import(path)
+        answer = _import(path, wished)
     except ConfigError as error:
         answer = Refusal(str(error))
     except MemoryError:
@@ -27,8 +28,8 @@ def answer_import(path: Path) -> bytes:
     return msgspec.msgpack.encode(answer)
 
 
-def _import(path: Path) -> ImportedRobot:
-    mapped = import_humanoid(path)
+def _import(path: Path, wished: Sequence[str]) -> ImportedRobot:
+    mapped = import_humanoid(path, wished)
     doubt = _describe_doubt(mapped) if mapped.doubtful else ""
     text = robot_text(mapped.file, heading=_write_heading(mapped, path.name, doubt), remarks=mapped.remarks)
     with TemporaryDirectory(dir=".") as folder:

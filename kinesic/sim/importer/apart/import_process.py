@@ -1,6 +1,6 @@
 """Import a robot file with bounded memory and processor time.
 
-    python -P -m kinesic.sim.importer.apart.import_process FILE MEMORY CPU_TIME
+    python -P -m kinesic.sim.importer.apart.import_process FILE MEMORY CPU_TIME [JOINT=HINGE ...]
 
 Standard output gets an `Answer` as MessagePack. The current folder must be empty and may be discarded: MuJoCo writes
 its log there. The bounds are set before MuJoCo is imported.
@@ -31,7 +31,7 @@ def bound_process(*, memory: int, cpu_time: int) -> None:
                 resource.setrlimit(kind, (soft, hard))
 
 
-def main(path: str, memory: str, cpu_time: str) -> None:
+def main(path: str, memory: str, cpu_time: str, *wished: str) -> None:
     """Import a robot and write the result to standard output."""
     bound_process(memory=int(memory), cpu_time=int(cpu_time))
     output = os.dup(1)
@@ -41,7 +41,7 @@ def main(path: str, memory: str, cpu_time: str) -> None:
     from kinesic.sim.importer.apart.answer import answer_import  # noqa: PLC0415
 
     with os.fdopen(output, "wb") as stream:
-        stream.write(answer_import(Path(path)))
+        stream.write(answer_import(Path(path), wished))
 
 
 if __name__ == "__main__":

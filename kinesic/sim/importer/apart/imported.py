@@ -4,6 +4,7 @@ import os
 import signal
 import subprocess
 import sys
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -49,7 +50,7 @@ class Refusal(msgspec.Struct, frozen=True, tag=True):
 Answer = ImportedRobot | Refusal
 
 
-def import_apart(path: Path, *, bounds: Bounds = USUAL_BOUNDS) -> ImportedRobot:
+def import_apart(path: Path, *, wished: Sequence[str] = (), bounds: Bounds = USUAL_BOUNDS) -> ImportedRobot:
     """Import an MJCF or URDF humanoid in a separate process.
 
     Its duration is bounded on all systems, its memory and processor time only on Linux. The answer is data, and nothing
@@ -57,6 +58,7 @@ def import_apart(path: Path, *, bounds: Bounds = USUAL_BOUNDS) -> ImportedRobot:
 
     Args:
         path: MJCF or URDF file.
+        wished: Requested hinges of joints, each as JOINT=HINGE.
         bounds: Bounds on the other process.
 
     Raises:
@@ -65,10 +67,11 @@ def import_apart(path: Path, *, bounds: Bounds = USUAL_BOUNDS) -> ImportedRobot:
     place = path.absolute()
     folders = os.pathsep.join(folder or os.getcwd() for folder in sys.path)
     environment = os.environ | dict.fromkeys(THREAD_VARIABLES, "1") | {"PYTHONPATH": folders}
+    arguments = [str(place), str(bounds.memory), str(bounds.cpu_time), *wished]
     with TemporaryDirectory() as empty:
         try:
             ended = subprocess.run(
-                [sys.executable, "-P", "-m", IMPORT_MODULE, str(place), str(bounds.memory), str(bounds.cpu_time)],
+                [sys.executable, "-P", "-m", IMPORT_MODULE, *arguments],
                 stdin=subprocess.DEVNULL,
                 capture_output=True,
                 timeout=bounds.duration,

@@ -1,0 +1,76 @@
+"""Joint mappings that a person requests by `--map`."""
+
+import numpy as np
+import pytest
+
+from kinesic.body.config import ConfigError
+from kinesic.sim.importer import hanging_pose
+from kinesic.sim.importer.hinge_names import find_segment, list_hinge_names
+from kinesic.sim.importer.hinges import name_hinges
+from kinesic.sim.importer.load import load_robot_tree
+from kinesic.sim.importer.wishes import read_wishes
+from kinesic.sim.importer.zero_pose import analyse_geometry
+
+
+@pytest.fixture(autouse=True)
+def _one_start(monkeypatch):
+    monkeypatch.setattr(hanging_pose, "RANDOM_STARTS", 1)
+
+
+def mapping(path, *texts):
+    figure = analyse_geometry(*read_wishes(load_robot_tree(path), texts))
+    return {figure.tree.joints[hinge.joint].name: hinge.name for hinge in name_hinges(figure)}
+
+
+def test_requested_hinge_is_exchanged_on_both_sides(tee_path):
+    usual, requested = mapping(tee_path), mapping(tee_path, "l_wag=l_wrist_flexion")
+    assert (usual["l_wag"], usual["l_nod"]) == ("l_wrist_pivot", "l_wrist_flexion")
+    assert (requested["l_wag"], requested["l_nod"]) == ("l_wrist_flexion", "l_wrist_pivot")
+    assert (requested["r_wag"], requested["r_nod"]) == ("r_wrist_flexion", "r_wrist_pivot")
+
+
+def test_hinge_name_that_no_joint_has_is_taken(tee_path):
+    assert mapping(tee_path, "waist=vt1_torsion")["waist"] == "vt1_torsion"
+
+
+def test_joint_without_a_hinge_is_held_and_its_part_kept(tee_path):
+    tree = load_robot_tree(tee_path)
+    held, _ = read_wishes(tree, ["pan=none", "bow=none"])
+    names = [joint.name for joint in held.joints]
+    assert names == [joint.name for joint in tree.joints if joint.name not in ("pan", "bow")]
+    total = sum(part.mass for part in (tree.base, *tree.parts))
+    assert sum(part.mass for part in (held.base, *held.parts)) == pytest.approx(total)
+    assert held.joints[names.index("nod")].parent == names.index("waist")
+    assert held.left_out == (*tree.left_out, *(f"{name} is held, as requested" for name in ("bow", "pan")))
+    assert {"pan", "bow"}.isdisjoint(mapping(tee_path, "pan=none", "bow=none"))
+
+
+def test_requested_side_exchanges_left_and_right(tee_path):
+    assert mapping(tee_path, "l_bend=r_elbow_flexion")["r_bend"] == "l_elbow_flexion"
+
+
+def test_requested_elbow_restricts_the_division_of_the_arm(tee_path):
+    found = mapping(tee_path, "l_twist=l_elbow_flexion")
+    assert found["l_twist"] == "l_elbow_flexion"
+    assert found["l_bend"] != "l_elbow_flexion"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("pan", "write JOINT=HINGE"),
+        ("pam=none", "no joint pam; did you mean pan"),
+        ("pan=skull_tilt", "no hinge skull_tilt"),
+        ("l_wag=l_shoulder_flexion", "no division of the arm"),
+        ("pan=vl5_torsion", "this joint moves skullbase"),
+        ("l_thumb=l_wrist_pivot", "is on no path to the head or a hand"),
+    ],
+)
+def test_impossible_request_is_refused_with_the_reason(text, message, tee_path):
+    with pytest.raises(ConfigError, match=message):
+        mapping(tee_path, text)
+
+
+def test_hinge_names_belong_to_the_segments_of_imported_robots():
+    assert {find_segment(name) for name in list_hinge_names()} >= {"vl5", "skullbase", "l_wrist", "r_sternoclavicular"}
+    assert np.unique(list_hinge_names()).size == len(list_hinge_names()) == 46
