@@ -1,6 +1,9 @@
 """Messages about a conversation."""
 
 import json
+import runpy
+import sys
+from pathlib import Path
 
 import pytest
 
@@ -63,3 +66,12 @@ def test_report_of_many_people_may_exceed_the_size_of_other_messages():
     message = json.dumps({"do": "people", "people": people}).encode()
     assert len(message) > 4096
     assert read_control(message) is not None
+
+
+def test_messages_of_the_adapter_example_are_valid(capsys, monkeypatch):
+    monkeypatch.setattr(sys, "argv", ["12_converse.py"])
+    adapters = runpy.run_path(str(Path(__file__).parents[3] / "examples" / "12_converse.py"))
+    messages = [*adapters["REALTIME"].values(), *adapters["PIPECAT"].values(), *adapters["messages"]]
+    kinds = {type(read_control(json.dumps(message).encode())).__name__ for message in messages}
+    assert kinds == {"ConverseRequest", "PeopleReport", "HeardReport", "ThinkRequest", "InterruptCommand"}
+    assert len(capsys.readouterr().out.splitlines()) == len(adapters["messages"])
