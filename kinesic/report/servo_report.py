@@ -12,6 +12,7 @@ from kinesic.report.checks.twin import P95_LIMIT, PEAK_ERROR_LIMIT
 from kinesic.report.report import Json
 from kinesic.sim.log import Log
 
+SAFETY_TYPE = "SAFETY"  # type of warnings about missing protection of the servos
 HOST_KIND = "host"  # kind of events about late cycles of the computer
 FULL_RATE = "at 100 %"  # text in a message about late cycles that did not slow performance time
 RMSE_LIMIT = 1.0  # [deg] limit of the RMS tracking error on servos
@@ -60,10 +61,15 @@ def with_live(data: Mapping[str, Json], live: ServoRun) -> dict[str, Json]:
         "grade": max(str(data["grade"]), grade(results), key=GRADE_NAMES.index),
         "ok": bool(data["ok"]) and grade(results) != "fail",
         "checks": [*earlier, *rows],
-        "warnings": [*warnings, *(note.text for note in live.notes if note.kind == UNWATCHED_KIND)],
+        "warnings": [*warnings, *_safety_warnings(live.notes)],
         "sync": _syncs(syncs, live),
         "servos": _servos(live, {check.name.partition(".")[2]: check.value for check in results}),
     }
+
+
+def _safety_warnings(notes: Sequence[Note]) -> list[Json]:
+    """Return a report warning for each statement about servos without a bus watchdog."""
+    return [{"type": SAFETY_TYPE, "id": "servos", "text": note.text} for note in notes if note.kind == UNWATCHED_KIND]
 
 
 def _syncs(rows: list[Json], live: ServoRun) -> list[Json]:

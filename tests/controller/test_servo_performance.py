@@ -9,6 +9,7 @@ from kinesic.body.command import Command
 from kinesic.controller.dry_run import dry_run
 from kinesic.controller.servo_performance import RunRequest, perform_live
 from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.servos import UNWATCHED_KIND
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.notes import Note
 from kinesic.hardware.supervisor.state_machine import Stage
@@ -16,6 +17,7 @@ from kinesic.metrics.dry_run import DryRun
 from kinesic.metrics.servo_run import ServoRun
 from kinesic.report.report import report
 from kinesic.report.servo_report import live_checks, live_log, with_live
+from kinesic.report.verdict import verdict
 from kinesic.session.plan import plan
 from kinesic.sim.servo_factors import PESSIMISTIC_FACTORS, Factors
 
@@ -130,6 +132,13 @@ def test_report_contains_twin_and_servo_results(performance: DryRun):
     ]
     moved = [row for row in result["sync"] if row["servos_s"] != row["planned_s"]]
     assert all(row["servos_s"] > row["planned_s"] for row in moved)
+
+
+def test_report_warns_of_servos_without_a_bus_watchdog(performance: DryRun):
+    live = replace(perform_live(performance, Actor()), notes=(Note(0.0, -1, UNWATCHED_KIND, "they hold"),))
+    result = with_live(report(performance, source="nod"), live)
+    assert result["warnings"][-1] == {"type": "SAFETY", "id": "servos", "text": "they hold"}
+    assert "1 warning" in verdict(result)
 
 
 def test_servo_log_contains_setpoints_and_measured_angles(performance: DryRun):
