@@ -14,7 +14,7 @@ from kinesic.planning.setup import Setup
 from kinesic.planning.standing_plan import plan_standing_block
 from kinesic.realizer.merge import MergedMotion, merge, replace_motion
 from kinesic.realizer.occupancy import remaining_occupancy
-from tests.campaign.judge import QUANTITIES, judge
+from tests.campaign.judge import CONTACT, QUANTITIES, judge
 from tests.campaign.random_blocks import random_block, random_setup, vary_expressivity
 
 PLANS_PER_GROUP = 20  # number of planned blocks with the same robot and standing posture
@@ -34,7 +34,9 @@ class GroupResult:
     merges: int = 0  # blocks merged into the running motion, or replacing it
     seconds: float = 0.0  # [s] CPU time
     motion: float = 0.0  # [s] duration of all judged motions
-    largest: dict[str, float] = field(default_factory=lambda: dict.fromkeys(QUANTITIES, 0.0))  # ratios of value / limit
+    largest: dict[str, float] = field(
+        default_factory=lambda: dict.fromkeys((*QUANTITIES, CONTACT), 0.0)
+    )  # ratios of value / limit
     violations: int = 0  # motions beyond a limit
     penetrations: int = 0  # motions with self-contact
     failures: list[str] = field(default_factory=list)
@@ -73,9 +75,9 @@ def prepare() -> Callable[[tuple[int, int]], GroupResult]:
 
 
 def _judge(result: GroupResult, trajectory: Trajectory, setup: Setup, name: str) -> None:
-    judgement = judge(trajectory.controls, setup.limits, setup.robot)
+    judgement = judge(trajectory.controls, setup)
     result.motion += trajectory.duration
-    result.largest = {key: max(value, judgement.ratios[key]) for key, value in result.largest.items()}
+    result.largest = {key: max(value, judgement.ratios.get(key, 0.0)) for key, value in result.largest.items()}
     result.violations += bool(judgement.violated)
     result.penetrations += judgement.penetration > 0.0
     if judgement.violated or judgement.penetration > 0.0:

@@ -13,12 +13,14 @@ from kinesic.body.arrays import Floats
 from kinesic.body.limits import Limits
 from kinesic.body.robot import Robot
 from kinesic.motion.trajectory import KNOT_INTERVAL
+from kinesic.planning.setup import Setup
 from kinesic.sim.model import build_model, find_joint_indices
 
 BASIS = np.array([[1, 4, 1, 0], [-3, 0, 3, 0], [3, -6, 3, 0], [-1, 3, -3, 1]]) / 6.0  # powers of u x control points
 MAX_RATIO = 1.001  # largest accepted value / limit; the goal of the project
 CONTACT_KNOTS = 2  # knots between two postures that are judged for contact: 50 postures a second
 QUANTITIES = ("position", "velocity", "acceleration", "jerk")
+CONTACT = "contact"  # name of the largest ratio of force or energy to the limit near an audience
 
 
 @dataclass(frozen=True)
@@ -34,10 +36,17 @@ class Judgement:
         return [name for name, ratio in self.ratios.items() if not ratio <= MAX_RATIO]
 
 
-def judge(controls: Floats, limits: Limits, robot: Robot) -> Judgement:
-    """Judge a motion, given as control points (k + 3, n) [rad] of a uniform cubic B-spline."""
-    ratios = dict(zip(QUANTITIES, limit_ratios(controls, limits), strict=True))
-    return Judgement(ratios, deepest_penetration(knot_angles(controls)[::CONTACT_KNOTS], robot))
+def judge(controls: Floats, setup: Setup) -> Judgement:
+    """Judge a motion, given as control points (k + 3, n) [rad] of a uniform cubic B-spline.
+
+    Contacts with people are judged at the knots, with kinesic's own model of contacts.
+    """
+    ratios = dict(zip(QUANTITIES, limit_ratios(controls, setup.limits), strict=True))
+    angles = knot_angles(controls)
+    if setup.policy is not None and setup.impacts is not None:
+        velocities = (controls[2:] - controls[:-2]) / (2 * KNOT_INTERVAL)
+        ratios[CONTACT] = float(setup.impacts.survey(angles, velocities, setup.policy.rows).values.max())
+    return Judgement(ratios, deepest_penetration(angles[::CONTACT_KNOTS], setup.robot))
 
 
 def limit_ratios(controls: Floats, limits: Limits) -> tuple[float, float, float, float]:

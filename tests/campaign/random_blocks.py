@@ -9,6 +9,7 @@ from kinesic.session.setup import set_up
 
 ROBOTS = ("upper22",) * 39 + ("upper36",) * 10 + ("human",)  # robots by frequency; larger ones take longer to plan
 STYLES = ("neutral", "calm", "joyful", "sad", "angry", "proud", "shy")
+AUDIENCES = ("nobody", "nobody", "adult", "child")  # people near the robot, by frequency
 AMOUNTS = (0.0, 0.0, 1.0, 2.0)  # amounts of idle motion and variation
 BEHAVIOUR_COUNTS = (1, 1, 1, 1, 2, 3)  # numbers of behaviours in a block by frequency
 MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
@@ -21,7 +22,7 @@ ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 
 
 def random_setup(chance: Random) -> Setup:
-    """Return a setup with a random robot, style, standing posture, idle motion and variation."""
+    """Return a setup with a random robot, style, standing posture, idle motion, variation and audience."""
     return set_up(
         chance.choice(ROBOTS),
         style=chance.choice(STYLES),
@@ -29,6 +30,7 @@ def random_setup(chance: Random) -> Setup:
         variation=chance.choice(AMOUNTS),
         seed=chance.randrange(10_000),
         pause=chance.choice((0.0, 1.0)),
+        near=chance.choice(AUDIENCES),
     )
 
 

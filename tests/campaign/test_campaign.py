@@ -12,7 +12,7 @@ from kinesic.session.setup import set_up
 from kinesic.tasks.processes import WorkerCrash
 from tests.campaign import groups
 from tests.campaign.groups import GroupResult, run_group
-from tests.campaign.judge import MAX_RATIO, deepest_penetration, judge, limit_ratios
+from tests.campaign.judge import MAX_RATIO, QUANTITIES, deepest_penetration, judge, limit_ratios
 from tests.campaign.totals import Task, Totals, run_campaign
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" repetition="3"/></bml>'
@@ -45,22 +45,31 @@ def test_few_random_blocks_keep_limits_without_self_contact(monkeypatch: pytest.
     result = run_group((1, 0))
     assert (result.blocks, result.violations, result.penetrations, result.failures) == (2, 0, 0, [])
     assert result.merges > 0
-    assert all(0.0 < ratio <= MAX_RATIO for ratio in result.largest.values())
+    assert all(0.0 <= ratio <= MAX_RATIO for ratio in result.largest.values())
+    assert min(result.largest[name] for name in QUANTITIES) > 0.0
 
 
 def test_judge_detects_each_exceeded_limit_and_a_value_that_is_nan(setup: Setup):
     planned = plan(NOD, setup)
     limits, controls = setup.limits, planned.trajectory.controls
-    first = judge(controls, limits, setup.robot)
+    first = judge(controls, setup)
     assert first.violated == []
     for name, field in (("velocity", "speed"), ("acceleration", "acceleration"), ("jerk", "jerk")):
         tight = replace(limits, **{field: sealed(getattr(limits, field) * 0.9 * first.ratios[name])})
-        assert judge(controls, tight, setup.robot).violated == [name]
+        assert judge(controls, replace(setup, shared_limits=tight)).violated == [name]
     tight = replace(limits, upper=sealed(limits.upper - 1.0), lower=sealed(limits.lower + 1.0))
-    assert "position" in judge(controls, tight, setup.robot).violated
+    assert "position" in judge(controls, replace(setup, shared_limits=tight)).violated
     broken = controls.copy()
     broken[5, 3] = np.nan
-    assert "jerk" in judge(broken, limits, setup.robot).violated
+    assert "jerk" in judge(broken, setup).violated
+
+
+def test_judge_detects_contacts_beyond_the_limits_of_an_audience(setup: Setup):
+    beat = NOD.replace('<head id="h" lexeme="NOD" repetition="3"/>', '<gesture id="g" lexeme="beat_strong"/>')
+    unlimited, near = plan(beat, setup), set_up(near="child")
+    kept = judge(plan(beat, near).trajectory.controls, near)
+    assert 0.5 < kept.ratios["contact"] <= MAX_RATIO
+    assert judge(unlimited.trajectory.controls, near).violated == ["contact"]
 
 
 def test_largest_ratios_hold_between_samples(setup: Setup):
@@ -103,7 +112,7 @@ def test_interrupted_campaign_repeats_only_missing_groups_and_counts_a_crash(
 def test_totals_add_the_counts_and_keep_the_largest_ratio():
     totals = Totals()
     for ratio in (0.5, 1.2):
-        largest = {"position": 1.0, "velocity": ratio, "acceleration": 0.1, "jerk": 0.1}
+        largest = {"position": 1.0, "velocity": ratio, "acceleration": 0.1, "jerk": 0.1, "contact": 0.0}
         totals.add((1, 4), GroupResult("upper22", blocks=20, merges=80, largest=largest, violations=1, failures=["f"]))
     assert (totals.groups, totals.blocks, totals.merges, totals.failed) == (2, 40, 160, 2)
     assert totals.failures == ["--seed 1 --only 4: f"] * 2

@@ -9,7 +9,7 @@ from kinesic.tasks.journal import Journal, run_once
 from kinesic.tasks.processes import WorkerCrash
 from kinesic.tasks.program import program_version
 from tests.campaign.groups import GroupResult, prepare
-from tests.campaign.judge import QUANTITIES
+from tests.campaign.judge import CONTACT, QUANTITIES
 
 Task = tuple[int, int]  # seed of the campaign, number of the group
 
@@ -27,7 +27,7 @@ class Totals:
     violations: int = 0
     penetrations: int = 0
     exceptions: int = 0
-    largest: dict[str, float] = field(default_factory=lambda: dict.fromkeys(QUANTITIES, 0.0))
+    largest: dict[str, float] = field(default_factory=lambda: dict.fromkeys((*QUANTITIES, CONTACT), 0.0))
     robots: dict[str, int] = field(default_factory=dict)  # blocks by robot
     failures: list[str] = field(default_factory=list)
 
