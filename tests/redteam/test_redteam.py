@@ -12,7 +12,7 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from time import monotonic, sleep
+from time import sleep
 from typing import Literal
 
 import numpy as np
@@ -93,16 +93,18 @@ def send(robot: Running, attacks: Sequence[Attack], setup: Setup, seconds: float
         setup: of the tools.
         seconds: [s] longest wait for the answers of the tools.
     """
-    with robot.client() as attacker, robot.client() as client:
+    with robot.client() as attacker:
         with suppress(ConnectionError):  # the server may close the connection of an attacker
             for attack in attacks:
                 if attack.by != "tool" and '"resume"' not in attack.content:  # a client may resume, a model may not
                     attacker.send_bytes(attack.content.replace("\n", " ").encode() + b"\n")
         answered = asyncio.run(asyncio.wait_for(_call_tools(robot, attacks, setup, seconds), ANSWER_TIMEOUT))
-        end = monotonic() + SAMPLE_TIME
-        while (left := end - monotonic()) > 0.0:
-            client.receive(left)
-        client.do("interrupt")
+        sleep(SAMPLE_TIME)
+        with robot.client() as client:
+            client.do("interrupt")
+            client.do("ping", id="done")
+            while '"id":"done"' not in (client.receive(ANSWER_TIMEOUT) or '"id":"done"'):
+                pass
     return answered
 
 

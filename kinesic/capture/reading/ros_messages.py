@@ -3,6 +3,7 @@
 import struct
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Annotated
 
 import msgspec
 import numpy as np
@@ -82,8 +83,8 @@ class _Frame:
 class _Duration(msgspec.Struct):
     """Duration as ROS writes it in JSON."""
 
-    sec: int = 0
-    nanosec: int = 0
+    sec: Annotated[int, msgspec.Meta(ge=-(2**31), lt=2**31)] = 0  # [s]
+    nanosec: Annotated[int, msgspec.Meta(ge=0, lt=2**32)] = 0  # [ns]
 
 
 class _Point(msgspec.Struct):
