@@ -179,7 +179,7 @@ def _tree(
 
 def _joint(model: mujoco.MjModel, data: mujoco.MjData, k: int, parent: int, urdf_joint: UrdfJoint | None) -> Joint:
     dof = int(model.jnt_dofadr[k])
-    limited = bool(model.jnt_limited[k])
+    limited = bool(model.jnt_limited[k]) and bool(np.isfinite(model.jnt_range[k]).all())
     return Joint(
         name=model.joint(k).name,
         parent=parent,

@@ -97,3 +97,13 @@ def test_meshes_are_searched_in_the_package_its_neighbours_and_sibling_folders(t
     assert homes("package://other/a.stl") == [*own, tmp_path / "other", urdf.parent / "meshes"]
     assert homes("package://plain/a.stl") == [*own, urdf.parent / "meshes"]
     assert homes("package://../a.stl") == [*own, urdf.parent / "meshes"]
+
+
+@pytest.mark.parametrize(("upper", "ends"), [("2.0", (-1.5, 2.0)), ("inf", (None, None))])
+def test_joint_with_an_infinite_limit_counts_as_unlimited(tmp_path, upper, ends):
+    joint = '<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>{}</joint>'
+    limit = f'<limit lower="-1.5" upper="{upper}" effort="1" velocity="1"/>'
+    path = tmp_path / "r.urdf"
+    path.write_text(f'<robot name="r"><link name="a"/><link name="b"/>{joint.format(limit)}</robot>', encoding="utf-8")
+    (found,) = load_robot_tree(path).joints
+    assert (found.lower, found.upper) == ends
