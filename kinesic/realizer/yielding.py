@@ -21,7 +21,7 @@ from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import ARM_ROLES, Occupancy, arm_hinges
 from kinesic.realizer.release import certified_motion, motion_without_block, release_motion
 
-DECELERATION_DURATION = 0.25  # [s] duration of the deceleration, if velocities permit
+DECELERATION_DURATION = 0.2  # [s] duration of the deceleration, if velocities permit
 DECELERATION_GROWTH = 1.3  # duration of a deceleration / that of the previous, infeasible attempt
 MAX_DECELERATION_DURATION = 0.7  # [s] above it, arms return to rest at once
 MAX_YIELDING_RETRACTION = 0.3  # [s] arms that retract for longer stop and hold, too
