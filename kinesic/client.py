@@ -11,29 +11,21 @@ Example:
 """
 
 import json
-import re
 import selectors
 import socket
 from collections import deque
-from collections.abc import Iterator, Mapping
+from collections.abc import Container, Iterator, Mapping
 from contextlib import suppress
-from html import unescape
 from selectors import EVENT_READ
 from types import TracebackType
 from typing import Self
-from xml.parsers import expat
+
+from kinesic.client_feedback import document_id, refuses_block
 
 DEFAULT_PORT = 8864  # TCP port of `kinesic serve`
 PORT = DEFAULT_PORT  # deprecated alias
 _MESSAGE_END = b"\0"
 _CHUNK_SIZE = 65_536  # [bytes] largest number of bytes per read
-_UNNAMED_BLOCK = "block"  # id that the server assigns to a block without one
-_ID_SEARCH_LENGTH = 65_536  # [characters] length of a broken document searched for its id, as on the server
-# Comments and CDATA sections, closed or not, so that the search takes linear time; or the id of a <bml>.
-_BROKEN_ID_PATTERN = re.compile(
-    r"""<!--(?:.*?-->|.*)|<!\[CDATA\[(?:.*?\]\]>|.*)|<(?:\w+:)?bml\b[^<>]*?\sid\s*=\s*(?:"([^"]+)"|'([^']+)')""",
-    re.DOTALL | re.ASCII,
-)
 _ATTRIBUTE_ESCAPES = str.maketrans(
     {
         "&": "&amp;",
@@ -113,6 +105,74 @@ class Client:
         """
         self.do("stop")
 
+    def converse(self, *, on: bool = True, amount: float = 1.0, fillers: bool = False) -> None:
+        """Begin or end a conversation, in which the robot attends to people.
+
+        Args:
+            on: whether the robot converses.
+            amount: amount of movement, 0..1.
+            fillers: whether the robot says a short filler while an answer takes long.
+        """
+        self.do("converse", on=on, amount=amount, fillers=fillers)
+
+    def people(
+        self, places: Mapping[str, tuple[float, float, float]], *, looking: Container[str] = (), age: float = 0.0
+    ) -> None:
+        """Report all people whom a tracker sees, 2 to 20 times a second.
+
+        Args:
+            places: position [m] of the eyes by id of the person: forward, left, up from the robot's base.
+            looking: ids of the people who look at the robot.
+            age: time [s] since the measurement.
+        """
+        seen = [{"id": id, "at": place, "looks": id in looking} for id, place in places.items()]
+        self.do("people", people=seen, age=age)
+
+    def heard(
+        self,
+        *,
+        voice: bool | None = None,
+        text: str | None = None,
+        final: bool = False,
+        who: str | None = None,
+        age: float = 0.0,
+    ) -> None:
+        """Report a voice that began or ended, or recognised words.
+
+        Args:
+            voice: whether the voice began (True) or ended (False); None: only words are reported.
+            text: all recognised words of the turn; None: only the voice is reported.
+            final: whether the recogniser will not change these words.
+            who: id of the person; None: unknown.
+            age: time [s] since the voice began or ended.
+        """
+        self.do("heard", voice=voice, text=text, final=final, who=who, age=age)
+
+    def turn(self, yours: float) -> None:
+        """Report the probability that the turn passes to the robot."""
+        self.do("turn", yours=yours)
+
+    def think(self, *, on: bool = True) -> None:
+        """Report that an answer is being prepared, or no longer."""
+        self.do("think", on=on)
+
+    def duck(self, *, on: bool = True) -> None:
+        """Mute the speech while a person's voice sounds, or unmute it.
+
+        The motion goes on. The mute ends after 5 s.
+        """
+        self.do("duck", on=on)
+
+    def interrupt(self, block: str | None = None, *, yield_: bool = False) -> None:
+        """End one block or all blocks with smooth motion.
+
+        Args:
+            block: id of the block; None: all blocks.
+            yield_: whether the robot yields to a person: arms stop and hold first, and a `yielded` message has the
+                text heard so far.
+        """
+        self.do("interrupt", block=block, **{"yield": yield_})
+
     def receive(self, timeout: float | None = None) -> str | None:
         """Return the next message of the server, or None after a timeout.
 
@@ -144,7 +204,7 @@ class Client:
         Raises:
             ConnectionError: the server has closed the connection.
         """
-        name = _block_id(bml).translate(_ATTRIBUTE_ESCAPES)
+        name = document_id(bml).translate(_ATTRIBUTE_ESCAPES)
         ends = (f'<blockProgress xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{name}:end"',)
         self.send(bml)
         while True:
@@ -152,7 +212,7 @@ class Client:
             if message is None:
                 return
             yield message
-            if message.startswith(ends) or _refuses(message, name):
+            if message.startswith(ends) or refuses_block(message, name):
                 return
 
     def close(self) -> None:
@@ -252,48 +312,3 @@ class StopLine:
 def _expect(kind: str, answer: Mapping[str, str]) -> None:
     if answer.get("told") != kind:
         raise ConnectionError(answer.get("why", f"the server answers {answer}"))
-
-
-def _block_id(bml: str) -> str:
-    """Return the id of a document's block, or `block` without one."""
-    if bml.lstrip().startswith("{"):
-        try:
-            return str(json.loads(bml).get("id", _UNNAMED_BLOCK))
-        except ValueError:
-            return _UNNAMED_BLOCK
-    try:
-        return _xml_id(bml)
-    except expat.ExpatError:
-        ids = (match[1] or match[2] for match in _BROKEN_ID_PATTERN.finditer(bml, 0, _ID_SEARCH_LENGTH))
-        return unescape(next(filter(None, ids), "")).strip() or _UNNAMED_BLOCK
-
-
-class _BlockFound(Exception):  # noqa: N818 - ends the parser, not an error
-    """Exception with the first <bml>'s id, raised to end the parser."""
-
-
-def _xml_id(bml: str) -> str:
-    """Return the id of an XML document's first <bml>, or `block`.
-
-    Raises:
-        ExpatError: the document is broken before its <bml>.
-    """
-
-    def begin(name: str, attributes: dict[str, str]) -> None:
-        if name.rpartition(":")[2] == "bml":
-            raise _BlockFound(attributes.get("id", ""))
-
-    parser = expat.ParserCreate()  # it respects the declared encoding, like the server
-    parser.StartElementHandler = begin
-    try:
-        parser.Parse(bml.encode(errors="replace"), True)
-    except _BlockFound as block_found:
-        return str(block_found).strip() or _UNNAMED_BLOCK
-    return _UNNAMED_BLOCK
-
-
-def _refuses(message: str, name: str) -> bool:
-    """Return whether a message refuses a block."""
-    head, _, text = message.partition(">")
-    nothing = "PARSING_FAILURE" in head or text.startswith(("rule ", "not performed"))
-    return head.startswith("<warningFeedback") and f' id="{name}"' in head and nothing

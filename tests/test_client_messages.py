@@ -10,6 +10,7 @@ from time import sleep
 import pytest
 
 from kinesic import client as module
+from kinesic import client_feedback
 from kinesic.client import DEFAULT_PORT, Client, StopLine
 from kinesic.realizer.request import block_id
 
@@ -192,7 +193,7 @@ DOCUMENTS = (
 
 @pytest.mark.parametrize("document", DOCUMENTS, ids=lambda text: text[:40])
 def test_client_and_server_derive_the_same_block_id(document: str):
-    assert module._block_id(document) == block_id(document)
+    assert client_feedback.document_id(document) == block_id(document)
 
 
 WARNING = '<warningFeedback xmlns="u" id="{}" type="{}">{}</warningFeedback>'
