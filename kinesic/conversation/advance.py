@@ -1,4 +1,4 @@
-"""Pure step of a conversation: from a state and an event to a state and wants."""
+"""Pure transition of a conversation: from state and event to new state and requests."""
 
 from dataclasses import replace
 from math import inf
@@ -23,15 +23,15 @@ from kinesic.conversation.turn_words import NO_TURN_WORDS, TurnWords
 from kinesic.conversation.turns import interrupted, next_mode, next_transition
 from kinesic.conversation.wants import BodyLean, BriefExpression, Filler, ModeNotice, Want, Yield
 
-ROUNDING_TOLERANCE = 1e-6  # [s] delay by which rounded times are surely reached
-TURN_GAP = 2.0  # [s] silence after which a new stretch of voice begins a new turn
+ROUNDING_TOLERANCE = 1e-6  # [s] delay added to a next time, so that rounding never makes it too early
+TURN_GAP = 2.0  # [s] silence of a person after which a voice begins a new turn
 CLAUSE_MARKS = (",", ";", ":", ".", "!", "?", "、", "。")  # punctuation at which a listener may nod
-SMILE = (("6", 0.3), ("12", 0.5))  # action units of a greeting smile
-RAISED_BROWS = (("1", 0.5), ("2", 0.5))  # action units of surprise
-PENSIVE_BROWS = (("1", 0.25), ("4", 0.3))  # action units of thinking
-SMILE_DURATION = 1.0  # [s]
-BROWS_DURATION = 0.8  # [s]
-PENSIVE_DURATION = 2.5  # [s]
+SMILE = (("6", 0.3), ("12", 0.5))  # action units of a greeting smile, with intensities 0..1
+RAISED_BROWS = (("1", 0.5), ("2", 0.5))  # action units of surprise, with intensities 0..1
+PENSIVE_BROWS = (("1", 0.25), ("4", 0.3))  # action units of thinking, with intensities 0..1
+SMILE_DURATION = 1.0  # [s] duration of a greeting smile
+BROWS_DURATION = 0.8  # [s] duration of surprise
+PENSIVE_DURATION = 2.5  # [s] duration of the expression of thinking
 
 
 def advance_conversation(
@@ -43,7 +43,7 @@ def advance_conversation(
         state: state at an earlier time.
         event: event that arrives now; None: only time has passed.
         now: current time [s].
-        words: words of the language that organise turns.
+        words: words of the language that stop speech, agree, or announce more words.
 
     Returns:
         The new state, and the changes of the robot's body that it requests.
@@ -94,7 +94,7 @@ def next_time(state: ConversationState, now: float, *, words: TurnWords = NO_TUR
 
 
 def _take(state: ConversationState, event: ConversationEvent, now: float) -> ConversationState:
-    """Return the state with the content of an event."""
+    """Return the state updated by an event, still in the same mode."""
     match event:
         case Conversing(on, amount):
             if on and state.on:
@@ -124,7 +124,7 @@ def _take(state: ConversationState, event: ConversationEvent, now: float) -> Con
 
 
 def _hear(voice: PersonVoice, active: bool, who: str | None, time: float) -> PersonVoice:
-    """Return a voice after its begin or end at a time [s]."""
+    """Update a voice by its start or end at a time [s]."""
     if active == voice.active:
         return replace(voice, who=who or voice.who)
     if not active:
@@ -135,7 +135,7 @@ def _hear(voice: PersonVoice, active: bool, who: str | None, time: float) -> Per
 
 
 def _end(before: ConversationState, state: ConversationState, now: float) -> tuple[ConversationState, tuple[Want, ...]]:
-    """Return the state and wants at the end of a conversation."""
+    """Return the state, and a notice to the client, after a conversation's end."""
     if before.mode == "off":
         return state, ()
     ended = replace(state, mode="off", since=now, company=Company())
@@ -143,7 +143,7 @@ def _end(before: ConversationState, state: ConversationState, now: float) -> tup
 
 
 def _mode_wants(state: ConversationState, before: ConversationState) -> list[Want]:
-    """Return posture and expression at the begin of a mode."""
+    """Return the requested posture and expression at the start of a mode."""
     listens, amount = state.mode == "listening", state.amount
     wants: list[Want] = []
     if listens or before.mode == "listening":
@@ -162,7 +162,7 @@ def _mode_wants(state: ConversationState, before: ConversationState) -> list[Wan
 
 
 def _fill(state: ConversationState, now: float) -> tuple[ConversationState, Filler | None]:
-    """Return the state and a filler, if thinking lasts longer than usual."""
+    """Return the new state, and a filler utterance if one is due."""
     if state.mode != "thinking":
         return (state if state.fillers == 0 else replace(state, fillers=0)), None
     if state.fillers >= len(MOVEMENTS.fillers) or now < state.since + MOVEMENTS.fillers[state.fillers]:

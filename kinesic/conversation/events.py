@@ -1,6 +1,6 @@
 """Events of a conversation, from voice stacks, cameras and clients.
 
-An event has no time of its own: the caller passes the time of its arrival, and `age` says how long it has been true.
+An event has no absolute time: the caller passes the time of its arrival, and `age` is the delay of the report.
 """
 
 from dataclasses import dataclass

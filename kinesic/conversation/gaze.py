@@ -8,12 +8,12 @@ from kinesic.conversation.settings import MOVEMENTS, RHYTHMS, Rhythm
 from kinesic.conversation.state import ConversationState, GazeSpell
 from kinesic.conversation.wants import STRAIGHT, Direction, Look
 
-SHORTEST_LAST_LOOK = 0.6  # [s] look at the end of a very short speech
-LOOKING = GazeSpell()  # look at the person without an end
+SHORTEST_LAST_LOOK = 0.6  # [s] shortest duration of the look that ends a speech
+LOOKING = GazeSpell()  # look at the person without a time limit
 
 
 def begin_gaze(state: ConversationState, now: float) -> ConversationState:
-    """Return the state with the first gaze spell of its mode."""
+    """Start the first look, or look away, of the state's mode."""
     rhythm = RHYTHMS.get(state.mode)
     if rhythm is None:
         return replace(state, gaze=LOOKING)
@@ -26,7 +26,7 @@ def begin_gaze(state: ConversationState, now: float) -> ConversationState:
 
 
 def continue_gaze(state: ConversationState, now: float) -> ConversationState:
-    """Return the state with the gaze spell of a time [s]."""
+    """Start the next look or look away after the end of the current one."""
     if _ends_soon(state, now):
         return replace(state, gaze=LOOKING)
     rhythm = RHYTHMS.get(state.mode)
@@ -39,7 +39,7 @@ def continue_gaze(state: ConversationState, now: float) -> ConversationState:
 
 
 def request_look(state: ConversationState, now: float) -> tuple[ConversationState, Look | None]:
-    """Return the state and a look, if the gaze must change.
+    """Return the new state, and a gaze request if one is due.
 
     Movements within a dead zone are not followed, and corrections are limited in rate.
     """
@@ -73,7 +73,7 @@ def _ends_soon(state: ConversationState, now: float) -> bool:
 
 
 def _last_look_time(state: ConversationState) -> float:
-    """Return the time [s] before the end of own speech at which the gaze returns.
+    """Return the time [s] at which the last look of own speech begins.
 
     Infinity without an expected end.
     """
@@ -84,7 +84,7 @@ def _last_look_time(state: ConversationState) -> float:
 
 
 def _look(state: ConversationState, rhythm: Rhythm, now: float) -> ConversationState:
-    """Return the state with a look at the person that is no stare."""
+    """Start a look at the person, limited to `longest_look`."""
     duration, state = state.vary(rhythm.look)
     is_met = state.look is not None and state.look.away == STRAIGHT
     latest = (state.met_since if is_met else now) + MOVEMENTS.longest_look
@@ -92,7 +92,7 @@ def _look(state: ConversationState, rhythm: Rhythm, now: float) -> ConversationS
 
 
 def _avert(state: ConversationState, rhythm: Rhythm, until: float) -> ConversationState:
-    """Return the state with a look away in a random direction."""
+    """Start a look away in a random direction."""
     number, state = state.draw()
     side, state = state.draw()
     head, state = state.draw()

@@ -7,11 +7,11 @@ from kinesic.conversation.settings import MOVEMENTS
 from kinesic.conversation.state import ConversationState
 from kinesic.conversation.wants import Nod
 
-NOD_WINDOW = 60.0  # [s] time in which nods are counted
+NOD_WINDOW = 60.0  # [s] time span in which the number of nods is limited
 
 
 def consider_nod(state: ConversationState, now: float) -> tuple[ConversationState, Nod | None]:
-    """Return the state and a nod, if a listener would nod now."""
+    """Return the new state, and a nod if the listener nods now."""
     voice = state.voice
     if state.mode != "listening" or not _is_pause(state, now):
         return state, None
@@ -37,7 +37,7 @@ def next_nod_time(state: ConversationState, now: float) -> float:
 
 
 def _is_pause(state: ConversationState, now: float) -> bool:
-    """Return whether the speaker has paused, or has finished a clause."""
+    """Return whether the speaker has just paused or finished a clause."""
     voice = state.voice
     if voice.active:
         return voice.clauses > 0 and voice.duration(now) >= MOVEMENTS.voice_before_nod

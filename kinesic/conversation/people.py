@@ -10,18 +10,18 @@ from math import atan2, degrees, dist, exp, hypot
 from kinesic.conversation.events import PeopleSeen, Person, Place
 
 SMOOTHING_TIME = 0.15  # [s] time constant of the low-pass filter on positions
-MAX_ABSENCE = 1.0  # [s] time without a report after which a person has left
+MAX_ABSENCE = 1.0  # [s] time without a report after which a person counts as gone
 SAME_PERSON_DISTANCE = 0.3  # [m] largest distance between a lost person and the same person under another id
 JUMP_ANGLE = 20.0  # [deg] change of direction above which a new position must persist
 JUMP_DELAY = 0.2  # [s] time for which a sudden new position must persist
-MIN_DISTANCE = 0.4  # [m] distance from the eyes below which a position is not looked at
-MAX_DISTANCE = 3.0  # [m] distance of the farthest person who is attended to
-MAX_AZIMUTH = 110.0  # [deg] largest direction to either side that is looked at
+MIN_DISTANCE = 0.4  # [m] smallest distance from the robot's eyes at which a person is looked at
+MAX_DISTANCE = 3.0  # [m] largest distance from the robot's eyes at which a person is attended to
+MAX_AZIMUTH = 110.0  # [deg] largest azimuth, to either side, at which a person is looked at
 SPEAKER_SCORE = 1.0  # score of the person who speaks
 ADDRESSEE_SCORE = 0.6  # score of the person with whom the robot exchanged the last turn
 LOOK_SCORE = 0.3  # score of a person who looks at the robot
 PROXIMITY_SCORE = 0.2  # score of a person at distance 0, decreasing to 0 at `MAX_DISTANCE`
-SWITCH_LEAD = 0.3  # lead in score that another person needs
+SWITCH_LEAD = 0.3  # smallest lead in score with which another person gets the robot's attention
 SWITCH_DELAY = 0.4  # [s] time for which that lead must last
 MIN_SPELL = 1.2  # [s] shortest time of attention to one person
 GLANCE_DURATION = 1.0  # [s] glance at a person who arrives
@@ -34,7 +34,7 @@ class TrackedPerson:
     key: str  # first id of the person
     id: str  # current id of the tracker
     place: Place  # [m] smoothed position of the eyes
-    looks: bool
+    looks: bool  # whether the person looks at the robot
     seen: float  # [s] time of the last report
     jump: tuple[Place, float] | None = None  # sudden new position, and the time [s] of its first report
 
@@ -48,14 +48,14 @@ class Company:
     focus_since: float = 0.0  # [s] time of the last change of `focus`
     challenger: str | None = None  # key of a person who leads by `SWITCH_LEAD`
     challenger_since: float = 0.0  # [s] begin of that lead
-    glance: tuple[str, float] | None = None  # newly arrived person, and the end [s] of the glance
+    glance: tuple[str, float] | None = None  # key of a newly arrived person, and the end [s] of the glance
 
     def find(self, name: str | None) -> TrackedPerson | None:
         """Return a person by key or current id, or None."""
         return next((person for person in self.tracked if name is not None and name in (person.key, person.id)), None)
 
     def target(self, now: float) -> TrackedPerson | None:
-        """Return the person to look at, which is a newcomer during a glance."""
+        """Return the newcomer during a glance, otherwise the attended person."""
         if self.glance is not None and now < self.glance[1]:
             return self.find(self.glance[0]) or self.find(self.focus)
         return self.find(self.focus)
@@ -186,7 +186,7 @@ def _follow(person: TrackedPerson, report: Person, time: float, eyes: Place) -> 
 
 
 def _score(person: TrackedPerson, roles: Roles, eyes: Place) -> float:
-    """Return how much a person attracts attention."""
+    """Return the score with which a person attracts attention."""
     names = (person.key, person.id)
     proximity = PROXIMITY_SCORE * (1.0 - _distance(person.place, eyes) / MAX_DISTANCE)
     return (

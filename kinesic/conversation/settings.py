@@ -20,7 +20,7 @@ class TurnTimes:
     """Times of changes between states."""
 
     voice_to_listening: float = 0.15  # [s] voice after which the robot listens
-    voice_to_yield: float = 0.75  # [s] reported voice without words that stops own speech; detectors hold it for 0.3 s
+    voice_to_yield: float = 0.75  # [s] voice without words that stops own speech; detectors report its end 0.3 s late
     words_to_yield: int = 2  # recognised words after which the robot stops its own speech
     silence: float = 0.7  # [s] silence that ends a turn
     silence_if_predicted: float = 0.2  # [s] silence that ends a turn which a model expects to end
@@ -28,7 +28,7 @@ class TurnTimes:
     prediction_threshold: float = 0.6  # probability from which a model expects the end of the turn
     doubt_threshold: float = 0.4  # probability below which a model expects that the turn goes on
     end_to_thinking: float = 0.3  # [s] time from the end of a turn to the thinking state
-    longest_unasked_thinking: float = 8.0  # [s] thinking without a client that thinks
+    longest_unasked_thinking: float = 8.0  # [s] longest thinking state without a `think` message of a client
     interrupted: float = 0.8  # [s] duration of the interrupted state
     absence_to_idle: float = 10.0  # [s] time without a person after which the robot idles
 
@@ -37,12 +37,12 @@ class TurnTimes:
 class Movements:
     """Angles and times of the movements of states, at amount 1."""
 
-    dead_zone: float = 3.0  # [deg] movement of a person that gaze does not follow
-    shortest_look_interval: float = 0.25  # [s] between two corrections of the gaze
+    dead_zone: float = 3.0  # [deg] movement of a person below which the gaze stays
+    shortest_look_interval: float = 0.25  # [s] shortest time between two corrections of the gaze
     averted_angle: float = 14.0  # [deg] angle of looks away
-    first_aversion: float = 1.2  # [s] look away at the begin of speech
-    last_look: float = 2.3  # [s] before the end of speech at which the gaze returns
-    last_look_fraction: float = 0.25  # of the duration of a short speech in which the gaze has returned, after 0.6 s
+    first_aversion: float = 1.2  # [s] duration of the look away at the start of speech
+    last_look: float = 2.3  # [s] longest time before the end of speech at which the gaze returns
+    last_look_fraction: float = 0.25  # part of that time, as a fraction of the speech's duration; 0.6 s are added
     longest_look: float = 5.5  # [s] longest look at a person without a look away
     lean: float = 2.0  # [deg] forward lean of a listener
     tilt: float = 5.0  # [deg] head tilt of a listener
@@ -52,7 +52,7 @@ class Movements:
     voice_before_nod: float = 0.7  # [s] shortest speech before a nod
     pause_before_nod: float = 0.2  # [s] pause of a speaker after which the listener nods
     nod_probability: float = 0.55  # probability of a nod at such a pause
-    fillers: tuple[float, ...] = (1.2, 4.0)  # [s] times of fillers after the begin of thinking
+    fillers: tuple[float, ...] = (1.2, 4.0)  # [s] times of fillers after the start of thinking
 
 
 TURN_TIMES = TurnTimes()
@@ -63,4 +63,4 @@ RHYTHMS: dict[Mode, Rhythm] = {
     "listening": Rhythm((2.8, 0.8), (1.2, 0.2), (0.7, 0.2, 0.1), 0.1),
     "thinking": Rhythm((1.0, 0.2), (3.0, 0.5), (0.1, 0.2, 0.7), 0.4),
     "speaking": Rhythm((1.2, 0.3), (2.8, 0.5), (0.7, 0.2, 0.1), 0.1),
-}  # states without a rhythm look at the person all the time
+}  # in all other states, the robot never looks away from the person

@@ -19,7 +19,7 @@ class PersonVoice:
     began: float = -inf  # [s] begin of the current or last stretch of voice
     ended: float = -inf  # [s] end of the last stretch; meaningless while active
     text: str = ""  # recognised words of the turn
-    clauses: int = 0  # number of clauses that ended with a pause mark
+    clauses: int = 0  # number of recognised clause ends since a nod was last considered
     predicted: float | None = None  # probability that the turn passes to the robot; None: not predicted
 
     def duration(self, now: float) -> float:
@@ -38,17 +38,17 @@ class OwnSpeech:
 
 @dataclass(frozen=True)
 class GazeSpell:
-    """Look at a person, or away."""
+    """Period in which the robot looks at a person, or away."""
 
     averted: bool = False
     away: Direction = STRAIGHT  # [deg] direction relative to the person
     head_fraction: float = 0.0  # fraction of that direction performed by the head
-    until: float = inf  # [s]
+    until: float = inf  # [s] end of the period
 
 
 @dataclass(frozen=True)
 class ConversationState:
-    """State between two events, without a clock."""
+    """State of a conversation between two events."""
 
     on: bool = False
     amount: float = 1.0  # 0..1 amount of movement
@@ -67,10 +67,10 @@ class ConversationState:
     gaze: GazeSpell = field(default_factory=GazeSpell)
     look: Look | None = None  # last requested gaze
     look_time: float = -inf  # [s] time of that request
-    met_since: float = -inf  # [s] begin of the current look at the person
+    met_since: float = -inf  # [s] start of the current look at the person
     nods: tuple[float, ...] = ()  # [s] times of the nods of the last minute
     nod_considered: float = -inf  # [s] end of the stretch of voice after which a nod was considered
-    lonely_since: float = -inf  # [s] time since when nobody is there
+    lonely_since: float = -inf  # [s] time at which the last person left, or the conversation began
 
     @property
     def partner(self) -> TrackedPerson | None:
@@ -83,11 +83,15 @@ class ConversationState:
         return Roles(self.voice.who if self.voice.active else None, self.addressee)
 
     def draw(self) -> tuple[float, "ConversationState"]:
-        """Return a random number in [0, 1), and the state after it."""
+        """Draw a random number in [0, 1), and return the state after the draw."""
         return _uniform(self.seed, self.draws), replace(self, draws=self.draws + 1)
 
     def vary(self, spread: tuple[float, float]) -> tuple[float, "ConversationState"]:
-        """Return a random value about a mean within a half range, and the state after it."""
+        """Draw a value, and return the state after the draw.
+
+        Args:
+            spread: mean of the values, and half of their range.
+        """
         number, after = self.draw()
         return spread[0] + spread[1] * (2.0 * number - 1.0), after
 

@@ -1,4 +1,4 @@
-"""Words that organise turns, from `configs/turn_words.toml`."""
+"""Words that stop speech, agree, or announce more words, from `configs/turn_words.toml`."""
 
 import re
 from dataclasses import dataclass
@@ -29,7 +29,7 @@ class TurnWords:
     stop: tuple[str, ...] = ()
     agreement: tuple[str, ...] = ()
     unfinished: tuple[str, ...] = ()
-    fillers: tuple[str, ...] = ()  # short utterances that fill a pause
+    fillers: tuple[str, ...] = ()  # short utterances that fill the time until an answer
 
     def has_stop_word(self, text: str) -> bool:
         """Return whether a text begins with a stop word, after words of agreement."""
@@ -51,7 +51,7 @@ class TurnWords:
 
     @cached_property
     def _agreement(self) -> tuple[str, ...]:
-        """Words of agreement, long ones first."""
+        """Words of agreement, longest first."""
         return tuple(sorted(map(_normalised, self.agreement), key=len, reverse=True))
 
     def _rest(self, text: str) -> str:
@@ -69,9 +69,9 @@ NO_TURN_WORDS = TurnWords()
 
 @cache
 def turn_words(language: str) -> TurnWords:
-    """Read the words of a language, such as `en` or `en-GB`.
+    """Read the turn words of a language, such as `en` or `en-GB`.
 
-    A language without an entry has none.
+    The result is empty for a language without an entry.
     """
     tag = language.replace("_", "-").partition("-")[0].lower()
     table = _turn_word_tables().get(tag)

@@ -10,7 +10,7 @@ from kinesic.conversation.wants import Mode, Yield
 
 
 def turn_end(state: ConversationState, words: TurnWords) -> float:
-    """Return the time [s] at which the turn of a person ends, without further voice.
+    """Return the time [s] at which a person's turn ends without further voice.
 
     Infinity while the person speaks, or without a turn.
     """
@@ -42,7 +42,10 @@ def yield_time(state: ConversationState, words: TurnWords) -> float:
 
 
 def next_mode(state: ConversationState, now: float, words: TurnWords) -> tuple[ConversationState, Yield | None]:
-    """Return the state with the mode of a time [s], and the end of own speech if a person takes the turn."""
+    """Return the state with its current mode, and a request to yield.
+
+    The request is None unless a person takes the turn from the speaking robot.
+    """
     if not state.on:
         return _enter(state, "off", now), None
     if yield_time(state, words) <= now:
@@ -71,7 +74,7 @@ def next_mode(state: ConversationState, now: float, words: TurnWords) -> tuple[C
 
 
 def interrupted(state: ConversationState, now: float) -> ConversationState:
-    """Return the state after the robot has stopped its own speech for a person."""
+    """Return the state after a person has interrupted the robot's speech."""
     silent = replace(state, speech=replace(state.speech, active=False), listened=True)
     return _enter(silent, "interrupted", now)
 

@@ -1,4 +1,4 @@
-"""Changes of the robot's body that a conversation requests, each with its reason."""
+"""Requests of a conversation to the robot's body, each with its reason."""
 
 from dataclasses import dataclass
 from typing import Literal
@@ -23,7 +23,7 @@ class Look:
 
 @dataclass(frozen=True)
 class BodyLean:
-    """Lean of the trunk and tilt of the head, held until the next one."""
+    """Lean of the trunk and tilt of the head, held until the next request."""
 
     lean: float  # [deg] forward
     tilt: float  # [deg] head, to the right
@@ -64,7 +64,7 @@ class Yield:
 
 @dataclass(frozen=True)
 class ModeNotice:
-    """News about the state of the conversation, for clients."""
+    """Notice to the client about a new conversational state or person."""
 
     mode: Mode
     who: str | None = None  # id of the attended person

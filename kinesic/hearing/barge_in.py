@@ -10,10 +10,10 @@ from enum import Enum, auto
 
 @dataclass(frozen=True)
 class BargeInThresholds:
-    """Thresholds of the decision, chosen on seeds 1 and 4 of the benchmark `hearing`."""
+    """Thresholds of barge-in, chosen on seeds 1 and 4 of the benchmark `hearing`."""
 
     voice: float = 0.6  # probability above which a frame counts as voice
-    clear_voice: float = 0.85  # probability above which it counts for the turn; music seldom reaches it
+    clear_voice: float = 0.85  # probability above which a frame counts as clear voice; music seldom reaches it
     duck_frames: int = 2  # voiced frames after which the robot is quiet: 64 ms
     turn_frames: int = 16  # frames from the first to the last clear one after which the robot yields: 0.51 s
     min_clear_frames: int = 9  # clear frames among them
@@ -21,7 +21,7 @@ class BargeInThresholds:
 
 
 class BargeInDecision(Enum):
-    """Change that a frame causes."""
+    """Reaction of the robot to a voice."""
 
     DUCK = auto()  # a voice has begun: be quiet
     END = auto()  # the voice has ended: go on, unless the turn was taken
@@ -30,34 +30,34 @@ class BargeInDecision(Enum):
 
 @dataclass
 class _Voice:
-    """Voice that sounds, in frames."""
+    """Numbers of frames of the current voice."""
 
-    frames: int = 0  # since it began
-    voiced: int = 0  # with a voice
-    clear: int = 0  # with a clear voice
-    first_clear: int = 0  # number of the first clear one; 0: none yet
-    gap: int = 0  # since the last voiced one
+    frames: int = 0  # all frames since the voice began
+    voiced: int = 0  # frames with a voice
+    clear: int = 0  # frames with a clear voice
+    first_clear: int = 0  # number of the first clear frame; 0: none yet
+    gap: int = 0  # frames since the last one with a voice
     has_ducked: bool = False
     has_yielded: bool = False
 
 
 class BargeInDetector:
-    """State of the decision, from frame to frame."""
+    """Detector of barge-in from the voice probabilities of consecutive frames."""
 
     def __init__(self, thresholds: BargeInThresholds = BargeInThresholds()) -> None:
-        """Create a detector before any voice."""
+        """Create a detector at the start of a stream."""
         self._thresholds = thresholds
         self._voice: _Voice | None = None
 
     def step(self, probability: float, *, admitted: bool = True) -> tuple[BargeInDecision, int] | None:
-        """Return the change caused by the next frame, or None.
+        """Return the reaction to the next frame, or None.
 
         Args:
             probability: probability that the frame contains a voice.
             admitted: whether it contains more than the robot's own voice.
 
         Returns:
-            The change, and the number of frames since the voice began or ended.
+            The reaction, and the number of frames since the voice began or ended.
         """
         if admitted and probability > self._thresholds.voice:
             return self._take_voice(is_clear=probability > self._thresholds.clear_voice)
@@ -71,7 +71,7 @@ class BargeInDetector:
         return (BargeInDecision.END, voice.gap) if voice.has_ducked else None
 
     def _take_voice(self, *, is_clear: bool) -> tuple[BargeInDecision, int] | None:
-        """Count a voiced frame."""
+        """Count a voiced frame, and return a reaction if one is due."""
         thresholds = self._thresholds
         voice = self._voice = self._voice or _Voice()
         voice.frames, voice.voiced, voice.gap = voice.frames + 1, voice.voiced + 1, 0

@@ -12,13 +12,13 @@ from kinesic.hearing.own_voice import OwnVoiceGate
 from kinesic.hearing.resampling import StreamResampler
 from kinesic.hearing.voice_activity import FRAME_SIZE, VOICE_RATE, VoiceDetector
 
-FRAME_DURATION = FRAME_SIZE / VOICE_RATE  # [s]
+FRAME_DURATION = FRAME_SIZE / VOICE_RATE  # [s] duration of a frame
 NO_SAMPLES = np.zeros(0, np.float32)
 
 
 @dataclass(frozen=True)
 class HeardChange:
-    """Change that an ear has heard."""
+    """Reaction to a voice in the stream, with its time."""
 
     decision: BargeInDecision
     time: float  # [s] time in the stream at which it was decided
@@ -26,10 +26,10 @@ class HeardChange:
 
 
 class Ear:
-    """Voices of people in a microphone, without the robot's own voice."""
+    """Detector of people's voices in a microphone, without the robot's own voice."""
 
     def __init__(self, rate: int = VOICE_RATE) -> None:
-        """Create an ear at the begin of a stream.
+        """Create an ear at the start of a stream.
 
         Args:
             rate: sample rate [Hz] of microphone and playback.
@@ -38,14 +38,14 @@ class Ear:
             ValueError: the rate is outside the range of microphones.
         """
         self._heard, self._played = StreamResampler(rate, VOICE_RATE), StreamResampler(rate, VOICE_RATE)
-        self._waiting = [NO_SAMPLES, NO_SAMPLES]  # of microphone and playback, less than a frame after `hear`
+        self._waiting = [NO_SAMPLES, NO_SAMPLES]  # samples of microphone and playback for the next frame
         self._canceller, self._gate = EchoCanceller(), OwnVoiceGate()
         self._detector, self._turns = VoiceDetector(), BargeInDetector()
         self._frames = 0
-        self.probability = 0.0  # of a voice in the last frame
+        self.probability = 0.0  # probability of a voice in the last frame
 
     def hear(self, heard: Samples, played: Samples | None = None) -> Iterator[HeardChange]:
-        """Yield the changes in the next samples.
+        """Yield the reactions to voices in the next samples.
 
         Args:
             heard: (k,) samples of the microphone in -1..1.

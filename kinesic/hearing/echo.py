@@ -16,7 +16,7 @@ ECHO_TAIL = 0.25  # [s] longest delay of an echo after its sound
 FORGETTING_FACTOR = 0.998  # factor on the echo path per frame: its time constant is 16 s
 INITIAL_VARIANCE = 1.0  # variance of an unknown echo path, whose gains are below 1
 NOISE_SMOOTHING = 0.7  # factor on the previous power spectrum of noise and other voices
-MIN_POWER = 1e-9  # power below any microphone's noise, against division by zero
+MIN_POWER = 1e-9  # power below the noise of any microphone, added to avoid division by zero
 
 Spectra = NDArray[np.complex128]
 
@@ -25,7 +25,7 @@ class EchoCanceller:
     """Streaming filter that removes the echo of known sounds."""
 
     def __init__(self) -> None:
-        """Create a filter that knows nothing about its room."""
+        """Create a filter without an estimate of the echo path."""
         partitions, frequencies = round(ECHO_TAIL * VOICE_RATE / FRAME_SIZE), FRAME_SIZE + 1
         self._played: Spectra = np.zeros((partitions, frequencies), np.complex128)  # newest partition first
         self._path: Spectra = np.zeros((partitions, frequencies), np.complex128)
@@ -49,11 +49,11 @@ class EchoCanceller:
         return np.asarray(heard - echo, np.float32), echo
 
     def _echo(self) -> Floats:
-        """Return the echo (512,) by the estimated path."""
+        """Estimate the echo (512,) in the current frame."""
         return np.asarray(np.fft.irfft((self._path * self._played).sum(axis=0))[FRAME_SIZE:])
 
     def _adapt(self, residual: Floats) -> None:
-        """Correct the path by the part of a frame (512,) that it does not explain."""
+        """Correct the estimated path by the residual (512,) of a frame."""
         spectrum = np.fft.rfft(np.concatenate([np.zeros(FRAME_SIZE), residual]))
         self._noise = NOISE_SMOOTHING * self._noise + (1.0 - NOISE_SMOOTHING) * np.abs(spectrum) ** 2
         power = np.abs(self._played) ** 2

@@ -1,4 +1,4 @@
-"""Decision whether a frame contains another sound than the robot's own voice.
+"""Decision whether a frame contains a sound other than the robot's voice.
 
 A canceller leaves a part of the echo, which a voice detector takes for a voice. A frame counts only if its power is
 well above the part that the canceller has left so far.
@@ -11,22 +11,22 @@ from kinesic.hearing.voice_activity import FRAME_SIZE, VOICE_RATE
 
 VOICE_BAND = (300.0, 4000.0)  # [Hz] frequencies whose power is compared
 MIN_POWER_RATIO = 4.0  # smallest ratio of a frame's power to that of the expected residual: 6 dB
-INITIAL_RESIDUAL = 0.5  # expected fraction of the echo's power that the canceller leaves at first
-RESIDUAL_FALL = 0.2  # step towards a smaller observed fraction
-RESIDUAL_GROWTH = 1.01  # factor on the fraction in a frame with a larger one, as others may speak
+INITIAL_RESIDUAL = 0.5  # initial estimate of the residual: fraction of the echo's power that the canceller leaves
+RESIDUAL_FALL = 0.2  # fraction of the difference by which a too large residual estimate falls in a frame
+RESIDUAL_GROWTH = 1.01  # factor per frame on a too small residual estimate; low, because a person may be speaking
 ECHO_DECAY = 0.7  # factor on the power of the echo per frame, for the reverberation after a sound
-ONSET_FRACTION = 0.1  # fraction of the decayed power above which a frame's echo counts for the observation
+ONSET_FRACTION = 0.1  # echo power of a frame, relative to the decaying power, above which the estimate is updated
 NOISE_GROWTH = 1.01  # factor on the noise power per frame; it falls at once to a quieter frame
 NOISE_WEIGHT = 0.3  # fraction of the noise power in the expected residual
-MIN_ECHO_POWER = 1e-5  # power of an audible echo
-MIN_NOISE_POWER = 1e-9  # power below any microphone's noise
+MIN_ECHO_POWER = 1e-5  # mean spectral power of the echo above which the residual estimate is updated
+MIN_NOISE_POWER = 1e-9  # mean spectral power below the noise of any microphone
 
 
 class OwnVoiceGate:
     """Comparison of the power of frames with the expected residual echo."""
 
     def __init__(self) -> None:
-        """Create a gate that knows nothing about its room."""
+        """Create a gate with the initial estimate of the residual echo."""
         frequencies = np.fft.rfftfreq(2 * FRAME_SIZE, 1.0 / VOICE_RATE)
         self._band = (frequencies > VOICE_BAND[0]) & (frequencies < VOICE_BAND[1])
         self._residual = INITIAL_RESIDUAL  # fraction of the echo's power that remains

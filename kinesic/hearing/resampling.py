@@ -17,7 +17,7 @@ class StreamResampler:
     """Streaming conversion between two sample rates by a windowed low-pass filter."""
 
     def __init__(self, rate: int, new_rate: int) -> None:
-        """Create a converter at the begin of a stream.
+        """Create a converter at the start of a stream.
 
         Args:
             rate: rate of the stream [Hz].
@@ -42,7 +42,7 @@ class StreamResampler:
         self._next = 0  # position of the next result, in 1 / up of a sample after the first complete window
 
     def feed(self, samples: Samples) -> Samples:
-        """Return the samples (m,) that the next samples (k,) of the stream complete."""
+        """Convert the next samples (k,) of the stream, and return samples (m,)."""
         if self._up == self._down:
             return samples
         sound = np.concatenate([self._kept, np.asarray(samples, np.float32)])

@@ -18,8 +18,8 @@ from kinesic.files.array_file import read_arrays
 WEIGHTS_FILE = CONFIGS / "hearing" / "voice_activity.npz"
 MAX_WEIGHTS_SIZE = 4_000_000  # [bytes] largest size of the unpacked weights
 VOICE_RATE = 16_000  # [Hz] sample rate of the network
-FRAME_SIZE = 512  # [samples] of one probability: 32 ms
-CONTEXT_SIZE = 64  # [samples] of the previous frame before each frame, and reflected after it
+FRAME_SIZE = 512  # [samples] in a frame of 32 ms, which gets one probability
+CONTEXT_SIZE = 64  # [samples] of the previous frame put before each frame; as many are reflected at its end
 WINDOW_SIZE, WINDOW_STEP = 256, 128  # [samples] of the Fourier transform
 FREQUENCY_COUNT = WINDOW_SIZE // 2 + 1  # frequencies of the Fourier transform
 CONVOLUTION_STRIDES = (1, 2, 2, 1)  # time steps between the outputs of each convolution

@@ -70,5 +70,5 @@ def present(until: float, *people: Person, begin: float = 0.0, period: float = 0
 
 
 def says(begin: float, end: float, who: str | None = "p1") -> list[TimedEvent]:
-    """Return the begin and end of a voice."""
+    """Return the events of a voice that begins and ends."""
     return [(begin, VoiceActivity(active=True, who=who)), (end, VoiceActivity(active=False, who=who))]

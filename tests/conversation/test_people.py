@@ -47,13 +47,13 @@ def test_position_follows_a_moving_person_smoothly():
     assert later.tracked[0].place[1] == pytest.approx(0.3, abs=0.005)
 
 
-def test_age_of_a_report_counts_from_the_measurement():
+def test_person_is_last_seen_at_the_time_of_the_measurement():
     people = observe(Company(), seen(("a", FRONT, False), age=0.4), 2.0, eyes=EYES)
     assert people.tracked[0].seen == pytest.approx(1.6)
     assert next_check(people, 2.0) == pytest.approx(1.6 + MAX_ABSENCE)
 
 
-def test_jump_of_the_tracker_counts_only_if_it_persists():
+def test_jump_of_a_tracked_position_is_followed_only_if_it_persists():
     people, time = watch(Company(), [seen(("a", FRONT, False))] * 3)
     once = observe(people, seen(("a", LEFT, False)), time + 0.1, eyes=EYES)
     assert once.tracked[0].place == pytest.approx(FRONT)
@@ -75,7 +75,7 @@ def test_lost_person_found_nearby_under_another_id_stays_the_same():
     assert "b" in {person.id for person in late.tracked}
 
 
-def test_id_that_is_reused_for_another_person_gets_a_new_key():
+def test_new_person_with_a_reused_tracker_id_gets_a_new_key():
     people, time = watch(Company(), [seen(("a", FRONT, False))] * 2)
     renamed = observe(people, seen(("b", FRONT, False)), time + 0.1, eyes=EYES)
     both = observe(renamed, seen(("b", FRONT, False), ("a", LEFT, False)), time + 0.2, eyes=EYES)
@@ -105,7 +105,7 @@ def test_attention_changes_only_after_a_lasting_lead():
     assert switched.focus == "b"
 
 
-def test_attention_stays_for_a_shortest_spell():
+def test_attention_to_a_person_lasts_a_minimum_time():
     two, time, people = seen(("a", LEFT, True), ("b", RIGHT, True)), 0.0, Company()
     switches = []
     for number in range(100):
@@ -128,7 +128,7 @@ def test_newcomer_receives_one_glance():
     assert later.target(time).key == "a"
 
 
-def test_close_and_rear_positions_are_not_attended():
+def test_people_who_are_too_close_or_behind_or_far_get_no_attention():
     places = {"touching": (0.2, 0.0, 1.5), "behind": (-1.0, 0.2, 1.5), "far": (4.0, 0.0, 1.5), "front": FRONT}
     assert {name for name, place in places.items() if is_near(place, EYES)} == {"front"}
     people, _ = watch(Company(), [seen(*((name, place, True) for name, place in places.items()))] * 3)

@@ -109,7 +109,7 @@ def test_gaze_fractions_match_human_conversation():
     assert last >= 0.9
 
 
-def test_longest_look_while_listening_is_no_stare():
+def test_look_while_listening_never_exceeds_the_longest_look():
     record = converse([*present(60.0), *says(1.0, 60.0)], 60.0)
     looks = record.of(Look)
     spells = [after - before for (before, want), (after, _) in pairwise(looks) if not any(want.away)]
@@ -140,11 +140,11 @@ def test_clause_in_a_transcript_may_cause_a_nod():
     assert not any(converse([*present(5.0), *spoken[:1]], 5.0, seed=seed).of(Nod) for seed in range(8))
 
 
-def test_robot_that_does_not_listen_never_nods():
+def test_speaking_robot_never_nods():
     assert converse([*present(20.0), (1.0, RobotSpeech(active=True)), *says(3.0, 3.3)], 20.0).of(Nod) == []
 
 
-def test_thinking_robot_looks_up_and_fills_the_pause_twice():
+def test_thinking_robot_looks_up_and_requests_two_fillers():
     ups = []
     for seed in range(20):
         record = converse([*present(12.0, period=0.8), (2.0, Thinking(on=True))], 12.0, seed=seed)
@@ -217,7 +217,7 @@ def test_same_seed_gives_the_same_conversation_and_another_seed_another_one():
     assert one != other
 
 
-def test_step_does_not_depend_on_calls_between_events():
+def test_extra_steps_between_events_do_not_change_the_conversation():
     events = [*present(15.0), *says(2.0, 9.0), (10.0, Thinking(on=True))]
     record, state, often, now = converse(events, 14.0), ConversationState(), [], 0.0
     queue = sorted([(0.0, Conversing(on=True)), *events], key=lambda pair: pair[0])

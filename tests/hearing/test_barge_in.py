@@ -7,14 +7,14 @@ RULE = BargeInThresholds()
 
 
 def decisions(probabilities, admitted=None):
-    """Return the (number of the frame, decision, age) of all changes."""
+    """Return (number of the frame, decision, age) of all reactions."""
     detector = BargeInDetector()
     flags = admitted or [True] * len(probabilities)
     steps = [detector.step(p, admitted=flag) for p, flag in zip(probabilities, flags, strict=True)]
     return [(number, *change) for number, change in enumerate(steps, 1) if change is not None]
 
 
-def test_voice_first_quietens_the_robot_and_takes_the_turn_if_it_lasts():
+def test_lasting_voice_first_mutes_the_robot_and_then_takes_the_turn():
     assert decisions([0.1] * 5 + [0.95] * 30) == [
         (5 + RULE.duck_frames, DUCK, RULE.duck_frames),
         (5 + RULE.turn_frames, YIELD, RULE.turn_frames),
@@ -39,7 +39,7 @@ def test_turn_is_taken_once_and_its_end_is_reported():
     assert changes == [DUCK, YIELD, END]
 
 
-def test_voice_that_is_never_clear_does_not_take_the_turn():
+def test_voice_with_too_few_clear_frames_does_not_take_the_turn():
     unclear = (RULE.voice + RULE.clear_voice) / 2
     assert [change for _, change, _ in decisions([unclear] * 60)] == [DUCK]
     few_clear = [0.95] + [unclear] * 20 + [0.95] * (RULE.min_clear_frames - 2)
@@ -47,10 +47,10 @@ def test_voice_that_is_never_clear_does_not_take_the_turn():
     assert [change for _, change, _ in decisions([*few_clear, 0.95])] == [DUCK, YIELD]
 
 
-def test_frames_of_the_own_voice_do_not_count():
+def test_frames_with_only_the_robots_voice_are_not_counted():
     assert decisions([0.99] * 40, [False] * 40) == []
     assert decisions([0.99] * 3, [True, False, True]) == [(3, DUCK, 3)]
 
 
-def test_a_single_noisy_frame_does_not_quieten_the_robot():
+def test_single_voiced_frame_does_not_mute_the_robot():
     assert decisions([0.9] * (RULE.duck_frames - 1) + [0.1] * 20) == []

@@ -13,8 +13,8 @@ from kinesic.speech.espeak import Espeak
 from .test_echo import room_echo
 
 QUESTION_START = 2.5  # [s] time at which the person begins
-MAX_DUCK_DELAY = 0.25  # [s] from the begin of a voice
-MAX_YIELD_DELAY = 0.9  # [s] from the begin of a voice
+MAX_DUCK_DELAY = 0.25  # [s] largest time from the start of a voice to the mute
+MAX_YIELD_DELAY = 0.9  # [s] largest time from the start of a voice to the decision to yield
 
 
 @pytest.fixture(scope="module")
@@ -69,13 +69,13 @@ def test_own_voice_without_a_known_playback_is_taken_for_a_person(voices):
     assert BargeInDecision.YIELD in [change.decision for change in changes(heard[: 2 * VOICE_RATE])]
 
 
-def test_changes_do_not_depend_on_the_size_of_the_pieces(voices):
+def test_reactions_do_not_depend_on_the_number_of_samples_per_call(voices):
     heard = np.concatenate([np.zeros(VOICE_RATE, np.float32), voices[1], np.zeros(VOICE_RATE, np.float32)])
     small, large = changes(heard, size=100), changes(heard, size=5000)
     assert small == large
     assert [change.decision for change in small] == [BargeInDecision.DUCK, BargeInDecision.YIELD, BargeInDecision.END]
 
 
-def test_playback_of_another_length_is_refused():
+def test_playback_and_microphone_of_different_lengths_are_refused():
     with pytest.raises(ValueError, match="10 samples played and 20 heard"):
         list(Ear().hear(np.zeros(20, np.float32), np.zeros(10, np.float32)))

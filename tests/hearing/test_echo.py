@@ -6,7 +6,7 @@ from kinesic.hearing.echo import EchoCanceller
 from kinesic.hearing.own_voice import OwnVoiceGate
 from kinesic.hearing.voice_activity import FRAME_SIZE, VOICE_RATE
 
-DELAY = 900  # [samples] of the echo: 56 ms
+DELAY = 900  # [samples] delay of the echo: 56 ms
 
 
 def modulated_noise(seed: int, duration: float) -> np.ndarray:
@@ -17,7 +17,7 @@ def modulated_noise(seed: int, duration: float) -> np.ndarray:
 
 
 def room_echo(played: np.ndarray, seed: int = 1) -> np.ndarray:
-    """Return the echo by a path of a delay and 60 ms of reverberation."""
+    """Return the echo of a sound, with a delay and 60 ms of reverberation."""
     tail = 960
     path = np.random.default_rng(seed).normal(size=tail) * np.exp(-np.arange(tail) / 200) * 0.1
     path[0] = 0.8
@@ -63,7 +63,7 @@ def test_silent_loudspeaker_leaves_the_sound_unchanged():
     assert flags.sum() > 0.5 * len(flags)
 
 
-def test_gate_admits_a_person_and_rejects_what_the_canceller_leaves_of_the_own_voice():
+def test_gate_admits_a_person_and_rejects_residual_echo():
     played, person = modulated_noise(2, 6.0), modulated_noise(5, 6.0)
     person[: 4 * VOICE_RATE] = 0.0
     clipped = np.clip(3 * played, -0.2, 0.2) / 3  # a loudspeaker that distorts leaves an echo
@@ -74,7 +74,7 @@ def test_gate_admits_a_person_and_rejects_what_the_canceller_leaves_of_the_own_v
     assert flags[loud].mean() > 0.8
 
 
-def test_path_that_changes_is_learned_again_within_four_seconds():
+def test_changed_echo_path_is_learned_within_four_seconds():
     played = modulated_noise(2, 8.0)
     half = len(played) // 2 // FRAME_SIZE * FRAME_SIZE
     heard = np.concatenate([room_echo(played)[:half], room_echo(played, seed=9)[half:]])

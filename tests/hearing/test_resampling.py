@@ -28,7 +28,7 @@ def test_tone_keeps_its_pitch_phase_and_amplitude(rate):
     assert np.abs(result - expected)[60:-60].max() < 2e-3
 
 
-def test_result_does_not_depend_on_the_size_of_the_pieces():
+def test_result_does_not_depend_on_the_number_of_samples_per_call():
     np.testing.assert_allclose(converted(44_100, (441,)), converted(44_100, (1, 3, 1000, 50)), atol=1e-6)
 
 
@@ -37,6 +37,6 @@ def test_frequencies_above_half_the_new_rate_are_removed():
 
 
 @pytest.mark.parametrize("rate", [0, -1, 3_999, 192_001])
-def test_rate_of_no_microphone_is_refused(rate):
+def test_rate_outside_the_range_of_microphones_is_refused(rate):
     with pytest.raises(ValueError, match="from 4000 to 192000 Hz"):
         StreamResampler(rate, NEW_RATE)

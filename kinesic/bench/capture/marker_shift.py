@@ -17,7 +17,7 @@ MIN_DEVIATION = 1e-3  # [arm lengths/s] standard deviation of the velocity below
 def measure_stroke_shift(
     stroke: float, desired: Mapping[Side, ArmPath], reached: Mapping[Side, ArmPath], reached_times: Floats
 ) -> float | None:
-    """Return the shift [s] of the wrist velocity around a stroke, positive if later.
+    """Return the delay [s] of a motion's stroke relative to its clip.
 
     It is the lag at which the velocities of clip and motion correlate most, without use of any marker of the motion.
 

@@ -45,7 +45,7 @@ class ComparedPlan:
 
 
 def bench() -> list[Metric]:
-    """Compare plans of gestures and documents, and collide both robots."""
+    """Compare plans of gestures and documents, and measure collisions of both robots."""
     metrics: list[Metric] = []
     for robot in COMPARED_ROBOTS:
         metrics += bench_gestures(robot, names_of("style"))

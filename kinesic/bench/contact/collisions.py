@@ -22,12 +22,12 @@ from kinesic.sim.model import build_model, find_actuator_indices, find_joint_ind
 STEP = 2e-5  # [s] simulation step; a contact lasts 4 to 20 ms
 SETPOINT_STEPS = 50  # simulation steps per setpoint
 MAX_STEPS = 4000  # simulation steps of the longest contact
-FREE_STEPS = 50  # simulation steps before the ball may have left the robot
+FREE_STEPS = 50  # simulation steps before a lost contact may end the collision
 BALL_RADIUS = 0.05  # [m] radius of the ball
 MIN_VELOCITY = 0.25  # [m/s] lowest velocity of a point that meets a ball
 MIN_APPROACH = 0.5  # smallest cosine of the angle between velocity and contact normal
-MAX_BIAS = 3.0  # largest weight of the velocity in the direction of a random normal
-ARM_PARTS = ("wrist", "elbow", "shoulder")  # name parts of the segments that meet a ball
+MAX_BIAS = 3.0  # largest weight of the velocity's direction in a random contact normal
+ARM_PARTS = ("wrist", "elbow", "shoulder")  # parts of the names of segments that meet a ball
 GESTURE_BLOCK = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><gesture id="g" lexeme="{}" start="1.0"/></bml>'
 )
@@ -52,7 +52,7 @@ class Collision:
 
 @dataclass(frozen=True, eq=False)
 class _Strike:
-    """Beginning of a collision."""
+    """Time, place, normal and velocity at the beginning of a collision."""
 
     time: float  # [s] performance time
     geom: int  # capsule of the model
@@ -127,7 +127,7 @@ class CollidingTwin:
         return [k for k, name in enumerate(names) if is_capsule[k] and any(part in name for part in ARM_PARTS)]
 
     def choose(self, trajectory: Trajectory, chance: np.random.Generator) -> _Strike | None:
-        """Choose time, capsule, place and normal, or None for a slow point."""
+        """Choose a collision at random, or None for a slow point."""
         time = float(chance.uniform(trajectory.start, trajectory.end))
         geom = self._capsules[int(chance.integers(len(self._capsules)))]
         place = float(chance.choice([0.0, 1.0, chance.random()]))
@@ -149,7 +149,10 @@ class CollidingTwin:
         return _Strike(time, geom, place, normal, velocity) if velocity @ normal >= MIN_APPROACH * speed else None
 
     def hit(self, trajectory: Trajectory, strike: _Strike, region: RegionTable) -> float:
-        """Return the largest force [N] of a collision with a ball of a region."""
+        """Simulate a collision, and return its largest force [N].
+
+        The ball has the mass and the stiffness of `region`.
+        """
         model, data, body = self.model, self._data, int(self.model.geom_bodyid[strike.geom])
         mujoco.mj_resetData(model, data)
         self._set(trajectory, strike.time)

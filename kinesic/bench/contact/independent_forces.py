@@ -24,7 +24,7 @@ class MujocoContacts:
         """Build the model and collect points on the capsules of moving segments.
 
         Args:
-            robot: Description.
+            robot: robot whose capsules may touch people.
         """
         self._model = model = build_model(robot)
         self._data = mujoco.MjData(model)

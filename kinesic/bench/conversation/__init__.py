@@ -14,8 +14,8 @@ from kinesic.planning.setup import Setup
 from kinesic.session.setup import set_up
 
 DIALOGUE_COUNT = 60  # number of scripted dialogues
-CHECKED_MOTION_INTERVAL = 8  # every so many motions are checked against all limits
-INTERRUPTION_WINDOW = 1.2  # [s] time after the begin of a voice within which the robot yields to it
+CHECKED_MOTION_INTERVAL = 8  # number of motions of which one is checked against all limits
+INTERRUPTION_WINDOW = 1.2  # [s] time after the start of a voice in which an end of speech counts as a reaction
 
 
 @dataclass(eq=False)
@@ -24,7 +24,7 @@ class _Results:
 
     turn_ends: dict[bool, list[float]] = field(default_factory=lambda: {False: [], True: []})  # [s] by predictor
     false_ends: int = 0
-    yields: list[float] = field(default_factory=list)  # [s] from the begin of a voice to the end of own speech
+    yields: list[float] = field(default_factory=list)  # [s] from the start of a voice to the end of own speech
     missed: int = 0
     attempts: int = 0
     false_yields: int = 0
@@ -43,7 +43,7 @@ def bench(count: int = DIALOGUE_COUNT, *, first: int = 0) -> list[Metric]:
 
     Args:
         count: number of dialogues.
-        first: seed of the first dialogue; the numbers of the states were chosen on seeds from 1000 on.
+        first: seed of the first dialogue; times of the conversational states were chosen on seeds from 1000 on.
     """
     setup, results = set_up(), _Results()
     perform_dialogue(write_dialogue(first + count), setup)  # fills caches
@@ -85,7 +85,7 @@ def _metrics(results: _Results, load: float) -> list[Metric]:
 
 
 def _measure_turns(dialogue: Dialogue, performance: DialogueRecord, results: _Results) -> None:
-    """Measure delays of turn ends, and ends within a turn."""
+    """Measure delays of detected turn ends, and count ends within a turn."""
     ends = [time for time, mode in performance.modes if mode == "thinking"]
     for (turn_begin, turn_end), (begin, _) in zip(dialogue.turns, dialogue.speeches, strict=True):
         results.false_ends += any(turn_begin < time < turn_end for time in ends)
@@ -95,7 +95,7 @@ def _measure_turns(dialogue: Dialogue, performance: DialogueRecord, results: _Re
 
 
 def _measure_interruptions(dialogue: Dialogue, performance: DialogueRecord, results: _Results) -> None:
-    """Measure missed, false and late ends of own speech."""
+    """Count missed and false interruptions, and measure their delays."""
     for item in dialogue.interjections:
         stops = [time for time in performance.yields if item.begin <= time <= item.begin + INTERRUPTION_WINDOW]
         if item.takes_turn:
@@ -108,7 +108,7 @@ def _measure_interruptions(dialogue: Dialogue, performance: DialogueRecord, resu
 
 
 def _measure_gaze(dialogue: Dialogue, performance: DialogueRecord, results: _Results, setup: Setup) -> None:
-    """Measure fractions of looks at people, the longest look, and the motion of the neck."""
+    """Measure looks at people, nods, head errors and limits of the motion."""
     for begin, end in dialogue.speeches:
         if not any(begin <= time <= end for time in performance.yields):
             spans = {"speaking": (begin, end), "first": (begin, begin + 1.0), "last": (end - 1.0, end)}

@@ -15,14 +15,14 @@ from kinesic.conversation.events import (
     VoiceActivity,
 )
 
-VOICE_BEGIN_DELAY = (0.077, 0.02)  # [s] mean and deviation of the delay of a voice detector
-VOICE_END_DELAY = (0.281, 0.01)  # [s] mean and deviation of the delay of a voice detector
+VOICE_BEGIN_DELAY = (0.077, 0.02)  # [s] mean and standard deviation of a detector's delay after a voice begins
+VOICE_END_DELAY = (0.281, 0.01)  # [s] mean and standard deviation of a detector's delay after a voice ends
 PAUSE_MEDIAN = 0.38  # [s] median of pauses within a turn
 PAUSE_SPREAD = 0.45  # standard deviation of the logarithm of pauses
 PAUSE_RANGE = (0.2, 1.5)  # [s] shortest and longest pause within a turn
 UNFINISHED_PROBABILITY = 0.5  # probability that the words before a pause end with a conjunction or a hesitation
-PREDICTOR_ERROR = 0.05  # probability that a predictor of turns takes a pause for the end
-EXCHANGES = 4  # turns of a person, and of the robot, in a dialogue
+PREDICTOR_ERROR = 0.05  # probability that a predictor confuses a pause with the end of a turn, or the reverse
+EXCHANGES = 4  # number of turns of the person, and of the robot, in a dialogue
 TRACKER_PERIOD = 0.1  # [s] time between two reports of people
 
 STANDING_PLACE: Place = (1.5, 0.3, 1.55)  # [m] eyes of the person who speaks
@@ -51,7 +51,7 @@ class Dialogue:
 
 
 def write_dialogue(seed: int) -> Dialogue:
-    """Write the dialogue of a seed."""
+    """Generate the dialogue of a seed."""
     return _Writer(seed).write()
 
 
@@ -99,7 +99,7 @@ class _Writer:
         return float(np.clip(pause, *PAUSE_RANGE))
 
     def _write_voice(self, begin: float, end: float) -> None:
-        """Write the begin and end of a voice as a detector reports them."""
+        """Write a detector's reports of the start and end of a voice."""
         late = float(np.clip(self._random.normal(*VOICE_BEGIN_DELAY), 0.03, 0.2))
         after = float(np.clip(self._random.normal(*VOICE_END_DELAY), 0.25, 0.35))
         self._events += [
@@ -108,7 +108,7 @@ class _Writer:
         ]
 
     def _interject(self, earliest: float, latest: float) -> list[Interjection]:
-        """Write agreement, a cough, or an attempt to take the turn, or nothing."""
+        """Write agreement, a cough, an interruption or nothing during own speech."""
         kind = int(self._random.integers(0, 5))
         if kind == 0 or latest <= earliest:
             return []

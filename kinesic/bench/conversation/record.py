@@ -1,4 +1,4 @@
-"""DialogueRecord of a scripted dialogue in virtual time, with its motion."""
+"""Performance of a scripted dialogue in virtual time, with a record."""
 
 import json
 from collections.abc import Callable
@@ -21,7 +21,7 @@ from kinesic.serve.messages import ConversationRequest
 
 COMMAND_DELAY = 0.03  # [s] time between a decision and the first changed command
 SETTLING_TIME = 1.0  # [s] time after which the head has reached a standing person
-NEAR_AZIMUTH = 0.1  # [m] largest sideways distance of a look from the standing person
+MAX_SIDE_DISTANCE = 0.1  # [m] largest sideways distance of a look from the standing person
 
 
 @dataclass(eq=False)
@@ -37,7 +37,7 @@ class DialogueRecord:
     thinking_delay: float = TURN_TIMES.end_to_thinking  # [s] from the end of a turn to the thinking state
 
     def looking_fraction(self, begin: float, end: float) -> float:
-        """Return the fraction of a time span in which the gaze meets a person."""
+        """Return the fraction of a time span with the gaze at a person."""
         met = next((value for time, value in reversed(self.looks) if time <= begin), False)
         total, last = 0.0, begin
         for time, value in self.looks:
@@ -106,8 +106,11 @@ def perform_dialogue(dialogue: Dialogue, setup: Setup) -> DialogueRecord:
 
 
 def _error(motion: Trajectory, time: float, place: tuple[float, float, float], setup: Setup) -> list[float]:
-    """Return the error of the head [deg] if a look met the standing person, or nothing."""
-    if abs(place[1] - STANDING_PLACE[1]) > NEAR_AZIMUTH:
+    """Return the head's azimuth error [deg] towards the standing person.
+
+    The list is empty for a look at somebody else.
+    """
+    if abs(place[1] - STANDING_PLACE[1]) > MAX_SIDE_DISTANCE:
         return []
     angles, goal = motion.at(time).angles, towards(np.array(STANDING_PLACE), setup.robot)
     turn = sum((compute_torso_turn(setup.robot, chain, angles) for chain in ("torso", "neck")), np.zeros(3))

@@ -18,26 +18,26 @@ from kinesic.speech.loudspeaker import BUFFER_DURATION
 from kinesic.speech.speaker import FADE_DURATION
 
 TEST_SEEDS = (2, 3)  # seeds of the measured mixtures; thresholds were chosen on seeds 1 and 4
-ROUNDS_PER_SEED = 15  # of seven mixtures each
+ROUNDS_PER_SEED = 15  # number of rounds of seven mixtures
 OUTPUT_DELAY = TICK_PERIOD + BUFFER_DURATION + FADE_DURATION  # [s] from the decision to be quiet to silence
 PLANNING_DELAY = 0.09  # [s] from the decision to yield to the first changed command
-FALSE_KINDS = ("short", "cough", "knock", "music", "none")
+FALSE_KINDS = ("short", "cough", "knock", "music", "none")  # kinds of mixtures in which nobody takes the turn
 
 
 @dataclass(frozen=True)
 class HearingOutcome:
-    """Decisions of the ear in a mixture, with delays [s] from the begin of the event."""
+    """Decisions of the ear in a mixture, with delays after the event's start."""
 
     kind: str
     begin: float  # [s] time of the event
-    duck: float | None  # None: not quiet after the event's begin
-    turn: float | None  # None: did not yield; negative: yielded before
-    early_ducks: int  # times the robot was quiet before the event
+    duck: float | None  # [s] delay of the first mute after the event's start; None: no mute
+    turn: float | None  # [s] delay of the decision to yield; None: no decision; negative: before the event
+    early_ducks: int  # number of mutes before the event
     cpu: float  # [s] of CPU time per second of sound
 
 
 def judge(mixture: Mixture) -> HearingOutcome:
-    """Let an ear hear a mixture."""
+    """Return the decisions of an ear that hears a mixture."""
     ear, start = Ear(), time.process_time()
     changes = list(ear.hear(mixture.heard, mixture.played))
     cpu = (time.process_time() - start) / (len(mixture.heard) / VOICE_RATE)

@@ -22,7 +22,7 @@ from kinesic.body.utterance import Samples
 from kinesic.hearing.voice_activity import VOICE_RATE
 
 EventKind = Literal["turn", "short", "cough", "knock", "music", "none"]
-TURNS_PER_ROUND = 2  # mixtures with a turn in each round, and one of each other kind
+TURNS_PER_ROUND = 2  # mixtures with a turn in each round, which has one of each other kind
 
 ROBOT_TEXTS = (
     "The castle was built on a hill above the river, and for many years nobody lived there at all.",
@@ -56,12 +56,12 @@ NOISE_RATIOS = (20.0, 10.0)  # [dB] of the other sound over the noise
 ECHO_DELAYS = (0.0, 0.03)  # [s] range of the delay from the loudspeaker to the microphone
 DISTORTIONS = (1.0, 4.0)  # range of the loudspeaker's gain before it saturates
 PAUSES = (0.5, 0.3, 0.5)  # [s] before, between and after the robot's two sentences
-EVENT_DELAYS = (0.2, 2.5)  # [s] range of the event's begin within the second sentence
+EVENT_DELAYS = (0.2, 2.5)  # [s] range of the event's start within the second sentence
 
 
 @dataclass(frozen=True, eq=False)
 class Mixture:
-    """Sound of a microphone with its cause."""
+    """Sound of a microphone, with the playback and the kind of its event."""
 
     kind: EventKind
     heard: Samples  # (m,) at 16 kHz

@@ -14,7 +14,7 @@ from kinesic.speech.espeak import Espeak
 from kinesic.speech.hibari.model import find_installation_fault
 from kinesic.speech.voice import voice
 
-SILENCE_RATIO = 0.03  # of a sound's peak, below which its begin and end count as silence
+SILENCE_RATIO = 0.03  # fraction of a sound's peak below which its start and end count as silence
 SEMITONES = (0, 2, 4, 5, 7, 9, 11, 12)  # major scale of the music
 REVERBERATION_GAIN = 0.06  # amplitude of the reverberation, relative to the direct sound
 REVERBERATION_TIMES = (0.15, 0.4)  # [s] range of the time in which the reverberation falls by 60 dB
@@ -42,7 +42,7 @@ def _trimmed(sound: Sound | None) -> Samples:
 
 
 def with_level(sound: Floats | Samples, level: float) -> Floats:
-    """Scale a sound so that its audible part has a root mean square."""
+    """Scale a sound to the root mean square `level` of its audible part."""
     audible = sound[np.abs(sound) > SILENCE_RATIO * np.abs(sound).max()]
     return np.asarray(sound * (level / np.sqrt(np.mean(audible**2))))
 
@@ -95,7 +95,7 @@ def make_noise(random: Generator, count: int) -> Floats:
 
 
 def reverberate(sound: Floats | Samples, random: Generator, delay: float = 0.0) -> Floats:
-    """Return a sound in a random room, after a delay [s]."""
+    """Add the reverberation of a random room, and a delay [s]."""
     time = np.arange(round(0.3 * VOICE_RATE)) / VOICE_RATE
     path = (
         REVERBERATION_GAIN * random.normal(size=len(time)) * np.exp(-6.9 * time / random.uniform(*REVERBERATION_TIMES))
@@ -108,7 +108,7 @@ def reverberate(sound: Floats | Samples, random: Generator, delay: float = 0.0) 
 
 
 def _band(sound: Floats, low: float, high: float) -> Floats:
-    """Return the frequencies of a sound between two bounds [Hz]."""
+    """Filter a sound to the frequencies between two bounds [Hz]."""
     spectrum, frequencies = np.fft.rfft(sound), np.fft.rfftfreq(len(sound), 1.0 / VOICE_RATE)
     spectrum[(frequencies < low) | (frequencies > high)] = 0.0
     return np.asarray(np.fft.irfft(spectrum, len(sound)))

@@ -11,14 +11,17 @@ from kinesic.session.setup import set_up
 
 BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><gesture id="g" lexeme="{}"/></bml>'
 GESTURES = ("BEAT", "large", "offer", "refuse", "wave", "think", "come_here", "me", "you", "stop")
-INTERRUPTION_TIMES = np.arange(0.3, 2.0, 0.4)  # [s] from the begin of the gesture
-STILL_VELOCITY = np.radians(2.0)  # [rad/s] below it, an arm is still
-STILL_DURATION = 0.2  # [s] for which it must be still
-WATCHED_DURATION = 3.0  # [s] after the interruption
+INTERRUPTION_TIMES = np.arange(0.3, 2.0, 0.4)  # [s] times of interruptions after the start of the gesture
+STILL_VELOCITY = np.radians(2.0)  # [rad/s] velocity below which an arm is still
+STILL_DURATION = 0.2  # [s] shortest standstill that counts as a stop
+WATCHED_DURATION = 3.0  # [s] evaluated time after an interruption
 
 
 def measure_arm_stops() -> list[float]:
-    """Return the time [s] from the first changed command until all arms are still, for each interruption."""
+    """Measure the stopping time [s] of the arms for each interruption.
+
+    It begins with the first changed command.
+    """
     setup = set_up()
     hinges = [hinge for role in ARM_ROLES for hinge in arm_hinges(role, setup.robot)]
     stops = []
@@ -33,7 +36,7 @@ def measure_arm_stops() -> list[float]:
 
 
 def _first_rest(velocities: Floats) -> float:
-    """Return the time [s] after which velocities (m,) stay small for a while."""
+    """Return the time [s] at which the first standstill of velocities (m,) begins."""
     needed = round(STILL_DURATION / KNOT_INTERVAL)
     moving = np.flatnonzero(velocities >= STILL_VELOCITY)
     gaps = np.diff(np.concatenate([[-1], moving, [len(velocities) + needed]]))

@@ -21,7 +21,7 @@ def setup() -> Setup:
     return set_up()
 
 
-def test_independent_ratio_equals_that_of_planning(setup: Setup):
+def test_contact_ratio_computed_by_mujoco_equals_that_of_planning(setup: Setup):
     policy = find_policy("child")
     assert policy is not None
     assert setup.impacts is not None
@@ -33,14 +33,14 @@ def test_independent_ratio_equals_that_of_planning(setup: Setup):
     assert ratio > 1.0
 
 
-def test_resting_motion_is_bounded_by_its_energy(setup: Setup):
+def test_robot_at_rest_has_a_contact_ratio_of_zero(setup: Setup):
     policy = find_policy("adult")
     assert policy is not None
     trajectory = plan('<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"/>', setup).trajectory
     assert MujocoContacts(setup.robot).largest_ratio(trajectory, policy.rows) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_gestures_near_adults_stay_below_the_limit_by_independent_code(setup: Setup):
+def test_gestures_planned_near_adults_stay_below_the_force_limit_in_mujoco(setup: Setup):
     lexemes = ("large",)
     blocks = [read_block(GESTURE_BLOCK.format(lexeme), setup, source=lexeme) for lexeme in lexemes]
     compared = compare_plans(blocks, setup)

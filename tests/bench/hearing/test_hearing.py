@@ -29,7 +29,7 @@ def test_missed_early_and_false_turns_are_counted():
     assert values["cpu"] == pytest.approx(15.0)
 
 
-def test_missing_voice_is_given_as_the_reason(monkeypatch):
+def test_metrics_without_espeak_have_a_reason_instead_of_a_value(monkeypatch):
     monkeypatch.setattr(hearing, "espeak_fault", lambda: "no espeak")
     metrics = hearing.bench()
     assert {metric.why for metric in metrics} == {"no espeak"}
