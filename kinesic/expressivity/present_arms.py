@@ -42,12 +42,12 @@ def fit_form(form: GestureForm, robot: Robot, mode: HandMode = "unspecified") ->
 
 
 def name_missing_arm(robot: Robot) -> str:
-    """Return the side of the missing arm as a word, empty if both arms move."""
+    """Return `left` or `right` for a missing arm, or an empty text."""
     return "".join(SIDE_NAMES[side] for side in SIDES if side not in robot.sides)
 
 
 def describe_missing_arm(mode: HandMode, robot: Robot) -> str:
-    """Return a message if the requested hands include a missing one, otherwise an empty text."""
+    """Return a message about a requested but missing arm, or an empty text."""
     side = name_missing_arm(robot)
     if not side or mode not in ("both", side):
         return ""
@@ -55,5 +55,5 @@ def describe_missing_arm(mode: HandMode, robot: Robot) -> str:
 
 
 def select_present(sides: Iterable[Side], robot: Robot) -> tuple[Side, ...]:
-    """Return those sides on which the robot has an arm, or its only arm."""
+    """Return the given sides with an arm, or the only arm's side."""
     return tuple(side for side in sides if side in robot.sides) or robot.sides

@@ -39,7 +39,7 @@ class Intent:
     muted: frozenset[str] = frozenset()  # channels that do not show the intent
 
     def counted_from(self, zero: float) -> "Intent":
-        """Return the intent with estimated times from another zero [s]."""
+        """Return the intent with estimated times relative to another time [s]."""
         moments = (Moment(each.reference, each.seconds - zero) for each in (self.start, self.stroke, self.end))
         start, stroke, end = moments
         return replace(self, start=start, stroke=stroke, end=end)

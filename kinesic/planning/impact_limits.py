@@ -15,10 +15,10 @@ from kinesic.planning.setup import Setup
 from kinesic.planning.syncs import find_planned_spans, list_keyed_syncs
 
 MAX_IMPACT_RATIO = 0.995  # largest planned ratio of force to its limit at the knots; slightly higher between them
-TARGET_RATIO = 0.97  # ratio of force to its limit for which velocity limits are lowered
-MIN_CONTRIBUTION = 0.05  # smallest contribution of a slowed hinge, relative to that of the largest one
-LARGE_CONTRIBUTION = 0.3  # relative contribution of hinges that are slowed in late rounds
-EARLY_ROUNDS = 4  # number of rounds that lower the largest velocity of a hinge in the whole motion
+TARGET_RATIO = 0.97  # ratio of force to its limit that a slowed motion aims at
+MIN_CONTRIBUTION = 0.05  # smallest contribution, relative to the largest, of a hinge slowed in early rounds
+LARGE_CONTRIBUTION = 0.3  # smallest contribution, relative to the largest, of a hinge slowed in late rounds
+EARLY_ROUNDS = 4  # number of rounds that scale the peak velocity of a hinge in the whole motion
 MIN_VELOCITY_LIMIT = 0.02  # [rad/s] lowest velocity limit of a slowed hinge
 IMPACT_SPAN = 2.0  # [s] excesses up to this time from the worst one are attributed to the same behaviour
 
@@ -36,7 +36,7 @@ def compute_impact_ratios(trajectory: Trajectory, times: Floats, setup: Setup) -
 
 
 def slow_hinges(trajectory: Trajectory, velocity_limits: Floats, setup: Setup, attempt: int) -> Floats | None:
-    """Lower the velocity limits of hinges with which a motion exceeds the policy.
+    """Lower the velocity limits of hinges that cause excessive contact forces.
 
     Args:
         trajectory: planned motion.
@@ -69,7 +69,7 @@ def slow_hinges(trajectory: Trajectory, velocity_limits: Floats, setup: Setup, a
 
 
 def compute_contributions(angles: Floats, velocities: Floats, points: np.ndarray, setup: Setup) -> Floats:
-    """Compute how much each hinge moves a point along its velocity.
+    """Compute the contribution of each hinge to the velocity of a point.
 
     Args:
         angles: (m, n) [rad].
@@ -78,7 +78,7 @@ def compute_contributions(angles: Floats, velocities: Floats, points: np.ndarray
         setup: robot.
 
     Returns:
-        (m, n) relative to the largest hinge of each posture.
+        (m, n) relative to the largest contribution at each time.
     """
     assert setup.impacts is not None
     jacobians = setup.impacts.jacobians(angles, points)

@@ -18,11 +18,11 @@ from kinesic.realizer.occupancy import MergeFailure, Occupancy, Overlay
 from kinesic.realizer.release import motion_from_knot
 
 MAX_DUTY = 1.0  # largest accepted duty of a drive, as a fraction of full PWM
-MOVING_FRACTION = 0.2  # velocity above which a hinge contributes to a contact, relative to the fastest hinge
+MOVING_FRACTION = 0.2  # smallest velocity of a hinge that causes a hard contact, relative to the fastest hinge
 
 
 def find_conflict(work: Overlay, controls: Floats, setup: Setup) -> MergeFailure | None:
-    """Return the collision, overload or excess over the policy of a merged motion.
+    """Return the collision, overload or excessive contact force of a merged motion.
 
     The failure names the block's behaviour closest to it in time. The result is None without a failure.
 

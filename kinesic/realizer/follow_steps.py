@@ -1,4 +1,4 @@
-"""Minimum-jerk steps of head and trunk within comfortable limits, and the face that goes with them."""
+"""Minimum-jerk steps of head and trunk that follow people, and the accompanying face."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -12,12 +12,12 @@ from kinesic.motion.easing import minimum_jerk
 
 TrunkChain = Literal["neck", "torso"]
 TRUNK_CHAINS: tuple[TrunkChain, ...] = ("neck", "torso")
-FOLLOWING_PREFIX = "conversation:"  # prefix of the names of followed postures
+FOLLOWING_PREFIX = "conversation:"  # prefix of the names of postures that follow people
 PEAK_VELOCITY_RATIO = 1.875  # peak / mean velocity of a minimum-jerk step
 PEAK_ACCELERATION_RATIO = 10.0 / 3.0**0.5  # peak acceleration of a minimum-jerk step * duration^2 / angle
 MAX_STEP_DURATION = 3.0  # [s] longest step that is tried
 STEP_GROWTH_FACTOR = 1.2  # duration of a step / that of the previous, too fast attempt
-RATE_SAMPLES = 25  # number of times at which a step is checked
+RATE_SAMPLES = 25  # number of times at which the limits of a step are checked
 
 
 @dataclass(frozen=True)
@@ -27,7 +27,7 @@ class StepLimits:
     velocity: float  # [rad/s] of each axis
     acceleration: float  # [rad/s^2] of each axis
     shortest: float  # [s] shortest duration of a step
-    delay: float = 0.0  # [s] begin of a step after that of the head
+    delay: float = 0.0  # [s] delay of a step relative to that of the head
 
 
 STEP_LIMITS: dict[TrunkChain, StepLimits] = {
@@ -69,7 +69,7 @@ class Glimpse:
 
 @dataclass(frozen=True, eq=False)
 class FollowedFace:
-    """Gaze direction of the eyes and brief expression."""
+    """Gaze direction of the eyes and brief expression of a robot that follows people."""
 
     gaze: Turn = field(default_factory=Turn)  # direction in the world, from upright
     before: Turn = field(default_factory=Turn)  # direction before `begin`

@@ -11,7 +11,7 @@ from kinesic.planning.torso import compute_torso_turn
 from kinesic.realizer.follow_steps import TRUNK_CHAINS, FollowedFace
 from kinesic.realizer.scene import Scene
 
-FACE_ROWS = 4 * COMMAND_RATE  # number of computed commands; the last one is held
+FACE_ROWS = 4 * COMMAND_RATE  # number of samples computed in advance; the last one is held
 SACCADE_DURATION = 0.06  # [s] duration of a shift of the eyes
 ONSET_FRACTION = 0.25  # fraction of the duration of an expression in which it appears, and in which it vanishes
 

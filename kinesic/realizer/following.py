@@ -31,7 +31,7 @@ from kinesic.realizer.occupancy import Occupancy, Role, held_angles
 from kinesic.realizer.release import motion_from_knot
 from kinesic.realizer.scene import Scene
 
-UNCHANGED_ANGLE = 1e-4  # [rad] smaller changes are left out
+UNCHANGED_ANGLE = 1e-4  # [rad] changes of angles below it are ignored
 FOLLOWED_ROLES: tuple[Role, ...] = ("look", "trunk")  # gaze and posture
 MAX_LIMIT_RATIO = 1.0 + 1e-6  # largest accepted ratio of velocity, acceleration or jerk to its limit
 NOD_DOWN_DURATION = 0.3  # [s] downward half of a nod
@@ -68,7 +68,7 @@ def nod(scene: Scene, angle: float, now: float) -> Scene:
         now: global time [s]; the motion changes at `scene.first_change(now)` at the earliest.
 
     Returns:
-        The unchanged scene while a block moves the head for a sign, or if the nod exceeds limits or clearance.
+        The unchanged scene while a block nods or shakes the head, or if the nod violates limits or clearance.
     """
     change = _Change.of(scene, now)
     end = change.begin + NOD_DOWN_DURATION + NOD_UP_DURATION
@@ -104,13 +104,18 @@ class _Change:
         return self.scene.motion.start + self.knot * KNOT_INTERVAL
 
     def times(self, end: float) -> Floats:
-        """Return the time [s] of each control point, up to a time [s] and at least the motion's end."""
+        """Return the times (k + 3,) [s] of the control points up to an end [s].
+
+        They reach the motion's end at least.
+        """
         pieces = knot_at(end - self.scene.motion.start) + MIN_TRANSITION
         count = max(len(self.scene.motion.controls), pieces + MIN_TRANSITION)
         return np.asarray(self.scene.motion.start + (np.arange(count) - MIN_TRANSITION) * KNOT_INTERVAL)
 
     def fits(self, added: Floats) -> Trajectory | None:
-        """Return the motion with added offsets, or None if it exceeds limits or clearance.
+        """Return the motion with added offsets, or None if it is infeasible.
+
+        A feasible motion keeps limits, clearance and drive duty.
 
         Args:
             added: (k + 3, n) [rad] offsets of control points.
@@ -127,7 +132,10 @@ class _Change:
         return None if near or self._overloads(changed, moved.tolist()) else changed
 
     def _overloads(self, changed: Trajectory, moved: Sequence[int]) -> bool:
-        """Return whether a moving trunk overloads a drive that had enough duty before."""
+        """Return whether the changed motion causes or increases a drive's overload.
+
+        Only motions of the trunk are checked.
+        """
         motion, setup = self.scene.motion, self.scene.setup
         if not set(moved) & set(setup.robot.joints("torso")):
             return False
@@ -139,7 +147,7 @@ class _Change:
 
 
 def _follow_role(scene: Scene, role: Role, offset: Floats, now: float) -> Scene:
-    """Move to an offset (n,) [rad] from rest that a role holds."""
+    """Move gaze or posture (`role`) to an offset (n,) [rad] from rest."""
     change = _Change.of(scene, now)
     if _uses(scene, role, change.begin) or (scene.replans and _is_used_later(scene, role, change.begin)):
         return scene
@@ -192,7 +200,7 @@ def _within_range(change: _Change, difference: Floats) -> Floats:
 
 
 def _fraction_beneath_blocks(scene: Scene, role: Role, begin: float, times: Floats) -> Floats:
-    """Return the fraction (m,) of a followed posture at times (m,) [s].
+    """Return the weight (m,) of a followed posture at times (m,) [s].
 
     It is zero while a later behaviour of a block uses the role.
     """

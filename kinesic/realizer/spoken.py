@@ -65,7 +65,7 @@ def _joined(parts: Iterator[SpokenText]) -> SpokenText:
 
 
 def _time_at(position: float, script: Script, utterance: Utterance) -> float:
-    """Return the time [s] of a position in the text."""
+    """Estimate the time [s] at which a position in the text is spoken."""
     marks = sorted((mark.position, utterance.marks[mark.name]) for mark in script.marks if mark.name in utterance.marks)
     cuts = [(0, 0.0), *marks, (len(script.text), utterance.duration)]
     for (first, begin), (last, end) in pairwise(cuts):
@@ -81,7 +81,7 @@ def _letter_fraction(text: str, first: int, position: float, last: int) -> float
 
 
 def _voiced_time(begin: float, end: float, fraction: float, utterance: Utterance) -> float:
-    """Return the time [s] at which a fraction of the phonemes in a time span has passed."""
+    """Return the time [s] after a fraction of a span's phoneme durations."""
     sounds = [phoneme for phoneme in utterance.phonemes if phoneme.letters and begin <= phoneme.start < end]
     left = fraction * sum(phoneme.duration for phoneme in sounds)
     for phoneme in sounds:

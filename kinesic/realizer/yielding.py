@@ -21,10 +21,10 @@ from kinesic.planning.setup import Setup
 from kinesic.realizer.occupancy import ARM_ROLES, Occupancy, arm_hinges
 from kinesic.realizer.release import certified_motion, motion_without_block, release_motion
 
-DECELERATION_DURATION = 0.2  # [s] duration of the deceleration, if velocities permit
+DECELERATION_DURATION = 0.2  # [s] shortest duration of the deceleration
 DECELERATION_GROWTH = 1.3  # duration of a deceleration / that of the previous, infeasible attempt
-MAX_DECELERATION_DURATION = 0.7  # [s] above it, arms return to rest at once
-MAX_YIELDING_RETRACTION = 0.3  # [s] arms that retract for longer stop and hold, too
+MAX_DECELERATION_DURATION = 0.7  # [s] longest duration of the deceleration; faster arms return to rest without a hold
+MAX_YIELDING_RETRACTION = 0.3  # [s] longest remaining retraction that an arm completes without a hold
 ARM_HOLD_DURATION = 0.3  # [s] hold of the arms between deceleration and return
 
 
@@ -68,7 +68,7 @@ def yield_motion(
 
 
 def _holding_arms(time: float, others: Sequence[Occupancy], setup: Setup) -> Flags:
-    """Return the hinges (n,) of arms without a later behaviour of another block."""
+    """Flag the hinges (n,) of arms that no other behaviour uses later."""
     arms = np.zeros(len(setup.limits.lower), dtype=np.bool_)
     for role in ARM_ROLES:
         arms[list(arm_hinges(role, setup.robot))] = not any(
@@ -78,7 +78,7 @@ def _holding_arms(time: float, others: Sequence[Occupancy], setup: Setup) -> Fla
 
 
 def _hold_still(running: Trajectory, knot: int, hinges: Sequence[int], setup: Setup) -> tuple[Trajectory, float] | None:
-    """Return the motion with some hinges stopped, and the end of their hold [s].
+    """Return the motion with stopped hinges, and the hold's end [s].
 
     None if they are too fast, or would collide.
     """
@@ -102,7 +102,7 @@ def _hold_still(running: Trajectory, knot: int, hinges: Sequence[int], setup: Se
 
 
 def _stop_angles(controls: Floats, duration: float) -> Floats:
-    """Return the angles (n,) [rad] at which a deceleration with least jerk ends.
+    """Return the final angles (n,) [rad] of a least-jerk deceleration.
 
     Args:
         controls: (3, n) [rad] control points at its start.

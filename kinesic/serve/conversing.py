@@ -25,12 +25,12 @@ from kinesic.serve.messages import ConversationRequest
 from kinesic.serve.shared_scene import Change
 from kinesic.serve.wire.protocol import json_answer
 
-MAX_HEAD_ANGLE = radians(30.0)  # [rad] gaze direction above which the trunk turns, too
+MAX_HEAD_ANGLE = radians(30.0)  # [rad] horizontal gaze angle above which the trunk turns, too
 MIN_HEAD_FRACTION = 0.5  # smallest fraction of a look away that the head of a robot without visible eyes performs
 RETRY_PERIOD = 0.25  # [s] time between attempts to follow while a block determines the gaze
-SPATIAL_GAIN = 0.5  # change of amplitudes by the spatial extent of a style
+SPATIAL_GAIN = 0.5  # factor from the `spatial` parameter of a style to the relative change of amplitudes
 SPEECH_END_TOLERANCE = 0.05  # [s] smallest change of the expected end of speech that is reported
-FILLER_BLOCK = "filler"  # first part of the ids of blocks with fillers
+FILLER_BLOCK = "filler"  # prefix of the ids of blocks with fillers
 
 
 class ChangeableScene(Protocol):
@@ -78,7 +78,7 @@ class Conversation:
         return min([next_time(self._state, now, words=words), self._retry, *edges])
 
     def take(self, request: ConversationRequest, now: float) -> tuple[Want, ...]:
-        """Apply an event of a client, and return the wants that a planner must perform."""
+        """Apply a client's event, and return the requests for the planner."""
         if isinstance(request.event, Conversing):
             self._fills, was_on = request.fills, self.is_on
             self.owner = request.sender if request.event.on else self.owner
@@ -87,7 +87,7 @@ class Conversation:
         return self._advance([request.event], now)
 
     def advance(self, now: float) -> tuple[Want, ...]:
-        """Advance to a time [s], and return the wants that a planner must perform."""
+        """Advance to a time [s], and return the requests for the planner."""
         return self._advance([], now) if self.is_on else ()
 
     def end(self, now: float, *, moves: bool = True) -> tuple[Want, ...]:
@@ -105,7 +105,7 @@ class Conversation:
         return ()
 
     def _advance(self, events: list[ConversationEvent], now: float) -> tuple[Want, ...]:
-        """Advance by events and own speech, change the scene, and return the other wants."""
+        """Apply events and own speech, move, and return requests for the planner."""
         words, wants = turn_words(self._shared.scene.setup.language), list[Want]()
         speech = self._own_speech(now)
         for event in (*([] if speech is None else [speech]), *events) or (None,):
@@ -116,7 +116,7 @@ class Conversation:
         return tuple(want for want in wants if isinstance(want, Yield) or (self._fills and isinstance(want, Filler)))
 
     def _own_speech(self, now: float) -> RobotSpeech | None:
-        """Return the begin, end or new expected end of the robot's speech, or None."""
+        """Report the start, end or new expected end of own speech, if any."""
         playing = [
             item
             for item in self._shared.scene.speeches
@@ -208,7 +208,7 @@ def filler_block(want: Filler, language: str, count: int) -> str:
 
 
 def _rest(scene: Scene, now: float) -> Scene:
-    """Return the scene with head, trunk and eyes on their way to rest."""
+    """Return head, trunk and eyes smoothly to rest."""
     return replace(follow(scene, None, now), followed_face=None)
 
 
@@ -231,7 +231,7 @@ def _holds_posture(scene: Scene) -> bool:
 
 
 def _amplitude(setup: Setup) -> float:
-    """Return the factor on amplitudes of the style."""
+    """Return the style's factor on amplitudes."""
     return 1.0 + SPATIAL_GAIN * setup.style.head.spatial
 
 

@@ -169,7 +169,7 @@ class ConversationRequest:
 
     event: ConversationEvent
     sender: int
-    fills: bool = False  # whether the robot says fillers; of an event that begins the conversation
+    fills: bool = False  # whether the robot says fillers, if the event begins the conversation
 
 
 @dataclass(frozen=True)

@@ -129,7 +129,7 @@ class PlannerState:
         self._renewed, self._renewals = renewed, 0  # lexicon reload, and number of reloads
         self._refining = False  # whether the refiner has a job
         self._idling, self._talks = IdleScheduler(), Talks(setup.character)
-        self._fillers = 0  # spoken fillers of all conversations
+        self._fillers = 0  # number of spoken fillers, for the ids of their blocks
         self._shared = SharedScene(
             setup,
             loop,
@@ -188,7 +188,7 @@ class PlannerState:
                 self._shared.propose(_resume)
 
     def _interrupt(self, request: Interruption) -> None:
-        """End blocks and, if they yield, tell the text heard so far."""
+        """End blocks, and report the spoken text of yielding ones."""
         if request.block is None:
             self._cancel_pending()
         texts = divide_speeches(self._scene, request.silenced, request.block)
@@ -202,7 +202,7 @@ class PlannerState:
                         self._tell(answer, client)
 
     def _perform_wants(self, wants: Iterable[Want]) -> None:
-        """Stop own speech for a person, or say a filler."""
+        """Stop own speech if a person takes the turn, or say a filler."""
         for want in wants:
             if isinstance(want, Yield):
                 self._interrupt(Interruption(None, True, self._clock.now(), self._conversation.owner))

@@ -164,7 +164,7 @@ class Session:
         self._request(Interruption(block, yields, self.clock.now(), sender))
 
     def converse(self, message: ConversationMessage, sender: int) -> str:
-        """Pass on a message about a conversation, or return why the robot cannot converse."""
+        """Forward a conversation message, or return the reason against a conversation."""
         obstacle = self._find_obstacle()
         if obstacle is None:
             self._converses |= isinstance(message, ConverseRequest)

@@ -25,7 +25,7 @@ class SoundAndFace:
     sound: bool = False  # whether speech is audible
 
 
-FOLLOWED_FACE = "conversation:face"  # key of the track of a robot that follows people
+FOLLOWED_FACE = "conversation:face"  # key of the face track of a robot that follows people
 EYE_UNITS = ("61", "62", "63", "64")  # action units of the gaze
 NO_ACCOMPANIMENT = SoundAndFace()  # default: neither a face nor sound is output
 

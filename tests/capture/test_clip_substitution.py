@@ -46,7 +46,7 @@ def test_lexicon_is_preferred_by_default(setup, tmp_path):
     assert "my_offer" not in write_bml(TEXT, plain)
 
 
-def test_streamed_phrases_also_show_captured_gestures_but_no_clip_twice_within_20_s(setup):
+def test_streamed_phrases_use_captured_gestures_but_no_clip_twice_within_20_s(setup):
     talk, shown = add_words(Talk(), "(offers) Please take it. (offers) Please take it, too. ", ends=True), []
     sets, english = intention_sets(setup), load_language("en")
     while part := next_part(talk, setup.lexicon, setup.style, english, sets, revise=find_revision(setup)):

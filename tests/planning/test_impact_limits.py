@@ -47,7 +47,7 @@ def ratios(planned: Plan, setup: Setup):
     return compute_impact_ratios(planned.trajectory, knot_times(planned.trajectory), setup)
 
 
-def test_plan_without_policy_is_the_same_to_the_last_bit(free: Setup, unlimited: Plan):
+def test_plan_without_policy_equals_that_without_a_contact_model(free: Setup, unlimited: Plan):
     without_model = plan(BLOCK, replace(free, impacts=None, policy=None))
     assert unlimited.trajectory.controls.tobytes() == without_model.trajectory.controls.tobytes()
     assert [sync.planned for sync in unlimited.syncs] == [sync.planned for sync in without_model.syncs]
@@ -64,7 +64,7 @@ def test_plan_near_a_child_keeps_force_and_energy_with_secondary_motion(free: Se
     assert near_child.syncs["g:stroke"].planned > unlimited.syncs["g:stroke"].planned
 
 
-def test_shifts_by_the_policy_are_reported(near_child: Plan):
+def test_stroke_shifts_caused_by_the_policy_are_reported(near_child: Plan):
     assert any(notice.id == "b:g" and "stroke" in notice.text for notice in near_child.notices)
 
 
@@ -92,7 +92,7 @@ def test_contributions_are_relative_to_the_largest(free: Setup, unlimited: Plan)
     assert not parts[:, left].any()
 
 
-def test_added_motion_counts_only_where_it_newly_exceeds_the_policy(free: Setup, unlimited: Plan, near_child: Plan):
+def test_added_motion_is_faulted_only_for_a_new_excess_over_the_policy(free: Setup, unlimited: Plan, near_child: Plan):
     setup = near_child.setup
     times = knot_times(unlimited.trajectory)
     found = find_excess_times(near_child.trajectory, unlimited.trajectory, times, setup)

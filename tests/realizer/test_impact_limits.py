@@ -52,7 +52,7 @@ def test_merged_trunk_and_arm_motion_keeps_the_policy_or_drops_the_behaviour(set
     assert max(largest_ratio(result.trajectory, setup) for result in free) > 1.0
 
 
-def test_conflict_with_the_policy_names_the_behaviour(setup: Setup):
+def test_merged_motion_beyond_the_policy_is_a_conflict(setup: Setup):
     count, hinge = 120, setup.robot.skeleton.names.index("l_shoulder_flexion")
     base = np.repeat(setup.robot.skeleton.rest[None], count, axis=0)
     swing = np.linspace(0.0, 2.0, count) ** 2 * 0.3
@@ -86,7 +86,7 @@ def test_quick_plan_keeps_the_policy(setup: Setup):
     assert largest_ratio(plan_quickly(parse(RAISE), replace(setup, policy=None)).trajectory, setup) > 1.0
 
 
-def test_excess_counts_only_where_it_is_new(setup: Setup, raised: Trajectory):
+def test_excess_of_the_motion_before_a_change_is_not_reported(setup: Setup, raised: Trajectory):
     free = plan_block(parse(RAISE), replace(setup, policy=None, impacts=setup.impacts)).trajectory
     excess = find_worst_excess(free, stay(setup.robot.skeleton.rest), setup)
     assert excess is not None
@@ -96,7 +96,7 @@ def test_excess_counts_only_where_it_is_new(setup: Setup, raised: Trajectory):
     assert find_worst_excess(raised, free, setup) is None
 
 
-def test_nearby_adults_and_nobody_change_the_limit(raised: Trajectory, setup: Setup):
+def test_contact_ratio_depends_on_the_audience(raised: Trajectory, setup: Setup):
     near_adult = replace(setup, policy=find_policy("adult"))
     assert largest_ratio(raised, near_adult) < largest_ratio(raised, setup)
     assert largest_ratio(raised, replace(setup, policy=None)) == 0.0

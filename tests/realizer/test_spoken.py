@@ -19,13 +19,13 @@ def phonemes(*spans):
 @pytest.mark.parametrize(
     ("elapsed", "said"), [(-1.0, ""), (0.1, ""), (0.4, "one"), (1.0, "one two"), (1.6, "one two three"), (2.1, TEXT)]
 )
-def test_words_are_spread_over_the_letters_of_a_speech_without_phonemes(elapsed, said):
+def test_words_of_a_speech_without_phonemes_are_timed_by_their_letters(elapsed, said):
     result = divide_text(Script(TEXT), Utterance(2.0), elapsed)
     assert result.said == said
     assert f"{result.said} {result.unsaid}".split() == TEXT.split()
 
 
-def test_marks_fix_the_times_of_words():
+def test_marks_of_a_speech_determine_the_times_of_words():
     script = Script(TEXT, (Mark("m", TEXT.index("three")),))
     utterance = Utterance(10.0, {"m": 8.0})
     assert divide_text(script, utterance, 7.0).said == "one two"
@@ -52,7 +52,7 @@ def test_estimated_words_agree_with_marks_of_the_voice():
     assert max(map(abs, errors)) <= 1
 
 
-def test_speeches_of_each_running_block_are_divided(known):
+def test_text_of_each_running_block_is_divided_at_the_same_time(known):
     inside = '<speech id="s"><text>one two three four</text></speech>'
     spoken = {"utterances": {"s": Utterance(2.0)}, "inside": inside}
     scene = Scene.of(known).with_block(small_block("a", {"s": {"start": 0.5, "end": 2.5}}, zero=10.0, **spoken))

@@ -13,8 +13,8 @@ from .certified import certified
 
 GESTURE = '<gesture id="g" lexeme="{}" mode="RIGHT_HAND"/>'
 GAZE = '<gazeShift id="z" target="1 0.5 0.5"/>'
-STILL_VELOCITY = np.radians(2.0)  # [rad/s] below it, an arm holds
-MAX_STOPPING_TIME = 0.23  # [s] from the interruption until all arms are still
+STILL_VELOCITY = np.radians(2.0)  # [rad/s] velocity below which an arm holds
+MAX_STOPPING_TIME = 0.23  # [s] largest time from the interruption until all arms are still
 
 
 def arm_velocities(motion, robot, times):

@@ -46,7 +46,7 @@ def test_robot_does_not_converse_while_it_is_stopped(on_stage: Callable):
     on_stage(act)
 
 
-def test_fillers_and_the_client_are_passed_on(on_stage: Callable):
+def test_planner_learns_the_client_and_whether_it_wants_fillers(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.session.converse(ConverseRequest(fillers=True), 4)
         stage.planner.become_free()
@@ -67,7 +67,7 @@ def test_client_is_told_why_the_robot_cannot_converse():
     assert registry.say(client, {"do": "people", "people": []}) == []
 
 
-def test_reports_at_20_hz_do_not_use_up_the_rate_of_documents():
+def test_frequent_reports_of_people_leave_the_message_quota_to_documents():
     registry = Registry()
     client = registry.join("a")
     for _ in range(12):

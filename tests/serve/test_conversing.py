@@ -29,7 +29,7 @@ SPEECH = '<speech id="s"><text>This is a rather long sentence, which I am tellin
 
 
 class Talk:
-    """Planner in a conversation, with all that it tells."""
+    """Planner in a conversation, with all messages to its client."""
 
     def __init__(self, planning: Planning) -> None:
         self.planning, self.told, self.proposals = planning, [], []
@@ -119,7 +119,7 @@ def test_listener_leans_and_nods_and_tells_the_backchannel(talk: Talk):
     assert np.degrees(np.abs(talk.motion.controls[-1] - talk.planning.setup.robot.skeleton.rest))[tilts].max() > 1.0
 
 
-def test_own_speech_is_a_state_and_a_voice_ends_it(talk: Talk):
+def test_own_speech_starts_the_speaking_state_and_a_voice_interrupts_it(talk: Talk):
     talk.until(1.0, Person("p", FRONT))
     talk.planning.document("b", SPEECH)
     talk.until(2.5, Person("p", FRONT))

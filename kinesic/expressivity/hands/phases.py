@@ -25,7 +25,7 @@ NEIGHBOUR_INTERVAL = 0.5  # [s] longest gap between gestures in which the hand d
 ARM_PARTS: frozenset[Touch] = frozenset(("hand", "forearm", "upper_arm"))  # touchable parts of the other arm
 LOWERING_FRACTION = 0.5  # fraction of the distance to rest by which a waiting hand is lowered
 WAITING_OPENNESS = 0.2  # elbow openness (0 hanging .. 1 far out) of a waiting hand
-MIN_PAUSE_TIME = 0.35  # [s] shortest stop of a lowered hand; before a shorter one, it sinks more slowly and turns back
+MIN_PAUSE_TIME = 0.35  # [s] shortest stop of a lowered hand; a hand without that time sinks more slowly, without a stop
 MAX_WAITING_TIME = 2.5  # [s] longest wait of a hand that retracts together with the other hand
 ALL_FIXED: FixedSyncs = MappingProxyType({})  # default, empty: a behaviour without an entry has only fixed sync points
 

@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from kinesic.intent.meaning.context import FRAGMENT_LENGTH, OPENING_QUOTES, Context
 from kinesic.intent.meaning.matching import Candidate
 
-MIN_MENTIONED_WORDS = 3  # other content words of a clause from which a report only mentions an action
+MIN_MENTIONED_WORDS = 3  # smallest number of other content words in a clause that only mentions an action
 MIN_STEM_LETTERS = 3  # letters of the shortest stem of a regular past form
-MIN_DETAIL_WORDS = 3  # content words of a report, the last of them a noun, from which a place after it is a detail
+MIN_DETAIL_WORDS = 3  # smallest number of content words, the last a noun, before a place that is a detail
 
 
 def is_told(context: Context, k: int) -> bool:
@@ -77,7 +77,7 @@ def _is_past_verb(context: Context, k: int) -> bool:
 
 
 def _is_noun(context: Context, k: int) -> bool:
-    """Return whether a word belongs to a noun, as it follows an article or an adjective."""
+    """Return whether a word follows an article or adjective, as nouns do."""
     return k > 0 and any(context.language.has(name, context.plain[k - 1]) for name in ("determiner", "adjective"))
 
 
@@ -93,7 +93,7 @@ def is_mentioned(context: Context, candidate: Candidate) -> bool:
 
 
 def is_past_deed(context: Context, candidate: Candidate) -> bool:
-    """Return whether a candidate is the past verb of a longer report.
+    """Return whether a candidate is a past-tense verb in a longer report.
 
     An example is `rang me` in `the doctor rang me about the results on Friday`.
     """
@@ -102,7 +102,7 @@ def is_past_deed(context: Context, candidate: Candidate) -> bool:
 
 
 def is_detail(context: Context, candidate: Candidate) -> bool:
-    """Return whether a place identifies a thing (`the bank round the corner`)."""
+    """Return whether a place only identifies a noun (`the bank round the corner`)."""
     before = range(context.clause_words(candidate.first).start, candidate.first)
     facts = [k for k in before if context.passage.words[k].is_content]
     modifies_noun = len(facts) >= MIN_DETAIL_WORDS and facts[-1] == candidate.first - 1 and _is_noun(context, facts[-1])
@@ -110,7 +110,7 @@ def is_detail(context: Context, candidate: Candidate) -> bool:
 
 
 def is_last_fact(context: Context, candidate: Candidate) -> bool:
-    """Return whether a candidate ends its clause or the first of two joined predicates."""
+    """Return whether a candidate ends its clause or precedes a conjunction."""
     if context.is_clause_end(candidate.last):
         return True
     return context.language.has("conjunction", context.plain[candidate.last + 1])

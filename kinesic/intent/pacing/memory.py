@@ -36,7 +36,7 @@ class ChoiceMemory:
         return tuple(gesture.seconds for gesture in self.gestures)
 
     def list_clips(self, since: float = 0.0) -> tuple[PastGesture, ...]:
-        """Return the captured gestures with times before those of the next text [s].
+        """Return the remembered captured gestures on the clock of the next text.
 
         Args:
             since: time of its first word, on the clock of its behaviours [s].
@@ -74,7 +74,7 @@ class ChoiceMemory:
         return ChoiceMemory(gestures, now, self.parts + 1, keep_recent((*self.clips, *clips)))
 
     def _date(self, behaviour: ChosenBehaviour, since: float) -> PastGesture:
-        """Return a behaviour of a text with its time in total speaking time."""
+        """Return a memory entry of a gesture in total speaking time."""
         seconds = self.seconds + behaviour.intent.stroke.seconds - since
         return PastGesture(behaviour.form, seconds, behaviour.intent.reason)
 
@@ -89,4 +89,4 @@ NO_MEMORY = ChoiceMemory()  # memory before the first text
 
 Revision = Callable[
     [Sequence[ChosenBehaviour], Sequence[PastGesture]], Sequence[ChosenBehaviour]
-]  # replaces gestures of a text by captured ones, given the captured gestures before
+]  # replaces gestures of a text by captured ones, given the captured gestures of earlier texts

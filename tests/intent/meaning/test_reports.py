@@ -37,7 +37,7 @@ def context(text: str) -> Context:
     return Context(read_text(text, ENGLISH), ENGLISH)
 
 
-def test_past_tense_is_that_of_the_first_finite_verb() -> None:
+def test_first_finite_verb_determines_whether_a_clause_is_past() -> None:
     for text in (
         "I sent it back.",
         "The rain kept us in.",
@@ -63,7 +63,7 @@ def test_past_of_the_speaker_is_a_report_but_opinions_and_talk_to_the_listener_a
         assert not is_told(context(text), 2), text
 
 
-def test_action_is_acted_out_alone_but_not_among_other_facts() -> None:
+def test_action_gets_a_gesture_alone_but_not_among_other_facts() -> None:
     for alone, among, gesture in [
         ("We drove to the coast.", "We drove to the coast and stayed with her old aunt.", "steering_wheel"),
         ("Then the rain came.", "The rain kept us inside the house for most of the weekend.", "rain"),
@@ -76,13 +76,13 @@ def test_action_is_acted_out_alone_but_not_among_other_facts() -> None:
         assert gesture not in pictures(among), among
 
 
-def test_repeated_or_stressed_word_of_a_report_is_acted_out() -> None:
+def test_repeated_or_stressed_word_of_a_report_gets_a_gesture() -> None:
     assert pictures("It went up and up for months.") & {"rise", "growth_curve"}
     assert not pictures("It went up for months.") & {"rise", "growth_curve"}
     assert "rain" in pictures("The *rain* kept us inside the house for most of the weekend.")
 
 
-def test_proper_name_gets_no_gesture_of_its_word() -> None:
+def test_proper_name_gets_no_gesture_of_the_common_word() -> None:
     assert "path_along" in pictures("I march every day.")
     assert not pictures("The committee put the decision off until March.")
     assert not pictures("The train to Reading was late.") & {"open_book"}
