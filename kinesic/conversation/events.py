@@ -1,4 +1,4 @@
-"""Events of a conversation, from voice stacks, cameras and clients.
+"""Events of a conversation, from speech recognisers, cameras and clients.
 
 An event has no absolute time: the caller passes the time of its arrival, and `age` is the delay of the report.
 """
