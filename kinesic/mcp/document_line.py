@@ -21,6 +21,7 @@ MAX_KEPT_WARNINGS = 5  # number of most recent warnings kept for status answers
 MAX_KEPT_OUTCOMES = 256  # number of most recently ended blocks whose outcome is kept
 PHRASE_WAIT = 2.0  # [s] longest wait for the first phrase of a streamed text
 MAX_WAIT = 15.0  # [s] longest wait for the server's answer to a message
+NO_CONVERSATION = "off"  # state without a conversation
 MAX_MESSAGE_SIZE = DEFAULT_QUOTAS.message  # [bytes] largest message; the server ends the connection at a longer one
 
 RobotAnswer = Mapping[str, Json]
@@ -59,6 +60,8 @@ class DocumentLine:
         self._gone: RobotError | None = None  # set when the server has closed the connection
         self._warnings = deque[str](maxlen=MAX_KEPT_WARNINGS)
         self._outcomes: dict[str, str] = {}  # outcomes of ended blocks by id, the latest last
+        self._conversation = NO_CONVERSATION  # state of the conversation
+        self._refusal = ""  # why the server refuses the last request to converse
         Thread(target=self._read, daemon=True, name="feedback").start()
 
     @property
@@ -80,6 +83,11 @@ class DocumentLine:
     def is_talking(self) -> bool:
         """Whether streamed text of this connection waits or is being spoken."""
         return self._is_talking
+
+    @property
+    def conversation(self) -> str:
+        """State of the conversation of this connection, such as `listening`; `off` without one."""
+        return self._conversation
 
     def outcome(self, block: str) -> str | None:
         """Return the outcome of a block of this connection, None if unknown.
@@ -151,6 +159,30 @@ class DocumentLine:
         except TimeoutError:
             return ""
 
+    async def converse(self, *, on: bool, amount: float, fillers: bool) -> str:
+        """Begin or end a conversation, and return its state.
+
+        Args:
+            on: whether the robot converses.
+            amount: amount of movement, 0..1.
+            fillers: whether the robot says a short filler while an answer takes long.
+
+        Raises:
+            RefusedError: the robot cannot move now.
+            RobotError: there is no answer in time.
+        """
+        self._refusal = ""
+        request = json.dumps({"do": "converse", "on": on, "amount": amount, "fillers": fillers})
+        await self.send(lambda: request)
+        await self.ask("status")  # answered after a refusal
+        if self._refusal:
+            raise RefusedError(self._refusal)
+        if not on:
+            self._conversation = NO_CONVERSATION
+        elif self._conversation == NO_CONVERSATION:
+            self._conversation = "idle"  # until the planner reports another state
+        return self._conversation
+
     def end_talk(self) -> None:
         """Mark the streamed text as ended, after an emergency stop."""
         self._is_talking = False
@@ -208,7 +240,7 @@ class DocumentLine:
     def _hand_over(self, message: str) -> None:
         if message.startswith("{"):
             answer: RobotAnswer = json.loads(message)
-            self._follow_talk(answer)
+            self._follow_state(answer)
             number = answer.get("id")
             waiting = self._answers.get(number) if isinstance(number, int) else None
             if waiting is not None:
@@ -218,13 +250,17 @@ class DocumentLine:
         if feedback is not None:
             self._judge(feedback)
 
-    def _follow_talk(self, answer: RobotAnswer) -> None:
-        """Pass on a streamed text's first phrase, and record the text's end."""
+    def _follow_state(self, answer: RobotAnswer) -> None:
+        """Record the states of streamed text and conversation, and pass on the first phrase."""
         match answer:
             case {"told": "saying", "block": str(block)} if self._phrase is not None:
                 _settle(self._phrase, block)
             case {"told": "all_said"}:
                 self._is_talking = False
+            case {"told": "conversing", "state": str(state)}:
+                self._conversation = state
+            case {"told": "refused", "do": "converse", "why": str(why)}:
+                self._refusal = why
 
     def _judge(self, feedback: Feedback) -> None:
         """Record a feedback message and answer the calls that wait for it."""

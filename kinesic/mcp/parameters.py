@@ -81,3 +81,7 @@ Seconds = Annotated[
     float,
     Field(ge=0.0, le=MAX_WAIT, description="Longest time to wait [s]. The answer comes earlier if it ends earlier."),
 ]
+Conversing = Annotated[bool, Field(description="true begins the conversation or changes its options, false ends it.")]
+Amount = Annotated[float, Field(ge=0.0, le=1.0, description="Amount of movement while the robot attends to people.")]
+Fillers = Annotated[bool, Field(description="Whether the robot says a short 'Hm.' while an answer takes long.")]
+Thinking = Annotated[bool, Field(description="true while an answer is being prepared, false when it is ready.")]

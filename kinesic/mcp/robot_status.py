@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Mapping, Sequence
 from typing import cast
 
-from kinesic.mcp.document_line import RobotAnswer
+from kinesic.mcp.document_line import NO_CONVERSATION, RobotAnswer
 from kinesic.mcp.document_schema import Json
 
 STARTING_STATE = "starting"  # state reported while no block plays and one waits or is planned
@@ -12,13 +12,16 @@ TORQUE_NOTE = "the servos hold their posture with torque on, until a person at t
 TIME_DIGITS = 1  # decimal places of the times [s] in a robot status
 
 
-def summarise(status: RobotAnswer, warnings: Sequence[str], accepted: Iterable[str] = ()) -> RobotAnswer:
+def summarise(
+    status: RobotAnswer, warnings: Sequence[str], accepted: Iterable[str] = (), *, conversation: str = NO_CONVERSATION
+) -> RobotAnswer:
     """Return a compact robot status for a language model.
 
     Args:
         status: the server's answer to `status`.
         warnings: last warnings about documents of this connection.
         accepted: blocks of this connection that have not ended.
+        conversation: state of the conversation of this connection.
     """
     blocks = list_blocks(status)
     answer: dict[str, Json] = {
@@ -34,6 +37,8 @@ def summarise(status: RobotAnswer, warnings: Sequence[str], accepted: Iterable[s
         listed = {block["block"] for block in blocks}
         waiting += [{"block": block} for block in sorted(accepted) if block not in listed]
         answer["documents_not_planned_yet"] = unplanned
+    if conversation != NO_CONVERSATION:
+        answer["conversation"] = conversation
     if waiting:
         answer["next"] = waiting
     if status.get("servos") is not None:

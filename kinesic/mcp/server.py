@@ -17,6 +17,7 @@ from pydantic import AfterValidator
 from kinesic.bml.reading.namespaces import BML_1_0
 from kinesic.expressivity.lexicon.categories import GESTURE_CATEGORIES
 from kinesic.importing import import_at_once
+from kinesic.mcp.conversing import add_conversation_tools
 from kinesic.mcp.document_line import RobotAnswer
 from kinesic.mcp.document_schema import BML_SCHEMA
 from kinesic.mcp.errors import RefusedError, RobotError
@@ -74,6 +75,7 @@ def make_server(
     """
     server = ToolServer("kinesic", instructions=MODEL_INSTRUCTIONS, version=__version__, log_level="WARNING")
     _add_moving_tools(server, gate, resumes=resumes)
+    add_conversation_tools(server, gate)
     _add_quiet_tools(server, gate, load_lexicon, categories)
     _add_resources(server, load_lexicon)
     return server
@@ -185,13 +187,15 @@ def _add_quiet_tools(
         """Report running blocks, waiting ones (`next`), seconds left, and the last warnings.
 
         `state` is resting, starting (a performance is planned or begins soon), playing, settling (nothing plays; the
-        robot is at rest within a second) or stopped (by an emergency stop).
+        robot is at rest within a second) or stopped (by an emergency stop). `conversation` is the state of a
+        conversation that converse has begun.
         """
 
         async def ask() -> RobotAnswer:
             line = await gate.line()
             accepted = line.documents.accepted_blocks  # before the status, in which one of them may have ended
-            return summarise(await line.status(), line.documents.warnings, accepted)
+            conversation = line.documents.conversation
+            return summarise(await line.status(), line.documents.warnings, accepted, conversation=conversation)
 
         return await _answer_json(ask())
 

@@ -24,7 +24,10 @@ class Robot:
         self.answer: dict[str, object] = {"block": "ä"}
         self.talking = False
         documents = SimpleNamespace(
-            end_talk=lambda: self.calls.append("talk ended"), warnings=("warned",), accepted_blocks=("first",)
+            end_talk=lambda: self.calls.append("talk ended"),
+            warnings=("warned",),
+            accepted_blocks=("first",),
+            conversation="off",
         )
         self.documents = documents
         self._line = SimpleNamespace(

@@ -140,3 +140,9 @@ def test_wait_tool_returns_the_status_after_its_time_limit():
 def test_refusal_of_an_unknown_block_states_which_blocks_play_or_wait(blocks: list[Mapping[str, object]], told: str):
     with pytest.raises(RefusedError, match=f"^no block 'c' was performed here{told}$"):
         wait(PlayedRobot([blocks]), "c")
+
+
+def test_summary_has_the_state_of_a_conversation_only_during_one():
+    status = {"robot": "r", "state": "resting", "blocks": [], "waiting": 0}
+    assert "conversation" not in summarise(status, [])
+    assert summarise(status, [], conversation="listening")["conversation"] == "listening"

@@ -69,7 +69,7 @@ def text(result: object) -> str:
     return "".join(each.text for each in result.content)
 
 
-def test_mcp_client_lists_nine_tools_and_calls_all_but_stop_and_resume(server: Running):
+def test_mcp_client_lists_eleven_tools_and_calls_most_of_them(server: Running):
     async def act(client):
         tools = {tool.name for tool in (await client.list_tools()).tools}
         found = await client.call_tool("find_gesture", {"query": "weigh two things", "count": 3})
@@ -82,7 +82,8 @@ def test_mcp_client_lists_nine_tools_and_calls_all_but_stop_and_resume(server: R
         return tools, found, performed, said, looked, status, previewed, waited
 
     tools, found, performed, said, looked, status, previewed, waited = within(server, act)
-    assert tools == {"find_gesture", "perform", "preview", "say", "look", "status", "wait", "stop", "resume"}
+    quiet = {"find_gesture", "preview", "status", "wait"}
+    assert tools == {"perform", "say", "look", "stop", "resume", "converse", "think"} | quiet
     results = json.loads(text(found))
     assert len(results) == 3
     assert [list(each) for each in results] == [["name", "category", "says", "score"]] * 3
@@ -99,6 +100,27 @@ def test_mcp_client_lists_nine_tools_and_calls_all_but_stop_and_resume(server: R
     assert [item["id"] for item in json.loads(answer.text)["behaviours"]] == ["s", "g"]
     assert (picture.type, picture.mime_type) == ("image", "image/png")
     assert json.loads(text(waited)) == {"block": "story1", "ended": True, "outcome": "finished"}
+
+
+def test_conversation_tools_change_the_state_until_a_stop(server: Running):
+    async def act(client):
+        begun = await client.call_tool("converse", {"on": True})
+        thinks = await client.call_tool("think", {"on": True})
+        await asyncio.sleep(0.3)  # until the planner has reported the state
+        during = await client.call_tool("status", {})
+        await client.call_tool("stop", {})
+        refused = await client.call_tool("converse", {"on": True})
+        await client.call_tool("resume", {})
+        await asyncio.sleep(0.1)
+        after = await client.call_tool("status", {})
+        return [text(answer) for answer in (begun, thinks, during, refused, after)]
+
+    begun, thinks, during, refused, after = within(server, act)
+    assert json.loads(begun)["state"] in {"idle", "attending"}
+    assert json.loads(thinks) == {"thinking": True}
+    assert json.loads(during)["conversation"] == "thinking"
+    assert "resume first" in refused
+    assert "conversation" not in json.loads(after)
 
 
 def test_all_tools_and_tool_parameters_have_descriptions(server: Running):

@@ -22,6 +22,7 @@ def test_tool_annotations_mark_the_tools_that_move_the_robot(robot: Robot) -> No
     expected = dict.fromkeys(("perform", "say", "look", "resume"), moving)
     expected |= dict.fromkeys(("find_gesture", "preview", "status", "wait"), (True, None, None))
     expected["stop"] = (False, None, True)
+    expected |= dict.fromkeys(("converse", "think"), (False, False, True))
 
     async def act(client) -> None:
         hints = {tool.name: tool.annotations for tool in (await client.list_tools()).tools}
@@ -50,6 +51,9 @@ def test_schemas_of_the_parameters_state_limits_choices_and_defaults(robot: Robo
     seconds = schemas["wait"]["seconds"]
     assert (seconds["minimum"], seconds["maximum"], seconds["default"]) == (0.0, 50.0, 30.0)
     assert schemas["wait"]["block"]["maxLength"] == 64
+    amount = schemas["converse"]["amount"]
+    assert (amount["minimum"], amount["maximum"], amount["default"]) == (0.0, 1.0, 1.0)
+    assert schemas["converse"]["fillers"]["default"] is False
     assert schemas["perform"]["document"]["anyOf"][1] == {"type": "string"}
     assert schemas["preview"]["document"]["type"] == ["object", "string"]
 

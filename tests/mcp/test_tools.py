@@ -133,8 +133,8 @@ def test_say_tool_lists_the_parts_of_a_text_that_are_not_spoken(robot: Robot, au
 def test_status_tool_summarises_the_robot_status_with_the_accepted_blocks(
     robot: Robot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "summarise", lambda *arguments: {"summary": arguments})
-    assert json.loads(robot.call("status")[0]) == {"summary": ["status", ["warned"], ["first"]]}
+    monkeypatch.setattr(module, "summarise", lambda *arguments, conversation: {"summary": [*arguments, conversation]})
+    assert json.loads(robot.call("status")[0]) == {"summary": ["status", ["warned"], ["first"], "off"]}
     robot.fault = RobotError("gone")
     assert robot.call("status")[1]
 

@@ -1,6 +1,7 @@
 """The page of the tools that `kinesic mcp` offers to language models."""
 
 import asyncio
+import json
 from collections.abc import Mapping, Sequence
 from concurrent.futures import Future
 
@@ -51,7 +52,13 @@ with a pending call. The client of the replaced session receives 404 and opens a
 """
 
 RESUME_NOTE = "Only in the twin: on servos, and with `--connect`, a person has to resume."
-PLAIN_KINDS = {"string": "text", "number": "number", "integer": "whole number", "object": "JSON object"}
+PLAIN_KINDS = {
+    "boolean": "`true` or `false`",
+    "string": "text",
+    "number": "number",
+    "integer": "whole number",
+    "object": "JSON object",
+}
 SCHEMA_LINK = "[document as JSON](bml.md#bml-as-json)"
 
 
@@ -80,13 +87,18 @@ def _section(tool: Tool) -> list[str]:
         return [*lines, "It has no parameters."]
     lines += ["| parameter | value | default | meaning |", "|---|---|---|---|"]
     for name, schema in properties.items():
-        default = "required" if name in required else f"`{schema.get('default', '')}`".replace("``", "")
+        default = "required" if name in required else _code(schema.get("default", ""))
         lines.append(f"| `{name}` | {_kind(schema)} | {default} | {_escape(schema.get('description', ''))} |")
     return lines
 
 
 def _paragraphs(tool: Tool) -> list[str]:
     return [" ".join(part.split()) for part in (tool.description or "").split("\n\n")]
+
+
+def _code(value: object) -> str:
+    """Return a default value as code in JSON notation, empty for an empty text."""
+    return f"`{value if isinstance(value, str) else json.dumps(value)}`".replace("``", "")
 
 
 def _escape(text: str) -> str:
