@@ -11,7 +11,7 @@ Place = tuple[float, float, float]  # [m] position in the robot's world frame: x
 
 @dataclass(frozen=True)
 class Conversing:
-    """Begin or end of a conversation."""
+    """Start or end of a conversation."""
 
     on: bool
     amount: float = 1.0  # 0..1 amount of movement
@@ -36,7 +36,7 @@ class PeopleSeen:
 
 @dataclass(frozen=True)
 class VoiceActivity:
-    """Begin or end of the voice of a person."""
+    """Start or end of the voice of a person."""
 
     active: bool
     who: str | None = None  # id of the person; None: unknown
@@ -61,14 +61,14 @@ class TurnPrediction:
 
 @dataclass(frozen=True)
 class Thinking:
-    """Begin or end of the time in which a model prepares its answer."""
+    """Start or end of the time in which a model prepares its answer."""
 
     on: bool
 
 
 @dataclass(frozen=True)
 class RobotSpeech:
-    """Begin or end of the robot's own speech."""
+    """Start or end of the robot's own speech."""
 
     active: bool
     ends_in: float | None = None  # [s] time until the speech ends; None: unknown

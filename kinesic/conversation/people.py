@@ -47,7 +47,7 @@ class Company:
     focus: str | None = None  # key of the attended person
     focus_since: float = 0.0  # [s] time of the last change of `focus`
     challenger: str | None = None  # key of a person who leads by `SWITCH_LEAD`
-    challenger_since: float = 0.0  # [s] begin of that lead
+    challenger_since: float = 0.0  # [s] start of that lead
     glance: tuple[str, float] | None = None  # key of a newly arrived person, and the end [s] of the glance
 
     def find(self, name: str | None) -> TrackedPerson | None:

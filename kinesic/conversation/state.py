@@ -16,7 +16,7 @@ class PersonVoice:
 
     active: bool = False
     who: str | None = None  # id of the person; None: unknown
-    began: float = -inf  # [s] begin of the current or last stretch of voice
+    began: float = -inf  # [s] start of the current or last stretch of voice
     ended: float = -inf  # [s] end of the last stretch; meaningless while active
     text: str = ""  # recognised words of the turn
     clauses: int = 0  # number of recognised clause ends since a nod was last considered
@@ -56,7 +56,7 @@ class ConversationState:
     seed: int = 0
     draws: int = 0  # random numbers drawn so far
     mode: Mode = "off"
-    since: float = 0.0  # [s] begin of the mode
+    since: float = 0.0  # [s] start of the mode
     company: Company = field(default_factory=Company)
     addressee: str | None = None  # person of the last turn
     voice: PersonVoice = field(default_factory=PersonVoice)

@@ -83,7 +83,7 @@ def fit_step(chain: TrunkChain, change: Floats, begin: float, running: Sequence[
     Args:
         chain: rotated chain.
         change: (3,) [rad] torsion, tilt and roll.
-        begin: time [s] of its begin.
+        begin: time [s] at which it begins, before `StepLimits.delay`.
         running: steps that have begun and may not have ended.
 
     Returns:

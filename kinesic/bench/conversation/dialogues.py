@@ -43,8 +43,8 @@ class Dialogue:
     """Events of one dialogue, with the true times behind them."""
 
     events: tuple[TimedEvent, ...]  # in the order of their arrival
-    turns: tuple[tuple[float, float], ...]  # [s] true begin and end of the turns of the person
-    speeches: tuple[tuple[float, float], ...]  # [s] planned begin and end of the robot's speeches
+    turns: tuple[tuple[float, float], ...]  # [s] true start and end of the turns of the person
+    speeches: tuple[tuple[float, float], ...]  # [s] planned start and end of the robot's speeches
     interjections: tuple[Interjection, ...]
     end: float  # [s]
     has_predictor: bool  # whether a model predicts turns
