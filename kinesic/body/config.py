@@ -98,7 +98,7 @@ def parse_tables(text: str, path: Path) -> dict[str, object]:
 
 
 def describe_excess(text: str) -> str:
-    """Describe the first exceeded limit on nesting or key parts, if any.
+    """Describe the first too deep nesting or too long dotted key in TOML.
 
     The parser's time grows with the square of the number of parts of a dotted key, and it recurses for each nesting.
     """

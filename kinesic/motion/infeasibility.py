@@ -29,7 +29,7 @@ ACCELERATION_CONTROLS = np.array(
     [1 / 3, -1 / 6, 1 / 3]
 )  # spline control points with position 0, velocity 0, acceleration 1 / step^2
 MIN_SLOPE_DEFICIT = -0.01  # ln(required / available time) above which inaccurate slopes are recomputed
-MAX_SLOPE_IMBALANCE = 0.1  # largest sum of deficit slopes / sum of their magnitudes, ideally 0
+MAX_SLOPE_IMBALANCE = 0.1  # largest |sum of slopes| / sum of |slopes| of reliable slopes; the ideal is 0
 MIN_RELIABLE_SLOPE = 0.5  # [1/s] if no deficit slope exceeds this, finite differences replace the slopes
 DEFICIT_MARGIN = 0.002  # [ln(time ratio)] extra time demanded by cutting planes, so that the search ends soon
 MIN_PLANE_SLOPE = 0.1  # [1/s] deficit gradient that counts as zero; each binding key interval then gets a cut

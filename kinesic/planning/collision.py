@@ -24,7 +24,7 @@ DIFFERENCE_STEP = 1e-4  # [rad] joint step of the finite-difference gradient
 MAX_HINGE_STEP = 0.15  # [rad] largest rotation of a hinge per iteration
 EQUIVALENT_DISPLACEMENT = 0.05  # [m] hand displacement that costs as much as 1 rad, so that elbows move first
 MIN_GAP_GRADIENT = 1e-6  # [m/rad] distance gradient below which a pair is ignored
-LENGTH_EPSILON = 1e-9  # smallest divisor, which avoids division by zero
+DIVISOR_EPSILON = 1e-9  # smallest divisor; distance constraints with a smaller one contradict each other
 HOVER_DISTANCE = 0.015  # [m] distance that a hand keeps from the body where it touches nothing
 MAX_TOUCH_DISTANCE = 0.12  # [m] a hand farther from the touched part does not approach it
 
@@ -84,7 +84,7 @@ def separate(
         step = _smallest(rows, np.concatenate([missing[is_near], nearer, *bounds]), _metric(probes, robot))
         if step is None:
             return None
-        posture[moving] += step * min(1.0, MAX_HINGE_STEP / max(LENGTH_EPSILON, float(np.abs(step).max())))
+        posture[moving] += step * min(1.0, MAX_HINGE_STEP / max(DIVISOR_EPSILON, float(np.abs(step).max())))
         posture = robot.skeleton.clamp(posture)
     return None
 
@@ -123,7 +123,7 @@ def _smallest(rows: Floats, needed: Floats, metric: Floats) -> Floats | None:
         system = np.vstack([within, required])
         multipliers = solve_nonnegative(system, np.append(np.zeros(len(within)), 1.0))
         residual = system @ multipliers
-        if 1.0 - residual[-1] > LENGTH_EPSILON:
+        if 1.0 - residual[-1] > DIVISOR_EPSILON:
             step: Floats = np.linalg.solve(root.T, residual[:-1] / (1.0 - residual[-1]))
             return step
     return None

@@ -224,7 +224,7 @@ def test_marker_file_of_a_temporary_folder_is_private_and_explains_its_purpose(t
 
 
 def test_temporary_folder_on_a_disk_without_locks_has_no_marker_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    """Expect no draft file, since an unlocked one marks an abandoned draft."""
+    """Expect no marker file, since an unlocked one marks an abandoned draft."""
 
     def refuse(*arguments: object) -> None:
         raise OSError(errno.ENOLCK, "No locks available")

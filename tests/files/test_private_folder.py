@@ -24,7 +24,7 @@ def test_missing_private_folder_is_created_for_this_user_only(tmp_path: Path):
 
 
 @pytest.mark.parametrize("kind", ["file", "link", "dangling", "open"])
-def test_private_folder_may_not_be_a_file_link_or_open_to_others(tmp_path: Path, kind: str):
+def test_private_folder_that_is_a_file_or_a_link_or_open_to_others_is_refused(tmp_path: Path, kind: str):
     path = tmp_path / "mine"
     match kind:
         case "file":

@@ -53,7 +53,7 @@ def test_release_times_are_relative_to_the_start_of_the_running_motion(known, mo
 
 @pytest.fixture
 def tries(monkeypatch):
-    """Record transitions to rest, with minimum durations [s] and checked results."""
+    """Return the recorded calls, durations [s] and results of the search for transitions."""
     calls, times, ends = [], np.zeros(HINGE_COUNT), []
 
     def cross_over(current, goal, knots, _limits, hinge):
@@ -124,7 +124,7 @@ def test_motion_that_has_ended_is_released_from_its_last_posture(known, tries):
     np.testing.assert_array_equal(np.delete(back, NECK, axis=1), 0.2)
 
 
-def test_minimum_return_time_covers_the_largest_distance_of_three_control_points(known):
+def test_minimum_return_time_suffices_for_the_largest_difference_at_three_control_points(known):
     current, after = np.zeros((30, HINGE_COUNT)), np.zeros((30, HINGE_COUNT))
     after[20, 0], after[22, 1], after[21, 2] = 0.5, -0.5, 0.5
     after[19, NECK] = after[23, NECK] = 0.5

@@ -27,7 +27,7 @@ def film() -> FigureFilm:
     return FigureFilm.of(planned, times, planned.trajectory.sample(times)[0])
 
 
-def test_figure_film_has_posture_and_face_per_picture(film: FigureFilm):
+def test_film_of_the_drawn_figure_has_posture_and_face_for_each_frame(film: FigureFilm):
     assert film.rate == DEFAULT_FILM.rate == 30.0
     assert len(film.angles) == len(film.units)
     tilt = film.robot.skeleton.joint("skullbase_tilt")

@@ -57,7 +57,7 @@ def save_style(studio: Studio, name: str) -> str:
     return studio.page.value("document.querySelector('#style-status').textContent")
 
 
-def test_sliders_show_the_expressivity_of_the_style_and_mark_differences(studio: Studio):
+def test_sliders_show_the_style_and_mark_values_that_differ_from_neutral(studio: Studio):
     begin(studio)
     assert set(sliders(studio).values()) == {0.0}
     assert not marked(studio, "differs")

@@ -71,7 +71,10 @@ def changed(studio: Studio, text: str) -> str:
 
 
 def onto(studio: Studio, selector: str, by: float) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return a place in an element, beside the handles of a block, and a place some seconds later."""
+    """Return the mouse positions [pixels] of a drag by a time [s] along the time axis.
+
+    It begins in an element, beside the handles of a block.
+    """
     item = f"document.querySelector({selector!r})"
     studio.page.value(f"{item}.scrollIntoView({{block: 'nearest'}})")
     x, y = middle(studio, selector)

@@ -8,7 +8,7 @@ TOLERANCE = 0.02  # largest difference of two decimals / shown number
 
 
 def matches(shown: str, printed: str, *, is_measured: bool = False) -> bool:
-    """Return whether printed text is as shown, with any white space between words.
+    """Return whether a command's output equals that of the page, except white space.
 
     `...` stands for any text. Numbers with a decimal point may differ by 2 % or by one unit of the last shown place,
     all others not at all.

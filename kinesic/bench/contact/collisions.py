@@ -22,7 +22,7 @@ from kinesic.sim.model import build_model, find_actuator_indices, find_joint_ind
 STEP = 2e-5  # [s] simulation step; a contact lasts 4 to 20 ms
 SETPOINT_STEPS = 50  # simulation steps per setpoint
 MAX_STEPS = 4000  # simulation steps of the longest contact
-FREE_STEPS = 50  # simulation steps before a lost contact may end the collision
+FREE_STEPS = 50  # simulation steps without force after which a collision has ended
 BALL_RADIUS = 0.05  # [m] radius of the ball
 MIN_VELOCITY = 0.25  # [m/s] lowest velocity of a point that meets a ball
 MIN_APPROACH = 0.5  # smallest cosine of the angle between velocity and contact normal

@@ -49,7 +49,7 @@ POSE_HOLD_FACTOR = 1.8  # factor on the category's hold time after a pose
 STROKE_HOLD_FACTOR = 0.4  # factor on the category's hold time after a stroke of the reference duration
 
 STROKE_ACCENT = 2.4  # easing steepness added to the minimum of 1 in dynamic strokes without a word
-SPOKEN_ACCENT = 6.4  # easing steepness added to the minimum of 1 in strokes fastest at a word
+SPOKEN_ACCENT = 6.4  # easing steepness above the minimum of 1 in strokes with their peak velocity at a word
 STROKE_START_SWING = 0.9  # overshoot (0 none .. 1 full) at the key where a stroke begins
 STROKE_KEY_SWING = 0.8  # overshoot (0 none .. 1 full) at stroke keys after the first key
 SPOKEN_START_SWING = 0.4  # overshoot (0 none .. 1 full) at the key where a stroke timed to a word begins

@@ -184,7 +184,7 @@ def _describe_fingers(hands: Hands) -> str:
 
 
 def _describe_fixed_joints(figure: HumanoidGeometry, hands: Hands) -> str:
-    """Describe the fixed finger joints of arms without a recognised hand."""
+    """Describe the finger joints held still on arms without a recognised hand."""
     tree = figure.tree
     fixed_joints = [
         tree.joints[k].name

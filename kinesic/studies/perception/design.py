@@ -72,7 +72,7 @@ class Stimulus:
 
     @property
     def code(self) -> str:
-        """Name for participants, such as `face-1b2c3d4e`, which reveals no condition."""
+        """Name of the stimulus for participants (`face-1b2c3d4e`), without its condition."""
         return f"face-{sha256(self.id.encode()).hexdigest()[:CODE_LENGTH]}"
 
     @property

@@ -157,7 +157,7 @@ def test_gestuaries_of_the_corpus_are_read(name, count, usable):
 
 
 @pytest.mark.skipif(not CORPUS_FOLDER.is_dir(), reason="no corpus; set KINESIC_CORPUS")
-def test_gestuary_gestures_take_precedence_over_builtin_ones():
+def test_gestures_of_a_gestuary_file_take_precedence_over_builtin_ones():
     lexicon = Lexicon.load(CORPUS_FOLDER / "gestuary_camille.xml")
     for form in (form for form in read_gestuary(CORPUS_FOLDER / "gestuary_camille.xml") if is_enabled(form)):
         match = lexicon.find(f"{form.category}={form.id.upper()}")

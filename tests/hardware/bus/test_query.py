@@ -95,7 +95,7 @@ def test_changed_byte_in_a_reply_loses_only_its_block():
         assert found(bytes(raw)) == without(servo)
 
 
-def test_lost_byte_in_a_reply_loses_only_its_block():
+def test_byte_lost_in_a_reply_of_several_servos_loses_only_that_servos_data():
     for servo in SERVO_IDS:
         at = HEADER_SIZE + BLOCK_SIZE * (servo - 1) + 7
         assert found(WHOLE_REPLY[:at] + WHOLE_REPLY[at + 1 :]) == without(servo)

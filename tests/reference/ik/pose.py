@@ -81,7 +81,7 @@ def _solved(linkage: Linkage, target: Vector, wanted: Rotation, near: tuple[floa
 def _beginnings(
     linkage: Linkage, target: Vector, hand: WristSolver, seen: Sequence[Cell]
 ) -> Iterator[tuple[float, ...]]:
-    """Yield start postures: cheap distinct cells, then seeds."""
+    """Yield start postures: those of cheap search cells, then the seeds of IK."""
     yield from (cell.angles for cell in islice(_distinct(seen), MAX_CANDIDATES))
     spread: list[tuple[float, tuple[float, ...]]] = []
     for seed in seeds(linkage):

@@ -22,7 +22,7 @@ class ToneEngine:
     name: str = "tones"
 
     def speak(self, phrase: Phrase, /) -> SpokenPhrase:
-        """Return one tone per word, except for unreadable words of x."""
+        """Return one tone per word; words of only the letter x are unreadable."""
         matches = [match for match in re.finditer(r"\w+", phrase.text) if set(match[0]) != {"x"}]
         if not matches:
             raise UnreadableError(f"no word of {phrase.text!r} can be read")

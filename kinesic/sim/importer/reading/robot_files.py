@@ -83,7 +83,7 @@ class _Reader:
         return place, data
 
     def attach(self, name: str, starts: tuple[Path, ...], named_at: str) -> Attached:
-        """Parse an attached model file once: return token and element count."""
+        """Parse a file that the model attaches once; return substitute and element count."""
         place, data = self.read(name, starts, named_at)
         if place not in self._attached:
             if place in self._open:

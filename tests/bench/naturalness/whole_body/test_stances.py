@@ -41,7 +41,7 @@ def test_frames_close_to_the_first_pose_of_their_clip_are_excluded_from_stances(
     assert not group_hanging([make_body(name=f"A@Idle01_{k}") for k in range(5)])
 
 
-def test_stances_exclude_a_person_with_four_clips():
+def test_stances_leave_out_a_person_with_too_few_clips():
     assert not group_hanging(make_turning_clips("Idle01", count=4))
 
 
