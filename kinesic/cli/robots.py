@@ -7,6 +7,7 @@ import numpy as np
 
 from kinesic.body.config import CONFIGS
 from kinesic.body.robot import Robot
+from kinesic.cli.extras import explain_missing
 from kinesic.cli.progress import show_stages
 from kinesic.cli.screen.table import Table
 from kinesic.cli.terminal import console, quote_text
@@ -22,6 +23,7 @@ from kinesic.sim.shells.variant import find_shell
 WARN_TORQUE_RATIO = 0.4  # holding torque / stall torque above which a hinge gets a warning
 TORQUE_COLOURS = {"pass": "", "warn": "yellow", "fail": "red"}  # verdict on a torque ratio -> its colour
 FAIL_TORQUE_RATIO = 0.8  # holding torque / stall torque above which a hinge fails the check
+PICTURE_SUFFIX = ".mapping.png"  # suffix of the picture of an imported robot's joint mapping
 MAX_PRINTED_NOTES = 5  # largest number of printed notes of one kind about an import
 
 
@@ -108,7 +110,8 @@ def import_robot(file: Path, out: Path | None, wished: tuple[str, ...], force: b
     """Convert an MJCF or URDF robot to a robot file."""
     target = out or Path(f"{file.stem}.toml")
     shell = target.with_suffix(SHELL_SUFFIX)
-    for path in (target, shell):
+    picture = target.with_suffix(PICTURE_SUFFIX)
+    for path in (target, shell, picture):
         check_file(path, force=force)
     with show_stages() as stage:
         stage("mapping the joints")
@@ -122,10 +125,37 @@ def import_robot(file: Path, out: Path | None, wished: tuple[str, ...], force: b
         with new_file(shell, force=force) as temporary:
             temporary.write_bytes(imported.shell)
         click.echo(f"shell: {shell}")
+    _draw_picture(imported, target, picture, force=force)
     _print_notes("note", imported.left_out)
     if imported.doubt:
         click.echo(f"kinesic: review {target} before it moves: {imported.doubt}", err=True)
     return 1 if imported.doubt else 0
+
+
+def _draw_picture(imported: ImportedRobot, target: Path, picture: Path, *, force: bool) -> None:
+    """Draw the joint mapping next to the robot file.
+
+    Without matplotlib, a line names the extra that installs it.
+    """
+    from kinesic.report.mapping_picture import draw_mapping  # noqa: PLC0415 - unused by the other verbs
+
+    joint_of = [(hinge, joint) for hinge, joint, *_ in imported.mapping]
+    try:
+        with new_file(picture, force=force) as temporary:
+            draw_mapping(
+                Robot.load(target),
+                joint_of,
+                temporary,
+                confidence=imported.confidence,
+                doubtful=bool(imported.doubt),
+            )
+    except ModuleNotFoundError as error:
+        reason = explain_missing(error)
+        if reason is None:
+            raise
+        click.echo(f"no picture of the mapping: {reason}")
+    else:
+        click.echo(f"picture: {picture}")
 
 
 def _print_notes(kind: str, notes: tuple[str, ...]) -> None:

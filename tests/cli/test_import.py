@@ -1,6 +1,7 @@
 import json
 import re
 import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -60,7 +61,7 @@ def test_imported_robot_performs_a_document(kinesic, model, tmp_path):
     assert "confidence of the joint mapping: 1.00 of 1\n" in ended.out
     assert "to check: the base is fixed\n" in ended.out
     assert re.search(r"to check: \d+ of \d+ servos have assumed values", ended.out)
-    assert ended.out.splitlines()[-1] == "robot: puppet.toml"
+    assert ended.out.splitlines()[-2:] == ["robot: puppet.toml", "picture: puppet.mapping.png"]
     assert kinesic("robots", "check", "puppet.toml").code == 0
     ended = kinesic("perform", "-", "--robot", "puppet.toml", "--no-film", "--json", "--out", "report", stdin=BML)
     data = json.loads(ended.out)
@@ -79,6 +80,27 @@ def test_import_replaces_a_file_only_with_force(kinesic, model, tmp_path):
     assert "exists already" in ended.err
     assert kinesic("robots", "import", model, "--out", target, "--force").code == 0
     assert target.read_text().startswith("# Mapped from puppet.xml")
+
+
+@pytest.mark.usefixtures("within")
+def test_import_without_matplotlib_names_the_extra_of_the_mapping_picture(kinesic, model, tmp_path, monkeypatch):
+    for module in [name for name in sys.modules if name.partition(".")[0] == "matplotlib"]:
+        monkeypatch.delitem(sys.modules, module)
+    monkeypatch.setitem(sys.modules, "matplotlib", None)
+    ended = kinesic("robots", "import", model)
+    assert (ended.code, ended.err) == (0, "")
+    assert ended.out.splitlines()[-1].startswith("no picture of the mapping: this needs matplotlib: ")
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["puppet.toml", "puppet.xml"]
+
+
+@pytest.mark.usefixtures("within")
+def test_mapping_picture_replaces_a_file_only_with_force(kinesic, model, tmp_path):
+    picture = tmp_path / "puppet.mapping.png"
+    picture.write_text("mine", encoding="utf-8")
+    ended = kinesic("robots", "import", model)
+    assert (ended.code, picture.read_text(), (tmp_path / "puppet.toml").exists()) == (2, "mine", False)
+    assert kinesic("robots", "import", model, "--force").code == 0
+    assert picture.read_bytes().startswith(b"\x89PNG")
 
 
 @pytest.mark.usefixtures("within")
