@@ -89,7 +89,7 @@ def draw_mapping(
 
     left, right = place_labels(robot, joint_of)
     owners = {label.owner for label in (*left, *right)} | {MIDLINE_OWNER}  # without an arm that the robot lacks
-    posture = silhouette(robot, robot.skeleton.rest, {})
+    posture = silhouette(robot, robot.skeleton.rest, {}, with_base=True)
     lines = outline_lines([line for line in posture if line.owner in owners])
     window = OutlineWindow.around(lines)
     tall = max(MIN_ROBOT_HEIGHT, LABEL_PITCH * max(len(left), len(right)))

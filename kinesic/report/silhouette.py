@@ -87,13 +87,16 @@ def depth(points: Floats) -> Floats:
     return np.asarray(points[..., 0] * cos(_VIEW_ANGLE) + points[..., 2] * sin(_VIEW_ANGLE))
 
 
-def silhouette(robot: Robot, angles: Floats, shapes: Mapping[Side, str | None]) -> list[PenStroke]:
+def silhouette(
+    robot: Robot, angles: Floats, shapes: Mapping[Side, str | None], *, with_base: bool = False
+) -> list[PenStroke]:
     """Draw a robot's posture as lines, farthest first.
 
     Args:
         robot: robot whose capsules are drawn; hands without fingers get drawn ones.
         angles: joint angles (n,) [rad].
         shapes: shapes of hands without fingers; unknown shapes are drawn relaxed.
+        with_base: whether the fixed base is drawn, such as the trunk of an imported robot without a waist.
     """
     frames = robot.skeleton.frames(angles)
     fingerless = [side for side in SIDES if not robot.fingers(side)]
@@ -101,7 +104,7 @@ def silhouette(robot: Robot, angles: Floats, shapes: Mapping[Side, str | None]) 
     owners = {name: side for side in SIDES for name in (*robot.arm(side).segments, *robot.fingers(side))}
     lines: list[PenStroke] = []
     for k, segment in enumerate(robot.skeleton.segments):
-        if segment.name in hands or segment.parent is None:
+        if segment.name in hands or (segment.parent is None and not with_base):
             continue
         for capsule in segment.capsules:
             owner = owners.get(segment.name, "trunk")
@@ -183,4 +186,6 @@ def _line(points: Floats, width: float, owner: str) -> PenStroke:
     nearest = float(depth(points).mean())
     white = _MAX_WHITE * float(np.clip((_NEAR_DEPTH - nearest) / (_NEAR_DEPTH - _FAR_DEPTH), 0.0, 1.0))
     red, green, blue = (white + (1.0 - white) * part for part in OWNER_COLOURS[owner])
+    if np.allclose(points, points[0]):  # matplotlib draws no line without length, so a sphere becomes a short line
+        points = np.stack([points[0] - _DOT_OFFSET / 2, points[0] + _DOT_OFFSET / 2])
     return PenStroke(sealed(project(points)), width, (red, green, blue), nearest, owner)

@@ -1,9 +1,12 @@
 """Hands in line drawings, of robots with and without fingers."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from kinesic.body.robot import SIDES, Robot
+from kinesic.body.skeleton import Capsule
 from kinesic.expressivity.lexicon.hand_shapes import hand_shapes
 from kinesic.report.silhouette import hand_outline, project, silhouette
 from kinesic.session.setup import set_up
@@ -36,3 +39,18 @@ def test_key_postures_of_a_gesture_exclude_keys_that_move_only_fingers():
     arms = [joint for side in SIDES for joint in known.robot.arm(side).joints]
     rest = known.robot.skeleton.rest[arms]
     assert all(np.abs(angles[arms] - rest).max() > 0.3 for angles in show.postures)
+
+
+def test_sphere_and_fixed_base_are_drawn_as_visible_lines():
+    robot = Robot.load("upper22")
+    skeleton = robot.skeleton
+    sphere = Capsule(np.zeros(3), np.zeros(3), 0.1)
+    segments = [
+        replace(segment, capsules=(sphere,)) if segment.name == skeleton.segments[0].name else segment
+        for segment in skeleton.segments
+    ]
+    changed = replace(robot, skeleton=replace(skeleton, segments=tuple(segments)))
+    without, drawn = (silhouette(changed, skeleton.rest, {}, with_base=with_base) for with_base in (False, True))
+    assert len(drawn) == len(without) + 1
+    added = next(line for line in drawn if line.width == 0.2)
+    assert 0.0 < np.linalg.norm(added.points[1] - added.points[0]) < 0.01
