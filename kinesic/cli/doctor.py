@@ -5,6 +5,7 @@ from collections.abc import Callable, Mapping
 
 import click
 
+from kinesic.body.robot import Robot
 from kinesic.cli.progress import show_stages
 from kinesic.cli.screen.table import Table
 from kinesic.cli.servos.ports import read_ports
@@ -46,18 +47,23 @@ def examine_machine() -> int:
 
 def examine_servos(robot: str, ports: tuple[str, ...]) -> int:
     """Check ports, permissions, latency, supply and servos, and print remedies."""
-    robot_model = load_robot(robot)
-    manifest = Manifest.of(robot_model)
+    fault_count = count_servo_faults(load_robot(robot), ports)
+    click.echo(f"{fault_count} to fix" if fault_count else "no problems")
+    return CHECK_FAILED_EXIT_CODE if fault_count else 0
+
+
+def count_servo_faults(robot: Robot, ports: tuple[str, ...]) -> int:
+    """Diagnose a robot's servos, print the findings, and return the fault count."""
+    manifest = Manifest.of(robot)
     paths = read_ports(ports, manifest.bauds)
     fault_count = 0
-    for line in find_supply_faults(robot_model):
+    for line in find_supply_faults(robot):
         fault_count += 1
         _print_finding(ServoFinding("-", "supply", False, line))
     for finding in diagnose(manifest, paths, lambda bus: SerialWire(paths[bus], manifest.bauds[bus])):
         fault_count += not finding.well
         _print_finding(finding)
-    click.echo(f"{fault_count} to fix" if fault_count else "no problems")
-    return CHECK_FAILED_EXIT_CODE if fault_count else 0
+    return fault_count
 
 
 def _print_finding(finding: ServoFinding) -> None:

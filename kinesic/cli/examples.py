@@ -47,6 +47,10 @@ EXAMPLES: Mapping[str, tuple[str, ...]] = {
         "kinesic say --audio speech.wav --words speech.json",
     ),
     "serve": ("kinesic serve --robot upper36", "kinesic serve --listen 127.0.0.1:9000 --text"),
+    "servos accept": (
+        "kinesic servos accept out/welcome --port body=/dev/ttyUSB0",
+        "kinesic servos accept acceptance.json --port body=/dev/ttyUSB0",
+    ),
     "servos calibrate": ("kinesic servos calibrate --port body=/dev/ttyUSB0",),
     "servos doctor": ("kinesic servos doctor --port body=/dev/ttyUSB0",),
     "servos reboot": ("kinesic servos reboot --port /dev/ttyUSB0 --id 5 --baud 1000000",),

@@ -29,6 +29,30 @@ def servo_verbs() -> None:
     """Find, calibrate, record, stop, release and simulate servos."""
 
 
+@servo_verbs.command(
+    "accept",
+    epilog="SOURCE is the report's folder of a performance with --near and --on servos. A file that this verb has "
+    "written is compared with the robot instead: it expires with new limbs, gains, servos or firmware.",
+)
+@click.argument("source", type=click.Path(path_type=Path))
+@robot_and_port_options
+@click.option("--person", default="", help="Name of the person who measures (default: ask).")
+@click.option(
+    "--out",
+    type=click.Path(path_type=Path, dir_okay=False),
+    default="acceptance.json",
+    show_default=True,
+    help="JSON file to write.",
+)
+@click.option("--force", is_flag=True, help="Replace an existing file.")
+@implemented_by("servos.accept:accept_robot", needs=SERVO_DRIVER)
+def _accept_robot() -> None:
+    """Compare a robot with its model by an acceptance test near people.
+
+    You measure masses, forces and distances. Not safety-rated, no risk assessment.
+    """
+
+
 @servo_verbs.command("calibrate")
 @robot_and_port_options
 @click.option("--yes", is_flag=True, help="Do not ask; the robot is in its zero posture now.")
