@@ -12,6 +12,7 @@ from kinesic.hardware.protocol.registers import Register
 from kinesic.metrics.acceptance import compare_peak_velocities, find_fast_postures, pushing_force
 from kinesic.sim.kinematics import body_frames
 from kinesic.sim.log import Log, write_log
+from kinesic.sim.model import build_model
 
 pytestmark = pytest.mark.realtime
 
@@ -82,6 +83,22 @@ def test_passed_acceptance_test_writes_a_report_with_values_and_bounds(accept, t
     assert "at most 131 N on a free hand" in ended.out
     assert "Not safety-rated, no risk assessment." in ended.out
     assert not {"safe", "compliant"} & set(ended.out.replace(".", " ").split())
+
+
+def test_bounds_of_mass_push_and_overrun_follow_from_the_model(accept, tmp_path: Path):
+    accept(*ANSWERS)
+    bounds = {step["name"]: step["bound"] for step in json.loads((tmp_path / "acceptance.json").read_text())["steps"]}
+    robot = Robot.load()
+    model, arm = build_model(robot), robot.arm("r")
+    mass = sum(model.body(name).mass[0] for name in arm.segments[-3:])
+    postures = find_fast_postures(robot, swing())
+    path = body_frames(robot, swing().angles).origins[arm.wrist].T
+    speed = np.linalg.norm(np.diff(path, axis=0), axis=1).max() / 0.01
+    assert bounds["velocity"] == 1.05
+    assert bounds["mass"] == pytest.approx(1.1 * mass)
+    assert [bounds[f"push {k + 1}"] for k in range(3)] == pytest.approx([1.2 * posture.force for posture in postures])
+    assert bounds["stop"] == pytest.approx(12.0 * speed, rel=0.01)
+    assert bounds["unplug"] == pytest.approx(32.0 * speed, rel=0.01)
 
 
 def test_exceeded_or_skipped_step_fails_the_acceptance_test(accept, tmp_path: Path):
