@@ -193,9 +193,9 @@ def test_import_answer_contains_a_shell_if_the_robot_has_meshes(
 def test_import_process_prints_only_its_answer_to_standard_output(monkeypatch):
     """Output of libraries goes to standard error."""
 
-    def noisy(path: Path) -> bytes:
+    def noisy(path: Path, wished: tuple[str, ...]) -> bytes:
         os.write(1, b"noise of a library")
-        return f"answer for {path}".encode()
+        return f"answer for {path} with {' '.join(wished)}".encode()
 
     monkeypatch.setattr(answer, "answer_import", noisy)
     bound = "%d %d;"
@@ -205,13 +205,16 @@ def test_import_process_prints_only_its_answer_to_standard_output(monkeypatch):
     (output, out), (errors, err) = os.pipe(), os.pipe()
     child = os.fork()
     if child == 0:
-        os.dup2(out, 1)
-        os.dup2(err, 2)
-        import_process.main("robot.xml", "1000", "7")
-        os._exit(0)
+        try:
+            os.dup2(out, 1)
+            os.dup2(err, 2)
+            import_process.main("robot.xml", "1000", "7", "neck=none")
+            os._exit(0)
+        finally:
+            os._exit(1)  # an exception must not run the test session in the child
     os.close(out)
     os.close(err)
     with os.fdopen(output, "rb") as stream, os.fdopen(errors, "rb") as others:
-        assert stream.read() == b"answer for robot.xml"
+        assert stream.read() == b"answer for robot.xml with neck=none"
         assert others.read() == b"1000 7;noise of a library"
     assert os.waitpid(child, 0)[1] == 0
