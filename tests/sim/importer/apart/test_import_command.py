@@ -144,7 +144,7 @@ def test_import_process_answers_an_invalid_file_with_a_refusal(tmp_path: Path, m
     assert isinstance(result, Refusal)
     assert result.reason.startswith(f"{tmp_path / 'broken.xml'}: not a readable MJCF or URDF")
 
-    def fail(path: Path) -> None:
+    def fail(path: Path, wishes: object) -> None:
         raise MemoryError
 
     monkeypatch.setattr(answer, "import_humanoid", fail)
@@ -183,7 +183,7 @@ def test_import_answer_contains_a_shell_if_the_robot_has_meshes(
     hanging_path: Path, hanging_mapped: Mapped, tmp_path: Path, monkeypatch
 ):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(answer, "import_humanoid", lambda path: hanging_mapped)  # an import takes half a second
+    monkeypatch.setattr(answer, "import_humanoid", lambda path, wishes: hanging_mapped)  # an import takes half a second
     assert answered(hanging_path).shell == b""
     monkeypatch.setattr(answer, "build_imported_shell", lambda found, robot: f"shell of {robot.name}")
     monkeypatch.setattr(answer, "write_shell", lambda shell, path: path.write_text(shell))
