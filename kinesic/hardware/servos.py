@@ -277,7 +277,7 @@ def check_ports(robot: Robot, manifest: Manifest, ports: Mapping[str, str | Path
 
 
 def check_bus_loads(manifest: Manifest, *, period: float) -> None:
-    """Check that each bus has time for all of its servos in every cycle.
+    """Check that each bus can serve all its servos every cycle.
 
     Args:
         manifest: servos of the robot.

@@ -1,4 +1,4 @@
-"""Tools of a conversation, in which the robot attends to people between performances."""
+"""Tools for a conversation of the robot with people."""
 
 import json
 from collections.abc import Awaitable

@@ -86,7 +86,10 @@ class DocumentLine:
 
     @property
     def conversation(self) -> str:
-        """State of the conversation of this connection, such as `listening`; `off` without one."""
+        """State of this connection's conversation, such as `listening`.
+
+        It is `off` without a conversation.
+        """
         return self._conversation
 
     def outcome(self, block: str) -> str | None:
@@ -251,7 +254,10 @@ class DocumentLine:
             self._judge(feedback)
 
     def _follow_state(self, answer: RobotAnswer) -> None:
-        """Record the states of streamed text and conversation, and pass on the first phrase."""
+        """Record the states of streamed text and conversation.
+
+        The first phrase settles the call that waits for it.
+        """
         match answer:
             case {"told": "saying", "block": str(block)} if self._phrase is not None:
                 _settle(self._phrase, block)

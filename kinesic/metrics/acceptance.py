@@ -1,4 +1,4 @@
-"""Steps of an owner's acceptance test, with bounds from a performance on servos.
+"""Steps of an owner's acceptance test, with bounds for each measurement.
 
 The owner measures forces, masses and distances at the robot. Each bound follows from the model and the performed
 motion. The test compares the robot with its model; it is not safety-rated and replaces no risk assessment.
@@ -49,7 +49,7 @@ class Step:
 
 @dataclass(frozen=True, eq=False)
 class FastPosture:
-    """Posture in which a hand is fast, and the force with which it pushes there."""
+    """Posture with a fast hand, and the pushing force of the hand."""
 
     side: Side
     time: float  # [s] time in the log
@@ -158,7 +158,7 @@ def _peak_velocities(log: Log) -> Floats:
 
 
 def find_fast_postures(robot: Robot, log: Log) -> list[FastPosture]:
-    """Find the postures in which the hands are fastest, in the order of time."""
+    """Find the postures with the fastest hands, sorted by time."""
     candidates: list[tuple[float, int, Side, Floats]] = []
     for side in robot.sides:
         path = body_frames(robot, log.angles).origins[robot.arm(side).wrist].T
@@ -176,7 +176,7 @@ def find_fast_postures(robot: Robot, log: Log) -> list[FastPosture]:
 
 
 def pushing_force(robot: Robot, side: Side, angles: Floats, direction: Floats) -> float:
-    """Return the force [N] of a hand at which the weakest hinge stalls.
+    """Return the hand force [N] that stalls the weakest hinge.
 
     Args:
         robot: the robot.
@@ -191,7 +191,7 @@ def pushing_force(robot: Robot, side: Side, angles: Floats, direction: Floats) -
 
 
 def arm_mass(robot: Robot) -> float:
-    """Return the mass of the heaviest arm [kg], from the upper arm outward."""
+    """Return the mass [kg] of the heaviest arm, upper arm included."""
     model = build_model(robot)
     names = [robot.skeleton.segments[robot.arm(side).shoulder].name for side in robot.sides]
     bodies = [mujoco.mj_name2id(model, mujoco.mjtObj.mjOBJ_BODY, name) for name in names]

@@ -33,7 +33,10 @@ class WorstContact:
 
 @dataclass(frozen=True, eq=False)
 class ClosingGap:
-    """Gap between two bodies that closes below `CLAMP_GAP`, at the largest clamping force."""
+    """Closing gap between two bodies, at the largest clamping force.
+
+    The gap is smaller than `CLAMP_GAP`.
+    """
 
     force: float  # [N] force at which the weakest hinge gives way
     time: float  # [s] performance time

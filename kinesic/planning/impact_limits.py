@@ -24,9 +24,10 @@ IMPACT_SPAN = 2.0  # [s] excesses up to this time from the worst one are attribu
 
 
 def compute_impact_ratios(trajectory: Trajectory, times: Floats, setup: Setup) -> Floats:
-    """Compute the largest ratio (m,) of contact force or energy to its limit.
+    """Compute the largest ratio (m,) of contact quantity to limit.
 
-    Ratios up to `MAX_IMPACT_RATIO` are upper bounds. They are zero without a policy.
+    The quantities are contact force and energy. Ratios up to `MAX_IMPACT_RATIO` are upper bounds. They are zero without
+    a policy.
     """
     if setup.policy is None or setup.impacts is None or not len(times):
         return np.zeros(len(times))
@@ -103,7 +104,9 @@ def find_excess_times(motion: Trajectory, changed: Trajectory, times: Floats, se
 
 
 def find_worst_excess(motion: Trajectory, before: Trajectory, setup: Setup) -> tuple[float, float] | None:
-    """Return time [s] and ratio of the largest new excess over the policy, or None.
+    """Find the largest new excess over the contact limits.
+
+    Returns its time [s] and its ratio to the limit, or None without a new excess.
 
     Args:
         motion: changed motion.

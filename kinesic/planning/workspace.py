@@ -22,7 +22,10 @@ class Workspace:
 
 
 def find_workspace(robot: Robot) -> Workspace:
-    """Find the gesture sectors that the left hand, or the only hand, reaches from rest."""
+    """Find the gesture sectors that a hand reaches from rest.
+
+    It is the left hand, or the only one.
+    """
     side = robot.sides[0]
     chain, rest = robot.arms[side], robot.skeleton.rest
     hand = robot.skeleton.segment(chain.joints[-1].name)

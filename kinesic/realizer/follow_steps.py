@@ -1,4 +1,7 @@
-"""Minimum-jerk steps of head and trunk that follow people, and the accompanying face."""
+"""Minimum-jerk steps of head and trunk that follow people.
+
+The face accompanies them.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -69,7 +72,7 @@ class Glimpse:
 
 @dataclass(frozen=True, eq=False)
 class FollowedFace:
-    """Gaze direction of the eyes and brief expression of a robot that follows people."""
+    """Eye direction and brief expression of a robot that follows people."""
 
     gaze: Turn = field(default_factory=Turn)  # direction in the world, from upright
     before: Turn = field(default_factory=Turn)  # direction before `begin`

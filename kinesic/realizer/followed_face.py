@@ -17,9 +17,10 @@ ONSET_FRACTION = 0.25  # fraction of the duration of an expression in which it a
 
 
 def followed_action_units(scene: Scene, face: FollowedFace, begin: float) -> dict[str, Floats]:
-    """Return intensities (m,) of action units at 100 Hz from a time [s] on.
+    """Return intensities (m,) of action units from a time [s] on.
 
-    The eyes keep their target while the head moves. Eye units are NaN while a block determines the gaze.
+    They are sampled at 100 Hz. The eyes keep their target while the head moves. Eye units are NaN while a block
+    determines the gaze.
     """
     times = begin + np.arange(FACE_ROWS) / COMMAND_RATE
     arrived = minimum_jerk((times - face.begin) / SACCADE_DURATION)[:, None]
@@ -40,7 +41,10 @@ def followed_action_units(scene: Scene, face: FollowedFace, begin: float) -> dic
 
 
 def _head_directions(scene: Scene, times: Floats) -> Floats:
-    """Return the direction of the head (m, 2) [rad] to the left and up, from upright."""
+    """Return the yaw and pitch (m, 2) [rad] of the head.
+
+    They are zero for an upright head, and positive to the left and up.
+    """
     robot = scene.setup.robot
     angles = scene.motion.angles(times) - robot.skeleton.rest
     turn = sum((compute_torso_turn(robot, chain, angles) for chain in TRUNK_CHAINS), np.zeros((len(times), 3)))

@@ -104,9 +104,9 @@ class _Change:
         return self.scene.motion.start + self.knot * KNOT_INTERVAL
 
     def times(self, end: float) -> Floats:
-        """Return the times (k + 3,) [s] of the control points up to an end [s].
+        """Return the times [s] of the control points until an end.
 
-        They reach the motion's end at least.
+        Their shape is (k + 3,). They reach the motion's end at least.
         """
         pieces = knot_at(end - self.scene.motion.start) + MIN_TRANSITION
         count = max(len(self.scene.motion.controls), pieces + MIN_TRANSITION)
@@ -192,7 +192,10 @@ def _steps(change: _Change, difference: Floats, robot: Robot) -> list[FollowStep
 
 
 def _within_range(change: _Change, difference: Floats) -> Floats:
-    """Clip an offset (n,) [rad] so that the rest of the motion stays within the joint ranges."""
+    """Clip an offset (n,) [rad] to the joint ranges.
+
+    The offset applies to the rest of the motion.
+    """
     limits, rest = change.scene.setup.limits, change.scene.motion.controls[change.knot :]
     rest = rest if len(rest) else change.scene.motion.controls[-1:]
     low, high = limits.lower - rest.min(axis=0), limits.upper - rest.max(axis=0)

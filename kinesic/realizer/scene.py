@@ -77,7 +77,7 @@ class Scene:
 
     @property
     def follows(self) -> bool:
-        """Whether the head follows people, so that it may move without a block."""
+        """Whether the head follows people and may move without a block."""
         return any(entry.behaviour.startswith(FOLLOWING_PREFIX) for entry in self.lasting)
 
     @property

@@ -38,7 +38,7 @@ def divide_text(script: Script, utterance: Utterance, elapsed: float) -> SpokenT
 
 
 def divide_speeches(scene: Scene, time: float, block: str | None = None) -> dict[str, SpokenText]:
-    """Return the text of each running block, divided at a global time [s].
+    """Divide the text of each running block at a global time [s].
 
     A block without speech has empty texts.
 
@@ -65,7 +65,7 @@ def _joined(parts: Iterator[SpokenText]) -> SpokenText:
 
 
 def _time_at(position: float, script: Script, utterance: Utterance) -> float:
-    """Estimate the time [s] at which a position in the text is spoken."""
+    """Estimate when [s] a position in the text is spoken."""
     marks = sorted((mark.position, utterance.marks[mark.name]) for mark in script.marks if mark.name in utterance.marks)
     cuts = [(0, 0.0), *marks, (len(script.text), utterance.duration)]
     for (first, begin), (last, end) in pairwise(cuts):

@@ -1,4 +1,7 @@
-"""Deceleration, hold and return of the arms of a block that yields to a person."""
+"""Motion of the arms of a block that yields to a person.
+
+The arms decelerate, hold and return.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -37,7 +40,7 @@ def yield_motion(
     layer: Trajectory | None = None,
     others: Sequence[Occupancy] = (),
 ) -> Trajectory:
-    """Remove a block from a running motion after its arms have held still.
+    """Remove a block from a running motion after its arms hold still.
 
     The trunk returns at once. Arms that another behaviour uses later, or that would collide, return without a hold.
 

@@ -11,7 +11,10 @@ DISCLAIMER = "Planned motion in a model. Not safety-rated, no risk assessment." 
 
 
 def describe_impacts(performance: DryRun) -> dict[str, Json] | None:
-    """Return force by region, energy and closing gap, or None without a model."""
+    """Describe the contacts of a performance, or return None without a model.
+
+    The description has the force by region, the energy and the closing gap.
+    """
     figures = performance.reference.impacts
     if figures is None:
         return None

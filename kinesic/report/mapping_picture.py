@@ -1,4 +1,7 @@
-"""Picture of a robot's joint mapping: front view with a label beside each hinge."""
+"""Picture of a robot's joint mapping with a label per hinge.
+
+It shows the robot from the front.
+"""
 
 import warnings
 from collections.abc import Sequence
@@ -179,6 +182,6 @@ def spread_labels(heights: Sequence[float], top: float, bottom: float) -> list[f
 
 
 def _spell_name(name: str) -> str:
-    """Return a joint name in one printable line, cut to its maximum length."""
+    """Return a joint name as printable text of limited length."""
     printable = "".join(character if character.isprintable() else "?" for character in name)
     return printable if len(printable) <= MAX_NAME_LENGTH else f"{printable[: MAX_NAME_LENGTH - 3]}..."

@@ -68,7 +68,7 @@ def with_live(data: Mapping[str, Json], live: ServoRun) -> dict[str, Json]:
 
 
 def _safety_warnings(notes: Sequence[Note]) -> list[Json]:
-    """Return a report warning for each statement about servos without a bus watchdog."""
+    """Return a report warning for each note about missing bus watchdogs."""
     return [{"type": SAFETY_TYPE, "id": "servos", "text": note.text} for note in notes if note.kind == UNWATCHED_KIND]
 
 

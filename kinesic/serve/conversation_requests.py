@@ -16,7 +16,10 @@ def conversation_requests(message: ConversationMessage, sender: int) -> tuple[Co
 
 
 def drop_outdated(waiting: deque[ClientRequest], request: ConversationRequest) -> None:
-    """Remove the last waiting request if it is an earlier report of people by the same client."""
+    """Remove the last waiting request if the new one replaces it.
+
+    A report of people replaces an earlier one of the same client.
+    """
     last = waiting[-1] if waiting else None
     if (
         isinstance(last, ConversationRequest)

@@ -69,7 +69,10 @@ class Conversation:
         return self._state.on
 
     def next_time(self, now: float) -> float:
-        """Return the next time [s] at which `advance` has an effect without an event."""
+        """Return the next time [s] at which `advance` must be called.
+
+        An event may require an earlier call.
+        """
         if not self.is_on:
             return inf
         speeches = self._shared.scene.speeches
@@ -116,7 +119,10 @@ class Conversation:
         return tuple(want for want in wants if isinstance(want, Yield) or (self._fills and isinstance(want, Filler)))
 
     def _own_speech(self, now: float) -> RobotSpeech | None:
-        """Report the start, end or new expected end of own speech, if any."""
+        """Return the start, end or new expected end of own speech.
+
+        Without a change, it is None.
+        """
         playing = [
             item
             for item in self._shared.scene.speeches
@@ -193,7 +199,9 @@ class Conversation:
 
 
 def filler_block(want: Filler, language: str, count: int) -> str:
-    """Return the BML block of a filler, empty in a language without fillers.
+    """Return the BML block of a filler.
+
+    It is empty in a language without fillers.
 
     Args:
         want: requested filler.

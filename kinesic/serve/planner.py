@@ -202,7 +202,7 @@ class PlannerState:
                         self._tell(answer, client)
 
     def _perform_wants(self, wants: Iterable[Want]) -> None:
-        """Stop own speech if a person takes the turn, or say a filler."""
+        """Stop own speech for a person's turn, or say a filler."""
         for want in wants:
             if isinstance(want, Yield):
                 self._interrupt(Interruption(None, True, self._clock.now(), self._conversation.owner))

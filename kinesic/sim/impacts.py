@@ -1,8 +1,9 @@
-"""Contacts of a moving robot with a person: largest force and energy at points on its capsules.
+"""Contacts of a moving robot with a person.
 
-A contact presses a linear spring of the person's stiffness k, with the person's mass m behind it. The worst contact
-normal at a point with velocity v has the closed form F = sqrt(k v' (W + I / m)^-1 v). W = J M^-1 J' is the mobility of
-the point, with rotors in the inertia M. Drives and gravity add little within the milliseconds of a contact.
+The largest contact force and energy are computed at points on the robot's capsules. A contact presses a linear spring
+of the person's stiffness k, with the person's mass m behind it. The worst contact normal at a point with velocity v has
+the closed form F = sqrt(k v' (W + I / m)^-1 v). W = J M^-1 J' is the mobility of the point, with rotors in the inertia
+M. Drives and gravity add little within the milliseconds of a contact.
 """
 
 import numpy as np
@@ -41,7 +42,7 @@ class RobotImpacts:
         return self._owners
 
     def survey(self, angles: Floats, velocities: Floats, rows: ImpactRows, *, gate: float = 0.0) -> ImpactSurvey:
-        """Find the largest value of each row over all points of the robot.
+        """Find the maximum of each quantity over all points of the robot.
 
         Args:
             angles: (m, n) [rad].
@@ -75,7 +76,10 @@ class RobotImpacts:
 
 
 def _compile(robot: Robot) -> tuple[kernel.ImpactTree, tuple[str, ...]]:
-    """Pack the robot of the physics for the kernel, and list the segment of each point."""
+    """Pack the robot's physics for the kernel.
+
+    Returns the packed robot and the segment of each point.
+    """
     body, model = uncouple(robot), build_model(robot)
     tree, owners, armatures = kernel.ImpactTree(), list[str](), robot.drives.armature
     is_moving = set[str]()
@@ -103,7 +107,10 @@ def _compile(robot: Robot) -> tuple[kernel.ImpactTree, tuple[str, ...]]:
 
 
 def _spread(capsule: Capsule) -> Floats:
-    """Return points (p, 3) [m] along the axis of a capsule, one for a ball."""
+    """Return points (p, 3) [m] along the axis of a capsule.
+
+    A ball has a single point.
+    """
     if np.array_equal(capsule.start, capsule.end):
         return capsule.start[None]
     weights = np.linspace(0.0, 1.0, POINTS_PER_CAPSULE)[:, None]

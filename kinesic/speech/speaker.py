@@ -137,6 +137,6 @@ def mix(playing: tuple[PlayedSound, ...], begin: float, count: int, rate: int) -
 
 
 def _fade_gains(entry: PlayedSound, begin: float, count: int, rate: int) -> Samples:
-    """Return the gains (count,) of a sound that fades out, as a raised cosine."""
+    """Return the gains (count,) of a raised-cosine fade-out."""
     progress = np.clip((begin + np.arange(count) / rate - entry.fade) / FADE_DURATION, 0.0, 1.0)
     return np.asarray(0.5 + 0.5 * np.cos(np.pi * progress), dtype=np.float32)

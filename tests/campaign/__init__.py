@@ -1,1 +1,4 @@
-"""Campaign of random blocks: violations of limits, penetrations and exceptions, counted by independent code."""
+"""Campaign of random blocks, judged by independent code.
+
+It counts violations of limits, penetrations and exceptions.
+"""

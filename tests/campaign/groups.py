@@ -1,4 +1,4 @@
-"""Groups of random blocks: each is planned, judged and merged into a running motion."""
+"""Groups of random blocks that are planned, judged and merged."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
@@ -26,7 +26,10 @@ KEPT_PAST = 0.1  # [s] duration of past motion that is kept
 
 @dataclass
 class GroupResult:
-    """Counts of one group of blocks; a failure names its block, so that it can be repeated."""
+    """Counts of one group of blocks.
+
+    Each failure names its block, so that it can be repeated.
+    """
 
     robot: str
     blocks: int = 0
@@ -70,7 +73,7 @@ def run_group(task: tuple[int, int]) -> GroupResult:
 
 
 def prepare() -> Callable[[tuple[int, int]], GroupResult]:
-    """Return the function that runs a group, for the workers of a task engine."""
+    """Return the function with which workers run a group."""
     return run_group
 
 
@@ -85,7 +88,7 @@ def _judge(result: GroupResult, trajectory: Trajectory, setup: Setup, name: str)
 
 
 class _Stream:
-    """Running motion of a live performance, into which blocks are merged at random times."""
+    """Running motion of a live performance with random merges."""
 
     def __init__(self, setup: Setup, chance: Random) -> None:
         self._chance, self._rest = chance, setup.robot.skeleton.rest
@@ -94,7 +97,7 @@ class _Stream:
         self._pool: list[Plan] = []
 
     def perform(self, planned: Plan) -> Iterator[Trajectory]:
-        """Yield the motion after each merge of this plan and of earlier plans of the group."""
+        """Yield the motion after each merge of this and earlier plans."""
         if (planned.setup.robot.skeleton.rest != self._rest).any():
             return  # planned in another stance, so that gestures fit; the server plans such a block anew
         self._pool.append(planned)
@@ -102,7 +105,7 @@ class _Stream:
             yield self._add(coming)
 
     def _add(self, planned: Plan) -> Trajectory:
-        """Merge a plan that starts in the posture of the stream, or replace the motion by it."""
+        """Merge a plan into the motion, or replace the motion."""
         self._now += self._chance.expovariate(1.0 / MEAN_PAUSE)
         now, running = self._now, self._motion.since(self._now - KEPT_PAST)
         self._playing = [

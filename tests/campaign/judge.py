@@ -25,7 +25,7 @@ CONTACT = "contact"  # name of the largest ratio of force or energy to the limit
 
 @dataclass(frozen=True)
 class Judgement:
-    """Largest ratio of value to limit by quantity, and the deepest penetration of one motion."""
+    """Largest ratios of values to limits, and the deepest penetration."""
 
     ratios: dict[str, float]  # an angle beyond its range by x rad counts as 1 + x
     penetration: float  # [m] depth of the deepest self-contact; 0 without one
@@ -37,9 +37,10 @@ class Judgement:
 
 
 def judge(controls: Floats, setup: Setup) -> Judgement:
-    """Judge a motion, given as control points (k + 3, n) [rad] of a uniform cubic B-spline.
+    """Judge a motion by its control points (k + 3, n) [rad].
 
-    Contacts with people are judged at the knots, with kinesic's own model of contacts.
+    The motion is a uniform cubic B-spline. Contacts with people are judged at the knots, with kinesic's own model of
+    contacts.
     """
     ratios = dict(zip(QUANTITIES, limit_ratios(controls, setup.limits), strict=True))
     angles = knot_angles(controls)
@@ -50,7 +51,10 @@ def judge(controls: Floats, setup: Setup) -> Judgement:
 
 
 def limit_ratios(controls: Floats, limits: Limits) -> tuple[float, float, float, float]:
-    """Return the largest ratios of position, velocity, acceleration and jerk to their limits, over all instants."""
+    """Return the largest ratios of the motion to its limits.
+
+    The ratios are of position, velocity, acceleration and jerk, over all instants.
+    """
     windows = np.lib.stride_tricks.sliding_window_view(controls, 4, axis=0)  # (k, n, 4)
     a, b, c, d = np.moveaxis(windows @ BASIS.T, -1, 0)  # angle = a + b u + c u^2 + d u^3 for u in [0, 1]
     with np.errstate(divide="ignore", invalid="ignore"):
@@ -73,7 +77,10 @@ def knot_angles(controls: Floats) -> Floats:
 
 
 def deepest_penetration(postures: Floats, robot: Robot) -> float:
-    """Return the depth [m] of the deepest self-contact in postures (m, n) [rad], according to MuJoCo."""
+    """Return the depth [m] of the deepest self-contact found by MuJoCo.
+
+    The postures (m, n) are in rad.
+    """
     model = build_model(robot)
     data, columns, depth = mujoco.MjData(model), find_joint_indices(robot, model), 0.0
     for posture in postures:

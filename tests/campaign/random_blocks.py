@@ -22,7 +22,10 @@ ROOT = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 
 
 def random_setup(chance: Random) -> Setup:
-    """Return a setup with a random robot, style, standing posture, idle motion, variation and audience."""
+    """Return a setup with random robot, style, idle motion and audience.
+
+    Standing posture and variation are random, too.
+    """
     return set_up(
         chance.choice(ROBOTS),
         style=chance.choice(STYLES),
@@ -35,7 +38,10 @@ def random_setup(chance: Random) -> Setup:
 
 
 def vary_expressivity(setup: Setup, chance: Random) -> Setup:
-    """Return a setup with random expressivity, or in half of the cases the same setup."""
+    """Return the setup with random expressivity.
+
+    In half of the cases the setup stays the same.
+    """
     if chance.random() < 0.5:
         return setup
     values = {

@@ -32,7 +32,10 @@ class Totals:
     failures: list[str] = field(default_factory=list)
 
     def add(self, task: Task, result: GroupResult | WorkerCrash) -> None:
-        """Add the result of a group; the crash of a group is an exception."""
+        """Add the result of a group.
+
+        The crash of a worker counts as an exception.
+        """
         name = f"--seed {task[0]} --only {task[1]}"
         self.groups += 1
         if isinstance(result, WorkerCrash):

@@ -33,7 +33,7 @@ class Record:
         return next(state.mode for at, state in reversed(self.states) if at <= time)
 
     def looking_fraction(self, begin: float, end: float) -> float:
-        """Return the fraction of a time span in which the gaze meets the person."""
+        """Return the fraction of a time span with gaze at the person."""
         changes = [
             (begin, self._looks_at(begin)),
             *((t, self._looks_at(t)) for t, _ in self.of(Look) if begin < t < end),
@@ -49,7 +49,7 @@ class Record:
 def converse(
     events: Iterable[TimedEvent], until: float, *, seed: int = 0, words=ENGLISH, amount: float = 1.0
 ) -> Record:
-    """Run a conversation that begins at time 0 with events at given times [s]."""
+    """Run a conversation with timed events, from time 0."""
     record, state, now = Record(), ConversationState(seed=seed), 0.0
     queue = sorted([(0.0, Conversing(on=True, amount=amount)), *events], key=lambda pair: pair[0])
     while True:

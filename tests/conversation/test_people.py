@@ -30,7 +30,10 @@ def seen(*people, age=0.0):
 
 
 def watch(people, reports, *, roles=NOBODY, since=0.0, period=0.1):
-    """Report the same people several times, and return the people and the time of the last report."""
+    """Report the same people several times.
+
+    Returns the people and the time of the last report.
+    """
     time = since
     for report in reports:
         people = choose_focus(observe(people, report, time, eyes=EYES), roles, time, eyes=EYES)

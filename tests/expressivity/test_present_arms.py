@@ -16,7 +16,7 @@ BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">{}</bml>'
 
 @pytest.fixture(scope="module")
 def left_armed(tmp_path_factory: pytest.TempPathFactory) -> Setup:
-    """Provide the setup of a robot with the left arm of upper22 alone."""
+    """Provide the setup of upper22 with only its left arm."""
     path: Path = tmp_path_factory.mktemp("robots") / "one.toml"
     path.write_text(UPPER22_TEXT.replace('mirror = { from = "l_", to = "r_" }\n', ""), encoding="utf-8")
     return set_up(Robot.load(path))

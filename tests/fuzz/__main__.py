@@ -1,4 +1,4 @@
-"""Fuzz readers of bytes and text, each in a process of its own.
+"""Fuzz readers of bytes and text, each in its own process.
 
 Usage: `python -m tests.fuzz --seconds 60 [TARGET ...]`. With atheris (`pip install atheris`), inputs are guided by code
 coverage; without it, inputs are mutated, guided by new error messages. Inputs that failed lie in the folder of
@@ -30,7 +30,10 @@ class Findings:
 
 
 def fuzz(name: str, seconds: float, *, seed: int, engine: str, corpus: Path) -> Findings:
-    """Fuzz one target for some time [s], and begin again after each failure."""
+    """Fuzz one target for some time [s].
+
+    Fuzzing restarts after each failure.
+    """
     folder, findings, end = corpus / name, Findings(), monotonic() + seconds
     folder.mkdir(parents=True, exist_ok=True)
     for round_number in range(MAX_FAILURES):
@@ -64,7 +67,10 @@ def fuzz(name: str, seconds: float, *, seed: int, engine: str, corpus: Path) -> 
 
 
 def _describe_error(text: str) -> str:
-    """Return the last place and the kind of an error, so that equal faults count once."""
+    """Return the last place and the kind of an error.
+
+    Equal faults have equal descriptions.
+    """
     lines = [line.strip() for line in text.splitlines() if line.strip()] or ["no output"]
     places = [line for line in lines if line.startswith("File ") and "/kinesic/" in line]
     return f"{lines[-1].partition(':')[0]} at {places[-1]}" if places else lines[-1][:200]

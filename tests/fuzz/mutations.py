@@ -74,12 +74,18 @@ class Pool:
         self._outcomes = set[str]()
 
     def draw(self) -> bytes:
-        """Return a new input, in half of the cases from a valid one."""
+        """Return a new input by mutation.
+
+        In half of the cases it comes from a valid input.
+        """
         start = self._chance.choice(self._seeds if self._chance.random() < 0.5 else self._inputs)
         return mutate(start, self._chance, self._inputs)
 
     def keep(self, data: bytes, outcome: str) -> None:
-        """Keep an input whose outcome is new; numbers and quoted words of messages do not count."""
+        """Keep an input with a new outcome.
+
+        Numbers and quoted words of the message are ignored in the comparison.
+        """
         kind = re.sub(r"'[^']*'|\d+", "", outcome)[:200]
         if kind not in self._outcomes and len(self._inputs) < MAX_POOL:
             self._outcomes.add(kind)
@@ -87,7 +93,10 @@ class Pool:
 
 
 def outcome_of(read: Callable[[bytes], object], data: bytes, refusals: tuple[type[Exception], ...]) -> str:
-    """Read an input, and return the message of a refusal, or an empty text; other errors pass through."""
+    """Read an input and return the message of a refusal.
+
+    The message is empty for an accepted input. Other errors pass through.
+    """
     try:
         read(data)
     except refusals as error:

@@ -1,4 +1,4 @@
-"""Readers of bytes and text, each with valid inputs and the errors with which it may refuse others."""
+"""Readers of bytes and text, with valid inputs and permitted errors."""
 
 import struct
 import wave
@@ -156,14 +156,14 @@ def _capture(read: Callable[[bytes, str], object]) -> Callable[[bytes], object]:
 
 
 def _frame(data: bytes) -> None:
-    """Split a stream of bytes, whole and in two pieces, and compare the messages."""
+    """Compare the messages of a byte stream fed whole and halved."""
     whole, middle = MessageFramer(MAX_MESSAGE_SIZE), len(data) // 2
     split = MessageFramer(MAX_MESSAGE_SIZE)
     assert whole.feed(data) == [*split.feed(data[:middle]), *split.feed(data[middle:])]
 
 
 def _read_packets(data: bytes) -> None:
-    """Read a stream of bytes, whole and byte by byte, and compare the packets."""
+    """Compare the packets of a stream fed whole and byte by byte."""
     whole, slow = Reader(), Reader()
     packets = list(whole.feed(data))
     assert packets == [one for byte in data for one in slow.feed(bytes((byte,)))]

@@ -1,7 +1,8 @@
-"""Process that fuzzes one target: `python -m tests.fuzz.worker TARGET SECONDS SEED ENGINE FOLDER`.
+"""Process that fuzzes one target.
 
-Every input is first written to the file `last` of the folder, so that it is known even if the interpreter crashes. An
-error ends the process; the last line of its standard output has the counts.
+Usage: `python -m tests.fuzz.worker TARGET SECONDS SEED ENGINE FOLDER`. Every input is first written to the file `last`
+of the folder, so that it is known even if the interpreter crashes. An error ends the process; the last line of its
+standard output has the counts.
 """
 
 import faulthandler
@@ -38,7 +39,10 @@ def fuzz_by_mutations(name: str, seconds: float, seed: int, folder: Path) -> Non
 
 
 def fuzz_by_coverage(name: str, seconds: float, seed: int, folder: Path) -> None:
-    """Read inputs that atheris derives from the code coverage of earlier ones, for some time [s]."""
+    """Fuzz with inputs from atheris for some time [s].
+
+    Atheris derives inputs from the code coverage of earlier ones.
+    """
     import atheris  # noqa: PLC0415 - optional
 
     with atheris.instrument_imports(include=["kinesic"]):

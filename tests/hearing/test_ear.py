@@ -19,7 +19,10 @@ MAX_YIELD_DELAY = 0.9  # [s] largest time from the start of a voice to the decis
 
 @pytest.fixture(scope="module")
 def voices(espeak: Espeak) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """Samples at 16 kHz: the robot's sentence, a question and a short answer of another pitch."""
+    """Return three utterances at 16 kHz.
+
+    They are the robot's sentence, and a question and a short answer of another pitch.
+    """
     robot = "The castle was built on a hill above the river, and for many years nobody lived there at all."
 
     def say(text: str, pitch: float) -> np.ndarray:

@@ -10,14 +10,17 @@ DELAY = 900  # [samples] delay of the echo: 56 ms
 
 
 def modulated_noise(seed: int, duration: float) -> np.ndarray:
-    """Return noise with the loudness of syllables, as a stand-in for a voice."""
+    """Return noise with a syllable-like loudness, instead of a voice."""
     count = round(duration * VOICE_RATE / FRAME_SIZE) * FRAME_SIZE
     loudness = 0.05 * np.clip(np.sin(np.arange(count) * 2 * np.pi * 4 / VOICE_RATE) + 0.4, 0.0, None)
     return (loudness * np.random.default_rng(seed).normal(size=count)).astype(np.float32)
 
 
 def room_echo(played: np.ndarray, seed: int = 1) -> np.ndarray:
-    """Return the echo of a sound, with a delay and 60 ms of reverberation."""
+    """Return the delayed echo of a sound.
+
+    The echo has 60 ms of reverberation.
+    """
     tail = 960
     path = np.random.default_rng(seed).normal(size=tail) * np.exp(-np.arange(tail) / 200) * 0.1
     path[0] = 0.8
@@ -25,7 +28,7 @@ def room_echo(played: np.ndarray, seed: int = 1) -> np.ndarray:
 
 
 def run(heard, played):
-    """Return the cleaned sound, the echo, and the flags of the gate for each frame."""
+    """Return the cleaned sound, the echo and the gate's flags."""
     canceller, gate = EchoCanceller(), OwnVoiceGate()
     parts = []
     for k in range(0, len(heard), FRAME_SIZE):

@@ -10,7 +10,10 @@ TONE = 440.0  # [Hz]
 
 
 def converted(rate: int, sizes: tuple[int, ...], tone: float = TONE) -> np.ndarray:
-    """Convert one second of a tone in pieces of the given sizes, repeatedly."""
+    """Resample one second of a tone in pieces.
+
+    The sizes of the pieces repeat.
+    """
     sound = np.sin(2 * np.pi * tone * np.arange(rate) / rate).astype(np.float32)
     resampler, parts, begin, number = StreamResampler(rate, NEW_RATE), [], 0, 0
     while begin < len(sound):

@@ -56,7 +56,10 @@ PUBLISHED_PROBABILITIES = (
 
 
 def buzz(frames: int) -> np.ndarray:
-    """Return a seeded sound of noise with a gliding voice of two formants in its middle."""
+    """Return seeded noise with a synthetic voice in its middle.
+
+    The voice has a gliding pitch and two formants.
+    """
     time = np.arange(frames * FRAME_SIZE) / VOICE_RATE
     pitch = 2 * np.pi * np.cumsum(120 + 25 * np.sin(9 * time)) / VOICE_RATE
     voice = sum(

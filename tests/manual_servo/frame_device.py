@@ -1,6 +1,7 @@
-"""Servos with Protocol 1.0 frames and their wire, written from the manuals and without any code of kinesic.
+"""Independent model of servos with Protocol 1.0 frames and their wire.
 
-Time is virtual. A servo moves to its goal at a constant velocity.
+It is written from the manuals and shares no code with kinesic. Time is virtual. A servo moves to its goal at a constant
+velocity.
 """
 
 from collections.abc import Callable, Sequence

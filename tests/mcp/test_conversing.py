@@ -36,7 +36,10 @@ class ConversingServer:
 
 
 def call(server: ConversingServer, *calls: tuple[str, dict[str, object]]) -> list[object]:
-    """Return the decoded answers of tool calls, with the text of an error."""
+    """Return the decoded answers of tool calls.
+
+    A failed call gives the text of its error.
+    """
 
     async def run() -> list[object]:
         with line(server.answer) as (robot, _):

@@ -25,7 +25,10 @@ def look(side: float, up: float = 0.0) -> HeldTurns:
 
 
 def neck(play, time=None):
-    """Return torsion, tilt and roll [deg] of the neck at a time, or at the end of the motion."""
+    """Return torsion, tilt and roll [deg] of the neck.
+
+    Without a time, they are those at the end of the motion.
+    """
     motion, joints = play.scene.motion, list(play.scene.setup.robot.joints("neck"))
     return np.degrees(motion.controls[-1] if time is None else motion.at(time).angles)[joints]
 

@@ -1,4 +1,4 @@
-"""Live motion under a policy of contacts with people: merges, interruptions and quick plans."""
+"""Live motion under contact limits: merges, interruptions and quick plans."""
 
 from dataclasses import replace
 

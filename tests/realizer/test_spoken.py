@@ -42,7 +42,10 @@ def test_words_after_a_pause_are_not_spoken_during_the_pause():
 
 
 def test_estimated_words_agree_with_marks_of_the_voice():
-    """Compare with the time of a mark before each word, which the estimate does not see."""
+    """Compare estimated words with a voice's marks before each word.
+
+    The estimate does not use the marks.
+    """
     text = "My sister bought a new car last week, and it is bright red and very fast."
     starts = [index for index in range(len(text)) if index == 0 or text[index - 1] == " "]
     marked = voice("espeak").say(Script(text, tuple(Mark(f"w{k}", start) for k, start in enumerate(starts))))

@@ -1,4 +1,7 @@
-"""Blocks that yield to a person: deceleration, hold and return of the arms."""
+"""Arm motion of blocks that yield to a person.
+
+The arms decelerate, hold and return.
+"""
 
 import numpy as np
 import pytest
@@ -24,7 +27,10 @@ def arm_velocities(motion, robot, times):
 
 
 def test_arms_of_a_yielding_block_stop_then_hold_then_return_within_limits(play, known):
-    """Interrupt in the preparation, near the chin, in the stroke and in the retraction."""
+    """Interrupt gestures in different phases.
+
+    Phases are the preparation, the stroke, the retraction and a posture near the chin.
+    """
     for lexeme, times in (("BEAT", (0.6, 1.4)), ("think", (0.9, 1.95)), ("offer", (0.4, 1.5)), ("wave", (0.75, 1.2))):
         made = play.ready(lexeme, GESTURE.format(lexeme))
         for time in times:

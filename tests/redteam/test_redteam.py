@@ -1,4 +1,4 @@
-"""Attacks on the limits of motion, sent to `kinesic serve` and to the tools of `kinesic mcp`.
+"""Attacks on the motion limits through `kinesic serve` and `kinesic mcp`.
 
 Every command that the server sends is judged: limits of each hinge, self-contact by MuJoCo, and the limits of contacts
 with adults. After an emergency stop, nothing may move.
@@ -55,7 +55,10 @@ class Attack:
     content: str
 
     def tool_call(self) -> tuple[str, dict[str, object]] | None:
-        """Return tool and arguments with which the attack is sent through MCP; None for a message."""
+        """Return the MCP tool and arguments of the attack.
+
+        They are None for an attack by a message to the server.
+        """
         if self.by == "tool":
             call = json.loads(self.content)
             return call["name"], call["arguments"]
@@ -85,7 +88,9 @@ def robot() -> Iterator[Running]:
 
 
 def send(robot: Running, attacks: Sequence[Attack], setup: Setup, seconds: float) -> int:
-    """Send each attack to server and tools, and return the number of tool calls answered in time.
+    """Send the attacks to the server and the tools.
+
+    Returns the number of tool calls answered in time.
 
     Args:
         robot: server and its commands.
@@ -125,7 +130,7 @@ async def _call_tools(robot: Running, attacks: Sequence[Attack], setup: Setup, s
 
 
 def judge_commands(commands: Sequence[Command], setup: Setup) -> dict[str, float]:
-    """Return the largest ratio of value to limit by quantity, and the deepest self-contact [m]."""
+    """Return the largest ratios to limits, and the deepest self-contact [m]."""
     angles, velocities, accelerations = (
         np.array([getattr(command, name) for command in commands]) for name in ("angles", "velocities", "accelerations")
     )

@@ -1,4 +1,4 @@
-"""Conversation of a client on the planner of the server, in simulated time."""
+"""Conversation of a client with the server's planner in simulated time."""
 
 import json
 from collections.abc import Callable
@@ -69,7 +69,7 @@ class Talk:
         return [message["state"] for _, _, message in self.told if message["told"] == "conversing"]
 
     def head(self, time: float) -> float:
-        """Return the direction of the head to the left at a time [deg]."""
+        """Return the head's yaw [deg] at a time, positive left."""
         robot = self.planning.setup.robot
         joints = [*robot.joints("torso"), *robot.joints("neck")]
         turned = [k for k in joints if robot.skeleton.names[k].endswith("torsion")]

@@ -23,7 +23,7 @@ def random_motion(robot: Robot) -> tuple[Floats, Floats]:
 
 
 def points_of(robot: Robot, model: mujoco.MjModel) -> list[tuple[int, Floats]]:
-    """Return body and place of each point on a capsule of a moving body."""
+    """Return body and position of each capsule point that moves."""
     points = []
     for segment in uncouple(robot).skeleton.segments:
         body = model.body(segment.name).id
@@ -35,7 +35,10 @@ def points_of(robot: Robot, model: mujoco.MjModel) -> list[tuple[int, Floats]]:
 
 
 def forces_by_mujoco(robot: Robot, angles: Floats, velocities: Floats, rows: ImpactRows) -> tuple[Floats, list[Floats]]:
-    """Return the largest values (r,) in one posture, and the Jacobian of each point."""
+    """Return the largest contact values (r,) in one posture.
+
+    Returns the Jacobian of each point, too.
+    """
     model = build_model(robot)
     data, order = mujoco.MjData(model), find_joint_indices(robot, model)
     data.qpos[order], data.qvel[order] = angles, velocities

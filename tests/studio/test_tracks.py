@@ -71,9 +71,9 @@ def changed(studio: Studio, text: str) -> str:
 
 
 def onto(studio: Studio, selector: str, by: float) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return the mouse positions [pixels] of a drag by a time [s] along the time axis.
+    """Return the mouse positions [pixels] of a drag along the time axis.
 
-    It begins in an element, beside the handles of a block.
+    The drag moves by a time [s]. It begins in an element, beside the handles of a block.
     """
     item = f"document.querySelector({selector!r})"
     studio.page.value(f"{item}.scrollIntoView({{block: 'nearest'}})")

@@ -8,10 +8,10 @@ TOLERANCE = 0.02  # largest difference of two decimals / shown number
 
 
 def matches(shown: str, printed: str, *, is_measured: bool = False) -> bool:
-    """Return whether a command's output equals that of the page, except white space.
+    """Return whether a command's output matches that of the page.
 
-    `...` stands for any text. Numbers with a decimal point may differ by 2 % or by one unit of the last shown place,
-    all others not at all.
+    White space is ignored. `...` stands for any text. Numbers with a decimal point may differ by 2 % or by one unit of
+    the last shown place, all others not at all.
 
     Args:
         shown: text of the page.

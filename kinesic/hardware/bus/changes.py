@@ -7,7 +7,9 @@ from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED
 
 
 def describe_changes(ids: Sequence[int], before: Records, after: Records) -> Iterator[tuple[int, EventKind, str]]:
-    """Yield id, kind and text of each change of error, watchdog and torque.
+    """Yield each change of error, watchdog and torque.
+
+    Each item has the servo's id, the kind and a text.
 
     Args:
         ids: ids of the servos, in the order of the records.

@@ -1,4 +1,4 @@
-"""Protocol of the servos on a bus: packets of goals, register writes and queries."""
+"""Encoding of goals, register writes and queries for a servo bus."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
@@ -62,7 +62,10 @@ class Dialect(ABC):
         """Return the query for the records of some servos, by their indices."""
 
     def dated(self, question: Query, time: float, places: Sequence[int], records: Records) -> Query:
-        """Return a query as it is sent at a time [s], after the last records."""
+        """Return the query to send at a time [s].
+
+        It may depend on the last records.
+        """
         return question
 
 
@@ -131,7 +134,11 @@ class FrameDialect(Dialect):
         return FrameQuery(servos, (), table=self._table, full=True)
 
     def dated(self, question: Query, time: float, places: Sequence[int], records: Records) -> Query:
-        """Return a query with its time, and choose whether it reads the torque switches."""
+        """Return the query to send at a time [s].
+
+        It reads the torque switches if each cycle has time for them, after a hardware error, and every `AUDIT_CYCLES`
+        cycles.
+        """
         if not isinstance(question, FrameQuery):
             return question
         self._cycles += 1
@@ -142,7 +149,9 @@ class FrameDialect(Dialect):
 
 
 def cycle_size(table: FamilyTable, count: int, *, full: bool) -> int:
-    """Return the bytes of one cycle of a family: goals, queries and replies.
+    """Return the number of bytes in one cycle of a family.
+
+    A cycle consists of goals, queries and replies.
 
     Args:
         table: control table of the family.

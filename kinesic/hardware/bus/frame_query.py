@@ -77,7 +77,7 @@ class FrameQuery(Query):
         return ServoReplies(blocks, received, missing == 0, end + lacking)
 
     def is_complete(self, raw: bytes) -> bool:
-        """Return whether the bytes end with an intact status of the last servo."""
+        """Return whether the bytes end with the last servo's intact status."""
         size = FRAME_OVERHEAD + self.span[1]
         return any(
             status.id == self.servos[-1] and offset == size and len(status.parameters) == self.span[1]
@@ -85,7 +85,7 @@ class FrameQuery(Query):
         )
 
     def _block(self, place: int, status: Packet) -> tuple[int, ...]:
-        """Convert a status to a record in the units of the X series."""
+        """Convert a status to a record in X series units."""
         start, data, table = self.span[0], status.parameters, self.table
 
         def value(register: Register) -> int:

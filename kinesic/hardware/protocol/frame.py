@@ -91,7 +91,7 @@ def bulk_read_frame(servos: Sequence[int], address: int, size: int) -> bytes:
 
 
 def find_frames(data: bytes) -> Iterator[tuple[Packet, int]]:
-    """Yield each intact frame in received bytes, with the offset of its end.
+    """Yield each intact frame with the offset of its end.
 
     Noise, truncated frames and wrong checksums are skipped.
     """

@@ -68,7 +68,10 @@ class FrameAccess(ServoAccess):
         return tuple(reply for reply in replies if reply is not None)
 
     def ping(self, servo: int) -> PingReply | None:
-        """Ping one servo, and return its reply, or None if silent or of another family."""
+        """Ping one servo and return its reply.
+
+        The reply is None if the servo is silent or of another family.
+        """
         try:
             self._exchange(servo, "ping", ping_frame(servo), 0, tries=min(2, self._frame_tries))
             return self._identify(servo)
@@ -120,7 +123,7 @@ class FrameAccess(ServoAccess):
         return values
 
     def read_table(self, servo: int) -> bytes:
-        """Read all registers of a servo, laid out as in the X series.
+        """Read all registers of a servo into an X series layout.
 
         Raises:
             BusError: the servo does not answer.
@@ -141,7 +144,9 @@ class FrameAccess(ServoAccess):
         return self._exchange(servo, action, read_frame(servo, address, size), size).parameters
 
     def write(self, servo: int, register: Register, value: int) -> None:
-        """Set a register in units of the X series; EEPROM is unlocked meanwhile.
+        """Set a register to a value in X series units.
+
+        The EEPROM is unlocked for the write.
 
         Raises:
             BusError: the servo does not answer, refuses, or lacks the register.
@@ -225,7 +230,9 @@ class FrameAccess(ServoAccess):
         return PingReply(servo, int.from_bytes(data[:2], "little"), 0)
 
     def _exchange(self, servo: int, action: str, data: bytes, size: int, *, tries: int | None = None) -> Packet:
-        """Send a frame until the servo answers with `size` bytes, and return its status.
+        """Send a frame and return the servo's status with `size` bytes.
+
+        The frame is sent again if no such status arrives.
 
         Raises:
             BusError: it does not answer, or reports a wrong instruction.

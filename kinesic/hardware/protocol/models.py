@@ -63,7 +63,7 @@ class Model:
         return self.ranges.get(register, (register.field.lower, register.field.upper))
 
     def quantise(self, register: Register, value: int) -> int:
-        """Return the value that a register has after a write of this value."""
+        """Return the value that a register stores for a written value."""
         return value if self.table is None or not self.has(register) else self.table.quantise(register, value)
 
     @property
@@ -89,7 +89,10 @@ class Model:
         return code
 
     def baud_rate(self, code: int) -> int:
-        """Return the baud rate [bit/s] of a value of BAUD_RATE, 0 if unknown."""
+        """Return the baud rate [bit/s] of a BAUD_RATE value.
+
+        It is 0 for an unknown value.
+        """
         rates = dict(enumerate(BAUD_RATES)) if self.table is None else self.table.bauds
         return rates.get(code, 0)
 
@@ -125,7 +128,10 @@ class Model:
 
     @property
     def min_firmware(self) -> int:
-        """First firmware with the required bus watchdog, 0 for a family without one."""
+        """First firmware version with the required bus watchdog.
+
+        It is 0 for a family without a bus watchdog.
+        """
         return WATCHDOG_FIRMWARE if self.has(Register.BUS_WATCHDOG) else 0
 
 

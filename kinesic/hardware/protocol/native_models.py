@@ -1,7 +1,8 @@
-"""Factory settings of servos with Protocol 1.0 frames: Feetech STS, SMS and SCS, Dynamixel AX and MX.
+"""Factory settings of servos with Protocol 1.0 frames.
 
-Values are those of the X series' registers, which `tables` converts. Sources: Feetech memory tables, ROBOTIS e-Manual.
-Mechanical data are in `configs/servos.toml` under the same names.
+The families are Feetech STS, SMS and SCS, and Dynamixel AX and MX. Values are those of the X series' registers, which
+`tables` converts. Sources: Feetech memory tables, ROBOTIS e-Manual. Mechanical data are in `configs/servos.toml` under
+the same names.
 """
 
 from collections.abc import Mapping
@@ -40,7 +41,10 @@ class NativeSheet:
 
     @property
     def amperes(self) -> float | None:
-        """Current per count [A], or None for load in 0.1 % per count."""
+        """Current per count [A], or None without a current sensor.
+
+        Without a sensor, the servo reports its load in 0.1 % per count.
+        """
         return None if self.max_current is None else STS_CURRENT_UNIT
 
     @property

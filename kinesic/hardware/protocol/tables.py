@@ -72,7 +72,7 @@ class NativeField:
         return native.to_bytes(self.size, order)
 
     def unpack(self, data: bytes, *, order: Literal["little", "big"]) -> int:
-        """Decode a value of the X series from the bytes of this register."""
+        """Decode the bytes of this register to an X series value."""
         native = int.from_bytes(data, order)
         if self.sign_bit is not None and native >> self.sign_bit & 1:
             native = -(native & (1 << self.sign_bit) - 1)
@@ -102,11 +102,11 @@ class FamilyTable:
         return register in self.fields
 
     def pack(self, register: Register, value: int) -> bytes:
-        """Encode a value of the X series for a register of this family."""
+        """Encode an X series value for a register of this family."""
         return self.fields[register].pack(value, order=self.order)
 
     def unpack(self, register: Register, data: bytes) -> int:
-        """Decode a value of the X series from a register of this family."""
+        """Decode a register of this family to an X series value."""
         return self.fields[register].unpack(data, order=self.order)
 
     def quantise(self, register: Register, value: int) -> int:

@@ -74,7 +74,7 @@ class Axes:
 
     @property
     def poll_interval(self) -> float:
-        """Time [s] beyond one cycle in which servos that are read one by one all answer."""
+        """Additional record age [s] allowed for servos that are polled individually."""
         single = any(table is not None and table.collective == "none" for table in self.manifest.tables.values())
         return MAX_POLL_CYCLES * self._period if single else 0.0
 

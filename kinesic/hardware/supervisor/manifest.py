@@ -150,7 +150,10 @@ class Manifest:
 
     @cached_property
     def tables(self) -> Mapping[str, FamilyTable | None]:
-        """Control table of the family on each bus; None: X series with Protocol 2.0."""
+        """Control table of the servo family on each bus.
+
+        It is None for the X series with Protocol 2.0.
+        """
         return {member.bus: member.model.table for member in self.members}
 
     @cached_property

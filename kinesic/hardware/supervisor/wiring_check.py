@@ -1,4 +1,4 @@
-"""Checks of a robot's wiring before a port is opened: bus load and supply voltage."""
+"""Checks of bus load and supply voltage before a port is opened."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -81,7 +81,10 @@ def compute_bus_loads(manifest: Manifest, *, period: float) -> tuple[BusLoad, ..
 
 
 def explain_missing_watchdog(manifest: Manifest) -> str:
-    """State what the servos without a bus watchdog do if the host fails, or return ""."""
+    """Describe how servos without a bus watchdog react to a host failure.
+
+    The text is empty if all servos have one.
+    """
     if not manifest.unwatched:
         return ""
     buses = ", ".join(manifest.unwatched)
@@ -118,7 +121,7 @@ def _cycle_size(members: list[Member]) -> int:
 
 
 def find_supply_faults(robot: Robot) -> tuple[str, ...]:
-    """Return one line per servo model that the robot's supply voltage damages or starves.
+    """Return one line per servo model unsuited to the supply voltage.
 
     A robot without `[supply]` has no such line, nor has a servo of an unknown model.
     """

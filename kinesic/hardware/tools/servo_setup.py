@@ -1,4 +1,4 @@
-"""Change of id or baud rate of a single servo, and its restart, in any family."""
+"""Changes of id and baud rate, and restart, of a single servo."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -35,7 +35,9 @@ def identify_servo(wire: Wire, servo: int) -> IdentifiedServo:
 
 
 def set_id(wire: Wire, servo: int, new: int) -> PingReply:
-    """Change the id of a servo, and return its reply under the new one.
+    """Change the id of a servo and verify it with a ping.
+
+    Returns the servo's reply under the new id.
 
     Raises:
         BusError: the new id is taken, the servo has torque, or does not take the id.
@@ -54,7 +56,9 @@ def set_id(wire: Wire, servo: int, new: int) -> PingReply:
 
 
 def set_baud(opened: Callable[[int], Wire], servo: int, *, baud: int, new: int) -> PingReply:
-    """Change the baud rate of a servo, and return its reply at the new one.
+    """Change the baud rate of a servo and verify it.
+
+    Returns the servo's reply at the new rate.
 
     Args:
         opened: opens the port at a baud rate.

@@ -123,7 +123,7 @@ def _scan(access: ServoAccess, ids: Iterable[int], protocol: Callable[[PingReply
 
 
 def _frame_protocol(servo: PingReply) -> str:
-    """Return the name of the protocol of a servo that answers with frames."""
+    """Return the protocol name of a servo with Protocol 1.0 frames."""
     table = servo.model.table if servo.model is not None else None
     return FEETECH_PROTOCOL if table is not None and table.maker == "Feetech" else FRAME_PROTOCOL
 

@@ -13,7 +13,7 @@ from kinesic.hardware.virtual.protocol import TURNAROUND_TIME, Sent, Servos, mix
 
 
 def frame_answers(packet: Packet, servos: Servos) -> list[Sent]:
-    """Execute a frame on the servos, and return their replies in the order of the wire."""
+    """Execute a frame and return the servos' replies in wire order."""
     parameters = packet.parameters
     if packet.instruction == Instruction.SYNC_WRITE:
         _sync_write(parameters, servos)

@@ -1,7 +1,8 @@
-"""Reaction of a virtual Feetech servo, or of a Dynamixel servo with Protocol 1.0, to instructions.
+"""Reaction of a virtual servo with Protocol 1.0 frames to instructions.
 
-Electronics and shaft are those of the X series' virtual servo; the family's table converts registers. Assumed without a
-source: a Feetech servo clamps goals to its limits, and takes torque again after an overload when told so.
+The servo is a Feetech servo or a Dynamixel servo of the AX or MX series. Electronics and shaft are those of the X
+series' virtual servo; the family's table converts registers. Assumed without a source: a Feetech servo clamps goals to
+its limits, and takes torque again after an overload when told so.
 """
 
 from dataclasses import replace
@@ -81,7 +82,10 @@ class FrameServo(VirtualServo):
         return bytes(image[address : address + size]).ljust(size, b"\0")
 
     def write_native(self, address: int, data: bytes) -> int:
-        """Write a span of native addresses, and return the bits of refused values."""
+        """Write bytes at a native address.
+
+        Returns the error bits of refused values.
+        """
         self._spare[address : address + len(data)] = data[: SPACE - address]
         refusal = 0
         for register, field in self.table.fields.items():
@@ -105,7 +109,10 @@ class FrameServo(VirtualServo):
             self._spare[self.table.lock] = 1
 
     def _store(self, register: Register, value: int) -> int:
-        """Set a register and let the servo react; return the bits of a refusal."""
+        """Set a register and return the error bits of a refusal.
+
+        The servo reacts to the new value.
+        """
         memory, is_feetech = self.memory, self.table.maker == "Feetech"
         lowest, highest = memory[Register.MIN_POSITION_LIMIT], memory[Register.MAX_POSITION_LIMIT]
         if register is Register.GOAL_POSITION and not lowest <= value <= highest:
@@ -139,7 +146,7 @@ class FrameServo(VirtualServo):
             memory.model = replace(memory.model, initial={**memory.model.initial, register: value})
 
     def _set_middle(self) -> None:
-        """Choose the homing offset at which the present position is the middle of a turn."""
+        """Set the homing offset that makes the present position mid-turn."""
         memory, electronics = self.memory, self.electronics
         wanted = memory[Register.HOMING_OFFSET] + TICKS_PER_TURN // 2 - electronics.present_position()
         offset = (wanted + TICKS_PER_TURN // 2) % TICKS_PER_TURN - TICKS_PER_TURN // 2

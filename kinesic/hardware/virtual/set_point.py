@@ -143,7 +143,7 @@ def read_tuning(memory: Memory) -> Tuning:
 
 
 def _largest_offset(memory: Memory) -> int:
-    """Return the largest homing offset [ticks] that a servo applies in position mode."""
+    """Return the largest homing offset [ticks] applied in position mode."""
     return MAX_HOMING_OFFSET if memory.model.table is None else TICKS_PER_TURN // 2
 
 

@@ -78,7 +78,7 @@ def _limit_ratios(axes: PlotAxes, performance: DryRun) -> None:
 
 
 def _contacts(axes: PlotAxes, performance: DryRun) -> None:
-    """Draw the force of a contact with a free hand and a free chest.
+    """Draw the contact forces on a free hand and chest.
 
     Under a policy, the lower of the limits of both is drawn.
     """

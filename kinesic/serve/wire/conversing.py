@@ -26,7 +26,7 @@ SpokenText = Annotated[str, Meta(max_length=2000)]
 
 
 class ConverseRequest(Struct, tag="converse", tag_field="do", forbid_unknown_fields=True):
-    """Request to begin or end a conversation, in which the robot attends to people."""
+    """Request to begin or end a conversation with people."""
 
     on: bool = True  # whether the robot converses
     amount: Fraction = 1.0  # 0..1 amount of movement
@@ -42,14 +42,17 @@ class SeenPerson(Struct, forbid_unknown_fields=True):
 
 
 class PeopleReport(Struct, tag="people", tag_field="do", forbid_unknown_fields=True):
-    """Report of all people whom a tracker sees, 2 to 20 times a second."""
+    """Report of all people seen by a tracker.
+
+    Send it 2 to 20 times a second.
+    """
 
     people: Annotated[tuple[SeenPerson, ...], Meta(max_length=MAX_PEOPLE)]  # a person missing for 1 s has left
     age: Age = 0.0  # [s] time since the measurement
 
 
 class HeardReport(Struct, tag="heard", tag_field="do", forbid_unknown_fields=True):
-    """Report that the voice of a person began or ended, or of recognised words."""
+    """Report of a voice's start or end, or of recognised words."""
 
     voice: bool | None = None  # whether a voice began or ended; without it only words are reported
     text: SpokenText | None = None  # all recognised words of the turn

@@ -73,7 +73,7 @@ class Resume(Struct, tag="resume", tag_field="do", forbid_unknown_fields=True):
 
 
 class DuckRequest(Struct, tag="duck", tag_field="do", forbid_unknown_fields=True):
-    """Request to mute the speech while a voice sounds, and to go on later."""
+    """Request to mute speech while a person speaks, or to unmute it."""
 
     on: bool  # whether to mute, for at most 5 s; the motion goes on, and muted words are lost
 

@@ -184,7 +184,10 @@ def _without_sensors(tree: Tree, path: Sequence[int]) -> tuple[int, ...]:
 
 
 def _is_sensor(tree: Tree, k: int, *, is_first: bool) -> bool:
-    """Tell a sensor's hinge at the end of a branch from the neck's."""
+    """Return whether a hinge at a branch's end moves a sensor.
+
+    Otherwise it belongs to the neck.
+    """
     joint = tree.joints[k]
     if list_parts(joint.name)[-1:] == ["sensor"]:
         return True

@@ -79,7 +79,10 @@ class TableWire(MemoryWire):
         self._table.move(until)
 
     def close(self) -> None:
-        """Pass the time to the servos, so that the next wire opens after this one."""
+        """Advance the servos to this wire's time.
+
+        The next wire opens after this one.
+        """
         self._table.bus.advance(self.now())
 
 

@@ -21,7 +21,10 @@ ANSWERS = ("0.7", "10", "10", "10", "150", "6", "9", "0", "0", "0")  # mass, pus
 
 
 def swing(scale: float = 1.0) -> Log:
-    """Return a motion of the right arm with a peak velocity of scale * 2 rad/s."""
+    """Return a right-arm motion with a given peak velocity.
+
+    The peak is scale * 2 rad/s.
+    """
     robot, times = Robot.load(), np.arange(0.0, 4.0, 0.01)
     angles = np.tile(robot.skeleton.rest, (len(times), 1))
     angles[:, robot.skeleton.joint("r_shoulder_flexion")] += scale * (1.0 - np.cos(2.0 * times))

@@ -253,7 +253,7 @@ def test_hand_waiting_between_gestures_is_lowered_if_time_allows(pace, phases, s
 
 
 def test_lowered_hand_stops_only_for_a_long_pause(pace, phases):
-    """Prevent a dead stop of a few hundredths of a second between two gestures."""
+    """Prevent stops of a few hundredths of a second between two gestures."""
     for end, start, stops in [(1.8, 2.29, False), (2.8, 3.2, True)]:
         first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.1, end), (work(A, B),))
         second = Stroke("g2", phases(start, *(start + np.array([0.6, 0.6, 1.0, 1.0, 1.2, 1.8]))), (work(C, A),))

@@ -1,4 +1,4 @@
-"""Bus of servos with Protocol 1.0 frames, on kinesic's virtual servos in virtual time."""
+"""Bus of virtual servos with Protocol 1.0 frames in virtual time."""
 
 from dataclasses import replace
 

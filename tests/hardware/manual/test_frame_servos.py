@@ -1,4 +1,7 @@
-"""Bus of each family on servos that share no code with kinesic, under each fault."""
+"""Bus of independently written servos of each family, under each fault.
+
+The servos share no code with kinesic.
+"""
 
 from random import Random
 
@@ -40,7 +43,7 @@ def true_ticks(line: FrameLine, name: str) -> np.ndarray:
 
 
 def run(bus: Bus, line: FrameLine, name: str, cycles: int, *, shift: int = 300) -> list[Cycle]:
-    """Run cycles with slow goals, and compare each accepted position with the true one."""
+    """Run slow goals and compare accepted positions with the true ones."""
     done = []
     start = true_ticks(line, name)
     for k in range(cycles):

@@ -1,8 +1,8 @@
-"""Finite model of the supervisor: every reachable state with every event and every observation.
+"""Finite model of the supervisor with all reachable states.
 
-The model is built from the transition table. The set of observations for which a row applies is a truth table: an
-integer with one bit per combination of the inputs. Besides the supervisor's flags, the model keeps memory of its own,
-so that a lost flag shows as a broken rule.
+Every event and every observation is applied to each state. The model is built from the transition table. The set of
+observations for which a row applies is a truth table: an integer with one bit per combination of the inputs. Besides
+the supervisor's flags, the model keeps memory of its own, so that a lost flag shows as a broken rule.
 """
 
 from collections import deque
@@ -106,7 +106,10 @@ class SupervisorModel:
             yield from _remembered(Case(node, event, inputs, table, replace(node, state=after), actions))
 
     def _outcomes(self, state: SupervisorState, event: Event) -> list[Outcome]:
-        """Return the outcomes of an event, which are the same for all events with the same rows."""
+        """Return the outcomes of an event.
+
+        They are the same for all events with the same rows.
+        """
         rules = [pair for pair in self._rules if state.stage in pair[0].stages and event in pair[0].events]
         rows = [pair for pair in self._rows if state.stage in pair[0].stages and event in pair[0].events]
         key = state, tuple(id(pair) for pair in (*rules, *rows))
@@ -147,7 +150,7 @@ def names_of(cube: Cube) -> list[str]:
 
 
 def holding(cubes: Sequence[Cube], state: SupervisorState, tables: dict[str, int], ones: int) -> int:
-    """Return the truth table of the observations that lie in one of the cubes."""
+    """Return the truth table of the observations in any cube."""
     total = 0
     for mask, values in cubes:
         table = ones
@@ -172,7 +175,7 @@ def _remembered(case: Case) -> Iterator[Case]:
 
 
 def split(table: int, condition: int) -> list[tuple[bool, int]]:
-    """Return the parts of a truth table in which a condition holds and does not hold."""
+    """Split a truth table by a condition into its nonempty parts."""
     parts = [(True, table & condition), (False, table & ~condition)]
     return [(holds, part) for holds, part in parts if part]
 
@@ -196,7 +199,7 @@ def _next_memory(case: Case, *, is_interrupted: bool, is_dismissed: bool) -> Mem
 
 
 def nodes_without_end(cases: Sequence[Case]) -> set[Node]:
-    """Return the reachable states from which no sequence of events closes the ports."""
+    """Return the reachable states from which the ports cannot be closed."""
     sources: dict[Node, set[Node]] = {}
     for case in cases:
         sources.setdefault(case.after, set()).add(case.before)

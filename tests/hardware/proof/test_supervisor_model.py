@@ -64,7 +64,7 @@ def test_model_and_step_function_agree_on_random_cases(cases: list[Case]):
 
 
 def without_condition(stage: Stage, condition: str) -> Table:
-    """Return the table with a condition removed from the rows of a stage."""
+    """Return the table without a condition in a stage's rows."""
     return [
         replace(row, when=tuple(name for name in row.when if name != condition)) if stage in row.stages else row
         for row in TRANSITIONS

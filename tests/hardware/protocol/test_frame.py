@@ -1,4 +1,7 @@
-"""Frames of Protocol 1.0, compared byte by byte with those of the manuals of ROBOTIS and Feetech."""
+"""Protocol 1.0 frames, compared byte by byte with the manufacturers' manuals.
+
+The manufacturers are ROBOTIS and Feetech.
+"""
 
 import pytest
 from hypothesis import given

@@ -44,7 +44,10 @@ def test_velocities_have_the_unit_of_the_manual():
 
 
 def test_every_value_is_stable_after_one_write():
-    """Compare read-back values with written ones, which a conversion to coarser counts must not shift again."""
+    """Write each read-back value again and compare.
+
+    A conversion to coarser counts must not shift a value twice.
+    """
     for table in FAMILY_TABLES.values():
         for register, field in table.fields.items():
             for native in range(0, 1 << min(8 * field.size, 11), 7):

@@ -1,4 +1,7 @@
-"""Changes of id and baud rate, and restarts, of single servos of each family."""
+"""Setup and restart of single servos of each family.
+
+The setup changes id and baud rate.
+"""
 
 from collections.abc import Callable
 
@@ -28,7 +31,7 @@ def model(request: pytest.FixtureRequest) -> str:
 
 
 def port(model: str, *ids: int) -> tuple[Callable[[int], Wire], ShaftSimulation]:
-    """Return a function that opens the port of some servos, and their simulation."""
+    """Return a function that opens the servos' port, and their simulation."""
     plant, buses = build_bus([Cable("body", tuple(ServoFitting(k, model=model) for k in ids))])
 
     wires = [MemoryWire(buses["body"])]

@@ -19,7 +19,10 @@ REPLY_TIMEOUT = 0.5  # [s] time limit of the programs for a reply
 
 @contextmanager
 def served(folder: Path, model: str) -> Iterator[str]:
-    """Serve three virtual servos in a thread, and yield the path of their port."""
+    """Serve three virtual servos in a thread.
+
+    Yields the path of their port.
+    """
     fittings = tuple(ServoFitting(servo, model=model, ticks=2000 + 100 * servo) for servo in IDS)
     _, buses = build_bus([Cable("body", fittings)])
     port, stopped = PtyPort(buses["body"], folder / "body"), threading.Event()

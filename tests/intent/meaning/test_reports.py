@@ -1,4 +1,4 @@
-"""Tests of plain reports, in which words are mentioned and not acted out."""
+"""Plain reports, which mention words without acting them out."""
 
 import tomllib
 from pathlib import Path
@@ -19,7 +19,10 @@ MIN_HITS = 0.75  # fraction of expressive sentences with a fitting gesture on it
 
 
 def shown(text: str) -> list[tuple[str, ...]]:
-    """Return each gesture for a text, with the words before, at and after its stroke."""
+    """Return each gesture for a text, with words about its stroke.
+
+    They are the words before, at and after the stroke.
+    """
     passage, selection = plan_behaviours(text, LEXICON, NEUTRAL, seed=0)
     words = ["", *(word.plain for word in passage.words), ""]
     gestures = [behaviour for behaviour in selection.behaviours if behaviour.channel == "gesture"]

@@ -81,7 +81,10 @@ def _solved(linkage: Linkage, target: Vector, wanted: Rotation, near: tuple[floa
 def _beginnings(
     linkage: Linkage, target: Vector, hand: WristSolver, seen: Sequence[Cell]
 ) -> Iterator[tuple[float, ...]]:
-    """Yield start postures: those of cheap search cells, then the seeds of IK."""
+    """Yield start postures for the search.
+
+    Those of cheap search cells come before the seeds of IK.
+    """
     yield from (cell.angles for cell in islice(_distinct(seen), MAX_CANDIDATES))
     spread: list[tuple[float, tuple[float, ...]]] = []
     for seed in seeds(linkage):

@@ -30,7 +30,10 @@ def done(setup: Setup) -> DryRun:
 
 
 def under(performance: DryRun, audience) -> DryRun:
-    """Return the same motion, judged under a policy that did not shape it."""
+    """Return the same motion, judged under the limits of another audience.
+
+    These limits did not shape the motion.
+    """
     planned = performance.reference.plan
     judged = replace(planned, setup=replace(planned.setup, policy=find_policy(audience)))
     return replace(performance, reference=replace(performance.reference, plan=judged))

@@ -1,4 +1,7 @@
-"""Legs and arms of synthetic robots without telling joint names, and words of joint names."""
+"""Detection of legs and arms without informative joint names.
+
+Words in joint names are tested, too.
+"""
 
 import numpy as np
 import pytest
@@ -26,7 +29,10 @@ def box(centre, size):
 
 
 def robot(*, root=0.5, end=0.0, sole=(0.2, 0.08, 0.03), knee=None, name="j", mass=10.0, load=0.8):
-    """Return a robot with one pair of limbs of three hinges, which hang down from a trunk."""
+    """Return a robot with a pair of hanging limbs.
+
+    Each limb has three hinges and hangs from a trunk.
+    """
     joints, parts = [], []
     for side, y in (("l", 0.1), ("r", -0.1)):
         first = len(joints)
@@ -124,7 +130,10 @@ def test_side_of_a_joint_name(name, side):
 
 
 def single_arm(y, name="arm"):
-    """Return a robot with a waist, and one arm at a lateral position."""
+    """Return a robot with a waist and one arm.
+
+    The arm has a lateral position `y`.
+    """
     joints = (
         joint("waist", -1, (0, 0, 0.1), Z),
         *(joint(f"{name}{k}", k, (0, y, 0.5 - 0.1 * k)) for k in range(4)),

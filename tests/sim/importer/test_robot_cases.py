@@ -23,7 +23,10 @@ pytestmark = pytest.mark.skipif(not CASE_FOLDER.is_dir(), reason=f"no cases at {
 
 @pytest.fixture(autouse=True, scope="module")
 def _one_start() -> Iterator[None]:
-    """Search each hanging pose from one random start, which suffices for these simple arms."""
+    """Limit the search for each hanging pose to one random start.
+
+    One start suffices for these simple arms.
+    """
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(hanging_pose, "RANDOM_STARTS", 1)
         yield

@@ -22,7 +22,10 @@ class ToneEngine:
     name: str = "tones"
 
     def speak(self, phrase: Phrase, /) -> SpokenPhrase:
-        """Return one tone per word; words of only the letter x are unreadable."""
+        """Return one tone per word.
+
+        Words of only the letter x are skipped; a text of only such words is unreadable.
+        """
         matches = [match for match in re.finditer(r"\w+", phrase.text) if set(match[0]) != {"x"}]
         if not matches:
             raise UnreadableError(f"no word of {phrase.text!r} can be read")

@@ -83,7 +83,10 @@ class _Reader:
         return place, data
 
     def attach(self, name: str, starts: tuple[Path, ...], named_at: str) -> Attached:
-        """Parse a file that the model attaches once; return substitute and element count."""
+        """Parse an attached model once and return its substitute.
+
+        The substitute has a placeholder of the file name and the element count.
+        """
         place, data = self.read(name, starts, named_at)
         if place not in self._attached:
             if place in self._open:
