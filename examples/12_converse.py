@@ -1,4 +1,4 @@
-"""Let a robot converse: translate the events of other voice stacks and trackers into its messages."""
+"""Translate events of voice stacks and trackers into a robot's conversation messages."""
 
 import json
 import sys
@@ -20,7 +20,10 @@ PIPECAT = {  # names of Pipecat frames
 
 
 def of_ros4hri(positions):
-    """Convert positions of faces, {id: (x, y, z)} in metres from the robot's base, to a message."""
+    """Convert positions of faces to a `people` message.
+
+    The positions are {id: (x, y, z)} in metres from the robot's base.
+    """
     return {"do": "people", "people": [{"id": id, "at": place, "looks": True} for id, place in positions.items()]}
 
 

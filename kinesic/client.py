@@ -118,7 +118,9 @@ class Client:
     def people(
         self, places: Mapping[str, tuple[float, float, float]], *, looking: Container[str] = (), age: float = 0.0
     ) -> None:
-        """Report all people whom a tracker sees, 2 to 20 times a second.
+        """Report all people whom a tracker sees.
+
+        Call it 2 to 20 times a second.
 
         Args:
             places: position [m] of the eyes by id of the person: forward, left, up from the robot's base.

@@ -41,7 +41,7 @@ def decode_varint(encoded: bytes) -> int:
 
 
 def convert(tensors: dict[str, Weights]) -> dict[str, Weights]:
-    """Return the weights as matrices that multiply rows of features from the right."""
+    """Convert the weights to matrices in the layout `features @ weights`."""
     weights = {"fourier": tensors["model.stft.forward_basis_buffer"][:, 0, :].T}
     for layer in range(4):
         kernel = tensors[f"model.encoder.{layer}.reparam_conv.weight"]  # (outputs, inputs, 3)

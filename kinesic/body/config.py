@@ -98,9 +98,11 @@ def parse_tables(text: str, path: Path) -> dict[str, object]:
 
 
 def describe_excess(text: str) -> str:
-    """Describe the first too deep nesting or too long dotted key in TOML.
+    """Describe the first TOML nesting or dotted key beyond its limit.
 
     The parser's time grows with the square of the number of parts of a dotted key, and it recurses for each nesting.
+
+    Empty text if there is none.
     """
     nested = 0
     for token in _TOKEN_PATTERN.finditer(text):

@@ -1,4 +1,4 @@
-"""Interfaces of inverse dynamics, of distances between segments, and of contacts with people.
+"""Interfaces of inverse dynamics, segment distances and contacts with people.
 
 `sim` implements them, and `controller` passes them to planning.
 """
@@ -98,7 +98,7 @@ class Impacts(Protocol):
         """Segment of each point."""
 
     def survey(self, angles: Floats, velocities: Floats, rows: ImpactRows, *, gate: float = 0.0) -> ImpactSurvey:
-        """Find the largest value of each row over all points of the robot.
+        """Find the largest value of each row over all robot points.
 
         Args:
             angles: (m, n) [rad].

@@ -72,7 +72,7 @@ class ImpactPolicy:
 
     @cached_property
     def rows(self) -> ImpactRows:
-        """Rows whose values are ratios of force, or square root of energy, to the limit.
+        """Rows of force and square-root energy relative to their limits.
 
         `FORCE_MARGIN` is included.
         """
@@ -86,9 +86,9 @@ class ImpactPolicy:
 
 
 def force_rows(regions: Mapping[str, RegionTable]) -> ImpactRows:
-    """Return rows of the force [N] on each region, and of the energy [J], square root.
+    """Return rows of force per body region, and of energy.
 
-    `FORCE_MARGIN` is included.
+    Forces are in N. The energy row is the square root of the energy in J. `FORCE_MARGIN` is included.
     """
     scales = [FORCE_MARGIN * sqrt(region.stiffness) for region in regions.values()]
     masses = [region.mass for region in regions.values()]

@@ -96,7 +96,10 @@ def assess_robot(robot: str) -> int:
 
 
 def _has_wiring_faults(robot: Robot) -> bool:
-    """Print bus loads and wrong supply voltages, and return whether one is a fault."""
+    """Print bus loads and supply faults, and return whether faults exist.
+
+    An overloaded bus is a fault.
+    """
     loads = compute_bus_loads(Manifest.of(robot), period=DEFAULT_SETTINGS.period) if ServoMap.of(robot).buses else ()
     for load in loads:
         click.echo(f"bus {load.bus}: {load.text}")

@@ -1,4 +1,6 @@
-"""Write the generated pages of docs/reference: command line, Python, TOML files, messages, tools, examples, supervisor.
+"""Write the generated pages of docs/reference.
+
+The pages are command line, Python, TOML files, messages, tools, examples and supervisor.
 
 .venv/bin/python docs/make/reference
 """

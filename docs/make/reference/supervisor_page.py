@@ -61,7 +61,10 @@ def write_page() -> str:
 
 
 def _comments(definition: str, names: Iterable[str]) -> dict[str, str]:
-    """Return the comments of names in the source, after the beginning of their definition."""
+    """Return the comment of each name in the source of `state_machine`.
+
+    Only the source after `definition` is searched.
+    """
     source = inspect.getsource(state_machine).partition(definition)[2]
     return {name: re.findall(rf'"{name}",?  # (.+)', source)[0] for name in names}
 

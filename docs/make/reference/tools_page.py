@@ -97,7 +97,10 @@ def _paragraphs(tool: Tool) -> list[str]:
 
 
 def _code(value: object) -> str:
-    """Return a default value as code in JSON notation, empty for an empty text."""
+    """Return a default value as Markdown code.
+
+    Text is unchanged, other values are in JSON notation. An empty text has no code.
+    """
     return f"`{value if isinstance(value, str) else json.dumps(value)}`".replace("``", "")
 
 

@@ -1,4 +1,4 @@
-"""Time shift between the stroke of a clip and that of its certified motion."""
+"""Time shift between a clip's stroke and its certified motion's stroke."""
 
 from collections.abc import Mapping
 

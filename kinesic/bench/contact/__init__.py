@@ -1,4 +1,7 @@
-"""Benchmark of contacts with people: plans under a policy, and collisions of the twin."""
+"""Benchmark of contacts with people.
+
+It measures plans under a policy, and collisions of the twin.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -128,7 +131,7 @@ def _time_plan(block: Block, setup: Setup) -> tuple[Plan, float]:
 
 
 def _time_survey(planned: Plan) -> float:
-    """Measure the CPU time [s] of one evaluation of all contacts of a motion."""
+    """Measure the CPU time [s] of evaluating a motion's contacts once."""
     times = knot_times(planned.trajectory)
     began = process_time()
     for _ in range(SURVEY_REPEATS):
@@ -137,7 +140,10 @@ def _time_survey(planned: Plan) -> float:
 
 
 def _largest_shift(before: Plan, after: Plan) -> float:
-    """Return the largest change of a stroke's time [s]; 0 without a common stroke."""
+    """Return the largest change [s] of a stroke's time.
+
+    0 if the plans have no common stroke.
+    """
     strokes = {(sync.behaviour, sync.sync): sync.planned for sync in before.syncs if sync.is_stroke}
     shifts = [abs(sync.planned - strokes.get((sync.behaviour, sync.sync), sync.planned)) for sync in after.syncs]
     return max(shifts, default=0.0)

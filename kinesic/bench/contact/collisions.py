@@ -1,4 +1,6 @@
-"""Collisions of the twin with a free ball, in comparison with the computed bound.
+"""Collisions of the twin with a free ball.
+
+The measured force is compared with the computed bound.
 
 The ball has the mass and the stiffness of a part of a person's body, with a linear spring and neither damping nor
 friction. The twin has its servos, friction and gravity, and follows a planned motion until it meets the ball.
@@ -94,7 +96,7 @@ def collide(
 
 
 def compute_bound(setup: Setup, trajectory: Trajectory, time: float, region: Mapping[str, RegionTable]) -> float:
-    """Return the force [N] that the report states for one time and region."""
+    """Return the report's force bound [N] for one time and region."""
     assert setup.impacts is not None
     angles, velocities, _ = trajectory.sample(np.array([time]))
     return float(setup.impacts.survey(angles, velocities, force_rows(region)).values[0, 0])

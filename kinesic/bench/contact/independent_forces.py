@@ -1,4 +1,6 @@
-"""Largest contact of a motion relative to the policy, by MuJoCo's Jacobians and mass matrix.
+"""Largest contact force or energy relative to its limit, from MuJoCo.
+
+MuJoCo computes the Jacobians and the mass matrix.
 
 The bound by the total kinetic energy excludes most instants. Only the policy and the points are shared with planning.
 """
@@ -41,7 +43,10 @@ class MujocoContacts:
         self._inertia = np.zeros((model.nv, model.nv))
 
     def largest_ratio(self, trajectory: Trajectory, rows: ImpactRows) -> float:
-        """Return the largest ratio of force or energy to its limit during a motion."""
+        """Return the largest force or energy ratio to its limit.
+
+        An energy counts by the square root of its ratio.
+        """
         times = np.arange(trajectory.start, trajectory.end, 1.0 / SAMPLE_RATE)
         angles, velocities, _ = trajectory.sample(times)
         return max((self._ratio(*state, rows) for state in zip(angles, velocities, strict=True)), default=0.0)

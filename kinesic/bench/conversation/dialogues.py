@@ -79,7 +79,10 @@ class _Writer:
         return Dialogue(events, *times, tuple(interjections), self._time, self._has_predictor)
 
     def _write_turn(self) -> float:
-        """Write a turn of several stretches of voice, and return its end [s]."""
+        """Write a person's turn, and return its end [s].
+
+        The turn has one to four stretches of voice.
+        """
         count = int(self._random.integers(1, 5))
         for number in range(count):
             end = self._time + float(self._random.uniform(0.9, 4.0))
@@ -124,7 +127,10 @@ class _Writer:
         return [Interjection(begin, takes_turn=True)]
 
     def _write_people(self) -> None:
-        """Write reports of a standing and a walking person, with dropouts and changed ids."""
+        """Write tracker reports of a standing and a walking person.
+
+        They contain dropouts and changed ids.
+        """
         lost_until, id = 0.0, "p1"
         for time in np.arange(0.0, self._time, TRACKER_PERIOD).tolist():
             if time >= lost_until and self._random.random() < 0.01:

@@ -37,7 +37,7 @@ class DialogueRecord:
     thinking_delay: float = TURN_TIMES.end_to_thinking  # [s] from the end of a turn to the thinking state
 
     def looking_fraction(self, begin: float, end: float) -> float:
-        """Return the fraction of a time span with the gaze at a person."""
+        """Return the fraction of a time span spent looking at a person."""
         met = next((value for time, value in reversed(self.looks) if time <= begin), False)
         total, last = 0.0, begin
         for time, value in self.looks:

@@ -1,4 +1,4 @@
-"""Benchmark of hearing: barge-in while the robot speaks, on seeded mixtures of sounds."""
+"""Benchmark of barge-in while the robot speaks, on seeded sound mixtures."""
 
 import time
 from collections.abc import Sequence
@@ -26,7 +26,7 @@ FALSE_KINDS = ("short", "cough", "knock", "music", "none")  # kinds of mixtures 
 
 @dataclass(frozen=True)
 class HearingOutcome:
-    """Decisions of the ear in a mixture, with delays after the event's start."""
+    """Decisions of the ear in a mixture, with their delays."""
 
     kind: str
     begin: float  # [s] time of the event

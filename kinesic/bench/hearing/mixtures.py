@@ -61,7 +61,7 @@ EVENT_DELAYS = (0.2, 2.5)  # [s] range of the event's start within the second se
 
 @dataclass(frozen=True, eq=False)
 class Mixture:
-    """Sound of a microphone, with the playback and the kind of its event."""
+    """Microphone sound with the playback and the kind of its event."""
 
     kind: EventKind
     heard: Samples  # (m,) at 16 kHz
@@ -70,7 +70,10 @@ class Mixture:
 
 
 def make_mixtures(seed: int, rounds: int) -> Iterator[Mixture]:
-    """Yield the mixtures of a seed: two turns and one of each other kind in each round."""
+    """Yield rounds of sound mixtures drawn from a seed.
+
+    Each round has two mixtures with a turn and one of each other kind.
+    """
     random = np.random.default_rng(seed)
     for _ in range(rounds):
         for kind in (*("turn",) * (TURNS_PER_ROUND - 1), *get_args(EventKind)):

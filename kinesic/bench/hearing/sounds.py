@@ -22,13 +22,16 @@ REVERBERATION_TIMES = (0.15, 0.4)  # [s] range of the time in which the reverber
 
 @cache
 def say(text: str, language: str, rate: float, pitch: float) -> Samples:
-    """Return a text in the voice of a person, without silence around it."""
+    """Return a text spoken in a person's voice, without surrounding silence."""
     return _trimmed(Espeak().say(Script(text, language=language), rate=rate, pitch=pitch).sound)
 
 
 @cache
 def say_as_robot(text: str) -> Samples:
-    """Return a text in the robot's voice: hibari if it is installed, else espeak."""
+    """Return a text spoken in the robot's voice, without surrounding silence.
+
+    The voice is hibari if it is installed, else espeak.
+    """
     robot = voice("espeak" if find_installation_fault() else "hibari")
     return _trimmed(robot.say(Script(text)).sound)
 
@@ -42,7 +45,7 @@ def _trimmed(sound: Sound | None) -> Samples:
 
 
 def with_level(sound: Floats | Samples, level: float) -> Floats:
-    """Scale a sound to the root mean square `level` of its audible part."""
+    """Scale a sound to an RMS of `level` in its audible part."""
     audible = sound[np.abs(sound) > SILENCE_RATIO * np.abs(sound).max()]
     return np.asarray(sound * (level / np.sqrt(np.mean(audible**2))))
 

@@ -1,4 +1,4 @@
-"""Times in which the arms of a yielding block come to a stop."""
+"""Stopping times of the arms when a block yields."""
 
 import numpy as np
 
@@ -36,7 +36,7 @@ def measure_arm_stops() -> list[float]:
 
 
 def _first_rest(velocities: Floats) -> float:
-    """Return the time [s] at which the first standstill of velocities (m,) begins."""
+    """Return the start [s] of the first standstill in velocities (m,)."""
     needed = round(STILL_DURATION / KNOT_INTERVAL)
     moving = np.flatnonzero(velocities >= STILL_VELOCITY)
     gaps = np.diff(np.concatenate([[-1], moving, [len(velocities) + needed]]))

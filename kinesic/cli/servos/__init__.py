@@ -116,7 +116,7 @@ def _scan_ports() -> None:
 @click.option("--to", "new", type=int, required=True, help="New baud rate.")
 @implemented_by("servos.setup:change_baud", needs=SERVO_DRIVER)
 def _change_baud() -> None:
-    """Change the baud rate of one servo of any family, and verify it."""
+    """Change and verify the baud rate of one servo of any family."""
 
 
 @servo_verbs.command("set-id")

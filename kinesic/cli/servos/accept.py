@@ -1,4 +1,7 @@
-"""Verb `kinesic servos accept`: the owner's acceptance test, with a report that expires."""
+"""Verb `kinesic servos accept`: the owner's acceptance test of a robot.
+
+Its report expires when the robot changes.
+"""
 
 from collections.abc import Iterable
 from datetime import UTC, datetime
@@ -129,7 +132,7 @@ class AcceptanceReport(msgspec.Struct, frozen=True):
 
 
 def accept_robot(source: Path, robot: str, ports: tuple[str, ...], person: str, out: Path, force: bool) -> int:
-    """Compare a robot with its model, or an earlier report with the robot."""
+    """Run the acceptance test, or check an earlier report against the robot."""
     loaded = load_robot(robot)
     if source.is_file():
         return _print_expiry(_read(source, AcceptanceReport), _describe_robot(loaded, ports))
@@ -209,7 +212,10 @@ def _describe_robot(robot: Robot, ports: tuple[str, ...]) -> TestedRobot:
 
 
 def _evaluate(step: Step) -> StepResult:
-    """Return the result of a step; ask the owner for a value that is not measured."""
+    """Evaluate a step, print it and return its result.
+
+    The owner enters a value that is not measured.
+    """
     value = _ask(step) if step.value is None else step.value
     is_passed = value is not None and value <= step.bound
     ratio = value / step.bound if value is not None and step.bound > 0.0 else None

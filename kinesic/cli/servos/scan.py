@@ -77,7 +77,7 @@ def _scan_port(
 
 
 def _explain_silence(heard: Mapping[int, int]) -> str:
-    """Explain that no servo answered, from the number of received bytes by baud rate."""
+    """Explain from received bytes by baud rate why no servo answered."""
     rates = ", ".join(str(rate) for rate, octets in heard.items() if octets)
     if rates:
         return f"bytes came back at {rates} baud, but no packet of a known protocol; noise, or another kind of device?"
