@@ -1,1 +1,1 @@
-"""Behaviour of a robot between blocks of a conversation: people, turns and gaze."""
+"""Conversational behaviour of a robot between blocks: people, turns and gaze."""

@@ -1,4 +1,7 @@
-"""Pure transition of a conversation: from state and event to new state and requests."""
+"""Pure transition function of a conversation.
+
+It maps a state and an event to the next state and requests to the robot's body.
+"""
 
 from dataclasses import replace
 from math import inf
@@ -80,9 +83,9 @@ def advance_conversation(
 
 
 def next_time(state: ConversationState, now: float, *, words: TurnWords = NO_TURN_WORDS) -> float:
-    """Return the next time [s] at which `advance_conversation` has an effect without an event.
+    """Return the earliest time [s] of a change without events.
 
-    Infinity if there is none.
+    `advance_conversation` must be called then. Infinity if there is none.
     """
     if not state.on:
         return inf
@@ -135,7 +138,7 @@ def _hear(voice: PersonVoice, active: bool, who: str | None, time: float) -> Per
 
 
 def _end(before: ConversationState, state: ConversationState, now: float) -> tuple[ConversationState, tuple[Want, ...]]:
-    """Return the state, and a notice to the client, after a conversation's end."""
+    """Return the state after a conversation's end, with a client notice."""
     if before.mode == "off":
         return state, ()
     ended = replace(state, mode="off", since=now, company=Company())

@@ -61,7 +61,7 @@ class TurnPrediction:
 
 @dataclass(frozen=True)
 class Thinking:
-    """Start or end of the time in which a model prepares its answer."""
+    """Start or end of a model's preparation of its answer."""
 
     on: bool
 

@@ -26,7 +26,7 @@ def begin_gaze(state: ConversationState, now: float) -> ConversationState:
 
 
 def continue_gaze(state: ConversationState, now: float) -> ConversationState:
-    """Start the next look or look away after the end of the current one."""
+    """Start the next look or look away once the current one ends."""
     if _ends_soon(state, now):
         return replace(state, gaze=LOOKING)
     rhythm = RHYTHMS.get(state.mode)
@@ -59,7 +59,7 @@ def request_look(state: ConversationState, now: float) -> tuple[ConversationStat
 
 
 def next_gaze_time(state: ConversationState, now: float) -> float:
-    """Return the next time [s] at which the gaze may change without an event."""
+    """Return the earliest time [s] of a gaze change without events."""
     times = [state.gaze.until, next_check(state.company, now), _last_look_time(state)]
     if state.look is not None and state.look.place is not None:
         target = state.company.target(now)
@@ -73,7 +73,7 @@ def _ends_soon(state: ConversationState, now: float) -> bool:
 
 
 def _last_look_time(state: ConversationState) -> float:
-    """Return the time [s] at which the last look of own speech begins.
+    """Return the start [s] of the last look during the robot's speech.
 
     Infinity without an expected end.
     """

@@ -28,7 +28,7 @@ def consider_nod(state: ConversationState, now: float) -> tuple[ConversationStat
 
 
 def next_nod_time(state: ConversationState, now: float) -> float:
-    """Return the next time [s] at which a nod may be due without an event."""
+    """Return the earliest time [s] of a nod without further events."""
     voice = state.voice
     if state.mode != "listening" or voice.active or state.nod_considered == voice.ended:
         return inf

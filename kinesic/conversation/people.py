@@ -1,4 +1,4 @@
-"""Tracking of people and choice of the person whom the robot attends to.
+"""Tracking of people and choice of the robot's focus of attention.
 
 All functions are pure. Reports of a tracker are smoothed, sudden jumps must persist, and a person keeps the identity if
 the tracker loses and finds the person under another id.
@@ -135,7 +135,7 @@ def choose_focus(people: Company, roles: Roles, now: float, *, eyes: Place) -> C
 
 
 def next_check(people: Company, now: float) -> float:
-    """Return the next time [s] at which `expire` or `choose_focus` may change people.
+    """Return the earliest time [s] of a change by `expire` or `choose_focus`.
 
     Infinity if there is none.
     """
@@ -172,7 +172,10 @@ def direction_change(one: Place, other: Place, eyes: Place) -> float:
 
 
 def _follow(person: TrackedPerson, report: Person, time: float, eyes: Place) -> TrackedPerson:
-    """Move a person towards a reported position, after a delay if it jumps."""
+    """Move a person towards a reported position.
+
+    A sudden jump must persist for `JUMP_DELAY`.
+    """
     jump = person.jump
     if direction_change(report.place, person.place, eyes) > JUMP_ANGLE:
         if jump is None or direction_change(report.place, jump[0], eyes) > JUMP_ANGLE:

@@ -1,4 +1,7 @@
-"""Times and angles of the conversational states, from the literature on human conversation."""
+"""Times and angles of the conversational states.
+
+They are from the literature on human conversation.
+"""
 
 from dataclasses import dataclass
 

@@ -83,7 +83,7 @@ class ConversationState:
         return Roles(self.voice.who if self.voice.active else None, self.addressee)
 
     def draw(self) -> tuple[float, "ConversationState"]:
-        """Draw a random number in [0, 1), and return the state after the draw."""
+        """Return a random number in [0, 1) and the next state."""
         return _uniform(self.seed, self.draws), replace(self, draws=self.draws + 1)
 
     def vary(self, spread: tuple[float, float]) -> tuple[float, "ConversationState"]:

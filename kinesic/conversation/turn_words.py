@@ -32,7 +32,10 @@ class TurnWords:
     fillers: tuple[str, ...] = ()  # short utterances that fill the time until an answer
 
     def has_stop_word(self, text: str) -> bool:
-        """Return whether a text begins with a stop word, after words of agreement."""
+        """Return whether a text begins with a stop word.
+
+        Leading words of agreement are skipped.
+        """
         return _begins_with(self._rest(text), self.stop, spaced=self._is_spaced)
 
     def without_agreement(self, text: str) -> tuple[str, ...]:
@@ -41,7 +44,7 @@ class TurnWords:
         return tuple(rest.split()) if self._is_spaced else tuple(rest)
 
     def is_unfinished(self, text: str) -> bool:
-        """Return whether a text ends with a conjunction, an article or a hesitation."""
+        """Return whether a text ends with a conjunction, article or hesitation."""
         words = _normalised(text)
         return any(words.endswith(f" {end}" if self._is_spaced else end) or words == end for end in self.unfinished)
 

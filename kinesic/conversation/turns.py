@@ -10,7 +10,7 @@ from kinesic.conversation.wants import Mode, Yield
 
 
 def turn_end(state: ConversationState, words: TurnWords) -> float:
-    """Return the time [s] at which a person's turn ends without further voice.
+    """Return the end [s] of a person's turn without further voice.
 
     Infinity while the person speaks, or without a turn.
     """
@@ -26,7 +26,7 @@ def turn_end(state: ConversationState, words: TurnWords) -> float:
 
 
 def yield_time(state: ConversationState, words: TurnWords) -> float:
-    """Return the time [s] at which a person's voice stops the robot's speech.
+    """Return the time [s] when a person's voice stops the robot's speech.
 
     Infinity without such a voice. Words of agreement do not count.
     """
@@ -80,7 +80,7 @@ def interrupted(state: ConversationState, now: float) -> ConversationState:
 
 
 def next_transition(state: ConversationState, now: float, words: TurnWords) -> float:
-    """Return the next time [s] at which the mode may change without an event."""
+    """Return the earliest time [s] of a mode change without events."""
     if not state.on:
         return inf
     end = turn_end(state, words)

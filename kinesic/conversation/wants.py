@@ -23,7 +23,10 @@ class Look:
 
 @dataclass(frozen=True)
 class BodyLean:
-    """Lean of the trunk and tilt of the head, held until the next request."""
+    """Lean of the trunk and tilt of the head.
+
+    Both are held until the next request.
+    """
 
     lean: float  # [deg] forward
     tilt: float  # [deg] head, to the right

@@ -1,4 +1,7 @@
-"""Gestures on a robot with one arm: swapped, reduced to that arm, or left out."""
+"""Adaptation of gestures to a robot with one arm.
+
+Gestures are swapped, reduced to that arm, or left out.
+"""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -47,7 +50,7 @@ def name_missing_arm(robot: Robot) -> str:
 
 
 def describe_missing_arm(mode: HandMode, robot: Robot) -> str:
-    """Return a message about a requested but missing arm, or an empty text."""
+    """Describe a requested but missing arm, or return an empty text."""
     side = name_missing_arm(robot)
     if not side or mode not in ("both", side):
         return ""

@@ -1,1 +1,1 @@
-"""Hearing: voice activity, the robot's own echo and barge-in, from samples of a microphone."""
+"""Hearing from microphone samples: voice activity, own echo and barge-in."""

@@ -10,7 +10,10 @@ from enum import Enum, auto
 
 @dataclass(frozen=True)
 class BargeInThresholds:
-    """Thresholds of barge-in, chosen on seeds 1 and 4 of the benchmark `hearing`."""
+    """Thresholds of barge-in.
+
+    They were chosen on seeds 1 and 4 of the benchmark `hearing`.
+    """
 
     voice: float = 0.6  # probability above which a frame counts as voice
     clear_voice: float = 0.85  # probability above which a frame counts as clear voice; music seldom reaches it

@@ -1,4 +1,4 @@
-"""Streaming ear: from samples of a microphone to the events of a conversation."""
+"""Streaming ear: from microphone samples to conversation events."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

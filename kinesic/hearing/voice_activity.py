@@ -28,7 +28,7 @@ STATE_SIZE = 128  # values of the hidden state and of the cell state
 
 @dataclass(frozen=True, eq=False)
 class VoiceNetwork:
-    """Weights of the network, as matrices that multiply rows of features from the right."""
+    """Network weights as matrices in the layout `features @ weights`."""
 
     fourier: Samples  # (256, 258) windowed cosines, then sines
     convolutions: tuple[tuple[Samples, Samples], ...]  # kernel (3 inputs, outputs) and bias (outputs,) of each layer

@@ -85,7 +85,7 @@ class _HandSamples:
     palm: Floats | None  # (p, 3) unit normals
 
     def pose(self, motion: GestureMotion, k: int, path: HandPath | None = None) -> HandPose:
-        """Return the hand pose at sample `k`, which the hand reaches along `path`."""
+        """Return the hand pose at sample `k`, reached along `path`."""
         hand, time = motion.hands[self.side], float(self.times[k])
         near = np.abs(motion.times - time) <= SWIVEL_WINDOW / 2.0
         swivel = float(hand.swivel[near].mean()) if near.any() else float(hand.swivel[motion.at(time)])

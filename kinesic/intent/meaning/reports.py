@@ -36,16 +36,19 @@ def is_told(context: Context, k: int) -> bool:
 
 
 def is_past(context: Context, k: int) -> bool:
-    """Return whether the first finite verb of a word's clause is in the past tense.
+    """Return whether a word's clause is in the past tense.
 
-    A clause without a verb has the tense of its sentence.
+    The first finite verb decides. A clause without a verb has the tense of its sentence.
     """
     tense = _find_tense(context, context.clause_words(k))
     return (tense or _find_tense(context, context.sentence(k))) == "past"
 
 
 def _find_tense(context: Context, indices: Sequence[int]) -> str:
-    """Return `past` or `present` of the first finite verb, or an empty text."""
+    """Return the tense of the first finite verb.
+
+    It is `past` or `present`, or an empty text if it is unknown.
+    """
     has, plain = context.language.has, context.plain
     is_open = False  # whether a verb with equal present and past forms precedes
     for k in indices:
@@ -68,7 +71,10 @@ def _find_tense(context: Context, indices: Sequence[int]) -> str:
 
 
 def _is_past_verb(context: Context, k: int) -> bool:
-    """Return whether a word is a verb in the past form (`walked` and `ran`, not `feed`)."""
+    """Return whether a word is a verb in the past form.
+
+    Examples are `walked` and `ran`, but not `feed`.
+    """
     word, classes = context.plain[k], context.language.classes
     stems = [word.removesuffix(ending) for ending in classes.get("past_ending", ()) if word.endswith(ending)]
     is_regular = any(len(stem) >= MIN_STEM_LETTERS and stem[-1] != "e" for stem in stems)
@@ -102,7 +108,10 @@ def is_past_deed(context: Context, candidate: Candidate) -> bool:
 
 
 def is_detail(context: Context, candidate: Candidate) -> bool:
-    """Return whether a place only identifies a noun (`the bank round the corner`)."""
+    """Return whether a place only identifies a noun.
+
+    An example is `the bank round the corner`.
+    """
     before = range(context.clause_words(candidate.first).start, candidate.first)
     facts = [k for k in before if context.passage.words[k].is_content]
     modifies_noun = len(facts) >= MIN_DETAIL_WORDS and facts[-1] == candidate.first - 1 and _is_noun(context, facts[-1])
@@ -117,7 +126,10 @@ def is_last_fact(context: Context, candidate: Candidate) -> bool:
 
 
 def is_stressed(context: Context, candidate: Candidate) -> bool:
-    """Return whether a candidate is emphasised or repeats a word (`up and up`)."""
+    """Return whether a candidate is emphasised or repeats a word.
+
+    An example of a repetition is `up and up`.
+    """
     inside = range(candidate.first, candidate.last + 1)
     words = [context.plain[k] for k in inside if context.passage.words[k].is_content or k == candidate.stroke]
     is_repeated = any(context.plain[candidate.first : candidate.last + 1].count(word) > 1 for word in words)
@@ -125,7 +137,7 @@ def is_stressed(context: Context, candidate: Candidate) -> bool:
 
 
 def _is_vivid(context: Context, candidate: Candidate) -> bool:
-    """Return whether a candidate is stressed, a quality or an action in progress."""
+    """Return whether a candidate is stressed, a quality or an ongoing action."""
     inside = range(candidate.first, candidate.last + 1)
     is_acted = is_stressed(context, candidate) or any(_is_in_progress(context, k) for k in inside)
     return is_acted or _is_quality(context, candidate)
@@ -145,14 +157,20 @@ def _is_quality(context: Context, candidate: Candidate) -> bool:
 
 
 def _is_in_progress(context: Context, k: int) -> bool:
-    """Return whether a word is a progressive verb (`was running`), not a noun (`the driving`)."""
+    """Return whether a word is a progressive verb.
+
+    An example is `was running`, but not the noun in `the driving`.
+    """
     return not _is_noun(context, k) and context.plain[k].endswith(
         tuple(context.language.classes.get("progressive_ending", ()))
     )
 
 
 def is_name(context: Context, candidate: Candidate) -> bool:
-    """Return whether a capital within a sentence marks the candidate's word as a proper name."""
+    """Return whether a candidate's word is a proper name.
+
+    A capital within a sentence marks a name.
+    """
     word = context.passage.words[candidate.stroke]
     begins = candidate.stroke == context.sentence(candidate.stroke)[0] or any(
         sign in word.before for sign in OPENING_QUOTES

@@ -157,7 +157,7 @@ def score(
 
 
 def _penalise_report(context: Context, candidate: Candidate, categories: Mapping[str, str]) -> float:
-    """Return the penalty of a gesture for a word that a plain report mentions."""
+    """Return the penalty of a gesture for a plain or reported word."""
     shown = {categories.get(each, "") for each in candidate.cue.shows}
     if shown.isdisjoint(REPORT_CATEGORIES):
         return 0.0
