@@ -128,7 +128,7 @@ class Robot(Description, NotebookView):
     @cached_property
     def sides(self) -> tuple[Side, ...]:
         """Sides with an arm that moves."""
-        return tuple(side for side in SIDES if self.arm(side).joints)
+        return tuple(side for side in SIDES if self.skeleton.joints_of(self.chains.get(f"{side}_arm", ())))
 
     def arm(self, side: Side) -> RobotArm:
         """Return the skeleton's arm on one side.
@@ -229,7 +229,7 @@ class Robot(Description, NotebookView):
         """
         fingers = {f"{side}_fingers": self.fingers(side) for side in SIDES if self.fingers(side)}
         together = {name for names in fingers.values() for name in names}
-        absent = {name for side in SIDES if side not in self.sides for name in self.arm(side).segments}
+        absent = {name for side in SIDES if side not in self.sides for name in self.chains.get(f"{side}_arm", ())}
         shapeless = {s.name for s in self.skeleton.segments if s.name in absent and not s.capsules}
         return {s.name: (s.name,) for s in self.skeleton.segments if s.name not in together | shapeless} | fingers
 

@@ -7,7 +7,8 @@ from pathlib import Path
 import kinesic
 
 ROOT = Path(kinesic.__file__).parent
-WALL_CLOCK_USERS = {  # modules that read the time of day, only for labels of events, backups, versions and folders
+WALL_CLOCK_USERS = {  # modules that read the time of day, only to label events, backups, reports and folders
+    "cli/servos/accept.py",
     "hardware/supervisor/status.py",
     "report/output.py",
     "serve/desk/archive.py",

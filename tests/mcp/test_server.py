@@ -106,8 +106,11 @@ def test_conversation_tools_change_the_state_until_a_stop(server: Running):
     async def act(client):
         begun = await client.call_tool("converse", {"on": True})
         thinks = await client.call_tool("think", {"on": True})
-        await asyncio.sleep(0.3)  # until the planner has reported the state
-        during = await client.call_tool("status", {})
+        for _ in range(100):  # until a text of another test has ended, and the planner has reported the state
+            during = await client.call_tool("status", {})
+            if json.loads(text(during)).get("conversation") == "thinking":
+                break
+            await asyncio.sleep(0.1)
         await client.call_tool("stop", {})
         refused = await client.call_tool("converse", {"on": True})
         await client.call_tool("resume", {})
