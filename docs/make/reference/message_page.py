@@ -3,7 +3,7 @@
 from typing import get_args
 
 import msgspec
-from struct_tables import key_table
+from struct_tables import key_table, nested_tables, title_of
 
 from kinesic.serve.messages import BodyReport, ServoPlace, ServoReport
 from kinesic.serve.wire.protocol import MAX_CONTROL_SIZE, Control
@@ -41,6 +41,8 @@ def write_page() -> str:
         lines += (
             key_table(message) if message.__struct_fields__ else [f'`{{"do": "{verb_of(message)}"}}` has no other key.']
         )
+        for table in list(nested_tables(message))[1:]:
+            lines += ["", f"### {title_of(table)}", "", _about(table), "", *key_table(table)]
     lines += ["", "## Reports", "", "A client that sent `watch` receives `body` reports; `servos` answers with places."]
     for report in (BodyReport, ServoReport, ServoPlace):
         title = report.__name__.replace("Report", " report").replace("Place", " place").capitalize()

@@ -78,7 +78,8 @@ def describe_type(hint: object) -> str:
     if origin is Annotated:
         (limits,) = [part for part in parts[1:] if isinstance(part, msgspec.Meta)]
         if limits.max_length is not None:
-            return f"{describe_type(parts[0])}, at most {limits.max_length} characters"
+            unit = "elements" if get_origin(parts[0]) in (list, tuple) else "characters"
+            return f"{describe_type(parts[0])}, at most {limits.max_length} {unit}"
         if limits.pattern is not None:
             return f"{describe_type(parts[0])} matching `{limits.pattern}`"
         return f"{describe_type(parts[0])} in [{limits.ge:g}, {limits.le:g}]"
