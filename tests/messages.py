@@ -38,7 +38,7 @@ def uses_short_output(config: pytest.Config) -> bool:
 
 
 def is_needed(name: str, content: Mapping[str, object]) -> bool:
-    """Return whether short output and the scheduler need a message."""
+    """Return whether the main test process uses a worker's message."""
     if name != "testreport":
         return name not in UNPRINTED_EVENTS
     report = content["data"]

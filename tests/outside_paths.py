@@ -215,7 +215,7 @@ def _is_path(node: ast.expr, names: _PathNames, paths: set[str]) -> bool:
 
 
 def _local_paths(function: ast.FunctionDef | ast.AsyncFunctionDef, names: _PathNames, outer: set[str]) -> set[str]:
-    """Return the names of a function that are bound to paths."""
+    """Return the variables inside a function that hold paths."""
     results, every = set(outer), (*function.args.posonlyargs, *function.args.args, *function.args.kwonlyargs)
     for argument in every:
         if argument.annotation is not None and _is_path_type(argument.annotation):

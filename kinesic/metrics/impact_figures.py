@@ -33,7 +33,7 @@ class WorstContact:
 
 @dataclass(frozen=True, eq=False)
 class ClosingGap:
-    """Closing gap between two bodies, at the largest clamping force.
+    """Closing gap between two bodies with the largest clamping force.
 
     The gap is smaller than `CLAMP_GAP`.
     """

@@ -16,8 +16,8 @@ from kinesic.planning.syncs import find_planned_spans, list_keyed_syncs
 
 MAX_IMPACT_RATIO = 0.995  # largest planned ratio of force to its limit at the knots; slightly higher between them
 TARGET_RATIO = 0.97  # ratio of force to its limit that a slowed motion aims at
-MIN_CONTRIBUTION = 0.05  # smallest contribution, relative to the largest, of a hinge slowed in early rounds
-LARGE_CONTRIBUTION = 0.3  # smallest contribution, relative to the largest, of a hinge slowed in late rounds
+MIN_CONTRIBUTION = 0.05  # smallest contribution to contact speed / largest one, from which early rounds slow a hinge
+LARGE_CONTRIBUTION = 0.3  # smallest contribution to contact speed / largest one, from which late rounds slow a hinge
 EARLY_ROUNDS = 4  # number of rounds that scale the peak velocity of a hinge in the whole motion
 MIN_VELOCITY_LIMIT = 0.02  # [rad/s] lowest velocity limit of a slowed hinge
 IMPACT_SPAN = 2.0  # [s] excesses up to this time from the worst one are attributed to the same behaviour

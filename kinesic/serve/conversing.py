@@ -226,7 +226,7 @@ def _eyes(robot: Robot) -> Place:
 
 
 def _followed_torso(scene: Scene) -> Turn:
-    """Return the trunk rotation of the followed gaze."""
+    """Return the trunk rotation of the gaze at the followed person."""
     entry = next((item for item in scene.lasting if item.behaviour == f"{FOLLOWING_PREFIX}look"), None)
     if entry is None or entry.offset is None:
         return UPRIGHT_TURN

@@ -41,7 +41,7 @@ def test_captured_offer_replaces_that_of_the_lexicon_with_a_reason(setup):
     assert outcome.kind == "realised"
 
 
-def test_lexicon_is_preferred_by_default(setup, tmp_path):
+def test_texts_have_no_captured_gestures_by_default(setup, tmp_path):
     plain = set_up("upper22", lexicon=tmp_path, targets={"door": (2.0, -0.3, 0.3)})
     assert "my_offer" not in write_bml(TEXT, plain)
 

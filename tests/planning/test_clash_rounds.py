@@ -21,7 +21,7 @@ PAIR_SEPARATIONS = {"ab": 0.3, "bc": 0.5, "cd": 0.4, "de": 0.45, "ef": 0.3}
 
 @pytest.fixture
 def row(monkeypatch, known):
-    """Return a clash finder with given separations [s]."""
+    """Return a function that makes a clash finder with given lacking times [s]."""
 
     def of(lacking: dict[str, float], brief: str = "") -> ClashFinder:
         def lack(pair: Neighbours) -> float:

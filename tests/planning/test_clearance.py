@@ -134,7 +134,7 @@ def test_behaviours_that_collide_at_distant_times_are_dropped_in_one_planning_ro
 
 
 def test_crossed_arms_in_a_calm_style_are_performed_with_the_required_clearance():
-    """Plan a motion that lacks 1 mm of clearance after one detour."""
+    """One detour leaves 1 mm too little clearance; the final plan has enough."""
     block_plan = plan_block(
         parse(BML_TEMPLATE.format('<gesture id="g" lexeme="arms_crossed" stroke="2"/>')),
         replace(DEFAULT_SETUP, style=Style.load("calm")),

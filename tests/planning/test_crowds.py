@@ -94,7 +94,7 @@ def test_plan_of_three_gestures_is_equal_with_an_unlimited_planning_budget(plann
     np.testing.assert_array_equal(planned(row).motion.planned, usual.motion.planned)
 
 
-def test_long_repeated_nods_stay_within_budget(planned, monkeypatch):
+def test_planning_of_long_repeated_nods_stays_within_the_work_budget(planned, monkeypatch):
     work = 3000
     monkeypatch.setattr(plan_module, "WORK_BUDGET", work)
     pieces: list[int] = []

@@ -138,8 +138,8 @@ def test_feedback_text_may_be_scheduled_before_an_already_sent_sync_point(queue:
     assert queue.due(11.0) is late
 
 
-def test_proposal_that_adds_a_sync_point_before_the_sent_time_is_refused(queue: FeedbackQueue) -> None:
-    """A proposal may arrive between two messages of one tick."""
+def test_proposed_feedback_earlier_than_sent_feedback_is_refused(queue: FeedbackQueue) -> None:
+    """A proposal may arrive between two messages of one control cycle."""
     other = schedule_feedback("c", TIMES, 10.0, sender=4, run=2)
     assert queue.propose((), (*block(), *other))
     send(queue, 10.0)

@@ -21,7 +21,7 @@ from kinesic.serve.messages import ConversationRequest
 
 COMMAND_DELAY = 0.03  # [s] time between a decision and the first changed command
 SETTLING_TIME = 1.0  # [s] time after which the head has reached a standing person
-MAX_SIDE_DISTANCE = 0.1  # [m] largest sideways distance of a look from the standing person
+MAX_SIDE_DISTANCE = 0.1  # [m] largest sideways distance between gaze target and person for a look at the person
 
 
 @dataclass(eq=False)

@@ -29,7 +29,7 @@ from kinesic.session.setup import set_up
 PASSAGE_REPETITIONS = 9  # number of timed plans of the passage
 CROWDED_BLOCKS = 4  # number of overlapping blocks whose time shifts are compared with the optimum
 CPU_BLOCKS = 200  # number of timed blocks of overlapping gestures
-REPEATED_BLOCKS = 6  # blocks with more strokes than fit, whose times must be shifted
+REPEATED_BLOCKS = 6  # number of blocks with more repeated strokes than fit, whose times must be shifted
 MAX_STRETCH = 1.15  # goal for shift cost / optimal shift cost, in total and at the median
 MAX_WORST_STRETCH = 1.5  # goal for shift cost / optimal shift cost of the worst block
 MIN_SHIFT_COST = 1e-6  # shift cost above which key times count as moved

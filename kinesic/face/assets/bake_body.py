@@ -254,7 +254,7 @@ def _split_joint_weights(parts: Columns, parents: tuple[str, ...], child: str) -
 
 
 def _select_strongest(frames: Floats) -> tuple[Integers, Integers]:
-    """Return each vertex's largest skinning weights as integers, with their skinning frames.
+    """Return frame indices and integer values of each vertex's largest weights.
 
     Both have shape (v, MAX_FRAMES_PER_VERTEX); weights sum to 255.
     """

@@ -63,7 +63,7 @@ def test_mesh_faces_are_consistently_oriented_with_outward_normals(mesh: Mesh):
     assert np.all((normals[eyes] * spokes).sum(axis=1) > 0.0)
 
 
-def test_each_face_of_the_head_mesh_belongs_to_one_part_and_only_lashes_have_tip_values(mesh: Mesh):
+def test_each_polygon_of_the_head_mesh_has_one_part_and_only_lashes_have_a_coordinate_to_the_tip(mesh: Mesh):
     assert np.all(mesh.parts[mesh.faces] == mesh.parts[mesh.faces[:, :1]])
     lashes = mesh.parts == MESH_PARTS.index("lashes")
     assert np.all(mesh.tips[~lashes] == 0.0)

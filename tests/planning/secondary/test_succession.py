@@ -87,7 +87,7 @@ def test_wrist_lags_during_preparation_and_arrives_in_time(exact):
     np.testing.assert_allclose(at(loose, [end], wrist), at(exact.trajectory, [end], wrist), atol=1e-6)
 
 
-def test_gestures_without_random_delays_keep_their_joint_times(exact):
+def test_gestures_without_random_delays_get_no_hinge_delays(exact):
     courses = find_arm_courses(exact.keyframes, exact.motion, exact.setup.robot)
     assert not [*delay_hinges(courses, exact.trajectory, exact.setup.robot)]
     assert not np.any(laid(exact, Succession("r")).controls != exact.trajectory.controls)

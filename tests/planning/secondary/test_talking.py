@@ -68,7 +68,7 @@ def test_speech_motion_of_the_head_is_omitted_during_a_requested_nod(known):
     assert all(swell.end <= taken["start"] + 1e-9 or swell.begin >= taken["end"] - 1e-9 for swell in result)
 
 
-def test_speech_motion_scales_with_amount(known):
+def test_head_and_trunk_motion_during_speech_is_proportional_to_its_amount(known):
     most = max(*MAX_HEAD_DRIFT, *MAX_TRUNK_DRIFT, *DIP_ANGLES)
     _, one, _ = swells(known, SPEECH_ELEMENT)
     _, two, _ = swells(known, SPEECH_ELEMENT, 2.0)

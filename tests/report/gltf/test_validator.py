@@ -35,7 +35,7 @@ def validated(path: Path) -> dict:
 
 
 def written(robot: Robot, path: Path) -> Path:
-    """Write a scene of extreme postures and of a moving face."""
+    """Write a .glb file with random postures and a moving face."""
     lower, upper = robot.skeleton.lower, robot.skeleton.upper
     angles = np.random.default_rng(5).uniform(lower, upper, (4, len(lower)))
     units = [{"12": share, "63": share, "26": 1.0 - share} for share in (0.0, 0.4, 0.8, 1.0)]

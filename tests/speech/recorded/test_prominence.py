@@ -130,6 +130,6 @@ def test_most_prominent_stressed_word_of_a_phrase_is_accented_if_0_15_above_the_
 @pytest.mark.parametrize(
     ("start", "symbol"), [(0.291, "\u02c8a"), (0.289, "\u02cca"), (0.59, "\u02c8a"), (0.0, "\u02cca")]
 )
-def test_primary_stress_is_kept_from_one_frame_before_the_start_of_an_accented_word(start, symbol):
+def test_phoneme_up_to_one_frame_before_an_accented_word_keeps_its_primary_stress(start, symbol):
     (moved,) = move_stress((Phoneme("\u02c8a", start, 0.1),), [(0.1, 0.3), (0.3, 0.6)], np.array([False, True]))
     assert moved.symbol == symbol

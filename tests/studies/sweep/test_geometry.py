@@ -87,7 +87,7 @@ def test_hand_motion_below_the_minimum_size_has_no_curvature():
 
 
 def test_sinusoidal_path_has_its_analytic_jerk():
-    """Compare the jerk of a sine with its formula, despite fast ticks."""
+    """Compare the jerk of a sine with its formula, also with 40 Hz vibration."""
     swing = 0.1 * np.stack([np.sin(2 * np.pi * TIMES), 0 * TIMES, 0 * TIMES], axis=1)
     wanted = 0.1 * (2 * np.pi) ** 3 / np.sqrt(2)
     assert rms_jerk(swing, period=SAMPLE_PERIOD) == pytest.approx(wanted, rel=0.05)

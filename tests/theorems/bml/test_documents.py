@@ -56,7 +56,7 @@ JSON_TREES = st.recursive(
 
 
 def is_parsed_or_refused(text: str) -> None:
-    """Assert that a document is parsed or refused with its position."""
+    """Assert that a document is parsed, or refused with the error's position."""
     document_error = read_response(text)
     assert document_error == "" or re.match(r"f:\d+:\d+: .+; .+", document_error, re.DOTALL)
 
