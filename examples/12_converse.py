@@ -20,10 +20,7 @@ PIPECAT = {  # names of Pipecat frames
 
 
 def of_ros4hri(positions):
-    """Convert positions of faces to a `people` message.
-
-    The positions are {id: (x, y, z)} in metres from the robot's base.
-    """
+    """Return a `people` message for faces {id: (x, y, z) [m] from the robot's base}."""
     return {"do": "people", "people": [{"id": id, "at": place, "looks": True} for id, place in positions.items()]}
 
 
