@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.impact_policy import find_policy
+from kinesic.planning import impact_limits
 from kinesic.planning.impact_limits import (
     MAX_IMPACT_RATIO,
     compute_contributions,
@@ -107,3 +108,18 @@ def test_behaviour_that_cannot_keep_the_policy_is_named_with_a_reason(free: Setu
     assert list(reasons) == ["g"]
     assert "exceeds the limit of force on a face (near: child)" in reasons["g"]
     assert find_excessive_behaviours(unlimited.keyframes, unlimited.motion, free) == {}
+
+
+def test_only_ratios_above_the_limit_and_above_the_former_ones_are_a_new_excess(
+    unlimited: Plan, near_child: Plan, monkeypatch: pytest.MonkeyPatch
+):
+    motion, before = near_child.trajectory, unlimited.trajectory
+    times = knot_times(motion)
+    former, grown = np.full(len(times), 0.5), np.full(len(times), 0.9)
+    former[0] = grown[0] = 1.5
+    monkeypatch.setattr(
+        impact_limits, "compute_impact_ratios", lambda each, times, setup: grown if each is motion else former
+    )
+    assert impact_limits.find_worst_excess(motion, before, near_child.setup) is None
+    grown[3] = 1.2
+    assert impact_limits.find_worst_excess(motion, before, near_child.setup) == (times[3], 1.2)

@@ -10,7 +10,7 @@ from kinesic.bml.composition import BlockState
 from kinesic.motion.trajectory import KNOT_INTERVAL
 from kinesic.realizer.occupancy import ARM_ROLES, arm_hinges
 from kinesic.realizer.realizer import interrupt
-from kinesic.realizer.yielding import ARM_HOLD_DURATION, DECELERATION_DURATION, MAX_YIELDING_RETRACTION, _stop_angles
+from kinesic.realizer.yielding import ARM_HOLD_DURATION, DECELERATION_DURATION, _stop_angles
 
 from .certified import certified
 
@@ -66,7 +66,7 @@ def test_arm_returns_without_a_hold_if_another_block_uses_it_later(play):
 def test_arm_at_the_end_of_its_retraction_is_not_stopped(play):
     play.send("a", GESTURE.format("BEAT"))
     end = play.scene.blocks[0].end
-    for remaining, stops in ((MAX_YIELDING_RETRACTION - 0.1, False), (MAX_YIELDING_RETRACTION + 0.1, True)):
+    for remaining, stops in ((0.2, False), (0.4, True)):
         one = type(play)(play.scene).until(end - remaining)
         motion = interrupt(one.scene, one.now, yields=True).motion
         assert (motion.end > one.scene.motion.end + 0.2) == stops
