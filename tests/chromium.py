@@ -25,7 +25,7 @@ DEFAULT_FLAGS = ("--window-size=1000,700", f"--host-resolver-rules=MAP {FOREIGN_
 
 
 class Page:
-    """Open page, or the browser itself."""
+    """Page of a running browser, or the browser itself."""
 
     def __init__(self, connection: ClientConnection, context: str = "") -> None:
         self._connection, self._calls = connection, 0
@@ -41,7 +41,7 @@ class Page:
                 return data["result"]
 
     def event(self, *names: str) -> str:
-        """Wait for the next event with one of the names, and return its name."""
+        """Wait for the next event with one of the given names, and return its name."""
         while True:
             data = json.loads(self._connection.recv(timeout=MAX_WAIT))
             if data.get("method") in names:
@@ -66,7 +66,7 @@ class Page:
             sleep(0.02)
 
     def drag(self, begin: tuple[float, float], *steps: tuple[float, float]) -> None:
-        """Drag the mouse from the first of some points to the last."""
+        """Drag the mouse with its button pressed from `begin` through all steps."""
         for kind, (x, y) in (("mouseMoved", begin), ("mousePressed", begin), *(("mouseMoved", at) for at in steps)):
             self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", buttons=1, clickCount=1)
         x, y = steps[-1]
@@ -79,7 +79,7 @@ class Page:
 
     @contextmanager
     def undrawn(self) -> Iterator[None]:
-        """Disable WebGL triangles within the context.
+        """Stop WebGL from drawing triangles within the `with` block.
 
         Software rendering would use most of a processor for pictures without a viewer.
         """
@@ -102,7 +102,7 @@ class Page:
 
 @contextmanager
 def opened(url: str, *more: str, drawn: bool = True) -> Iterator[Page]:
-    """Open a page with a temporary profile in a browser with extra flags.
+    """Open a page with a temporary profile in a browser with the given flags.
 
     Unless it is drawn, WebGL draws no triangles in it.
     """

@@ -53,7 +53,9 @@ settings.register_profile("soak", max_examples=60, deadline=None, suppress_healt
 settings.register_profile("kinesic", settings.get_profile("soak"), derandomize=True, max_examples=12)
 settings.load_profile("kinesic")
 
-_nobody = tempfile.TemporaryDirectory(prefix="kinesic-tests-")  # removed at interpreter exit
+_nobody = tempfile.TemporaryDirectory(
+    prefix="kinesic-tests-"
+)  # folder of user settings during the tests, removed at interpreter exit
 os.environ["XDG_CONFIG_HOME"] = _nobody.name
 
 for _number, _usual in ((signal.SIGINT, signal.default_int_handler), (signal.SIGHUP, signal.SIG_DFL)):

@@ -1,15 +1,15 @@
-"""Durations of test files, without fixtures, whose reports are not sent."""
+"""Durations of test files: sums of their tests, without fixtures."""
 
 from collections import Counter
 from collections.abc import Iterable
 from typing import Protocol
 
 LISTED_FILES = 8  # number of slowest files in the summary
-MIN_TESTS = 5000  # fewer tests have no summary of durations
+MIN_TESTS = 5000  # smallest number of tests in a run that prints a summary of durations
 
 
 class TimedReport(Protocol):
-    """Report of one test."""
+    """Part of a pytest report with the name and duration of a test."""
 
     nodeid: str
     duration: float  # [s] duration of the reported phase of the test

@@ -19,7 +19,9 @@ MIN_CORE_FRACTION = 0.3  # smallest fraction of a core that this process gets du
 MAX_LOOP_TIME = 0.040  # [s] largest processor time of `LOOP_COUNT` loop iterations
 CHECK_VALIDITY = 1.0  # [s] time for which a successful check is valid
 PATIENCE_TIME = 6.0  # [s] duration of repeated failed checks after which the machine counts as too slow
-REPEATED_PATIENCE_TIME = 0.1  # [s] likewise, if the previous check has found the machine too slow
+REPEATED_PATIENCE_TIME = (
+    0.1  # [s] duration of repeated failed checks, if the previous check has found the machine too slow
+)
 LONG_CHECK_FACTOR = 20  # factor of the loop count after a failure, so that a check exceeds a scheduler time slice
 FAIR_CORE_FRACTION = 0.5  # fraction of a core below which a failed test is inconclusive
 MAX_EXCUSED_FAILURES = 3  # number of inconclusive failures after which the machine counts as too slow
@@ -36,15 +38,15 @@ WRONG_MESSAGE_TEXT = "Regex pattern did not match"  # pytest's text for an error
 
 @dataclass(frozen=True)
 class Look:
-    """Measurements of one check."""
+    """Timing measurements of one check of the machine."""
 
     lateness: float  # [s] delay of the second worst wake-up
-    share: float  # fraction of a core during the loops
-    loops: float  # [s] of processor time for the loops
+    share: float  # fraction of a core that this process got during the loops
+    loops: float  # [s] processor time of the loops
 
     @property
     def complaint(self) -> str:
-        """Reason that the machine does not keep time, or empty."""
+        """Reason that the machine is too slow for realtime tests, or an empty text."""
         if self.lateness > MAX_WAKE_DELAY:
             return f"it wakes {1e3 * self.lateness:.0f} ms late (at most {1e3 * MAX_WAKE_DELAY:.0f})"
         if self.share < MIN_CORE_FRACTION:
@@ -75,7 +77,7 @@ class Watch:
         self._good, self._patience, self._failures = -CHECK_VALIDITY, PATIENCE_TIME, 0
 
     def complaint(self) -> str:
-        """Return why the machine does not keep time, after some waiting, or empty."""
+        """Return why repeated checks find the machine too slow, or an empty text."""
         if self._failures == MAX_EXCUSED_FAILURES:
             return f"{MAX_EXCUSED_FAILURES} tests had too little of a core"
         began = time.monotonic()
@@ -89,7 +91,7 @@ class Watch:
         return ""
 
     def excuse(self) -> str:
-        """Return why a failure is inconclusive, or empty."""
+        """Return why a busy machine makes a test failure inconclusive, or an empty text."""
         self._good = -CHECK_VALIDITY
         share = look(LONG_CHECK_FACTOR * LOOP_COUNT).share
         if share >= FAIR_CORE_FRACTION:

@@ -7,7 +7,7 @@ from types import TracebackType
 
 
 class about:  # noqa: N801 - read as a word before a case, as pytest.raises is
-    """Add the case to any failure within the context."""
+    """Add the name of the case to any failure inside the `with` block."""
 
     def __init__(self, case: object) -> None:
         self._case = case

@@ -12,11 +12,11 @@ from hypothesis import strategies as st
 
 MACHINE_EPSILON = 2.2e-16
 MAX_NUDGE = 4.5  # largest change in units of `MACHINE_EPSILON`: one part in 1e15
-MAX_NUDGED_VALUE = 1e300  # larger values stay, to avoid overflow
+MAX_NUDGED_VALUE = 1e300  # largest value that is changed, as larger ones could overflow
 
 
 def nudge(values, seed: int):
-    """Return the numbers with deterministic changes of some last bits."""
+    """Return the numbers with deterministic changes of some of their last bits."""
     exact = np.atleast_1d(np.asarray(values, dtype=np.float64))  # overflow of a scalar would warn
     mixed = (exact.view(np.uint64) ^ np.uint64(seed)) * np.uint64(0x9E3779B97F4A7C15)
     steps = np.rint(MAX_NUDGE * ((mixed >> np.uint64(40)) / 2.0**23 - 1.0))

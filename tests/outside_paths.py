@@ -45,7 +45,7 @@ T = TypeVar("T", bound=ast.expr)
 
 @dataclass(frozen=True, order=True)
 class PathPlace:
-    """Place with the function that contains it."""
+    """Expression that turns a string into a path, with its function."""
 
     module: str  # path relative to the project root
     function: str
@@ -54,7 +54,7 @@ class PathPlace:
 
 
 def find_places(root: Path) -> list[PathPlace]:
-    """Find all places in a package, in order."""
+    """Find all expressions of a package that turn strings into paths."""
     texts = {file: file.read_text(encoding="utf-8") for file in sorted(root.rglob("*.py"))}
     trees = {file: ast.parse(text) for file, text in texts.items() if PATH_WORDS.search(text)}
     names = _PathNames.of(trees.values())
@@ -68,7 +68,7 @@ def find_places(root: Path) -> list[PathPlace]:
 
 @dataclass(frozen=True)
 class _PathNames:
-    """Names that mean paths in the whole package."""
+    """Names of attributes, functions and constants that hold paths in the package."""
 
     attributes: frozenset[str]
     functions: frozenset[str]
@@ -113,7 +113,7 @@ def _kept_paths(function: ast.FunctionDef) -> Iterator[str]:
 
 
 def _places(tree: ast.Module, names: _PathNames) -> Iterator[tuple[str, ast.expr]]:
-    """Yield the places of a module with the functions that hold them."""
+    """Yield a module's expressions that turn strings into paths."""
 
     def visit(node: ast.AST, function: str, paths: set[str]) -> Iterator[tuple[str, ast.expr]]:
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
@@ -255,7 +255,7 @@ def _lists_paths(node: ast.expr, names: _PathNames, paths: set[str]) -> bool:
 
 
 def _pairs(node: ast.Assign, kind: type[T]) -> Iterator[tuple[T, ast.expr]]:
-    """Yield the targets of a kind in an assignment with their values."""
+    """Yield the assignment targets of one node type with their values."""
     for target in node.targets:
         if isinstance(target, ast.Tuple):
             values = node.value.elts if isinstance(node.value, ast.Tuple) else [node.value] * len(target.elts)

@@ -1,4 +1,4 @@
-"""Test block of about five seconds that moves both hands, head and torso."""
+"""BML block of about five seconds that moves both hands, head and torso."""
 
 PASSAGE_BML = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="passage">
   <gesture id="g1" lexeme="offer" mode="BOTH_HANDS" start="{0:.3f}" stroke="{1:.3f}" end="{2:.3f}"/>
@@ -13,5 +13,5 @@ STROKE_TIMES = (0.2, 1.0, 2.2, 2.7, 3.9, 5.0, 0.4, 2.0, 3.4, 4.7)  # [s] times o
 
 
 def passage_text(repetition: int) -> str:
-    """Return the block, delayed slightly more at each repetition."""
+    """Return the block with stroke times that depend slightly on the repetition."""
     return PASSAGE_BML.format(*(time + 0.003 * (repetition % 17) for time in STROKE_TIMES))

@@ -58,7 +58,7 @@ def generous(count: int) -> Limits:
 
 @pytest.fixture(scope="session")
 def through() -> Callable[[Floats, Floats], Trajectory]:
-    """Return a motion through (m, n) postures at (m,) times."""
+    """Return a function that makes a motion through (m, n) postures at (m,) times."""
 
     def made(times: Floats, angles: Floats) -> Trajectory:
         whole = (True,) * angles.shape[1]
@@ -69,7 +69,7 @@ def through() -> Callable[[Floats, Floats], Trajectory]:
 
 
 def bearing(measured: Measurements, duties: Floats) -> Measurements:
-    """Return measurements with given duties of resting hinges.
+    """Return servo measurements in which resting hinges need the given duties.
 
     Their torque is the same fraction of the stall torque.
     """

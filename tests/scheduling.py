@@ -46,7 +46,7 @@ def rank(file: Path, root: Path) -> tuple[int, str]:
 
 
 def begin_elsewhere(nodes: list, worker: str, count: int) -> list:
-    """Rotate a list by another offset for each of several processes."""
+    """Rotate a list by a different offset for each of several processes."""
     first = len(nodes) * int(worker.removeprefix("gw")) // count
     return nodes[first:] + nodes[:first]
 
@@ -105,7 +105,7 @@ def is_calculation(path: Path, root: Path) -> bool:
 
 
 class IndexedTests(list[str]):
-    """Collected tests whose positions are found without a search."""
+    """List of collected tests that finds positions without a search."""
 
     def __init__(self, names: Sequence[str]) -> None:
         super().__init__(names)
@@ -161,7 +161,7 @@ class ClockBesideCalculation(LoadFileScheduling):
 
 
 def is_consistent(collections: Mapping[str, Sequence[str]]) -> bool:
-    """Return whether calculating processes collected the same tests, and the others some of these.
+    """Return whether calculating processes collected equal tests, and others subsets.
 
     Args:
         collections: tests of each process, by its name.

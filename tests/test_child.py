@@ -23,18 +23,18 @@ MAX_COPIED = 2000  # [kB] largest shared memory that a garbage collection may co
 
 
 def answer(line: Connection, word: str) -> None:
-    """Send a word and wait for one, as work of a child."""
+    """Send a word to the parent and wait for an answer, in a child process."""
     line.send(word)
     line.recv()
 
 
 def tell_group(line: Connection) -> None:
-    """Send the process group, as work of a child."""
+    """Send the parent this child's process group."""
     line.send(os.getpgrp())
 
 
 def tell_gestures(line: Connection) -> None:
-    """Send the counts of loaded and of all gestures, as work of a child."""
+    """Send the parent the numbers of loaded gestures and of all gestures."""
     entries = builtin_gestures().entries
     line.send((sum("_entry" in vars(entry) for entry in entries), len(entries)))
 
@@ -45,14 +45,14 @@ def private_memory() -> int:
 
 
 def tell_copied(line: Connection) -> None:
-    """Send the memory [kB] copied by a full garbage collection."""
+    """Send the parent the memory [kB] that a full garbage collection copies."""
     before = private_memory()
     gc.collect()
     line.send(private_memory() - before)
 
 
 def tell_name(line: Connection) -> None:
-    """Send the process name shown by the system."""
+    """Send the parent the process name that the system shows for this child."""
     line.send(Path("/proc/self/comm").read_text())
 
 

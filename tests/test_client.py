@@ -59,7 +59,7 @@ def test_client_receive_returns_none_after_its_timeout(server):
         assert client.receive(0.05) is None
 
 
-def test_block_id_search_time_is_linear_for_many_tags():
+def test_client_finds_a_block_id_behind_many_tags_in_linear_time():
     def perform(text: str) -> None:
         with (
             socket.create_server(("127.0.0.1", 0)) as listening,

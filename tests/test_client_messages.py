@@ -44,7 +44,7 @@ class Server:
 
 @pytest.fixture
 def asked() -> list[tuple]:
-    """Addresses and timeouts of connection attempts."""
+    """List the addresses and timeouts of all connection attempts."""
     return []
 
 
@@ -84,7 +84,7 @@ def test_client_sends_its_token_before_other_messages(server: Server):
     ("answer", "why"),
     [('{"told":"refused","why":"the token is wrong"}', "is wrong"), ('{"told":"x"}', "does not answer")],
 )
-def test_refused_token_raises_and_closes_the_connection(server: Server, answer: str, why: str):
+def test_client_with_a_refused_token_raises_an_error_and_closes_the_connection(server: Server, answer: str, why: str):
     server.say(answer)
     with pytest.raises(PermissionError, match=why):
         Client(token="guess")
@@ -92,12 +92,12 @@ def test_refused_token_raises_and_closes_the_connection(server: Server, answer: 
     assert server._end.recv(1) == b"", "it is closed"
 
 
-def test_server_that_does_not_answer_the_token_raises_an_error(server: Server):
+def test_client_raises_an_error_if_the_server_does_not_answer_the_token(server: Server):
     with pytest.raises(PermissionError, match="does not answer"):
         Client(token="guess", timeout=0.01)
 
 
-def test_received_messages_are_split_independent_of_chunks(server: Server):
+def test_client_splits_messages_correctly_for_any_division_into_network_chunks(server: Server):
     client, stream = Client(), "<a/>\0 <b>\u00e4</b>\n\0<c/>\0".encode()
     for k in range(len(stream)):
         server.say_bytes(stream[k : k + 1])
@@ -117,7 +117,7 @@ def test_client_returns_a_message_only_when_it_is_complete(server: Server):
     assert client.receive(1.0) == "<c/>"
 
 
-def test_closed_connection_raises_after_the_last_message(server: Server):
+def test_client_raises_an_error_only_after_the_last_message_of_a_closed_connection(server: Server):
     client = Client()
     server.say("<a/>")
     server.leave()
@@ -126,7 +126,7 @@ def test_closed_connection_raises_after_the_last_message(server: Server):
         client.receive(1.0)
 
 
-def test_client_stop_sends_one_message(server: Server):
+def test_client_stop_method_sends_one_stop_message(server: Server):
     Client().stop()
     assert server.heard() == ['{"do": "stop"}']
 
@@ -153,7 +153,7 @@ def test_client_stop_sends_one_message(server: Server):
         ('<bml <!-- <bml id="old"> --><bml id="b1', "block"),
     ],
 )
-def test_perform_returns_messages_up_to_the_end_of_its_block(server: Server, document: str, name: str):
+def test_client_perform_returns_messages_up_to_the_end_of_its_block(server: Server, document: str, name: str):
     client = Client()
     others = ["<x/>", END.format(f"{name}2"), END.format(name).replace(":end", ":start"), "<!-- -->" + END.format(name)]
     server.say(*others, END.format(name), "<later/>")
@@ -212,13 +212,15 @@ WARNING = '<warningFeedback xmlns="u" id="{}" type="{}">{}</warningFeedback>'
         (WARNING.format("b1", "PARSING_FAILURE", "x").replace("warningFeedback", "otherFeedback"), False),
     ],
 )
-def test_perform_ends_after_a_warning_only_if_it_refuses_the_block(server: Server, warning: str, ends: bool):
+def test_client_perform_ends_after_a_warning_only_if_the_warning_refuses_the_block(
+    server: Server, warning: str, ends: bool
+):
     client = Client()
     server.say(warning, END.format("b1"))
     assert list(client.perform('<bml id="b1"/>')) == [warning] + [END.format("b1")] * (not ends)
 
 
-def test_client_context_closes_the_connection(server: Server):
+def test_leaving_the_with_block_of_a_client_closes_the_connection(server: Server):
     with Client() as client:
         client.send("<bml/>")
     assert server._end.recv(100) == b"<bml/>\0"
@@ -248,14 +250,18 @@ def test_emergency_stop_connection_sends_one_stop_and_accepts_the_acknowledgemen
 @pytest.mark.parametrize(
     ("answer", "why"), [('{"told":"failed","why":"use the switch"}', "use the switch"), ('{"told":"x"}', "answers")]
 )
-def test_emergency_stop_that_fails_raises_an_error(server: Server, line: Callable[[], StopLine], answer: str, why: str):
+def test_emergency_stop_refused_or_answered_wrongly_raises_an_error(
+    server: Server, line: Callable[[], StopLine], answer: str, why: str
+):
     stopping = line()
     server.say(answer)
     with pytest.raises(ConnectionError, match=why):
         stopping.stop()
 
 
-def test_emergency_stop_without_answer_raises_and_ignores_a_late_answer(server: Server, line: Callable[[], StopLine]):
+def test_emergency_stop_without_answer_raises_an_error_and_a_late_answer_is_ignored(
+    server: Server, line: Callable[[], StopLine]
+):
     stopping = line()
     with pytest.raises(ConnectionError, match=r"no answer came in 0\.01 s"):
         stopping.stop(0.01)
@@ -275,7 +281,7 @@ def test_refused_emergency_stop_connection_is_closed(server: Server):
     assert server._end.recv(1) == b""
 
 
-def test_emergency_stop_connection_is_closed_at_context_exit(server: Server, line: Callable[[], StopLine]):
+def test_leaving_the_with_block_of_an_emergency_stop_connection_closes_it(server: Server, line: Callable[[], StopLine]):
     with line():
         pass
     assert server._end.recv(1) == b""

@@ -62,7 +62,7 @@ def shell_lines() -> Iterator[tuple[str, str]]:
 
 
 def find_verb(words: list[str]) -> tuple[click.Command, list[str]]:
-    """Return the verb that words begin with, and the other words."""
+    """Split the words of a command into its verb and its arguments."""
     verb: click.Command = command
     while isinstance(verb, click.Group) and words and not words[0].startswith("-"):
         if words[0] not in verb.commands:

@@ -27,7 +27,7 @@ def test_garbage_collection_is_reenabled_after_a_failed_import(watching):
     assert gc.isenabled()
 
 
-def test_disabled_garbage_collection_stays_disabled(watching):
+def test_garbage_collection_disabled_before_an_import_stays_disabled(watching):
     gc.disable()
     try:
         import_at_once("watching")

@@ -47,7 +47,7 @@ def test_second_check_of_a_slow_machine_measures_only_once(monkeypatch: pytest.M
     assert len(looks) == 1
 
 
-def test_failures_of_tests_without_a_free_core_are_excused_a_limited_number_of_times(monkeypatch: pytest.MonkeyPatch):
+def test_test_failures_on_a_busy_processor_are_excused_only_a_limited_number_of_times(monkeypatch: pytest.MonkeyPatch):
     shares = [0.9] + [0.2] * MAX_EXCUSED_FAILURES
     monkeypatch.setattr(f"{Watch.__module__}.look", lambda loops=0: Look(0.001, shares.pop(0) if loops else 1.0, 0.002))
     watch = Watch()

@@ -51,7 +51,7 @@ def imports(file: Path, package: str) -> bool:
 
 
 @pytest.mark.parametrize("package", USERS)
-def test_optional_packages_are_imported_only_by_their_listed_modules(package):
+def test_optional_packages_are_imported_only_by_modules_listed_for_them(package):
     users = [file.relative_to(PACKAGE).as_posix() for file in sorted(PACKAGE.rglob("*.py")) if imports(file, package)]
     assert [user for user in users if not user.startswith(USERS[package])] == []
 

@@ -49,7 +49,7 @@ def run(performer, plan) -> kinesic.Performance:
     return performer.perform(plan)
 
 
-def test_repr_of_a_plan_is_one_line(plan):
+def test_printed_representation_of_a_plan_is_one_line(plan):
     line = f"plan of block b on upper22 (joyful): {plan.duration:.2f} s, 2 behaviours, 1 dropped behaviour, 1 notice"
     assert str(plan) == line
     assert repr(plan) == f"<{line}>"
@@ -122,7 +122,7 @@ def test_performance_result_contains_measured_times_of_sync_points(run):
         run.at("nodd:stroke")
 
 
-def test_perform_measures_the_same_motion_as_a_dry_run(run, plan):
+def test_performer_perform_gives_the_same_measurements_as_a_dry_run(run, plan):
     before = dry_run(plan)
     np.testing.assert_array_equal(run.measured.angles, before.measured.angles)
     assert run.reference.plan is plan
@@ -148,7 +148,7 @@ def test_performer_reports_a_document_in_one_call(performer, tmp_path: Path):
     assert (tmp_path / "nod" / "report.html").exists()
 
 
-def test_user_sinks_get_each_command_and_are_closed(performer, plan):
+def test_sinks_of_the_user_get_each_command_and_are_closed_at_the_end(performer, plan):
     first, second = Mine(), Mine()
     run = performer.perform(plan, sinks=[first, second])
     assert [command.time for command in first.commands] == plan.command_times.tolist()
@@ -203,7 +203,7 @@ def test_report_does_not_replace_foreign_folders(run, tmp_path: Path):
 
 @pytest.fixture
 def servo_runs(monkeypatch) -> list[kinesic.Performance]:
-    """Runs that would have been performed on complete servos."""
+    """List the performances that would have moved real servos."""
     performed: list[kinesic.Performance] = []
     monkeypatch.setattr(front_door, "_check_ports", lambda robot, ports: None)
     monkeypatch.setattr(front_door, "_perform_on_servos", lambda run, ports: performed.append(run))
@@ -227,7 +227,7 @@ def test_servos_perform_once_after_a_successful_twin_run(performer, plan, servo_
     assert servo_runs == []
 
 
-def test_feedforward_uses_the_factors_of_a_given_twin_but_data_sheet_factors_for_a_built_in_twin(performer, plan):
+def test_feedforward_uses_the_servo_factors_of_a_user_twin_but_data_sheet_values_for_a_built_in_twin(performer, plan):
     late = Factors(latency=0.05)
     own, usual = performer.perform(plan, twin=late), performer.perform(plan, twin=late, believed=NOMINAL_FACTORS)
     assert not np.array_equal(own.measured.angles, usual.measured.angles)

@@ -96,7 +96,7 @@ def test_error_for_invalid_perform_arguments_names_valid_ones(performer, plan, w
         performer.perform(plan, **wrong)
 
 
-def test_document_may_be_a_path_or_text(performer):
+def test_performer_accepts_a_document_as_path_or_as_text(performer):
     path = CONFIGS / "bml" / "welcome.bml"
     assert str(performer.plan(str(path))).startswith(f"plan of {path} on upper22")
     with pytest.raises(kinesic.BmlError, match=r"nowhere.bml: No such file or directory; give a path, or BML text"):
@@ -113,7 +113,7 @@ def test_module_functions_perform_and_plan_accept_a_document():
     assert str(kinesic.plan(NOD)).startswith("plan of block b on upper22 (neutral)")
 
 
-def test_performer_can_play_one_of_several_characters():
+def test_performer_can_play_one_of_several_characters_of_a_document():
     text = (
         '<bml id="b" agent="Anna"><head id="h" lexeme="NOD"/><head id="i" lexeme="NOD" agent="Bert" start="1"/></bml>'
     )

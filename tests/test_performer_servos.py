@@ -16,7 +16,7 @@ PORTS = {"body": "/dev/nowhere"}
 
 @dataclass
 class Hardware:
-    """Complete stub servos with a record of their use."""
+    """Stub of complete servos that records its calls."""
 
     checked: list = field(default_factory=list)
     performed: list = field(default_factory=list)

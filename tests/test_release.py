@@ -8,7 +8,7 @@ import pytest
 
 @pytest.fixture(autouse=True)
 def find_scripts(monkeypatch):
-    """Put the folder of the scripts on the search path of modules."""
+    """Put the folder with the release scripts on the search path of modules."""
     monkeypatch.syspath_prepend(str(Path(__file__).resolve().parent.parent / "release"))
 
 

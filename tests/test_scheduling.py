@@ -68,13 +68,13 @@ def test_browser_tests_and_realtime_tests_each_have_a_process_beside_calculation
     assert choose_file(pages[1:], "gw2", root, {}) == "tests/page/test_page.py"
 
 
-def test_process_stays_in_its_package_while_files_of_its_kind_remain(root: Path):
+def test_test_process_stays_in_one_package_while_files_of_its_kind_remain(root: Path):
     assert choose_file(FILE_TEXTS, "gw2", root, {"gw2": "tests/face"}) == "tests/face/test_eyes.py"
     assert choose_file(FILE_TEXTS, "gw0", root, {"gw0": "tests/studio"}) == "tests/studio/test_words.py"
     assert choose_file(FILE_TEXTS, "gw0", root, {"gw0": "tests/sum"}) == "tests/page/test_page.py"
 
 
-def test_process_takes_test_packages_of_other_processes_last(root: Path):
+def test_test_process_takes_packages_begun_by_other_processes_last(root: Path):
     assert choose_file(FILE_TEXTS, "gw2", root, {"gw3": "tests/sum"}) == "tests/face/test_eyes.py"
     assert choose_file(list(FILE_TEXTS)[:4], "gw2", root, {"gw3": "tests/sum"}) == "tests/sum/test_large.py"
 
@@ -92,7 +92,7 @@ def test_package_of_a_test_is_its_folder_below_tests_or_its_file():
     assert package_of("tests/test_lock.py") == "tests/test_lock.py"
 
 
-def test_indexed_tests_have_the_same_positions_as_in_a_list():
+def test_indexed_list_of_tests_returns_the_same_positions_as_a_plain_list():
     names = ["b", "a", "c"]
     assert [IndexedTests(names).index(name) for name in names] == [0, 1, 2]
     assert IndexedTests(names) == names
@@ -143,7 +143,7 @@ def finish_sent_tests(scheduler: ClockBesideCalculation, node: StubNode) -> list
     return done
 
 
-def test_process_for_waiting_tests_ends_after_its_last_file_while_others_continue(root: Path):
+def test_process_for_realtime_tests_ends_after_its_last_file_while_other_processes_continue(root: Path):
     tests = [f"{file}::test_{k}" for file in FILE_TEXTS for k in range(3)]
     waiting = [name for name in tests if kind_of(name.split("::")[0], root) != "calculation"]
     scheduler, nodes = start_scheduler(root, {"gw0": waiting, "gw1": waiting, "gw2": tests})
@@ -157,13 +157,13 @@ def test_process_for_waiting_tests_ends_after_its_last_file_while_others_continu
     assert scheduler.tests_finished
 
 
-def test_process_with_unknown_tests_is_reported(root: Path):
+def test_test_process_that_collected_other_tests_than_the_first_is_reported(root: Path):
     tests = ["tests/sum/test_large.py::test_one"]
     with pytest.raises(pytest.fail.Exception, match="Different tests were collected"):
         start_scheduler(root, {"gw0": tests, "gw1": ["tests/page/test_page.py::test_two"], "gw2": tests})
 
 
-def test_only_the_first_two_of_several_processes_skip_calculations_in_the_whole_suite():
+def test_first_two_of_several_test_processes_skip_calculations_when_the_whole_suite_runs():
     source = pytest.Config.ArgsSource
     whole, part = (SimpleNamespace(args_source=kind) for kind in (source.TESTPATHS, source.ARGS))
     assert [runs_only_waiting_tests(whole, f"gw{k}", 4) for k in range(4)] == [True, True, False, False]
@@ -171,7 +171,7 @@ def test_only_the_first_two_of_several_processes_skip_calculations_in_the_whole_
     assert not any(runs_only_waiting_tests(part, f"gw{k}", 4) for k in range(4))
 
 
-def test_only_test_files_without_pages_and_clocks_are_calculations(root: Path):
+def test_test_files_without_browser_pages_and_realtime_tests_count_as_calculations(root: Path):
     (root / "tests/sum/conftest.py").write_text("")
     calculations = {name for name in FILE_TEXTS if is_calculation(root / name, root)}
     assert calculations == {"tests/sum/test_large.py", "tests/sum/test_small.py", "tests/face/test_eyes.py"}

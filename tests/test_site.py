@@ -54,7 +54,7 @@ def test_page_lists_for_language_models_contain_each_page_with_its_first_sentenc
     assert "<!-- reference/bml.md -->" in (tmp_path / "llms-full.txt").read_text(encoding="utf-8")
 
 
-def test_published_versions_are_listed_newest_first(site, tmp_path: Path):
+def test_published_versions_of_the_site_are_listed_newest_first(site, tmp_path: Path):
     built = tmp_path / "built"
     built.mkdir()
     for version in ("0.1.0", "0.2.0", "0.2.0"):

@@ -14,8 +14,8 @@ from kinesic.body.config import ConfigError
 from kinesic.cli import bench
 from kinesic.session.setup import set_up
 
-AID_SUFFIXES = ("", "_feedforward_only", "_without")  # suffixes of the twin's metrics without identification
-QUICK_SEED = 8  # seed of an overlapping block with a quick optimum
+AID_SUFFIXES = ("", "_feedforward_only", "_without")  # twin metrics with both servo aids, with one, with none
+QUICK_SEED = 8  # random seed of an overlapping block whose optimum is found quickly
 
 
 @pytest.fixture
@@ -70,7 +70,7 @@ def test_twin_benchmark_measures_speed_and_clearance(few_repetitions, monkeypatc
 
 @pytest.mark.soak
 @pytest.mark.skipif(find_corpus() is None, reason="no corpus of BML documents (KINESIC_CORPUS)")
-def test_feed_forward_and_correction_each_reduce_tracking_error(few_repetitions, monkeypatch):
+def test_feed_forward_and_setpoint_correction_each_reduce_the_tracking_error(few_repetitions, monkeypatch):
     for twins in ("DETUNED_TWINS", "WORST_TWINS"):
         monkeypatch.setattr(twin, twins, ())  # not needed here
     aids = [replace(aid, identifies=False) for aid in twin.TRACKING_AIDS if aid.suffix in AID_SUFFIXES]

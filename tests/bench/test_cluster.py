@@ -9,7 +9,7 @@ from kinesic.tasks.engine import Processes
 
 @pytest.fixture(autouse=True)
 def few_ignored_tasks(monkeypatch):
-    """Reduce the number of last tasks that are not counted to two."""
+    """Exclude only the last two tasks from the measured throughput."""
     monkeypatch.setattr(cluster, "IGNORED_TAIL_TASKS", 2)
 
 

@@ -132,7 +132,7 @@ def test_alternative_spellings_of_sync_points_give_equal_times(spoken: Callable[
     assert count >= 10
 
 
-def test_first_behaviour_type_of_each_document_can_end_at_the_block_end(
+def test_first_behaviour_of_each_corpus_document_can_be_tied_to_the_block_end(
     spoken: Callable[[Block], dict[str, Utterance]],
 ) -> None:
     for path, _, block in blocks():

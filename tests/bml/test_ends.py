@@ -42,7 +42,7 @@ def test_behaviours_tied_to_the_block_end_keep_their_natural_duration(timed: Tim
     assert timeline.start == 0.0
 
 
-def test_block_ends_with_its_last_constrained_behaviour(timed: Timing) -> None:
+def test_block_without_a_fixed_end_ends_with_its_last_constrained_behaviour(timed: Timing) -> None:
     timeline = timed(gesture("g", 'ready="bml:end-10"') + gesture("f", 'end="8"'))
     assert (at(timeline, "f:end"), at(timeline, "g:ready")) == pytest.approx((8.0, -2.0))
 

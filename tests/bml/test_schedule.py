@@ -105,7 +105,7 @@ def test_reference_chains_are_resolved_in_any_order(timed: Timing) -> None:
     assert [at(timeline, f"h{i}:start") for i in range(4)] == [4.0, 6.0, 8.0, 10.0]
 
 
-def test_missing_time_is_divided_equally_between_successive_behaviours(timed: Timing) -> None:
+def test_successive_behaviours_with_too_little_time_are_shortened_equally(timed: Timing) -> None:
     timeline = timed(gesture("a", 'start="0"') + gesture("b", 'start="a:end" end="2"'))
     assert at(timeline, "a:end") == at(timeline, "b:start") == pytest.approx(1.0)
 
@@ -184,7 +184,7 @@ def test_references_to_dropped_behaviours_are_removed_but_their_owners_are_kept(
     assert {n.id for n in timeline.notices} == {"b:a", "b:b", "b:s"}
 
 
-def test_dropped_behaviour_is_removed_from_its_constraints(timed: Timing) -> None:
+def test_dropped_behaviour_is_removed_from_all_time_constraints(timed: Timing) -> None:
     constraint = '<constraint><synchronize><sync ref="a:end"/><sync ref="c:end"/><sync ref="d:end"/></synchronize>'
     orders = '<after ref="a:end"><sync ref="c:start"/></after><after ref="1"><sync ref="a:end"/><sync ref="d:start"/>'
     timeline = timed(
@@ -262,13 +262,13 @@ def test_behaviour_of_zero_or_ten_microseconds_is_scheduled(timed: Timing) -> No
     assert (at(timeline, "h:end"), at(timeline, "i:end"), timeline.dropped) == (1e-5, 1.0, ())
 
 
-def test_speech_that_no_voice_speaks_is_dropped() -> None:
+def test_speech_for_which_no_voice_exists_is_dropped() -> None:
     block = parse('<bml id="b"><speech id="s"/></bml>')
     (drop,) = schedule(block, {}, {}).dropped
     assert drop == Drop(block.behaviours[0], "no voice speaks its text")
 
 
-def test_recorded_speech_marks_are_sorted_by_time() -> None:
+def test_marks_of_a_recorded_speech_are_sorted_by_time() -> None:
     block = parse('<bml id="b"><speech id="s"><tm id="x"/>a<tm id="y"/>b<tm id="z"/></speech></bml>')
     (timed,) = schedule(block, {"s": Utterance(2.0, {"y": 0.5, "x": 0.75})}, {}).timed
     assert list(timed.times.items()) == [

@@ -39,7 +39,7 @@ def test_arm_limits_equal_those_of_the_skeleton(robot: Robot, side: Side):
     np.testing.assert_array_equal(arm.rest, skeleton.rest[indices])
 
 
-def test_arm_chain_returns_the_wrist_as_hand_and_ends_at_the_palm(robot: Robot):
+def test_arm_chain_uses_the_wrist_as_hand_position_and_ends_at_the_palm(robot: Robot):
     arm = robot.arms["l"]
     _, centres = arm.frames(np.zeros(8))
     np.testing.assert_allclose(arm.hand(np.zeros(8)), (0, 0.155, -0.455), atol=1e-12)

@@ -15,7 +15,7 @@ def written(folder: Path, text: str) -> Path:
     return path
 
 
-def test_adult_policy_limits_hand_and_chest_to_quasi_static_force():
+def test_contact_limits_near_adults_use_quasi_static_forces_for_hand_and_chest():
     policy = find_policy("adult")
     assert policy is not None
     assert policy.table.force["hand"] == policy.regions["hand"].quasi_static == 140
@@ -23,7 +23,7 @@ def test_adult_policy_limits_hand_and_chest_to_quasi_static_force():
     assert policy.rows.names == ("hand", "forearm", "upper_arm", "chest", "energy")
 
 
-def test_rows_are_ratios_to_the_limits_with_margin():
+def test_impact_rows_of_a_policy_are_scaled_by_its_limits_and_a_margin():
     policy = find_policy("child")
     assert policy is not None
     forces = force_rows(policy.regions)
@@ -33,7 +33,7 @@ def test_rows_are_ratios_to_the_limits_with_margin():
     assert policy.rows.scales[1] == pytest.approx(forces.scales[-1] / 0.08**0.5)
 
 
-def test_nobody_has_no_policy():
+def test_audience_nobody_has_no_contact_limits():
     assert find_policy("nobody") is None
 
 
@@ -46,19 +46,21 @@ def test_nobody_has_no_policy():
         ("[policies.child]", "[policies.robot]", "robot"),
     ],
 )
-def test_invalid_limits_are_refused_with_their_place(tmp_path: Path, old: str, new: str, message: str):
+def test_invalid_contact_limits_are_refused_with_their_place_in_the_file(
+    tmp_path: Path, old: str, new: str, message: str
+):
     path = written(tmp_path, VALID_LIMITS.replace(old, new))
     with pytest.raises(ConfigError, match=message):
         read_impact_limits(path)
 
 
-def test_audience_without_policy_in_own_file_is_refused(tmp_path: Path):
+def test_audience_missing_from_a_user_file_of_contact_limits_is_refused(tmp_path: Path):
     path = written(tmp_path, VALID_LIMITS.partition("[policies.child]")[0])
     with pytest.raises(ConfigError, match="no policy child"):
         find_policy("child", path)
 
 
-def test_robot_file_names_audience_and_limits_in_its_folder(tmp_path: Path):
+def test_robot_file_may_name_an_audience_and_a_limits_file_in_its_folder(tmp_path: Path):
     written(tmp_path, VALID_LIMITS)
     robot = tmp_path / "own.toml"
     table = '[robot]\nname = "own"\nextends = "upper22"\n\n[audience]\nnear = "adult"\nlimits = "{}"\n'

@@ -85,7 +85,7 @@ def test_least_squares_evaluation_limit_excludes_evaluations_of_the_jacobian():
     assert counts["jacobian"] <= 5
 
 
-def test_larger_tolerance_ends_the_least_squares_search_earlier():
+def test_least_squares_search_with_a_larger_tolerance_ends_earlier():
     def count(tolerance):
         points = []
         minimise_squares(

@@ -27,7 +27,7 @@ def _point(block: str, sync: str) -> Point:
 
 
 def _shifted(group: TimeClass) -> dict[Point, float]:
-    """Return a class with offsets relative to its first point by name."""
+    """Return a rigid set with offsets [s] relative to its alphabetically first point."""
     zero = group[min(group)]
     return {point: round(offset - zero, 6) for point, offset in group.items()}
 

@@ -98,7 +98,7 @@ def test_missing_lerobot_package_is_reported(monkeypatch: pytest.MonkeyPatch):
     assert why_lerobot_is_missing().startswith("lerobot is not installed: ")
 
 
-def test_installed_lerobot_drives_the_servos():
+def test_installed_lerobot_package_drives_the_simulated_servos_without_errors():
     if why := why_lerobot_is_missing():
         pytest.skip(why)
     result = run_case("calm")

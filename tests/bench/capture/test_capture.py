@@ -9,7 +9,7 @@ from kinesic.bench.capture.imported_robots import ROBOT_FILES
 from ...capture.clips import bvh, reach
 
 
-def test_clips_are_certified_and_unreadable_files_are_counted(tmp_path, known):
+def test_capture_benchmark_certifies_clips_and_counts_unreadable_files(tmp_path, known):
     (tmp_path / "set").mkdir()
     (tmp_path / "set" / "calm.bvh").write_bytes(bvh(reach(240, height=40)))
     (tmp_path / "fast.bvh").write_bytes(bvh(reach(40, height=90, speed=2.5)))
@@ -26,7 +26,7 @@ def test_clips_are_certified_and_unreadable_files_are_counted(tmp_path, known):
     assert metrics["capture.upper22.real_time"] > 0.0
 
 
-def test_folder_without_readable_clips_gives_a_null_metric_with_a_reason(tmp_path, known):
+def test_capture_folder_without_readable_clips_gives_a_null_metric_with_a_reason(tmp_path, known):
     (tmp_path / "broken.bvh").write_text("HIERARCHY\n")
     (metric,) = capture.robot_metrics("upper22", capture.list_clips(tmp_path), known)
     assert metric.value is None
@@ -39,7 +39,7 @@ def test_missing_corpus_gives_a_null_clip_metric(monkeypatch):
     assert (metric.name, metric.value) == ("capture.clips", None)
 
 
-def test_missing_robot_wheel_gives_a_null_metric_with_a_reason(monkeypatch):
+def test_robot_without_an_installed_model_package_gives_a_null_metric_with_a_reason(monkeypatch):
     monkeypatch.setattr(capture, "COMPARED_ROBOTS", ())
     monkeypatch.setattr(imported_robots, "WHEEL_NAME", "no-such-distribution")
     metrics = capture.bench_robots([])
@@ -47,7 +47,7 @@ def test_missing_robot_wheel_gives_a_null_metric_with_a_reason(monkeypatch):
     assert all("robots" in metric.why for metric in metrics)
 
 
-def test_mink_is_judged_by_all_limits_and_by_its_own(tmp_path, known):
+def test_mink_motion_is_judged_by_all_limits_and_separately_by_the_limits_that_mink_knows(tmp_path, known):
     pytest.importorskip("mink", reason="the extra bench is not installed")
     (tmp_path / "fast.bvh").write_bytes(bvh(reach(40, height=90, speed=2.5)))
     metrics = {m.name: m.value for m in capture.robot_metrics("upper22", capture.list_clips(tmp_path), known)}

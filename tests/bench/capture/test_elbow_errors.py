@@ -1,4 +1,4 @@
-"""Elbow errors that the proportions of actor and robot do not explain."""
+"""Elbow errors of retargeted arms, with and without different arm proportions."""
 
 import numpy as np
 import pytest
@@ -17,14 +17,14 @@ def arm(upper: float, *, distance: float = 0.7) -> ArmPath:
     return ArmPath(elbow[None], np.array([[0.0, 0.0, -distance]]))
 
 
-def test_elbow_error_of_other_proportions_equals_the_least_error():
+def test_elbow_error_due_to_different_arm_proportions_equals_the_least_possible_error():
     errors, least = measure_elbow_errors(arm(0.44), arm(0.52))
     assert errors == pytest.approx(least)
     assert errors[0] > 5.0
     assert measure_elbow_errors(arm(0.5), arm(0.5))[1] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_elbow_turned_about_the_wrist_line_has_an_excess_error():
+def test_elbow_rotated_about_the_line_from_shoulder_to_wrist_has_an_excess_error():
     actor, robot = arm(0.5), arm(0.5)
     errors, least = measure_elbow_errors(actor, ArmPath(robot.elbow @ TWIST.T, robot.wrist))
     assert least == pytest.approx(0.0, abs=1e-6)

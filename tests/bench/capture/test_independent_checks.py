@@ -12,7 +12,7 @@ WIDE_LIMITS = {"lower": -9.0, "upper": 9.0, "speed": 1e9, "acceleration": 1e9, "
 
 
 def ratio(controls, **limits: float) -> float:
-    """Return a hinge's largest value / limit under the given limits alone."""
+    """Return a hinge's largest value / limit, with only the given limits binding."""
     values = {
         name: np.array([value]) for name, value in (WIDE_LIMITS | {"inertial": 0.0, "viscous": 0.0} | limits).items()
     }
@@ -20,7 +20,7 @@ def ratio(controls, **limits: float) -> float:
     return find_largest_ratio(trajectory, SimpleNamespace(**values))
 
 
-def test_largest_ratio_of_a_line_is_its_velocity_and_excess_angle():
+def test_independent_check_finds_velocity_duty_and_range_violations_of_a_linear_motion():
     line = 0.02 * np.arange(40)  # 2 rad/s
     assert ratio(line, speed=1.6) == pytest.approx(1.25)
     assert ratio(line, duty=4.0, viscous=3.0) == pytest.approx(1.5)
@@ -28,7 +28,7 @@ def test_largest_ratio_of_a_line_is_its_velocity_and_excess_angle():
     assert ratio(-line, lower=-0.5) == pytest.approx(1.0 + 0.02 * 38 - 0.5, abs=3e-4)
 
 
-def test_largest_ratio_of_a_cubic_is_its_acceleration_and_jerk():
+def test_independent_check_finds_acceleration_duty_and_jerk_violations_of_a_cubic_motion():
     times = 0.01 * np.arange(-1, 39)
     cubic = times**3 - 1e-4 * times  # control points of t^3
     assert ratio(cubic, jerk=4.0) == pytest.approx(1.5)
@@ -36,7 +36,7 @@ def test_largest_ratio_of_a_cubic_is_its_acceleration_and_jerk():
     assert ratio(cubic, duty=1.0, inertial=2.0) == pytest.approx(12.0 * 0.37, rel=1e-3)
 
 
-def test_postures_touch_where_their_clearance_is_negative(known):
+def test_independent_check_finds_self_contact_exactly_in_postures_with_negative_clearance(known):
     skeleton = known.robot.skeleton
     postures = np.random.default_rng(0).uniform(skeleton.lower, skeleton.upper, (60, len(skeleton.names)))
     is_near = known.distances.clearance(postures).distances < 0.0

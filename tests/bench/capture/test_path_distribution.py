@@ -9,7 +9,7 @@ from kinesic.capture.clip import ArmPath
 RNG = np.random.default_rng(0)
 
 
-def test_frechet_distance_measures_shift_and_spread_in_standard_deviations():
+def test_frechet_distance_of_clip_sets_measures_shift_and_spread_in_standard_deviations():
     clips = list(RNG.normal(0.0, 3.0, (4, 500, 6)))
     assert frechet_distance(clips, clips) == pytest.approx(0.0, abs=1e-6)
     scale = np.concatenate(clips).std(axis=0)
@@ -19,7 +19,7 @@ def test_frechet_distance_measures_shift_and_spread_in_standard_deviations():
     assert frechet_distance(clips, wide) == pytest.approx(np.sqrt(6), rel=1e-3)
 
 
-def test_features_are_elbows_wrists_and_velocities_of_both_arms():
+def test_clip_features_are_elbows_wrists_and_velocities_of_both_arms():
     times = np.arange(50)[:, None] / 100.0
     left = ArmPath(times * [1.0, 0.0, 0.0], times * [0.0, 2.0, 0.0])
     right = ArmPath(times * [0.0, 0.0, 3.0], np.zeros((50, 3)))

@@ -21,7 +21,7 @@ def setup() -> Setup:
     return set_up()
 
 
-def test_contact_ratio_computed_by_mujoco_equals_that_of_planning(setup: Setup):
+def test_contact_ratio_computed_with_mujoco_equals_that_of_the_planner(setup: Setup):
     policy = find_policy("child")
     assert policy is not None
     assert setup.impacts is not None
@@ -55,7 +55,7 @@ def test_gestures_planned_near_adults_stay_below_the_force_limit_in_mujoco(setup
     assert (worse["contact.shifted"].value, worse["contact.dropped"].value) == (1.0, 1.0)
 
 
-def test_twin_hits_a_free_ball_with_at_most_the_reported_force(setup: Setup):
+def test_simulated_collision_with_a_free_ball_has_at_most_the_reported_force(setup: Setup):
     regions = read_impact_limits().regions
     found = list(collide(setup, ["large"], {name: regions[name] for name in ("face", "hand")}, 2, seed=4))
     assert [collision.region for collision in found] == ["face", "hand"]
@@ -66,7 +66,7 @@ def test_twin_hits_a_free_ball_with_at_most_the_reported_force(setup: Setup):
 
 @pytest.mark.soak
 @pytest.mark.parametrize("robot", ["upper22", "upper36"])
-def test_no_random_contact_exceeds_its_bound(robot: str):
+def test_random_contacts_with_a_free_ball_never_exceed_their_force_bound(robot: str):
     setup = set_up(robot)
     lexemes = sorted(form.id for form in setup.lexicon.forms)
     ratios = [collision.ratio for collision in collide(setup, lexemes, read_impact_limits().regions, 200)]
@@ -75,10 +75,10 @@ def test_no_random_contact_exceeds_its_bound(robot: str):
 
 
 @pytest.mark.soak
-def test_gestures_in_all_styles_keep_the_adult_policy():
+def test_angry_and_sad_gestures_stay_within_the_contact_limits_near_adults():
     metrics = {metric.name: metric for metric in bench_gestures("upper22", ("angry", "sad"), every=20)}
     assert metrics["contact.upper22.gestures.over"].value == 0.0
 
 
-def test_ratio_of_a_collision_is_force_over_bound():
+def test_collision_ratio_is_the_measured_force_divided_by_its_bound():
     assert Collision("beat", "hand", "l_wrist", 1.0, 50.0, 100.0).ratio == 0.5

@@ -53,7 +53,7 @@ def test_hands_that_point_at_each_other_reach_their_positions(known):
 
 
 @pytest.mark.parametrize(("gesture", "style"), sample_tasks(ALL_TASKS, fraction=SAMPLE_FRACTION, seed=1))
-def test_gesture_keeps_limits_and_clearance_and_reports_time_shifts(known, gesture, style):
+def test_lexicon_gesture_keeps_limits_and_clearance_and_reports_time_shifts(known, gesture, style):
     result = judge_gesture(gesture, style, known)
     assert not result.dropped
     assert result.penetrations == 0

@@ -50,7 +50,7 @@ def test_effect_of_power_counts_only_gestures_whose_velocity_limits_allow_faster
     )
 
 
-def test_missing_stroke_counts_as_an_error_of_300_ms(short_sweep):
+def test_stroke_missing_from_a_performance_counts_as_an_error_of_300_ms(short_sweep):
     power = next(series for series in sweeps.sweep_all() if series.parameter == "power")
     metrics = {metric.name: metric for metric in sweeps.sweep_metrics("power", [_with(power, stroke_error=None)])}
     assert metrics["expressivity.power_stroke"].value == pytest.approx(300.0)

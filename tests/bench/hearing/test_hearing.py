@@ -15,7 +15,7 @@ def outcome(kind="turn", duck=0.1, turn=0.5, early=0):
     return HearingOutcome(kind, 6.0, duck, turn, early, 0.015)
 
 
-def test_missed_early_and_false_turns_are_counted():
+def test_hearing_benchmark_counts_missed_early_and_false_turns():
     outcomes = [outcome(), outcome(turn=None), outcome(turn=-2.0), outcome(turn=0.6)]
     outcomes += [outcome("short", turn=None), outcome("music"), outcome("none", None, None, early=3)]
     values = {metric.name.removeprefix("hearing."): metric.value for metric in barge_in_metrics(outcomes, [0.2, 0.3])}
@@ -29,7 +29,7 @@ def test_missed_early_and_false_turns_are_counted():
     assert values["cpu"] == pytest.approx(15.0)
 
 
-def test_metrics_without_espeak_have_a_reason_instead_of_a_value(monkeypatch):
+def test_hearing_metrics_without_espeak_have_a_reason_instead_of_a_value(monkeypatch):
     monkeypatch.setattr(hearing, "espeak_fault", lambda: "no espeak")
     metrics = hearing.bench()
     assert {metric.why for metric in metrics} == {"no espeak"}
@@ -37,7 +37,7 @@ def test_metrics_without_espeak_have_a_reason_instead_of_a_value(monkeypatch):
     assert {metric.name for metric in metrics} == {metric.name for metric in measured}
 
 
-def test_sounds_depend_on_their_seed_alone_and_are_finite():
+def test_test_mixtures_of_sound_depend_only_on_their_seed_and_are_finite():
     for make in (make_cough, make_knock, make_music, lambda random: make_noise(random, 4000)):
         first, same, other = (make(np.random.default_rng(seed)) for seed in (1, 1, 2))
         np.testing.assert_array_equal(first, same)
@@ -55,13 +55,13 @@ def test_reverberation_begins_with_the_direct_sound_after_its_delay():
     assert np.abs(wet[4000:]).max() < np.abs(wet[200:1000]).max()
 
 
-def test_stop_time_ignores_a_short_standstill_of_the_arms():
+def test_measured_stop_time_of_the_arms_ignores_a_short_standstill():
     velocities = np.concatenate([np.ones(30), np.zeros(10), np.ones(5), np.zeros(60)])
     assert _first_rest(velocities) == pytest.approx(0.45)
     assert _first_rest(np.zeros(50)) == 0.0
 
 
-def test_ear_yields_to_the_first_question_of_the_tuning_seed(monkeypatch):
+def test_robot_yields_to_the_first_spoken_question_of_the_tuning_set(monkeypatch):
     if fault := espeak_fault():
         pytest.skip(fault)
     monkeypatch.setattr(sounds, "find_installation_fault", lambda: "quicker")

@@ -123,7 +123,7 @@ def test_degenerate_ik_targets_give_finite_solutions(method: Method) -> None:
 
 
 @with_every_method
-def test_chain_at_its_target_needs_no_iteration(method: Method) -> None:
+def test_ik_chain_already_at_its_target_needs_no_iteration(method: Method) -> None:
     rest = make_curved_chain(6)
     solved = solve_chain(method, rest, rest[-1])
     assert solved.iterations == 0
@@ -172,7 +172,7 @@ def test_damped_least_squares_equals_the_textbook_iteration() -> None:
     assert np.abs(solve_chain("dls", rest, target, tolerance=1e-15, max_iterations=3).points - points).max() < 1e-12
 
 
-def test_triangulation_ik_needs_one_iteration() -> None:
+def test_triangulation_ik_reaches_its_target_in_one_iteration() -> None:
     runs = run_chain("triangulation", make_curved_chain(10), draw_targets(100, 0.1, 0.99, 2), tolerance=1e-7)
     assert (runs.iterations == 1).all()
     assert runs.residuals.max() < 1e-7

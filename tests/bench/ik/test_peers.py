@@ -72,7 +72,7 @@ def test_every_solver_solves_an_ik_target_before_the_next_target(chain):
     assert order[2:] == [(name, tuple(target)) for target in requested for name in "ab"]
 
 
-def test_ik_solvers_take_turns_with_blocks_of_targets_in_rotating_order(monkeypatch, chain):
+def test_ik_solvers_are_timed_in_rotating_order_on_blocks_of_targets(monkeypatch, chain):
     monkeypatch.setattr(peers, "BLOCK_SIZE", 2)
     order, requested = [], draw_targets(default_rng(1), chain, 7)
     calls = peers.take_turns(chain, _recording(chain, "abc", order), requested)
@@ -83,7 +83,7 @@ def test_ik_solvers_take_turns_with_blocks_of_targets_in_rotating_order(monkeypa
     assert all((call.seconds > 0.0).all() for call in calls.values())
 
 
-def test_ik_success_is_recorded_per_target_when_solvers_take_turns(monkeypatch, chain):
+def test_ik_success_is_recorded_per_target_while_solvers_alternate(monkeypatch, chain):
     monkeypatch.setattr(peers, "BLOCK_SIZE", 2)
     off = np.array([0.0, 0.002, 0.0, 0.0, 0.002])
     requested = chain.hand(chain.rest) + np.outer(off, [0.0, 0.0, 1.0])

@@ -73,7 +73,7 @@ def test_motion_capture_clip_without_sync_points_has_no_gesture_phases(folder):
     assert clip.hand.units == 1
 
 
-def test_still_actor_has_no_movement_units(folder):
+def test_motionless_actor_has_no_movement_units(folder):
     write_clip(folder / "set" / "ChrTest@Idle01_BeatRt01.skm", {"JtRoot XPos": np.ones((60, 1))})
     (clip,) = measure_clips(folder)
     assert (clip.hand.units, clip.hand.largest_speed) == (0, 0.0)
@@ -91,7 +91,7 @@ def test_idle_clips_of_motion_capture_are_recognised_by_name(name):
     assert not IDLE_CLIPS.search("A@Idle01_BeatLf01")
 
 
-def test_path_smoothing_keeps_constant_and_linear_paths():
+def test_smoothing_of_captured_paths_keeps_constant_and_linear_paths():
     line = np.outer(np.arange(9.0), [1.0, 2.0, 3.0])
     assert smooth_path(line)[2:-2] == pytest.approx(line[2:-2])
     assert smooth_path(np.ones((6, 3))) == pytest.approx(np.ones((6, 3)))

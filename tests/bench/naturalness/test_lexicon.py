@@ -47,7 +47,7 @@ def test_gesture_speed_is_measured_at_the_hand_with_the_longer_path(known, wave)
     assert wave.hand.arm_lengths == pytest.approx(wave.hand.path / known.robot.arm_length)
 
 
-def test_strokes_along_paths_are_dynamic_and_poses_are_not(known, wave):
+def test_strokes_along_a_path_count_as_dynamic_and_held_poses_do_not(known, wave):
     assert wave.is_dynamic
     assert not measure_gesture(form(known, "arms_crossed"), known).is_dynamic
     assert not replace(wave, keys=1).is_dynamic
@@ -116,7 +116,7 @@ def test_gesture_without_preparation_is_excluded_from_stroke_to_preparation_rati
     assert results["stroke_to_preparation"].value == pytest.approx(gestures[0].hand.stroke_to_preparation)
 
 
-def test_expressive_strokes_are_those_of_beats_deictics_and_emblems(gestures):
+def test_metric_of_expressive_strokes_contains_only_beats_deictics_and_emblems(gestures):
     fast, slow = gestures
     for category in ("beat", "deictic", "emblem"):
         results = metrics_by_name([replace(fast, category="iconic"), replace(slow, category=category)])
@@ -141,7 +141,7 @@ def test_gestures_of_two_body_sizes_are_compared_in_metres_and_arm_lengths(gestu
     assert results["ks_largest_speed"].value > 0.1
 
 
-def test_dropped_late_and_violating_gestures_are_counted_and_named(gestures):
+def test_gestures_that_are_dropped_late_or_beyond_limits_are_counted_and_named(gestures):
     lost = replace(gestures[0], gesture="lost", hand=None, stroke_error=float("nan"))
     late = replace(gestures[0], gesture="late", stroke_error=0.02, violations=3)
     results = metrics_by_name([*gestures, lost, late])

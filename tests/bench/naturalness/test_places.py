@@ -24,7 +24,7 @@ def plans(known):
 
 
 def sample_stroke(planned, count=1):
-    """Return `count` postures of a stroke, or one at its main sync point."""
+    """Return `count` postures of a stroke, or the posture at its main sync point."""
     times = {sync.sync: planned.trajectory.zero + sync.planned for sync in planned.syncs}
     spread = [times["stroke"]] if count == 1 else np.linspace(times["strokeStart"], times["strokeEnd"], count)
     return planned.trajectory.sample(np.array(spread))[0]
@@ -72,7 +72,7 @@ def test_think_and_phone_call_gestures_differ_in_the_elbow_position(plans):
     assert distances.max() > 0.08
 
 
-def test_distance_to_the_required_position_is_measured_for_the_performing_hand(known):
+def test_error_of_a_required_position_is_measured_at_the_performing_hand(known):
     form = known.lexicon.forms_by_id["phone_call"]
     right, left = (measure_place(form, plan_gesture(form, known, mode)) for mode in ("right", "left"))
     assert left == pytest.approx(right, abs=0.005)
@@ -94,7 +94,7 @@ def test_arm_angles_of_symmetric_gestures_are_mirror_images(plans, name):
     assert degrees(np.abs(left - right).max()) < 3
 
 
-def test_required_positions_on_the_face_turn_with_the_head():
+def test_required_hand_positions_on_the_face_rotate_with_the_head():
     requirement = PlaceTable("tips", "mouth", 0.1)
     rest, turned = ROBOT.skeleton.rest, ROBOT.skeleton.rest.copy()
     turned[ROBOT.skeleton.names.index("skullbase_torsion")] = -0.5
@@ -103,7 +103,7 @@ def test_required_positions_on_the_face_turn_with_the_head():
 
 
 def distance_change(place, joint):
-    """Return the left palm's change of distance [m] by one joint's rotation."""
+    """Return the change of the left palm's distance [m] when one joint rotates."""
     requirement, angles = PlaceTable("palm", place, 0.1), ROBOT.skeleton.rest.copy()
     still = measure_place_distance(ROBOT, angles, "l", requirement)
     angles[ROBOT.skeleton.names.index(joint)] += 0.5

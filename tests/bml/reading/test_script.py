@@ -130,7 +130,7 @@ def recording(description: str, source: str = "/spoken/here.bml") -> Recording |
         '><audio src="one.wav"/><',
     ],
 )
-def test_speech_recording_file_name_is_read_from_each_description_notation(kind: str, content: str):
+def test_file_name_of_a_speech_recording_is_read_from_each_notation_of_a_description(kind: str, content: str):
     assert recording(f'<description type="{kind}"{content}/description>') == Recording(
         Path("/spoken/one.wav"), folder=Path("/spoken")
     )

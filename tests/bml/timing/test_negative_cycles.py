@@ -21,7 +21,7 @@ def test_contradicting_time_constraints_are_returned_as_an_ordered_cycle() -> No
     assert all(edge.head == after.tail for edge, after in zip(loop, [*loop[1:], loop[0]], strict=True))
 
 
-def test_sync_point_required_after_itself_is_a_contradiction() -> None:
+def test_sync_point_constrained_to_follow_itself_is_a_contradiction() -> None:
     assert find_contradictions([Edge(A, A, 1.0)]) == [[Edge(A, A, 1.0)]]
     assert find_contradictions([Edge(A, A, 0.0)]) == []
 

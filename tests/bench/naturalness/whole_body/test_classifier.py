@@ -15,7 +15,7 @@ SCORERS = (score_logistic, score_neighbours)
 
 
 def make_sample(generator, count, *, shift=0.0, performances=10, name="a"):
-    """Return clips with normally distributed features, the first one shifted."""
+    """Return clips with normally distributed features and a shifted first feature."""
     features = generator.normal(size=(count, 3))
     features[:, 0] += shift
     return Sample(features, tuple(f"{name}{k % performances}" for k in range(count)))

@@ -35,7 +35,7 @@ def by_name(metrics):
     return {metric.name.removeprefix("naturalness.people."): metric for metric in metrics}
 
 
-def test_robot_with_still_trunk_and_still_free_arm_misses_its_goals(captured):
+def test_robot_with_motionless_trunk_and_free_arm_misses_the_likeness_goals(captured):
     ours = make_set("robot", trunks=[0.2] * 6 + [1.0] * 6, free=0.001)
     metrics = by_name(compare_body(ours, captured))
     assert metrics["robot.trunk_still"].value == 0.5
@@ -49,7 +49,7 @@ def test_robot_with_still_trunk_and_still_free_arm_misses_its_goals(captured):
     assert "unseen sets 7.48" in metrics["robot.trunk"].why
 
 
-def test_robot_that_moves_like_captured_people_meets_its_goals(captured):
+def test_robot_that_moves_like_captured_people_meets_the_likeness_goals(captured):
     ours = make_set("robot", trunks=np.linspace(2.2, 12.2, 12))
     metrics = by_name(compare_body(ours, captured))
     assert metrics["robot.trunk"].ok
@@ -73,7 +73,7 @@ def test_rest_spread_is_the_standard_deviation_of_wrist_positions():
     assert measure_rest_spread(measured) == pytest.approx(np.hypot(forward, down))
 
 
-def test_captured_sets_are_labelled_tuned_or_unseen_and_compared_with_each_other(captured):
+def test_capture_sets_are_labelled_as_tuned_or_unseen_and_compared_with_each_other(captured):
     metrics = by_name(compare_sets(captured, captured))
     assert metrics["PNGestures.gestures"].why == "unseen"
     assert metrics["Gestures.gestures"].why == "tuned on"

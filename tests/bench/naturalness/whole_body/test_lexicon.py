@@ -33,7 +33,7 @@ def test_robot_at_rest_has_its_head_within_30_degrees_of_level_and_arms_hanging(
     assert 0.7 < posture.down < 1.0
 
 
-def test_gestures_are_distributed_over_all_random_seeds():
+def test_measured_gestures_are_distributed_over_all_random_seeds():
     tasks = list_seeded_gestures()
     assert len({gesture for gesture, _ in tasks}) == len(tasks)
     for every in (1, 3):

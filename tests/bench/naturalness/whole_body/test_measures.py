@@ -27,7 +27,7 @@ def test_motion_measures_of_a_still_body_are_zero():
     assert (measures.path, measures.largest_speed, measures.collar) == pytest.approx((0.0, 0.0, 0.0), abs=1e-9)
 
 
-def test_free_arm_measure_is_the_path_of_the_hand_that_moves_less():
+def test_free_arm_metric_is_the_path_length_of_the_hand_that_moves_less():
     assert measure_whole_body(make_body(swing=(0.01, 0.2))).free_arm == pytest.approx(0.05, rel=0.01)
     assert measure_whole_body(make_body(swing=(0.2, 0.01))).free_arm == pytest.approx(0.05, rel=0.01)
     assert measure_whole_body(make_body(swing=(0.2, 0.2))).free_arm == pytest.approx(1.0)

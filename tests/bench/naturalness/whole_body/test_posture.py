@@ -30,7 +30,7 @@ def test_posture_of_a_mirror_image_has_the_same_measures():
     assert astuple(left) == pytest.approx(astuple(right))
 
 
-def test_head_angles_are_relative_to_the_shoulders():
+def test_head_angles_of_a_posture_are_measured_relative_to_the_shoulders():
     body = make_body()
     turned = turn("z", 15.0)[0] @ turn("y", 8.0)[0]
     object.__setattr__(body, "head_rotations", np.array([turned] * len(body.times)))
@@ -52,7 +52,7 @@ def test_posture_vector_excludes_features_that_depend_on_the_skeleton():
     assert not SKELETON_FEATURES & set(COMPARED_FEATURES)
 
 
-def test_clip_that_begins_in_motion_does_not_start_at_rest():
+def test_clip_that_begins_in_motion_counts_as_not_starting_at_rest():
     assert starts_at_rest(make_body(swing=(0.0, 0.2)))
     body = make_body(swing=(0.0, 0.8))
     assert not starts_at_rest(body.clip(0.6, 2.0))

@@ -29,7 +29,7 @@ def make_turning_clips(pose, count=5, **options):
     return [make_body(head=20.0, set_name="s", name=f"A@{pose}_{k}", **options) for k in range(count)]
 
 
-def test_bent_arms_do_not_count_as_hanging():
+def test_bent_arms_do_not_count_as_hanging_arms():
     clips = [*make_turning_clips("Idle01"), *make_turning_clips("Idle02", bend=(90.0, 90.0))]
     assert list(group_hanging(clips)) == ["s Idle01"]
 
@@ -41,7 +41,7 @@ def test_frames_close_to_the_first_pose_of_their_clip_are_excluded_from_stances(
     assert not group_hanging([make_body(name=f"A@Idle01_{k}") for k in range(5)])
 
 
-def test_stances_leave_out_a_person_with_too_few_clips():
+def test_standing_posture_statistics_exclude_a_person_with_too_few_clips():
     assert not group_hanging(make_turning_clips("Idle01", count=4))
 
 
@@ -51,7 +51,7 @@ def test_frames_with_fast_hands_do_not_count_as_resting():
     assert 18 not in resting  # a quarter of the clip, where the swing is fastest
 
 
-def test_stance_fit_recovers_mean_and_correlation_of_a_population():
+def test_fit_of_standing_postures_recovers_mean_and_correlation_of_a_population():
     chance = np.random.default_rng(4)
     groups = {}
     for person in range(60):
