@@ -20,7 +20,7 @@ from kinesic.conversation.events import (
 from kinesic.conversation.gaze import begin_gaze, continue_gaze, next_gaze_time, request_look
 from kinesic.conversation.nods import consider_nod, next_nod_time
 from kinesic.conversation.people import Company, choose_focus, expire, observe
-from kinesic.conversation.settings import MOVEMENTS
+from kinesic.conversation.settings import MOVEMENT_SETTINGS
 from kinesic.conversation.state import ConversationState, OwnSpeech, PersonVoice
 from kinesic.conversation.turn_words import NO_TURN_WORDS, TurnWords
 from kinesic.conversation.turns import interrupted, next_mode, next_transition
@@ -29,18 +29,18 @@ from kinesic.conversation.wants import BodyLean, BriefExpression, Filler, ModeNo
 ROUNDING_TOLERANCE = 1e-6  # [s] delay added to a next time, so that rounding never makes it too early
 TURN_GAP = 2.0  # [s] silence of a person after which a voice begins a new turn
 CLAUSE_MARKS = (",", ";", ":", ".", "!", "?", "、", "。")  # punctuation at which a listener may nod
-SMILE = (("6", 0.3), ("12", 0.5))  # action units of a greeting smile, with intensities 0..1
+GREETING_SMILE = (("6", 0.3), ("12", 0.5))  # action units of a greeting smile, with intensities 0..1
 RAISED_BROWS = (("1", 0.5), ("2", 0.5))  # action units of surprise, with intensities 0..1
 PENSIVE_BROWS = (("1", 0.25), ("4", 0.3))  # action units of thinking, with intensities 0..1
 SMILE_DURATION = 1.0  # [s] duration of a greeting smile
-BROWS_DURATION = 0.8  # [s] duration of surprise
-PENSIVE_DURATION = 2.5  # [s] duration of the expression of thinking
+BROWS_DURATION = 0.8  # [s] duration of raised brows
+PENSIVE_DURATION = 2.5  # [s] duration of the pensive expression
 
 
 def advance_conversation(
     state: ConversationState, event: ConversationEvent | None, now: float, *, words: TurnWords = NO_TURN_WORDS
 ) -> tuple[ConversationState, tuple[Want, ...]]:
-    """Advance a conversation to a time.
+    """Advance a conversation to a time, with or without an event.
 
     Args:
         state: state at an earlier time.
@@ -83,21 +83,21 @@ def advance_conversation(
 
 
 def next_time(state: ConversationState, now: float, *, words: TurnWords = NO_TURN_WORDS) -> float:
-    """Return the earliest time [s] of a change without events.
+    """Return the earliest time [s] of a state change without further events.
 
     `advance_conversation` must be called then. Infinity if there is none.
     """
     if not state.on:
         return inf
     filler = inf
-    if state.mode == "thinking" and state.fillers < len(MOVEMENTS.fillers):
-        filler = state.since + MOVEMENTS.fillers[state.fillers]
+    if state.mode == "thinking" and state.fillers < len(MOVEMENT_SETTINGS.fillers):
+        filler = state.since + MOVEMENT_SETTINGS.fillers[state.fillers]
     times = (next_transition(state, now, words), next_gaze_time(state, now), next_nod_time(state, now), filler)
     return min((time for time in times if time > now), default=inf) + ROUNDING_TOLERANCE
 
 
 def _take(state: ConversationState, event: ConversationEvent, now: float) -> ConversationState:
-    """Return the state updated by an event, still in the same mode."""
+    """Apply an event to the state without changing its mode."""
     match event:
         case Conversing(on, amount):
             if on and state.on:
@@ -127,7 +127,7 @@ def _take(state: ConversationState, event: ConversationEvent, now: float) -> Con
 
 
 def _hear(voice: PersonVoice, active: bool, who: str | None, time: float) -> PersonVoice:
-    """Update a voice by its start or end at a time [s]."""
+    """Return a person's voice after it starts or ends."""
     if active == voice.active:
         return replace(voice, who=who or voice.who)
     if not active:
@@ -146,15 +146,15 @@ def _end(before: ConversationState, state: ConversationState, now: float) -> tup
 
 
 def _mode_wants(state: ConversationState, before: ConversationState) -> list[Want]:
-    """Return the requested posture and expression at the start of a mode."""
+    """Return the posture and expression requested when a mode starts."""
     listens, amount = state.mode == "listening", state.amount
     wants: list[Want] = []
     if listens or before.mode == "listening":
         side = 1.0 if state.draws % 2 else -1.0
-        lean, tilt = (MOVEMENTS.lean, side * MOVEMENTS.tilt) if listens else (0.0, 0.0)
+        lean, tilt = (MOVEMENT_SETTINGS.lean, side * MOVEMENT_SETTINGS.tilt) if listens else (0.0, 0.0)
         wants.append(BodyLean(amount * lean, amount * tilt, state.mode))
     faces = {
-        "attending": (SMILE, SMILE_DURATION),
+        "attending": (GREETING_SMILE, SMILE_DURATION),
         "interrupted": (RAISED_BROWS, BROWS_DURATION),
         "thinking": (PENSIVE_BROWS, PENSIVE_DURATION),
     }
@@ -168,7 +168,7 @@ def _fill(state: ConversationState, now: float) -> tuple[ConversationState, Fill
     """Return the new state, and a filler utterance if one is due."""
     if state.mode != "thinking":
         return (state if state.fillers == 0 else replace(state, fillers=0)), None
-    if state.fillers >= len(MOVEMENTS.fillers) or now < state.since + MOVEMENTS.fillers[state.fillers]:
+    if state.fillers >= len(MOVEMENT_SETTINGS.fillers) or now < state.since + MOVEMENT_SETTINGS.fillers[state.fillers]:
         return state, None
     number = state.fillers + 1
     return replace(state, fillers=number), Filler(number, f"thinks for {now - state.since:.1f} s")

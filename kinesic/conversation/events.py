@@ -13,8 +13,8 @@ Place = tuple[float, float, float]  # [m] position in the robot's world frame: x
 class Conversing:
     """Start or end of a conversation."""
 
-    on: bool
-    amount: float = 1.0  # 0..1 amount of movement
+    on: bool  # whether the conversation starts; otherwise it ends
+    amount: float = 1.0  # 0..1 amount of the robot's conversational movements
 
 
 @dataclass(frozen=True)
@@ -48,7 +48,7 @@ class Transcript:
     """Recognised words of a person."""
 
     text: str  # all words of the turn so far
-    final: bool = False  # whether the recogniser will not change them
+    final: bool = False  # whether the recogniser will not change the words any more
     who: str | None = None  # id of the person; None: unknown
 
 
@@ -56,23 +56,23 @@ class Transcript:
 class TurnPrediction:
     """Probability that the turn passes to the robot."""
 
-    yours: float  # 0..1
+    yours: float  # 0..1 probability that the turn passes to the robot
 
 
 @dataclass(frozen=True)
 class Thinking:
     """Start or end of a model's preparation of its answer."""
 
-    on: bool
+    on: bool  # whether the preparation starts; otherwise it ends
 
 
 @dataclass(frozen=True)
 class RobotSpeech:
     """Start or end of the robot's own speech."""
 
-    active: bool
+    active: bool  # whether the speech starts; otherwise it ends
     ends_in: float | None = None  # [s] time until the speech ends; None: unknown
-    filler: bool = False  # whether it only fills the time until the answer
+    filler: bool = False  # whether the speech only fills the time until the answer
 
 
 @dataclass(frozen=True)

@@ -4,21 +4,21 @@ from dataclasses import replace
 from math import dist, inf
 
 from kinesic.conversation.people import direction_change, next_check
-from kinesic.conversation.settings import MOVEMENTS, RHYTHMS, Rhythm
+from kinesic.conversation.settings import GAZE_RHYTHMS, MOVEMENT_SETTINGS, Rhythm
 from kinesic.conversation.state import ConversationState, GazeSpell
-from kinesic.conversation.wants import STRAIGHT, Direction, Look
+from kinesic.conversation.wants import STRAIGHT_DIRECTION, Direction, Look
 
 SHORTEST_LAST_LOOK = 0.6  # [s] shortest duration of the look that ends a speech
-LOOKING = GazeSpell()  # look at the person without a time limit
+UNLIMITED_LOOK = GazeSpell()  # gaze at the person without a time limit
 
 
 def begin_gaze(state: ConversationState, now: float) -> ConversationState:
-    """Start the first look, or look away, of the state's mode."""
-    rhythm = RHYTHMS.get(state.mode)
+    """Start the mode's first look, at or away from the person."""
+    rhythm = GAZE_RHYTHMS.get(state.mode)
     if rhythm is None:
-        return replace(state, gaze=LOOKING)
+        return replace(state, gaze=UNLIMITED_LOOK)
     if state.mode == "speaking":
-        return _avert(state, rhythm, now + MOVEMENTS.first_aversion)
+        return _avert(state, rhythm, now + MOVEMENT_SETTINGS.first_aversion)
     if state.mode == "thinking":
         duration, state = state.vary(rhythm.away)
         return _avert(state, rhythm, now + duration)
@@ -26,10 +26,10 @@ def begin_gaze(state: ConversationState, now: float) -> ConversationState:
 
 
 def continue_gaze(state: ConversationState, now: float) -> ConversationState:
-    """Start the next look or look away once the current one ends."""
+    """Start the next look, at or away from the person, if due."""
     if _ends_soon(state, now):
-        return replace(state, gaze=LOOKING)
-    rhythm = RHYTHMS.get(state.mode)
+        return replace(state, gaze=UNLIMITED_LOOK)
+    rhythm = GAZE_RHYTHMS.get(state.mode)
     if rhythm is None or now < state.gaze.until:
         return state
     if state.gaze.averted:
@@ -41,30 +41,30 @@ def continue_gaze(state: ConversationState, now: float) -> ConversationState:
 def request_look(state: ConversationState, now: float) -> tuple[ConversationState, Look | None]:
     """Return the new state, and a gaze request if one is due.
 
-    Movements within a dead zone are not followed, and corrections are limited in rate.
+    MovementSettings within a dead zone are not followed, and corrections are limited in rate.
     """
     target = None if state.mode == "idle" else state.company.target(now)
     place = None if target is None else target.place
-    away = tuple(state.amount * angle for angle in state.gaze.away) if state.gaze.averted else STRAIGHT
+    away = tuple(state.amount * angle for angle in state.gaze.away) if state.gaze.averted else STRAIGHT_DIRECTION
     look = Look(place, (away[0], away[1]), state.gaze.head_fraction, _reason(state))
     before = state.look
     if before is not None and (before.place is None) == (place is None) and before.away == look.away:
         if before.place is None or place is None:
             return state, None
         change = direction_change(place, before.place, state.eyes)
-        if change < MOVEMENTS.dead_zone or now < state.look_time + MOVEMENTS.shortest_look_interval:
+        if change < MOVEMENT_SETTINGS.dead_zone or now < state.look_time + MOVEMENT_SETTINGS.shortest_look_interval:
             return state, None
-    met_since = state.met_since if before is not None and before.away == look.away == STRAIGHT else now
+    met_since = state.met_since if before is not None and before.away == look.away == STRAIGHT_DIRECTION else now
     return replace(state, look=look, look_time=now, met_since=met_since), look
 
 
 def next_gaze_time(state: ConversationState, now: float) -> float:
-    """Return the earliest time [s] of a gaze change without events."""
+    """Return the earliest time [s] of a gaze change without further events."""
     times = [state.gaze.until, next_check(state.company, now), _last_look_time(state)]
     if state.look is not None and state.look.place is not None:
         target = state.company.target(now)
         if target is not None and dist(target.place, state.look.place) > 0.0:
-            times.append(state.look_time + MOVEMENTS.shortest_look_interval)
+            times.append(state.look_time + MOVEMENT_SETTINGS.shortest_look_interval)
     return min((time for time in times if time > now), default=inf)
 
 
@@ -73,22 +73,24 @@ def _ends_soon(state: ConversationState, now: float) -> bool:
 
 
 def _last_look_time(state: ConversationState) -> float:
-    """Return the start [s] of the last look during the robot's speech.
+    """Return the start time [s] of the look that ends a speech.
 
     Infinity without an expected end.
     """
     begin, end = state.speech.began, state.speech.ends
     if not state.speech.active or end == inf:
         return inf
-    return end - min(MOVEMENTS.last_look, SHORTEST_LAST_LOOK + MOVEMENTS.last_look_fraction * (end - begin))
+    return end - min(
+        MOVEMENT_SETTINGS.last_look, SHORTEST_LAST_LOOK + MOVEMENT_SETTINGS.last_look_fraction * (end - begin)
+    )
 
 
 def _look(state: ConversationState, rhythm: Rhythm, now: float) -> ConversationState:
     """Start a look at the person, limited to `longest_look`."""
     duration, state = state.vary(rhythm.look)
-    is_met = state.look is not None and state.look.away == STRAIGHT
-    latest = (state.met_since if is_met else now) + MOVEMENTS.longest_look
-    return replace(state, gaze=replace(LOOKING, until=min(now + duration, max(latest, now))))
+    is_met = state.look is not None and state.look.away == STRAIGHT_DIRECTION
+    latest = (state.met_since if is_met else now) + MOVEMENT_SETTINGS.longest_look
+    return replace(state, gaze=replace(UNLIMITED_LOOK, until=min(now + duration, max(latest, now))))
 
 
 def _avert(state: ConversationState, rhythm: Rhythm, until: float) -> ConversationState:
@@ -96,7 +98,7 @@ def _avert(state: ConversationState, rhythm: Rhythm, until: float) -> Conversati
     number, state = state.draw()
     side, state = state.draw()
     head, state = state.draw()
-    angle, sign = MOVEMENTS.averted_angle, 1.0 if side < 0.5 else -1.0
+    angle, sign = MOVEMENT_SETTINGS.averted_angle, 1.0 if side < 0.5 else -1.0
     to_side, down, _ = rhythm.directions
     away: Direction = (sign * angle, 0.0)
     if to_side <= number < to_side + down:

@@ -12,7 +12,7 @@ from kinesic.conversation.events import PeopleSeen, Person, Place
 SMOOTHING_TIME = 0.15  # [s] time constant of the low-pass filter on positions
 MAX_ABSENCE = 1.0  # [s] time without a report after which a person counts as gone
 SAME_PERSON_DISTANCE = 0.3  # [m] largest distance between a lost person and the same person under another id
-JUMP_ANGLE = 20.0  # [deg] change of direction above which a new position must persist
+JUMP_ANGLE = 20.0  # [deg] change of direction above which a new position must persist for `JUMP_DELAY`
 JUMP_DELAY = 0.2  # [s] time for which a sudden new position must persist
 MIN_DISTANCE = 0.4  # [m] smallest distance from the robot's eyes at which a person is looked at
 MAX_DISTANCE = 3.0  # [m] largest distance from the robot's eyes at which a person is attended to
@@ -22,9 +22,9 @@ ADDRESSEE_SCORE = 0.6  # score of the person with whom the robot exchanged the l
 LOOK_SCORE = 0.3  # score of a person who looks at the robot
 PROXIMITY_SCORE = 0.2  # score of a person at distance 0, decreasing to 0 at `MAX_DISTANCE`
 SWITCH_LEAD = 0.3  # smallest lead in score with which another person gets the robot's attention
-SWITCH_DELAY = 0.4  # [s] time for which that lead must last
+SWITCH_DELAY = 0.4  # [s] time for which another person's score must lead before the attention switches
 MIN_SPELL = 1.2  # [s] shortest time of attention to one person
-GLANCE_DURATION = 1.0  # [s] glance at a person who arrives
+GLANCE_DURATION = 1.0  # [s] duration of the glance at a person who arrives
 
 
 @dataclass(frozen=True)
@@ -41,13 +41,13 @@ class TrackedPerson:
 
 @dataclass(frozen=True)
 class Company:
-    """All people around the robot, and the one it attends to."""
+    """All people around the robot, with the attended person."""
 
     tracked: tuple[TrackedPerson, ...] = ()
     focus: str | None = None  # key of the attended person
     focus_since: float = 0.0  # [s] time of the last change of `focus`
     challenger: str | None = None  # key of a person who leads by `SWITCH_LEAD`
-    challenger_since: float = 0.0  # [s] start of that lead
+    challenger_since: float = 0.0  # [s] time since which the challenger leads
     glance: tuple[str, float] | None = None  # key of a newly arrived person, and the end [s] of the glance
 
     def find(self, name: str | None) -> TrackedPerson | None:

@@ -14,7 +14,7 @@ class Rhythm:
 
     look: tuple[float, float]  # [s] mean and half range of the duration of looks at the person
     away: tuple[float, float]  # [s] mean and half range of the duration of looks away
-    directions: tuple[float, float, float]  # probabilities of looks to a side, down and up
+    directions: tuple[float, float, float]  # probabilities of looks to a side, down and up; they sum to 1
     head_probability: float  # probability that the head takes part in a look away
 
 
@@ -22,14 +22,16 @@ class Rhythm:
 class TurnTimes:
     """Times of changes between states."""
 
-    voice_to_listening: float = 0.15  # [s] voice after which the robot listens
-    voice_to_yield: float = 0.75  # [s] voice without words that stops own speech; detectors report its end 0.3 s late
+    voice_to_listening: float = 0.15  # [s] duration of a person's voice after which the robot listens
+    voice_to_yield: float = (
+        0.75  # [s] voice without words that stops the robot's speech; includes 0.3 s of detector delay
+    )
     words_to_yield: int = 2  # recognised words after which the robot stops its own speech
     silence: float = 0.7  # [s] silence that ends a turn
     silence_if_predicted: float = 0.2  # [s] silence that ends a turn which a model expects to end
     silence_if_unfinished: float = 1.2  # [s] silence that ends a turn after a conjunction or a hesitation
-    prediction_threshold: float = 0.6  # probability from which a model expects the end of the turn
-    doubt_threshold: float = 0.4  # probability below which a model expects that the turn goes on
+    prediction_threshold: float = 0.6  # probability of the turn's end above which `silence_if_predicted` applies
+    doubt_threshold: float = 0.4  # probability of the turn's end below which `silence_if_unfinished` applies
     end_to_thinking: float = 0.3  # [s] time from the end of a turn to the thinking state
     longest_unasked_thinking: float = 8.0  # [s] longest thinking state without a `think` message of a client
     interrupted: float = 0.8  # [s] duration of the interrupted state
@@ -37,15 +39,15 @@ class TurnTimes:
 
 
 @dataclass(frozen=True)
-class Movements:
-    """Angles and times of the movements of states, at amount 1."""
+class MovementSettings:
+    """Angles and times of the robot's conversational movements, at amount 1."""
 
     dead_zone: float = 3.0  # [deg] movement of a person below which the gaze stays
     shortest_look_interval: float = 0.25  # [s] shortest time between two corrections of the gaze
     averted_angle: float = 14.0  # [deg] angle of looks away
     first_aversion: float = 1.2  # [s] duration of the look away at the start of speech
-    last_look: float = 2.3  # [s] longest time before the end of speech at which the gaze returns
-    last_look_fraction: float = 0.25  # part of that time, as a fraction of the speech's duration; 0.6 s are added
+    last_look: float = 2.3  # [s] longest look at the person that ends a speech
+    last_look_fraction: float = 0.25  # duration of the last look / duration of the speech; 0.6 s are added
     longest_look: float = 5.5  # [s] longest look at a person without a look away
     lean: float = 2.0  # [deg] forward lean of a listener
     tilt: float = 5.0  # [deg] head tilt of a listener
@@ -54,16 +56,16 @@ class Movements:
     nods_per_minute: int = 10  # largest number of nods in a minute
     voice_before_nod: float = 0.7  # [s] shortest speech before a nod
     pause_before_nod: float = 0.2  # [s] pause of a speaker after which the listener nods
-    nod_probability: float = 0.55  # probability of a nod at such a pause
+    nod_probability: float = 0.55  # probability that the listener nods at a pause
     fillers: tuple[float, ...] = (1.2, 4.0)  # [s] times of fillers after the start of thinking
 
 
 TURN_TIMES = TurnTimes()
-MOVEMENTS = Movements()
+MOVEMENT_SETTINGS = MovementSettings()
 
-RHYTHMS: dict[Mode, Rhythm] = {
+GAZE_RHYTHMS: dict[Mode, Rhythm] = {
     "attending": Rhythm((2.4, 0.6), (1.6, 0.4), (0.7, 0.2, 0.1), 0.1),
     "listening": Rhythm((2.8, 0.8), (1.2, 0.2), (0.7, 0.2, 0.1), 0.1),
     "thinking": Rhythm((1.0, 0.2), (3.0, 0.5), (0.1, 0.2, 0.7), 0.4),
     "speaking": Rhythm((1.2, 0.3), (2.8, 0.5), (0.7, 0.2, 0.1), 0.1),
-}  # in all other states, the robot never looks away from the person
+}  # gaze rhythm by mode; in all other modes, the robot never looks away from the person

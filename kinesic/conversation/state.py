@@ -5,7 +5,7 @@ from math import inf
 
 from kinesic.conversation.events import Place
 from kinesic.conversation.people import Company, Roles, TrackedPerson
-from kinesic.conversation.wants import STRAIGHT, Direction, Look, Mode
+from kinesic.conversation.wants import STRAIGHT_DIRECTION, Direction, Look, Mode
 
 EYE_HEIGHT = 1.5  # [m] default height of the robot's eyes
 
@@ -32,7 +32,7 @@ class OwnSpeech:
     """Speech of the robot."""
 
     active: bool = False
-    began: float = -inf  # [s]
+    began: float = -inf  # [s] start of the speech
     ends: float = inf  # [s] expected end; infinity: unknown
 
 
@@ -40,9 +40,9 @@ class OwnSpeech:
 class GazeSpell:
     """Period in which the robot looks at a person, or away."""
 
-    averted: bool = False
-    away: Direction = STRAIGHT  # [deg] direction relative to the person
-    head_fraction: float = 0.0  # fraction of that direction performed by the head
+    averted: bool = False  # whether the robot looks away from the person
+    away: Direction = STRAIGHT_DIRECTION  # [deg] direction relative to the person
+    head_fraction: float = 0.0  # fraction of `away` that the head performs; the eyes perform the rest
     until: float = inf  # [s] end of the period
 
 
@@ -50,24 +50,24 @@ class GazeSpell:
 class ConversationState:
     """State of a conversation between two events."""
 
-    on: bool = False
+    on: bool = False  # whether the conversation runs
     amount: float = 1.0  # 0..1 amount of movement
     eyes: Place = (0.0, 0.0, EYE_HEIGHT)  # [m] position of the robot's eyes
-    seed: int = 0
+    seed: int = 0  # seed of the random numbers
     draws: int = 0  # random numbers drawn so far
     mode: Mode = "off"
     since: float = 0.0  # [s] start of the mode
     company: Company = field(default_factory=Company)
-    addressee: str | None = None  # person of the last turn
+    addressee: str | None = None  # id of the person with whom the robot exchanged the last turn
     voice: PersonVoice = field(default_factory=PersonVoice)
-    listened: bool = False  # whether the current turn of a person was listened to
+    listened: bool = False  # whether the robot has listened to the person's current turn
     thinks: bool = False  # whether a client prepares an answer
-    fillers: int = 0  # fillers since thinking began
+    fillers: int = 0  # number of fillers since thinking began
     speech: OwnSpeech = field(default_factory=OwnSpeech)
     gaze: GazeSpell = field(default_factory=GazeSpell)
     look: Look | None = None  # last requested gaze
-    look_time: float = -inf  # [s] time of that request
-    met_since: float = -inf  # [s] start of the current look at the person
+    look_time: float = -inf  # [s] time of the last gaze request
+    met_since: float = -inf  # [s] start of the robot's current look at the person
     nods: tuple[float, ...] = ()  # [s] times of the nods of the last minute
     nod_considered: float = -inf  # [s] end of the stretch of voice after which a nod was considered
     lonely_since: float = -inf  # [s] time at which the last person left, or the conversation began
@@ -87,7 +87,7 @@ class ConversationState:
         return _uniform(self.seed, self.draws), replace(self, draws=self.draws + 1)
 
     def vary(self, spread: tuple[float, float]) -> tuple[float, "ConversationState"]:
-        """Draw a value, and return the state after the draw.
+        """Return a random value around a mean, and the next state.
 
         Args:
             spread: mean of the values, and half of their range.

@@ -8,16 +8,16 @@ import msgspec
 
 from kinesic.body.config import CONFIGS, read_toml
 
-WORD_PATTERN = re.compile(r"[\w'-]+")
+WORD_PATTERN = re.compile(r"[\w'-]+")  # one word
 UNSPACED_LANGUAGES = ("ja",)  # languages that write no spaces between words
 
 
 class TurnWordTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of the words of one language."""
 
-    stop: tuple[str, ...]
-    agreement: tuple[str, ...]
-    unfinished: tuple[str, ...]
+    stop: tuple[str, ...]  # words that stop the robot's speech
+    agreement: tuple[str, ...]  # words of agreement, which do not take the turn
+    unfinished: tuple[str, ...]  # last words that announce further words
     fillers: tuple[str, ...]
 
 
@@ -26,9 +26,9 @@ class TurnWords:
     """Words of one language that stop speech, agree, or announce more words."""
 
     language: str = ""  # language tag; empty: a language without such words
-    stop: tuple[str, ...] = ()
-    agreement: tuple[str, ...] = ()
-    unfinished: tuple[str, ...] = ()
+    stop: tuple[str, ...] = ()  # words that stop the robot's speech
+    agreement: tuple[str, ...] = ()  # words of agreement, which do not take the turn
+    unfinished: tuple[str, ...] = ()  # last words that announce further words
     fillers: tuple[str, ...] = ()  # short utterances that fill the time until an answer
 
     def has_stop_word(self, text: str) -> bool:

@@ -10,7 +10,7 @@ from kinesic.conversation.wants import Mode, Yield
 
 
 def turn_end(state: ConversationState, words: TurnWords) -> float:
-    """Return the end [s] of a person's turn without further voice.
+    """Return a turn's end time [s] if the voice stays silent.
 
     Infinity while the person speaks, or without a turn.
     """
@@ -80,7 +80,7 @@ def interrupted(state: ConversationState, now: float) -> ConversationState:
 
 
 def next_transition(state: ConversationState, now: float, words: TurnWords) -> float:
-    """Return the earliest time [s] of a mode change without events."""
+    """Return the earliest time [s] of a mode change without further events."""
     if not state.on:
         return inf
     end = turn_end(state, words)
@@ -101,7 +101,7 @@ def _has_company(state: ConversationState, now: float) -> bool:
 
 
 def _idle_time(state: ConversationState) -> float:
-    """Return the time [s] from which the robot idles without a person."""
+    """Return the time [s] when the robot idles without a person."""
     if state.partner is not None:
         return inf
     last = max(state.lonely_since, state.voice.ended, state.speech.began)

@@ -8,7 +8,7 @@ from kinesic.conversation.events import Place
 Mode = Literal["off", "idle", "attending", "listening", "thinking", "speaking", "interrupted"]
 Direction = tuple[float, float]  # [deg] left and up
 
-STRAIGHT: Direction = (0.0, 0.0)
+STRAIGHT_DIRECTION: Direction = (0.0, 0.0)  # [deg] straight at the position
 
 
 @dataclass(frozen=True)
@@ -16,8 +16,8 @@ class Look:
     """Gaze at a position, or in a direction beside it."""
 
     place: Place | None  # [m] position in the world; None: straight ahead
-    away: Direction = STRAIGHT  # direction relative to the position
-    head_fraction: float = 1.0  # fraction of `away` that the head performs, the eyes perform the rest
+    away: Direction = STRAIGHT_DIRECTION  # [deg] direction relative to the position
+    head_fraction: float = 1.0  # fraction of `away` that the head performs; the eyes perform the rest
     reason: str = ""
 
 
@@ -37,7 +37,7 @@ class BodyLean:
 class Nod:
     """One nod of the head."""
 
-    angle: float  # [deg]
+    angle: float  # [deg] amplitude of the nod
     reason: str = ""
 
 
@@ -60,7 +60,7 @@ class Filler:
 
 @dataclass(frozen=True)
 class Yield:
-    """End of the robot's own speech because a person takes the turn."""
+    """Request to end the robot's speech because a person takes the turn."""
 
     reason: str = ""
 

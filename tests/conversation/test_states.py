@@ -17,7 +17,7 @@ from kinesic.conversation.events import (
     TurnPrediction,
     VoiceActivity,
 )
-from kinesic.conversation.settings import MOVEMENTS, TURN_TIMES
+from kinesic.conversation.settings import MOVEMENT_SETTINGS, TURN_TIMES
 from kinesic.conversation.state import ConversationState
 from kinesic.conversation.turn_words import NO_TURN_WORDS, turn_words
 from kinesic.conversation.wants import BodyLean, BriefExpression, Filler, Look, ModeNotice, Nod, Yield
@@ -125,11 +125,11 @@ def test_listener_nods_at_pauses_within_its_limits():
         begin += 1.6
     nods = [time for time, _ in converse(events, 119.0).of(Nod)]
     assert len(nods) >= 12
-    assert min(np.diff(nods)) >= MOVEMENTS.nod_interval
-    assert max(sum(0 <= time - start < 60.0 for time in nods) for start in nods) <= MOVEMENTS.nods_per_minute
+    assert min(np.diff(nods)) >= MOVEMENT_SETTINGS.nod_interval
+    assert max(sum(0 <= time - start < 60.0 for time in nods) for start in nods) <= MOVEMENT_SETTINGS.nods_per_minute
     ends = np.arange(2.2, 119.0, 1.6)
     delays = [min(time - ends[ends < time]) for time in nods]
-    assert max(delays) == pytest.approx(MOVEMENTS.pause_before_nod, abs=0.01)
+    assert max(delays) == pytest.approx(MOVEMENT_SETTINGS.pause_before_nod, abs=0.01)
 
 
 def test_clause_in_a_transcript_may_cause_a_nod():
@@ -148,7 +148,7 @@ def test_thinking_robot_looks_up_and_requests_two_fillers():
     ups = []
     for seed in range(20):
         record = converse([*present(12.0, period=0.8), (2.0, Thinking(on=True))], 12.0, seed=seed)
-        assert [round(time - 2.0, 2) for time, _ in record.of(Filler)] == list(MOVEMENTS.fillers)
+        assert [round(time - 2.0, 2) for time, _ in record.of(Filler)] == list(MOVEMENT_SETTINGS.fillers)
         first = next(want for time, want in record.of(Look) if time >= 2.0)
         assert any(first.away)
         ups.append(first.away[1] > 0)
@@ -167,7 +167,7 @@ def test_thinking_without_a_client_ends_by_itself():
 def test_listener_leans_and_returns():
     record = converse([*present(8.0), *says(2.0, 4.0)], 8.0, amount=0.5)
     lean, upright = (want for _, want in record.of(BodyLean))
-    assert (lean.lean, abs(lean.tilt)) == (0.5 * MOVEMENTS.lean, 0.5 * MOVEMENTS.tilt)
+    assert (lean.lean, abs(lean.tilt)) == (0.5 * MOVEMENT_SETTINGS.lean, 0.5 * MOVEMENT_SETTINGS.tilt)
     assert (upright.lean, upright.tilt) == (0.0, 0.0)
 
 
@@ -190,7 +190,7 @@ def test_small_movements_are_not_followed_and_corrections_are_limited():
     looks = [time for time, want in converse(walk, 1.98).of(Look) if time > 0.0 and not any(want.away)]
     assert len(looks) >= 3
     assert looks[0] > 1.0
-    assert min(np.diff(looks)) >= MOVEMENTS.shortest_look_interval - 1e-3
+    assert min(np.diff(looks)) >= MOVEMENT_SETTINGS.shortest_look_interval - 1e-3
 
 
 def test_speaker_among_several_people_is_looked_at():
