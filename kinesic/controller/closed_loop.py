@@ -29,7 +29,7 @@ from kinesic.sim.stepping.friction_step import FrictionParts
 from kinesic.sim.stepping.step_log import StepRecord
 from kinesic.sim.twin import Twin
 
-COMMANDS_PER_WINDOW = 2048  # commands per batch, whose recorded steps fit into the processor cache
+COMMANDS_PER_WINDOW = 2048  # commands per batch; the twin's recorded steps of one batch fit into the processor cache
 
 SetpointFunction = Callable[[Floats], FeedForwardSetpoints]  # maps sending times (m,) [s] to setpoints
 
@@ -38,9 +38,9 @@ SetpointFunction = Callable[[Floats], FeedForwardSetpoints]  # maps sending time
 class CommandWindow:
     """Batch of commands that one twin has just performed."""
 
-    twin: int
+    twin: int  # index of the twin
     commands: slice  # indices among all commands
-    setpoints: FeedForwardSetpoints  # of these commands
+    setpoints: FeedForwardSetpoints  # feed-forward setpoints of these commands
 
 
 def perform_in_twins(

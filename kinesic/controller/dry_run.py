@@ -54,7 +54,7 @@ def dry_runs(
     step: float = MAX_PHYSICS_STEP,
     progress: Callable[[float], None] = lambda fraction: None,
 ) -> tuple[DryRun, ...]:
-    """Perform a plan in one simulated robot per set of servo factors.
+    """Perform a plan in twins, one per set of servo factors.
 
     Computations that do not depend on the twin are done once.
 
@@ -109,7 +109,7 @@ def dry_runs(
 
 
 def _perform_watched(even_run: DryRun, feedforward: FeedForward, observer: Observer | None) -> DryRun:
-    """Repeat a dry run, slowed wherever the clearance is too small."""
+    """Repeat a dry run, slowed while the clearance is too small."""
     began, plan = perf_counter(), even_run.plan
     twin = Twin(plan.setup.robot, factors=even_run.twin, start=plan.trajectory.at(0.0).angles)
     run = perform_watched(plan, twin, feedforward, observer)

@@ -15,10 +15,10 @@ from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
 
 
 class CommandedMotion(Protocol):
-    """Interface of a motion as feed-forward input."""
+    """Interface of a motion from which feed-forward setpoints are computed."""
 
     def sample(self, times: Floats, /) -> tuple[Floats, Floats, Floats]:
-        """Return angles, velocities and accelerations at (m,) times [s].
+        """Return angles, velocities and accelerations at times (m,) [s].
 
         Each is (m, n), in [rad] and its derivatives.
         """
@@ -26,12 +26,12 @@ class CommandedMotion(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class FeedForwardSetpoints:
-    """Feed-forward setpoints, with their torque and velocity offsets."""
+    """Feed-forward setpoints, with their offsets for torque and velocity."""
 
     setpoints: Floats  # (m, n) [rad] clipped to the joint ranges
     loads: Floats  # (m, n) [rad] setpoint offsets for torque
     leads: Floats  # (m, n) [rad] setpoint offsets for velocity
-    duties: Floats  # (m, n) torque / stall + velocity / no-load of the reference; may exceed 1
+    duties: Floats  # (m, n) torque / stall torque + velocity / no-load velocity of the reference; may exceed 1
 
     def __post_init__(self) -> None:
         """Make the setpoint arrays read-only."""
@@ -49,12 +49,12 @@ class FeedForward:
     delay: the reference is read half a period plus the delay ahead.
     """
 
-    robot: Robot  # with drives and joint ranges
+    robot: Robot  # robot with drives and joint ranges
     dynamics: Dynamics
     period: float = 1 / COMMAND_RATE  # [s] between setpoints
-    delay: float | Floats = 0.0  # [s] of the bus, or (m,) for m times
+    delay: float | Floats = 0.0  # [s] delay of the bus, constant or (m,) for m times
     terms: InvertedTerms = "full"  # inverted terms; fewer than "full" only for comparisons
-    learned: LearnedGains | None = None  # of the individual servos; None: as in the data sheets
+    learned: LearnedGains | None = None  # corrections for the individual servos; None: values of the data sheets
 
     @classmethod
     def of(

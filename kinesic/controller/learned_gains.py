@@ -23,11 +23,11 @@ FITTED_PARAMETERS: tuple[ServoParameter, ...] = ("latency", "gain")
 # Bounds of an estimated P gain, as factors of the data sheet's value.
 GAIN_FACTOR_RANGE = (1.0 / (1.0 + LOAD_ERROR_RANGE[1]), 1.0 / (1.0 + LOAD_ERROR_RANGE[0]))
 MOVING_FRACTION = 0.05  # setpoint velocity / no-load velocity above which a servo counts as moving
-INITIAL_REST = 0.2  # [s] length of the log before the first motion that the fit uses
+INITIAL_REST = 0.2  # [s] length of the log, before the first motion, that the fit uses
 IDENTIFICATION_TIME = 8.0  # [s] length of the log after INITIAL_REST that the fit uses
 MIN_MOTION_TIME = 0.4  # [s] shortest duration of motion from which an estimate is made
 GAIN_TOLERANCE = 0.02  # smallest relative change by clipping at which a gain is reported as clipped to its bounds
-MAX_RESIDUAL = np.radians(1.5)  # [rad] RMS error after the fit above which the fit is rejected
+MAX_RESIDUAL = np.radians(1.5)  # [rad] RMS error after the fit above which the estimate is discarded
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,13 +37,13 @@ class LearnedGains:
     In joint order; 0 leaves the offset of the data sheet.
     """
 
-    load: Floats  # (n,) of the torque offsets, or (m, n) for m times
-    lead: Floats  # (n,) of the velocity offsets, or (m, n) for m times
-    delay: float | Floats = 0.0  # [s] until setpoints reach the servos, or (m,) for m times
+    load: Floats  # (n,) correction of the torque offsets, or (m, n) for m times
+    lead: Floats  # (n,) correction of the velocity offsets, or (m, n) for m times
+    delay: float | Floats = 0.0  # [s] delay until setpoints reach the servos, or (m,) for m times
 
     @classmethod
     def of_twin(cls, robot: Robot, twin: Factors) -> "LearnedGains":
-        """Compute the corrections from parameter factors fitted to the real servos.
+        """Compute the corrections from servo factors fitted to a real robot.
 
         Args:
             robot: with the servos of the data sheets.
@@ -59,7 +59,7 @@ class LearnedGains:
         )
 
     def towards(self, other: "LearnedGains", shares: Floats) -> "LearnedGains":
-        """Interpolate from these gains (0) to others (1) by fractions (m,)."""
+        """Interpolate from these gains (0) to other gains (1) by fractions (m,)."""
         rows = shares[:, None]
         return LearnedGains(
             sealed(self.load + rows * (other.load - self.load)),
@@ -89,7 +89,7 @@ class Identification:
 
 
 def reduce_stiffness(robot: Robot, believed: Factors) -> Robot:
-    """Return the robot with stiffness reduced to the servo estimate.
+    """Return the robot with servo stiffness reduced to the estimate.
 
     The correction is designed for this robot. It is never stiffer than the data sheets: a correction for stiffer servos
     is stable in fewer cases.
@@ -106,7 +106,7 @@ def _models(robot: Robot) -> tuple[str, ...]:
 
 
 def describe_estimate(believed: Factors) -> str:
-    """Return a servo estimate as text: factors on data sheet values, latency."""
+    """Describe a servo estimate: factors on data sheet values, and latency."""
     rows = {name: _format_factors(factors) for name, factors in sorted(believed.servos.items())} or {
         "all servos": _format_factors(believed)
     }
@@ -159,7 +159,7 @@ def identify_servos(log: Log, robot: Robot, believed: Factors = NOMINAL_FACTORS)
 
 
 def _find_motion(log: Log, robot: Robot) -> Flags:
-    """Return whether any setpoint moves in each log interval, (m - 1,)."""
+    """Return per log interval whether any setpoint moves, (m - 1,)."""
     speeds = np.abs(np.diff(log.setpoints, axis=0)) / np.diff(log.times)[:, None]
     moving: Flags = np.any(speeds > MOVING_FRACTION * robot.drives.no_load, axis=1)
     return moving

@@ -44,11 +44,11 @@ from kinesic.controller.observer_step import pack_observer
 from kinesic.motion.recursion import sum_decaying
 
 OBSERVER_BANDWIDTH = 100.0  # [rad/s] frequency of the three observer poles
-REGULARISATION_OFFSET = np.radians(2.0)  # [rad] setpoint offset at which regularisation halves the first error estimate
+REGULARISATION_OFFSET = np.radians(2.0)  # [rad] setpoint offset at which regularisation halves the first load estimate
 FORGETTING_TIME = 5.0  # [s] time constant of the recursive least squares
 MAX_CORRECTION = np.radians(10.0)  # [rad] largest correction of a setpoint
-SATURATION_MARGIN = 1.2  # position error / error that nominally gives full duty, above which duty counts as saturated
-EXPONENTIAL_STEPS = 1024  # substeps per period that approximate the matrix exponential
+SATURATION_MARGIN = 1.2  # factor on the position error of nominally full duty, above which duty counts as saturated
+EXPONENTIAL_STEPS = 1024  # substeps per control period in the computation of the matrix exponential
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ class LoadEstimate:
 
     @property
     def motion(self) -> Floats:
-        """Deviation [rad], its velocity [rad/s] and disturbance [rad], (3, n)."""
+        """Deviation [rad], its velocity [rad/s], and the disturbance [rad], (3, n)."""
         return self.rows[:3]
 
     @property
@@ -88,7 +88,7 @@ class ObserverInputs:
     """Observer inputs at all control ticks, computed before any measurement."""
 
     angles: Floats  # (m, n) [rad] reference
-    setpoints: Floats  # (m, n) [rad] of the feed-forward
+    setpoints: Floats  # (m, n) [rad] feed-forward setpoints
     lowest: Floats  # (m, n) [rad] smallest corrected setpoint
     highest: Floats  # (m, n) [rad] largest corrected setpoint
     loads: Floats  # (m, n) [rad] setpoint offsets for torque
@@ -115,8 +115,8 @@ class Observer:
     lower: Floats  # (n,) [rad] smallest setpoint
     upper: Floats  # (n,) [rad] largest setpoint
     step: Floats  # (n,) [rad] largest change of the correction per tick, from the velocity reserve of the servos
-    full: Floats  # (n,) [rad] error at which the duty is certainly full
-    restoring: float = 1.0  # fraction of RESTORING_GAINS that is used; see `controller.stability`
+    full: Floats  # (n,) [rad] position error at which the duty is certainly full
+    restoring: float = 1.0  # fraction of RESTORING_GAINS that the correction uses; see `controller.stability`
 
     @classmethod
     def of(cls, robot: Robot, dynamics: Dynamics, *, period: float, delay: float = 0.0, bodies: int = 1) -> "Observer":

@@ -8,8 +8,8 @@ import numpy as np
 from kinesic._kernel import controller as kernel
 from kinesic.body.arrays import Floats, sealed
 
-RESTORING_GAINS = sealed([0.2, 0.02, 0.2])  # correction per deviation, per velocity [s] and per disturbance
-LOAD_ERROR_RANGE = (-0.5, 1.0)  # bounds of the relative load error: half or twice the modelled load
+RESTORING_GAINS = sealed([0.2, 0.02, 0.2])  # corrections per deviation [1], per velocity [s] and per disturbance [1]
+LOAD_ERROR_RANGE = (-0.5, 1.0)  # smallest and largest relative load error: half and twice the modelled load
 DISTURBANCE_DECAY = 0.95  # factor per tick on the estimated disturbance of a servo that does not answer
 
 

@@ -13,11 +13,11 @@ from kinesic.controller.observer import Observer, forecast_servo
 from kinesic.controller.observer_step import RESTORING_GAINS
 
 MAX_POLE = 0.97  # largest pole magnitude of a well-damped loop, unless the servo alone is slower
-RESTORING_FRACTIONS = (1.0, 0.75, 0.5, 0.25)  # fractions of `RESTORING_GAINS`, tried in turn
+RESTORING_FRACTIONS = (1.0, 0.75, 0.5, 0.25)  # fractions of `RESTORING_GAINS`, tried from the largest
 
 
 def find_stable_fraction(observer: Observer, robot: Robot, dynamics: Dynamics, late: float) -> float:
-    """Find the largest correction gain fraction with a well-damped loop.
+    """Find the largest fraction of correction gains with a well-damped loop.
 
     0 if no fraction is stable enough.
 

@@ -17,7 +17,7 @@ from kinesic.sim.servo_factors import NOMINAL_FACTORS, Factors
 from kinesic.sim.servo_shafts import Shafts
 from kinesic.sim.twin import MAX_PHYSICS_STEP
 
-MIN_TIME_STEP = 1e-9  # [s] shorter simulation steps are skipped
+MIN_TIME_STEP = 1e-9  # [s] shortest simulated time step; shorter steps are skipped
 
 
 class TwinPhysics:

@@ -17,7 +17,7 @@ from kinesic.body.dynamics import Distances
 from kinesic.body.robot import Robot
 from kinesic.metrics.clearance_forecast import ERROR_MEMORY, LOOK_PERIOD, LOOKS_PER_ERROR
 
-LOOKAHEAD_TIME = 0.3  # [s] duration of planned motion that is checked ahead, as long as slowing down takes
+LOOKAHEAD_TIME = 0.3  # [s] duration of planned motion that is checked ahead; slowing down takes as long
 SLOWING_FRACTION = 0.9  # fraction of the required clearance below which the motion is slowed down
 CREEP_FRACTION = 0.4  # fraction of the required clearance below which the motion nearly stops
 RESERVE_FRACTION = 0.3  # fraction of the required clearance below which the robot stops at once
@@ -32,12 +32,12 @@ _MEMORY_LOOKS = round(ERROR_MEMORY / LOOK_PERIOD)  # number of past clearance ch
 class ClearanceWatch:
     """State of the clearance watch: recent tracking errors and time scale."""
 
-    strayed: tuple[Floats, ...] = ()  # (n,) [rad] measured minus planned at the last evaluations, the latest last
-    swung: tuple[Floats, ...] = ()  # (n,) [rad] errors that may change sign; 0 once servos no longer oscillate
+    recent_errors: tuple[Floats, ...] = ()  # (n,) [rad] measured minus planned at the last checks, the latest last
+    reversible_errors: tuple[Floats, ...] = ()  # (n,) [rad] errors that may change sign; 0 without oscillation
     forecast_clearance: float = inf  # [m] smallest clearance within the lookahead time
-    pace: float = 1.0  # time scale
-    crept: float = 0.0  # [s] duration of creeping
-    near: bool = False  # whether the measured clearance is below the reserve
+    pace: float = 1.0  # time scale of the performance
+    creep_time: float = 0.0  # [s] duration of creeping without a pause
+    is_too_near: bool = False  # whether the measured clearance is below the reserve
 
     @property
     def over(self) -> bool:
@@ -45,33 +45,40 @@ class ClearanceWatch:
 
         The reserve is used up, or creeping did not help.
         """
-        return self.near or self.crept >= MAX_CREEP_TIME
+        return self.is_too_near or self.creep_time >= MAX_CREEP_TIME
 
 
 def look_ahead(
-    watch: ClearanceWatch, coming: Floats, strayed: Floats, distances: Distances, *, min_clearance: float
+    watch: ClearanceWatch, coming: Floats, tracking_error: Floats, distances: Distances, *, min_clearance: float
 ) -> ClearanceWatch:
     """Update the clearance watch from the postures expected next.
 
     Args:
         watch: before.
         coming: (k, n) [rad] planned postures of the next `LOOKAHEAD_TIME` seconds, the present one first.
-        strayed: (n,) [rad] measured minus planned now; NaN for a servo that did not answer.
+        tracking_error: (n,) [rad] measured minus planned now; NaN for a servo that did not answer.
         distances: of the robot.
         min_clearance: [m] required clearance of the robot.
     """
-    error = sealed(np.nan_to_num(strayed))
-    recent = (*watch.strayed, error)[-1 - _MEMORY_LOOKS :]
-    swung = (*watch.swung, sealed(np.where(watch.crept < SETTLING_TIME, error, 0.0)))[-1 - _MEMORY_LOOKS :]
-    errors = np.concatenate([np.array(recent[::-LOOKS_PER_ERROR]), -np.array(swung[::-LOOKS_PER_ERROR])])
-    disturbed = (coming[:, None] + errors).reshape(-1, len(strayed))
+    error = sealed(np.nan_to_num(tracking_error))
+    recent = (*watch.recent_errors, error)[-1 - _MEMORY_LOOKS :]
+    reversible_error = sealed(np.where(watch.creep_time < SETTLING_TIME, error, 0.0))
+    reversible = (*watch.reversible_errors, reversible_error)[-1 - _MEMORY_LOOKS :]
+    errors = np.concatenate([np.array(recent[::-LOOKS_PER_ERROR]), -np.array(reversible[::-LOOKS_PER_ERROR])])
+    disturbed = (coming[:, None] + errors).reshape(-1, len(tracking_error))
     clearances = distances.clearance(disturbed).distances
     forecast_clearance, present = float(clearances.min()), float(clearances[0])
     pace = choose_pace(forecast_clearance, min_clearance)
-    crept = watch.crept + LOOK_PERIOD if pace <= CREEP_PACE else 0.0
-    near = present < RESERVE_FRACTION * min_clearance
+    creep_time = watch.creep_time + LOOK_PERIOD if pace <= CREEP_PACE else 0.0
+    is_too_near = present < RESERVE_FRACTION * min_clearance
     return replace(
-        watch, strayed=recent, swung=swung, forecast_clearance=forecast_clearance, pace=pace, crept=crept, near=near
+        watch,
+        recent_errors=recent,
+        reversible_errors=reversible,
+        forecast_clearance=forecast_clearance,
+        pace=pace,
+        creep_time=creep_time,
+        is_too_near=is_too_near,
     )
 
 

@@ -21,8 +21,8 @@ from kinesic.metrics.clearance_forecast import LOOK_PERIOD
 MAX_STORED_CYCLES = 100  # number of bus cycles with stored times: 1 s, longer than `MAX_READING_AGE`
 MIN_LOOK_INTERVAL = 0.9 * LOOK_PERIOD  # [s] shortest time between clearance checks; tolerates bus jitter
 POSTURE_MEMORY = 3.0  # [s] duration of stored commanded postures, longer than `MAX_READING_AGE`
-TRIM_COUNT = 100  # number of outdated commands above which the outdated ones are deleted
-MAX_READING_AGE = 2 * LOOK_PERIOD  # [s] oldest position reading used for the tracking error
+TRIM_COUNT = 100  # number of outdated commands above which all outdated commands are deleted
+MAX_READING_AGE = 2 * LOOK_PERIOD  # [s] age above which a position reading is ignored
 
 
 class WrittenPostures:

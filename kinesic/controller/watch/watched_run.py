@@ -17,9 +17,9 @@ from kinesic.motion.trajectory import Trajectory
 from kinesic.planning.plan import Plan
 from kinesic.sim.twin import Twin
 
-COMMAND_PERIOD = 1 / COMMAND_RATE  # [s] between two commands
+COMMAND_PERIOD = 1 / COMMAND_RATE  # [s] time between two commands
 TICKS_PER_LOOK = round(LOOK_PERIOD * COMMAND_RATE)  # commands between clearance checks
-MIN_COMMANDS = 2  # commands kept of a stopped run, so that velocities can be computed
+MIN_COMMANDS = 2  # number of commands kept of a stopped run, so that velocities can be computed
 SLOWING_TIME = 0.2  # [s] time to slow down from full speed to a stop
 
 
@@ -29,7 +29,7 @@ class WatchedRun:
 
     times: Floats  # (m,) [s] performance time of each command, one per `COMMAND_PERIOD`
     duties: Floats  # (m, n) required duty cycles at the actual time scale
-    measured: Measurements  # at performance times
+    measured: Measurements  # measured motion at the performance times
     min_pace: float  # smallest time scale, in seconds of performance per second
 
 
@@ -42,7 +42,7 @@ class SlowedMotion:
     pace: float  # time scale
 
     def sample(self, times: Floats) -> tuple[Floats, Floats, Floats]:
-        """Return angles, velocities and accelerations at times (k,) from now.
+        """Return angles, velocities and accelerations at times (k,) from now [s].
 
         Each is (k, n), in [rad] and its time derivatives. The motion advances by `pace` times `times` [s].
         """

@@ -64,7 +64,7 @@ def test_clearance_watch_requests_a_stop_after_the_maximum_time_at_minimum_speed
     while not watch.over:
         watch, looks = seen(watch, 0.02, strayed=-0.0165), looks + 1
     assert looks == pytest.approx(MAX_CREEP_TIME / LOOK_PERIOD, abs=1)
-    assert not watch.near
+    assert not watch.is_too_near
     assert MAX_CREEP_TIME > ERROR_MEMORY
 
 
@@ -72,7 +72,7 @@ def test_clearance_watch_requests_a_stop_at_once_below_the_reserve_clearance():
     assert RESERVE_FRACTION < CREEP_FRACTION
     assert not seen(ClearanceWatch(), 0.02, strayed=-0.0165).over
     watch = seen(ClearanceWatch(), 0.02, strayed=-0.0175)
-    assert watch.near
+    assert watch.is_too_near
     assert watch.over
     assert not seen(ClearanceWatch(), 0.02, 0.0, strayed=0.0).over  # what is only to come can still be slowed down
 
@@ -81,7 +81,7 @@ def test_clearance_watch_compares_only_the_latest_posture_with_the_reserve_clear
     watch = ClearanceWatch()
     for strayed, near in ((0.0, False), (-0.0175, True), (0.0, False), (0.0, False), (-0.0175, True)):
         watch = seen(watch, 0.02, strayed=strayed)
-        assert watch.near is near
+        assert watch.is_too_near is near
 
 
 @pytest.mark.parametrize("way", [1.0, -1.0])
@@ -102,9 +102,9 @@ def test_clearance_forecast_stops_mirroring_errors_after_settling_at_minimum_spe
 
 def test_time_at_minimum_speed_is_reset_when_the_watch_speeds_up():
     watch = seen(ClearanceWatch(), 0.02, strayed=0.019)
-    assert watch.crept == LOOK_PERIOD
+    assert watch.creep_time == LOOK_PERIOD
     watch = seen(watch, 0.05, strayed=0.0)
-    assert watch.crept == 0.0
+    assert watch.creep_time == 0.0
 
 
 def test_servo_without_answer_counts_as_zero_tracking_error():

@@ -95,14 +95,14 @@ def test_position_reading_is_compared_with_the_plan_at_the_time_of_the_reading()
         time = k * COMMAND_PERIOD
         taken = max(0.0, time - 0.02)
         seen.ingest([status(time, 0.02 + 0.1 * taken, taken=START_CLOCK + taken)])
-    assert np.abs(seen.watch.strayed[-1]) < 1e-9
+    assert np.abs(seen.watch.recent_errors[-1]) < 1e-9
 
 
 def test_servo_watch_ignores_missing_position_readings():
     seen = watch()
     seen.ingest(cycles(0.3, np.nan, taken=np.nan))
     assert seen.pace == 1.0
-    assert seen.watch.strayed[-1] == 0.0
+    assert seen.watch.recent_errors[-1] == 0.0
 
 
 def test_servo_watch_ignores_outdated_position_readings():
@@ -112,7 +112,7 @@ def test_servo_watch_ignores_outdated_position_readings():
     late = [status(k * COMMAND_PERIOD, 0.05, taken=START_CLOCK) for k in range(1, 31)]
     seen.ingest(late)
     assert late[-1].clock - START_CLOCK > MAX_READING_AGE
-    assert seen.watch.strayed[-1] == 0.0
+    assert seen.watch.recent_errors[-1] == 0.0
 
 
 def test_servo_watch_is_reset_when_the_servos_are_stopped():
