@@ -47,7 +47,7 @@ def read_arrays(path: Path, *, max_size: int, kind: str = ".npz of arrays") -> M
 
 
 def unpack_arrays(file: BinaryIO, source: str, *, max_size: int, kind: str = ".npz of arrays") -> Mapping[str, Array]:
-    """Read all arrays of an open .npz file by name.
+    """Read all arrays of an opened .npz file by name.
 
     Args:
         file: open for reading, or bytes in memory.

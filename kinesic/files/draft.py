@@ -23,14 +23,16 @@ DRAFT_TEXT = b"kinesic writes this folder, or was killed as it did; then the nex
 DRAFT_NAME = re.compile(r"\..*-[0-9a-f]{12}(\..*)?", re.DOTALL)  # pattern of the hidden names made by `name_beside`
 PRIVATE_MODE = 0o700  # permissions of a hidden folder that holds an unfinished output file
 PUBLIC_MODE = 0o777  # permissions, before the umask, of a hidden folder that becomes an output folder
-LOCK_FLAGS = os.O_RDWR | NO_LINK_FLAG | NO_WAIT_FLAG  # Flags that open a draft's marker file for locking
+LOCK_FLAGS = (  # flags that open a draft's marker file for a lock
+    os.O_RDWR | NO_LINK_FLAG | NO_WAIT_FLAG
+)  # flags that open a draft's marker file, so that the process can lock the file
 
 _swept_folders: set[tuple[int, int]] = set()  # (device, inode) of folders already cleared of abandoned drafts
 
 
 @dataclass(frozen=True)
 class Draft:
-    """Hidden draft folder that is being written."""
+    """Hidden folder with output that is not complete yet."""
 
     name: str
     folder: HeldFolder
@@ -110,7 +112,7 @@ def is_same(name: str, held: HeldFolder, *, parent: HeldFolder) -> bool:
 
 
 def _lock(lock: int, folder: HeldFolder) -> None:
-    """Lock a draft folder's marker file, or remove the marker on failure."""
+    """Lock a draft folder's marker file, or remove the file on failure."""
     try:
         _lock_file(lock)
     except OSError:

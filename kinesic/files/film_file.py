@@ -23,8 +23,8 @@ from kinesic.files.late_pillow import Image
 
 PixelBox = tuple[int, int, int, int]  # left, top, right, bottom [pixels]; left and top are even
 
-WEBP_SUFFIX = ".webp"
-MP4_SUFFIX = ".mp4"
+WEBP_SUFFIX = ".webp"  # suffix of animated WebP films
+MP4_SUFFIX = ".mp4"  # suffix of H.264 films
 H264_OPTIONS = (  # ffmpeg options that all players support; width and height must be even
     *("-c:v", "libx264", "-preset", "veryfast", "-crf", "20", "-pix_fmt", "yuv420p"),
     *("-vf", "pad=ceil(iw/2)*2:ceil(ih/2)*2,scale=out_color_matrix=bt709:out_range=tv"),

@@ -12,7 +12,7 @@ class FilmReader:
     """Reader of an animated WebP, whose pictures are read in order."""
 
     def __init__(self, path: Path) -> None:
-        """Open a film for reading in order of time.
+        """Open a film whose pictures are read in order of time.
 
         Args:
             path: path of an animated WebP.

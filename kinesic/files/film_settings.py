@@ -13,7 +13,7 @@ class FilmSettings:
 
     size: tuple[int, int] = (1280, 720)  # width and height [pixels], both even
     rate: float = 30.0  # [Hz] picture rate
-    format: FilmFormat = "webp"
+    format: FilmFormat = "webp"  # file format of the film
     face: FaceLook = "drawn"  # look of the face on the screen of a robot's head, in film and page
 
     @property

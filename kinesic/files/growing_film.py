@@ -13,7 +13,7 @@ from kinesic.files.late_pillow import Image
 FILE_HEADER_SIZE = 12  # [bytes] size of the WebP file header: RIFF, file size and WEBP
 PICTURE_HEADER_SIZE = 16  # [bytes] size of a picture header: left / 2, top / 2, width, height, duration, flags
 POLL_INTERVAL = 0.004  # [s] between checks of the file's size
-WRITER_TIMEOUT = 60.0  # [s] without a new picture after which the writer counts as dead
+WRITER_TIMEOUT = 60.0  # [s] waiting time for a new picture, after which the writer counts as dead
 
 
 class GrowingFilm:
@@ -23,7 +23,7 @@ class GrowingFilm:
     """
 
     def __init__(self, path: Path) -> None:
-        """Set the path of the growing film, which must exist.
+        """Open a growing film by its path, which must exist.
 
         Args:
             path: path of the file, which may still be empty.

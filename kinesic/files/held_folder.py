@@ -16,12 +16,12 @@ from kinesic.body.config import ConfigError
 from kinesic.files.plain_name import cut_name
 from kinesic.host import FOLDER_FLAG, HAS_FOLDER_DESCRIPTORS, NO_LINK_FLAG
 
-FOLDER_FLAGS = os.O_RDONLY | FOLDER_FLAG | NO_LINK_FLAG  # Flags that open a folder but no link
+FOLDER_FLAGS = os.O_RDONLY | FOLDER_FLAG | NO_LINK_FLAG  # flags that open a folder, but refuse a link to one
 
 
 @dataclass(frozen=True, eq=False)
 class HeldFolder:
-    """Folder accessed through an open descriptor, unaffected by later renaming.
+    """Folder held by an open descriptor, so that renaming does no harm.
 
     Windows cannot hold folders: there the descriptor is None, and entries are reached by their whole path.
     """
@@ -30,14 +30,14 @@ class HeldFolder:
     descriptor: int | None
 
     def entry_path(self, name: str) -> str:
-        """Return an entry's path for calls with this folder's descriptor.
+        """Return an entry's path for system calls relative to this folder's descriptor.
 
         It is the whole path if there is no descriptor.
         """
         return name if self.descriptor is not None else str(self.path / name)
 
     def renamed(self, name: str) -> "HeldFolder":
-        """Return this folder under a new name, without renaming it on disk."""
+        """Return this held folder with another name, without renaming on disk."""
         return HeldFolder(self.path.with_name(name), self.descriptor)
 
     def names(self) -> list[str]:
@@ -98,7 +98,7 @@ def hold_folder(path: Path | str, *, inside: HeldFolder | None = None) -> Iterat
 
 
 def find_place(path: Path) -> Path:
-    """Resolve the symbolic links above the last component of a path.
+    """Resolve the symbolic links in all but the last path component.
 
     Raises:
         ConfigError: the links are cyclic.
@@ -125,7 +125,7 @@ def check_above(place: Path, path: Path) -> None:
 
 
 def name_beside(name: str) -> str:
-    """Make a unique hidden name with the suffix of a file name."""
+    """Make a unique hidden name from a file name, with its suffix."""
     stem, ending = os.path.splitext(name)
     return f".{cut_name(stem, limit=100)}-{secrets.token_hex(6)}{cut_name(ending, limit=100)}"
 

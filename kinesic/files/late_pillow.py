@@ -21,7 +21,7 @@ def explain_missing_pillow() -> str | None:
 
 
 class _LateModule:
-    """Stand-in for a module of Pillow, imported at its first use."""
+    """Stand-in for a module of Pillow, which is imported at first use."""
 
     def __init__(self, name: str) -> None:
         """Set the name of the module in the package PIL."""

@@ -24,7 +24,7 @@ APPEND_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_APPEND | NO_LINK_FLAG | NO_WAIT_F
 
 
 def check_file(path: Path, *, force: bool = False) -> None:
-    """Refuse a file that `new_file` could not write.
+    """Raise an error if `new_file` could not write a file.
 
     Args:
         path: path of the file.
@@ -98,7 +98,7 @@ def open_to_add(path: Path) -> BinaryIO:
 
 
 def _check_name(parent: HeldFolder, name: str, path: Path, *, force: bool) -> int | None:
-    """Refuse links, folders, devices, read-only files, and existing ones without `force`.
+    """Raise an error if a path's existing entry must not be replaced.
 
     Returns:
         Permissions of the existing file; None without one.

@@ -21,7 +21,7 @@ MARKER_TEXT = b"kinesic made this folder; with --force it replaces the folder an
 
 
 def check_folder(folder: Path, *, force: bool = False) -> None:
-    """Refuse a folder that `new_folder` could not write.
+    """Raise an error if `new_folder` could not write a folder.
 
     Args:
         folder: folder to be written.

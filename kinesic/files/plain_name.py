@@ -3,7 +3,7 @@
 import re
 
 MAX_STEM_LENGTH = 64  # [characters] longest file name before its suffix
-PORT_DIGITS = "0123456789\N{SUPERSCRIPT ONE}\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}"  # digits in Windows port names
+PORT_DIGITS = "0123456789\N{SUPERSCRIPT ONE}\N{SUPERSCRIPT TWO}\N{SUPERSCRIPT THREE}"  # digits of Windows port names
 # File names that Windows reserves for devices with any suffix, in lower case.
 DEVICE_NAMES = frozenset(
     {

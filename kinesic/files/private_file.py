@@ -10,7 +10,7 @@ MAX_SECRET_BYTES = 4096  # [bytes] longest accepted first line of a secret's fil
 
 
 def check_private(path: Path, option: str) -> None:
-    """Refuse a secret file that other users of this machine can read.
+    """Raise an error if other users can read a secret's file.
 
     Args:
         path: path of the secret's file.
