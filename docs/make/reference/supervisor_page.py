@@ -13,11 +13,11 @@ from kinesic.hardware.supervisor.state_machine import POWERED_STAGES, Action, Ev
 from kinesic.hardware.supervisor.transitions import (
     ALL_EVENTS,
     ALL_STAGES,
-    CONDITIONS,
+    COMBINED_CONDITIONS,
+    FLAG_NAMES,
     FLAG_RULES,
-    FLAGS,
     INPUTS,
-    TRANSITIONS,
+    TRANSITION_TABLE,
     FlagRule,
     Transition,
 )
@@ -44,10 +44,10 @@ def write_page() -> str:
     ]
     lines += _meaning_table("Events", "event", _comments("Event =", get_args(Event)))
     lines += _meaning_table("Inputs", "input", {name: inputs[name] for name in INPUTS})
-    lines += _meaning_table("Flags", "flag", {name: flags[name] for name in FLAGS})
+    lines += _meaning_table("Flags", "flag", {name: flags[name] for name in FLAG_NAMES})
     lines += _meaning_table("Actions", "action", _comments("Action =", get_args(Action)))
     lines += ["", "## Combined conditions", "", "| condition | holds if |", "|---|---|"]
-    lines += [f"| {name} | {_any_of(parts)} |" for name, parts in CONDITIONS.items()]
+    lines += [f"| {name} | {_any_of(parts)} |" for name, parts in COMBINED_CONDITIONS.items()]
     lines += ["", "## Changes of flags", "", "Each event first changes flags, in the order of this table.", ""]
     lines += ["| stage | event | if | flags |", "|---|---|---|---|"]
     lines += [
@@ -56,7 +56,7 @@ def write_page() -> str:
     lines += ["", "## Transitions", ""]
     lines += ["Then the first row applies whose stage, event and conditions match. Without one, nothing changes.", ""]
     lines += ["| stage | event | if | next stage | actions | flags |", "|---|---|---|---|---|---|"]
-    lines += map(_transition, TRANSITIONS)
+    lines += map(_transition, TRANSITION_TABLE)
     return "\n".join(lines) + "\n"
 
 
@@ -97,6 +97,6 @@ def _any_of(alternatives: Sequence[Sequence[str]]) -> str:
 
 
 def _flags(changes: Mapping[str, bool]) -> str:
-    if set(changes) == set(FLAGS) and not any(changes.values()):
+    if set(changes) == set(FLAG_NAMES) and not any(changes.values()):
         return "all off"
     return ", ".join(f"{name} {'on' if value else 'off'}" for name, value in changes.items())

@@ -7,7 +7,7 @@ from kinesic.hardware.protocol.registers import WATCHDOG_TRIPPED
 
 
 def describe_changes(ids: Sequence[int], before: Records, after: Records) -> Iterator[tuple[int, EventKind, str]]:
-    """Yield each change of error, watchdog and torque.
+    """Describe each changed hardware error, watchdog or torque switch.
 
     Each item has the servo's id, the kind and a text.
 

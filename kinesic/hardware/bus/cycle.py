@@ -33,7 +33,7 @@ FieldName = Literal[
 ]
 FIELD_NAMES: tuple[FieldName, ...] = get_args(FieldName)  # names of a record's fields, in the order of RECORD_REGISTERS
 
-Records = NDArray[np.void]  # of dtype RECORD_DTYPE or BLOCK_DTYPE
+Records = NDArray[np.void]  # records of servos, of dtype RECORD_DTYPE or BLOCK_DTYPE
 EventKind = Literal[
     "port lost",
     "port back",
@@ -63,9 +63,10 @@ RECORD_ADDRESSES = tuple(address for r in RECORD_REGISTERS for address in range(
 CELL_CONTENTS = b"".join(address.to_bytes(2, "little") for address in RECORD_ADDRESSES)
 """Contents that the indirect addresses of each servo must have: RECORD_ADDRESSES in two bytes each."""
 
-# Fields that rarely change, which `signature` compares, and the offsets in a block of its error byte and of their bytes
+# Fields that rarely change, which `signature` compares
 _STEADY_FIELDS: tuple[FieldName, ...] = ("torque", "hardware_error", "watchdog", "temperature")
 _REGISTER_SIZES = [register.field.size for register in RECORD_REGISTERS]  # [bytes] sizes of a record's registers
+# Offsets of the error byte, and of the first bytes of these fields, in a block
 _STEADY_OFFSETS = np.array([0, *(2 + sum(_REGISTER_SIZES[: FIELD_NAMES.index(name)]) for name in _STEADY_FIELDS)])
 
 

@@ -62,7 +62,7 @@ class Dialect(ABC):
         """Return the query for the records of some servos, by their indices."""
 
     def dated(self, question: Query, time: float, places: Sequence[int], records: Records) -> Query:
-        """Return the query to send at a time [s].
+        """Return the query as it is sent at a time [s].
 
         It may depend on the last records.
         """
@@ -70,12 +70,12 @@ class Dialect(ABC):
 
 
 class PacketDialect(Dialect):
-    """Protocol 2.0 of the X series."""
+    """Encoder of Protocol 2.0 packets for the X series."""
 
     has_cells = collective = True
 
     def __init__(self, servos: Sequence[Servo], *, fast: bool) -> None:
-        """Encode for servos in bus order, which may answer fast reads."""
+        """Create the encoder of servos in bus order, optionally with fast reads."""
         self._servos, self._fast = tuple(servos), fast
         self._frame = GoalFrame([servo.id for servo in servos])
 
@@ -96,12 +96,12 @@ class PacketDialect(Dialect):
 
 
 class FrameDialect(Dialect):
-    """Protocol 1.0 frames of one family."""
+    """Encoder of Protocol 1.0 frames for one servo family."""
 
     has_cells = False
 
     def __init__(self, servos: Sequence[Servo], table: FamilyTable, *, baud: int, period: float) -> None:
-        """Encode for servos in bus order.
+        """Create the encoder of servos in bus order.
 
         The torque switches are read in every cycle if the wire has time for them.
 
@@ -134,7 +134,7 @@ class FrameDialect(Dialect):
         return FrameQuery(servos, (), table=self._table, full=True)
 
     def dated(self, question: Query, time: float, places: Sequence[int], records: Records) -> Query:
-        """Return the query to send at a time [s].
+        """Return the query as it is sent at a time [s].
 
         It reads the torque switches if each cycle has time for them, after a hardware error, and every `AUDIT_CYCLES`
         cycles.
@@ -149,7 +149,7 @@ class FrameDialect(Dialect):
 
 
 def cycle_size(table: FamilyTable, count: int, *, full: bool) -> int:
-    """Return the number of bytes in one cycle of a family.
+    """Return the bytes on the wire per cycle for a servo family.
 
     A cycle consists of goals, queries and replies.
 

@@ -25,7 +25,7 @@ from kinesic.hardware.protocol.packet import ALERT_BIT, Packet
 from kinesic.hardware.protocol.registers import CLOCK_WRAP, Register
 from kinesic.hardware.protocol.tables import FamilyTable
 
-MILLISECONDS = 1000  # Milliseconds per second
+MILLISECONDS_PER_SECOND = 1000
 
 
 @dataclass(frozen=True)
@@ -33,7 +33,7 @@ class FrameQuery(Query):
     """Query of one or more servos of a family."""
 
     table: FamilyTable
-    full: bool  # whether the torque switch is read as well
+    full: bool  # whether the query also reads the torque switch
     clock: int = 0  # [ms] time of the query, which takes the place of the servos' clock
     torque: tuple[int, ...] = ()  # torque switch of each servo by its last full record, for a query without it
     chained: ClassVar[bool] = False
@@ -58,8 +58,8 @@ class FrameQuery(Query):
         return (FRAME_OVERHEAD + self.span[1]) * len(self.servos)
 
     def at(self, time: float, torque: tuple[int, ...]) -> "FrameQuery":
-        """Return the query with its time [s] and the known torque switches."""
-        return replace(self, clock=int(time * MILLISECONDS) % CLOCK_WRAP, torque=torque)
+        """Return the query with its time [s] and last known torque switches."""
+        return replace(self, clock=int(time * MILLISECONDS_PER_SECOND) % CLOCK_WRAP, torque=torque)
 
     def parse(self, raw: bytes) -> ServoReplies:
         """Collect the status frames of the queried servos from received bytes."""

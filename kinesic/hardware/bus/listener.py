@@ -20,7 +20,7 @@ class TimeoutTuning:
     target_quantile: float = 0.9  # fraction of replies that the estimate covers
     max_extra_pause: float = 0.0003  # [s] longest accepted pause inside a reply, beyond the usual delay
     alert_replies: int = 10  # intact replies after a damaged reply until the listener sleeps again while it waits
-    full_burst_fraction: float = 0.75  # of a full burst; smaller bursts were held back by the adapter's timer
+    full_burst_fraction: float = 0.75  # relative to a full burst; smaller bursts were held back by the adapter's timer
     max_burst_fall: float = 0.05  # largest relative decrease of the burst interval per reply
 
 

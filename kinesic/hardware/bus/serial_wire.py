@@ -21,7 +21,7 @@ if sys.platform != "win32":
     import termios
     from fcntl import ioctl
 
-    PORT_ERRORS = (OSError, ValueError, termios.error)  # errors of an open port
+    PORT_ERRORS = (OSError, ValueError, termios.error)  # exceptions that an open port may raise
 else:
     PORT_ERRORS = (OSError, ValueError)
 

@@ -22,7 +22,7 @@ class Telemetry:
     Servos are in manifest order. NaN for a servo that has not answered lately.
     """
 
-    clock: float = 0.0  # [s] of the machine's monotonic clock; 0: no telemetry yet
+    clock: float = 0.0  # [s] time by the machine's monotonic clock; 0: no telemetry yet
     celsius: Floats = field(default_factory=_no_servos)  # (m,) [C] temperature
     load: Floats = field(
         default_factory=_no_servos

@@ -26,7 +26,8 @@ REPLY_TIMEOUT = 0.010  # [s] wait for a reply, in addition to its transmission t
 SLOW_REPLY_TIMEOUT = 0.034  # [s] wait behind an adapter with the default latency timer, used from the second try on
 BROADCAST_TIMEOUT = 0.05  # [s] pause without bytes that ends the replies to a ping of all servos
 QUIET_TIME = 0.03  # [s] wait for late replies to an abandoned instruction
-UNLOCKED, LOCKED = 0, 1
+UNLOCKED_VALUE = 0  # value of the lock register that lets EEPROM writes persist
+LOCKED_VALUE = 1  # value of the lock register that makes EEPROM writes temporary
 IDENTITY_SIZE = 7  # [bytes] span from address 0 with model number and id of all families
 INSTRUCTION_ERRORS = {0x02: "angle limit", 0x08: "range", 0x10: "checksum", 0x40: "instruction"}
 
@@ -47,7 +48,7 @@ class FrameAccess(ServoAccess):
         self._models: dict[int, Model] = {}  # id -> identified model
 
     def enable_replies(self) -> None:
-        """Do nothing, because the setting is in EEPROM, and `configure` sets it."""
+        """Do nothing, because `configure` sets the EEPROM register that permits replies."""
 
     def release_all(self) -> None:
         """Switch the torque of all servos on the wire off, without verification."""
@@ -183,16 +184,16 @@ class FrameAccess(ServoAccess):
 
     @contextmanager
     def _unlocked(self, servo: int, table: FamilyTable, *, persistent: bool) -> Iterator[None]:
-        """Let writes to the EEPROM of a servo persist within a block."""
+        """Unlock a servo's EEPROM during a `with` block, so that writes persist."""
         if not persistent or table.lock is None:
             yield
             return
-        self.write_span(servo, table.lock, bytes((UNLOCKED,)), name="LOCK")
+        self.write_span(servo, table.lock, bytes((UNLOCKED_VALUE,)), name="LOCK")
         try:
             yield
         finally:
             if self.ping(servo) is not None:  # the block may have changed its id
-                self.write_span(servo, table.lock, bytes((LOCKED,)), name="LOCK")
+                self.write_span(servo, table.lock, bytes((LOCKED_VALUE,)), name="LOCK")
 
     def _model(self, servo: int) -> Model:
         """Return the model of a servo, identified by its first reply.
@@ -212,7 +213,7 @@ class FrameAccess(ServoAccess):
         return model
 
     def _identify(self, servo: int) -> PingReply:
-        """Read model number and firmware, which tell the family.
+        """Read a servo's model number and firmware, which determine its family.
 
         Raises:
             BusError: the servo does not answer.

@@ -213,7 +213,7 @@ def _mode(table: RegisterTable) -> str:
 
 
 def _differing(table: RegisterTable, registers: Sequence[Register]) -> list[Register]:
-    """Return which of some registers differ from their required EEPROM value."""
+    """Return the given registers that differ from their required EEPROM values."""
     required = table.member.eeprom_values
     return [register for register in registers if table[register] != required.get(register, table[register])]
 

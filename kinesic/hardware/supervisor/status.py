@@ -30,7 +30,7 @@ class EventLog:
     """
 
     def __init__(self, path: Path | None) -> None:
-        """Open the file for appending."""
+        """Open the log file for appending, if a path is given."""
         self._path, self._file = path, None
         self.failure = ""  # reason of lost events; empty: none lost
         if path is not None:
@@ -54,7 +54,7 @@ class EventLog:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     def close(self) -> None:
-        """Close the file."""
+        """Close the log file."""
         if self._file is not None:
             self._file.close()
 

@@ -78,7 +78,7 @@ def energise(
 
 
 def _switch_on(axes: Axes, chosen: list[int], goals: Floats) -> Procedure:
-    """Switch torque on for all of the servos or none.
+    """Switch torque on for all given servos, or for none.
 
     The command is repeated for servos that may have missed it and have not moved since.
     """

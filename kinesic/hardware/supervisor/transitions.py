@@ -1,10 +1,10 @@
 """Transition table of the supervisor, and its evaluation as a pure function.
 
-`FLAG_RULES` update the flags first, then the first row of `TRANSITIONS` applies. Tests check every reachable state with
-every event and observation: nothing is energised before the manifest is verified; an emergency stop has priority over
-everything; torque is not removed while a limb is raised, unless a person confirms it; after a long interruption the
-motion continues only on a resume request; every state ends in release, or in a hold that reports
-the input it waits for.
+`FLAG_RULES` update the flags first, then the first row of `TRANSITION_TABLE` applies. Tests check every reachable
+state with every event and observation: nothing is energised before the manifest is verified; an emergency stop has
+priority over everything; torque is not removed while a limb is raised, unless a person confirms it; after a long
+interruption the motion continues only on a resume request; every state ends in release, or in a hold that reports the
+input it waits for.
 """
 
 from collections.abc import Iterable, Mapping
@@ -21,12 +21,12 @@ Cube = tuple[int, int]  # bits of the variables that must have a value, and thes
 
 ALL_EVENTS: frozenset[Event] = frozenset(get_args(Event))
 ALL_STAGES = frozenset(Stage)
-FLAGS = tuple(field.name for field in fields(SupervisorState) if field.name != "stage")
-INPUTS = (*(field.name for field in fields(Observation) if field.name != "policy"), "limp_policy")
-VARIABLES = (*FLAGS, *INPUTS)  # atomic conditions
+FLAG_NAMES = tuple(field.name for field in fields(SupervisorState) if field.name != "stage")
+INPUT_NAMES = (*(field.name for field in fields(Observation) if field.name != "policy"), "limp_policy")
+VARIABLE_NAMES = (*FLAG_NAMES, *INPUT_NAMES)  # atomic conditions
 MOTIONLESS_STAGES = frozenset({Stage.LOST, Stage.IDENTIFY, Stage.ARM, Stage.ADOPT})  # torque changes, nothing moves
 
-CONDITIONS: Mapping[str, tuple[tuple[str, ...], ...]] = {
+COMBINED_CONDITIONS: Mapping[str, tuple[tuple[str, ...], ...]] = {
     "over": (("ended",), ("release",), ("weak",), ("confirmed",)),
     "ending": (("over",), ("faulty",)),
     "dismissed": (("release",), ("confirmed",), ("alone",)),
@@ -86,7 +86,7 @@ FLAG_RULES = (
 )
 """Changes of flags, applied in this order before the transition."""
 
-TRANSITIONS = (
+TRANSITION_TABLE = (
     # Emergency stop: hold, or switch torque off by its policy. Servos without torque get none unless a limb is raised.
     Transition(_in(Stage.CLOSED, Stage.RELEASE), events=_on("estop")),
     Transition(ALL_STAGES, Stage.CLOSED, ("close",), _on("estop"), ("not checked",)),
@@ -99,7 +99,7 @@ TRANSITIONS = (
     Transition(POWERED_STAGES, Stage.LOST, ("slow",), _on("lost")),
     Transition(POWERED_STAGES - MOTIONLESS_STAGES, Stage.ADOPT, ("adopt",), _on("tripped")),
     # Start.
-    Transition(_in(Stage.CLOSED), Stage.PROBE, ("check",), _on("open"), sets=dict.fromkeys(FLAGS, False)),
+    Transition(_in(Stage.CLOSED), Stage.PROBE, ("check",), _on("open"), sets=dict.fromkeys(FLAG_NAMES, False)),
     Transition(_in(Stage.PROBE, Stage.CONFIGURE), Stage.CLOSED, ("close",), _on("refused")),
     Transition(_in(Stage.PROBE), Stage.CONFIGURE, ("configure",), _on("done"), sets={"checked": True}),
     Transition(_in(Stage.CONFIGURE), Stage.ADOPT, ("adopt",), _on("done"), ("energised",), {"powered": True}),
@@ -197,10 +197,10 @@ def expand(conditions: Iterable[str]) -> tuple[Cube, ...]:
 def _alternatives(condition: str) -> list[Cube]:
     """Return the cubes of one condition, which may be combined or negated."""
     name, is_negated = condition.removeprefix("not "), condition.startswith("not ")
-    if name not in CONDITIONS:
-        bit = 1 << VARIABLES.index(name)
+    if name not in COMBINED_CONDITIONS:
+        bit = 1 << VARIABLE_NAMES.index(name)
         return [(bit, 0 if is_negated else bit)]
-    alternatives = CONDITIONS[name]
+    alternatives = COMBINED_CONDITIONS[name]
     if is_negated:  # of each alternative, one condition fails
         alternatives = tuple(tuple(map(_negated, failing)) for failing in product(*alternatives))
     return [cube for conditions in alternatives for cube in expand(conditions)]
@@ -219,14 +219,14 @@ def _matches(values: int, cubes: tuple[Cube, ...]) -> bool:
     return any(values & mask == required for mask, required in cubes)
 
 
-_READ_FLAGS, _READ_INPUTS = attrgetter(*FLAGS), attrgetter(*INPUTS)
-_VARIABLE_BITS = tuple(1 << place for place in range(len(VARIABLES)))
+_READ_FLAGS, _READ_INPUTS = attrgetter(*FLAG_NAMES), attrgetter(*INPUT_NAMES)
+_VARIABLE_BITS = tuple(1 << place for place in range(len(VARIABLE_NAMES)))
 _CASES = [(stage, event) for stage in Stage for event in sorted(ALL_EVENTS)]
 _FLAG_ROWS = {
     (stage, event): [(rule, expand(rule.when)) for rule in FLAG_RULES if stage in rule.stages and event in rule.events]
     for stage, event in _CASES
 }
 _TRANSITION_ROWS = {
-    (stage, event): [(row, expand(row.when)) for row in TRANSITIONS if stage in row.stages and event in row.events]
+    (stage, event): [(row, expand(row.when)) for row in TRANSITION_TABLE if stage in row.stages and event in row.events]
     for stage, event in _CASES
 }

@@ -34,7 +34,7 @@ class BusLoad:
 
     @property
     def ratio(self) -> float:
-        """Time of goals, queries and replies / time for them."""
+        """Time that goals, queries and replies take / time available for them."""
         return self._duration(self.baud) / (self.cycles * self.period)
 
     def _duration(self, baud: int) -> float:

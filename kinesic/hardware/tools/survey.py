@@ -16,7 +16,9 @@ from kinesic.hardware.protocol.wire import BusError, Wire
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.preflight import RegisterTable, required_registers
 
-PACKET_PROTOCOL, FRAME_PROTOCOL, FEETECH_PROTOCOL = "Protocol 2.0", "Protocol 1.0", "Feetech"
+PACKET_PROTOCOL = "Protocol 2.0"  # name of the protocol of the X series
+FRAME_PROTOCOL = "Protocol 1.0"  # name of the protocol of older Dynamixel servos
+FEETECH_PROTOCOL = "Feetech"  # name of the protocol of Feetech servos
 USUAL_FRAME_IDS = range(21)  # ids that a quick scan pings one by one, because not all families answer a ping of all
 FRAME_BAUD_RATES = frozenset(rate for table in FAMILY_TABLES.values() for rate in table.bauds.values())  # [bit/s]
 

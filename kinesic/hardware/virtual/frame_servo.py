@@ -14,10 +14,11 @@ from kinesic.hardware.protocol.registers import RAM_START, Mode, Register
 from kinesic.hardware.virtual.firmware import BOOT_TIME
 from kinesic.hardware.virtual.servo import NEWEST_FIRMWARE, VirtualServo
 
-SPACE = 256  # [bytes] size of the address space of a servo
-RANGE_ERROR, INSTRUCTION_ERROR = 0x08, 0x40  # Bits of the error byte of Dynamixel servos
+ADDRESS_SPACE_SIZE = 256  # [bytes]
+RANGE_ERROR = 0x08  # bit of the error byte of Dynamixel servos: value out of range
+INSTRUCTION_ERROR = 0x40  # bit of the error byte of Dynamixel servos: undefined instruction
 SET_MIDDLE = 128  # Value of a Feetech torque switch that makes the present position the middle
-LARGEST_OFFSET = 2047  # [ticks] limit of a Feetech servo's homing offset
+MAX_HOMING_OFFSET = 2047  # [ticks] limit of a Feetech servo's homing offset
 
 
 class FrameServo(VirtualServo):
@@ -35,7 +36,7 @@ class FrameServo(VirtualServo):
         """Create a servo with factory settings, except for the given ones."""
         super().__init__(model, servo=servo, baud=baud, firmware=firmware, latches_goal=latches_goal)
         self.table = model.native_table
-        self._spare = bytearray(SPACE)  # bytes of addresses without a register of the X series
+        self._spare = bytearray(ADDRESS_SPACE_SIZE)  # bytes of addresses without a register of the X series
         self._volatile: dict[Register, int] = {}  # locked EEPROM registers -> value after the next reboot
         self.memory[Register.OPERATING_MODE] = Mode.POSITION.value  # also of a family without such a register
         self._reset_ram()
@@ -86,7 +87,7 @@ class FrameServo(VirtualServo):
 
         Returns the error bits of refused values.
         """
-        self._spare[address : address + len(data)] = data[: SPACE - address]
+        self._spare[address : address + len(data)] = data[: ADDRESS_SPACE_SIZE - address]
         refusal = 0
         for register, field in self.table.fields.items():
             if address <= field.address and field.end <= address + len(data) and register.field.writable:
@@ -104,7 +105,7 @@ class FrameServo(VirtualServo):
         super().reboot(seconds=seconds)
 
     def _reset_ram(self) -> None:
-        self._spare[self.table.ram_start :] = bytes(SPACE - self.table.ram_start)
+        self._spare[self.table.ram_start :] = bytes(ADDRESS_SPACE_SIZE - self.table.ram_start)
         if self.table.lock is not None:
             self._spare[self.table.lock] = 1
 
@@ -150,5 +151,5 @@ class FrameServo(VirtualServo):
         memory, electronics = self.memory, self.electronics
         wanted = memory[Register.HOMING_OFFSET] + TICKS_PER_TURN // 2 - electronics.present_position()
         offset = (wanted + TICKS_PER_TURN // 2) % TICKS_PER_TURN - TICKS_PER_TURN // 2
-        memory[Register.HOMING_OFFSET] = max(-LARGEST_OFFSET, min(offset, LARGEST_OFFSET))
+        memory[Register.HOMING_OFFSET] = max(-MAX_HOMING_OFFSET, min(offset, MAX_HOMING_OFFSET))
         electronics.fold()

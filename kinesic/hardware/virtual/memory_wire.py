@@ -13,7 +13,7 @@ class MemoryWire:
     """Wire in virtual time that never waits."""
 
     def __init__(self, bus: VirtualBus, *, name: str = "memory", time: float = 0.0) -> None:
-        """Open the port.
+        """Open a port of the virtual wire.
 
         Args:
             bus: bus on the wire.

@@ -24,7 +24,7 @@ CLEAR_FIRMWARE = 42  # First firmware with the CLEAR instruction
 _CLEAR_TURNS = bytes((0x01, 0x44, 0x58, 0x4C, 0x22))  # Parameters of CLEAR that reset the turn count
 _STORE_BACKUP = bytes((1, 0x43, 0x54, 0x52, 0x4C))  # Parameters of BACKUP that store RAM
 _RESTORE_BACKUP = bytes((2, 0x43, 0x54, 0x52, 0x4C))  # Parameters of BACKUP that restore RAM
-_KEPT_REGISTERS: dict[bytes, tuple[Register, ...]] = {  # kept registers by option of the factory reset
+_KEPT_REGISTERS: dict[bytes, tuple[Register, ...]] = {  # registers that a factory reset keeps, by its option byte
     b"\xff": (),
     b"\x01": (Register.ID,),
     b"\x02": (Register.ID, Register.BAUD_RATE),
@@ -115,7 +115,7 @@ class VirtualServo:
 
     @property
     def fast(self) -> bool:
-        """Whether its firmware supports fast reads."""
+        """Whether the servo's firmware supports fast reads."""
         return self.memory.firmware >= self.memory.model.fast_firmware
 
     def answers(self, instruction: int) -> bool:

@@ -13,11 +13,11 @@ from functools import cache
 from kinesic.hardware.supervisor.state_machine import POWERED_STAGES, Action, Event, Stage, SupervisorState
 from kinesic.hardware.supervisor.transitions import (
     ALL_EVENTS,
+    FLAG_NAMES,
     FLAG_RULES,
-    FLAGS,
-    INPUTS,
-    TRANSITIONS,
-    VARIABLES,
+    INPUT_NAMES,
+    TRANSITION_TABLE,
+    VARIABLE_NAMES,
     Cube,
     FlagRule,
     Transition,
@@ -83,7 +83,9 @@ def all_ones(count: int) -> int:
 class SupervisorModel:
     """Model of a transition table."""
 
-    def __init__(self, transitions: Sequence[Transition] = TRANSITIONS, rules: Sequence[FlagRule] = FLAG_RULES) -> None:
+    def __init__(
+        self, transitions: Sequence[Transition] = TRANSITION_TABLE, rules: Sequence[FlagRule] = FLAG_RULES
+    ) -> None:
         self._rows = [(row, expand(row.when)) for row in transitions]
         self._rules = [(rule, expand(rule.when)) for rule in rules]
         self._known: dict[tuple[SupervisorState, tuple[int, ...]], list[Outcome]] = {}
@@ -124,7 +126,7 @@ def _outcomes(
     rows: Sequence[tuple[Transition, tuple[Cube, ...]]],
 ) -> Iterator[Outcome]:
     read = {name for _, cubes in (*rules, *rows) for cube in cubes for name in names_of(cube)}
-    inputs = tuple(name for name in INPUTS if name in read | INPUTS_OF_RULES)
+    inputs = tuple(name for name in INPUT_NAMES if name in read | INPUTS_OF_RULES)
     tables = {name: variable_table(place, len(inputs)) for place, name in enumerate(inputs)}
     ones = all_ones(len(inputs))
     branches = [(start, ones & (ones ^ tables["raised"] | tables["energised"]))]
@@ -146,7 +148,7 @@ def _outcomes(
 
 def names_of(cube: Cube) -> list[str]:
     """Return the variables that a cube reads."""
-    return [name for place, name in enumerate(VARIABLES) if cube[0] >> place & 1]
+    return [name for place, name in enumerate(VARIABLE_NAMES) if cube[0] >> place & 1]
 
 
 def holding(cubes: Sequence[Cube], state: SupervisorState, tables: dict[str, int], ones: int) -> int:
@@ -154,10 +156,10 @@ def holding(cubes: Sequence[Cube], state: SupervisorState, tables: dict[str, int
     total = 0
     for mask, values in cubes:
         table = ones
-        for place, name in enumerate(VARIABLES):
+        for place, name in enumerate(VARIABLE_NAMES):
             if mask >> place & 1:
                 is_true = bool(values >> place & 1)
-                if name in FLAGS:
+                if name in FLAG_NAMES:
                     table = table if getattr(state, name) is is_true else 0
                 else:
                     table &= tables[name] if is_true else ones ^ tables[name]

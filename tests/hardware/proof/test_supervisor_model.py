@@ -9,8 +9,8 @@ from kinesic.hardware.supervisor.observation import Observation
 from kinesic.hardware.supervisor.state_machine import Event, Stage
 from kinesic.hardware.supervisor.transitions import (
     FLAG_RULES,
-    INPUTS,
-    TRANSITIONS,
+    INPUT_NAMES,
+    TRANSITION_TABLE,
     FlagRule,
     Transition,
     step,
@@ -33,7 +33,7 @@ def observation(inputs: Sequence[str], number: int) -> Observation:
     """Return the observation of one bit of a truth table."""
     values = {name: bool(number >> place & 1) for place, name in enumerate(inputs)}
     policy = "limp" if values.pop("limp_policy", False) else "hold"
-    others = {name: False for name in INPUTS if name not in inputs and name != "limp_policy"}
+    others = {name: False for name in INPUT_NAMES if name not in inputs and name != "limp_policy"}
     return Observation(policy=policy, **(values | others))
 
 
@@ -67,13 +67,13 @@ def without_condition(stage: Stage, condition: str) -> Table:
     """Return the table without a condition in a stage's rows."""
     return [
         replace(row, when=tuple(name for name in row.when if name != condition)) if stage in row.stages else row
-        for row in TRANSITIONS
+        for row in TRANSITION_TABLE
     ], FLAG_RULES
 
 
 def without_rule(flag: str, event: Event) -> Table:
     """Return the table in which an event no longer changes a flag."""
-    return TRANSITIONS, [
+    return TRANSITION_TABLE, [
         replace(rule, events=rule.events - {event}) if flag in rule.sets else rule for rule in FLAG_RULES
     ]
 
