@@ -41,7 +41,7 @@ class DocumentVerdict:
     behaviours: tuple[tuple[str, str], ...] = ()  # (type, outcome)
     checks: tuple[Check, ...] = ()
     error: str = ""
-    report: str | None = None  # path of its report
+    report: str | None = None  # path of the document's report
 
     def count(self, outcome: str) -> int:
         """Return the number of behaviours with an outcome, such as `dropped`."""
@@ -123,7 +123,7 @@ class DocumentTask:
 
     file: str
     content: bytes | None  # None: not readable here; the worker reports the error
-    key: str  # of the document and the settings
+    key: str  # key of the document and the settings
 
     @classmethod
     def of(cls, file: Path, settings: str) -> "DocumentTask":

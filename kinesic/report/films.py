@@ -126,7 +126,7 @@ class FaceFilm:
 
     kind: ClassVar[FilmKind] = "face"
     after: ClassVar[None] = None
-    robot: Robot | None  # whose head turns the face; None: it looks ahead, as on a screen
+    robot: Robot | None  # robot whose head turns the face; None: the face looks ahead, as on a screen
     commands: tuple[Command, ...]  # one for each picture
     rate: float = FACE_RATE  # [Hz]
 

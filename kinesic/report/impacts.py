@@ -7,7 +7,7 @@ from kinesic.metrics.dry_run import DryRun
 
 Json = None | bool | int | float | str | list["Json"] | dict[str, "Json"]
 
-DISCLAIMER = "Planned motion in a model. Not safety-rated, no risk assessment."  # printed with every figure
+IMPACT_DISCLAIMER = "Planned motion in a model. Not safety-rated, no risk assessment."  # printed with every figure
 
 
 def describe_impacts(performance: DryRun) -> dict[str, Json] | None:
@@ -37,7 +37,7 @@ def describe_impacts(performance: DryRun) -> dict[str, Json] | None:
         "forces": forces,
         "energy": {"energy_j": energy.value, "segment": energy.segment, "at_s": energy.time},
         "clamp": clamp,
-        "note": DISCLAIMER,
+        "note": IMPACT_DISCLAIMER,
     }
 
 

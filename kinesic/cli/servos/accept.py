@@ -27,7 +27,7 @@ from kinesic.metrics.acceptance import (
     list_manual_steps,
     list_measured_steps,
 )
-from kinesic.report.impacts import DISCLAIMER
+from kinesic.report.impacts import IMPACT_DISCLAIMER
 from kinesic.report.run import SERVO_LOG_NAME
 from kinesic.sim.log import read_log
 from kinesic.version import __version__
@@ -128,7 +128,7 @@ class AcceptanceReport(msgspec.Struct, frozen=True):
     robot: TestedRobot
     passed: bool
     steps: tuple[StepResult, ...]
-    note: str = DISCLAIMER
+    note: str = IMPACT_DISCLAIMER
 
 
 def accept_robot(source: Path, robot: str, ports: tuple[str, ...], person: str, out: Path, force: bool) -> int:

@@ -20,7 +20,7 @@ class Limit:
     beyond: CheckStatus = "warn"  # status beyond the limit: a missed goal warns, a danger fails
     at_least: bool = False  # whether the limit is a minimum
     poor: float | None = None  # bound beyond which an audience sees the miss
-    danger: float = inf  # bound above which even a goal fails
+    danger: float = inf  # bound above which the status is always `fail`
 
     def is_beyond(self, value: float, bound: float) -> bool:
         """Return whether a value violates a bound, as NaN always does."""

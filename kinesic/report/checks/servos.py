@@ -73,10 +73,10 @@ class DriveLoad:
     planned: float  # largest duty of the plan
     duty: float  # largest duty demanded in the twin, may exceed 1
     duty_at: float  # [s] time of the largest duty
-    torque: float  # largest torque over stall
+    torque: float  # largest torque / stall torque
     torque_at: float  # [s] time of the largest torque
-    rms: float  # root mean square of torque over stall
-    saturated: float  # [s] at full duty
+    rms: float  # root mean square of torque / stall torque
+    saturated: float  # [s] total time at full duty
     duties: Floats  # (m,) magnitude over the measured times
 
     @property

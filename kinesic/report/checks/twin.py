@@ -95,7 +95,7 @@ class TwinFigures:
     p95_deg: float
     max_deg: float
     strokes: int
-    strokes_lost: int  # never reached
+    strokes_lost: int  # number of strokes that the twin never reached
     stroke_median_s: float | None  # median absolute error relative to the requested time
     stroke_p95_s: float | None
     min_distance_m: float
