@@ -10,7 +10,7 @@ import msgspec
 from kinesic.body.config import CONFIGS, ConfigError, read_toml, suggestion
 
 Channel = Literal["gesture", "head", "face", "gaze", "torso"]
-CHANNELS: tuple[Channel, ...] = ("gesture", "head", "face", "gaze", "torso")
+CHANNEL_NAMES: tuple[Channel, ...] = ("gesture", "head", "face", "gaze", "torso")  # body channels
 SET_FILES = (CONFIGS / "intents" / "behaviours.toml", CONFIGS / "intents" / "fml.toml")
 # Lexemes of a gaze that are directions instead of targets.
 GAZE_DIRECTIONS = frozenset({"LEFT", "RIGHT", "UP", "DOWN", "UPLEFT", "UPRIGHT", "DOWNLEFT", "DOWNRIGHT"})
@@ -142,7 +142,7 @@ def _behaviour_set(name: str, table: _Set, tables: Mapping[str, _Set]) -> Behavi
             raise ConfigError(f"behaviour set {name} is the same as {table.same}{suggestion(table.same, list(tables))}")
         table = tables[table.same]
     signals = []
-    for channel in CHANNELS:
+    for channel in CHANNEL_NAMES:
         choices: list[str | _Choice] = getattr(table, channel)
         if choices:
             signals.append(Signal(channel, channel, _fill_probabilities(choices)))

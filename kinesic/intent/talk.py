@@ -52,7 +52,7 @@ class Talk:
     shown: tuple[tuple[str, ChosenBehaviour], ...] = ()  # (id, behaviour) of the last part, with times in `text`
     is_over: bool = False  # whether the text is complete
     manuscript: Manuscript = field(default_factory=Manuscript)  # state of the reader, with incomplete text
-    warnings: tuple[str, ...] = ()  # what is neither spoken nor performed of the text since the last part
+    warnings: tuple[str, ...] = ()  # parts of the text since the last part that are neither spoken nor performed
     memory: ChoiceMemory = NO_MEMORY  # gestures of earlier texts and parts
 
     @property

@@ -17,7 +17,7 @@ DIRECTED_PAUSE = 0.8  # [s] silence for a pause that a stage direction requests
 class SubtitleState:
     """State of reading subtitles that arrive in parts."""
 
-    rest: str = ""  # received text that is not decided yet
+    rest: str = ""  # received text that waits for its continuation
     place: Place = "text"
     is_start: bool = True  # whether nothing but empty lines was received
     is_line_start: bool = True
@@ -34,7 +34,7 @@ class SubtitleState:
 class Manuscript:
     """State of reading a text that arrives in parts."""
 
-    rest: str = ""  # received text that is not decided yet
+    rest: str = ""  # received text that waits for its continuation
     mode: Mode = "text"
     closing: str = ""  # text that ends the mode
     is_line_start: bool = True

@@ -44,7 +44,7 @@ class Frame:
     """Syntax in which the words of a sense have their meaning."""
 
     kind: CueKind
-    certainty: float  # 0..1 of a sense that gives none
+    certainty: float  # 0..1 certainty of a sense whose file gives none
     pattern: str = "{}"  # pattern with a placeholder for a word
     after: str = ""  # words or @classes, one of which must precede
     before: str = ""  # words or @classes, one of which must follow
@@ -53,7 +53,7 @@ class Frame:
     where: CueContext = "any"
 
 
-FRAMES: Mapping[FrameName, Frame] = {
+SYNTAX_FRAMES: Mapping[FrameName, Frame] = {
     "verb": Frame("word", 0.66, not_after="@determiner @possessor @adjective of"),  # moves, changes
     "deed": Frame("word", 0.66, before="@determiner @object", not_after="@determiner @possessor"),  # with an object
     "degree": Frame("word", 0.66, after="@copula @degree"),  # adjective after `is` or `so`
@@ -85,7 +85,7 @@ def read_senses(folder: Path, irregular: Mapping[str, frozenset[str]]) -> Iterat
 
 def _frame_sense(sense: _Sense) -> CueEntry:
     """Return the cue that a sense is within its frame."""
-    frame = FRAMES[sense.frame]
+    frame = SYNTAX_FRAMES[sense.frame]
     words = (word.strip() for word in sense.words.replace("\n", " ").split(","))
     return CueEntry(
         says=sense.says,

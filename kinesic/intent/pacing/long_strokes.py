@@ -6,7 +6,7 @@ from kinesic.expressivity.style.style import Style
 
 STROKE_LEAD = 0.6  # [s] from the start of a long stroke to its word
 USUAL_STROKE = 0.55  # [s] stroke duration of most gestures that are not in `LONG_STROKES`, in the neutral style
-SLOWNESS_BASE = 2.3  # duration of a drawing at temporal extent -1 / at 0; 1.42 at -0.4, 1.64 at -0.6 on `human`
+SLOWNESS_BASE = 2.3  # duration of an air drawing at temporal -1 / duration at 0; 1.42 at -0.4, 1.64 at -0.6 on `human`
 MAX_STROKE_DELAY = 1.6  # [s] longest delay of a gesture's stroke point after its word
 LONG_STROKES: Mapping[str, float] = {
     "around_here": 1.6,

@@ -17,12 +17,12 @@ _END_PATTERN = r"(?![\w/@-]|[.,:]\d)"
 _SIGNED_PATTERN = rf"(?:{_DATE_PATTERN}|{_PHONE_PATTERN}|{_LOCAL_PHONE_PATTERN}|{_RANGE_PATTERN}){_END_PATTERN}"
 # Numbers with hyphens, slashes or brackets.
 NUMBER_PATTERN = rf"(?<![^\W{KANA_KANJI}])(?<![.,:/@+-])(?:{_SIGNED_PATTERN}|{FRACTION_PATTERN})".replace(" ", r"\ ")
-_RANGE = re.compile(_RANGE_PATTERN)
+_RANGE_RE = re.compile(_RANGE_PATTERN)
 _LOCAL_PHONE = re.compile(_LOCAL_PHONE_PATTERN)
-_FRACTION = re.compile(FRACTION_PATTERN)
+_FRACTION_RE = re.compile(FRACTION_PATTERN)
 _FICTIONAL_EXCHANGE = "555-"  # beginning of telephone numbers in examples and films
 MAX_HEAD_DISTANCE = 4  # [words] largest distance of a word such as `call` before a telephone number
-_DATE = re.compile(_DATE_PATTERN)
+_DATE_RE = re.compile(_DATE_PATTERN)
 _NUMERAL_PATTERN = re.compile(r"(X{0,3})(IX|IV|V?I{0,3})")  # Roman numeral up to 39
 _DIGIT_VALUES = {"X": 10, "V": 5, "I": 1}
 _ORDINAL_ENDINGS = {1: "st", 2: "nd", 3: "rd"}  # last digit -> ending of an English ordinal; others: th
@@ -42,14 +42,16 @@ def split_number(
         after: beginning of the following text.
     """
     parts = re.findall(r"\d+", text)
-    if _DATE.fullmatch(text):
+    if _DATE_RE.fullmatch(text):
         yield from ((" " if k else "", part) for k, part in enumerate(parts))
-    elif _FRACTION.fullmatch(text):
+    elif _FRACTION_RE.fullmatch(text):
         yield from split_fraction(text, language, before, after)
-    elif _LOCAL_PHONE.fullmatch(text) and not _is_phone(text, language, before, after) and not _RANGE.fullmatch(text):
+    elif (
+        _LOCAL_PHONE.fullmatch(text) and not _is_phone(text, language, before, after) and not _RANGE_RE.fullmatch(text)
+    ):
         yield "", parts[0]
         yield "-", parts[1]
-    elif _RANGE.fullmatch(text) and not _is_phone(text, language, before, after):
+    elif _RANGE_RE.fullmatch(text) and not _is_phone(text, language, before, after):
         to = "".join(language.classes.get("range_word", ()))
         yield "", parts[0]
         if to:
@@ -67,7 +69,7 @@ def _is_phone(text: str, language: Language, before: Sequence[str], after: str) 
     heads = before[-MAX_HEAD_DISTANCE:]
     if text.startswith(_FICTIONAL_EXCHANGE) or any(language.has("phone_heads", head) for head in heads):
         return True
-    if not _RANGE.fullmatch(text):
+    if not _RANGE_RE.fullmatch(text):
         return True
     is_rounded = text[2] == "0" and text[-1] == "0"
     following = re.match(r" ([^\W\d_]+)", after)
