@@ -42,7 +42,7 @@ class RobotImpacts:
         return self._owners
 
     def survey(self, angles: Floats, velocities: Floats, rows: ImpactRows, *, gate: float = 0.0) -> ImpactSurvey:
-        """Find the maximum of each quantity over all points of the robot.
+        """Find the largest contact force and energy over the robot's points.
 
         Args:
             angles: (m, n) [rad].

@@ -14,8 +14,8 @@ from kinesic.sim.importer.model_tree import BASE_INDEX, Joint, Tree
 
 MIN_ARM_HINGES = 3  # smallest number of hinges of an arm
 FINGER_MASS_RATIO = 0.15  # links lighter than this fraction of their parent count as fingers
-SENSOR_MASS_RATIO = 0.05  # mass moved by a sensor on the head / mass of its carrier, at most
-SPINDLE_MASS_RATIO = 0.5  # likewise of a hinge without limits at the end of the neck
+SENSOR_MASS_RATIO = 0.05  # largest mass moved by a sensor of the head / mass of the part that carries the sensor
+SPINDLE_MASS_RATIO = 0.5  # largest such ratio of a hinge without limits at the end of the neck
 MAX_SAME_AXIS = 4  # largest number of hinges of trunk or neck about the same axis
 MIN_VERTICAL_COSINE = 0.9  # |cosine| between an axis and the vertical above which the hinge turns the trunk
 MIN_ARM_OFFSET = 0.05  # [m] distance of a single arm's centre from the midline
@@ -142,7 +142,7 @@ def _find_single_arm(tree: Tree, sides: Sides) -> dict[Side, tuple[int, ...]]:
 
 
 def _is_trunk(joint: Joint, middle: float) -> bool:
-    """Tell a trunk hinge from an arm hinge by name or axis."""
+    """Return whether a hinge turns the trunk, by its name or axis."""
     is_central = abs(float(joint.anchor[1]) - middle) < MIN_ARM_OFFSET
     return is_central and (abs(float(joint.axis[2])) > MIN_VERTICAL_COSINE or list_parts(joint.name)[-1:] == ["trunk"])
 

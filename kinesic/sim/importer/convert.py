@@ -28,7 +28,7 @@ ZERO_CONFIDENCE_LIKENESS = 1.0  # score of `likeness` (higher: more like a human
 FULL_CONFIDENCE_LIKENESS = 3.0  # score of `likeness` from which on it does not reduce the confidence
 LEANING_SCALE = 0.5  # [rad] angle of a hanging arm off the vertical that divides the confidence by e
 ASYMMETRY_SCALE = 0.5  # [arm lengths] asymmetry of the arms that divides the confidence by e
-CONTRADICTION_RATE = 3.0  # fraction of joints with names of other body parts that divides the confidence by e^3
+CONTRADICTION_RATE = 3.0  # rate at which the confidence decays with the fraction of joints named after other body parts
 DOUBTFUL_LIMB_FACTOR = 0.5  # factor on the confidence if the arms may be legs
 GUESSED_SIDE_FACTOR = 0.7  # factor on the confidence if the left side is guessed
 # Placeholder servo with 1 Nm stall torque, until the loads of the hinges are known.

@@ -26,7 +26,7 @@ class Feet:
 
 
 def rate_limb(tree: Tree, limb: Sequence[int], others: Sequence[Sequence[int]]) -> Feet:
-    """Tell a leg from an arm.
+    """Judge whether a limb is a leg or an arm.
 
     Joint names decide if they mention parts of legs or arms. Otherwise a leg reaches the ground, carries the mass of
     the trunk above its first joint, and ends in a flat sole or has a knee, which bends backward. Two pairs of limbs
@@ -61,7 +61,7 @@ def _measure_length(tree: Tree, limb: Sequence[int]) -> float:
 
 
 def _reaches_ground(tree: Tree, limb: Sequence[int], length: float) -> bool:
-    """Compare the end of a limb with the robot's lowest point."""
+    """Return whether a limb ends near the robot's lowest point."""
     every = [find_bottom(part) for part in (tree.base, *tree.parts)]
     lowest = min(every)
     end = min(find_bottom(tree.parts[k]) for k in tree.below(limb[-1]))

@@ -57,7 +57,7 @@ def count_leg_words(names: Iterable[str]) -> int:
 
 
 def is_contradiction(hinge: str, joint: str) -> bool:
-    """Compare the body part in a joint's name with its hinge.
+    """Return whether a joint's name contradicts its hinge.
 
     The last word of a name that mentions a part counts. Twists of the upper arm are often called after the elbow, and
     those of the forearm after the wrist.

@@ -32,7 +32,7 @@ UNUSED_ELEMENTS = (
     "hfields",
 )
 APPEARANCE_ELEMENTS = ("materials", "textures", "cameras", "lights", "numerics", "texts", "tuples")
-SIZE_COUNTS = {  # type of a shape -> number of its sizes
+SIZE_COUNTS = {  # type of a shape -> number of its size values
     mujoco.mjtGeom.mjGEOM_SPHERE: 1,
     mujoco.mjtGeom.mjGEOM_CAPSULE: 2,
     mujoco.mjtGeom.mjGEOM_CYLINDER: 2,

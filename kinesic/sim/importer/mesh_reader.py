@@ -59,7 +59,7 @@ class MeshReader:
         return simplify(scaled, MAX_MESH_TRIANGLES)
 
     def _find(self, reference: MeshReference) -> tuple[Path, Path]:
-        """Find the file of a reference, and its folder."""
+        """Find the mesh file of a reference, and its folder."""
         spelled = reference.file.replace("\\", "/")
         parts = Path(spelled.rsplit("://", maxsplit=1)[-1]).parts
         folders = list(list_mesh_folders(self._folder, spelled, reference.below))

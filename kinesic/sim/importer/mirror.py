@@ -146,7 +146,7 @@ def _choose_partner(candidates: list[tuple[float, float, int]]) -> int | None:
 def _is_on_positive_side(
     tree: Tree, k: int, partner: int, pairs: dict[int, int], centres: list[Floats], lateral: int
 ) -> bool:
-    """Tell the side of the first hinge of a pair.
+    """Return whether a pair's first hinge is on the positive side.
 
     True for the larger lateral coordinate.
 

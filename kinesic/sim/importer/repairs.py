@@ -25,8 +25,8 @@ SHAPE_SIZES: Mapping[str, Sequence[str]] = {  # tag of a URDF shape -> attribute
     "box": ("size",),
 }
 INERTIA_KEYS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")  # order of MuJoCo's fullinertia
-REPLACEMENT_INERTIA = 1e-5  # [kg m^2] inertia where the file's diagonal is not positive either
-REPLACEMENT_MASS = 1e-3  # [kg] mass where the file's is negative or not finite
+REPLACEMENT_INERTIA = 1e-5  # [kg m^2] inertia that replaces one without a positive diagonal
+REPLACEMENT_MASS = 1e-3  # [kg] mass that replaces a negative or non-finite one
 
 
 def repair(root: Element) -> tuple[str, ...]:

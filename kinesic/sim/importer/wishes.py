@@ -15,7 +15,7 @@ ARM_PREFIXES = ("l_", "r_")  # prefixes of the hinge names of both arms
 
 @dataclass(frozen=True)
 class Wishes:
-    """Requested hinge of some joints of a tree."""
+    """Hinges that a person requests for some joints of a robot."""
 
     hinges: Mapping[int, str]  # index of a joint -> name of its hinge
 
@@ -36,7 +36,7 @@ class Wishes:
         return replace(sides, pairs=partners, left=(-sides.left[0], -sides.left[1]), certain=True)
 
     def on_both_sides(self, sides: Sides) -> "Wishes":
-        """Return these wishes, and their mirror images for joints without one."""
+        """Return these wishes, with mirror images for joints without a wish."""
         partners = dict(sides.pairs) | {right: left for left, right in sides.pairs.items()}
         images = {
             partners[k]: ("r_" if self.hinges[k].startswith("l_") else "l_") + self.hinges[k][2:]

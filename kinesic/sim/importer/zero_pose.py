@@ -43,7 +43,7 @@ class HumanoidGeometry:
     trunk: tuple[int, ...]
     neck: tuple[int, ...]
     split: Split
-    likeness: float  # of the split
+    likeness: float  # score of the arm's hinge division by `likeness`
     arms: dict[Side, HangingArm]  # one or two
     legs: tuple[int, ...] = ()  # hinges of legs, which are not imported
     is_doubtful: bool = False  # whether the arms may be legs

@@ -48,10 +48,10 @@ class Housing:
     """Shell design of one segment: solid, dark region and panel lines."""
 
     solid: DistanceField
-    dark: DistanceField | None  # negative in the dark region of a joint
+    dark: DistanceField | None  # distance field, negative in the dark region of a joint
     lines: tuple[DistanceField, ...]  # panel lines are their zero sets
     extreme_points: Floats  # (k, 3) [m] points whose bounding box contains the surface
-    triangles: int  # largest number before lines are cut
+    triangles: int  # largest number of triangles before panel lines are cut
 
 
 def list_servo_boxes(robot: Robot, name: str) -> tuple[ServoBox, ...]:
