@@ -13,7 +13,7 @@ from kinesic.body.linear_program import SparseMatrix
 
 Indices = NDArray[np.int32]
 
-FIXED_ROW_BOUND = 2.0  # largest limit ratio in rows of only fixed control points; 1 in all other rows
+FIXED_ROW_BOUND = 2.0  # bound of limit ratios that depend only on fixed control points; other ratios are bounded by 1
 MIN_RANGE = 1e-9  # [rad] range assumed for a hinge that cannot move
 JERK_TIME = 0.05  # [s] time that weights jerk relative to acceleration in the smoothest motion
 CALMNESS_REGULARISATION = 1e-10  # added to the diagonal of the acceleration and jerk cost, to make it positive definite
@@ -34,7 +34,7 @@ class FreeRows:
 
     places: Floats  # (r,) knot positions of the rows, in steps from the first knot
     kinds: NDArray[np.intp]  # (r,) 0 velocity, 1 acceleration, 2 jerk, 3 duty
-    powers: Floats  # (r,) of `Grid.powers`
+    powers: Floats  # (r,) time exponents of the rows, see `Grid.powers`
 
 
 @dataclass(frozen=True, eq=False)

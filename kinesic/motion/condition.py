@@ -36,7 +36,7 @@ class Conditioned:
     """Motion within the limits, with shifted key times."""
 
     trajectory: Trajectory
-    requested_times: Floats  # (m,) [s] block time
+    requested_times: Floats  # (m,) [s] requested block times of the keys
     planned: Floats  # (m,) [s] planned block times of the keys
     bottlenecks: Mapping[Pair, Bottleneck]  # most violated limit at the requested times, by pair of keys
     rms_distances: Floats  # (n,) [rad] root mean square distance from the desired motion at the planned times

@@ -263,7 +263,7 @@ class _CurveKey:
 
     content: tuple[bytes, ...]  # (k,) times, (k, h) angles, (6, k, h) passage values and (h,) hinges
     limits: Limits  # of all hinges
-    source: tuple[Floats, Keys, Indices, Indices] = field(compare=False)  # times, all keys, rows and hinges
+    source: tuple[Floats, Keys, Indices, Indices] = field(compare=False)  # interpolated times, all keys, rows, hinges
 
     @classmethod
     def of(cls, times: Floats, keys: Keys, rows: Indices, hinges: Indices) -> "_CurveKey":

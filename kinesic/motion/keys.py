@@ -144,8 +144,8 @@ class Keys:
     keyed: Flags  # (m, n) whether a hinge has a key in this row
     passage_values: Floats  # (6, m, n) tension, continuity, bias, steepness, index in `EASING_NAMES` and swing
     is_exact: Flags  # (m,) whether a key is passed exactly; the others lie between them in time
-    syncs: tuple[tuple[Sync, ...], ...]  # (m,) sync points that fall on each
-    limits: Limits  # of the hinges
+    syncs: tuple[tuple[Sync, ...], ...]  # (m,) sync points at each key
+    limits: Limits  # limits of all hinges
     bonds: Mapping[Pair, float] = field(default_factory=dict)  # [s] minimum time between two keys required by BML
 
     @classmethod

@@ -85,7 +85,7 @@ def check_limits(trajectory: Trajectory, limits: Limits) -> Peaks:
 
 
 def find_beyond(controls: Floats, before: Floats, limits: Limits, hinges: Indices, *, full: float) -> Flags:
-    """Flag control points that violate limits only in the new motion.
+    """Flag control points that violate limits only in the changed motion.
 
     Args:
         controls: (h, k) [rad] control points of some hinges.

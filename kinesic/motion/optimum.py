@@ -86,7 +86,7 @@ def _separate_requested_times(keys: Keys) -> Floats:
 @dataclass(eq=False)
 class _Program:
     symbols: list[casadi.SX] = field(default_factory=list)
-    values: list[tuple[Floats, Floats, Floats]] = field(default_factory=list)  # begin, lower, upper
+    values: list[tuple[Floats, Floats, Floats]] = field(default_factory=list)  # start, lower, upper values
     rows: list[casadi.SX] = field(default_factory=list)
     bounds: list[tuple[Floats, Floats]] = field(default_factory=list)
 

@@ -29,12 +29,12 @@ class _StoredPlane:
     """Stored cutting plane over a hinge's successive keys, reusable in other motions."""
 
     hinge: int
-    marks: tuple[KeyMark, ...]  # its keys, and one more on either side
-    slopes: Floats  # (k,) [1/s] over their times
+    marks: tuple[KeyMark, ...]  # keys of the plane, with one more key on either side
+    slopes: Floats  # (k,) [1/s] slopes over the times of these keys
     bound: float
     limits: Limits  # of the hinge
     bottlenecks: tuple[tuple[Pair, Bottleneck], ...]  # by pair of keys
-    reaches: tuple[bool, bool]  # whether it involves the first, and the last key of its motion
+    reaches: tuple[bool, bool]  # whether the plane involves the first, and the last key of its motion
     slack: float = 0.0  # [ln(time ratio)] at the latest key times
 
     def of(self, hinge: int) -> "_StoredPlane":

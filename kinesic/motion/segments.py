@@ -17,7 +17,7 @@ from kinesic.motion.trajectory import KNOT_INTERVAL, spline_weights
 
 SWING_FRACTION = 0.1  # overshoot allowed at keys, relative to the key interval's angle
 MIN_SWING = 0.05  # [rad] overshoot beyond a key always allowed within the joint range
-KEY_NEIGHBOURHOOD = 2  # [knot intervals] distance from a key with the wider bounds of both key intervals
+KEY_NEIGHBOURHOOD = 2  # [knot intervals] distance from a key within which the wider bounds of both intervals hold
 MIN_HOLD = 40  # [knot intervals] shortest hold that contains a rest; shorter ones may overshoot
 LONG_HOLD = 100  # [knot intervals] part of a long hold, at each end, in which the hinge may still move
 MIN_KNOT_INTERVALS = 4  # smallest number of knot intervals of a motion
@@ -32,8 +32,8 @@ class RestPoint(NamedTuple):
     """Knot at which a hinge rests, so that its motion is split."""
 
     knot: int
-    before: int  # index of its last exact key before; -1: none
-    angle: float  # [rad]
+    before: int  # index of the hinge's last exact key before the rest; -1: none
+    angle: float  # [rad] angle of the hinge at rest
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,8 +62,8 @@ class SplineSegment:
     hinge: int
     first: int  # knot at which the motion begins
     grid: Grid
-    start: float  # [rad]
-    end: float  # [rad] at rest; approximate if `stops_anywhere`
+    start: float  # [rad] angle at the start
+    end: float  # [rad] angle at rest at the end; approximate if `stops_anywhere`
     places: Floats  # (m,) knot positions of the keys, in steps from the first knot
     angles: Floats  # (m,) [rad] of its keys
     marks: tuple[tuple[int, ...], ...] = ()  # (m + 2,) keys whose mean times are those of start, keys and end

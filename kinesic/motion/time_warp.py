@@ -110,7 +110,7 @@ class _WarpConstraints:
 
     times: Floats  # (m,) [s] given key times
     limits: Limits
-    remaining_deficit: int  # index of the variable of the deficit that stays
+    remaining_deficit: int  # index of the variable of the remaining time deficit
     radius: float  # largest relative stretch
 
     def add_segment(self, program: _Program, segment: SplineSegment, deficit: Infeasibility, reserve: float) -> None:

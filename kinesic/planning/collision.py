@@ -34,7 +34,7 @@ class Spacing:
     """Required and desired distances between pairs of body segments."""
 
     min_distance: float  # [m] required distance of every counted pair that is not in contact
-    desired_distance: float | None = None  # [m] target of pairs below `min_distance`; no pair between both comes nearer
+    desired_distance: float | None = None  # [m] target of pairs below `min_distance`; pairs between both come no nearer
     contact: float = HOVER_DISTANCE  # [m] required distance of pairs in contact, which approach to this distance
     contacting: tuple[int, ...] = ()  # counted pairs that are in contact
     touching: tuple[int, ...] = ()  # counted pairs that approach to `contact`

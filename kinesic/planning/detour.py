@@ -147,7 +147,7 @@ class _Scan:
         return _Scan(angles, deficits)
 
     def same(self, samples: set[int], before: "_Scan") -> set[int]:
-        """Return those samples whose missing clearance another scan did not change.
+        """Return the given samples with the same missing clearance in another scan.
 
         A detour elsewhere has not helped there.
         """

@@ -14,12 +14,12 @@ from kinesic.expressivity.keyframes import Turn
 from kinesic.motion.easing import minimum_jerk
 
 TrunkChain = Literal["neck", "torso"]
-TRUNK_CHAINS: tuple[TrunkChain, ...] = ("neck", "torso")
+TRUNK_CHAINS: tuple[TrunkChain, ...] = ("neck", "torso")  # chains of hinges that follow people, besides the eyes
 FOLLOWING_PREFIX = "conversation:"  # prefix of the names of postures that follow people
 PEAK_VELOCITY_RATIO = 1.875  # peak / mean velocity of a minimum-jerk step
 PEAK_ACCELERATION_RATIO = 10.0 / 3.0**0.5  # peak acceleration of a minimum-jerk step * duration^2 / angle
 MAX_STEP_DURATION = 3.0  # [s] longest step that is tried
-STEP_GROWTH_FACTOR = 1.2  # duration of a step / that of the previous, too fast attempt
+STEP_GROWTH_FACTOR = 1.2  # duration of a step / duration of the previous, too fast attempt
 RATE_SAMPLES = 25  # number of times at which the limits of a step are checked
 
 
@@ -30,7 +30,7 @@ class StepLimits:
     velocity: float  # [rad/s] of each axis
     acceleration: float  # [rad/s^2] of each axis
     shortest: float  # [s] shortest duration of a step
-    delay: float = 0.0  # [s] delay of a step relative to that of the head
+    delay: float = 0.0  # [s] delay of a step relative to the step of the head
 
 
 STEP_LIMITS: dict[TrunkChain, StepLimits] = {

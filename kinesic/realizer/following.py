@@ -31,8 +31,11 @@ from kinesic.realizer.occupancy import Occupancy, Role, held_angles
 from kinesic.realizer.release import motion_from_knot
 from kinesic.realizer.scene import Scene
 
-UNCHANGED_ANGLE = 1e-4  # [rad] changes of angles below it are ignored
-FOLLOWED_ROLES: tuple[Role, ...] = ("look", "trunk")  # gaze and posture
+UNCHANGED_ANGLE = 1e-4  # [rad] smaller changes of an angle are ignored
+FOLLOWED_ROLES: tuple[Role, ...] = (
+    "look",
+    "trunk",
+)  # gaze and posture, which follow people between blocks
 MAX_LIMIT_RATIO = 1.0 + 1e-6  # largest accepted ratio of velocity, acceleration or jerk to its limit
 NOD_DOWN_DURATION = 0.3  # [s] downward half of a nod
 NOD_UP_DURATION = 0.36  # [s] upward half of a nod

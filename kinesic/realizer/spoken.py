@@ -9,7 +9,7 @@ from kinesic.bml.block import Speech
 from kinesic.body.utterance import Script, Utterance
 from kinesic.realizer.scene import Scene
 
-WORD_PATTERN = re.compile(r"\S+")
+WORD_PATTERN = re.compile(r"\S+")  # spoken word
 MIN_WORD_FRACTION = 0.5  # fraction of a word's duration after which it counts as spoken
 
 
@@ -18,7 +18,7 @@ class SpokenText:
     """Text of a speech, divided at a time."""
 
     said: str  # words that were heard
-    unsaid: str  # words that were not
+    unsaid: str  # words that were not heard
 
 
 def divide_text(script: Script, utterance: Utterance, elapsed: float) -> SpokenText:
@@ -81,7 +81,7 @@ def _letter_fraction(text: str, first: int, position: float, last: int) -> float
 
 
 def _voiced_time(begin: float, end: float, fraction: float, utterance: Utterance) -> float:
-    """Return the time [s] after a fraction of a span's phoneme durations."""
+    """Return the time [s] by which a fraction of a span is spoken."""
     sounds = [phoneme for phoneme in utterance.phonemes if phoneme.letters and begin <= phoneme.start < end]
     left = fraction * sum(phoneme.duration for phoneme in sounds)
     for phoneme in sounds:

@@ -16,12 +16,12 @@ from kinesic.version import __version__
 
 NANOSECONDS_PER_SECOND = 1_000_000_000  # nanoseconds per second
 FILE_MAGIC = b"\x89MCAP0\r\n"  # first and last bytes of an MCAP file
-OPCODE_HEADER = 0x01  # record of the file's profile and program
-OPCODE_FOOTER = 0x02  # last record of the file
-OPCODE_SCHEMA = 0x03  # record of a message type
-OPCODE_CHANNEL = 0x04  # record of a topic
-OPCODE_MESSAGE = 0x05  # record of one message
-OPCODE_DATA_END = 0x0F  # record after the last message
+OPCODE_HEADER = 0x01  # MCAP code of the record with the file's profile and program
+OPCODE_FOOTER = 0x02  # MCAP code of the last record of the file
+OPCODE_SCHEMA = 0x03  # MCAP code of a record with a message type
+OPCODE_CHANNEL = 0x04  # MCAP code of a record with a topic
+OPCODE_MESSAGE = 0x05  # MCAP code of a record with one message
+OPCODE_DATA_END = 0x0F  # MCAP code of the record after the last message
 TRAJECTORY_TOPIC = "/joint_trajectory"  # topic of the message in MCAP files
 TRAJECTORY_TYPE = "trajectory_msgs/msg/JointTrajectory"  # ROS 2 type of the message
 CDR_HEADER = b"\x00\x01\x00\x00"  # marks a serialised message as little-endian CDR

@@ -34,7 +34,7 @@ from kinesic.planning.secondary.succession import delay_hinges
 from kinesic.planning.secondary.talking import make_speech_motion
 from kinesic.planning.setup import MAX_BODY_WEIGHT, Setup
 
-MAX_CLEARANCE_LOSS = 1e-6  # [m] tolerated loss where the clearance is already too small
+MAX_CLEARANCE_LOSS = 1e-6  # [m] tolerated loss of clearance where the clearance is already too small
 REST_STREAM = 5  # index of the random number stream for changes of the rest posture
 
 
