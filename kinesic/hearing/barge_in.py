@@ -10,7 +10,7 @@ from enum import Enum, auto
 
 @dataclass(frozen=True)
 class BargeInThresholds:
-    """Thresholds of barge-in.
+    """Thresholds for the decision that a person takes the turn.
 
     They were chosen on seeds 1 and 4 of the benchmark `hearing`.
     """
@@ -19,7 +19,7 @@ class BargeInThresholds:
     clear_voice: float = 0.85  # probability above which a frame counts as clear voice; music seldom reaches it
     duck_frames: int = 2  # voiced frames after which the robot is quiet: 64 ms
     turn_frames: int = 16  # frames from the first to the last clear one after which the robot yields: 0.51 s
-    min_clear_frames: int = 9  # clear frames among them
+    min_clear_frames: int = 9  # smallest number of frames with a clear voice among these frames
     max_gap: int = 8  # frames without voice that do not end the voice: 0.26 s
 
 
@@ -33,7 +33,7 @@ class BargeInDecision(Enum):
 
 @dataclass
 class _Voice:
-    """Numbers of frames of the current voice."""
+    """Frame counts of the voice that is currently heard."""
 
     frames: int = 0  # all frames since the voice began
     voiced: int = 0  # frames with a voice

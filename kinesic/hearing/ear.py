@@ -21,7 +21,7 @@ class HeardChange:
     """Reaction to a voice in the stream, with its time."""
 
     decision: BargeInDecision
-    time: float  # [s] time in the stream at which it was decided
+    time: float  # [s] time in the stream at which the reaction was decided
     age: float  # [s] time since the voice began or ended
 
 

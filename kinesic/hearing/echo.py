@@ -13,7 +13,7 @@ from kinesic.body.utterance import Samples
 from kinesic.hearing.voice_activity import FRAME_SIZE, VOICE_RATE
 
 ECHO_TAIL = 0.25  # [s] longest delay of an echo after its sound
-FORGETTING_FACTOR = 0.998  # factor on the echo path per frame: its time constant is 16 s
+FORGETTING_FACTOR = 0.998  # factor per frame on the estimated echo path: its time constant is 16 s
 INITIAL_VARIANCE = 1.0  # variance of an unknown echo path, whose gains are below 1
 NOISE_SMOOTHING = 0.7  # factor on the previous power spectrum of noise and other voices
 MIN_POWER = 1e-9  # power below the noise of any microphone, added to avoid division by zero

@@ -19,8 +19,9 @@ WEIGHTS_FILE = CONFIGS / "hearing" / "voice_activity.npz"
 MAX_WEIGHTS_SIZE = 4_000_000  # [bytes] largest size of the unpacked weights
 VOICE_RATE = 16_000  # [Hz] sample rate of the network
 FRAME_SIZE = 512  # [samples] in a frame of 32 ms, which gets one probability
-CONTEXT_SIZE = 64  # [samples] of the previous frame put before each frame; as many are reflected at its end
-WINDOW_SIZE, WINDOW_STEP = 256, 128  # [samples] of the Fourier transform
+CONTEXT_SIZE = 64  # [samples] of the previous frame before each frame; as many mirrored samples follow the frame
+WINDOW_SIZE = 256  # [samples] window of the Fourier transform
+WINDOW_STEP = 128  # [samples] between the starts of two windows
 FREQUENCY_COUNT = WINDOW_SIZE // 2 + 1  # frequencies of the Fourier transform
 CONVOLUTION_STRIDES = (1, 2, 2, 1)  # time steps between the outputs of each convolution
 STATE_SIZE = 128  # values of the hidden state and of the cell state
@@ -40,7 +41,7 @@ class VoiceNetwork:
 
 @cache
 def load_network() -> VoiceNetwork:
-    """Load the weights of the network.
+    """Load the weights of the voice detection network.
 
     Raises:
         ConfigError: the file is missing or damaged.

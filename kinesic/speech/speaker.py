@@ -21,11 +21,11 @@ class PlayedSound:
 
     sound: Sound
     begin: float  # [s] time of its first sample
-    fade: float = inf  # [s] time at which it begins to fade out
+    fade: float = inf  # [s] time at which the sound begins to fade out
 
     @property
     def end(self) -> float:
-        """Time [s] after which it is silent."""
+        """Time [s] after which the sound is silent."""
         return min(self.begin + self.sound.duration, self.fade + FADE_DURATION)
 
 
@@ -80,7 +80,7 @@ class Speaker:
         )
 
     def mute(self, *, on: bool) -> None:
-        """Fade all sounds out while they go on, or in again.
+        """Mute all sounds without stopping them, or unmute them.
 
         Without another request, they fade in after `MAX_MUTE_DURATION`.
         """

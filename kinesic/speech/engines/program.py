@@ -32,7 +32,8 @@ MIN_SAMPLE_RATE = 1000  # [Hz] lowest accepted sample rate of a program's sound
 MAX_SAMPLE_RATE = 384_000  # [Hz] highest accepted sample rate of a program's sound
 MAX_NAME = 60  # [characters] longest engine name in reports
 
-_running: "dict[tuple[int, tuple[str, ...]], _Process]" = {}  # by process id of the parent, and command
+# Running programs by process id of the parent, and command
+_running: "dict[tuple[int, tuple[str, ...]], _Process]" = {}
 _lock = threading.Lock()
 
 

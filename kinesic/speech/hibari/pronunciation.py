@@ -51,7 +51,7 @@ class Pronunciation:
     """Phoneme letters of a phrase."""
 
     letters: str  # letters of hibari's alphabet, with spaces and punctuation
-    words: tuple[tuple[Span, Span], ...]  # (first and last + 1 character in the phrase, likewise in the letters)
+    words: tuple[tuple[Span, Span], ...]  # (range of characters in the phrase, range of `letters`), ends excluded
 
 
 @lru_cache(maxsize=1)

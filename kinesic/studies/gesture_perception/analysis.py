@@ -43,7 +43,7 @@ class Confusion:
     shown: str
     chosen: str
     count: int
-    offered: int  # number of times it could have been chosen
+    offered: int  # number of times that the chosen gesture was among the options
 
 
 @dataclass(frozen=True)

@@ -31,8 +31,8 @@ class Rating:
 
     points: float  # mean of all systems: `MEAN_RATING`
     interval: tuple[float, float]  # [points] from resampled participants; NaN with fewer than two participants
-    wins: int  # answers that preferred it
-    answers: int  # answers with it
+    wins: int  # number of answers that preferred the system
+    answers: int  # number of answers that compared the system
 
 
 @dataclass(frozen=True)

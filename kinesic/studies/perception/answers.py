@@ -90,10 +90,10 @@ class ComparedMeans:
     means: tuple[float, float]  # 1..5; NaN without answers
     counts: tuple[int, int]
     p: float  # two-sided p-value of equal distributions; NaN if one side has no answers
-    corrected_p: float  # the same after Holm's correction
+    corrected_p: float  # `p` after Holm's correction
     delta: float  # Cliff's delta, -1..1; positive if the first side has more points
     paired: PairedTest  # differences within participants
-    corrected_paired_p: float  # its p after Holm's correction
+    corrected_paired_p: float  # p-value of `paired` after Holm's correction
 
     @property
     def significant(self) -> bool:

@@ -26,7 +26,7 @@ class GroupTest:
 class PairedTest:
     """Wilcoxon signed-rank test of one difference per participant."""
 
-    participants: int  # those with ratings under both conditions
+    participants: int  # number of participants with ratings under both conditions
     difference: float  # mean over participants; NaN without any
     p: float  # two-sided; NaN without participants
     correlation: float  # matched-pairs rank-biserial correlation, -1..1

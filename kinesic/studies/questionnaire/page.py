@@ -28,9 +28,9 @@ class Questionnaire:
     """
 
     data: Mapping[str, Json]
-    template: Path  # extends `questionnaire.jinja`
-    script: str  # of the study, which runs after `questionnaire.js`
-    shown: int  # number of items per participant, stated in the welcome text
+    template: Path  # template file, which extends `questionnaire.jinja`
+    script: str  # script of the study, which runs after `questionnaire.js`
+    shown: int  # number of items per participant, which the welcome text states
     images: str = "'none'"  # allowed image sources in the content policy
     variables: Mapping[str, Json] = field(default_factory=dict)  # further variables of the template
 
