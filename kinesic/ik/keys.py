@@ -28,7 +28,7 @@ class Key:
     rest: Floats  # (k,) [rad] rest posture, preferred for angles that the reach leaves free
     reach: Reach | None = None  # hand target of `ArmMode.REACH`
     openness: float = 0.0  # fraction of the swivel change from the solved posture to `ReachLimits.open_swivel`
-    passing: bool = False  # on a path: solved from the path's start posture, with its swivel
+    passing: bool = False  # whether the key lies on a path: solved from the path's start posture, with its swivel
 
 
 @dataclass(frozen=True)

@@ -23,12 +23,12 @@ from kinesic.sim.model import build_model
 MAX_VELOCITY_RATIO = 1.05  # largest peak velocity of a servo, relative to the twin
 MAX_MASS_RATIO = 1.10  # largest mass of an arm, relative to the model; it raises forces by at most 5 %
 MAX_PUSH_RATIO = 1.20  # largest pushing force, relative to the stall torques of the model
-PAD_STIFFNESS = 75e3  # [N/m] of the pad on the scale, as a hand or a face
+PAD_STIFFNESS = 75e3  # [N/m] stiffness of the pad on the scale, which stands for a hand or a face
 STOP_TIME = 0.12  # [s] longest emergency stop from peak velocity in the model
 UNPLUGGED_TIME = STOP_TIME + DEFAULT_SETTINGS.patient_watchdog  # [s] longest stop after the loss of the bus
 ROD_DIAMETERS_MM = (8, 12, 25)  # [mm] diameters of the rods that stand for fingers
 PUSH_COUNT = 3  # number of postures in which the hand pushes
-PUSH_SEPARATION = 0.3  # [s] smallest time between two of these postures
+PUSH_SEPARATION = 0.3  # [s] smallest time between two postures in which the hand pushes
 SLOPE_WINDOW = 5  # samples of a velocity's least-squares line, which smooths the ticks of the encoder
 SAMPLE_RATE = 100.0  # [Hz] of the resampled angles
 MOVING_FRACTION = 0.2  # smallest peak velocity of a compared hinge, relative to the fastest hinge

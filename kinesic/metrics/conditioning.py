@@ -33,8 +33,8 @@ class SyncShift:
     """
 
     syncs: tuple[str, ...]
-    asked: float  # [s] block time of the first sync point
-    planned: float  # [s] block time of the first sync point
+    asked: float  # [s] requested block time of the first sync point
+    planned: float  # [s] planned block time of the first sync point
     hinge: str  # limiting hinge; empty if unknown
     quantity: str  # limited quantity
     ratio: float  # required / available time

@@ -15,7 +15,7 @@ from kinesic.planning.impact_limits import knot_times
 from kinesic.planning.plan import Plan
 
 SAMPLES_PER_WINDOW = 4096  # knots whose contacts are computed together, which bounds the memory
-CLAMP_GAP = 0.025  # [m] gap between bodies that holds a finger
+CLAMP_GAP = 0.025  # [m] gap between bodies in which a finger is clamped
 CLAMP_RATE = 20  # [Hz] sampling rate of gaps
 MIN_CLOSING = 1e-4  # [m] smallest decrease of a closing gap between two samples
 GAP_STEP = 1e-5  # [rad] step of the finite differences of gaps
@@ -24,7 +24,7 @@ MIN_LEVER = 1e-3  # [m/rad] smallest effect of a hinge on a gap that it closes
 
 @dataclass(frozen=True, eq=False)
 class WorstContact:
-    """Largest value of one row during a motion."""
+    """Largest contact force on a body region, or largest energy, in a motion."""
 
     value: float  # force [N], or energy [J]
     time: float  # [s] performance time

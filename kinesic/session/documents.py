@@ -166,7 +166,7 @@ def author_with_setup(
 
 
 def find_revision(setup: Setup) -> Revision | None:
-    """Return the replacement of lexicon gestures by captured ones, if preferred."""
+    """Return the function that replaces lexicon gestures by captured ones, if preferred."""
     if setup.preference == "lexicon" or not setup.lexicon.captured:
         return None
     from kinesic.capture.clip_substitution import prefer_captured  # noqa: PLC0415 - needs SciPy

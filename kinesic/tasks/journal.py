@@ -20,7 +20,7 @@ Entry = TypeVar("Entry")
 class JournalLine(msgspec.Struct, Generic[Entry], frozen=True):
     """One finished task in the journal."""
 
-    key: str  # all inputs of the result
+    key: str  # text of all inputs that determine the result
     entry: Entry
 
 

@@ -32,14 +32,14 @@ class WorkerCrash:
 
     reason: str  # one line
     trace: str  # standard error of the process, or the full message of the cluster
-    is_killed: bool = False  # whether it was killed from outside
+    is_killed: bool = False  # whether the worker was killed from outside
 
 
 @dataclass
 class _Worker(Generic[Task, Result]):
     child: Child
     line: PipeEnd
-    errors: Path  # its standard error
+    errors: Path  # file with the standard error of the worker process
     task: Task
     tries: int  # attempts including this one
 

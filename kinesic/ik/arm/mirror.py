@@ -51,7 +51,7 @@ def mirror_reach(reach: Reach) -> Reach:
 
 
 def mirror_place(place: Floats) -> Floats:
-    """Mirror a position (3,) in the midline plane."""
+    """Mirror a position (3,) across the midline plane."""
     return _seen(place, MIRROR_SIGNS)
 
 

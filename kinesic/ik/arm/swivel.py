@@ -17,8 +17,8 @@ from kinesic.ik.arm.linkage import Linkage, linkage_of
 from kinesic.ik.arm.mirror import MIRROR_SIGNS, is_right, mirror_chain
 from kinesic.ik.scalar3 import Vector, across, cross, dot, minus, norm, unit
 
-FORWARD = sealed([1.0, 0.0, 0.0])  # forward axis of the arm's base
-UPWARD = sealed([0.0, 0.0, 1.0])  # upward axis of the arm's base
+FORWARD_AXIS = sealed([1.0, 0.0, 0.0])  # forward axis of the arm's base
+UPWARD_AXIS = sealed([0.0, 0.0, 1.0])  # upward axis of the arm's base
 BACKWARD_COSINE = -1.0 + 1e-9  # cosine between arm line and forward axis below which the hanging direction is set to up
 
 
@@ -65,8 +65,8 @@ def measure_swivels(chain: Chain, elbows: Floats, hands: Floats) -> Floats:
     offsets = elbows - lines * np.sum(elbows * lines, axis=1, keepdims=True)
     is_backward = lines[:, 0] < BACKWARD_COSINE
     shares = lines[:, 2] / np.where(is_backward, 1.0, 1.0 + lines[:, 0])
-    zeros = shares[:, None] * (lines + FORWARD) - UPWARD
-    zeros[is_backward] = UPWARD
+    zeros = shares[:, None] * (lines + FORWARD_AXIS) - UPWARD_AXIS
+    zeros[is_backward] = UPWARD_AXIS
     asides = np.cross(lines, zeros)
     swivels: Floats = np.arctan2(np.sum(offsets * asides, axis=1), np.sum(offsets * zeros, axis=1))
     return swivels

@@ -44,7 +44,7 @@ class RelaxedTree:
     points: Mapping[str, Floats]  # (n + 1, 3) [m] masses at rest, per limb
     targets: Mapping[str, Floats]  # (3,) [m] of the limbs that have one, within reach
     pulls: Mapping[str, float]  # weights of the limbs
-    priority: Sequence[str]  # the first of them among the limbs on one joint decides its rotation alone
+    priority: Sequence[str]  # limb names; of the limbs on one joint, the first in this list alone decides the rotation
 
 
 def turn_joints(
@@ -126,7 +126,7 @@ class Reached:
     stances: Mapping[str, ChainPosture]  # of each limb, bones at their true lengths
     residuals: Mapping[str, float]  # [m] from each end that has a target to that target
     rounds: int
-    iterations: int  # of the masses of the whole tree
+    iterations: int  # number of relaxation iterations of the whole tree
 
 
 def solve_several(

@@ -50,8 +50,8 @@ class Relaxed:
     ups: Floats  # (n, 3) unit, where the up vectors went
     target: Floats  # (3,) [m] moved into the reach by eq. 7.3.7
     residual: float  # [m] from the hand to the requested target
-    iterations: int  # of all relaxations together
-    rounds: int  # of relaxation and limits
+    iterations: int  # number of iterations of all relaxations together
+    rounds: int  # number of rounds of relaxation and limits
     energy: float  # remaining sum of the spring forces, per stiffness and length of the chain
 
 

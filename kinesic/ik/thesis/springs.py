@@ -11,8 +11,8 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats
 
 TUNED_MASSES = 10  # largest number of free masses of a chain that counts as short
-STEP_FRACTIONS = (1.0, 0.84)  # time step / that of `Springs.pace`, for short and long chains
-DAMPING_FRACTIONS = (0.75, 0.5)  # damping / that of `Springs.pace`, for short and long chains
+STEP_FRACTIONS = (1.0, 0.84)  # time step / recommended step of `Springs.pace`, for short and long chains
+DAMPING_FRACTIONS = (0.75, 0.5)  # damping / recommended damping of `Springs.pace`, for short and long chains
 MIN_SPRING_LENGTH = 1e-12  # [chain lengths] lower bound on spring lengths in divisions
 
 

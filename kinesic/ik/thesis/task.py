@@ -16,8 +16,8 @@ class Effort:
 
     tolerance: float = 1e-3  # distance from hand to target at which the reach is done; 0: only forces count
     threshold: float = 1e-6  # epsilon of Algorithm 1: sum of the forces per stiffness at which masses are at rest
-    iterations: int = 300  # largest number in one relaxation
-    rounds: int = 20  # largest number of relaxation and limits (Algorithm 3), or relaxation and skeleton (Algorithm 2)
+    iterations: int = 300  # largest number of iterations in one relaxation
+    rounds: int = 20  # largest number of rounds: relaxation and limits (Algorithm 3) or skeleton (Algorithm 2)
     step: float | None = None  # time step of the integration, mass and stiffness being 1; None: derived
 
     def __post_init__(self) -> None:
