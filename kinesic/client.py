@@ -118,7 +118,7 @@ class Client:
     def people(
         self, places: Mapping[str, tuple[float, float, float]], *, looking: Container[str] = (), age: float = 0.0
     ) -> None:
-        """Report all people whom a tracker sees.
+        """Report all people seen by a tracker, with their positions.
 
         Call it 2 to 20 times a second.
 
@@ -139,7 +139,7 @@ class Client:
         who: str | None = None,
         age: float = 0.0,
     ) -> None:
-        """Report a voice that began or ended, or recognised words.
+        """Report the beginning or end of a person's voice, or recognised words.
 
         Args:
             voice: whether the voice began (True) or ended (False); None: only words are reported.
@@ -151,22 +151,22 @@ class Client:
         self.do("heard", voice=voice, text=text, final=final, who=who, age=age)
 
     def turn(self, yours: float) -> None:
-        """Report the probability that the turn passes to the robot."""
+        """Report the probability that the person yields the turn to the robot."""
         self.do("turn", yours=yours)
 
     def think(self, *, on: bool = True) -> None:
-        """Report that an answer is being prepared, or no longer."""
+        """Report whether an answer of the robot is being prepared."""
         self.do("think", on=on)
 
     def duck(self, *, on: bool = True) -> None:
-        """Mute the speech while a person's voice sounds, or unmute it.
+        """Mute the robot's speech while a person speaks, or unmute it.
 
         The motion goes on. The mute ends after 5 s.
         """
         self.do("duck", on=on)
 
     def interrupt(self, block: str | None = None, *, yield_: bool = False) -> None:
-        """End one block or all blocks with smooth motion.
+        """Interrupt one block or all blocks, with a smooth end of motion.
 
         Args:
             block: id of the block; None: all blocks.

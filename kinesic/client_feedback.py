@@ -29,7 +29,7 @@ def document_id(bml: str) -> str:
 
 
 class _BlockFound(Exception):  # noqa: N818 - ends the parser, not an error
-    """Exception with the first <bml>'s id, raised to end the parser."""
+    """Exception that ends parsing and carries the first <bml>'s id."""
 
 
 def _xml_id(bml: str) -> str:

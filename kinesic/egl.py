@@ -9,7 +9,7 @@ from ctypes import CFUNCTYPE, byref, c_char_p, c_int, c_uint, c_void_p
 from functools import cache
 
 EGL_LIBRARY = "libEGL.so.1"
-GL_LIBRARIES = ("libGL.so.1", "libOpenGL.so.0")  # either one is enough; EGL of a graphics card needs none of them
+GL_LIBRARIES = ("libGL.so.1", "libOpenGL.so.0")  # one of these suffices; EGL of a graphics driver needs neither
 NEEDED_VERSION = (3, 3)  # required OpenGL version: major, minor
 SOFTWARE_HINT = "LIBGL_ALWAYS_SOFTWARE=1 draws on the processor"
 
@@ -113,7 +113,7 @@ class Egl:
         return display, self._surface(_DRAW_SURFACE), self._surface(_READ_SURFACE), self._current()
 
     def restore(self, previous: "Current") -> None:
-        """Make a display, surfaces and context from `current` current again."""
+        """Make the context current again that `current` has returned."""
         display, draw, read, context = previous
         self._make_current(display or self._display, draw, read, context)
 

@@ -23,7 +23,7 @@ class HostFeature:
     """Feature of kinesic that some operating systems cannot run."""
 
     name: str
-    systems: str  # systems that have it
+    systems: str  # operating systems that have this feature
     is_available: bool
     remedy: str
 

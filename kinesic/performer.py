@@ -31,7 +31,7 @@ On = Literal["twin", "servos"]
 
 
 class Performer:
-    """Robot with a style that plans, performs and reports BML documents.
+    """Planning, performance and reports of BML documents by one robot and style.
 
     Example:
         ```python
@@ -211,7 +211,7 @@ def _check_ports(robot: Robot, ports: Mapping[str, str | Path]) -> None:
 
 
 def _perform_on_servos(run: "Performance", ports: Mapping[str, str | Path]) -> "ServoRun":
-    """Repeat a twin performance on the servos with its speech.
+    """Repeat a twin performance on the servos, together with its speech.
 
     Ctrl-C ends it.
     """

@@ -12,7 +12,7 @@ from kinesic.mcp.parameters import Amount, Conversing, Fillers, Thinking
 from kinesic.mcp.robot_gate import RobotGate
 from kinesic.mcp.tool_server import ToolServer
 
-BEGIN_FIRST = "there is no conversation: call converse first"
+BEGIN_FIRST = "there is no conversation: call converse first"  # refusal of a tool that needs a conversation
 CONVERSATION_TOOL = ToolAnnotations(read_only_hint=False, destructive_hint=False, idempotent_hint=True)
 
 

@@ -62,7 +62,7 @@ class HeardReport(Struct, tag="heard", tag_field="do", forbid_unknown_fields=Tru
 
 
 class TurnReport(Struct, tag="turn", tag_field="do", forbid_unknown_fields=True):
-    """Report of a model that predicts turns."""
+    """Report of a model that predicts turns to speak."""
 
     yours: Fraction  # probability that the turn passes to the robot
 
