@@ -1,4 +1,4 @@
-"""Judge random blocks, and continue where an interrupted campaign stopped.
+"""Run a campaign of random blocks, or continue an interrupted one.
 
 Usage: `python -m tests.campaign --groups 1000 --seed 1 --jobs 2`. It exits with 1 if anything failed.
 """

@@ -18,10 +18,12 @@ from tests.campaign.judge import CONTACT, QUANTITIES, judge
 from tests.campaign.random_blocks import random_block, random_setup, vary_expressivity
 
 PLANS_PER_GROUP = 20  # number of planned blocks with the same robot and standing posture
-MERGES_PER_PLAN = 4  # number of merges after each plan; the first merges this plan, the others one of the group's plans
+MERGES_PER_PLAN = (
+    4  # number of merges after each plan; the first one merges this plan, later ones earlier plans of the group
+)
 MEAN_PAUSE = 0.8  # [s] mean time between two blocks of the running motion
 MERGE_FRACTION = 0.85  # fraction of the plans that are merged; the others replace the running motion
-KEPT_PAST = 0.1  # [s] duration of past motion that is kept
+KEPT_PAST = 0.1  # [s] duration of past motion kept in the running motion
 
 
 @dataclass
@@ -39,7 +41,7 @@ class GroupResult:
     motion: float = 0.0  # [s] duration of all judged motions
     largest: dict[str, float] = field(
         default_factory=lambda: dict.fromkeys((*QUANTITIES, CONTACT), 0.0)
-    )  # ratios of value / limit
+    )  # largest ratios of value / limit
     violations: int = 0  # motions beyond a limit
     penetrations: int = 0  # motions with self-contact
     failures: list[str] = field(default_factory=list)

@@ -17,7 +17,7 @@ from kinesic.planning.setup import Setup
 from kinesic.sim.model import build_model, find_joint_indices
 
 BASIS = np.array([[1, 4, 1, 0], [-3, 0, 3, 0], [3, -6, 3, 0], [-1, 3, -3, 1]]) / 6.0  # powers of u x control points
-MAX_RATIO = 1.001  # largest accepted value / limit; the goal of the project
+MAX_RATIO = 1.001  # largest accepted ratio of value / limit
 CONTACT_KNOTS = 2  # knots between two postures that are judged for contact: 50 postures a second
 QUANTITIES = ("position", "velocity", "acceleration", "jerk")
 CONTACT = "contact"  # name of the largest ratio of force or energy to the limit near an audience
@@ -27,7 +27,7 @@ CONTACT = "contact"  # name of the largest ratio of force or energy to the limit
 class Judgement:
     """Largest ratios of values to limits, and the deepest penetration."""
 
-    ratios: dict[str, float]  # an angle beyond its range by x rad counts as 1 + x
+    ratios: dict[str, float]  # largest ratio by quantity; an angle beyond its range by x rad counts as 1 + x
     penetration: float  # [m] depth of the deepest self-contact; 0 without one
 
     @property

@@ -19,7 +19,7 @@ NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h
 
 
 class Inline:
-    """Task engine that runs tasks here, and crashes on one of them."""
+    """Task engine that runs tasks in this process and crashes on one of them."""
 
     place = "here"
 
@@ -40,7 +40,7 @@ def setup() -> Setup:
     return set_up()
 
 
-def test_few_random_blocks_keep_limits_without_self_contact(monkeypatch: pytest.MonkeyPatch):
+def test_random_blocks_of_a_small_campaign_keep_limits_without_self_contact(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(groups, "PLANS_PER_GROUP", 2)
     result = run_group((1, 0))
     assert (result.blocks, result.violations, result.penetrations, result.failures) == (2, 0, 0, [])
@@ -49,7 +49,7 @@ def test_few_random_blocks_keep_limits_without_self_contact(monkeypatch: pytest.
     assert min(result.largest[name] for name in QUANTITIES) > 0.0
 
 
-def test_judge_detects_each_exceeded_limit_and_a_value_that_is_nan(setup: Setup):
+def test_independent_judge_detects_each_exceeded_limit_and_nan_values(setup: Setup):
     planned = plan(NOD, setup)
     limits, controls = setup.limits, planned.trajectory.controls
     first = judge(controls, setup)
@@ -64,7 +64,7 @@ def test_judge_detects_each_exceeded_limit_and_a_value_that_is_nan(setup: Setup)
     assert "jerk" in judge(broken, setup).violated
 
 
-def test_judge_detects_contacts_beyond_the_limits_of_an_audience(setup: Setup):
+def test_independent_judge_detects_contact_forces_beyond_the_limits_near_people(setup: Setup):
     beat = NOD.replace('<head id="h" lexeme="NOD" repetition="3"/>', '<gesture id="g" lexeme="beat_strong"/>')
     unlimited, near = plan(beat, setup), set_up(near="child")
     kept = judge(plan(beat, near).trajectory.controls, near)
@@ -72,7 +72,7 @@ def test_judge_detects_contacts_beyond_the_limits_of_an_audience(setup: Setup):
     assert judge(unlimited.trajectory.controls, near).violated == ["contact"]
 
 
-def test_largest_ratios_hold_between_samples(setup: Setup):
+def test_independent_judge_finds_the_largest_limit_ratios_between_samples(setup: Setup):
     rng = np.random.default_rng(0)
     controls = rng.normal(size=(12, len(setup.limits.lower)))
     u = np.linspace(0.0, 1.0, 2001)[:, None, None]
@@ -86,7 +86,7 @@ def test_largest_ratios_hold_between_samples(setup: Setup):
     assert velocity == pytest.approx((np.abs(velocities) / setup.limits.speed).max(), rel=1e-3)
 
 
-def test_self_contact_is_found_where_the_distance_code_finds_it(setup: Setup):
+def test_independent_judge_finds_self_contact_in_the_same_postures_as_the_distance_code(setup: Setup):
     rng = np.random.default_rng(1)
     postures = rng.uniform(setup.limits.lower, setup.limits.upper, size=(40, len(setup.limits.lower)))
     distances = setup.distances.clearance(postures).distances.reshape(len(postures), -1).min(axis=1)
@@ -109,7 +109,7 @@ def test_interrupted_campaign_repeats_only_missing_groups_and_counts_a_crash(
     assert second.done == [(3, 2)]
 
 
-def test_totals_add_the_counts_and_keep_the_largest_ratio():
+def test_campaign_totals_add_the_counts_of_groups_and_keep_the_largest_ratio():
     totals = Totals()
     for ratio in (0.5, 1.2):
         largest = {"position": 1.0, "velocity": ratio, "acceleration": 0.1, "jerk": 0.1, "contact": 0.0}

@@ -16,7 +16,7 @@ Task = tuple[int, int]  # seed of the campaign, number of the group
 
 @dataclass
 class Totals:
-    """Sum of all groups."""
+    """Sums of the results of all groups."""
 
     groups: int = 0
     blocks: int = 0
@@ -28,7 +28,7 @@ class Totals:
     penetrations: int = 0
     exceptions: int = 0
     largest: dict[str, float] = field(default_factory=lambda: dict.fromkeys((*QUANTITIES, CONTACT), 0.0))
-    robots: dict[str, int] = field(default_factory=dict)  # blocks by robot
+    robots: dict[str, int] = field(default_factory=dict)  # number of blocks by robot
     failures: list[str] = field(default_factory=list)
 
     def add(self, task: Task, result: GroupResult | WorkerCrash) -> None:

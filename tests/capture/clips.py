@@ -61,7 +61,7 @@ def bvh(rotations=None, *, frames=None, period=1 / 30, rename=lambda name: name,
 
 
 def reach(frames=60, *, height=60.0, speed=1.0) -> dict[str, np.ndarray]:
-    """Return rotations of lowered arms, of which the right arm swings forward."""
+    """Return BVH rotations in which the right one of two lowered arms swings forward."""
     u = np.linspace(0.0, 1.0, frames)
     swing = height * np.sin(np.pi * np.clip(speed * u, 0.0, 1.0)) ** 2
     lowered = np.zeros((frames, 3))
@@ -89,7 +89,7 @@ def joint_npz(**arrays) -> bytes:
 
 
 def reachy_move(poses, *, times=None, body_yaw=0.0) -> bytes:
-    """Write a move of Reachy Mini.
+    """Write a recorded move of the robot Reachy Mini as JSON.
 
     Args:
         poses: rotations (3, 3) of the head; None: a setpoint without pose.

@@ -15,7 +15,7 @@ def read(data):
     return clip_of_skeleton(*read_bvh(data, "a.bvh"), "a.bvh")
 
 
-def test_arms_are_measured_from_the_shoulder_in_arm_lengths():
+def test_captured_arms_are_measured_from_the_shoulder_in_arm_lengths():
     clip = read(bvh())
     upper = 29 / (29 + 26)
     assert clip.arms["l"].wrist[0] == pytest.approx([0, 1, 0], abs=1e-9)
@@ -41,7 +41,7 @@ def test_raised_right_arm_is_in_front_of_the_right_shoulder():
     assert clip.arms["l"].wrist[20] == pytest.approx(clip.arms["l"].wrist[0])
 
 
-def test_head_rotates_in_the_chest_frame_about_its_own_axes():
+def test_captured_head_rotation_is_expressed_in_the_chest_frame():
     turn = np.zeros((40, 3))
     turn[20] = [0.0, 0.0, 30.0]  # about y, which is upwards: to the left
     clip = read(bvh({"Head": turn, "Hips": np.tile([0.0, 0.0, 75.0], (40, 1))}))
@@ -83,7 +83,7 @@ def test_body_whose_joint_names_state_only_the_left_side_is_rejected():
         read(data)
 
 
-def test_calibration_pose_at_the_beginning_is_dropped():
+def test_calibration_pose_at_the_beginning_of_a_clip_is_dropped():
     rotations = {name: rows.copy() for name, rows in reach(60).items()}
     for rows in rotations.values():
         rows[:10] = 0.0  # arms to the sides
@@ -100,7 +100,7 @@ def test_captured_arm_of_zero_length_is_rejected():
         read(data)
 
 
-def test_neutral_head_is_the_mean_if_the_zero_pose_is_not_upright():
+def test_mean_head_orientation_of_a_clip_is_neutral_if_its_zero_pose_is_not_upright():
     lying = bvh().replace(b"JOINT Head\n{ OFFSET 0 10 0", b"JOINT Head\n{ OFFSET 10 0 0")
     clip = read(lying)
     assert "mean" in clip.guesses[0]

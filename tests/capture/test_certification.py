@@ -37,7 +37,7 @@ def own_clip(known, *, speed=1.0, names=None) -> JointClip:
     return JointClip(sealed(times / speed), names or known.robot.skeleton.names, sealed(trajectory.angles(times)))
 
 
-def test_feasible_clip_is_returned_within_half_a_degree(known):
+def test_certified_motion_of_a_feasible_clip_differs_by_less_than_half_a_degree(known):
     clip = own_clip(known)
     result = certify_clip(clip, known, "own.csv")
     assert result.violations == ()
@@ -58,7 +58,7 @@ def test_too_fast_clip_reports_violated_limits_and_is_stretched_in_time(known):
     assert_within_limits(result.trajectory, known.limits)
 
 
-def test_captured_reach_is_certified_from_rest_to_rest(known):
+def test_certified_motion_of_a_captured_reach_begins_and_ends_at_rest(known):
     result = certify_clip(clip_of(reach(60)), known, "a.bvh")
     assert result.is_certified
     assert_within_limits(result.trajectory, known.limits)
@@ -131,7 +131,7 @@ def test_collision_free_motion_gets_no_detour(known):
     np.testing.assert_array_equal(clear_path(angles, known, min_clearance=0.012, hinge_cost=0.1), angles)
 
 
-def test_motion_that_overloads_a_drive_by_coupled_loads_is_slowed(known):
+def test_captured_motion_that_overloads_a_drive_by_coupled_loads_is_slowed(known):
     """Triple the motion-dependent torques of the robot's dynamics."""
 
     class Heavier:
@@ -149,7 +149,7 @@ def test_motion_that_overloads_a_drive_by_coupled_loads_is_slowed(known):
     assert peak < np.abs(light.trajectory.sample(np.arange(0, 3, 0.01))[2]).max()
 
 
-def test_approach_is_added_unless_the_clip_begins_at_rest_and_a_return_unless_it_ends_at_rest(known):
+def test_clip_gets_an_approach_unless_it_begins_at_rest_and_a_return_unless_it_ends_at_rest(known):
     rest = known.robot.skeleton.rest
     angles = np.tile(rest, (50, 1))
     assert (Course.of(angles, known).first, Course.of(angles, known).last) == (0, 49)
@@ -186,7 +186,7 @@ def test_time_stretch_is_at_least_two_for_a_joint_at_twice_its_velocity_limit(kn
     assert compute_time_stretch(angles, limits)[50] >= 2.0
 
 
-def test_limit_violations_name_joint_time_and_ratio(known):
+def test_reported_limit_violations_of_a_clip_name_joint_time_and_ratio(known):
     names, limits = known.robot.skeleton.names, known.limits
     angles = np.tile(known.robot.skeleton.rest, (200, 1))
     angles[100:110, 5] += 3.0 * limits.speed[5] / 100.0 * np.arange(1, 11)
@@ -200,7 +200,7 @@ def test_limit_violations_name_joint_time_and_ratio(known):
     assert list(found) == sorted(found, key=lambda violation: -violation.ratio)
 
 
-def test_correlation_of_opposite_paths_is_minus_one():
+def test_correlation_of_a_path_with_its_opposite_is_minus_one():
     path = np.random.default_rng(3).normal(size=(50, 3))
     assert correlate(path, path + 1.0) == pytest.approx(1.0)
     assert correlate(path, -path) == pytest.approx(-1.0)

@@ -10,7 +10,7 @@ from .clips import reach
 from .test_retarget import clip_of
 
 
-def test_motion_that_stays_too_near_to_the_body_is_not_planned(known, monkeypatch):
+def test_captured_motion_without_enough_clearance_after_certification_is_refused(known, monkeypatch):
     certify = certified_plan.certify_clip
     monkeypatch.setattr(certified_plan, "certify_clip", lambda *inputs: replace(certify(*inputs), clearance=-0.003))
     with pytest.raises(CaptureError, match=r"a.bvh: no motion within all limits found: clearance -3 mm of 10 mm"):

@@ -26,13 +26,13 @@ FML = """<fml-apml>
 
 @pytest.fixture
 def setup(tmp_path):
-    """Set up a captured offer and a captured wave, preferred to the lexicon's."""
+    """Return a setup that prefers a captured offer and wave to lexicon gestures."""
     write_gesture(tmp_path, "my_offer", category="metaphoric", like="offer")
     write_gesture(tmp_path, "my_wave", category="emblem", like="wave")
     return set_up("upper22", lexicon=tmp_path, prefer="captured", targets={"door": (2.0, -0.3, 0.3)})
 
 
-def test_captured_offer_replaces_that_of_the_lexicon_with_a_reason(setup):
+def test_captured_offer_gesture_replaces_the_offer_of_the_lexicon_with_a_reason(setup):
     bml = write_bml(TEXT, setup)
     assert 'lexeme="my_offer"' in bml
     assert "captured my_offer in place of offer, from rest, CC0" in bml
@@ -41,7 +41,7 @@ def test_captured_offer_replaces_that_of_the_lexicon_with_a_reason(setup):
     assert outcome.kind == "realised"
 
 
-def test_texts_have_no_captured_gestures_by_default(setup, tmp_path):
+def test_texts_get_no_captured_gestures_by_default(setup, tmp_path):
     plain = set_up("upper22", lexicon=tmp_path, targets={"door": (2.0, -0.3, 0.3)})
     assert "my_offer" not in write_bml(TEXT, plain)
 
@@ -55,7 +55,7 @@ def test_streamed_phrases_use_captured_gestures_but_no_clip_twice_within_20_s(se
     assert [clip.form for clip in talk.memory.clips] == ["my_offer"]
 
 
-def test_no_clip_is_repeated_within_20_s_of_speech_in_the_next_text(setup):
+def test_captured_clip_is_not_repeated_in_the_next_text_within_20_s_of_speech(setup):
     first = write_text(TEXT, setup)
     assert "my_offer" in first.bml
     assert "my_offer" not in write_text(TEXT, setup, first.memory).bml
@@ -70,7 +70,7 @@ def test_warm_up_of_a_live_planner_builds_the_motion_graph(setup):
     assert graph_of.cache_info().hits == before.hits + 1
 
 
-def test_emblems_stay_those_of_the_lexicon(setup):
+def test_captured_gesture_never_replaces_an_emblem_of_the_lexicon(setup):
     assert "my_wave" not in write_bml("(waves) Hello.", setup)
 
 

@@ -30,7 +30,7 @@ def folder(tmp_path: Path) -> Path:
     return clips
 
 
-def test_clips_become_gestures_named_after_their_files(folder, tmp_path):
+def test_imported_clips_become_gestures_named_after_their_files(folder, tmp_path):
     imported = import_folder(folder, HUMAN, source="a lab")
     write_folder(imported, tmp_path)
     lexicon = Lexicon.load(tmp_path)
@@ -47,7 +47,7 @@ def test_clips_become_gestures_named_after_their_files(folder, tmp_path):
     assert (card.name, card.licence, card.source) == ("clips", "Free for all", "a lab")
 
 
-def test_imported_wrist_is_in_gesture_space_of_the_actor(folder):
+def test_wrist_path_of_an_imported_clip_is_in_the_gesture_space_of_the_actor(folder):
     write_folder(import_folder(folder, HUMAN), folder)
     motion = next(gesture for gesture in Lexicon.load(folder).captured if gesture.id == "zzqx").motion
     hanging = motion.hands["l"].wrist  # 80 degrees below the side; bones of 17, 29 and 26 cm from the midline
@@ -55,7 +55,7 @@ def test_imported_wrist_is_in_gesture_space_of_the_actor(folder):
     np.testing.assert_allclose(hanging, np.tile(expected, (len(hanging), 1)), atol=0.01)
 
 
-def test_licence_is_unknown_without_a_file(tmp_path):
+def test_licence_of_imported_clips_is_unknown_without_a_licence_file(tmp_path):
     clips = tmp_path / "a" / "b"
     clips.mkdir(parents=True)
     (clips / "wave.bvh").write_bytes(bvh(reach(60)))
@@ -63,7 +63,7 @@ def test_licence_is_unknown_without_a_file(tmp_path):
     assert import_folder(clips, HUMAN, licence="MIT").card.licence == "MIT"
 
 
-def test_folder_without_readable_clips_is_refused(tmp_path):
+def test_import_of_a_folder_without_readable_clips_is_refused(tmp_path):
     with pytest.raises(ConfigError, match="no such folder"):
         import_folder(tmp_path / "nothing", HUMAN)
     with pytest.raises(ConfigError, match="has 0 clips"):

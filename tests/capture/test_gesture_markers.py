@@ -20,7 +20,7 @@ TIMES = np.arange(0.0, 4.0, 1 / 60)  # [s] frame times of a synthetic clip
 
 
 def clip(*moves: tuple[float, float, float]) -> BodyClip:
-    """Return a clip of right wrist moves (start [s], end [s], height)."""
+    """Return a clip whose right wrist makes moves (start [s], end [s], height)."""
     height = sum(rise * minimum_jerk(np.clip((TIMES - start) / (end - start), 0.0, 1.0)) for start, end, rise in moves)
     still = np.tile([0.1, 0.0, -0.9], (len(TIMES), 1))
     moving = still + np.outer(height, [0.3, 0.0, 1.0])
@@ -28,7 +28,7 @@ def clip(*moves: tuple[float, float, float]) -> BodyClip:
     return BodyClip(sealed(TIMES), arms, sealed(np.zeros((len(TIMES), 3))))
 
 
-def test_stroke_is_the_stop_after_the_first_movement():
+def test_stroke_marker_is_at_the_stop_after_the_first_wrist_movement():
     markers = find_markers(clip((0.5, 1.2, 0.6), (2.2, 3.0, -0.6)))
     assert abs(markers["stroke"] - 1.2) < 0.55  # anywhere in the hold would do; the hold begins at 1.2 s
     assert 0.5 <= markers["strokeStart"] < 1.2
@@ -36,17 +36,17 @@ def test_stroke_is_the_stop_after_the_first_movement():
     assert abs(markers["relax"] - 2.2) < 0.2
 
 
-def test_stroke_at_a_reversal_is_exact():
+def test_stroke_marker_is_within_30_ms_of_a_reversal_of_the_wrist():
     assert abs(find_markers(clip((0.5, 1.2, 0.6), (1.2, 1.9, -0.6)))["stroke"] - 1.2) < 0.03
 
 
-def test_markers_of_a_motionless_clip_are_in_order():
+def test_gesture_markers_of_a_motionless_clip_are_in_order():
     markers = find_markers(clip((0.5, 1.2, 0.0)))
     assert markers["start"] == 0.0
     assert 0.0 < markers["stroke"] < markers["end"]
 
 
-def test_markers_of_the_file_replace_found_ones_and_are_put_in_order():
+def test_gesture_markers_in_the_file_replace_detected_ones_and_are_put_in_order():
     moving = clip((0.5, 1.2, 0.6), (2.2, 3.0, -0.6))
     given = {"ready": 0.9, "strokeStart": 0.8, "stroke": 1.5, "strokeEnd": 9.0, "relax": 2.0}
     markers, is_found = gesture_markers(replace(moving, syncs=given))
@@ -58,7 +58,7 @@ def test_markers_of_the_file_replace_found_ones_and_are_put_in_order():
 
 
 @pytest.mark.skipif(not CLIPS, reason="no captured clips (KINESIC_CORPUS)")
-def test_captured_clips_have_markers_in_order():
+def test_gesture_markers_of_all_corpus_clips_are_in_order():
     paths = CLIPS[::20]
     for path in paths:
         read = read_clip(path)

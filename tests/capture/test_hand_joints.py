@@ -1,4 +1,4 @@
-"""Recognition of fingers, and hand poses from them."""
+"""Recognition of finger joints by name, and hand poses computed from them."""
 
 import numpy as np
 import pytest
@@ -40,7 +40,7 @@ def hand(names: dict[str, str], *, bend: float = 0.0, mirror: float = 1.0) -> tu
 
 
 @pytest.mark.parametrize("names", NAMES.values(), ids=NAMES)
-def test_fingers_are_found_by_the_names_of_three_conventions(names):
+def test_finger_joints_are_recognised_in_three_naming_conventions(names):
     fingers = find_fingers(hand(names), "wrist")
     assert fingers.keys() == {"thumb", "index", "middle", "pinky"}
     assert fingers["index"] == tuple(names["index"].format(number) for number in "123")
@@ -51,7 +51,7 @@ def test_joints_named_like_a_palm_are_not_fingers():
 
 
 @pytest.mark.parametrize(("side", "mirror"), [("l", 1.0), ("r", -1.0)])
-def test_flat_hand_points_forward_with_its_palm_down(side, mirror):
+def test_captured_flat_hand_points_forward_with_its_palm_down(side, mirror):
     skeleton = hand(NAMES["Jt"], mirror=mirror)
     pose = measure_hand_pose(
         joint_positions(skeleton, NEUTRAL_POSE), CHEST, "wrist", find_fingers(skeleton, "wrist"), side
@@ -61,7 +61,7 @@ def test_flat_hand_points_forward_with_its_palm_down(side, mirror):
     assert pose.straight[0, [1, 2, 4]].min() > 0.8
 
 
-def test_bent_fingers_count_as_closed():
+def test_captured_bent_fingers_count_as_closed():
     skeleton = hand(NAMES["Jt"], bend=1.4)
     pose = measure_hand_pose(
         joint_positions(skeleton, NEUTRAL_POSE), CHEST, "wrist", find_fingers(skeleton, "wrist"), "l"

@@ -61,7 +61,7 @@ def test_raised_elbow_of_the_actor_gives_the_swivel_of_the_robot_arm(robot, know
     assert np.degrees(angles[1] - angles[0]) == pytest.approx(90.0, abs=10.0)
 
 
-def test_straight_arm_takes_the_swivel_of_neighbouring_frames(robot, known):
+def test_swivel_of_a_straight_captured_arm_is_that_of_neighbouring_frames(robot, known):
     elbow = np.tile([0.35, 0.0, -0.36], (30, 1))
     wrist = np.tile([0.7, 0.0, 0.0], (30, 1))
     elbow[10:20], wrist[10:20] = [0.5, 0.0, 0.0], [1.0, 0.0, 0.0]
@@ -69,7 +69,7 @@ def test_straight_arm_takes_the_swivel_of_neighbouring_frames(robot, known):
     assert swivels == pytest.approx(np.zeros(30), abs=1e-6)
 
 
-def test_jump_of_a_joint_angle_is_replaced_by_a_continuous_transition():
+def test_jump_of_a_captured_joint_angle_is_replaced_by_a_continuous_transition():
     angles = np.zeros((100, 2))
     angles[50:, 1] = 2.0
     bridged, leaps = bridge_leaps(angles)
@@ -103,7 +103,7 @@ def test_joint_columns_of_the_imported_file_are_converted_to_hinge_angles(robot,
         assert motion.requested[100, elbow] == pytest.approx(0.5 + 0.1 * np.sin(2.0), abs=1e-4)
 
 
-def test_requested_angles_may_exceed_the_joint_range_but_desired_angles_are_clipped_to_it(robot, known):
+def test_captured_angles_beyond_a_joint_range_are_reported_as_requested_and_clipped_for_planning(robot, known):
     upper = robot.skeleton.upper[0]
     clip = JointClip(sealed(TIMES), robot.skeleton.names[:1], sealed(np.full((len(TIMES), 1), upper + 0.5)))
     motion = retarget(clip, known, "a.csv")
@@ -118,7 +118,7 @@ def test_captured_clip_above_the_maximum_duration_is_rejected(robot, known):
         retarget(clip, known, "a.csv")
 
 
-def test_smoothing_reduces_arm_angle_noise_and_keeps_the_wrist_path(robot, known):
+def test_smoothing_of_captured_arms_reduces_angle_noise_and_keeps_the_wrist_path(robot, known):
     motion = retarget(clip_of(reach(60)), known, "a")
     noise = np.random.default_rng(2).normal(scale=0.02, size=motion.angles.shape)
     rough = np.clip(motion.angles + noise, robot.skeleton.lower, robot.skeleton.upper)
@@ -137,7 +137,7 @@ def list_arm_hinges(robot: Robot) -> list[int]:
     return [k for chain in robot.arms.values() for k in chain.indices]
 
 
-def test_low_pass_keeps_1_hz_motion_and_removes_25_hz_noise():
+def test_low_pass_filter_of_clips_keeps_1_hz_motion_and_removes_25_hz_noise():
     times = resample_times(np.array([0.0, 3.0]))
     slow, fast = np.sin(2 * np.pi * times)[:, None], np.sin(2 * np.pi * 25 * times)[:, None]
     assert low_pass(slow + 0.1 * fast)[50:250] == pytest.approx(slow[50:250], abs=0.01)

@@ -37,7 +37,7 @@ def test_clips_are_imported_listed_installed_and_removed(capsys):
     assert not Path("gestures/clips").exists()
 
 
-def test_clips_left_out_are_listed_and_set_the_exit_code(clips, capsys):
+def test_clips_that_an_import_skips_are_listed_and_set_the_exit_code(clips, capsys):
     (clips / "bad.bvh").write_bytes(b"nothing")
     assert run("capture", "import", "clips", "--out", "mine") == 1
     assert "left out: clips/bad.bvh" in capsys.readouterr().err

@@ -10,7 +10,7 @@ NOD = b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="
 
 @pytest.fixture
 def opened(monkeypatch) -> list[str]:
-    """List the pages that are opened in a simulated browser."""
+    """List the pages that a simulated browser opens."""
     pages: list[str] = []
     monkeypatch.setattr(browser, "has_display", lambda: True)
     monkeypatch.setattr(browser.webbrowser, "open", lambda url: bool(pages.append(url)) or True)

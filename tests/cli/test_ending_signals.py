@@ -85,7 +85,9 @@ def test_ctrl_c_ignored_by_the_caller_stays_ignored_during_imports():
         signal.signal(signal.SIGINT, before)
 
 
-def test_standard_input_is_redirected_only_after_its_terminal_closed(capfd: pytest.CaptureFixture[str]):
+def test_standard_input_is_redirected_to_the_null_device_only_after_its_terminal_closed(
+    capfd: pytest.CaptureFixture[str],
+):
     ours, theirs = pty.openpty()
     before = os.dup(0)
     os.dup2(theirs, 0)

@@ -58,7 +58,7 @@ def test_option_light_changes_the_brightness_within_a_face_film(
     assert max(brightness[: len(brightness) // 3]) < 0.8 * min(brightness[2 * len(brightness) // 3 :])
 
 
-def test_only_face_films_of_moderate_size_are_supersampled():
+def test_face_films_are_supersampled_only_up_to_a_moderate_size():
     def samples(preset: str, size: int | None, *, filmed: bool) -> int:
         return (
             ViewSettings(FaceView("female", preset, 0.0, size, 1.0, "1"), CLOSE_CAMERA, Effects())

@@ -38,7 +38,7 @@ def test_help_groups_every_verb_by_task():
     assert headings == ["Options", *VERBS_BY_TASK]
 
 
-def test_no_list_of_verbs_cuts_a_summary_off():
+def test_help_shows_the_summary_of_every_verb_completely():
     groups = [(), *((name,) for name, verb in command_line.commands.items() if isinstance(verb, click.Group))]
     assert [words for words in groups if "..." in help_of(*words).replace("[ARGS]...", "")] == []
 

@@ -83,7 +83,7 @@ def test_no_speaker_is_opened_without_speech(monkeypatch: pytest.MonkeyPatch):
 
 
 @pytest.mark.parametrize(("time", "index"), [(-1.0, 0), (0.0, 0), (0.02, 2), (99.0, -1)])
-def test_face_follows_the_time_of_the_servos_up_to_the_last_command(monkeypatch, time: float, index: int):
+def test_face_window_follows_the_time_of_the_servos_up_to_the_last_command(monkeypatch, time: float, index: int):
     commands = ["first", "second", "third", "last"]
     monkeypatch.setattr("kinesic.cli.playback.commands_with_face", lambda plan, times: commands)
     shown: list[str] = []
@@ -96,7 +96,7 @@ def test_servo_status_is_ignored_without_a_face_window():
     assert playback.follow_servos(PLAN, None)(Status(Stage.ACTIVE, time=1.0)) is None
 
 
-def test_face_commands_have_the_times_of_the_plan(monkeypatch):
+def test_face_window_gets_commands_with_the_times_of_the_plan(monkeypatch):
     asked: list[object] = []
     monkeypatch.setattr(playback, "commands_with_face", lambda plan, times: asked.extend((plan, times)) or ["only"])
     plan = SimpleNamespace(command_times=(0.0,))

@@ -43,7 +43,7 @@ def test_summary_prints_only_the_number_of_checks_if_all_pass(screen: Console):
     assert lines(screen) == ["all 2 checks pass"]
 
 
-def test_all_warnings_are_printed_and_dropped_behaviours_come_first(hurried: DryRun, screen: Console):
+def test_summary_prints_all_warnings_with_dropped_behaviours_first(hurried: DryRun, screen: Console):
     plan = hurried.plan
     print_notices(plan, screen)
     assert len(lines(screen)) == len(plan.notices) > 1
@@ -53,7 +53,7 @@ def test_all_warnings_are_printed_and_dropped_behaviours_come_first(hurried: Dry
         assert any(notice.text in line for line in lines(screen))
 
 
-def test_warnings_beyond_the_line_limit_are_only_counted(hurried: DryRun, screen: Console):
+def test_summary_only_counts_warnings_beyond_its_line_limit(hurried: DryRun, screen: Console):
     print_notices(hurried.plan, screen, max_lines=1)
     first, rest = lines(screen)
     assert first.startswith("dropped")

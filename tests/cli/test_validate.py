@@ -37,7 +37,7 @@ def folder(tmp_path):
 
 @pytest.fixture
 def same_program(monkeypatch):
-    """Keep fingerprints constant even if files of kinesic change during the tests."""
+    """Keep the program's fingerprint constant even if source files change meanwhile."""
     monkeypatch.setattr(validate, "fingerprint_inputs", lambda settings, *others: repr((settings, others)))
 
 

@@ -94,7 +94,7 @@ def test_exception_in_the_progress_callback_ends_the_dry_run(calm):
         dry_runs(calm.plan, (NOMINAL_FACTORS,), progress=interrupt)
 
 
-def test_sagging_supply_disables_the_compiled_loop(calm):
+def test_simulated_sagging_supply_disables_the_compiled_loop(calm):
     robot = calm.plan.setup.robot
     assert Twin(robot).parts() is not None
     assert Twin(robot, factors=Factors(resistance=0.2)).parts() is None

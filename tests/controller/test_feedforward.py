@@ -25,7 +25,7 @@ class Told:
         self.commands.append(command)
 
     def close(self) -> None:
-        """Keep the commands."""
+        """Do nothing, because the commands stay in memory."""
 
 
 class Weightless:
@@ -72,7 +72,7 @@ def test_feed_forward_offset_makes_the_servo_produce_the_load_torque():
         assert np.isclose((sent[0, k] - posture[k]) * drive.gain * drive.stall, 0.5)
 
 
-def test_learned_gains_scale_setpoint_offsets():
+def test_learned_feed_forward_gains_scale_setpoint_offsets():
     posture = ROBOT.skeleton.clamp(np.full(HINGE_COUNT, 0.1))
     known = LearnedGains(np.full(HINGE_COUNT, 0.5), np.full(HINGE_COUNT, -0.25))
     plain, taught = (

@@ -20,7 +20,7 @@ def test_interrupt_signal_is_reported_once_and_does_not_end_the_process(number: 
     assert [signal.getsignal(ending) for ending in ENDING_SIGNALS] == before
 
 
-def test_ignored_hangup_signal_is_not_caught():
+def test_hangup_signal_ignored_by_the_caller_is_not_caught():
     before = signal.signal(signal.SIGHUP, signal.SIG_IGN)
     try:
         with catch_interrupts() as asked:

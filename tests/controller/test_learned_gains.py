@@ -39,7 +39,7 @@ def test_learned_delay_is_the_fitted_latency_up_to_its_maximum():
     assert LearnedGains.of_twin(ROBOT, Factors(latency=0.5)).delay == MAX_LATENCY
 
 
-def test_learned_gains_are_interpolated_linearly():
+def test_learned_feed_forward_gains_are_interpolated_linearly_between_samples():
     some, others = (LearnedGains.of_twin(ROBOT, twin) for twin in (NOMINAL_FACTORS, Factors(gain=0.5, latency=0.02)))
     mixed = some.towards(others, np.array([0.0, 0.5, 1.0]))
     np.testing.assert_allclose(mixed.delay, [0.0, 0.01, 0.02])

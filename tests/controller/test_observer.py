@@ -45,7 +45,7 @@ def setpoints(loads: Floats, leads: Floats | None = None) -> FeedForwardSetpoint
 
 
 def inputs(angles: Floats = REST_ANGLES, load: float = 0.0, **changes: Floats) -> ObserverInputs:
-    """Make the inputs of one tick without adaptation, with some changes."""
+    """Return the observer inputs of one tick without adaptation, with some changed."""
     return replace(OBSERVER.precompute_inputs([command(angles)], setpoints(ZERO_ANGLES[None] + load)), **changes)
 
 
@@ -263,7 +263,7 @@ def test_setpoint_correction_keeps_times_reference_angles_and_first_setpoints():
     assert body.written[-1].setpoints[5] == REST_ANGLES[5]
 
 
-def test_setpoint_count_must_equal_command_count():
+def test_setpoint_correction_requires_one_setpoint_row_per_command():
     with pytest.raises(ValueError, match="shorter"):
         list(correct_setpoints([command()], setpoints(np.zeros((2, HINGE_COUNT))), [Still(REST_ANGLES)], OBSERVER))
 

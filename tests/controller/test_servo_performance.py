@@ -30,7 +30,7 @@ def performance() -> DryRun:
 
 
 def told(status: Status, goals: Floats, angles: Floats) -> Status:
-    """Make a status with angles measured at its clock."""
+    """Return a status with the given setpoints and angles, measured at its clock."""
     return replace(status, setpoints=goals, angles=angles, taken=np.full(len(angles), status.clock))
 
 
@@ -271,7 +271,7 @@ def test_tracking_errors_of_servos_count_only_while_time_runs_at_full_speed(perf
     assert results["measured.rmse"].value < 1e-6
 
 
-def test_slow_start_and_end_do_not_lower_the_fraction_of_time_at_full_speed(performance: DryRun):
+def test_slow_start_and_end_of_a_servo_run_do_not_lower_its_fraction_of_time_at_full_speed(performance: DryRun):
     live = perform_live(performance, Actor())
     begin, end = live.history[0].clock, live.history[-1].clock
     gentle = [

@@ -135,7 +135,7 @@ def test_wav_file_contains_the_soundtrack(tmp_path: Path):
     assert read_wav(tmp_path / "ramp.wav").samples == pytest.approx(ramp.samples, abs=1e-4)
 
 
-def test_loud_samples_are_clipped_in_the_wav_file(tmp_path: Path):
+def test_speech_samples_beyond_full_scale_are_clipped_in_the_wav_file(tmp_path: Path):
     write_wav(Sound.of(VOICE_RATE, np.array([1.5, -1.5, 0.5])), tmp_path / "loud.wav")
     with wave.open(str(tmp_path / "loud.wav")) as file:
         assert np.frombuffer(file.readframes(3), "<i2").tolist() == [32767, -32767, 16384]
@@ -191,9 +191,9 @@ def test_plan_without_sound_opens_no_loudspeaker(monkeypatch: pytest.MonkeyPatch
     assert opened == []
 
 
-DEVICE_LEAD_TIME = 0.02  # [s] from a request of the device to its playback
-DEVICE_BLOCK_SIZE = 441  # samples per request of the device
-STATUS_PERIOD = 0.02  # [s] between statuses of the supervisor
+DEVICE_LEAD_TIME = 0.02  # [s] time from a request of the audio device to its playback
+DEVICE_BLOCK_SIZE = 441  # number of samples per request of the audio device
+STATUS_PERIOD = 0.02  # [s] time between two statuses of the supervisor
 START_CLOCK = 100.3  # [s] clock at performance time 0
 
 

@@ -42,13 +42,13 @@ def test_correction_gain_falls_with_servo_stiffness_and_latency(gain, latency, p
     assert np.all(compute_loop_poles(*given, part=part) <= np.maximum(alone, MAX_POLE))
 
 
-def test_stiffness_and_latency_errors_together_make_loop_unstable():
+def test_servo_loop_becomes_unstable_only_by_stiffness_and_latency_errors_together():
     assert compute_loop_poles(*loop(STIFF_AND_LATE)).max() > 1.01
     assert compute_loop_poles(*loop(Factors(gain=2.0))).max() < 1.0
     assert compute_loop_poles(*loop(Factors(latency=0.02))).max() < 1.0
 
 
-def test_one_servo_model_with_high_gain_reduces_the_correction_gain():
+def test_high_gain_of_a_single_servo_model_reduces_the_correction_gain():
     stiff = Factors(latency=0.02, servos={ROBOT.drives[0].servo.name: DriveFactors(gain=3.0)})
     assert find_stable_fraction(*loop(stiff)) < 1.0
 

@@ -26,9 +26,9 @@ from kinesic.session.plan import plan
 pytestmark = pytest.mark.realtime
 
 COMMAND_COUNT = 240  # number of sent commands, which contain most of the first wave
-MAX_COMMAND_DELAY = 0.002  # [s] delay of a command above which all later commands are delayed, too
+MAX_COMMAND_DELAY = 0.002  # [s] delay of a command above which all later commands are postponed, too
 MAX_CYCLE_GAP = 0.015  # [s] time between two cycles above which the machine was too busy for a comparison
-RECOVERY_TIME = 0.15  # [s] time after such a gap until the robot follows again
+RECOVERY_TIME = 0.15  # [s] time after a long gap until the robot follows the plan again
 ERROR_LIMITS = (1.0, 2.5, 5.0)  # [deg] limits of RMSE, 95th percentile and largest tracking error
 
 

@@ -16,7 +16,7 @@ TimedEvent = tuple[float, ConversationEvent]
 
 @dataclass
 class Record:
-    """States and wants of one conversation."""
+    """Modes and requested motions of one conversation."""
 
     wants: list[tuple[float, Want]] = field(default_factory=list)
     states: list[tuple[float, ConversationState]] = field(default_factory=list)
@@ -49,7 +49,7 @@ class Record:
 def converse(
     events: Iterable[TimedEvent], until: float, *, seed: int = 0, words=ENGLISH, amount: float = 1.0
 ) -> Record:
-    """Run a conversation with timed events, from time 0."""
+    """Run a conversation with timed events from time 0 and record its output."""
     record, state, now = Record(), ConversationState(seed=seed), 0.0
     queue = sorted([(0.0, Conversing(on=True, amount=amount)), *events], key=lambda pair: pair[0])
     while True:
@@ -64,7 +64,7 @@ def converse(
 
 
 def present(until: float, *people: Person, begin: float = 0.0, period: float = 0.1) -> list[TimedEvent]:
-    """Return periodic reports of people who stand still."""
+    """Return periodic reports of people who do not move."""
     stood = people or (Person("p1", FRONT, looks=True),)
     return [(begin + period * k, PeopleSeen(stood)) for k in range(round((until - begin) / period))]
 

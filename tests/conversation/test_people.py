@@ -41,7 +41,7 @@ def watch(people, reports, *, roles=NOBODY, since=0.0, period=0.1):
     return people, time - period
 
 
-def test_position_follows_a_moving_person_smoothly():
+def test_tracked_position_follows_a_moving_person_smoothly():
     still, time = watch(Company(), [seen(("a", FRONT, False))] * 5)
     assert still.tracked[0].place == pytest.approx(FRONT)
     moved = observe(still, seen(("a", (1.5, 0.3, 1.5), False)), time + 0.05, eyes=EYES)
@@ -50,7 +50,7 @@ def test_position_follows_a_moving_person_smoothly():
     assert later.tracked[0].place[1] == pytest.approx(0.3, abs=0.005)
 
 
-def test_person_is_last_seen_at_the_time_of_the_measurement():
+def test_last_seen_time_of_a_person_is_the_time_of_the_measurement():
     people = observe(Company(), seen(("a", FRONT, False), age=0.4), 2.0, eyes=EYES)
     assert people.tracked[0].seen == pytest.approx(1.6)
     assert next_check(people, 2.0) == pytest.approx(1.6 + MAX_ABSENCE)
@@ -67,7 +67,7 @@ def test_jump_of_a_tracked_position_is_followed_only_if_it_persists():
     assert steady.tracked[0].place == pytest.approx(LEFT)
 
 
-def test_lost_person_found_nearby_under_another_id_stays_the_same():
+def test_lost_person_who_reappears_nearby_with_another_tracker_id_keeps_the_person_key():
     people, time = watch(Company(), [seen(("a", FRONT, False))] * 3)
     found = observe(people, seen(("b", (1.5, 0.2, 1.5), False)), time + 0.8, eyes=EYES)
     assert [(person.key, person.id) for person in found.tracked] == [("a", "b")]
@@ -94,7 +94,7 @@ def test_person_without_reports_leaves_after_a_second():
     assert observe(people, seen(), time + MAX_ABSENCE - 0.01, eyes=EYES).tracked
 
 
-def test_attention_changes_only_after_a_lasting_lead():
+def test_attention_moves_to_another_person_only_after_a_delay():
     two = seen(("a", LEFT, True), ("b", RIGHT, True))
     people, time = watch(Company(), [two] * 20)
     assert people.focus == "a"
@@ -121,7 +121,7 @@ def test_attention_to_a_person_lasts_a_minimum_time():
     assert all(later - earlier >= MIN_SPELL for earlier, later in pairwise(switches))
 
 
-def test_newcomer_receives_one_glance():
+def test_robot_glances_once_at_a_newcomer():
     people, time = watch(Company(), [seen(("a", LEFT, True))] * 20)
     both = seen(("a", LEFT, True), ("b", RIGHT, False))
     met, time = watch(people, [both] * 3, since=time + 0.1)
@@ -131,7 +131,7 @@ def test_newcomer_receives_one_glance():
     assert later.target(time).key == "a"
 
 
-def test_people_who_are_too_close_or_behind_or_far_get_no_attention():
+def test_robot_ignores_people_who_are_too_close_behind_it_or_far_away():
     places = {"touching": (0.2, 0.0, 1.5), "behind": (-1.0, 0.2, 1.5), "far": (4.0, 0.0, 1.5), "front": FRONT}
     assert {name for name, place in places.items() if is_near(place, EYES)} == {"front"}
     people, _ = watch(Company(), [seen(*((name, place, True) for name, place in places.items()))] * 3)

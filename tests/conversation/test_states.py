@@ -30,7 +30,7 @@ def time_of(record, mode: str) -> float:
     return next(time for time, name in record.modes() if name == mode)
 
 
-def test_turn_passes_through_listening_thinking_and_speaking():
+def test_conversation_turn_passes_through_listening_thinking_and_speaking():
     speech = [(9.0, RobotSpeech(active=True, ends_in=4.0)), (13.0, RobotSpeech(active=False))]
     record = converse([*present(15.0), *says(2.0, 6.0), (8.0, Thinking(on=True)), *speech], 15.0)
     assert [mode for _, mode in record.modes()] == ["attending", "listening", "thinking", "speaking", "attending"]
@@ -39,7 +39,7 @@ def test_turn_passes_through_listening_thinking_and_speaking():
     assert time_of(record, "speaking") == 9.0
 
 
-def test_end_of_a_turn_depends_on_words_and_prediction():
+def test_silence_that_ends_a_persons_turn_depends_on_last_words_and_turn_prediction():
     delays = {}
     for name, event in {
         "silence": Transcript("I saw a dog."),
@@ -55,7 +55,7 @@ def test_end_of_a_turn_depends_on_words_and_prediction():
     assert delays == pytest.approx(expected, abs=0.01)
 
 
-def test_pause_within_a_turn_does_not_end_it():
+def test_short_pause_within_a_persons_turn_does_not_end_the_turn():
     record = converse([*present(9.0), *says(2.0, 3.0), *says(3.6, 5.0), *says(5.5, 6.5)], 9.0)
     assert [mode for _, mode in record.modes()] == ["attending", "listening", "thinking"]
     assert time_of(record, "thinking") > 6.5
@@ -80,7 +80,7 @@ def test_person_who_speaks_over_the_robot_interrupts_it():
         assert (record.mode_at(3.85) == "interrupted") == (expected is not None), name
 
 
-def test_interrupted_robot_looks_at_the_person_and_then_listens():
+def test_robot_interrupted_by_a_person_looks_at_the_person_and_then_listens():
     events = [*present(9.0), (2.0, RobotSpeech(active=True, ends_in=6.0)), *says(3.0, 6.0)]
     record = converse(events, 6.0)
     assert [mode for _, mode in record.modes()] == ["attending", "speaking", "interrupted", "listening"]
@@ -89,12 +89,12 @@ def test_interrupted_robot_looks_at_the_person_and_then_listens():
     assert len(brows) == 1
 
 
-def test_voice_before_own_speech_does_not_interrupt_it():
+def test_voice_that_ended_before_the_robot_speaks_does_not_interrupt_its_speech():
     events = [*present(9.0), *says(1.0, 3.0), (3.2, RobotSpeech(active=True, ends_in=3.0))]
     assert converse(events, 7.0).of(Yield) == []
 
 
-def test_gaze_fractions_match_human_conversation():
+def test_fractions_of_gaze_at_the_person_match_human_conversation():
     fractions = []
     for seed in range(24):
         duration = 7.0 + seed % 8
@@ -109,7 +109,7 @@ def test_gaze_fractions_match_human_conversation():
     assert last >= 0.9
 
 
-def test_look_while_listening_never_exceeds_the_longest_look():
+def test_listening_robot_never_looks_at_the_person_longer_than_the_maximum():
     record = converse([*present(60.0), *says(1.0, 60.0)], 60.0)
     looks = record.of(Look)
     spells = [after - before for (before, want), (after, _) in pairwise(looks) if not any(want.away)]
@@ -117,7 +117,7 @@ def test_look_while_listening_never_exceeds_the_longest_look():
     assert max(spells) <= 6.0
 
 
-def test_listener_nods_at_pauses_within_its_limits():
+def test_listening_robot_nods_at_pauses_within_the_limits_of_its_nod_rate():
     events = present(120.0)
     begin = 1.0
     while begin < 118.0:
@@ -132,7 +132,7 @@ def test_listener_nods_at_pauses_within_its_limits():
     assert max(delays) == pytest.approx(MOVEMENT_SETTINGS.pause_before_nod, abs=0.01)
 
 
-def test_clause_in_a_transcript_may_cause_a_nod():
+def test_listening_robot_may_nod_at_a_clause_end_in_the_transcript():
     spoken = [(2.0, VoiceActivity(active=True)), (4.0, Transcript("When I was young,"))]
     nods = [converse([*present(5.0), *spoken], 5.0, seed=seed).of(Nod) for seed in range(8)]
     assert any(nods)
@@ -158,32 +158,32 @@ def test_thinking_robot_looks_up_and_requests_two_fillers():
     )
 
 
-def test_thinking_without_a_client_ends_by_itself():
+def test_thinking_that_no_client_requested_ends_after_a_maximum_time():
     record = converse([*present(20.0), *says(2.0, 4.0)], 20.0)
     assert record.modes()[-1][1] == "attending"
     assert record.modes()[-1][0] == pytest.approx(5.0 + TURN_TIMES.longest_unasked_thinking, abs=0.01)
 
 
-def test_listener_leans_and_returns():
+def test_listening_robot_leans_forward_and_returns_upright_afterwards():
     record = converse([*present(8.0), *says(2.0, 4.0)], 8.0, amount=0.5)
     lean, upright = (want for _, want in record.of(BodyLean))
     assert (lean.lean, abs(lean.tilt)) == (0.5 * MOVEMENT_SETTINGS.lean, 0.5 * MOVEMENT_SETTINGS.tilt)
     assert (upright.lean, upright.tilt) == (0.0, 0.0)
 
 
-def test_robot_without_people_idles_after_a_while():
+def test_conversation_without_people_becomes_idle_after_a_while():
     record = converse([*present(3.0)], 20.0)
     assert record.modes()[-1] == (pytest.approx(2.9 + 1.0 + TURN_TIMES.absence_to_idle, abs=0.15), "idle")
     assert record.of(Look)[-1][1].place is None
 
 
-def test_robot_without_a_camera_attends_to_a_voice():
+def test_robot_without_reports_of_people_attends_to_a_voice():
     record = converse(says(2.0, 4.0, who=None), 25.0)
     assert [mode for _, mode in record.modes()] == ["attending", "listening", "thinking", "attending", "idle"]
     assert all(want.place is None for _, want in record.of(Look))
 
 
-def test_small_movements_are_not_followed_and_corrections_are_limited():
+def test_gaze_ignores_small_movements_of_a_person_and_limits_the_rate_of_corrections():
     """A person first sways by 4 cm, then walks at 1 m/s."""
     sides = [*(0.04 * (k % 2) for k in range(20)), *(0.05 * k for k in range(20))]
     walk = [(0.05 * k, PeopleSeen((Person("p", (1.5, side, 1.5)),))) for k, side in enumerate(sides)]
@@ -193,7 +193,7 @@ def test_small_movements_are_not_followed_and_corrections_are_limited():
     assert min(np.diff(looks)) >= MOVEMENT_SETTINGS.shortest_look_interval - 1e-3
 
 
-def test_speaker_among_several_people_is_looked_at():
+def test_robot_looks_at_the_speaker_among_several_people():
     two = (Person("a", FRONT, looks=True), Person("b", LEFT, looks=True))
     record = converse([*present(12.0, *two), *says(4.0, 11.0, "b")], 11.0)
     assert record.mode_at(5.0) == "listening"
@@ -203,21 +203,21 @@ def test_speaker_among_several_people_is_looked_at():
     assert all(place == pytest.approx(LEFT) for place in met)
 
 
-def test_end_of_a_conversation_returns_the_posture_and_forgets_everybody():
+def test_end_of_a_conversation_restores_the_posture_and_forgets_all_people():
     record = converse([*present(3.0), (3.0, Conversing(on=False)), *present(5.0, begin=3.1)], 6.0)
     assert record.modes()[-1] == (3.0, "off")
     assert record.states[-1][1].company.tracked == ()
     assert next_time(record.states[-1][1], 6.0) == float("inf")
 
 
-def test_same_seed_gives_the_same_conversation_and_another_seed_another_one():
+def test_conversation_is_reproducible_by_seed_and_differs_between_seeds():
     events = [*present(20.0), *says(2.0, 9.0), (10.0, Thinking(on=True))]
     one, same, other = (converse(events, 20.0, seed=seed).wants for seed in (1, 1, 2))
     assert one == same
     assert one != other
 
 
-def test_extra_steps_between_events_do_not_change_the_conversation():
+def test_additional_time_steps_between_events_do_not_change_the_conversation():
     events = [*present(15.0), *says(2.0, 9.0), (10.0, Thinking(on=True))]
     record, state, often, now = converse(events, 14.0), ConversationState(), [], 0.0
     queue = sorted([(0.0, Conversing(on=True)), *events], key=lambda pair: pair[0])
@@ -230,7 +230,7 @@ def test_extra_steps_between_events_do_not_change_the_conversation():
     assert [want for time, want in often if time <= 14.0] == [want for _, want in record.wants]
 
 
-def test_turn_words_follow_the_language():
+def test_words_for_stops_and_unfinished_turns_depend_on_the_language():
     english, japanese = turn_words("en-GB"), turn_words("ja")
     assert english.has_stop_word("Okay, hold on a second")
     assert not english.has_stop_word("nobody stopped")

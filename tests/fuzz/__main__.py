@@ -22,7 +22,7 @@ MAX_FAILURES = 20  # number of failures after which a target ends
 
 @dataclass
 class Findings:
-    """Counts of one target."""
+    """Number of inputs and failures of one target."""
 
     inputs: int = 0
     accepted: int = 0

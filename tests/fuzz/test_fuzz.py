@@ -16,7 +16,7 @@ def targets(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Target]:
     return dict(list_targets(tmp_path_factory.mktemp("files")))
 
 
-def test_every_target_is_listed_and_accepts_its_valid_inputs(targets: dict[str, Target]):
+def test_every_fuzz_target_is_listed_and_accepts_its_valid_inputs(targets: dict[str, Target]):
     assert tuple(targets) == TARGET_NAMES
     for name, target in targets.items():
         assert [outcome_of(target.read, seed, target.refusals) for seed in target.seeds] == [""] * len(target.seeds), (
@@ -24,7 +24,7 @@ def test_every_target_is_listed_and_accepts_its_valid_inputs(targets: dict[str, 
         )
 
 
-def test_inputs_that_once_failed_are_read_or_refused(targets: dict[str, Target]):
+def test_stored_inputs_that_once_failed_are_read_or_refused(targets: dict[str, Target]):
     inputs = sorted(path for path in CORPUS_FOLDER.glob("*/*") if path.is_file())
     assert {path.parent.name for path in inputs} <= set(targets)
     for path in inputs:
@@ -32,7 +32,7 @@ def test_inputs_that_once_failed_are_read_or_refused(targets: dict[str, Target])
         outcome_of(target.read, path.read_bytes(), target.refusals)
 
 
-def test_some_mutated_inputs_of_each_target_are_read_or_refused(targets: dict[str, Target]):
+def test_mutated_inputs_of_each_fuzz_target_are_read_or_refused(targets: dict[str, Target]):
     refused = 0
     for name, target in targets.items():
         pool = Pool(target.seeds, Random(name))
@@ -40,7 +40,7 @@ def test_some_mutated_inputs_of_each_target_are_read_or_refused(targets: dict[st
     assert refused > len(targets)
 
 
-def test_other_errors_than_refusals_pass_through():
+def test_fuzzer_passes_on_errors_that_are_no_expected_refusals():
     def read(data: bytes) -> int:
         if data == b"refused":
             raise ValueError("refused: 3")
@@ -52,7 +52,7 @@ def test_other_errors_than_refusals_pass_through():
         outcome_of(read, b"short", (ValueError,))
 
 
-def test_pool_keeps_inputs_with_new_messages_only():
+def test_fuzzer_keeps_only_inputs_with_a_new_outcome():
     pool = Pool((b"seed",), Random(1))
     for data, outcome in ((b"x1", "line 3: 'a' is bad"), (b"x2", "line 77: 'b' is bad"), (b"x3", "no such key")):
         pool.keep(data, outcome)

@@ -19,7 +19,7 @@ LAST_INPUT = "last"  # name of the file with the input that is read now
 
 
 def fuzz_by_mutations(name: str, seconds: float, seed: int, folder: Path) -> None:
-    """Read mutated inputs for some time [s]."""
+    """Fuzz with mutated inputs for some time [s]."""
     from tests.fuzz.targets import list_targets  # noqa: PLC0415 - atheris instruments the modules when it imports them
 
     last, chance, inputs, accepted = folder / LAST_INPUT, Random(f"{name} {seed}"), 0, 0

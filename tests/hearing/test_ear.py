@@ -13,8 +13,8 @@ from kinesic.speech.espeak import Espeak
 from .test_echo import room_echo
 
 QUESTION_START = 2.5  # [s] time at which the person begins
-MAX_DUCK_DELAY = 0.25  # [s] largest time from the start of a voice to the mute
-MAX_YIELD_DELAY = 0.9  # [s] largest time from the start of a voice to the decision to yield
+MAX_DUCK_DELAY = 0.25  # [s] largest time from the start of a person's voice until the robot's speech fades
+MAX_YIELD_DELAY = 0.9  # [s] largest time from the start of a person's voice to the decision to yield
 
 
 @pytest.fixture(scope="module")
@@ -44,14 +44,14 @@ def changes(heard, played=None, *, rate=VOICE_RATE, size=320):
 
 
 def with_event(robot, event):
-    """Return microphone and playback, with a person who speaks from `QUESTION_START` on."""
+    """Return microphone and playback signals; a person's sound starts at `QUESTION_START`."""
     heard = room_echo(robot) + np.random.default_rng(1).normal(0.0, 0.001, len(robot)).astype(np.float32)
     begin = round(QUESTION_START * VOICE_RATE)
     heard[begin : begin + len(event)] += event
     return heard, robot
 
 
-def test_person_who_asks_while_the_robot_speaks_takes_the_turn(voices):
+def test_question_asked_while_the_robot_speaks_takes_the_turn(voices):
     robot, question, _ = voices
     late = [change for change in changes(*with_event(robot, question)) if change.time > QUESTION_START]
     assert [change.decision for change in late[:2]] == [BargeInDecision.DUCK, BargeInDecision.YIELD]
@@ -61,18 +61,18 @@ def test_person_who_asks_while_the_robot_speaks_takes_the_turn(voices):
     assert late[1].age == pytest.approx(turn, abs=0.15)
 
 
-def test_short_answer_and_own_voice_do_not_take_the_turn(voices):
+def test_short_answer_of_a_person_and_the_robots_own_voice_do_not_take_the_turn(voices):
     robot, _, short = voices
     for event in (short, short[:0]):
         assert BargeInDecision.YIELD not in [change.decision for change in changes(*with_event(robot, event))]
 
 
-def test_own_voice_without_a_known_playback_is_taken_for_a_person(voices):
+def test_robots_own_voice_is_mistaken_for_a_person_without_the_playback_signal(voices):
     heard, _ = with_event(voices[0], voices[2][:0])
     assert BargeInDecision.YIELD in [change.decision for change in changes(heard[: 2 * VOICE_RATE])]
 
 
-def test_reactions_do_not_depend_on_the_number_of_samples_per_call(voices):
+def test_reactions_to_voices_do_not_depend_on_the_number_of_samples_per_call(voices):
     heard = np.concatenate([np.zeros(VOICE_RATE, np.float32), voices[1], np.zeros(VOICE_RATE, np.float32)])
     small, large = changes(heard, size=100), changes(heard, size=5000)
     assert small == large

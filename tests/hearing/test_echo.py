@@ -42,7 +42,7 @@ def level(sound):
     return 10 * np.log10(np.mean(np.square(sound)) + 1e-12)
 
 
-def test_echo_of_a_known_sound_is_cancelled_within_a_second():
+def test_echo_of_the_played_sound_is_cancelled_within_a_second():
     played = modulated_noise(2, 4.0)
     heard = room_echo(played)
     cleaned, *_ = run(heard, played)
@@ -50,7 +50,7 @@ def test_echo_of_a_known_sound_is_cancelled_within_a_second():
     assert level(heard[late]) - level(cleaned[late]) > 20.0
 
 
-def test_voice_of_a_person_survives_the_cancellation():
+def test_echo_cancellation_keeps_the_voice_of_a_person():
     played, person = modulated_noise(2, 4.0), modulated_noise(3, 4.0)
     person[: 3 * VOICE_RATE] = 0.0
     cleaned, *_ = run(room_echo(played) + person, played)
@@ -58,7 +58,7 @@ def test_voice_of_a_person_survives_the_cancellation():
     assert level(cleaned[late] - person[late]) < level(person[late]) - 10.0
 
 
-def test_silent_loudspeaker_leaves_the_sound_unchanged():
+def test_echo_cancellation_with_a_silent_loudspeaker_keeps_the_sound_unchanged():
     heard = modulated_noise(4, 1.0)
     cleaned, echo, flags = run(heard, np.zeros_like(heard))
     np.testing.assert_array_equal(cleaned, heard)
@@ -66,7 +66,7 @@ def test_silent_loudspeaker_leaves_the_sound_unchanged():
     assert flags.sum() > 0.5 * len(flags)
 
 
-def test_gate_admits_a_person_and_rejects_residual_echo():
+def test_echo_gate_passes_the_voice_of_a_person_and_blocks_residual_echo():
     played, person = modulated_noise(2, 6.0), modulated_noise(5, 6.0)
     person[: 4 * VOICE_RATE] = 0.0
     clipped = np.clip(3 * played, -0.2, 0.2) / 3  # a loudspeaker that distorts leaves an echo
@@ -77,7 +77,7 @@ def test_gate_admits_a_person_and_rejects_residual_echo():
     assert flags[loud].mean() > 0.8
 
 
-def test_changed_echo_path_is_learned_within_four_seconds():
+def test_echo_canceller_learns_a_changed_echo_path_within_four_seconds():
     played = modulated_noise(2, 8.0)
     half = len(played) // 2 // FRAME_SIZE * FRAME_SIZE
     heard = np.concatenate([room_echo(played)[:half], room_echo(played, seed=9)[half:]])

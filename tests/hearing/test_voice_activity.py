@@ -76,11 +76,11 @@ def probabilities(sound: np.ndarray) -> list[float]:
     return [detector.probability(sound[k : k + FRAME_SIZE]) for k in range(0, len(sound), FRAME_SIZE)]
 
 
-def test_probabilities_equal_those_of_the_published_model():
+def test_voice_probabilities_equal_stored_values_of_the_published_model():
     np.testing.assert_allclose(probabilities(buzz(40)), PUBLISHED_PROBABILITIES, atol=MAX_DIFFERENCE)
 
 
-def test_probabilities_equal_those_of_onnxruntime():
+def test_voice_probabilities_equal_those_of_onnxruntime():
     runtime = pytest.importorskip("onnxruntime", reason="onnxruntime is not installed")
     package = importlib.util.find_spec("silero_vad")
     if package is None or package.origin is None:
@@ -96,13 +96,13 @@ def test_probabilities_equal_those_of_onnxruntime():
     np.testing.assert_allclose(probabilities(sound), expected, atol=MAX_DIFFERENCE)
 
 
-def test_silence_and_a_steady_tone_are_no_voice():
+def test_silence_and_a_steady_tone_do_not_count_as_voice():
     time = np.arange(30 * FRAME_SIZE) / VOICE_RATE
     for sound in (np.zeros(len(time), np.float32), (0.2 * np.sin(2 * np.pi * 1000 * time)).astype(np.float32)):
         assert max(probabilities(sound)[3:]) < 0.5
 
 
-def test_reset_detector_forgets_what_it_heard():
+def test_reset_voice_detector_gives_the_same_probabilities_as_a_new_one():
     sound, detector = buzz(30), VoiceDetector()
     for k in range(0, len(sound), FRAME_SIZE):
         detector.probability(sound[k : k + FRAME_SIZE])

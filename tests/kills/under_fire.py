@@ -35,7 +35,7 @@ class Outcome:
     doubled: int
     crashed: int
     kills: int
-    begun: int  # workers that were ready to work
+    begun: int  # number of workers that were ready to work
     seconds: float
     cpu: float  # [s] processor time of the calling process
     memory: float  # [MB] peak memory of the calling process
@@ -71,7 +71,7 @@ def perform_under_fire(
     seed: int = 0,
     tell: Callable[[str], None] = lambda line: None,
 ) -> Outcome:
-    """Dry-run documents while random workers are killed now and then.
+    """Dry-run documents while random workers are killed at intervals.
 
     Args:
         engine: its workers are processes of this machine.
@@ -111,13 +111,13 @@ def perform_under_fire(
 
 
 def _noted(folder: Path) -> Setup:
-    """Prepare a worker, and record its process."""
+    """Prepare a worker, and record its process id."""
     (folder / f"{os.getpid()} {_age(os.getpid())}").touch()
     return set_up()
 
 
 def _age(pid: int) -> str:
-    """Return when a process started, None if it is gone, as process ids are reused."""
+    """Return the start time of a process, or None if it ended."""
     try:
         return Path(f"/proc/{pid}/stat").read_text().rpartition(")")[2].split()[19]
     except (FileNotFoundError, ProcessLookupError):
@@ -126,7 +126,7 @@ def _age(pid: int) -> str:
 
 @contextmanager
 def _kills(folder: Path, every: float, chance: random.Random) -> Iterator[list[int]]:
-    """Kill a worker now and then, and record it."""
+    """Kill a worker at intervals, and record each kill."""
     killed: list[int] = []
     over = Event()
 

@@ -16,7 +16,7 @@ ALLOWED_FILE = Path(__file__).with_name("allowed.toml")
 
 @dataclass(frozen=True, eq=False)
 class Metric:
-    """How many texts of a kind break its rule."""
+    """Number of texts of one kind, and of those that break its rule."""
 
     kind: str
     count: int

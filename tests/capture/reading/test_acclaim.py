@@ -22,7 +22,7 @@ def test_acclaim_arm_without_rotation_points_in_the_direction_of_its_bones():
     assert left_wrist() == pytest.approx(LEFT)
 
 
-def test_acclaim_rotation_about_z_raises_the_arm():
+def test_acclaim_shoulder_rotation_about_z_raises_the_arm():
     assert left_wrist(lhumerus="0 0 90") == pytest.approx(UP)
 
 
@@ -37,7 +37,7 @@ def test_acclaim_bone_rotates_about_its_own_axes():
     assert left_wrist(skeleton=skeleton, lhumerus="0 0 90") == pytest.approx(AHEAD)
 
 
-def test_axis_order_of_an_acclaim_bone_changes_its_axes():
+def test_order_of_an_acclaim_bones_axis_angles_changes_the_direction_of_its_axes():
     """Compare the axis orders ZX and XZ."""
     first = left_wrist(skeleton=acclaim_skeleton(axis="90 0 90 XYZ"), lhumerus="0 0 90")
     second = left_wrist(skeleton=acclaim_skeleton(axis="90 0 90 ZYX"), lhumerus="0 0 90")
@@ -68,7 +68,7 @@ def test_acclaim_skeleton_is_found_by_its_subject_and_the_assumed_frame_rate_rep
     assert "frame rate taken as 120 Hz" in clip.guesses
 
 
-def test_single_acclaim_skeleton_of_a_folder_is_used_and_a_missing_one_is_named(tmp_path):
+def test_only_acclaim_skeleton_in_a_folder_is_used_and_a_missing_skeleton_is_named_in_the_error(tmp_path):
     (tmp_path / "walk.amc").write_bytes(acclaim_motion())
     with pytest.raises(CaptureError, match=r"walk.amc: no skeleton walk.asf beside it"):
         read_clip(tmp_path / "walk.amc")

@@ -38,14 +38,14 @@ def test_gltf_and_bvh_of_the_same_motion_give_the_same_arm_paths(kind):
         assert clip.arms[side].elbow[::2] == pytest.approx(expected.arms[side].elbow, abs=1e-5)
 
 
-def test_animated_rotation_replaces_that_of_the_gltf_node():
+def test_animated_rotation_replaces_the_static_rotation_of_a_gltf_node():
     nodes = person()
     arm = next(node for node in nodes if node["name"] == "LeftArm")
     arm["rotation"] = quaternions([[50.0, 20.0, -30.0]])[0].tolist()
     assert left_wrists(moving_person({"LeftArm": np.zeros((3, 3))}, nodes=nodes))[0] == pytest.approx(LEFT, abs=1e-6)
 
 
-def test_gltf_node_without_animation_keeps_its_rotation():
+def test_gltf_node_without_animation_keeps_its_static_rotation():
     nodes = person()
     arm = next(node for node in nodes if node["name"] == "LeftArm")
     arm["rotation"] = quaternions([[90.0, 0.0, 0.0]])[0].tolist()
@@ -97,7 +97,7 @@ def test_gltf_rotations_in_normalised_integers_are_read():
     assert left_wrists(moving_person(reach(10), dtype="<i2")) == pytest.approx(expected, abs=2e-4)
 
 
-def test_gltf_buffer_in_the_folder_of_its_file_is_read_and_a_buffer_outside_is_refused(tmp_path):
+def test_gltf_buffer_file_is_read_inside_the_folder_of_the_gltf_file_and_refused_outside(tmp_path):
     file, folder = moving_person(reach(5)), tmp_path / "inside"
     folder.mkdir()
     (folder / "the data.bin").write_bytes(file.data)
@@ -110,7 +110,7 @@ def test_gltf_buffer_in_the_folder_of_its_file_is_read_and_a_buffer_outside_is_r
             read_clip(folder / "a.gltf")
 
 
-def test_further_animations_of_a_gltf_file_are_reported():
+def test_unread_further_animations_of_a_gltf_file_are_reported():
     file = moving_person(reach(5))
     file.json["animations"].append({"name": "nod", "channels": [], "samplers": []})
     assert read_gltf(file.binary(), "a.glb", no_buffer)[2] == ("first of 2 animations: 'wave'",)

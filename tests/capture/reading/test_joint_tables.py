@@ -48,7 +48,7 @@ def test_angle_unit_of_a_csv_file_is_guessed_from_the_largest_angle(amplitude, u
         (b"b_rad", b"a_rad", "two columns"),
     ],
 )
-def test_invalid_csv_is_rejected_with_its_line(old, new, message):
+def test_invalid_csv_motion_file_is_rejected_with_its_line(old, new, message):
     with pytest.raises(CaptureError, match=message):
         read_joint_csv(joint_csv().replace(old, new), "a.csv")
 
@@ -69,7 +69,7 @@ def test_npz_file_with_a_frame_rate_gives_frame_times():
         ({"names": np.array([1, 2])}, "must be text"),
     ],
 )
-def test_invalid_npz_is_rejected(changes, message):
+def test_invalid_npz_motion_file_is_rejected(changes, message):
     arrays = {"times": np.arange(10) / 10, "names": np.array(["a", "b"]), "angles": np.zeros((10, 2))}
     with pytest.raises(CaptureError, match=message):
         from_npz(joint_npz(**(arrays | changes)), "a.npz")

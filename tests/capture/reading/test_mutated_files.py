@@ -70,7 +70,7 @@ def read_acclaim_clip(data: bytes, source: str) -> object:
 
 
 def refusal(read, data: bytes) -> str:
-    """Return the error message of a refused file, empty without error."""
+    """Return the error message of a refused file, or an empty text."""
     try:
         read(data, "a.file")
     except CaptureError as error:

@@ -23,7 +23,7 @@ def test_body_yaw_of_a_reachy_move_is_subtracted_from_the_head():
     assert clip.head == pytest.approx(np.outer([0, 0.1, 0.2, 0.1], [0, 1, 0]), abs=1e-9)
 
 
-def test_reachy_setpoints_without_a_pose_are_left_out():
+def test_reachy_setpoints_without_a_head_pose_are_skipped_and_counted():
     clip = read_reachy_move(reachy_move([NOD[0], None, *NOD[1:]]), "a.json")
     assert len(clip.times) == 4
     assert "1 setpoints" in clip.guesses[1]

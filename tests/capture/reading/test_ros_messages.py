@@ -37,7 +37,7 @@ def test_big_endian_ros_messages_are_read():
     assert clip.angles == pytest.approx(np.array([[0, 2.5], [1, 2.5]]))
 
 
-def test_first_ros_trajectory_is_read_and_others_are_counted():
+def test_first_ros_trajectory_of_a_file_is_read_and_further_ones_are_counted():
     trajectory = joint_trajectory(["pan", "tilt"], [0.5, 1.0, 2.25], [[0, 1], [2, 3], [4, 5]])
     other = joint_trajectory(["pan", "tilt"], [0.0, 9.0], [[0, 0], [0, 0]])
     topics = {
@@ -51,7 +51,7 @@ def test_first_ros_trajectory_is_read_and_others_are_counted():
     assert clip.guesses == ("topic /arm/joint_trajectory; 6 messages of other joints left out",)
 
 
-def test_ros_messages_of_a_second_publisher_with_other_joints_are_left_out():
+def test_joint_states_of_a_second_ros_publisher_with_other_joints_are_skipped():
     messages = [*state_messages(5), *state_messages(3, names=("wheel",))]
     clip = read_joint_mcap(mcap({"/joint_states": (JOINT_STATE, messages)}), "a.mcap")
     assert len(clip.times) == 5
@@ -130,7 +130,7 @@ def test_mcap_chunk_that_unpacks_to_another_size_is_refused(compression):
 @pytest.mark.parametrize(
     ("compression", "package"), [(CompressionType.LZ4, "lz4"), (CompressionType.ZSTD, "zstandard")]
 )
-def test_missing_decompressor_is_reported_with_the_extra_that_installs_it(monkeypatch, compression, package):
+def test_missing_mcap_decompressor_is_reported_with_the_extra_that_installs_it(monkeypatch, compression, package):
     monkeypatch.setitem(sys.modules, package, None)
     monkeypatch.setitem(sys.modules, f"{package}.frame", None)
     with pytest.raises(CaptureError, match=rf"chunks need {package}: .*kinesic\[bags\]"):

@@ -83,7 +83,7 @@ def test_broken_smartbody_motion_is_rejected_with_path_and_reason(tmp_path, chan
     assert str(raised.value).startswith(str(path))
 
 
-def test_missing_or_empty_skeleton_is_rejected(tmp_path):
+def test_missing_or_empty_smartbody_skeleton_is_rejected(tmp_path):
     with pytest.raises(ConfigError, match="No such file"):
         load(read_skeleton, tmp_path / "b.sk")
     (tmp_path / "b.sk").write_text("skeleton\n")

@@ -44,13 +44,13 @@ def test_amass_pose_body_array_gives_the_same_arms_as_poses_of_all_joints(tmp_pa
     assert clip.times == pytest.approx(expected.times)
 
 
-def test_missing_frame_rate_is_guessed_and_noted(tmp_path):
+def test_missing_frame_rate_of_an_smpl_file_is_guessed_and_noted(tmp_path):
     clip = read_clip(write(tmp_path / "a.npz", poses=poses(columns=66)))
     assert clip.times[1] == pytest.approx(1 / 30)
     assert clip.guesses == ("frame rate taken as 30 Hz",)
 
 
-def test_head_rotation_is_measured_relative_to_the_chest(tmp_path):
+def test_smpl_head_rotation_is_measured_relative_to_the_chest(tmp_path):
     rotations = poses()
     rotations[:, HEAD] = [0.3, 0.0, 0.0]  # about x, to the left: nods down
     clip = read_clip(write(tmp_path / "a.npz", poses=rotations))

@@ -279,7 +279,7 @@ def test_mcp_tools_over_http_print_their_address_and_raise_setup_errors(monkeypa
         verb.serve_tools(PLANNING, TWIN, None, None, "127.0.0.1:88")
 
 
-def test_mcp_command_reports_an_invalid_setup_but_exits_with_0(monkeypatch, capsys) -> None:
+def test_mcp_command_reports_an_invalid_setup_but_exits_with_code_0(monkeypatch, capsys) -> None:
     tools = Tools(monkeypatch)
     tools.setup = ConfigError("no style")
     assert verb.serve_tools(PLANNING, TWIN, None, None, None) == 0

@@ -90,7 +90,7 @@ def test_token_file_that_is_missing_or_readable_by_others_is_refused(hidden: lis
 
 
 @pytest.mark.skipif(not Path("/proc/self/mem").exists(), reason="this system does not show arguments in /proc")
-def test_token_disappears_from_the_list_of_processes() -> None:
+def test_token_option_is_overwritten_in_the_list_of_processes() -> None:
     program = (
         "from pathlib import Path; from kinesic.cli.live.token import hide_token; hide_token(); "
         "print(Path('/proc/self/cmdline').read_bytes().split(bytes(1))[-4:])"

@@ -85,7 +85,7 @@ def test_summary_of_no_documents_is_one_line():
         (NARROW_WIDTH - 13, "in", "one.…"),
     ],
 )
-def test_location_and_file_columns_share_the_remaining_terminal_width(width, heading, row):
+def test_columns_of_location_and_file_divide_the_remaining_terminal_width(width, heading, row):
     *_, header, _, late = summary([FAILED_DOCUMENT], width)
     assert header.split("unit   ")[1] == heading
     assert late.split("0.01  s      ")[1] == row
@@ -97,7 +97,7 @@ def test_narrow_terminal_truncates_only_the_text_columns_of_the_check_table():
     assert late == " timing.lag       0     0     1     0   0.02   0.01  s      …"
 
 
-def test_check_counts_are_coloured_by_status_unless_they_are_zero():
+def test_check_counts_of_a_summary_are_coloured_by_status_unless_they_are_zero():
     lines = summary([FAILED_DOCUMENT, PASSED_DOCUMENT, REFUSED_DOCUMENT], 120, colour=True)
     assert lines[0] == f"refused  {REFUSED_DOCUMENT.error}"  # no word of an error is highlighted
     fast, late = lines[-2:]
@@ -105,14 +105,14 @@ def test_check_counts_are_coloured_by_status_unless_they_are_zero():
     assert late.startswith(" timing.lag       0     0     \x1b[35m1\x1b[0m     0   0.02")
 
 
-def test_only_the_total_row_of_all_folders_is_bold():
+def test_only_the_total_row_of_a_validation_summary_is_bold():
     *_, header, first, second, total, _, _, _ = summary(
         [FAILED_DOCUMENT, PASSED_DOCUMENT, REFUSED_DOCUMENT], 120, colour=True
     )
     assert ["\x1b[1m" in line for line in (header, first, second, total)] == [True, False, False, True]
 
 
-def test_folder_rows_show_the_deepest_path_levels_within_the_row_limit(tmp_path, monkeypatch):
+def test_validation_summary_lists_the_deepest_folder_levels_that_fit_its_row_limit(tmp_path, monkeypatch):
     folders = [tmp_path / "a", tmp_path / "b" / "c", tmp_path / "b" / "d"]
     assert _group_folders(folders) == ["a", str(Path("b", "c")), str(Path("b", "d"))]
     monkeypatch.setattr("kinesic.cli.many.table.MAX_FOLDER_ROWS", 2)
@@ -121,13 +121,13 @@ def test_folder_rows_show_the_deepest_path_levels_within_the_row_limit(tmp_path,
 
 
 @pytest.mark.parametrize("count", [16, 17])
-def test_more_than_sixteen_folders_are_grouped_by_their_parents(tmp_path, count):
+def test_validation_summary_groups_more_than_sixteen_folders_by_their_parents(tmp_path, count):
     assert MAX_FOLDER_ROWS == 16
     folders = [tmp_path / "a" / str(number) for number in range(count - 1)] + [tmp_path / "b"]
     expected = [str(Path("a", str(number))) if count == 16 else "a" for number in range(count - 1)]
     assert _group_folders(folders) == [*expected, "b"]
 
 
-def test_many_sibling_folders_are_listed_without_their_subfolders(tmp_path):
+def test_validation_summary_lists_many_sibling_folders_without_their_subfolders(tmp_path):
     names = [str(number) for number in range(MAX_FOLDER_ROWS + 1)]
     assert _group_folders([tmp_path / name / "inside" for name in names]) == names

@@ -95,7 +95,7 @@ def test_pessimistic_twin_has_a_larger_tracking_error_than_the_nominal_twin(kine
     assert runs[0]["tracking"]["rmse_deg"] < runs[1]["tracking"]["rmse_deg"]
 
 
-def test_printed_names_keep_their_brackets_and_escape_control_characters(kinesic, tmp_path):
+def test_names_printed_by_perform_keep_their_brackets_and_escape_control_characters(kinesic, tmp_path):
     (tmp_path / "[red]m.bml").write_bytes(NOD.replace(b'id="h"', b'id="[/x]&#x9b;31m" amount="5"'))
     ended = kinesic("perform", "[red]m.bml", "--no-film", "--out", "o")
     assert ended.code == 0, ended.err

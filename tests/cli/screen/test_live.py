@@ -40,7 +40,9 @@ def terminal(monkeypatch: pytest.MonkeyPatch) -> Terminal:
     return Terminal()
 
 
-def test_printed_output_appears_above_the_live_lines_which_disappear_at_the_end(terminal: Terminal, monkeypatch):
+def test_printed_output_appears_above_redrawn_terminal_lines_which_disappear_at_the_end(
+    terminal: Terminal, monkeypatch
+):
     monkeypatch.setattr(sys, "stderr", terminal)
     monkeypatch.setattr(sys, "stdout", terminal)
     lines = LiveLines(Console(terminal, 40, is_terminal=True), lambda: ("first", "second"), rate=SLOW_RATE)
@@ -54,7 +56,7 @@ def test_printed_output_appears_above_the_live_lines_which_disappear_at_the_end(
     assert sys.stderr is terminal
 
 
-def test_long_live_lines_are_wrapped_and_cut_to_the_terminal_size(terminal: Terminal):
+def test_long_redrawn_lines_are_wrapped_and_cut_to_the_terminal_size(terminal: Terminal):
     lines = LiveLines(Console(terminal, 5, height=3, is_terminal=True), lambda: ("one two three",), rate=SLOW_RATE)
     with lines.shown():
         lines.redraw()
@@ -70,7 +72,7 @@ def test_output_to_a_pipe_is_not_redirected_to_the_terminal(terminal: Terminal, 
     assert "result" not in terminal.getvalue()
 
 
-def test_live_lines_are_not_drawn_without_a_terminal():
+def test_redrawn_status_lines_are_omitted_without_a_terminal():
     pipe = io.StringIO()
     with LiveLines(Console(pipe, 40), lambda: ("line",), rate=SLOW_RATE).shown():
         pass

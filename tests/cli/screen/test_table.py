@@ -7,7 +7,7 @@ def drawn(table: Table, width: int) -> list[str]:
     return [line.plain for line in table.lines(width)]
 
 
-def test_columns_are_as_wide_as_their_widest_cell():
+def test_table_columns_are_as_wide_as_their_widest_cell():
     table = Table("name", title="Robots")
     table.add_column("hinges", justify="right")
     table.add_row("upper22", "22")
@@ -15,7 +15,7 @@ def test_columns_are_as_wide_as_their_widest_cell():
     assert drawn(table, 80) == ["Robots", " name     hinges", " upper22      22", " human"]
 
 
-def test_widest_columns_are_wrapped_until_the_table_fits():
+def test_widest_table_columns_are_wrapped_until_the_table_fits():
     table = Table("key", "effect", "more")
     table.add_row("amplitude", "how far the hands go", "and the rest")
     lines = drawn(table, 34)
@@ -27,7 +27,7 @@ def test_widest_columns_are_wrapped_until_the_table_fits():
     ]
 
 
-def test_column_that_must_not_wrap_is_shortened_only_after_all_other_columns_are_wrapped():
+def test_unwrappable_table_column_is_shortened_only_after_all_other_columns_are_wrapped():
     table = Table("effect")
     table.add_column("time", no_wrap=True)
     table.add_row("wide", "12.00 s")
@@ -35,12 +35,12 @@ def test_column_that_must_not_wrap_is_shortened_only_after_all_other_columns_are
     assert drawn(table, 10) == [" e", " f", " f", " e", " c", " t  time", " w  12.0…", " i", " d", " e"]
 
 
-def test_window_narrower_than_all_columns_leaves_one_character_to_each():
+def test_table_columns_have_one_character_in_a_window_narrower_than_the_table():
     table = Table("ab", "cd")
     assert drawn(table, 1) == [" a  c", " b  d"]
 
 
-def test_one_line_heading_is_aligned_with_the_last_line_of_a_two_line_heading():
+def test_one_line_table_heading_is_aligned_with_the_last_line_of_a_two_line_heading():
     table = Table("design")
     table.add_column("mass\nkg", justify="right")
     table.add_row("light\narm", "1.5")
@@ -53,7 +53,7 @@ def test_compact_table_has_one_space_between_columns_and_no_left_margin():
     assert drawn(table, 80) == ["a   b", "one two"]
 
 
-def test_row_style_colours_its_cells_and_headings_are_bold():
+def test_style_of_a_table_row_colours_its_cells_and_headings_are_bold():
     table = Table("a")
     table.add_row("x", style="red")
     heading, row = table.lines(80)
@@ -61,7 +61,7 @@ def test_row_style_colours_its_cells_and_headings_are_bold():
     assert row.render() == " \x1b[31mx\x1b[0m"
 
 
-def test_wide_characters_keep_the_next_column_aligned():
+def test_table_columns_stay_aligned_after_wide_characters():
     table = Table("a", "b")
     table.add_row("手話", "x")
     table.add_row("abcd", "y")

@@ -31,7 +31,7 @@ def test_text_is_wrapped_at_spaces_and_inside_words_that_are_too_long(text: str,
     assert [line.plain for line in Text(text).wrapped(width)] == lines
 
 
-def test_lines_of_a_text_keep_the_styles_of_their_characters():
+def test_wrapped_lines_of_a_styled_text_keep_the_styles_of_their_characters():
     first, second = (Text("red and", "red") + " " + Text("green", "green")).wrapped(7)
     assert first.pieces == (("red and", "red"),)
     assert second.pieces == (("green", "green"),)
@@ -44,7 +44,7 @@ def test_text_that_is_too_wide_ends_with_an_ellipsis():
     assert Text("welcome").shortened(1).plain == "…"
 
 
-def test_styles_become_escape_codes_that_are_reset_at_their_end():
+def test_text_styles_become_terminal_escape_codes_that_are_reset_at_the_end_of_the_style():
     text = Text("a", "red") + Text("b", "bold") + "c"
     assert text.render() == "\x1b[31ma\x1b[0m\x1b[1mb\x1b[0mc"
     assert text.with_style("green").render() == "\x1b[31ma\x1b[0m\x1b[1mb\x1b[0m\x1b[32mc\x1b[0m"

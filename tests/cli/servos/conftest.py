@@ -20,7 +20,7 @@ from kinesic.hardware.virtual.physics import FirstOrder
 from kinesic.hardware.virtual.pty import PtyPort, serve_wires
 from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 
-POSTURE_DURATION = 0.2  # [s] several snapshots of the servos
+POSTURE_DURATION = 0.2  # [s] duration of each posture, long enough for several snapshots of the servos
 PORT_MODULES = ("servos.ports", "servos.scan", "servos.release", "doctor")  # modules that open ports
 
 Posture = Callable[[str], float]  # hinge name -> angle from the start [deg]

@@ -21,7 +21,7 @@ ANSWERS = ("0.7", "10", "10", "10", "150", "6", "9", "0", "0", "0")  # mass, pus
 
 
 def swing(scale: float = 1.0) -> Log:
-    """Return a right-arm motion with a given peak velocity.
+    """Return a motion of the right arm whose peak velocity depends on `scale`.
 
     The peak is scale * 2 rad/s.
     """
@@ -88,7 +88,7 @@ def test_passed_acceptance_test_writes_a_report_with_values_and_bounds(accept, t
     assert not {"safe", "compliant"} & set(ended.out.replace(".", " ").split())
 
 
-def test_bounds_of_mass_push_and_overrun_follow_from_the_model(accept, tmp_path: Path):
+def test_acceptance_bounds_of_mass_push_and_overrun_are_computed_from_the_robot_model(accept, tmp_path: Path):
     accept(*ANSWERS)
     bounds = {step["name"]: step["bound"] for step in json.loads((tmp_path / "acceptance.json").read_text())["steps"]}
     robot = Robot.load()
@@ -104,7 +104,7 @@ def test_bounds_of_mass_push_and_overrun_follow_from_the_model(accept, tmp_path:
     assert bounds["unplug"] == pytest.approx(32.0 * speed, rel=0.01)
 
 
-def test_exceeded_or_skipped_step_fails_the_acceptance_test(accept, tmp_path: Path):
+def test_acceptance_test_fails_if_a_step_exceeds_its_bound_or_is_skipped(accept, tmp_path: Path):
     for index, answer in ((4, "174"), (4, ""), (9, "1")):
         answers = [*ANSWERS]
         answers[index] = answer
@@ -120,14 +120,14 @@ def test_acceptance_test_asks_again_after_an_invalid_value(accept):
     assert accept("-1", "nan", "inf", "a kilo", *ANSWERS).code == 0
 
 
-def test_fault_of_a_servo_fails_the_acceptance_test(accept, table, tmp_path: Path):
+def test_acceptance_test_fails_after_a_servo_fault(accept, table, tmp_path: Path):
     table.plant.servos[4].mute = True
     assert accept(*ANSWERS).code == 1
     first = json.loads((tmp_path / "acceptance.json").read_text())["steps"][0]
     assert (first["name"], first["value"] > 0, first["passed"]) == ("servos", True, False)
 
 
-def test_unsuitable_performances_are_refused_before_any_question(accept, performed: Path, tmp_path: Path):
+def test_acceptance_test_refuses_unsuitable_performances_before_any_question(accept, performed: Path, tmp_path: Path):
     contact = json.loads((performed / "report.json").read_text())["contact"]
     for values, message in (
         ({"contact": contact | {"near": "nobody"}}, "performed without a policy; repeat it with --near adult"),
@@ -143,7 +143,7 @@ def test_unsuitable_performances_are_refused_before_any_question(accept, perform
     assert not (tmp_path / "acceptance.json").exists()
 
 
-def test_report_expires_with_firmware_and_gains(accept, table, tmp_path: Path):
+def test_acceptance_report_becomes_invalid_if_firmware_or_gains_change(accept, table, tmp_path: Path):
     report = tmp_path / "acceptance.json"
     accept(*ANSWERS)
     ended = accept(source=report)
@@ -164,13 +164,13 @@ def test_report_expires_with_firmware_and_gains(accept, table, tmp_path: Path):
         assert (ended.code, message in ended.out) == (1, True)
 
 
-def test_failed_report_stays_failed_on_the_same_robot(accept, tmp_path: Path):
+def test_failed_acceptance_report_stays_failed_on_the_unchanged_robot(accept, tmp_path: Path):
     accept(*ANSWERS[:-1], "2")
     ended = accept(source=tmp_path / "acceptance.json")
     assert (ended.code, "the test was not passed\n" in ended.out) == (1, True)
 
 
-def test_peak_velocities_ignore_ticks_and_find_the_fastest_joint():
+def test_comparison_of_peak_velocities_ignores_tick_rounding_and_names_the_fastest_joint():
     robot = Robot.load()
     planned, measured = swing(), swing(1.1)
     tick = 2.0 * np.pi / 4096
@@ -180,7 +180,7 @@ def test_peak_velocities_ignore_ticks_and_find_the_fastest_joint():
     assert ratio == pytest.approx(1.1, abs=0.01)
 
 
-def test_pushing_force_is_the_stall_torque_over_the_lever():
+def test_expected_pushing_force_is_stall_torque_divided_by_lever_arm():
     robot = Robot.load()
     postures = find_fast_postures(robot, swing())
     assert [posture.side for posture in postures] == ["r"] * len(postures)

@@ -108,7 +108,7 @@ def test_calibrate_refuses_servos_whose_torque_is_on(kinesic, table, mine):
 
 
 def turn_all_but(still: str) -> list[Callable[[str], float]]:
-    """Motions of every hinge to its upper and lower limit, except one."""
+    """Schedule motions of every hinge but one to its upper and lower limit."""
     return [lambda hinge, end=end: 0.0 if hinge == still else HINGE_RANGES[hinge][end] for end in (1, 0)]
 
 

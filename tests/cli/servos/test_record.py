@@ -11,7 +11,7 @@ from kinesic.capture.reading.joint_tables import read_joint_csv
 ELBOW_ANGLES = (0.0, 60.0, 40.0)  # [deg] successive angles of an elbow from its start
 
 
-def test_recorded_joint_angles_follow_the_hands_and_are_read_as_a_clip(kinesic, table, tmp_path: Path):
+def test_joints_moved_by_hand_are_recorded_into_a_file_that_reads_as_a_clip(kinesic, table, tmp_path: Path):
     path = tmp_path / "hand.csv"
     table.turn(*(lambda hinge, angle=angle: angle * (hinge == "r_elbow_flexion") for angle in ELBOW_ANGLES))
     ended = kinesic("servos", "record", "--port", table.port, "--seconds", "1", "--out", path)
@@ -28,7 +28,7 @@ def test_recorded_joint_angles_follow_the_hands_and_are_read_as_a_clip(kinesic, 
     assert table.energised == 0
 
 
-def test_servos_with_torque_are_not_recorded(kinesic, table, tmp_path: Path):
+def test_record_verb_refuses_servos_whose_torque_is_on(kinesic, table, tmp_path: Path):
     table.energise()
     ended = kinesic("servos", "record", "--port", table.port, "--seconds", "1", "--out", tmp_path / "hand.csv")
     assert ended.code == 2
@@ -36,7 +36,7 @@ def test_servos_with_torque_are_not_recorded(kinesic, table, tmp_path: Path):
     assert not (tmp_path / "hand.csv").exists()
 
 
-def test_existing_recording_is_replaced_only_with_force(kinesic, table, tmp_path: Path):
+def test_record_verb_replaces_an_existing_recording_only_with_force(kinesic, table, tmp_path: Path):
     path = tmp_path / "hand.csv"
     path.write_text("mine")
     command = ("servos", "record", "--port", table.port, "--seconds", "0.1", "--out", path)
@@ -46,7 +46,7 @@ def test_existing_recording_is_replaced_only_with_force(kinesic, table, tmp_path
     assert path.read_text().startswith("time_s,")
 
 
-def test_recording_without_a_terminal_needs_a_duration(kinesic, table, tmp_path: Path):
+def test_record_verb_without_a_terminal_needs_a_duration(kinesic, table, tmp_path: Path):
     ended = kinesic("servos", "record", "--port", table.port, "--out", tmp_path / "hand.csv")
     assert ended.code == 2
     assert "give --seconds N" in ended.err

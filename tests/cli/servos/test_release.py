@@ -69,14 +69,14 @@ def supervise(table, monkeypatch: pytest.MonkeyPatch) -> Callable[..., Superviso
     return make
 
 
-def test_release_switches_all_torque_off(kinesic, table):
+def test_release_verb_switches_torque_off_on_all_servos(kinesic, table):
     table.energise()
     ended = kinesic("servos", "release", "--yes", "--port", table.port)
     assert (ended.code, ended.out) == (0, "all 23 servos have no torque\n")
     assert table.energised == 0
 
 
-def test_release_lists_joints_that_will_fall(kinesic, table):
+def test_release_verb_lists_joints_that_will_fall(kinesic, table):
     raised = next(member for member in table.members if member.hinge == "l_elbow_flexion")
     k = [fitting.servo for fitting in table.cable.fittings].index(raised.id)
     rest = np.degrees(Robot.load().skeleton.rest[raised.joint])
@@ -93,21 +93,21 @@ def test_release_lists_joints_that_will_fall(kinesic, table):
     assert line == f"will fall: l_elbow_flexion at {angle:.0f} deg (rest: {rest:.0f})"
 
 
-def test_release_keeps_torque_on_if_the_user_declines(kinesic, table):
+def test_release_verb_keeps_torque_on_if_the_user_declines(kinesic, table):
     table.energise()
     ended = kinesic("servos", "release", "--port", table.port, stdin=b"n\n")
     assert ended.code == 130
     assert table.energised == 23
 
 
-def test_release_in_the_rest_posture_prints_that_no_joint_will_fall(kinesic, table):
+def test_release_verb_in_the_rest_posture_prints_that_no_joint_will_fall(kinesic, table):
     ended = kinesic("servos", "release", "--port", table.port, stdin=b"y\n")
     assert ended.code == 0
     assert "no joint with torque is more than 5 deg from rest\n" in ended.err
     assert "will fall" not in ended.err
 
 
-def test_release_reports_a_silent_servo_and_exits_with_3(kinesic, table):
+def test_release_verb_reports_a_silent_servo_and_exits_with_3(kinesic, table):
     table.energise()
     table.plant.servos[4].mute = True
     ended = kinesic("servos", "release", "--yes", "--port", table.port)
@@ -117,7 +117,7 @@ def test_release_reports_a_silent_servo_and_exits_with_3(kinesic, table):
     assert "(silent)" in ended.err.splitlines()[0]
 
 
-def test_release_waits_for_the_supervisor_to_fold_the_arms(kinesic, table, supervise):
+def test_release_verb_waits_for_the_supervisor_to_fold_the_arms(kinesic, table, supervise):
     supervisor = supervise(fold=5.0)
     ended = kinesic("servos", "release", "--yes", "--port", table.port)
     assert (ended.code, ended.out) == (0, "all 23 servos have no torque\n")
@@ -128,7 +128,7 @@ def test_release_waits_for_the_supervisor_to_fold_the_arms(kinesic, table, super
     assert table.energised == 0
 
 
-def test_release_without_confirmation_does_not_stop_the_supervisor(kinesic, table, supervise):
+def test_release_verb_without_confirmation_does_not_stop_the_supervisor(kinesic, table, supervise):
     supervisor = supervise(fold=5.0)
     ended = kinesic("servos", "release", "--port", table.port, stdin=b"n\n")
     assert ended.code == 130
@@ -136,14 +136,14 @@ def test_release_without_confirmation_does_not_stop_the_supervisor(kinesic, tabl
     assert table.energised == 23
 
 
-def test_release_switches_torque_off_after_the_supervisor_dies(kinesic, table, supervise):
+def test_release_verb_switches_torque_off_after_the_supervisor_was_killed(kinesic, table, supervise):
     supervisor = supervise(fold=1000.0, dies=True)
     ended = kinesic("servos", "release", "--yes", "--port", table.port)
     assert (ended.code, table.energised) == (0, 0)
     assert 1.0 < supervisor.now - supervisor.confirmed_at < 1.5
 
 
-def test_release_gives_up_on_a_supervisor_that_does_not_end(kinesic, table, supervise):
+def test_release_verb_gives_up_after_60_s_if_the_supervisor_does_not_end(kinesic, table, supervise):
     supervisor = supervise(fold=1000.0)
     ended = kinesic("servos", "release", "--yes", "--port", table.port)
     assert ended.code == 2
@@ -152,7 +152,7 @@ def test_release_gives_up_on_a_supervisor_that_does_not_end(kinesic, table, supe
     assert table.energised == 23
 
 
-def test_release_switches_torque_off_on_all_buses_whose_port_opens(kinesic, monkeypatch: pytest.MonkeyPatch):
+def test_release_verb_switches_torque_off_on_every_bus_whose_port_opens(kinesic, monkeypatch: pytest.MonkeyPatch):
     robot = Robot.load("upper36")
     manifest, cables = Manifest.of(robot), describe_cables(robot)
     broken, *others = (cable.name for cable in cables)

@@ -19,7 +19,7 @@ from kinesic.hardware.virtual.wiring import describe_cables
 
 pytestmark = pytest.mark.realtime
 
-WAIT_TIMEOUT = 30.0  # [s] sufficient on a loaded machine
+WAIT_TIMEOUT = 30.0  # [s] longest wait for a condition, sufficient on a loaded machine
 FITTINGS = {fitting.servo: fitting for fitting in describe_cables(Robot.load())[0].fittings}
 HINGES = [hinge.name for hinge in Robot.load().skeleton.hinges]
 

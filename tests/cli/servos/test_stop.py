@@ -68,7 +68,7 @@ def run(kinesic, clock: Clock, monkeypatch: pytest.MonkeyPatch) -> Callable:
     return stop_these
 
 
-def test_all_supervisors_are_stopped_and_awaited(run, clock: Clock):
+def test_stop_verb_stops_all_supervisors_and_waits_for_standstill(run, clock: Clock):
     supervisors = [Supervisor(clock, 0.5), Supervisor(clock, 1.5)]
     ended = run(*supervisors)
     assert (ended.code, ended.out) == (0, "stopped: 22 servos hold their positions\n")
@@ -79,7 +79,7 @@ def test_all_supervisors_are_stopped_and_awaited(run, clock: Clock):
 
 
 @pytest.mark.parametrize("stage", sorted(stop.STATIONARY_STAGES - {Stage.CLOSED}, key=str))
-def test_stop_does_not_wait_for_a_supervisor_whose_stage_keeps_the_robot_still(run, clock: Clock, stage: Stage):
+def test_stop_verb_does_not_wait_for_a_supervisor_in_a_stage_without_motion(run, clock: Clock, stage: Stage):
     assert run(Supervisor(clock, 0.2, stage=stage)).code == 0
     assert clock.now - 50.0 < 0.4
 
@@ -88,7 +88,7 @@ def test_stop_does_not_wait_for_a_supervisor_whose_stage_keeps_the_robot_still(r
     ("given", "stage"),
     [({"frozen": True}, "stopped"), ({"moves": True}, "stopped"), ({"stage": Stage.FOLD}, "fold"), ({}, "active")],
 )
-def test_stop_reports_a_supervisor_that_does_not_stop_in_3_s(run, clock: Clock, given: dict, stage: str):
+def test_stop_verb_reports_a_supervisor_that_does_not_stop_within_3_s(run, clock: Clock, given: dict, stage: str):
     slows = 0.1 if given else 1000.0
     ended = run(Supervisor(clock, 0.1), Supervisor(clock, slows, **given))
     assert (ended.code, ended.out) == (2, "")
@@ -96,17 +96,17 @@ def test_stop_reports_a_supervisor_that_does_not_stop_in_3_s(run, clock: Clock, 
     assert 3.0 <= clock.now - 50.0 < 3.2
 
 
-def test_stop_counts_a_closed_supervisor_as_stopped(run, clock: Clock):
+def test_stop_verb_counts_a_closed_supervisor_as_stopped(run, clock: Clock):
     assert run(Supervisor(clock, 0.0, stage=Stage.CLOSED, frozen=True)).code == 0
 
 
-def test_stop_reports_why_no_supervisor_was_found(run):
+def test_stop_verb_reports_why_no_supervisor_was_found(run):
     ended = run()
     assert ended.code == 2
     assert "from this machine; folder: full; other: missing; if a robot still moves, switch the power off" in ended.err
 
 
-def test_stop_names_a_remedy_on_systems_that_cannot_find_supervisors(monkeypatch: pytest.MonkeyPatch):
+def test_stop_verb_names_a_remedy_on_systems_that_cannot_find_supervisors(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(stop, "STOP_FROM_OUTSIDE", replace(stop.STOP_FROM_OUTSIDE, is_available=False))
     with pytest.raises(ConfigError, match="press space in `perform`, or send stop to `serve`"):
         stop.stop_robots()

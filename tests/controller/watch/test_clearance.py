@@ -42,7 +42,7 @@ def test_clearance_watch_subtracts_the_effect_of_tracking_errors_of_either_sign(
     assert CREEP_PACE < watch.pace < 1.0
 
 
-def test_time_scale_of_a_performance_falls_linearly_with_clearance():
+def test_clearance_watch_lowers_the_time_scale_linearly_with_clearance():
     assert choose_pace(SLOWING_FRACTION * MIN_CLEARANCE, MIN_CLEARANCE) == pytest.approx(1.0)
     assert choose_pace((SLOWING_FRACTION + CREEP_FRACTION) / 2 * MIN_CLEARANCE, MIN_CLEARANCE) == pytest.approx(0.5)
     assert choose_pace(CREEP_FRACTION * MIN_CLEARANCE, MIN_CLEARANCE) == CREEP_PACE == choose_pace(-1.0, MIN_CLEARANCE)
@@ -100,22 +100,22 @@ def test_clearance_forecast_stops_mirroring_errors_after_settling_at_minimum_spe
     assert watch.forecast_clearance == pytest.approx(0.02)
 
 
-def test_time_at_minimum_speed_is_reset_when_the_watch_speeds_up():
+def test_clearance_watch_resets_its_time_at_minimum_speed_when_it_speeds_up():
     watch = seen(ClearanceWatch(), 0.02, strayed=0.019)
     assert watch.creep_time == LOOK_PERIOD
     watch = seen(watch, 0.05, strayed=0.0)
     assert watch.creep_time == 0.0
 
 
-def test_servo_without_answer_counts_as_zero_tracking_error():
+def test_clearance_watch_assumes_no_tracking_error_for_a_servo_without_answer():
     assert seen(ClearanceWatch(), 0.02, strayed=np.nan).forecast_clearance == pytest.approx(0.02)
 
 
-def test_clearance_lookahead_ends_with_the_motion():
+def test_lookahead_of_the_clearance_watch_ends_with_the_motion():
     np.testing.assert_allclose(lookahead_times(1.0, 9.0), 1.0 + np.arange(0.0, LOOKAHEAD_TIME + 1e-9, LOOK_PERIOD))
     assert lookahead_times(1.0, 1.1).max() == 1.1
 
 
-def test_body_that_may_touch_itself_slows_down_only_for_penetrations():
+def test_robot_without_required_clearance_is_slowed_only_during_penetrations():
     assert choose_pace(0.001, 0.0) == choose_pace(0.0, 0.0) == 1.0
     assert choose_pace(-0.001, 0.0) == CREEP_PACE

@@ -134,7 +134,7 @@ def command(time, angle):
     return Command(time, rows, rows, rows, rows)
 
 
-def test_sent_postures_are_interpolated_from_the_latest_commands():
+def test_servo_watch_interpolates_sent_postures_from_the_latest_commands():
     written = WrittenPostures()
     for k in range(10):
         written.add(command(k * COMMAND_PERIOD, float(k)))
@@ -143,7 +143,7 @@ def test_sent_postures_are_interpolated_from_the_latest_commands():
     assert written(np.array([0.04, 0.05, 0.09])).ravel().tolist() == pytest.approx([4.0, 50.0, 50.0])
 
 
-def test_old_sent_postures_are_deleted_from_memory():
+def test_servo_watch_deletes_old_sent_postures_from_memory():
     written, counts = WrittenPostures(), list[int]()
     for k in range(3000):
         written.add(command(k * COMMAND_PERIOD, float(k)))

@@ -82,9 +82,9 @@ class SoftPid(Pid):
 class Watched:
     """Result of a watched performance."""
 
-    distances: Floats  # [m] in each cycle in which time ran
+    distances: Floats  # [m] clearance in each cycle in which performance time ran
     min_pace: float
-    performed: float  # share
+    performed: float  # fraction of the plan that was performed
     stage: Stage
 
 

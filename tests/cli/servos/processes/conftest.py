@@ -24,9 +24,9 @@ from kinesic.hardware.supervisor.channel import Channel
 from kinesic.hardware.supervisor.manifest import Manifest
 
 SERVER_PROGRAM = Path(__file__).parents[3] / "hardware" / "supervisor" / "processes" / "served.py"
-WAIT_TIMEOUT = 60.0  # [s] sufficient on a loaded machine
-POLL_PERIOD = 0.1  # [s] between two checks of a condition
-RECORD_PERIOD = 0.05  # [s] between two lines of the record
+WAIT_TIMEOUT = 60.0  # [s] longest wait for a condition, sufficient on a loaded machine
+POLL_PERIOD = 0.1  # [s] time between two checks of a condition
+RECORD_PERIOD = 0.05  # [s] time between two lines of the record
 REST_TOLERANCE = 10  # [ticks] largest distance from rest that counts as rest, less than 1 deg
 RAISED_DISTANCE = 250  # [ticks] smallest distance from rest that counts as raised, more than 20 deg
 RAISE_BML = (
@@ -47,13 +47,13 @@ class Record:
     """Recorded states of the servos over time."""
 
     times: np.ndarray  # (m,) [s]
-    torque: np.ndarray  # (m, n)
-    goals: np.ndarray  # (m, n) [ticks]
-    places: np.ndarray  # (m, n) [ticks]
+    torque: np.ndarray  # (m, n) whether torque is on
+    goals: np.ndarray  # (m, n) [ticks] goal positions
+    places: np.ndarray  # (m, n) [ticks] measured positions
 
 
 class Arms:
-    """Virtual servos of a robot, used by one test after another."""
+    """Virtual servos of a robot, which several tests use one after another."""
 
     def __init__(self, robot: Robot, folder: Path) -> None:
         manifest = Manifest.of(robot)
