@@ -64,7 +64,7 @@ class ServoWatch:
         self._reference, self._distances, self._min_clearance = reference, distances, min_clearance
         self._clocks: deque[float] = deque(maxlen=MAX_STORED_CYCLES)  # [s] clock of each cycle
         self._times: deque[float] = deque(maxlen=MAX_STORED_CYCLES)  # [s] performance time of each cycle
-        self._strayed = self._taken = np.zeros(0)  # (n,) [rad] error and [s] measurement time; empty at first
+        self._errors = self._taken = np.zeros(0)  # (n,) [rad] error and [s] measurement time; empty at first
         self._looked = -np.inf  # [s] clock of the last evaluation
         self.watch = ClearanceWatch()
 
@@ -95,7 +95,7 @@ class ServoWatch:
     def _note(self, status: Status) -> None:
         """Update the tracking errors from the position readings of a servo status."""
         if not len(self._taken):
-            self._strayed, self._taken = np.full(len(status.angles), np.nan), np.full(len(status.angles), -np.inf)
+            self._errors, self._taken = np.full(len(status.angles), np.nan), np.full(len(status.angles), -np.inf)
         self._clocks.append(status.clock)
         self._times.append(status.time)
         fresh = np.isfinite(status.angles) & (status.taken > self._taken)  # False for NaN
@@ -103,7 +103,7 @@ class ServoWatch:
             taken = status.taken[fresh]
             moments, places = np.unique(self._time_of(taken), return_inverse=True)
             planned = self._reference(moments)[places, np.flatnonzero(fresh)]
-            self._strayed[fresh] = status.angles[fresh] - planned
+            self._errors[fresh] = status.angles[fresh] - planned
             self._taken = np.where(fresh, status.taken, self._taken)
 
     def _time_of(self, clocks: Floats) -> Floats:
@@ -111,9 +111,11 @@ class ServoWatch:
         return np.interp(clocks, self._clocks, self._times)
 
     def _look(self, status: Status) -> None:
-        strayed = np.where(status.clock - self._taken <= MAX_READING_AGE, self._strayed, np.nan)
+        tracking_error = np.where(status.clock - self._taken <= MAX_READING_AGE, self._errors, np.nan)
         coming = self._reference(lookahead_times(status.time, np.inf))
-        self.watch = look_ahead(self.watch, coming, sealed(strayed), self._distances, min_clearance=self._min_clearance)
+        self.watch = look_ahead(
+            self.watch, coming, sealed(tracking_error), self._distances, min_clearance=self._min_clearance
+        )
 
     def _forget(self) -> None:
         """Discard all tracking errors once the servos stop performing.
@@ -122,5 +124,5 @@ class ServoWatch:
         """
         self._clocks.clear()
         self._times.clear()
-        self._strayed = self._taken = np.zeros(0)
+        self._errors = self._taken = np.zeros(0)
         self._looked, self.watch = -np.inf, ClearanceWatch()

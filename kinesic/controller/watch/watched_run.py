@@ -66,7 +66,7 @@ def perform_watched(plan: Plan, twin: Twin, feedforward: FeedForward, observer: 
     duties: list[Floats] = []
     inputs = InputStream(observer) if observer else None
     estimate = observer.begin() if observer else None
-    strayed = np.zeros(len(setup.robot.skeleton.hinges))
+    tracking_error = np.zeros(len(setup.robot.skeleton.hinges))
     while len(times) < MIN_COMMANDS or not watch.over:
         now = SlowedMotion(plan.trajectory, clock.time, clock.scale)
         angles, speeds, accelerations = (sealed(rows[0]) for rows in now.sample(np.zeros(1)))
@@ -75,13 +75,13 @@ def perform_watched(plan: Plan, twin: Twin, feedforward: FeedForward, observer: 
         if observer and inputs and estimate:
             tick_inputs = inputs.add(angles, feed_forward)
             if times:
-                estimate = observer.advance(estimate, strayed, tick_inputs, 0)
+                estimate = observer.advance(estimate, tracking_error, tick_inputs, 0)
                 goals = estimate.setpoints
         twin.write(Command(len(times) * COMMAND_PERIOD, angles, speeds, accelerations, goals))
-        strayed = twin.positions() - angles
+        tracking_error = twin.positions() - angles
         if len(times) % TICKS_PER_LOOK == 0:
             coming = plan.trajectory.sample(lookahead_times(clock.time, end))[0]
-            watch = look_ahead(watch, coming, strayed, setup.distances, min_clearance=setup.robot.min_clearance)
+            watch = look_ahead(watch, coming, tracking_error, setup.distances, min_clearance=setup.robot.min_clearance)
         times.append(clock.time)
         duties.append(feed_forward.duties[0])
         paces.append(clock.scale)
