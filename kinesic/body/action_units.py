@@ -25,7 +25,7 @@ class ActionUnit:
 
     number: int
     name: str
-    sided: bool = True  # left and right move independently
+    sided: bool = True  # whether the left and the right side move independently
 
 
 ACTION_UNITS: Mapping[int, ActionUnit] = MappingProxyType(  # supported action units by FACS number

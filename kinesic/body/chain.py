@@ -23,8 +23,8 @@ MAX_SWING_HINGES = 2  # Largest number of non-twist hinges per joint; further on
 class ChainJoint:
     """Hinges with one common centre, and the bone to the next joint."""
 
-    name: str  # name of the segment
-    hinges: tuple[Hinge, ...]  # the first is nearest the base
+    name: str  # name of the joint's segment
+    hinges: tuple[Hinge, ...]  # hinges of the joint, nearest to the base first
     bone: Floats  # (3,) [m] in the segment, to the next joint's centre; from the last joint to the palm
 
 

@@ -102,8 +102,8 @@ class Power:
 
     mean: Floats  # (m,) [A] mean current of all servos together
     peak: Floats  # (m,) [A] maximum over the physics steps
-    energy: float  # [J] in total
-    volts: float  # [V] minimum of the supply
+    energy: float  # [J] total energy
+    volts: float  # [V] minimum supply voltage
     warming: Mapping[str, Floats]  # hinge -> (m,) [K] temperature rise of the windings, if the servo has thermal data
 
 
@@ -115,7 +115,7 @@ class SetpointRows:
     """
 
     counts: NDArray[np.int16] | Floats  # (m, n) [ticks]; floats if a setpoint exceeds two bytes or is not rounded
-    tick: Floats  # (n,) [rad]; 1 for setpoints that are not rounded
+    tick: Floats  # (n,) [rad] angle of one tick; 1 for setpoints that are not rounded
 
     def angles(self, rows: slice = slice(None)) -> Floats:
         """Return the setpoints (k, n) [rad] of a range of commands."""
@@ -139,7 +139,7 @@ class Measurements:
     drives: Drives  # drives of the servo model
     hands: Mapping[str, Floats]  # "l", "r" -> (m, 3) [m] wrist centre in the world
     clearance: Clearance  # minimum since the previous command, see `sim.twin`
-    latency: float  # [s] from a command's time until its setpoints reach the servos
+    latency: float  # [s] time from a command until its setpoints reach the servos
     power: Power
 
     def __repr__(self) -> str:

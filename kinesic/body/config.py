@@ -27,7 +27,7 @@ _KEY_DOT = r"[ \t]*+\.[ \t]*+"  # separator of the parts of a dotted key
 _BASIC_STRING = r"""\"{3}(?:[^"\\]|\\.?|"{1,2}(?!"))*+(?:"{3,5}|\Z)"""  # multi-line basic strings, also unclosed ones
 _LITERAL_STRING = r"""'{3}(?:[^']|'{1,2}(?!'))*+(?:'{3,5}|\Z)"""  # multi-line literal strings, also unclosed ones
 _DEEP_KEY = rf"(?P<deep>{_KEY_PART}(?:{_KEY_DOT}{_KEY_PART}){{{MAX_KEY_PARTS}}})"
-_OTHER_TEXT = r"""[^\w+"'#\[\]{}-]++|."""  # text without effect on nesting
+_OTHER_TEXT = r"""[^\w+"'#\[\]{}-]++|."""  # other text without effect on nesting
 _TOKEN_PATTERN = re.compile(
     rf"{_BASIC_STRING}|{_LITERAL_STRING}|{_DEEP_KEY}|{_KEY_PART}(?:{_KEY_DOT}{_KEY_PART})*+|\#[^\n]*+|(?P<open>[\[{{])|(?P<close>[\]}}])|{_OTHER_TEXT}",
     re.DOTALL,
@@ -140,7 +140,7 @@ def fit_schema(data: object, schema: type[T], path: Path) -> T:
 
 
 def locate_config(kind: str, name: str | Path) -> Path:
-    """Return the path of a configuration file given by name or path.
+    """Return the path of a configuration file from its name or path.
 
     A path ends in .toml; a name is searched in `configs/KINDs/`.
 
@@ -157,7 +157,7 @@ def locate_config(kind: str, name: str | Path) -> Path:
 
 
 def check_inside(folder: Path, named: Path) -> None:
-    """Refuse a path that leaves a folder or names a special file.
+    """Raise an error for paths outside a folder and for special files.
 
     Links are followed. A missing file passes, because its reader reports it.
 
@@ -240,7 +240,7 @@ def _suggest_key(message: str, schema: object) -> str:
 
 
 def _enter(schema: object, part: str) -> Iterator[object]:
-    """Yield the types of a schema's field or items, named by `part`."""
+    """Yield the type of a schema's field, or of its items."""
     if isinstance(schema, type) and issubclass(schema, msgspec.Struct):
         yield from (field.type for field in msgspec.structs.fields(schema) if part == f".{field.encode_name}")
     elif get_origin(schema) in (Union, UnionType, Annotated):

@@ -14,13 +14,13 @@ from kinesic.body.source_joints import SourceJoint
 
 @dataclass(frozen=True, eq=False)
 class Mount:
-    """Drive of a hinge, with the mounting position of its servos.
+    """Drive of a hinge, with the body and position of its servos.
 
     The position matters because servos have weight.
     """
 
-    drive: Drive
-    segment: str
+    drive: Drive  # servo model, number of servos and reduction
+    segment: str  # name of the segment that carries the servos
     position: Floats  # (3,) [m] in the segment
 
 
@@ -28,8 +28,8 @@ class Mount:
 class Exclusion:
     """Pair of bodies excluded from collision checks, with the reason."""
 
-    pair: frozenset[str]
-    why: str  # reason, for reports
+    pair: frozenset[str]  # names of both bodies
+    why: str  # reason for reports
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +45,7 @@ class Site:
 class Supply:
     """Power supply of the servos."""
 
-    volts: float  # [V]
+    volts: float  # [V] rated voltage
     amps: float  # [A] continuous
 
 
@@ -66,7 +66,7 @@ class Description:
     skin: Skin | None = None  # None: drawn without skin
     supply: Supply | None = None  # None: unknown
     audience: Audience = "nobody"  # people near the robot
-    impact_limits: Path | None = None  # file of regions and policies; None: kinesic's own
-    calibration: Calibration = NO_CALIBRATION  # of these servos; the skeleton has its ranges already
-    mapping_confidence: float | None = None  # 0..1, of an imported robot's joint mapping; None: not imported
+    impact_limits: Path | None = None  # file of contact limits; None: kinesic's built-in file
+    calibration: Calibration = NO_CALIBRATION  # of the servos; the skeleton has the measured ranges already
+    mapping_confidence: float | None = None  # 0..1 certainty of an imported robot's joint mapping; None: not imported
     sources: Mapping[str, SourceJoint] = field(default_factory=dict)  # hinge or coupling -> joint of the imported file

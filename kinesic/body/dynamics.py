@@ -48,8 +48,8 @@ class Dynamics(Protocol):
 class Clearance:
     """Smallest distance between checked bodies in each posture of a motion."""
 
-    distances: Floats  # (m,) [m] minimum over all counted pairs, negative if they overlap
-    pairs: Sequence[tuple[str, str]]  # (m,) names of the closest bodies
+    distances: Floats  # (m,) [m] minimum over all checked pairs, negative if they overlap
+    pairs: Sequence[tuple[str, str]]  # (m,) names of the two closest bodies
 
     @property
     def worst(self) -> int:
@@ -83,11 +83,11 @@ class Distances(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class ImpactSurvey:
-    """Largest contact of each posture with each region."""
+    """Worst contact of each posture with each region of a person's body."""
 
-    rows: ImpactRows
-    values: Floats  # (m, r) values of the rows
-    points: Indices  # (m, r) index of the worst point; -1 if the value is only an upper bound
+    rows: ImpactRows  # computed contact quantities
+    values: Floats  # (m, r) contact quantities
+    points: Indices  # (m, r) index of the robot's worst point; -1 if the value is only an upper bound
 
 
 class Impacts(Protocol):
@@ -95,10 +95,10 @@ class Impacts(Protocol):
 
     @property
     def owners(self) -> tuple[str, ...]:
-        """Segment of each point."""
+        """Segment of each surface point of the robot."""
 
     def survey(self, angles: Floats, velocities: Floats, rows: ImpactRows, *, gate: float = 0.0) -> ImpactSurvey:
-        """Find the largest value of each row over all robot points.
+        """Compute each contact quantity at the robot's worst point per posture.
 
         Args:
             angles: (m, n) [rad].
@@ -108,7 +108,7 @@ class Impacts(Protocol):
         """
 
     def jacobians(self, angles: Floats, points: Indices) -> Floats:
-        """Compute the Jacobian (m, 3, n) of one point in each posture.
+        """Compute the Jacobian (m, 3, n) of one surface point per posture.
 
         Args:
             angles: (m, n) [rad].

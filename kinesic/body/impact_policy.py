@@ -16,9 +16,9 @@ from kinesic.body.choices import Audience
 from kinesic.body.config import CONFIGS, ConfigError, read_toml, suggestion
 from kinesic.body.robot_schema import Strict
 
-FORCE_MARGIN = 1.15  # factor on computed forces; gravity and drives of the twin exceed them by at most 1.11
-FIXED_MASS = 1e6  # [kg] mass of a part that cannot move away
-ENERGY_ROW = "energy"  # name of the row that limits the kinetic energy
+FORCE_MARGIN = 1.15  # safety factor on computed contact forces; forces in the twin are up to 1.11 times as large
+FIXED_MASS = 1e6  # [kg] mass that stands for infinity, of a body part that cannot move away
+ENERGY_ROW = "energy"  # name of the contact quantity that limits the kinetic energy
 
 
 class RegionTable(Strict):
@@ -51,14 +51,14 @@ class ImpactFile(Strict):
 
 @dataclass(frozen=True, eq=False)
 class ImpactRows:
-    """Quantities to compute of contacts, as square roots of quadratic forms.
+    """Contact quantities to compute, relative to limits.
 
     The value of row r is scales[r] * sqrt(v' (W + I / masses[r])^-1 v), for velocity v and mobility W of a point.
     """
 
-    names: tuple[str, ...]  # (r,) regions, or `ENERGY_ROW`
-    masses: Floats  # (r,) [kg] of the person's part
-    scales: Floats  # (r,)
+    names: tuple[str, ...]  # (r,) names of regions, or `ENERGY_ROW`
+    masses: Floats  # (r,) [kg] mass of the person's body part
+    scales: Floats  # (r,) factor on the square root of twice the contact energy
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,7 +72,7 @@ class ImpactPolicy:
 
     @cached_property
     def rows(self) -> ImpactRows:
-        """Rows of force and square-root energy relative to their limits.
+        """Contact forces and square-root energy, relative to their limits.
 
         `FORCE_MARGIN` is included.
         """
@@ -86,7 +86,7 @@ class ImpactPolicy:
 
 
 def force_rows(regions: Mapping[str, RegionTable]) -> ImpactRows:
-    """Return rows of force per body region, and of energy.
+    """Return the contact quantities of all regions, without limits.
 
     Forces are in N. The energy row is the square root of the energy in J. `FORCE_MARGIN` is included.
     """
@@ -99,7 +99,7 @@ def force_rows(regions: Mapping[str, RegionTable]) -> ImpactRows:
 
 @lru_cache(maxsize=8)
 def read_impact_limits(path: Path = CONFIGS / "impacts.toml") -> ImpactFile:
-    """Read body regions and policies.
+    """Read body regions and contact limits from a file.
 
     Raises:
         ConfigError: the file is missing or invalid, or a value is not above 0.
@@ -125,7 +125,7 @@ def _check_positive(path: Path, where: str, numbers: Mapping[str, float]) -> Non
 
 
 def find_policy(audience: Audience, path: Path | None = None) -> ImpactPolicy | None:
-    """Return the policy near an audience, or None near nobody.
+    """Return the contact limits for an audience, or None for nobody.
 
     Args:
         audience: people near the robot.

@@ -6,7 +6,7 @@ from kinesic.body.servo import FULL_DUTY_PWM, TICKS_PER_RADIAN, Drive, ServoMode
 
 MUSCLE_NAME = "muscle"  # name of the servo model of drives without a servo
 MUSCLE_VOLTAGE = 12.0  # [V] nominal supply voltage of muscles, which draw no current
-MUSCLE_GAIN = 5.0  # [1/rad] duty per radian of error, about that of real servos
+MUSCLE_GAIN = 5.0  # [1/rad] duty per radian of position error, about that of real servos
 MUSCLE_VELOCITY_FRACTION = 0.2  # Velocity limit / no-load velocity; leaves 80 % of stall torque at the limit
 
 

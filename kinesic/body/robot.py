@@ -47,7 +47,7 @@ class RobotArm:
     shoulder: int  # index of the upper arm's segment; its origin is the shoulder's centre
     elbow: int  # index of the forearm's segment
     wrist: int  # index of the hand's segment
-    palm: Site
+    palm: Site  # centre and normal of the palm
     shoulder_lift_joints: tuple[int, ...]  # hinges that raise the shoulder
     fingers: tuple[int, ...]  # hinges of the fingers, in joint order
     bodies: frozenset[str]  # names of its bodies in `Robot.bodies`
@@ -107,7 +107,7 @@ class Robot(Description, NotebookView):
 
     @cached_property
     def source_joints(self) -> SourceJoints:
-        """Joints under the names, signs and zeros of the imported file."""
+        """Conversion to names, signs and zeros of the imported file's joints."""
         return SourceJoints.of(self.skeleton, self.sources)
 
     @cached_property

@@ -50,7 +50,7 @@ def read_description(path: Path, *, calibrated: bool = True) -> Description:
 
 
 def _check_size(path: Path, file: RobotFile) -> None:
-    """Refuse too many bodies, hinges or capsules, or a negative clearance.
+    """Raise an error for excessive bodies, hinges or capsules, or negative clearance.
 
     A file with too many of them would keep the machine busy for hours.
     """
@@ -116,7 +116,7 @@ def robot_from_tables(file: RobotFile, path: Path, calibration: Calibration = NO
 
 
 def _find_impact_limits(file: RobotFile, path: Path) -> Path | None:
-    """Return the file of the robot's limits of contacts, in its folder."""
+    """Return the path of the robot's own file of contact limits."""
     name = None if file.audience is None else file.audience.limits
     if name is None:
         return None
@@ -163,7 +163,7 @@ def _coupling(coupling: CouplingTable, hinges: list[str]) -> Coupling:
 
 
 def _check(path: Path, file: RobotFile, servos: list[str]) -> None:
-    """Refuse unknown, duplicate or misplaced names, and invalid numbers, in robot files."""
+    """Raise an error for invalid names or numbers in a robot's file."""
     bodies: list[str] = []
     for body in file.body:
         _check_unique(path, "body", body.name, bodies)
@@ -197,7 +197,7 @@ def _check(path: Path, file: RobotFile, servos: list[str]) -> None:
 
 
 def _check_drive(path: Path, hinge: HingeTable, bodies: list[str], servos: list[str]) -> None:
-    """Refuse a hinge without a valid drive, or with servo and limits."""
+    """Raise an error unless a hinge has a valid servo or limits."""
     if hinge.limits is None:
         if hinge.servo is None or hinge.mount is None:
             raise ConfigError(f"{path}: hinge {hinge.name}: give servo and mount, or limits where no servo turns it")
@@ -214,7 +214,7 @@ def _check_drive(path: Path, hinge: HingeTable, bodies: list[str], servos: list[
 
 
 def _check_uniform_drives(path: Path, file: RobotFile) -> None:
-    """Refuse servos on only some hinges, and buses without servos."""
+    """Raise an error for partly missing servos, or buses without servos."""
     without = [hinge.name for hinge in file.hinge if hinge.limits is not None]
     if without and (driven := [hinge.name for hinge in file.hinge if hinge.servo is not None]):
         raise ConfigError(
@@ -225,7 +225,7 @@ def _check_uniform_drives(path: Path, file: RobotFile) -> None:
 
 
 def _check_couplings(path: Path, file: RobotFile, bodies: list[str], hinges: list[str]) -> None:
-    """Refuse couplings with an invalid driver or a rotation out of range."""
+    """Raise an error for couplings with invalid driver or range."""
     ranges = {hinge.name: hinge.range_deg for hinge in file.hinge}
     names: list[str] = []
     for coupling in file.coupling:
@@ -249,13 +249,13 @@ def _check_couplings(path: Path, file: RobotFile, bodies: list[str], hinges: lis
 
 
 def _source_tables(file: RobotFile) -> Mapping[str, SourceTable | None]:
-    """Return the joints of the imported file by hinge or coupling."""
+    """Return the imported file's joints, by hinge or coupling."""
     hinges = {hinge.name: hinge.source for hinge in file.hinge}
     return hinges | {coupling.name: coupling.source for coupling in file.coupling}
 
 
 def _check_sources(path: Path, file: RobotFile) -> None:
-    """Refuse two hinges with the same joint of the imported file."""
+    """Raise an error if two hinges represent the same imported joint."""
     names: list[str] = []
     for hinge, source in _source_tables(file).items():
         name = hinge if source is None else source.joint
@@ -276,7 +276,7 @@ def _check_hinge_numbers(path: Path, hinge: HingeTable, rest: float) -> None:
 
 
 def _check_axis(where: str, axis: Sequence[float]) -> None:
-    """Refuse an axis of zero, tiny or huge length."""
+    """Raise an error if an axis is zero, tiny or huge."""
     if not any(axis):
         raise ConfigError(f"{where}: axis is zero, must be a direction")
     if not 1.0 / MAX_AXIS_LENGTH <= hypot(*axis) <= MAX_AXIS_LENGTH:

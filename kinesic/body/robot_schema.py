@@ -69,8 +69,8 @@ class LimitsTable(Strict):
     """TOML table `limits` of a hinge without a servo."""
 
     speed_deg: float  # [deg/s] largest velocity
-    acceleration_deg: float  # [deg/s^2] of the unloaded hinge
-    torque: float  # [Nm]
+    acceleration_deg: float  # [deg/s^2] largest acceleration of the unloaded hinge
+    torque: float  # [Nm] largest torque
 
 
 class SourceTable(Strict):
@@ -93,11 +93,11 @@ class HingeTable(Strict):
     range_deg: tuple[float, float]  # [deg] lowest and highest angle
     servo: str | None = None  # model in `servos.toml` or `[servos]`
     mount: MountTable | None = None  # place of the servos
-    limits: LimitsTable | None = None  # in place of a servo
+    limits: LimitsTable | None = None  # limits of a hinge without a servo
     count: int = 1  # servos on the same shaft
     reduction: float = 1.0  # servo revolutions per hinge revolution
     at: Triple = (0.0, 0.0, 0.0)  # [m] centre of rotation in the body's frame
-    source: SourceTable | None = None  # joint of the imported file, whose name and zero written motions have
+    source: SourceTable | None = None  # joint of the imported file; exported motion has its name, sign and zero
 
 
 class CouplingTable(Strict):
@@ -136,7 +136,7 @@ class CollisionTable(Strict):
 
     clearance: float  # [m] smallest distance between bodies
     exclude: list[ExclusionTable] = []  # pairs without collision checks
-    contact: float = 0.015  # [m] distance of a hand from what it touches; at least clearance + 0.004
+    contact: float = 0.015  # [m] distance between a hand and the point that it touches; at least clearance + 0.004
 
 
 class SupplyTable(Strict):

@@ -25,22 +25,22 @@ class ServoModel:
 
     name: str
     model: int  # model number in the servo's control table
-    volt: float
-    stall_nm: float
-    stall_a: float
-    no_load_rpm: float
-    gear: float
+    volt: float  # [V] nominal voltage
+    stall_nm: float  # [Nm] stall torque
+    stall_a: float  # [A] stall current
+    no_load_rpm: float  # [1/min] no-load velocity
+    gear: float  # gear ratio
     mass: float  # [kg]
-    size: tuple[float, float, float]  # [m]
+    size: tuple[float, float, float]  # [m] width, height, depth
     p_gain: float  # factory position P gain
-    d_gain: float
-    kp_divisor: float
-    armature: float  # [kg m^2]
-    frictionloss: float  # [Nm]
-    damping: float  # [Nm s/rad]
+    d_gain: float  # factory position D gain
+    kp_divisor: float  # register units of the P gain per unit of gain
+    armature: float  # [kg m^2] rotor inertia at the output
+    frictionloss: float  # [Nm] Coulomb friction
+    damping: float  # [Nm s/rad] viscous friction
     idle_a: float = 0.0  # [A] current of the electronics alone
     thermal: tuple[float, float] | None = None  # [K/W] winding to surroundings, [J/K] of the winding; None: unknown
-    price_usd: float | None = None  # price of one piece; None: unknown
+    price_usd: float | None = None  # [USD] price of one piece; None: unknown
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Drive:
     """
 
     servo: ServoModel
-    count: int
+    count: int  # number of servos on the hinge's shaft
     reduction: float  # servo revolutions per hinge revolution
     velocity_fraction: float = USABLE_VELOCITY_FRACTION  # maximum planned velocity / no-load velocity
 

@@ -17,7 +17,7 @@ class SourceJoint:
     """
 
     name: str  # name in the imported file
-    sign: float  # 1 or -1
+    sign: float  # 1, or -1 if joint and hinge rotate in opposite directions
     zero: float  # [rad] joint angle at hinge angle 0
 
 
@@ -28,7 +28,7 @@ class SourceJoints:
     A hinge that the file does not name keeps its own name, sign and zero. Coupled joints of the file follow the hinges.
     """
 
-    names: tuple[str, ...]  # one per hinge in joint order, then coupled joints of the file
+    names: tuple[str, ...]  # (j,) joint names: one per hinge in joint order, then those of couplings
     hinges: tuple[str, ...]  # names of the hinges, in joint order
     ratios: Floats  # (j, n) joint angle per hinge angle
     offsets: Floats  # (j,) [rad] joint angles at hinge angles 0
@@ -62,11 +62,11 @@ class SourceJoints:
         return sealed(self.joint_rates(angles) + self.offsets)
 
     def joint_rates(self, rates: Floats) -> Floats:
-        """Return joint velocities or accelerations (..., j) of those of hinges."""
+        """Convert hinge velocities or accelerations to those of imported joints, (..., j)."""
         return sealed(rates @ self.ratios.T)
 
     def find_hinges(self, names: Sequence[str]) -> Mapping[int, int]:
-        """Return hinge index -> column for columns with joint or hinge names.
+        """Map hinge indices to table columns named after hinges or joints.
 
         If a hinge has both names among the columns, the name of its joint counts.
         """

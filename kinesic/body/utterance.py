@@ -21,7 +21,7 @@ class Mark:
     """Named position in a text, before the character at `position`."""
 
     name: str
-    position: int
+    position: int  # index of the character after the mark
     time: float | None = None  # [s] from the start of the speech, if the document sets it; None: the voice decides
 
 
@@ -29,8 +29,8 @@ class Mark:
 class Pause:
     """Pause of the voice before the character at `position` of a text."""
 
-    position: int
-    duration: float  # [s]
+    position: int  # index of the character after the pause
+    duration: float  # [s] length of the pause
     after: int = 0  # number of marks at this position that precede the pause
 
 
@@ -38,9 +38,9 @@ class Pause:
 class Emphasis:
     """Section of a text inside one SSML element, such as `emphasis`."""
 
-    begin: int  # first character
-    end: int  # after the last character
-    element: Stress
+    begin: int  # index of the first character
+    end: int  # index after the last character
+    element: Stress  # name of the SSML element
     attributes: tuple[tuple[str, str], ...] = ()
 
 
@@ -49,7 +49,7 @@ class Recording:
     """Sound file that replaces synthesis, with the times of its marks."""
 
     path: Path  # WAV file
-    marks: tuple[tuple[str, float], ...] = ()  # name, [s] from the start of the file
+    marks: tuple[tuple[str, float], ...] = ()  # name and time [s] of each mark, from the start of the file
     folder: Path | None = None  # folder of the document, in which the files must lie; None: anywhere
     words: Path | None = None  # file with the times of words or phonemes; None: the words are found by their sound
 
@@ -83,8 +83,8 @@ class Phoneme:
     symbol: str
     start: float  # [s] from the start of the utterance
     duration: float  # [s]
-    onset: float | None = None  # [s] from the same start, when the mouth reaches its shape; None: at its start
-    release: float | None = None  # [s] from the same start, when the mouth leaves its shape; None: at its end
+    onset: float | None = None  # [s] time from the utterance's start when the mouth reaches its shape; None: at `start`
+    release: float | None = None  # [s] time from the utterance's start when the mouth leaves its shape; None: at `end`
     opening: float = 1.0  # relative lip opening by loudness; 1 at the median level of the speech
 
     @property
