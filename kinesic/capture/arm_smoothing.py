@@ -30,7 +30,7 @@ MIN_DECREASE = 0.01  # relative decrease of the cost below which the search ends
 class _Arm:
     """State of the smoothing search for one arm."""
 
-    hinges: list[int]
+    hinges: list[int]  # indices of the arm's hinges
     path: ArmPath  # desired path of elbow and wrist
     weights: Floats  # (k,) cost weights of squared second differences of the angles
     lower: Floats  # (k,) [rad] lower ends of the joint ranges

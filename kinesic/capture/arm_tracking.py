@@ -14,12 +14,12 @@ from kinesic.ik.solve import solve
 SWIVEL_CUTOFF = 3.0  # [Hz] cut-off frequency of the elbow's swivel, which is noisy on straight arms
 MIN_ELBOW_OFFSET = 0.04  # [arm lengths] elbow distance from the shoulder-wrist line below which swivel is undefined
 SETTLING_STEPS = 20  # number of repeated solutions of the first target, starting at rest
-MAX_STEP = 0.35  # [rad] hinge rotation between samples above which the arm leaps to another posture
-BRIDGE_TIME = 0.08  # [s] interval before and after a leap that is interpolated
+MAX_STEP = 0.35  # [rad] hinge rotation between successive samples above which the motion counts as a leap
+BRIDGE_TIME = 0.08  # [s] interval before and after a leap in which angles are interpolated
 
 
 def track_arm(chain: Chain, path: ArmPath, length: float) -> tuple[Floats, int]:
-    """Solve arm angles (m, k) [rad] along a path, counting bridged leaps.
+    """Compute arm angles (m, k) [rad] along a path, and count leaps.
 
     The path is solved forward and backward in time. The solution with fewer leaps is taken, and the leaps that remain
     are bridged by a smooth rotation of all hinges.

@@ -69,7 +69,7 @@ def clip_of_skeleton(skeleton: Sequence[CapturedJoint], motion: CapturedMotion, 
 
 
 def skip_calibration(clip: BodyClip) -> BodyClip:
-    """Drop an initial T-pose of a clip until both wrists are lowered."""
+    """Remove an initial T-pose from a clip, until both wrists are lowered."""
     wrists = np.stack([arm.wrist for arm in clip.arms.values()])
     is_level = np.abs(wrists[:, 0, 2]) < LEVEL_HEIGHT
     is_straight = np.linalg.norm(wrists[:, 0], axis=1) > STRAIGHT_DISTANCE

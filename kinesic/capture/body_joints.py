@@ -43,8 +43,8 @@ class _Family:
     sides: tuple[str, str]  # words for the left and the right side
 
 
-HUMAN_SIDES = ("Left", "Right")
-LETTER_SIDES = ("L", "R")
+HUMAN_SIDES = ("Left", "Right")  # words for left and right in joint names
+LETTER_SIDES = ("L", "R")  # letters for left and right in joint names
 NAMING_FAMILIES = (  # naming conventions, the more specific ones first, because names overlap
     _Family(("JtRoot", "JtNeckA", "JtSkullA"), ("JtShoulder{}", "JtElbow{}", "JtWrist{}"), ("Lf", "Rt")),
     _Family(("Hips", "Neck1", "Head"), ("{}Arm", "{}ForeArm", "{}Hand"), HUMAN_SIDES),
@@ -170,7 +170,7 @@ def _side_of(names: Sequence[str]) -> Side | None:
 
 
 def _find_neck_and_head(start: CapturedJoint, children: Mapping[str | None, list[CapturedJoint]]) -> tuple[str, str]:
-    """Return the names of the neck `start` and of the head.
+    """Return the names of the neck joint `start` and the head joint.
 
     The head is the neck's first child, or the neck itself if it has no child.
     """

@@ -22,7 +22,7 @@ from kinesic.planning.setup import Setup
 
 MAX_DETOURS = 3  # largest number of self-collision avoidance rounds for one cost, with increasing clearance
 HINGE_COSTS = (0.1, 10.0)  # [arm lengths/rad] costs of hinge rotation, tried in turn: 0.1 keeps the wrist's path
-DETOUR_MARGIN = 0.002  # [m] added to the required clearance of the next round, besides the missing one
+DETOUR_MARGIN = 0.002  # [m] clearance that the next round requires beyond the missing clearance
 MIN_PATH = 0.1  # [arm lengths] extent of the wrist's path up to which a hand counts as still
 
 
@@ -142,7 +142,7 @@ def _find_clear(desired: RobotMotion, setup: Setup) -> tuple[NearestMotion, floa
 
 
 def largest_limit_ratio(trajectory: Trajectory, setup: Setup) -> float:
-    """Return a trajectory's largest value / limit, without torque and clearance.
+    """Return a trajectory's largest value / limit, except torque and clearance.
 
     It is sampled four times per knot interval.
     """
@@ -188,7 +188,7 @@ def correlate(first: Floats, second: Floats) -> float:
 
 
 def angles_between(first: Floats, second: Floats) -> Floats:
-    """Return the angles (m,) [rad] between vectors (m, 3)."""
+    """Return the angles (m,) [rad] between pairs of vectors (m, 3)."""
     sines = np.linalg.norm(np.cross(first, second), axis=1)
     angles: Floats = np.arctan2(sines, np.sum(first * second, axis=1))
     return angles

@@ -66,7 +66,7 @@ def _check_certified(certification: Certification) -> None:
 
 
 def list_notices(certification: Certification) -> tuple[Notice, ...]:
-    """Return notices about a motion's guesses, time stretch and wrist distance."""
+    """List notices about a motion's guesses, time stretch and wrist distance."""
     texts = list(certification.desired.notes)
     nearest, distance = certification.nearest, certification.distance
     if nearest.total_stretch > NOTICED_STRETCH:

@@ -14,13 +14,13 @@ MAX_ROUNDS = 16  # largest number of correction rounds of a path
 GRADIENT_STEP = 1e-3  # [rad] rotation for the finite difference of the clearance
 MIN_GRADIENT = 0.02  # [m/rad] damping of corrections where clearance hardly depends on the hinges
 MIN_GAIN = 1e-12  # smallest divisor, for samples whose clearance depends on no hinge
-COST_GROWTH = 1.3  # factor on the cost of hinge rotations after each round, as wrists that stay may block the way
+COST_GROWTH = 1.3  # factor on the cost of hinge rotations after each round, so that later rounds move the wrists more
 MAX_CORRECTION = 0.08  # [rad] largest rotation of a hinge in one round
 CORRECTION_MARGIN = 0.002  # [m] clearance beyond the required one that a correction aims at
 CORRECTION_WINDOW = 0.10  # [s] window of the maximum filter that holds a correction at full size
 CORRECTION_SMOOTHING = 0.06  # [s] standard deviation of the Gaussian filter on corrections
 FADE_TIME = 0.15  # [s] time over which corrections fade to zero at both ends of the motion
-SAMPLES_PER_GRADIENT = 5  # number of samples per gradient, less than `CORRECTION_WINDOW` holds
+SAMPLES_PER_GRADIENT = 5  # number of samples per computed gradient; must be shorter than `CORRECTION_WINDOW`
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +28,7 @@ class _Arm:
     """Hinges of one arm, and the segment pairs that include this arm."""
 
     side: Side
-    hinges: list[int]
+    hinges: list[int]  # indices of the arm's hinges
     is_own: Flags  # (p,) whether each pair of `Robot.counted_pairs` includes a segment of this arm
 
     @classmethod
@@ -92,7 +92,7 @@ def _fade(count: int) -> Floats:
 
 
 def _choose_samples(distances: Floats, min_clearance: float) -> Indices:
-    """Return the indices of close samples at which gradients are computed.
+    """Return the indices of samples with small clearance, for gradients.
 
     Of each run: every `SAMPLES_PER_GRADIENT`-th sample, and the closest one.
     """

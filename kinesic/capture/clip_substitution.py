@@ -64,7 +64,7 @@ def graph_of(captures: tuple[GestureCapture, ...]) -> MotionGraph:
 
 
 def _find_candidates(behaviour: ChosenBehaviour, setup: Setup) -> tuple[int, ...]:
-    """Return the indices of captured gestures with a gesture's meaning.
+    """Return the indices of captured gestures with a behaviour's meaning.
 
     Beats have a single meaning; other gestures need a clip that resembles the same gesture.
     """

@@ -29,19 +29,19 @@ MIN_BODY_ANGLE = 1.0  # [deg] smallest rotation of head or trunk that is written
 MAX_BODY_ANGLE = 30.0  # [deg] largest rotation of head or trunk that counts as part of the gesture
 MARKER_DIGITS = 3  # decimal places of markers in seconds
 
-_LICENCE_NAME = re.compile(r"licen[cs]e(\.\w+)?|copying", re.IGNORECASE)
-_IDLE_PREFIX = re.compile(r"^(?:[a-z]*idle[a-z]*\d*_)+", re.IGNORECASE)  # posture in which the actor started
-_ID_LETTERS = re.compile(r"[^A-Za-z0-9]+")
+_LICENCE_NAME = re.compile(r"licen[cs]e(\.\w+)?|copying", re.IGNORECASE)  # name of a licence file
+_IDLE_PREFIX = re.compile(r"^(?:[a-z]*idle[a-z]*\d*_)+", re.IGNORECASE)  # part of a file name: initial idle posture
+_ID_LETTERS = re.compile(r"[^A-Za-z0-9]+")  # characters that a gesture's name cannot contain
 
 
 @dataclass(frozen=True, eq=False)
 class ImportedClip:
     """Captured clip as the text and motion files of a gesture."""
 
-    id: str
-    category: str
-    text: str  # TOML header
-    motion: bytes  # .npz file
+    id: str  # name of the gesture
+    category: str  # lexicon category of the gesture
+    text: str  # text of the gesture's TOML file
+    motion: bytes  # content of the gesture's .npz file
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +49,8 @@ class ImportedFolder:
     """Result of importing a folder of clips."""
 
     clips: tuple[ImportedClip, ...]
-    problems: tuple[str, ...]  # clips left out, as sentences
-    card: GestureCard
+    problems: tuple[str, ...]  # reasons for each clip left out, as sentences
+    card: GestureCard  # description of the collection: origin and licence
 
 
 def import_folder(

@@ -70,18 +70,18 @@ def wrist_velocity(clip: BodyClip, times: Floats) -> Floats:
 
 
 def _departure(velocity: Floats, peak: int, first: int) -> int:
-    """Return the last sample before a peak at which the hand still holds."""
+    """Return the last sample before a peak at which the hand holds."""
     return _last_below(velocity, peak, DEPARTURE_RATIO * velocity[peak], first=first)
 
 
 def _last_below(velocity: Floats, before: int, threshold: float, *, first: int) -> int:
-    """Return the last sample before another whose velocity is below a threshold."""
+    """Return the last sample below a velocity threshold, before a given sample."""
     below = np.flatnonzero(velocity[first:before] < threshold)
     return first + int(below[-1]) if len(below) else first
 
 
 def _order_around_stroke(times: Mapping[str, float], duration: float) -> Mapping[str, float]:
-    """Return the markers in increasing order within the clip, keeping the stroke."""
+    """Put the markers in order within the clip, without moving the stroke."""
     stroke = min(max(times["stroke"], 0.0), duration)
     ordered = {"stroke": stroke}
     latest = stroke

@@ -15,7 +15,7 @@ MISMATCH_WEIGHT = 1.0  # cost per arm length by which a transition exceeds the d
 STRETCH_WEIGHT = 2.0  # cost per unit of log time ratio, where a clip has less time than in the capture
 STYLE_WEIGHT = 0.3  # cost per unit of difference between the clip's relative velocity and the style's
 MIN_LEAD = 0.02  # [s] shortest assumed time from strokeStart to stroke
-MIN_TIME_RATIO = 0.05  # smallest ratio of available and captured time
+MIN_TIME_RATIO = 0.05  # smallest ratio of available to captured time, below which the cost no longer grows
 NO_CLIP = -1  # index that stands for a gesture without a clip
 LEAVE_COST = 1.2  # cost of a gesture without a clip, which the lexicon then performs
 
@@ -24,8 +24,8 @@ LEAVE_COST = 1.2  # cost of a gesture without a clip, which the lexicon then per
 class GestureRequest:
     """Gesture of a sentence for which clips are compared."""
 
-    stroke: float  # [s] estimated time of its stroke
-    candidates: tuple[int, ...]  # indices of clips with its meaning
+    stroke: float  # [s] estimated time of the gesture's stroke
+    candidates: tuple[int, ...]  # indices of the clips that have the gesture's meaning
 
 
 @dataclass(frozen=True)
@@ -33,9 +33,9 @@ class ClipChoice:
     """Clip chosen for a gesture, with the costs that decided."""
 
     capture: int  # index of the clip
-    distance: float  # [arm lengths] from the pose in which the gesture before ends; 0 after a rest
+    distance: float  # [arm lengths] from the previous gesture's last pose to the clip's first; 0 after a rest
     stretch: float  # available time / captured time, at most 1
-    cost: float  # of this gesture
+    cost: float  # total cost of the choice
 
 
 def search_path(

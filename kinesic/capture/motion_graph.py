@@ -57,7 +57,7 @@ class MotionGraph:
 
     captures: tuple[GestureCapture, ...]
     nodes: tuple[PhaseNode, ...]
-    windows: Floats  # (w, f) weighted positions and velocities; their distance is that of two motions [arm lengths]
+    windows: Floats  # (w, f) [arm lengths] weighted positions and velocities, comparable by distance
     owners: Indices  # (w,) index of the gesture of each window
     times: Floats  # (w,) [s] times of the windows in their motions
     threshold: float  # [arm lengths] largest distance of an edge's windows
@@ -184,7 +184,7 @@ def _keep_connected(edges: Indices, owners: Indices) -> Indices:
 
 
 def _measure_transitions(captures: Sequence[GestureCapture], windows: Floats, owners: Indices, times: Floats) -> Floats:
-    """Return the smallest window distances (n, n) from a stroke's end to another's start."""
+    """Return smallest window distances (n, n) from stroke ends to stroke starts."""
     exits, entries = [], []
     for k, capture in enumerate(captures):
         markers = capture.markers

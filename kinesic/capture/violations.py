@@ -24,8 +24,8 @@ class Violation:
 
     limit: LimitName
     part: str  # joint, or pair of segments
-    time: float  # [s] of the largest violation
-    ratio: float  # value / limit; of a clearance 1 + missing clearance / `CLEARANCE_UNIT`
+    time: float  # [s] time of the largest violation
+    ratio: float  # largest value / limit; for a clearance 1 + missing clearance / `CLEARANCE_UNIT`
     fraction: float  # fraction of samples that violate the limit
 
     def __str__(self) -> str:

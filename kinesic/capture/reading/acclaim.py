@@ -32,10 +32,10 @@ class _Bone:
     """Bone of a skeleton: axes, far end and degrees of freedom."""
 
     direction: Floats = field(default_factory=lambda: NO_TURN)
-    length: float = 0.0
+    length: float = 0.0  # length of the bone in the file's unit
     axes: Floats = field(default_factory=lambda: NO_TURN)  # (3,) rotation angles of the bone's axes about x, y and z
     order: str = "xyz"  # order of the axes' rotations, the first applied first
-    freedoms: tuple[str, ...] = ()
+    freedoms: tuple[str, ...] = ()  # degrees of freedom, in the order of the motion's numbers
 
     @property
     def end(self) -> Floats:

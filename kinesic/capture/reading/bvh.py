@@ -22,7 +22,7 @@ from kinesic.capture.skeleton_motion import CapturedJoint, CapturedMotion, joint
 NO_ROTATION = sealed(np.zeros(3))  # (3,) zero vector: rotation [rad] of BVH joints before the motion, default offset
 MAX_FIRST_STEP = np.radians(30.0)  # [rad] rotation from the first to the second frame above which the first is a T-pose
 CHANNEL_AXES = "XYZ"  # axis letters of channels
-CHANNEL_KINDS = frozenset(f"{axis}{kind}" for axis in CHANNEL_AXES for kind in ("position", "rotation"))
+CHANNEL_KINDS = frozenset(f"{axis}{kind}" for axis in CHANNEL_AXES for kind in ("position", "rotation"))  # valid names
 MAX_CHANNELS = 6  # largest number of channels of a joint
 
 Channels = tuple[tuple[str, str], ...]  # joint and channel of every column, such as `Zrotation`

@@ -69,16 +69,16 @@ class Node(msgspec.Struct):
 class _Sampler(msgspec.Struct):
     """Key frames of one property."""
 
-    input: int
-    output: int
+    input: int  # index of the accessor with the times
+    output: int  # index of the accessor with the values
     interpolation: Interpolation = "LINEAR"
 
 
 class _Target(msgspec.Struct):
     """Animated property of a node."""
 
-    path: str
-    node: int | None = None
+    path: str  # name of the property
+    node: int | None = None  # index of the node
 
 
 class _Channel(msgspec.Struct):

@@ -17,7 +17,7 @@ class _Target(msgspec.Struct):
     """One setpoint of a recorded move."""
 
     head: list[list[float] | float] | None = None  # 4 x 4 pose matrix in the world frame [m], or its 16 numbers by rows
-    body_yaw: float | None = None  # [rad]
+    body_yaw: float | None = None  # [rad] rotation of the body about the vertical axis
 
 
 class _Move(msgspec.Struct):

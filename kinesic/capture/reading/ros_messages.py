@@ -83,8 +83,8 @@ class _Frame:
 class _Duration(msgspec.Struct):
     """Duration as ROS writes it in JSON."""
 
-    sec: Annotated[int, msgspec.Meta(ge=-(2**31), lt=2**31)] = 0  # [s]
-    nanosec: Annotated[int, msgspec.Meta(ge=0, lt=2**32)] = 0  # [ns]
+    sec: Annotated[int, msgspec.Meta(ge=-(2**31), lt=2**31)] = 0  # [s] whole seconds
+    nanosec: Annotated[int, msgspec.Meta(ge=0, lt=2**32)] = 0  # [ns] nanoseconds
 
 
 class _Point(msgspec.Struct):

@@ -26,14 +26,14 @@ SYNC_NAMES: Mapping[str, str] = {  # BML sync point by the name of a time in a .
     "relax": "relax",
 }
 
-_NUMBER_PATTERN = r"\s+([-+\d.eE]+)"
+_NUMBER_PATTERN = r"\s+([-+\d.eE]+)"  # one number after white space
 _JOINT_PATTERN = re.compile(
     rf"(?P<end>\}})|(?:root|joint)\s+(?P<name>\S+)\s*\{{\s*offset{3 * _NUMBER_PATTERN}"
     rf"(?:\s+prerot\s+axis{3 * _NUMBER_PATTERN}\s+ang{_NUMBER_PATTERN})?"
 )
-_COMMENT_PATTERN = re.compile(r"#.*")
-_CHANNELS_PATTERN = re.compile(r"^channels\s+(\d+)\s*$", re.MULTILINE)
-_TIME_PATTERN = re.compile(r"^(\w+) time:\s*(\S+)", re.MULTILINE)
+_COMMENT_PATTERN = re.compile(r"#.*")  # comment up to the end of the line
+_CHANNELS_PATTERN = re.compile(r"^channels\s+(\d+)\s*$", re.MULTILINE)  # line with the number of channels
+_TIME_PATTERN = re.compile(r"^(\w+) time:\s*(\S+)", re.MULTILINE)  # line with the time of a sync point
 
 
 def read_skeleton(data: bytes, source: str) -> tuple[CapturedJoint, ...]:
