@@ -106,7 +106,7 @@ class Speech:
 class Wait:
     """Waiting time without motion."""
 
-    duration: float | None = None  # [s]
+    duration: float | None = None  # [s] duration; None: default
 
 
 @dataclass(frozen=True)
@@ -131,7 +131,7 @@ class ParameterChange:
 
     target: str  # "block" or "block:behaviour"
     parameter: str  # "amount", "style", or a parameter of expressivity
-    value: str
+    value: str  # new value as text
 
 
 @dataclass(frozen=True)

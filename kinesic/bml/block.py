@@ -188,7 +188,7 @@ class SyncRef:
     behaviour: str
     sync: str
     iteration: int | None = None
-    offset: float = 0.0  # [s]
+    offset: float = 0.0  # [s] offset added to the sync point's time
 
 
 @dataclass(frozen=True)
@@ -265,7 +265,7 @@ class Block:
     manners: Mapping[Modality, Manner] = field(default_factory=dict)  # expressivity of all behaviours of a modality
     order: BlockOrder = BlockOrder()
     pause: float | None = None  # [s] maximum pause of speeches that give none; None: default
-    max_duration: float = MAX_BLOCK_DURATION  # [s]
+    max_duration: float = MAX_BLOCK_DURATION  # [s] largest time from the start of the block
 
 
 @dataclass(frozen=True)
@@ -291,7 +291,7 @@ class Timeline:
     block: Block
     timed: tuple[TimedBehaviour, ...]
     dropped: tuple[Drop, ...] = ()
-    notices: tuple[Notice, ...] = ()  # including those of the block
+    notices: tuple[Notice, ...] = ()  # warnings, including those of the block
 
     @property
     def start(self) -> float:

@@ -188,7 +188,7 @@ ACTION_READERS: dict[str, Callable[[BehaviourElement, DocumentReading], Action]]
 
 
 def select_form(element: Element, *, home: str | None) -> Element:
-    """Return the behaviour of the supported description with highest priority.
+    """Return an element's supported description of highest priority, or the element.
 
     A BML behaviour in a description replaces the core form at the same times. Expressivity, and speech with its own
     markup, supplement the core form. Without a supported description, the element itself (core form) is returned.
@@ -215,7 +215,7 @@ def _read_priority(description: Element) -> float:
 
 
 def _merge_forms(form: Element, element: Element) -> Element:
-    """Return a described behaviour with the id of the replaced one.
+    """Return a description's behaviour under the id of the replaced element.
 
     It also gets the sync attributes of the core form, unless it has its own.
     """
@@ -253,7 +253,7 @@ def _read_choice(choices: tuple[str, ...], node: BehaviourElement, reading: Docu
 
 
 def _read_mode(node: BehaviourElement, reading: DocumentReading, *, name: str = "") -> HandMode:
-    """Return a gesture's hands, as given or implied by its name.
+    """Return the hands of a gesture from its attribute or name.
 
     An unknown mode adds a notice and counts as unspecified.
     """

@@ -13,8 +13,8 @@ from kinesic.bml.block import DEFAULT_BOUNDS, DocumentBounds
 from kinesic.bml.reading.hands import infer_hands
 from kinesic.bml.reading.tree import Element, read_tree
 
-_TAG_PATTERN = re.compile(r"<([A-Za-z_][\w.:-]*)")
-_ROOT_PATTERN = re.compile(r"<(?:[\w.-]+:)?(?:bml|fml-apml)[\s/>]")
+_TAG_PATTERN = re.compile(r"<([A-Za-z_][\w.:-]*)")  # beginning of a start tag
+_ROOT_PATTERN = re.compile(r"<(?:[\w.-]+:)?(?:bml|fml-apml)[\s/>]")  # beginning of a root element
 _DECLARATION_PATTERN = re.compile(r"\s*<\?xml[^>]*\?>")  # XML declaration
 _ACTION_UNIT_PATTERN = re.compile(r"(\d+)_(left|right|both)", re.IGNORECASE)  # action unit with side, as in `1_left`
 _JOINT_INFLUENCES = {

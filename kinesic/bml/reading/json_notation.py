@@ -19,7 +19,7 @@ from kinesic.bml.reading.json_words import rewrite_json_behaviour
 from kinesic.bml.reading.tree import Element
 
 _BLANK_CHARACTERS = " \t\r\n"
-_NAME_PATTERN = re.compile(r"[A-Za-z_][\w.-]*(?::[A-Za-z_][\w.-]*)?")
+_NAME_PATTERN = re.compile(r"[A-Za-z_][\w.-]*(?::[A-Za-z_][\w.-]*)?")  # valid XML name
 _INVALID_CHARACTER_PATTERN = re.compile(
     r"[^\t\n\r -\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 )  # characters invalid in XML

@@ -7,8 +7,8 @@ _PROLOGUE_DELIMITERS = {
     "<!--": "-->",
     "<!DOCTYPE": ">",
 }  # start -> end of XML markup before the root element
-_PROLOGUE_PATTERN = re.compile(r"\s*(<\?|<!--|<!DOCTYPE|)", re.IGNORECASE)
-_TAG_PATTERN = re.compile(r"<(?:[\w.-]+:)?([\w.-]+)[\s/>]")
+_PROLOGUE_PATTERN = re.compile(r"\s*(<\?|<!--|<!DOCTYPE|)", re.IGNORECASE)  # start of markup before the root element
+_TAG_PATTERN = re.compile(r"<(?:[\w.-]+:)?([\w.-]+)[\s/>]")  # start tag
 
 
 def find_first_tag(text: str) -> str:

@@ -19,7 +19,7 @@ class DocumentReading:
     block: str
     dialect: Dialect
     home: str | None  # namespace of the <bml>
-    recordings: Path | None = None  # folder of the recordings of a document that is no file; None: not played
+    recordings: Path | None = None  # folder of the recordings of a document without a file; None: no sound
     notices: list[Notice] = field(default_factory=list)
 
     def error(self, place: Place, problem: str, remedy: str) -> BmlError:

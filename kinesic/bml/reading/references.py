@@ -31,10 +31,10 @@ Constraint = Synchronize | Precedence
 Relation = Literal["at", "after", "before"]
 
 _NUMBER_PATTERN = r"(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d++)?"
-_BARE_NUMBER_PATTERN = re.compile(rf"[+-]?{_NUMBER_PATTERN}")
+_BARE_NUMBER_PATTERN = re.compile(rf"[+-]?{_NUMBER_PATTERN}")  # number without a sync point
 _SIGN_PATTERN = re.compile(r"[+-]")  # sign that may start an offset
 _OFFSET_PATTERN = re.compile(rf"([+-])\s*({_NUMBER_PATTERN})")
-_RELATION_PATTERN = re.compile(r"(after|before)\s*\((.*)\)", re.DOTALL)
+_RELATION_PATTERN = re.compile(r"(after|before)\s*\((.*)\)", re.DOTALL)  # relation with its reference
 _ARRIVAL_SYNCS = ("ready", "attackPeak")  # sync points read as `end` in behaviours that lack them, such as shifts
 
 

@@ -137,8 +137,8 @@ class _TextReader:
     text: str = ""
     marks: dict[str, int] = field(default_factory=dict)
     marked: list[int] = field(default_factory=list)  # sorted text positions of the marks
-    times: dict[str, float] = field(default_factory=dict)  # [s] of marks with a time in the document
-    unusable: list[str] = field(default_factory=list)
+    times: dict[str, float] = field(default_factory=dict)  # [s] time of each mark with a time in the document
+    unusable: list[str] = field(default_factory=list)  # names of marks without a unique name
     pauses: list[Pause] = field(default_factory=list)
     emphases: list[Emphasis] = field(default_factory=list)
 

@@ -19,7 +19,7 @@ _DRAFT_SYNC_NAMES = {  # sync point of older drafts, which mark start and end of
     "relaxend": "end",
     "retractionend": "end",
 }
-_SYNC_NAME_PATTERN = re.compile(r"[A-Za-z]+([_-][A-Za-z]+)*")
+_SYNC_NAME_PATTERN = re.compile(r"[A-Za-z]+([_-][A-Za-z]+)*")  # words joined by underscores or hyphens
 # lower-case name -> sync point
 _SYNCS_BY_SPELLING: Mapping[str, str] = {name.lower(): name for name in SYNC_ATTRIBUTES} | _DRAFT_SYNC_NAMES
 

@@ -20,12 +20,12 @@ _THOUGHT_ELEMENT = re.compile(r"\s*<(think|thinking|thought|thoughts|reasoning|r
 _MARKDOWN_FENCE = re.compile(
     r"^[ \t]*(`{3,}|~{3,})[^\n`]*\n(.*?)(?:^[ \t]*\1[`~]*[ \t]*\r?$|\Z)", re.DOTALL | re.MULTILINE
 )
-_XML_DECLARATION = re.compile(r"\s*<\?xml[^<>]*\?>", re.IGNORECASE)
+_XML_DECLARATION = re.compile(r"\s*<\?xml[^<>]*\?>", re.IGNORECASE)  # XML declaration
 _JSON_START = re.compile(r"\{\s*\"|\[\s*\{\s*\"")  # start of a JSON object, or of a list of objects
 # key that only a BML document in JSON has
 _JSON_DOCUMENT = re.compile(r"\"(?:type|behaviours|behaviors|data|bml)\"\s*:")
 _JSON_TOKEN = re.compile(r"\"(?:[^\"\\\n]|\\.)*+\"?|[{}\[\]]")  # an unclosed string ends with its line
-_BLANK_RUN = re.compile(r"[\s\ufeff]*")
+_BLANK_RUN = re.compile(r"[\s\ufeff]*")  # any number of blanks
 
 
 @dataclass(frozen=True)
