@@ -48,7 +48,7 @@ from kinesic.planning.plan import Plan
 from kinesic.session.plan import plan
 
 FILM_RATE = 25.0  # [Hz] frame rate of films
-FILM_SUPERSAMPLING = 2  # samples along each side of a pixel, in films without preset draft
+FILM_SUPERSAMPLING = 2  # samples along each side of a pixel in films, except with preset draft
 MAX_SUPERSAMPLED_SIDE = 2048  # [pixels] largest film side with several samples per pixel
 EXPRESSION_FILM_DURATION = 2.0  # [s] duration of a film of one expression
 MIN_BRIGHTNESS = 0.01  # darkest light, relative to the default

@@ -19,7 +19,7 @@ class MetricsOutput:
     """Output options of benchmark metrics: JSON, plots, folder and overwriting."""
 
     as_json: bool
-    plots: Path | None  # folder
+    plots: Path | None  # folder of the plots
     out: Path | None  # folder of the metrics
     force: bool
 
@@ -29,7 +29,7 @@ class GesturePicture:
     """Options for pictures of gestures: turntable, line drawing, output file and overwriting."""
 
     turntable: bool
-    drawn: bool  # as lines
+    drawn: bool  # whether the picture shows lines instead of surfaces
     out: Path
     force: bool
 

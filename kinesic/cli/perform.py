@@ -61,7 +61,7 @@ class PerformOptions:
 class _Content:
     """Document, plain text or recording to perform."""
 
-    file: str  # or the name of a text or recording
+    file: str  # path of the document, or name of the text or recording
     text: str | None
     recording: SpokenRecording | None
 

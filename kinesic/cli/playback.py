@@ -106,7 +106,7 @@ def perform_on_servos(
     quiet: bool,
     listener: Callable[[Status], None] = lambda status: None,
 ) -> ServoRun:
-    """Perform on the servos, with speech, after the performance in the twin.
+    """Perform a plan on the servos with speech, after the twin.
 
     Servo events are appended to FOLDER/events.jsonl.
 
@@ -143,7 +143,7 @@ def _call_all(*listeners: Callable[[Status], None]) -> Callable[[Status], None]:
 
 
 def report_waiting() -> Callable[[Status], None]:
-    """Make a callback that prints the user action that the servos await.
+    """Make a callback that prints the user action required by the servos.
 
     It prints only if a person can act, and only when this changes.
     """

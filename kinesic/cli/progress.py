@@ -32,9 +32,9 @@ class Progress:
 
     label: str = ""
     fraction: float | None = None  # completed fraction 0..1, None if unknown
-    count: str = ""  # completed and all steps
+    count: str = ""  # number of completed steps and of all steps
     note: str = ""
-    start: float = field(default_factory=monotonic)  # [s] monotonic clock
+    start: float = field(default_factory=monotonic)  # [s] start of the command on the monotonic clock
 
     def line(self, now: float) -> str:
         """Return the progress line at a time of the monotonic clock."""

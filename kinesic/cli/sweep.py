@@ -108,7 +108,7 @@ def _to_json(gesture: str, style: str, sweeps: Sequence[Series], styles: Mapping
 
 
 def _tabulate_series(series: Series) -> Table:
-    """Tabulate a parameter sweep by value, the measure of that parameter first."""
+    """Tabulate a sweep by parameter value, with the parameter's own measure first."""
     measure = MEASURE_OF[series.parameter]
     names = (measure.name, *(name for name in MEASURE_COLUMNS if name != measure.name))
     title = Text(f"{series.gesture}: {series.parameter} (")

@@ -20,7 +20,7 @@ from kinesic.sim.log import read_log
 
 
 def fit_twin(log: Path, robot: str, free: tuple[str, ...], out: Path | None, force: bool, as_json: bool) -> int:
-    """Fit the twin's servo parameters to a log, and list undetermined ones."""
+    """Fit the twin's servo parameters to a log, and list undetermined parameters."""
     if out is not None:
         check_file(out, force=force)
     robot_model = load_robot(robot)

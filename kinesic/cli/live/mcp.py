@@ -35,9 +35,9 @@ if TYPE_CHECKING:
     from kinesic.mcp.robot_line import RobotLine
     from kinesic.planning.setup import Setup
 
-SERVER_END_TIMEOUT = 15.0  # [s] time limit for the server that this command started to fold the arms and end
+SERVER_END_TIMEOUT = 15.0  # [s] longest time for the robot's server to fold the arms and end
 SWITCH_INTERVAL = 0.0001  # [s] Python thread switch interval; short, so that an emergency stop is prompt
-LISTENING_PATTERN = re.compile(r"listening at (\S+):(\d+)")
+LISTENING_PATTERN = re.compile(r"listening at (\S+):(\d+)")  # line of the server with its address
 START_EXIT_CODE = 2  # exit code if the server of the robot does not start
 
 

@@ -14,7 +14,7 @@ from kinesic.cli.options import Output, Performers, Planning
 from kinesic.cli.plain_words import printable
 from kinesic.serve.wire.transport import WordConsole
 
-NO_CLIENTS = AccessOptions("none", None, (), texts=False)
+NO_CLIENTS = AccessOptions("none", None, (), texts=False)  # server access without network
 WARNING_TAG = "<warningFeedback"  # start of a BML warning message
 LOSS_PREFIXES = ("rule ", "not performed", "left out")  # starts of warnings about lost words or behaviours
 

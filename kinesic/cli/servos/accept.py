@@ -39,14 +39,14 @@ Content = TypeVar("Content")  # type of a JSON file
 
 
 class PerformedCheck(msgspec.Struct):
-    """One check of report.json."""
+    """One check in a performance's report.json."""
 
     name: str
     value: float | None
 
 
 class WorstEnergy(msgspec.Struct):
-    """Largest energy of a contact in report.json."""
+    """Largest contact energy in a performance's report.json."""
 
     energy_j: float
     segment: str
@@ -54,14 +54,14 @@ class WorstEnergy(msgspec.Struct):
 
 
 class ForceLimit(msgspec.Struct):
-    """Planned force on one part of a person, and its limit."""
+    """Planned contact force on one body part, and its limit."""
 
     force_n: float
     limit_n: float | None
 
 
 class PlannedContact(msgspec.Struct):
-    """Contacts with people in report.json."""
+    """Planned contacts with people in a performance's report.json."""
 
     near: str
     source: str | None
@@ -70,7 +70,7 @@ class PlannedContact(msgspec.Struct):
 
 
 class ServoEnding(msgspec.Struct):
-    """End of a performance on servos in report.json."""
+    """End of a servo performance in report.json."""
 
     ending: str
 
@@ -96,7 +96,7 @@ class TestedServo(msgspec.Struct, frozen=True):
 
 
 class TestedRobot(msgspec.Struct, frozen=True):
-    """Properties of a robot with which a report expires."""
+    """Properties of a robot whose changes make a report expire."""
 
     name: str
     limbs: str  # hash of masses, inertias and positions
@@ -105,12 +105,12 @@ class TestedRobot(msgspec.Struct, frozen=True):
 
 
 class StepResult(msgspec.Struct, frozen=True):
-    """Measured value of one step and its bound."""
+    """Measured value of one test step, and its largest passed value."""
 
     name: str
     instruction: str
-    value: float | None  # None: skipped
-    bound: float
+    value: float | None  # measured value; None: skipped
+    bound: float  # largest value that passes
     ratio: float | None  # value / bound; None: skipped, or the bound is 0
     unit: str
     passed: bool
@@ -186,7 +186,7 @@ def _read(path: Path, kind: type[Content]) -> Content:
 
 
 def _require_policy(performed: PerformedReport, robot: str, source: Path) -> PlannedContact:
-    """Return the contacts of a performance that suits the test.
+    """Return a performance's contacts with people, if suitable for the test.
 
     Raises:
         ConfigError: another robot performed, without servos, not to its end, or without a policy.
@@ -261,7 +261,7 @@ def _print_verdict(report: AcceptanceReport, contact: PlannedContact) -> None:
 
 
 def _print_expiry(report: AcceptanceReport, present: TestedRobot) -> int:
-    """Print whether a report is still of this robot."""
+    """Print whether a report still holds for this robot."""
     changes = list(_find_changes(report.robot, present))
     for change in changes:
         click.echo(f"expired: {change}")
@@ -274,7 +274,7 @@ def _print_expiry(report: AcceptanceReport, present: TestedRobot) -> int:
 
 
 def _find_changes(tested: TestedRobot, present: TestedRobot) -> Iterable[str]:
-    """Yield the differences with which a report expires."""
+    """Yield the differences that make a report expire."""
     if tested.name != present.name:
         yield f"the report is of {tested.name}, not {present.name}"
         return

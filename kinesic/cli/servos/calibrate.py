@@ -40,14 +40,14 @@ from kinesic.hardware.tools.calibration import (
     measure_hinges,
 )
 
-PROMPT_LINES = 6  # lines of the terminal that the prompt and the heading take
+PROMPT_LINES = 6  # number of terminal lines of prompt and heading
 DISPLAY_RATE = 8.0  # [Hz] redraws of the table
 POLL_PERIOD = 0.05  # [s] between two snapshots of the servos
 ZERO_POSTURE_PROMPT = (
     "Hold the robot in its zero posture, every hinge at 0 degrees (upper22: arms hang, palms to the thighs, head up)."
 )
 TURN_HINGES_PROMPT = "Turn every hinge by hand: first in the direction of the table, then through its whole range."
-WHOLE_TURN_LIMITS = {Register.MIN_POSITION_LIMIT: 0, Register.MAX_POSITION_LIMIT: TICKS_PER_TURN - 1}
+WHOLE_TURN_LIMITS = {Register.MIN_POSITION_LIMIT: 0, Register.MAX_POSITION_LIMIT: TICKS_PER_TURN - 1}  # [ticks]
 ENTER_KEYS = {"\n", "\r"}  # characters that the Enter key sends
 
 
