@@ -141,7 +141,7 @@ class _Rig:
     """Precomputed data for the deformation of a face mesh."""
 
     mixing: Floats  # (s, c) weights of expression shapes by action unit channel
-    shape: Mapping[str, int]  # name -> index
+    shape: Mapping[str, int]  # name of an expression shape -> index
     eyeballs: tuple[NDArray[np.intp], NDArray[np.intp]]  # vertices of the left and right eyeball
     lids: tuple[Lids, Lids]
     lips: Lips

@@ -45,7 +45,7 @@ class DressedPerson:
     """Mesh of a dressed person, with clothes and skinning weights."""
 
     mesh: Mesh
-    weights: "scipy.sparse.csr_array"  # (v, frames) sum to 1 per vertex
+    weights: "scipy.sparse.csr_array"  # (v, frames) skinning weights; each row sums to 1
     centres: Mapping[str, Floats]  # segment -> (3,) [m] position of its joint
     angles: Mapping[str, float]  # hinge -> [rad] pose of the skeleton in which the mesh was made
 

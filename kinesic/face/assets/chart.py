@@ -20,7 +20,7 @@ AXIS_OFFSET = 1.6  # distance of the cylinder axis behind the eyes, in distances
 WINDOW_LEFT_RIGHT = (-1.8, 1.8)  # [rad] painted range of chart coordinate a (twice the angle around the head)
 WINDOW_LOW_HIGH = (-2.2, 1.6)  # [eye distances] range of the chart coordinate y (height) that is painted
 MASK_RAMP = (-0.6, -0.4)  # [eye distances] forward positions between which the mask of painted skin rises from 0 to 1
-HAIRLINE_POINTS = (  # angle from the front [deg], height in distances between the eyes
+HAIRLINE_POINTS = (  # hairline: angle from the front [deg], height in distances between the eyes
     (0.0, 1.25),
     (25.0, 1.23),
     (42.0, 1.05),

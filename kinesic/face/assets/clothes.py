@@ -20,8 +20,8 @@ CLOTH_GLOSS = 0.06  # specular strength of cloth
 LEATHER_GLOSS = 0.35  # specular strength of leather
 CUFF_POSITION = 0.90  # position of the cuff along the forearm, 0 elbow .. 1 wrist
 TIGHTENING_RANGE = 0.055  # [m] distance from cuffs and neckline within which the shirt tightens
-CUFF_TIGHTENING = 0.0085  # [m] by which the shirt is tightened at the cuffs, so that no gap shows
-NECK_TIGHTENING = 0.003  # [m] by which the shirt is tightened at the neckline, so that no gap shows
+CUFF_TIGHTENING = 0.0085  # [m] distance by which the shirt is tightened at the cuffs, so that no gap shows
+NECK_TIGHTENING = 0.003  # [m] distance by which the shirt is tightened at the neckline, so that no gap shows
 WAIST_HEIGHT = 0.075  # [m] height of the top of the trousers above the pelvis
 HEM_HEIGHT = 0.0  # [m] height of the shirt's lower hem above the pelvis
 ANKLE_HEIGHT = -0.735  # [m] height of the lower end of the trousers above the pelvis
@@ -36,8 +36,8 @@ class Garment:
 
     colour: Colour
     gloss: float
-    offset: Floats  # (v,) [m] outward from the suit
-    beyond: Floats  # (v,) [m] beyond the nearest border; negative inside the cloth
+    offset: Floats  # (v,) [m] outward distance from the suit
+    beyond: Floats  # (v,) [m] distance beyond the nearest border; negative inside the cloth
 
 
 def cut_garments(points: Floats, centres: Mapping[str, Floats]) -> tuple[Garment, ...]:

@@ -22,11 +22,11 @@ class HairStyle:
     width: tuple[float, float]  # half width of a lock at the temple and on top
     tip: float  # relative width of the tip
     off: tuple[float, float]  # distance of the middle of a lock from the skull, at the temple and on top
-    lies: float  # reduction of that distance at the tip, as a fraction
+    lies: float  # reduction of `off` at the tip of a lock, as a fraction
     cut: float  # minimum height of the ends of locks
     over_ears: bool  # whether hair covers the ears
     part: float | None  # lateral position of the parting; None: combed back
-    face_off: float  # distance of a lock from the cheek, relative to that elsewhere
+    face_off: float  # distance of a lock from the cheek / distance elsewhere
     curl: float  # component of the comb direction towards the cheek
     falls: float  # downward component of the comb direction at the sides
 

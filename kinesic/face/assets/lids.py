@@ -31,17 +31,17 @@ Vertices = NDArray[np.intp]
 class Lids:
     """Geometry of the upper and lower lid of one eye."""
 
-    centre: Floats  # (3,) [m] of the eyeball
-    radius: float  # [m]
+    centre: Floats  # (3,) [m] centre of the eyeball
+    radius: float  # [m] radius of the eyeball
     upper: Vertices  # edge of the upper lid, from right to left
-    lower: Vertices
+    lower: Vertices  # edge of the lower lid, from right to left
     skin: Vertices  # (k,) skin that may touch the eyeball
     lid_motion: Floats  # (k,) 0..1 motion relative to the edge of the upper lid
     clearance: Floats  # (k,) [m] minimum distance from the eyeball
     hidden_fractions: Floats  # (n,) hidden fraction of the iris at n equally spaced lid positions
-    lashes: Vertices  # (l,)
+    lashes: Vertices  # (l,) vertices of the lashes
     roots: "scipy.sparse.csr_array"  # (l, v) interpolation of the root of each lash on a lid edge
-    strands: Floats  # (l, 3) [m] vectors from the roots
+    strands: Floats  # (l, 3) [m] vectors from root to vertex of each lash
     rest_elevations: Floats  # (l,) [rad] elevation of the roots at rest
 
     def close(self, positions: Floats, closure: float, ahead: Floats) -> None:

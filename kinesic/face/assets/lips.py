@@ -34,7 +34,7 @@ STICKING_GAP = 0.001  # [m] gap scale over which lips stop sticking together
 class Lips:
     """Upper and lower lip, divided into vertical columns from right to left."""
 
-    skin: NDArray[np.intp]  # (k,) skin that yields
+    skin: NDArray[np.intp]  # (k,) skin vertices that yield to the other lip
     yield_factors: Floats  # (k,) -1..1 upward motion per unit of overlap
     points: "scipy.sparse.csr_array"  # (n, v) interpolation of points on the upper, then the lower lip
     starts: NDArray[np.intp]  # (2,) index of the first point of each lip

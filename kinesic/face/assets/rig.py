@@ -13,8 +13,8 @@ from dataclasses import dataclass
 from types import MappingProxyType
 
 FINGER_NAMES = ("thumb", "index", "middle", "ring", "pinky")
-UPPER_ARM_TWIST_RANGE = (0.10, 0.90)  # start and end of the twist, as fractions of the bone
-FOREARM_TWIST_RANGE = (0.05, 0.97)  # start and end of the twist, as fractions of the bone
+UPPER_ARM_TWIST_RANGE = (0.10, 0.90)  # section of the upper arm that twists, as fractions of the bone's length
+FOREARM_TWIST_RANGE = (0.05, 0.97)  # section of the forearm that twists, as fractions of the bone's length
 
 
 @dataclass(frozen=True)
@@ -24,7 +24,7 @@ class SkinningFrame:
     name: str
     segment: str  # segment whose hinges turn the frame about its origin
     rotation_fraction: float = 1.0  # fraction of the segment's rotation without twist
-    twist: float = 1.0  # fraction of the twist about the bone, if there is one
+    twist: float = 1.0  # fraction of the twist about the bone, if the segment twists
 
 
 def _build_arm_frames(side: str) -> tuple[SkinningFrame, ...]:

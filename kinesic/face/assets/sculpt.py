@@ -34,11 +34,11 @@ SHAPE_GAINS: Mapping[str, float] = MappingProxyType(  # factors on expression sh
 class Bulge:
     """Round region of skin that an expression moves outward and up."""
 
-    aside: float  # position of the centre, in distances between the eyes
-    up: float
-    reach: float  # radius, in distances between the eyes
-    outward: float  # [m]
-    upward: float  # [m]
+    aside: float  # [eye distances] lateral position of the centre
+    up: float  # [eye distances] height of the centre
+    reach: float  # [eye distances] radius
+    outward: float  # [m] displacement along the normals of the skin
+    upward: float  # [m] upward displacement
 
 
 SHAPE_BULGES: Mapping[str, tuple[Bulge, ...]] = MappingProxyType(  # shape -> left bulges; right bulges are mirrored
@@ -68,7 +68,7 @@ class LipArc:
 
     lip: Literal["upper", "lower", "both"]
     axis: Literal["forward", "outward", "up"]
-    asides: tuple[float, ...]  # distances from the midline, in distances between the eyes
+    asides: tuple[float, ...]  # [eye distances] distances from the midline
     shifts: tuple[float, ...]  # [mm] displacement at these distances
 
 

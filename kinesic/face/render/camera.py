@@ -23,9 +23,9 @@ Direction = tuple[float, float, float]
 class Camera:
     """Camera that looks horizontally at the head's centre or another point."""
 
-    yaw_deg: float = 0.0  # 0 is frontal, 90 shows the left side of the head, 180 the back
-    distance: float = 0.85  # [m] from the pivot
-    field_deg: float = 19.0  # vertical field of view
+    yaw_deg: float = 0.0  # [deg] 0 is frontal, 90 shows the left side of the head, 180 the back
+    distance: float = 0.85  # [m] distance from the pivot
+    field_deg: float = 19.0  # [deg] vertical field of view
     turn: tuple[float, float, float] = (0.0, 0.0, 0.0)  # [rad] head turned left, up, tilted to its right
     pivot: Direction = HEAD_CENTRE  # [m] point in the centre of the picture
 
@@ -96,8 +96,8 @@ CLOSE_CAMERA = Camera(field_deg=15.0)  # camera for which the face fills the pic
 class Lamp:
     """Directional light with direction and colour."""
 
-    towards: Direction  # in the camera's frame: x right, y up, z towards the viewer
-    power: Colour  # linear RGB
+    towards: Direction  # unit direction in the camera's frame: x right, y up, z towards the viewer
+    power: Colour  # linear RGB strength
 
 
 @dataclass(frozen=True)

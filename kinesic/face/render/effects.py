@@ -25,15 +25,15 @@ class Effects:
     """
 
     occlusion: Marching | None = None
-    size: int | None = None  # samples across
+    size: int | None = None  # number of samples across the occlusion kernel
     estimator: Estimator | None = None
     falloff: Falloff | None = None
     pattern: Pattern | None = None
-    tile: int | None = None  # [pixels] along a side of the pattern
+    tile: int | None = None  # [pixels] side of the pattern
     scattering: Spreading | None = None
     shadow: Shading | None = None
     focus: str | None = None  # none, eyes, a distance [m], or a range such as 0.75:0.85
-    eyeshade: bool = False  # whether the head wears one
+    eyeshade: bool = False  # whether the head wears an eyeshade
 
     def apply_to(self, preset: Preset) -> Preset:
         """Return a quality preset with these rendering effects.

@@ -23,13 +23,13 @@ from kinesic.face.render.shape import MovingMesh
 
 HeadLayer = Literal["skin", "organs", "lashes", "cloth", "film", "hair", "hair inside"]
 
-PIXEL_MARGIN = 3  # [pixels] added around a rectangle of drawn vertices
+PIXEL_MARGIN = 3  # [pixels] margin around a rectangle of drawn vertices
 EYESHADE_TRANSMITTANCE = (0.30, 0.95, 0.45)  # fraction of light through the eyeshade, linear RGB
 EYESHADE_COVERAGE = 0.5  # fraction of the eyeshade's pixels that are drawn
 EYESHADE_GLOSS = 0.5  # specular strength of the eyeshade
 HAIR_LAYERS: tuple[HeadLayer, ...] = ("hair", "hair inside")
-SKIN_ROW = 6  # [floats] moving attributes of a vertex: position and normal
-HAIR_ROW = 9  # [floats] moving attributes of a vertex of a lock: position, normal and direction of the strands
+SKIN_ROW = 6  # [floats] size of a skin vertex's moving attributes: position and normal
+HAIR_ROW = 9  # [floats] size of a hair vertex's moving attributes: position, normal and direction of the strands
 DEFAULT_HAIR_COLOUR: Colour = (0.0, 0.0, 0.0)  # linear RGB colour of locks if the caller gives no colour
 PART_DEPTH_RANGE = 8.0  # [m] depth range per part of the mesh; equal to form.frag.glsl
 

@@ -47,7 +47,7 @@ class DrawnHead:
     shape: MovingMesh
     drawn_on: Mesh  # mesh whose chart is used for painting and wrinkles; vertices correspond
     complexion: Complexion
-    locks: Locks | None = None  # fixed in the head's frame
+    locks: Locks | None = None  # locks of hair, fixed in the head's frame
 
 
 class Pipeline:

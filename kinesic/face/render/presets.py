@@ -22,13 +22,13 @@ MAX_OCCLUSION_SAMPLES = 63  # largest number of samples across the occlusion ker
 class Occlusion:
     """Parameters of ambient occlusion (thesis chapter 3)."""
 
-    size: int = 11  # samples across, k; k x k samples if exact, otherwise k per axis
+    size: int = 11  # k samples across the kernel; k x k samples if exact, otherwise k per axis
     exact: bool = False  # whether all directions are sampled
     axes: Axes = 2  # perpendicular axes; 2 is separable, 1 misses occluders (Figure 3.9)
     estimator: Estimator = "angular"
     pattern: Pattern = "hammersley"  # distribution of directions over the pixels of a tile
     tile: int = 4  # [pixels] along a side of the tile and of the blur (listing 11.1)
-    falloff: Falloff = "wendland"  # weight by distance (3.3)
+    falloff: Falloff = "wendland"  # weight of occluders by distance (thesis 3.3)
     radius: float = 0.024  # [m] range of occluders
     strength: float = 1.4  # factor on the occlusion
 
@@ -51,10 +51,10 @@ class Scattering:
     """Parameters of subsurface scattering (thesis 5.1 and 5.2)."""
 
     width: float = 0.0035  # [m] spread of red light
-    threshold: float = 0.93  # openness above which smooth areas are not filtered; 1 filters all
-    steps: int = 3  # samples on each side
+    threshold: float = 0.93  # ambient light fraction above which smooth areas are not filtered; 1 filters all areas
+    steps: int = 3  # number of samples on each side of a pixel
     levels: int = 1  # levels of detail; more occluded pixels use more samples (Figure 5.2)
-    deep: float = 0.6  # openness below which all samples are used
+    deep: float = 0.6  # ambient light fraction below which all samples are used
 
     def __post_init__(self) -> None:
         if self.levels > 1 and not self.deep < self.threshold:
@@ -88,7 +88,7 @@ class Focus:
     """Parameters of depth of field (thesis 12.1)."""
 
     circle: float = 0.03  # maximum radius of the circle of confusion, relative to picture height
-    plane: float | None = None  # [m] sharp depth from the camera; None: that of the nearer eye
+    plane: float | None = None  # [m] depth of the sharp plane from the camera; None: depth of the nearer eye
     within: float = 0.03  # [m] sharp range before and behind the plane
     taps: int = 24  # samples per pixel
 
@@ -105,11 +105,11 @@ class Preset:
     wrinkles: bool = True
     hair: bool = True  # whether hair has locks in addition to the painted scalp
     occlusion: Occlusion | None = None
-    scattering: Scattering | None = None  # uses the occlusion if there is one
+    scattering: Scattering | None = None  # scattering in the skin, controlled by the occlusion if present
     shadow: Shadow | None = None
     focus: Focus | None = None
-    eyeshade: bool = False  # whether the head wears one
-    coarse: int = 2  # [pixels] along a side of a block with common occlusion and shadow
+    eyeshade: bool = False  # whether the head wears an eyeshade
+    coarse: int = 2  # [pixels] side of a block with common occlusion and shadow
     smooth: bool = True  # whether edges are smoothed
     samples: int = 1  # drawn pixels along a side of a displayed pixel
 

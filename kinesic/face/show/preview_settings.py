@@ -21,4 +21,4 @@ class PreviewSettings:
     light: float = 1.0  # brightness factor of the scene
     yaw_deg: float = 0.0
     beside: Path | None = None  # film of the body on the clock of the performance, shown next to the face
-    effects: Effects = NO_EFFECTS  # changes of any preset
+    effects: Effects = NO_EFFECTS  # changes of rendering effects in any preset

@@ -20,7 +20,7 @@ from kinesic.face.show.files import check_film, save_film
 
 MAX_PICTURES = 3600  # largest number of pictures per film
 PUPIL_DIGITS = 5  # decimal places of a pupil diameter [m]; finer changes are invisible
-TIME_TOLERANCE = 1e-6  # [s] by which a command may be early for its picture
+TIME_TOLERANCE = 1e-6  # [s] largest time by which a command may precede its picture
 
 
 @dataclass(frozen=True)
