@@ -47,7 +47,7 @@ def _requirement() -> str:
 
 
 def _interpreter() -> str:
-    """Return the interpreter's path for a shell.
+    """Return the Python interpreter's path, quoted for a shell.
 
     It is relative if it lies in the current folder.
     """

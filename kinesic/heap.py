@@ -52,7 +52,7 @@ def _start_trimming() -> None:
 
 
 def _trim_periodically(trim: Callable[[int], int]) -> None:
-    """Return free pages within the heap to the system periodically."""
+    """Give free heap pages back to the system periodically."""
     while True:
         sleep(TRIM_PERIOD)
         trim(0)  # takes a tenth of a millisecond, without the interpreter's lock

@@ -10,7 +10,7 @@ from kinesic.body.utterance import Samples
 from kinesic.hearing.voice_activity import FRAME_SIZE, VOICE_RATE
 
 VOICE_BAND = (300.0, 4000.0)  # [Hz] frequencies whose power is compared
-MIN_POWER_RATIO = 4.0  # smallest ratio of a frame's power to that of the expected residual: 6 dB
+MIN_POWER_RATIO = 4.0  # smallest power of a frame with another sound / expected power of the residual echo: 6 dB
 INITIAL_RESIDUAL = 0.5  # initial estimate of the residual: fraction of the echo's power that the canceller leaves
 RESIDUAL_FALL = 0.2  # fraction of the difference by which a too large residual estimate falls in a frame
 RESIDUAL_GROWTH = 1.01  # factor per frame on a too small residual estimate; low, because a person may be speaking

@@ -10,7 +10,7 @@ from kinesic.body.utterance import Samples
 FILTER_REACH = 10  # zero crossings of the filter before and after its peak
 FILTER_SHAPE = 5.0  # beta of the Kaiser window, for a stopband attenuation of 54 dB
 MAX_INPUT_RATE = 192_000  # [Hz] highest rate of a sound card
-MIN_INPUT_RATE = 4_000  # [Hz] below it, speech is not intelligible
+MIN_INPUT_RATE = 4_000  # [Hz] lowest accepted sample rate; at lower rates, speech is not intelligible
 
 
 class StreamResampler:

@@ -37,7 +37,7 @@ class MovementBudget:
 
 
 def budget_of(seconds: float, style: Style) -> MovementBudget:
-    """Return the movement budget of a text.
+    """Return the limits on a text's gestures and movements.
 
     A lively style has more gestures with shorter intervals.
 

@@ -209,7 +209,7 @@ def _add_quiet_tools(
 
 
 def _add_resources(server: ToolServer, load_lexicon: Callable[[], "Lexicon"]) -> None:
-    """Add the resources and the prompt."""
+    """Add the resources and the prompt of the MCP server."""
 
     @server.resource("kinesic://usual", description="The 40 most common gestures.", mime_type="text/plain")
     def usual() -> str:

@@ -25,7 +25,7 @@ class _Session:
 
     @contextmanager
     def used(self, method: str) -> Iterator[None]:
-        """Record a request or stream of the session within the context."""
+        """Count a request or stream of the session during a `with` block."""
         is_stream = method == "GET"
         self.streams += is_stream
         self.requests += not is_stream

@@ -58,7 +58,7 @@ class FastPosture:
 
 
 def list_measured_steps(robot: Robot, *, faults: int, force_ratio: float, planned: Log, measured: Log) -> list[Step]:
-    """Return the steps whose values need no answer of the owner.
+    """Return the acceptance test steps whose values are measured automatically.
 
     Args:
         robot: the robot.
@@ -76,7 +76,7 @@ def list_measured_steps(robot: Robot, *, faults: int, force_ratio: float, planne
 
 
 def list_manual_steps(robot: Robot, *, energy: float, segment: str, time: float, planned: Log) -> list[Step]:
-    """Return the steps that the owner measures.
+    """Return the acceptance test steps that the robot's owner measures.
 
     Args:
         robot: the robot.

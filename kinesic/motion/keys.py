@@ -297,7 +297,7 @@ def _find_successive_keys(keys: Keys) -> tuple[set[Pair], set[Pair]]:
 
 
 def _with_paths(column: Flags, is_exact: Flags) -> list[int]:
-    """Return a hinge's exact keys, with other exact keys along its paths.
+    """Return rows of exact keys of a hinge, and within its paths.
 
     Where it passes keys approximately in between, the exact keys of other hinges are included.
 

@@ -24,7 +24,7 @@ from kinesic.motion.segments import SplineSegment
 from kinesic.motion.trajectory import spline_weights
 
 SOLVER_PRECISION = 1e-4  # absolute tolerance of the solver; results are made exact afterwards
-BINDING_RATIO = 0.0  # limit ratio from which a row is bounded above; below its negative a row is bounded below
+BINDING_RATIO = 0.0  # limit ratio above which a row gets an upper bound; below its negative, a row gets a lower bound
 DEFICIT_WEIGHT = 300.0  # cost of a remaining time deficit relative to key shifts
 
 
@@ -40,7 +40,7 @@ class _Program:
     height: int = 0
 
     def add_variables(self, lower: Floats, upper: Floats, cost: Floats | float = 0.0) -> int:
-        """Add variables and return the column of the first."""
+        """Add optimisation variables and return the first variable's column."""
         first = self.width
         self.costs.append(np.broadcast_to(cost, lower.shape))
         self.ranges.append((lower, upper))

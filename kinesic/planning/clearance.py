@@ -47,7 +47,7 @@ class Conditioner(Protocol):
 LAG_RESERVE = 0.004  # [m] extra clearance in plans for the tracking lag of the servos
 MIN_LAG_RESERVE = 0.002  # [m] smallest remaining `LAG_RESERVE`; with less, a behaviour is dropped
 MAX_REPAIRS = 2  # largest number of replanning rounds for a motion with too little clearance
-MAX_SLOWED_REPAIRS = 6  # the same if contacts with people are limited, as slower hinges deviate from the desired path
+MAX_SLOWED_REPAIRS = 6  # largest number of replanning rounds if contacts with people are limited, which slows hinges
 SAMPLE_COST = 3.0  # [knot intervals] work charged to the budget per clearance sample of a replanned motion
 REPAIR_MARGIN = 0.002  # [m] margin by which a repair raises the required clearance beyond the missing clearance
 LIMIT_REDUCTION_FACTOR = 0.8  # factor on the limits used for key times, applied when no detour helps

@@ -20,7 +20,7 @@ MIN_CONTRIBUTION = 0.05  # smallest contribution to contact speed / largest one,
 LARGE_CONTRIBUTION = 0.3  # smallest contribution to contact speed / largest one, from which late rounds slow a hinge
 EARLY_ROUNDS = 4  # number of rounds that scale the peak velocity of a hinge in the whole motion
 MIN_VELOCITY_LIMIT = 0.02  # [rad/s] lowest velocity limit of a slowed hinge
-IMPACT_SPAN = 2.0  # [s] excesses up to this time from the worst one are attributed to the same behaviour
+IMPACT_SPAN = 2.0  # [s] excessive contacts up to this time from the worst one are attributed to the same behaviour
 
 
 def compute_impact_ratios(trajectory: Trajectory, times: Floats, setup: Setup) -> Floats:

@@ -190,7 +190,7 @@ def insert_pauses(script: Script, waiting: tuple[SpeechPause, ...]) -> Script:
 
 
 def describe_pauses(block: Block, waiting: tuple[SpeechPause, ...]) -> list[Notice]:
-    """Return a notice for each pause."""
+    """Return a notice for each pause added to a speech."""
     scripts = {b.id: b.action.script for b in block.behaviours if isinstance(b.action, Speech)}
     return [
         Notice(

@@ -142,7 +142,7 @@ def correct_pointing(
 
 
 def _is_feasible(corrected: Floats, motion: Trajectory, first: int, last: int, setup: Setup) -> bool:
-    """Return whether a motion between two knots is feasible.
+    """Return whether a corrected motion is feasible between two knots.
 
     It must avoid collisions, drive overload and contacts beyond the policy.
     """

@@ -82,7 +82,7 @@ def refers_elsewhere(block: Block) -> bool:
 
 
 def anchor_references(block: Block, context: SceneContext, zero: float) -> Block:
-    """Replace references to other blocks by block times.
+    """Replace references to other blocks by times of this block.
 
     Keep unknown ones.
 

@@ -38,7 +38,7 @@ def divide_text(script: Script, utterance: Utterance, elapsed: float) -> SpokenT
 
 
 def divide_speeches(scene: Scene, time: float, block: str | None = None) -> dict[str, SpokenText]:
-    """Divide the text of each running block at a global time [s].
+    """Divide each running block's text into spoken and unspoken words.
 
     A block without speech has empty texts.
 

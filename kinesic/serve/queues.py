@@ -107,7 +107,7 @@ class UnreadMemory:
         self.bytes += size
 
     def release(self, queue: "OutputQueue", size: int) -> None:
-        """Release bytes of a queue after their removal."""
+        """Release the memory of messages removed from a queue."""
         self.bytes -= size
         if not queue:
             self._queues.discard(queue)

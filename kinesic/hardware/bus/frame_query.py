@@ -85,7 +85,7 @@ class FrameQuery(Query):
         )
 
     def _block(self, place: int, status: Packet) -> tuple[int, ...]:
-        """Convert a status to a record in X series units."""
+        """Convert a servo's status frame to a record in X series units."""
         start, data, table = self.span[0], status.parameters, self.table
 
         def value(register: Register) -> int:

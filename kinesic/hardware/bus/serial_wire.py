@@ -124,7 +124,7 @@ class SerialWire:
         return data
 
     def sleep(self, until: float, /) -> None:
-        """Sleep until a time [s] of the clock."""
+        """Sleep until a time [s] of the monotonic clock."""
         wait = until - time.monotonic()
         if wait > 0.0:
             time.sleep(wait)

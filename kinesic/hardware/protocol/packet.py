@@ -19,7 +19,7 @@ PACKET_OVERHEAD = 10  # [bytes] size of an instruction packet without parameters
 STATUS_OVERHEAD = 11  # [bytes] size of a status packet without data
 
 _HEADER_MARK = b"\xff\xff\xfd"  # bytes that may occur only in a header
-_STUFFED_MARK = b"\xff\xff\xfd\xfd"  # the same bytes in a packet's body, after stuffing
+_STUFFED_MARK = b"\xff\xff\xfd\xfd"  # bytes of _HEADER_MARK inside a packet's body, after stuffing
 _CRC_POLYNOMIAL = 0x8005  # generator polynomial of the 16-bit CRC, without its highest bit
 
 

@@ -70,7 +70,7 @@ class Field:
             raise ValueError(message) from None
 
     def unpack(self, data: bytes) -> int:
-        """Decode the value from exactly `size` bytes.
+        """Decode a register value from exactly `size` bytes.
 
         Raises:
             ValueError: the number of bytes differs.

@@ -111,7 +111,7 @@ class GoalBuffer:
         return slower
 
     def _slope(self, k: int) -> Floats:
-        """Return the velocity (n,) [rad/s] at a command."""
+        """Estimate the setpoints' velocity (n,) [rad/s] at a command."""
         low, high = max(k - 1, 0), min(k + 1, len(self._times) - 1)
         slope: Floats = (self._goals[high] - self._goals[low]) / (self._times[high] - self._times[low])
         return slope

@@ -31,7 +31,7 @@ def split_note(note: Note) -> list[tuple[bytes, bytes]]:
 
 
 def join_notes(rows: Iterable[np.void]) -> tuple[Note, ...]:
-    """Return the events of consecutive rows.
+    """Join consecutive rows of text to supervisor events.
 
     Continuations without their first row are skipped.
     """

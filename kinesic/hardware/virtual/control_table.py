@@ -206,7 +206,7 @@ class Memory:
         return Piece(place, k, k + size, register)
 
     def is_valid_pointer(self, entry: RegisterWrite) -> bool:
-        """Return whether an indirect address points to RAM.
+        """Return whether an entry is valid: a register, or pointer into RAM.
 
         True for all other entries.
         """

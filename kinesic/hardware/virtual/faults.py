@@ -128,7 +128,7 @@ class FaultTable(msgspec.Struct, forbid_unknown_fields=True):
     way: Direction = "reply"  # affected direction, for wire faults only
 
     def fault(self) -> PlannedFault:
-        """Convert the table to a fault."""
+        """Convert the TOML table to a planned fault."""
         return PlannedFault(
             kind=self.kind,
             servos=tuple(self.servos),

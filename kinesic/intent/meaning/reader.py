@@ -174,7 +174,7 @@ def _mute(intent: Intent, lexicon: Lexicon) -> Intent:
 def _picture_intent(
     passage: Passage, candidate: Candidate, certainty: float, same: Mapping[str, tuple[str, ...]]
 ) -> Intent:
-    """Return the intent of a candidate.
+    """Create the intent that shows a candidate gesture.
 
     Args:
         passage: the text.

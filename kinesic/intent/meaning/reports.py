@@ -108,7 +108,7 @@ def is_past_deed(context: Context, candidate: Candidate) -> bool:
 
 
 def is_detail(context: Context, candidate: Candidate) -> bool:
-    """Return whether a place only identifies a noun.
+    """Return whether a place word only modifies the noun before it.
 
     An example is `the bank round the corner`.
     """

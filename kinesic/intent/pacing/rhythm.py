@@ -15,7 +15,7 @@ RUN_START_STROKES = 0.3  # number of due strokes at which a run of beats begins
 MAX_SURPLUS_STROKES = 0.7  # strokes ahead of the rate up to which a run of beats continues
 TEXT_END_FRACTION = 0.5  # time assumed from the last accent to the next stroke / mean interval of strokes
 LOOK_AHEAD_TIME = 4.0  # [s] time ahead in which coming gestures count as strokes already made
-CHOICE_WINDOW = 0.5  # [s] time after an accent within which a stronger one takes its beat
+CHOICE_WINDOW = 0.5  # [s] time after an accent within which a stronger accent gets the beat
 
 
 def is_beat(lexeme: str) -> bool:

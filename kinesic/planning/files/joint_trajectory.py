@@ -142,23 +142,23 @@ class _CdrWriter:
         self._body += bytes(-len(self._body) % size)
 
     def add_count(self, number: int) -> None:
-        """Add an unsigned integer of 32 bits."""
+        """Append an unsigned 32-bit integer to the message."""
         self._align(4)
         self._body += struct.pack("<I", number)
 
     def add_time(self, time: float) -> None:
-        """Add a time or duration [s]."""
+        """Append a time or duration [s] to the message."""
         self._align(4)
         self._body += struct.pack("<iI", *_split_time(time))
 
     def add_text(self, text: str) -> None:
-        """Add a text with its final NUL."""
+        """Append a text with its final NUL to the message."""
         data = text.encode() + b"\0"
         self.add_count(len(data))
         self._body += data
 
     def add_doubles(self, numbers: Floats) -> None:
-        """Add a sequence of numbers (k,)."""
+        """Append a sequence of numbers (k,) to the message."""
         self.add_count(len(numbers))
         if len(numbers):
             self._align(8)

@@ -184,7 +184,7 @@ class _Surface:
         }
 
     def body(self) -> list[dict[str, object]]:
-        """Build the hands and clothes."""
+        """Build the glTF primitives of hands and clothes."""
         mesh, triangles = self._figure.mesh, self._figure.mesh.triangles
         first = triangles[:, 0]
         everyone = np.arange(len(mesh.positions))

@@ -19,7 +19,7 @@ MAX_GESTURE_FILE_SIZE = 200_000  # [bytes] largest gesture file; about the size 
 
 
 def find_fault(text: str, present: str | None, setup: Setup) -> str:
-    """Return the reason against saving a file, empty if none.
+    """Return why a gesture or style file cannot be saved, or "".
 
     Args:
         text: text of the file.

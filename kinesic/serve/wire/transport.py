@@ -124,7 +124,7 @@ class Stream:
         self._line = line
 
     async def messages(self, hurry: Callable[[], bool]) -> AsyncIterator[bytes]:
-        """Yield messages until the client ends its side.
+        """Yield messages until the client stops sending.
 
         Args:
             hurry: returns whether the next message has a time limit.
@@ -204,7 +204,7 @@ class Console:
         """
 
     def _print_all(self) -> None:
-        """Print all messages.
+        """Print queued messages as long as the process runs.
 
         A server whose output nobody reads ends without this thread.
         """

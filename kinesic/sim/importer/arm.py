@@ -20,7 +20,7 @@ MAX_WRIST_HINGES = 3  # largest number of hinges after the elbow, with the forea
 MIN_TWIST_COSINE = 0.7  # |cosine| between an axis and its bone above which the hinge is a twist
 HAND_LENGTH_RATIO = 0.45  # length of an assumed hand / length of the forearm
 WRIST_FRACTION = 1.0 / (1.0 + HAND_LENGTH_RATIO)  # assumed distance elbow to wrist / distance elbow to tip
-TWIST_FRACTIONS = (0.5, 0.95)  # range of the same ratio for a twist hinge that counts as wrist
+TWIST_FRACTIONS = (0.5, 0.95)  # bounds of distance elbow to twist hinge / elbow to tip, for a twist hinge at the wrist
 MIN_BONE_LENGTH = 0.02  # [m] shortest bone in an accepted division of an arm's hinges
 
 

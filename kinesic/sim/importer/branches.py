@@ -15,7 +15,7 @@ from kinesic.sim.importer.model_tree import BASE_INDEX, Joint, Tree
 MIN_ARM_HINGES = 3  # smallest number of hinges of an arm
 FINGER_MASS_RATIO = 0.15  # links lighter than this fraction of their parent count as fingers
 SENSOR_MASS_RATIO = 0.05  # largest mass moved by a sensor of the head / mass of the part that carries the sensor
-SPINDLE_MASS_RATIO = 0.5  # largest such ratio of a hinge without limits at the end of the neck
+SPINDLE_MASS_RATIO = 0.5  # largest mass moved by a hinge without limits at the neck's end / mass of the hinge's carrier
 MAX_SAME_AXIS = 4  # largest number of hinges of trunk or neck about the same axis
 MIN_VERTICAL_COSINE = 0.9  # |cosine| between an axis and the vertical above which the hinge turns the trunk
 MIN_ARM_OFFSET = 0.05  # [m] distance of a single arm's centre from the midline

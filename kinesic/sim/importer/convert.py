@@ -23,9 +23,9 @@ from kinesic.sim.importer.tables import name_servo, robot_tables
 from kinesic.sim.importer.wishes import read_wishes
 from kinesic.sim.importer.zero_pose import HumanoidGeometry, analyse_geometry
 
-REVIEW_CONFIDENCE = 0.6  # confidence in the joint mapping below which a person must review it
+REVIEW_CONFIDENCE = 0.6  # confidence in the joint mapping below which a person must review the mapping
 ZERO_CONFIDENCE_LIKENESS = 1.0  # score of `likeness` (higher: more like a human arm) up to which the confidence is 0
-FULL_CONFIDENCE_LIKENESS = 3.0  # score of `likeness` from which on it does not reduce the confidence
+FULL_CONFIDENCE_LIKENESS = 3.0  # score of `likeness` from which on the score does not reduce the confidence
 LEANING_SCALE = 0.5  # [rad] angle of a hanging arm off the vertical that divides the confidence by e
 ASYMMETRY_SCALE = 0.5  # [arm lengths] asymmetry of the arms that divides the confidence by e
 CONTRADICTION_RATE = 3.0  # rate at which the confidence decays with the fraction of joints named after other body parts

@@ -13,7 +13,7 @@ from kinesic.sim.importer.model_tree import ModelPart, Tree
 GROUND_TOLERANCE = 0.06  # height above the robot's lowest point up to which a limb reaches the ground, in limb lengths
 MIN_LOAD_HEIGHT = 0.05  # height of the carried mass above the first joint that suggests a leg, in limb lengths
 MIN_SOLE_RATIO = 1.4  # horizontal / vertical extent of a last part above which it may be a foot
-MIN_LATERAL_COSINE = 0.7  # |cosine| between an axis and the lateral direction above which it is a knee or an elbow
+MIN_LATERAL_COSINE = 0.7  # |cosine| between an axis and the lateral direction above which a joint is a knee or an elbow
 MIN_ONE_SIDED_RATIO = 0.6  # |mid-range| / half range above which a joint bends to one side only
 
 

@@ -64,7 +64,7 @@ class Placement:
     words: tuple[tuple[float, float], ...]  # start and end of each word in the recording [s]
 
     def place(self, time: float) -> float:
-        """Convert a time of the rendition to the recording [s]."""
+        """Convert a time [s] in the rendition to the recording's time."""
         times, places = zip(*self.points, strict=True)
         return float(np.interp(time, times, places))
 

@@ -82,7 +82,7 @@ def _shorten_silences(is_speech: Flags) -> tuple[Indices, Flags]:
 
 
 def _find_path(rows: Floats, is_silent: Flags, stretched: Floats, columns: Indices) -> Indices:
-    """Return the column of each row on the cheapest path.
+    """Return each row's column in the stretched rendition, at least cost.
 
     Args:
         rows: features of the recording.

@@ -39,7 +39,7 @@ def read_words_file(path: Path) -> TimedWords:
 
 
 def read_timed_words(content: bytes, *, source: str = "<words>") -> TimedWords:
-    """Read the times of words in any of the formats.
+    """Read word times in any supported format.
 
     Args:
         content: of the file.
