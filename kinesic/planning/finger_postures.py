@@ -50,7 +50,7 @@ def add_finger_keys(postures: Sequence[KeyPosture], fingers: Fingers, robot: Rob
 
 
 def _keyed(before: KeyPosture | None, time: float, joints: list[int], angles: Floats, robot: Robot) -> KeyPosture:
-    """Return a copied or new key with finger angles."""
+    """Return a copied key, or a new one, with finger angles."""
     base = before or KeyPosture(time, robot.skeleton.rest, (False,) * len(robot.skeleton.hinges), is_exact=False)
     new_angles, keyed = base.angles.copy(), np.array(base.keyed)
     new_angles[joints], keyed[joints] = angles, True

@@ -44,7 +44,7 @@ def drop_by_priority(frames: KeyFrames, conflicting: Collection[str], kept_fract
 
 
 def _find_overlapping(frames: KeyFrames, spans: dict[str, Span], conflicting: Collection[str]) -> set[str]:
-    """Return some behaviours and all that overlap them on a body part.
+    """Return conflicting behaviours and all that overlap them on a body part.
 
     The overlap may be direct or through other behaviours.
     """

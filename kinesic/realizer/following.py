@@ -107,7 +107,7 @@ class _Change:
         return self.scene.motion.start + self.knot * KNOT_INTERVAL
 
     def times(self, end: float) -> Floats:
-        """Return the times [s] of the control points until an end.
+        """Return the times [s] of the control points until an end time.
 
         Their shape is (k + 3,). They reach the motion's end at least.
         """

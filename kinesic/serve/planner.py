@@ -166,7 +166,7 @@ class PlannerState:
             self._idling.postpone(now)
 
     def execute(self, request: ClientRequest) -> None:
-        """Execute a client request, documents and resumptions after earlier stops."""
+        """Execute a client request, after the stops that preceded it."""
         if isinstance(request, DocumentRequest | Resumption):
             self._shared.wait_for_stops(request.stops)
         match request:

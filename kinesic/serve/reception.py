@@ -213,7 +213,7 @@ class Reception:
             self._stop_lines.take(socket.socket(fileno=pending.socket.detach()), wire)
 
     def _notice(self, pending: PendingConnection, line: Transport, reads: TokenBucket, client: ConnectedClient) -> None:
-        """Lift the initial limits of a client with token or slot.
+        """Lift a connection's initial limits once its client has token or slot.
 
         An admitted client may send more data. The connection of a client with a slot is no longer pending, so that new
         ones do not replace it.

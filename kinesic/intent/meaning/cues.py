@@ -81,7 +81,7 @@ def read_cues(folder: Path, irregular: Mapping[str, frozenset[str]]) -> list[Cue
 
 
 def make_cue(entry: CueEntry, path: Path, irregular: Mapping[str, frozenset[str]]) -> Cue:
-    """Return the cue of an entry in a file.
+    """Convert an entry of a cue file to a cue.
 
     Args:
         entry: as written.

@@ -56,7 +56,7 @@ class ArmCourse:
 
 
 def find_arm_courses(frames: KeyFrames, motion: Conditioned, robot: Robot) -> Iterator[ArmCourse]:
-    """Yield the course of each arm with a stroke.
+    """Yield the strokes and gaps of each arm that has a stroke.
 
     Args:
         frames: of the block.

@@ -66,7 +66,7 @@ class TokenBucket:
         self._left, self._time = 0.0, monotonic()
 
     def take(self) -> bool:
-        """Take a token if available, and return whether it was."""
+        """Take a token if available, and return success."""
         now = monotonic()
         self._left = min(self._burst, self._left + self._rate * (now - self._time))
         self._time = now

@@ -87,7 +87,7 @@ def import_humanoid(path: Path, wished: Sequence[str] = ()) -> Mapped:
 
 
 def _add_sources(file: RobotFile, sources: Mapping[str, SourceTable]) -> RobotFile:
-    """Add the imported joint to each hinge and coupling of robot tables."""
+    """Note the imported joint's name in each hinge and coupling table."""
     return msgspec.structs.replace(
         file,
         hinge=[msgspec.structs.replace(hinge, source=sources[hinge.name]) for hinge in file.hinge],

@@ -66,7 +66,7 @@ NO_WISHES = Wishes({})  # default: no requested hinges
 
 
 def read_wishes(tree: Tree, texts: Sequence[str]) -> tuple[Tree, Wishes]:
-    """Read requested hinges, and hold the joints without a hinge.
+    """Parse requested hinges, and immobilise joints that are mapped to `none`.
 
     Args:
         tree: Robot as in the file.
