@@ -132,7 +132,7 @@ def touched_segment(side: Side, touch: Touch, robot: Robot) -> str | None:
 
 
 def touched_pairs(side: Side, touch: Touch, robot: Robot) -> Iterator[int]:
-    """Yield indices of counted segment pairs of hand and touched part."""
+    """Yield the `counted_pairs` indices of pairs of hand and touched part."""
     part, other = touched_segment(side, touch, robot), f"{OTHER_SIDE[side]}_fingers"
     hand, parts = {robot.arm(side).segments[-1], f"{side}_fingers"}, {part, *_rigid_children(part, robot)}
     if touch == "hand":

@@ -84,7 +84,7 @@ def read_senses(folder: Path, irregular: Mapping[str, frozenset[str]]) -> Iterat
 
 
 def _frame_sense(sense: _Sense) -> CueEntry:
-    """Return the cue that a sense is within its frame."""
+    """Convert a sense and its syntax frame to a cue entry."""
     frame = SYNTAX_FRAMES[sense.frame]
     words = (word.strip() for word in sense.words.replace("\n", " ").split(","))
     return CueEntry(

@@ -118,7 +118,7 @@ def _make_beat(intent: Intent, slowness: float) -> Intent:
 
 
 def _fitting(candidate: Candidate, times: Sequence[float]) -> tuple[Choice, ...]:
-    """Return the alternatives that fit between the strokes before and after.
+    """Return a candidate's alternatives that fit between the neighbouring strokes.
 
     Args:
         candidate: gesture to choose.

@@ -43,7 +43,7 @@ class EditedGraph:
 
 
 def edit_graph(model: bytes) -> EditedGraph:
-    """Add pitch input and duration output, and accept a rate per symbol.
+    """Give a model a pitch input, duration output and rate per symbol.
 
     Raises:
         ProtobufError: the bytes are no ONNX model of this kind.

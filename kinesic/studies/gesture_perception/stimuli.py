@@ -39,7 +39,7 @@ class SampledMotion:
         return (len(self.angles) - 1) / MOTION_RATE
 
     def differs(self, other: "SampledMotion") -> bool:
-        """Return whether a difference from another motion is visible.
+        """Return whether this motion visibly differs from another.
 
         The motions differ in duration or in a joint angle.
         """
