@@ -201,6 +201,30 @@ def test_report_does_not_replace_foreign_folders(run, tmp_path: Path):
     assert (tmp_path / "report.json").read_text() == "dear"
 
 
+def test_report_into_a_link_is_refused_without_naming_the_files_behind_it(run, tmp_path: Path):
+    (tmp_path / "outside").mkdir()
+    (tmp_path / "outside" / "letter.txt").write_text("dear")
+    (tmp_path / "nod").symlink_to(tmp_path / "outside")
+    with pytest.raises(kinesic.ConfigError, match="is a link") as refusal:
+        run.report(tmp_path / "nod", film=False)
+    assert "letter" not in str(refusal.value)
+
+
+def test_report_into_a_folder_that_vanishes_during_the_check_is_written_anew(run, tmp_path: Path, monkeypatch):
+    folder = tmp_path / "nod"
+    folder.mkdir()
+    is_dir = Path.is_dir
+
+    def remove_after_check(path: Path) -> bool:
+        was_there = is_dir(path)
+        if path == folder and was_there:
+            folder.rmdir()
+        return was_there
+
+    monkeypatch.setattr(Path, "is_dir", remove_after_check)
+    assert run.report(folder, film=False).page.exists()
+
+
 @pytest.fixture
 def servo_runs(monkeypatch) -> list[kinesic.Performance]:
     """List the performances that would have moved real servos."""

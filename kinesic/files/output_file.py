@@ -14,6 +14,7 @@ from typing import BinaryIO
 from kinesic.body.config import ConfigError
 from kinesic.files.draft import hold_draft
 from kinesic.files.held_folder import HeldFolder, check_above, find_place, hold_folder, name_failures
+from kinesic.files.unicode_text import check_encodable
 from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG
 
 CREATE_FLAGS = os.O_WRONLY | os.O_CREAT | os.O_EXCL | NO_LINK_FLAG  # flags that create a file unless the name exists
@@ -82,8 +83,9 @@ def write_text(path: Path, text: str, *, force: bool = False, durable: bool = Fa
     """Write a text file atomically, with the arguments of `new_file`.
 
     Raises:
-        ConfigError: as `new_file`.
+        ConfigError: as `new_file`, or the text contains a lone surrogate.
     """
+    check_encodable(text, place=str(path))
     with new_file(path, force=force, durable=durable) as fresh:
         fresh.write_text(text, encoding="utf-8")
 

@@ -5,6 +5,7 @@ import json
 from collections.abc import Callable, Generator, Iterable
 from dataclasses import dataclass, replace
 from functools import partial
+from os import fsencode
 from pathlib import Path
 from typing import Literal
 
@@ -13,6 +14,7 @@ from kinesic.bml.reading.document import is_bml_start
 from kinesic.controller.dry_run import dry_runs
 from kinesic.files.output_file import write_text
 from kinesic.files.plain_name import cut_name
+from kinesic.files.unicode_text import escape_surrogates
 from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.setup import Setup
 from kinesic.report.checks import Check, checks
@@ -132,7 +134,7 @@ class DocumentTask:
             content = file.read_bytes()
         except OSError:
             content = None
-        parts = [settings.encode(), str(file).encode(), content or b""]
+        parts = [settings.encode(), fsencode(file), content or b""]
         return cls(str(file), content, hashlib.sha256(b"\0".join(parts)).hexdigest())
 
     @property
@@ -144,7 +146,8 @@ class DocumentTask:
 def _crashed(task: DocumentTask, crash: WorkerCrash, folder: Path | None) -> DocumentVerdict:
     if folder:
         write_text(folder / f"{task.name}.crash.txt", crash.trace, force=True)
-    return DocumentVerdict(task.file, "crashed", 1, error=f"{task.file}: {crash.reason}")
+    name = escape_surrogates(task.file)
+    return DocumentVerdict(name, "crashed", 1, error=f"{name}: {crash.reason}")
 
 
 def _keep(folder: Path | None, task: DocumentTask, verdict_and_text: tuple[DocumentVerdict, str]) -> DocumentVerdict:
@@ -153,7 +156,7 @@ def _keep(folder: Path | None, task: DocumentTask, verdict_and_text: tuple[Docum
         return verdict
     path = folder / f"{task.name}.json"
     write_text(path, text, force=True)
-    return replace(verdict, report=str(path))
+    return replace(verdict, report=escape_surrogates(str(path)))
 
 
 def _prepare(
@@ -182,26 +185,27 @@ def judge_document(
     Returns:
         The verdict, and the report; empty for a document that is refused before planning.
     """
+    name = escape_surrogates(str(file))
     try:
         document = file.read_bytes() if content is None else content
-        performance, *other_runs = dry_runs(plan(document, setup, source=str(file)), twins)
+        performance, *other_runs = dry_runs(plan(document, setup, source=name), twins)
     except BmlError as error:
-        return DocumentVerdict(str(file), "refused", 0, error=str(error)), {}
+        return DocumentVerdict(name, "refused", 0, error=str(error)), {}
     except OSError as error:
-        return DocumentVerdict(str(file), "refused", 2, error=f"{file}: {error.strerror}"), {}
-    data = report(performance, source=str(file), other_runs=other_runs)
+        return DocumentVerdict(name, "refused", 2, error=f"{name}: {error.strerror}"), {}
+    data = report(performance, source=name, other_runs=other_runs)
     outcomes = performance.plan.keyframes.outcomes
     behaviours = tuple((b.type, outcomes[b.id].kind) for b in performance.plan.timeline.block.behaviours)
     if behaviours and all(outcome == "dropped" for _, outcome in behaviours):
-        return DocumentVerdict(str(file), "refused", 0, behaviours, error=_nothing_left(file, performance)), data
-    return DocumentVerdict(str(file), "performed", 0 if data["ok"] else 1, behaviours, checks(performance)), data
+        return DocumentVerdict(name, "refused", 0, behaviours, error=_nothing_left(name, performance)), data
+    return DocumentVerdict(name, "performed", 0 if data["ok"] else 1, behaviours, checks(performance)), data
 
 
-def _nothing_left(file: Path, performance: DryRun) -> str:
+def _nothing_left(name: str, performance: DryRun) -> str:
     plan = performance.plan
     first = plan.timeline.block.behaviours[0]
     reasons = "; ".join(
         f"{behaviour.id}: {plan.keyframes.outcomes[behaviour.id].why}" for behaviour in plan.timeline.block.behaviours
     )
     robot = plan.setup.robot.name
-    return f"{file}:{first.place.line}:{first.place.column}: {robot} can perform none of its behaviours ({reasons})"
+    return f"{name}:{first.place.line}:{first.place.column}: {robot} can perform none of its behaviours ({reasons})"

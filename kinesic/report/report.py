@@ -14,6 +14,7 @@ from kinesic.body.robot import SIDES
 from kinesic.expressivity.keyframes import BodyMove
 from kinesic.expressivity.style.style import Style
 from kinesic.expressivity.turns import turn_angles
+from kinesic.files.unicode_text import escape_surrogates
 from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.plan import Plan
 from kinesic.planning.syncs import SyncTime
@@ -46,15 +47,14 @@ def report(performance: DryRun, *, source: str, seed: int = 0, other_runs: Seque
         seed: seed of all random choices.
         other_runs: the same plan in other twins, whose errors are included.
     """
-    plan = performance.plan
-    began = perf_counter()
+    plan, began = performance.plan, perf_counter()
     verdicts = checks(performance)
     timing = _timing(performance, perf_counter() - began)
     return {
         "schema": SCHEMA_VERSION,
         "kinesic": __version__,
         "robot": plan.setup.robot.name,
-        "input": source,
+        "input": escape_surrogates(source),
         "style": _style(plan.setup.style, plan.timeline.block),
         "seed": seed,
         "variation": plan.setup.variation.amount,

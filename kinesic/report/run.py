@@ -1,7 +1,7 @@
 """Performances with their checks and reports."""
 
 from collections.abc import Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import nullcontext, suppress
 from dataclasses import dataclass, fields
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +13,7 @@ from kinesic.body.arrays import sealed
 from kinesic.body.command import State
 from kinesic.body.config import ConfigError
 from kinesic.body.html_view import NotebookView
+from kinesic.files.held_folder import hold_folder
 from kinesic.files.output_file import new_file
 from kinesic.files.output_folder import MARKER_FILE, check_folder
 from kinesic.metrics.dry_run import DryRun, MeasuredMotion
@@ -198,9 +199,9 @@ def performance_of(
 
 
 def _check_free(folder: Path) -> None:
-    strangers = (
-        sorted(file.name for file in folder.iterdir() if file.name not in REPORT_FILES) if folder.is_dir() else []
-    )
-    if strangers:
-        raise ConfigError(f"{folder} holds {strangers[0]}, which no report has written; name another folder")
+    foreign_files: list[str] = []
+    with suppress(OSError), hold_folder(folder) as held:  # no folder, or a link, which `check_folder` refuses
+        foreign_files = sorted(set(held.names()) - set(REPORT_FILES))
+    if foreign_files:
+        raise ConfigError(f"{folder} holds {foreign_files[0]}, which no report has written; name another folder")
     check_folder(folder, force=True)

@@ -1,11 +1,15 @@
+import json
 import os
+import sys
 from pathlib import Path
 
+import msgspec
 import pytest
 
-from kinesic.report.batch import DocumentTask, DocumentVerdict, documents
+from kinesic.report.batch import DocumentTask, DocumentVerdict, documents, judge_document
 from kinesic.report.checks import Check
 from kinesic.report.output import default_folder
+from kinesic.session.setup import set_up
 from kinesic.tasks.journal import Journal
 
 CHECK = Check("limits.speed", "pass", 0.5, 1.0, "ratio", "l_elbow_flexion at 1.00 s")
@@ -93,3 +97,19 @@ def test_folder_name_of_a_long_document_name_is_valid(tmp_path):
         assert folder.parent == Path("out")
         assert folder.name not in (".", "..")
         (tmp_path / folder).mkdir(parents=True)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems refuse file names that are not UTF-8")
+@pytest.mark.parametrize("text", ['<bml id="b"><head id="h" lexeme="NOD"/></bml>', "<bml", None])
+def test_document_whose_file_name_is_not_utf8_is_judged_and_recorded(journal, tmp_path, text):
+    path = tmp_path / os.fsdecode(b"b\xff.bml")
+    if text is not None:
+        path.write_text(text)
+    task = DocumentTask.of(path, "settings")
+    verdict, data = judge_document(path, set_up(), content=task.content)
+    journal.append(task.key, verdict)
+    assert journal.read() == {task.key: verdict}
+    assert verdict.file == f"{tmp_path}/b\\udcff.bml"
+    assert verdict.outcome == ("performed" if text and text.endswith(">") else "refused")
+    assert msgspec.json.decode(json.dumps(data)) == data
+    assert task.key != DocumentTask.of(tmp_path / os.fsdecode(b"b\xfe.bml"), "settings").key

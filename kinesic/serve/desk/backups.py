@@ -14,6 +14,7 @@ import msgspec
 from kinesic.body.config import ConfigError
 from kinesic.files.held_file import read_held, replace_held
 from kinesic.files.held_folder import HeldFolder
+from kinesic.files.unicode_text import check_encodable
 from kinesic.serve.desk.archive import hold_archive, remove_abandoned_files
 
 MAX_BACKUPS = 20  # largest number of backups; a further one replaces the oldest
@@ -57,6 +58,8 @@ class BackupFolder:
         Raises:
             ConfigError: the backup is not stored.
         """
+        for shown, value in (("the key", key), ("the name", name), ("the revision", revision), ("the text", text)):
+            check_encodable(value, place=f"{shown} of the backup")
         content = text.encode("utf-8")
         if len(content) > MAX_TEXT_SIZE:
             raise ConfigError(f"{name}: more than {MAX_TEXT_SIZE} bytes, the limit for backups; save it elsewhere")

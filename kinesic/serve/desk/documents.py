@@ -14,6 +14,7 @@ from pathlib import Path
 from kinesic.body.config import ConfigError
 from kinesic.files.output_file import write_text
 from kinesic.files.plain_name import is_device_name
+from kinesic.files.unicode_text import check_encodable
 from kinesic.host import NO_LINK_FLAG, NO_WAIT_FLAG
 from kinesic.serve.desk.versions import Version, VersionFolder
 
@@ -131,7 +132,9 @@ class DocumentFolder:
             RevisionError: a file of another revision exists.
             ConfigError: the name is invalid, or the document or the version cannot be written.
         """
-        path, content = self._path(name), text.encode("utf-8")
+        path = self._path(name)
+        check_encodable(text, place=name)
+        content = text.encode("utf-8")
         present = _read_regular(path)
         self._check(name, present, revision)
         if present is not None and present != content:

@@ -95,3 +95,13 @@ def test_backup_of_a_text_beyond_the_size_limit_is_refused(backups):
 def test_backups_of_documents_need_a_document_folder():
     with pytest.raises(ConfigError, match="--folder"):
         BackupFolder(None).list()
+
+
+@pytest.mark.parametrize("field", ["key", "name", "revision", "text"])
+def test_backup_with_a_lone_surrogate_is_refused_and_the_earlier_one_kept(backups, field):
+    fields = {"key": "a", "name": "tea.bml", "revision": "r1", "text": "x"}
+    backups.keep(**fields)
+    with pytest.raises(ConfigError, match=f"the {field} of the backup: character 1 is not a Unicode character"):
+        backups.keep(**fields | {field: "a\udcff"})
+    assert [header.key for header in backups.list()] == ["a"]
+    assert backups.read("a").text == "x"

@@ -154,3 +154,12 @@ def test_document_is_not_replaced_if_its_version_cannot_be_kept(tmp_path):
         folder.save("a.bml", "two")
     assert folder.read("a.bml").text == "one"
     assert not list((tmp_path / "elsewhere").iterdir())
+
+
+def test_document_with_a_lone_surrogate_is_refused_and_the_earlier_one_kept(tmp_path):
+    folder = DocumentFolder(tmp_path)
+    folder.save("a.bml", "x")
+    with pytest.raises(ConfigError, match=r"a\.bml: character 4 is not a Unicode character"):
+        folder.save("a.bml", "late\udcff")
+    assert folder.read("a.bml").text == "x"
+    assert folder.list_versions("a.bml") == ()

@@ -42,6 +42,36 @@ def saved(client, name: str, text: str) -> str:
             return answer.get("why", "")
 
 
+@pytest.mark.parametrize("surrogate", [rb"\udcff", b"\xed\xb3\xbf", b"\xff"])
+def test_lone_surrogates_and_invalid_bytes_in_any_request_are_refused_without_files(studio, surrogate):
+    server, folder = studio
+    before = set(folder.rglob("*"))
+    messages = [
+        b'{"do": "save", "name": "%b.bml", "text": "x", "id": 1}',
+        b'{"do": "save", "name": "a.bml", "text": "%b", "id": 1}',
+        b'{"do": "open", "name": "%b.bml", "id": 1}',
+        b'{"do": "versions", "name": "%b.bml", "id": 1}',
+        b'{"do": "backup", "key": "abcdefgh", "name": "%b", "revision": "", "text": "x", "id": 1}',
+        b'{"do": "backup", "key": "abcdefgh", "name": "a", "revision": "", "text": "%b", "id": 1}',
+        b'{"do": "backup", "key": "%b", "name": "a", "revision": "", "text": "x", "id": 1}',
+        b'{"do": "export", "bml": "%b", "format": "csv", "id": 1}',
+        b'{"do": "gesture", "toml": "%b", "id": 1}',
+        b'{"do": "author", "text": "%b", "id": 1}',
+        b'{"id": "%b", "behaviours": [{"type": "head", "lexeme": "NOD"}]}',
+    ]
+    with server.client() as client:
+        for message in messages:
+            client.send_bytes(message.replace(b"%b", surrogate))
+            answer = client.receive(30)
+            assert answer is not None, message
+            assert "saved" not in answer
+            assert "backed_up" not in answer
+        client.do("ping")
+        while "pong" not in (answer := client.receive(30) or ""):
+            assert answer, "the server is gone"
+    assert set(folder.rglob("*")) - before == set()
+
+
 @pytest.mark.parametrize(
     ("name", "text", "why"),
     [
