@@ -18,7 +18,7 @@ from kinesic.files.array_file import read_arrays
 WEIGHTS_FILE = CONFIGS / "hearing" / "voice_activity.npz"
 MAX_WEIGHTS_SIZE = 4_000_000  # [bytes] largest size of the unpacked weights
 VOICE_RATE = 16_000  # [Hz] sample rate of the network
-FRAME_SIZE = 512  # [samples] in a frame of 32 ms, which gets one probability
+FRAME_SIZE = 512  # [samples] size of a frame (32 ms), for which one probability is estimated
 CONTEXT_SIZE = 64  # [samples] of the previous frame before each frame; as many mirrored samples follow the frame
 WINDOW_SIZE = 256  # [samples] window of the Fourier transform
 WINDOW_STEP = 128  # [samples] between the starts of two windows

@@ -15,7 +15,7 @@ from kinesic.ik.scalar3 import IDENTITY_ROTATION, Vector, after, cross, minus, p
 class ChainLink:
     """One segment of a kinematic chain, with offset and hinges."""
 
-    offset: Vector  # [m] of its centre, in the frame of the parent segment
+    offset: Vector  # [m] centre of the segment in the frame of its parent
     hinges: tuple[tuple[int, Vector, Vector], ...]  # index in the robot's joint order, unit axis, point on it [m]
 
 

@@ -23,7 +23,7 @@ ID_LETTERS: Mapping[Channel, str] = {
 }  # first letters of behaviour ids
 GAZE_OFFSET_ANGLE = 20.0  # [deg] offset of an averted gaze with amount 1
 MIN_FACE_TIME = 0.8  # [s] shortest facial expression or torso movement
-MIN_GAZE_TIME = 0.7  # [s] shortest gaze
+MIN_GAZE_TIME = 0.7  # [s] shortest duration of a gaze
 MIN_TILT_TIME = 0.8  # [s] shortest head movement other than a nod or shake
 START_LEAD_TIME = 0.1  # [s] start of a face, gaze, torso or tilt behaviour before its word
 LINE_LENGTH = 100  # [letters] approximate length of a line of spoken text in the BML

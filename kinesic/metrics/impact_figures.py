@@ -40,8 +40,8 @@ class ClosingGap:
 
     force: float  # [N] force at which the weakest hinge gives way
     time: float  # [s] performance time
-    pair: tuple[str, str]  # bodies
-    gap: float  # [m]
+    pair: tuple[str, str]  # names of the two bodies
+    gap: float  # [m] distance between the bodies
 
 
 @dataclass(frozen=True, eq=False)

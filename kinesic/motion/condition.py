@@ -28,7 +28,7 @@ from kinesic.motion.trajectory import KNOT_INTERVAL, SAMPLES_PER_WINDOW, Traject
 LEAD_IN = 0.6  # [s] longest time by which a motion may start before its block
 
 
-MakeDesired = Callable[[Floats, Keys], DesiredMotion]  # from times (m,) [s] and the keys at these times
+MakeDesired = Callable[[Floats, Keys], DesiredMotion]  # function of times (m,) [s] and the keys at these times
 
 
 @dataclass(frozen=True, eq=False)

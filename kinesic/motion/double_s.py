@@ -15,7 +15,7 @@ from kinesic.body.limits import Limits
 from kinesic.motion.keys import Keys, Pair
 
 KeyInterval = tuple[int, Pair]  # hinge, and two of its successive keys
-IntervalDurations = Mapping[KeyInterval, float]  # [s]
+IntervalDurations = Mapping[KeyInterval, float]  # [s] duration of each key interval
 
 REST_DURATION_FACTOR = 1.02  # safety factor on rest-to-rest durations
 GRID_ALLOWANCE = 0.04  # [s] time added to rest-to-rest durations for the knot grid

@@ -132,7 +132,7 @@ class Bond:
 
     earlier: Sync
     later: Sync
-    least: float  # [s]
+    least: float  # [s] minimum time from `earlier` to `later`
 
 
 @dataclass(frozen=True, eq=False)

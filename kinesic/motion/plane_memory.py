@@ -16,7 +16,7 @@ from kinesic.motion.key_time_lp import CuttingPlane
 from kinesic.motion.keys import Keys, Pair, Sync
 
 KeyMark = tuple[tuple[Sync, ...], float]  # sync points at a key of a hinge, and its angle there [rad]
-Planes = Mapping[int, Sequence[CuttingPlane]]  # by hinge
+Planes = Mapping[int, Sequence[CuttingPlane]]  # cutting planes of each hinge
 
 SLOPE_TOLERANCE = 1e-4  # slope / steepest slope below which a cutting plane ignores a key
 ACTIVE_SLACK = 0.002  # [ln(time ratio)] slack below which a cutting plane counts as active

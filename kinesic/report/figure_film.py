@@ -34,7 +34,7 @@ class FigureFilm:
     kind: ClassVar[FilmKind] = "twin"  # takes the place of the film of a robot without skin
     after: ClassVar[None] = None
     robot: Robot
-    angles: Floats  # (k, n) [rad] of its pictures
+    angles: Floats  # (k, n) [rad] hinge angles in each picture
     units: tuple[Mapping[str, float], ...]  # k action units -> 0..1
     words: tuple[str, ...]  # k captions
     rate: float  # [Hz] of pictures

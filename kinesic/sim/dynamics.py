@@ -161,7 +161,7 @@ class MujocoDynamics:
 class _LoadSource:
     """Data that determine the worst-case loads of a robot."""
 
-    names: tuple[str, ...]  # hinges
+    names: tuple[str, ...]  # names of the hinges
     data: tuple[bytes, ...]  # model of MuJoCo, rest posture, joint ranges and stall torques
     dynamics: MujocoDynamics = field(compare=False)
 

@@ -18,7 +18,7 @@ from kinesic.hardware.protocol.registers import TICK_ANGLE, VELOCITY_UNIT, Regis
 
 TickRange = tuple[int, int]  # [ticks] lowest and highest
 
-MAX_PUSHED_VELOCITY = 2 * TICKS_PER_TURN  # [ticks/s] plausible velocity of every servo, as a person may turn it
+MAX_PUSHED_VELOCITY = 2 * TICKS_PER_TURN  # [ticks/s] velocity that is always plausible, as a person may push a servo
 LIMIT_FACTOR = 2.0  # largest plausible velocity or current, as a multiple of the servo model's factory limit
 RANGE_MARGIN = TICKS_PER_TURN // 8  # [ticks] largest distance of a pushed servo with torque beyond its goal range
 MAX_WOUND_POSITION = 8 * TICKS_PER_TURN  # [ticks] largest plausible distance from 0 of a servo turned without torque

@@ -92,7 +92,7 @@ class FamilyTable:
     errors: Mapping[int, int]  # bit of the error byte -> bit of HARDWARE_ERROR_STATUS
     ram_start: int  # first address that a power failure resets
     sensors: tuple[int, int]  # first address of the sensor registers, and first address after them
-    collective: Literal["sync", "bulk", "none"]  # read of several servos by one frame
+    collective: Literal["sync", "bulk", "none"]  # frame that reads several servos; none: each servo needs its own
     order: Literal["little", "big"] = "little"  # byte order of two-byte registers
     lock: int | None = None  # address of the EEPROM lock; 0 in it lets writes persist
     turn: int = TICKS_PER_TURN  # [ticks] range of positions

@@ -60,7 +60,7 @@ class Status:
     """State of the supervisor and its servos in one cycle."""
 
     stage: Stage = Stage.CLOSED
-    clock: float = 0.0  # [s] of the machine's monotonic clock at this status
+    clock: float = 0.0  # [s] monotonic clock of the machine at this status
     time: float = nan  # [s] performance time; NaN before the first command
     scale: float = 0.0  # rate of performance time relative to real time
     energised: int = 0  # number of servos with torque

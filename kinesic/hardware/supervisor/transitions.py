@@ -23,7 +23,7 @@ ALL_EVENTS: frozenset[Event] = frozenset(get_args(Event))
 ALL_STAGES = frozenset(Stage)
 FLAG_NAMES = tuple(field.name for field in fields(SupervisorState) if field.name != "stage")
 INPUT_NAMES = (*(field.name for field in fields(Observation) if field.name != "policy"), "limp_policy")
-VARIABLE_NAMES = (*FLAG_NAMES, *INPUT_NAMES)  # atomic conditions
+VARIABLE_NAMES = (*FLAG_NAMES, *INPUT_NAMES)  # conditions that are not combined from others
 MOTIONLESS_STAGES = frozenset({Stage.LOST, Stage.IDENTIFY, Stage.ARM, Stage.ADOPT})  # torque changes, nothing moves
 
 COMBINED_CONDITIONS: Mapping[str, tuple[tuple[str, ...], ...]] = {

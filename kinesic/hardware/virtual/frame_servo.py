@@ -14,7 +14,7 @@ from kinesic.hardware.protocol.registers import RAM_START, Mode, Register
 from kinesic.hardware.virtual.firmware import BOOT_TIME
 from kinesic.hardware.virtual.servo import NEWEST_FIRMWARE, VirtualServo
 
-ADDRESS_SPACE_SIZE = 256  # [bytes]
+ADDRESS_SPACE_SIZE = 256  # [bytes] size of the address space of a control table
 RANGE_ERROR = 0x08  # bit of the error byte of Dynamixel servos: value out of range
 INSTRUCTION_ERROR = 0x40  # bit of the error byte of Dynamixel servos: undefined instruction
 SET_MIDDLE = 128  # Value of a Feetech torque switch that makes the present position the middle

@@ -35,7 +35,7 @@ class AddedSkin:
     _skin: Skin
     _figure: DressedPerson
     _joints: Mapping[int, tuple[int, int]]  # frame -> its node, and its parent's index in the skeleton
-    _eyes: tuple[int, int]  # nodes
+    _eyes: tuple[int, int]  # nodes of the left and right eye
     _robot: Robot
 
     def turns(self, angles: Floats, units: Sequence[Mapping[str, float]]) -> Iterator[tuple[int, Floats]]:

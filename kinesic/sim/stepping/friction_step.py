@@ -61,7 +61,7 @@ class FrictionParts:
     positions: Floats  # (n,) [rad] qpos
     factor: Floats  # (c,) qLD, the entries of L, with D on the diagonal
     inverse_d: Floats  # (n,) qLDiagInv, 1 / D
-    softness: Floats  # (n,) efc_R
+    softness: Floats  # (n,) efc_R, the diagonal of the regularisation R
     matrix: Floats  # (n * n,) efc_AR, A + R
 
 

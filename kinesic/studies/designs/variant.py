@@ -27,7 +27,7 @@ Design = tuple[tuple[str, str], ...]  # (variable, value) pairs that differ from
 class Variable:
     """Design variable of a robot: a feature with the values to try."""
 
-    name: str  # WHAT.FEATURE
+    name: str  # part and feature, such as `l_shoulder.length`
     values: tuple[str, ...]
 
     @classmethod
