@@ -38,7 +38,7 @@ PASSAGE_TIMES = (
     4.7,
 )  # [s] times of the behaviours in PASSAGE_BML, without delay
 CROWD_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="crowd">{}</bml>'
-HAND_MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")
+HAND_MODES = ("LEFT_HAND", "RIGHT_HAND", "BOTH_HANDS")  # values of a gesture's attribute `mode`
 CORPUS_SEED = 50  # seed of the random order of corpus documents
 MAX_BLOCK_DURATION = 60.0  # [s] corpus documents with a longer plan are skipped
 

@@ -41,10 +41,10 @@ PRINT_CPU_TIME = "\nimport time; print(time.process_time())"
 class CompletedTask:
     """CPU times and verdict of a task that a worker completed."""
 
-    worker: int
+    worker: int  # index of the worker
     began: float  # [s] CPU time of the worker at the start of the task
     ended: float  # [s] CPU time of the worker at the end of the task
-    verdict: DocumentVerdict | None
+    verdict: DocumentVerdict | None  # result of the task; None: no document was planned
 
 
 @dataclass(frozen=True)

@@ -63,7 +63,7 @@ class TrackingAid:
     suffix: str  # suffix of the metric names
     terms: InvertedTerms
     correction: bool = False
-    identifies: bool = False  # identifies gain and delay from the first document
+    identifies: bool = False  # whether gain and delay are identified from the first document
 
 
 TRACKING_AIDS: tuple[TrackingAid, ...] = (
@@ -95,8 +95,8 @@ class Errors:
     """Tracking and stroke errors of several performances."""
 
     angles: Floats  # (k,) [rad] absolute errors of all moving joints
-    strokes: Floats  # (s,) [s] deviation from the requested time, for strokes planned at that time that arrived
-    lost: int  # strokes that never arrived
+    strokes: Floats  # (s,) [s] errors of strokes that arrived and were planned at the requested time
+    lost: int  # number of strokes that never arrived
     min_distance: float  # [m] smallest distance between two segments
 
     @classmethod

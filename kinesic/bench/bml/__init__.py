@@ -17,8 +17,8 @@ from kinesic.bench.metric import Metric
 from kinesic.session.setup import set_up
 
 SCENARIO_SUITE = "realizertester"  # name of the suite of conformance scenarios, and of its files in the corpus
-DOCUMENT_SUITE = "openbmlparser"
-GRAMMAR_SUITE = "syncref"
+DOCUMENT_SUITE = "openbmlparser"  # name of the suite of parsed documents
+GRAMMAR_SUITE = "syncref"  # name of the suite of sync references
 MISSING_SUITE = "no expectations of this suite: KINESIC_CORPUS must name the folder that holds them"
 
 

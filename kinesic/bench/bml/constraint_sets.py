@@ -111,7 +111,7 @@ class Constraints:
         return reached
 
     def _find_shortest_path(self, start: str, goal: str, *, excluded_class: int) -> list[str] | None:
-        """Find the shortest path of constraints without grounded behaviours and one class.
+        """Find the shortest constraint path that avoids grounded behaviours and a class.
 
         A class is a set of sync points at fixed offsets; a grounded behaviour has a sync point with fixed block time.
 

@@ -22,7 +22,7 @@ class DraftScenario:
     content: str  # content of <bml id="b">
     times: Mapping[str, float]  # "behaviour:sync" by BML 1.0's names -> block time [s]
     attributes: str = ""  # further attributes of <bml>
-    strict: bool = False  # read as a strict draft
+    strict: bool = False  # whether the block is read as a strict draft
 
 
 _SPEECH_BML = (

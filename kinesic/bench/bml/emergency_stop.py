@@ -49,8 +49,8 @@ FLOOD_START_TIME = 1.0  # [s] wait after a flood starts, before the first stop
 class StopDelay:
     """Delays [ms] from sending an emergency stop to acknowledgement and standstill."""
 
-    acknowledged: float
-    still: float | None  # until the last goal that differs from the final one; None: nothing moved
+    acknowledged: float  # [ms] delay until the acknowledgement
+    still: float | None  # [ms] delay until the last goal that differs from the final goal; None: nothing moved
 
 
 @dataclass(frozen=True, eq=False)

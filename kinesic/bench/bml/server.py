@@ -34,7 +34,7 @@ SMALL_BEHAVIOURS = (
     '<speech id="s"><text>Yes, <sync id="m"/>indeed.</text></speech><head id="h" lexeme="NOD" stroke="s:m"/>',
 )
 BLOCK_INTERVAL = 1.0  # [s] between blocks of the latency measurement
-END_TIMEOUT = 5.0  # [s] after the endurance run: longest wait for more block ends, and for the status reply
+END_TIMEOUT = 5.0  # [s] longest wait for block ends and for the status reply, after the endurance run
 POLL_INTERVAL = 0.05  # [s] between checks whether the server is listening
 ENDURANCE_RATE = 10  # [1/s] block rate of the endurance run
 SETTLED_FRACTION = 0.25  # fraction of the endurance run after which the initial memory is measured
@@ -69,18 +69,18 @@ class Server:
 class FeedbackLatency:
     """Delays from sending a block to its first feedback and start [ms]."""
 
-    feedback: float  # to its first feedback
-    command: float  # to its start
+    feedback: float  # [ms] delay until the block's first feedback
+    command: float  # [ms] delay until the block's start
 
 
 @dataclass(frozen=True)
 class Endurance:
     """Result of an endurance run with many blocks per second."""
 
-    sent: int
-    lost: int  # blocks without a reported end
-    growth: float | None  # [%] growth of memory after it had settled
-    late: int  # late ticks of the server's loop
+    sent: int  # number of sent blocks
+    lost: int  # number of blocks without a reported end
+    growth: float | None  # [%] growth of the memory after it had settled
+    late: int  # number of late ticks of the server's loop
 
 
 def bench() -> list[Metric]:

@@ -20,8 +20,8 @@ class ReceivedMessage:
 
     kind: str  # blockProgress, syncPointProgress, warningFeedback or predictionFeedback
     id: str  # "block:start", "block:behaviour:sync", or the subject of a warning
-    global_time: float = 0.0  # [s]
-    time: float = 0.0  # [s] of a sync point since the block's start
+    global_time: float = 0.0  # [s] global time of the message
+    time: float = 0.0  # [s] time of a sync point since the block's start
     text: str = ""
 
 

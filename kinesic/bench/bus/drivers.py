@@ -29,9 +29,9 @@ class DriverReading:
     """Servo positions with timestamps, and hardware errors, reported by a driver."""
 
     positions: Ticks  # (n,)
-    times: Floats  # (n,) [s] on the wire's clock when each position was taken; NEVER_READ if none was
+    times: Floats  # (n,) [s] time on the wire's clock when each position was taken; NEVER_READ if none was
     fresh: Flags  # (n,) whether the position was taken in this cycle
-    late: Flags  # (n,) whether a position of an earlier cycle arrived in this one with its correct time
+    late: Flags  # (n,) whether an earlier cycle's position arrived in this cycle, with its correct time
     alerts: Flags  # (n,) whether a hardware error is reported
 
 

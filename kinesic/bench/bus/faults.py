@@ -23,7 +23,7 @@ from kinesic.bench.bus.matrix import (
 )
 from kinesic.bench.metric import Metric
 
-SERVO_COUNT = 14  # servos on the bus with kinesic's driver
+SERVO_COUNT = 14  # number of servos on the bus with kinesic's driver
 BAUD_RATE = 1_000_000  # [bit/s] baud rate of the bus with kinesic's driver
 FAULT_SEEDS = (0, 1, 2)  # seeds of the random faults
 MATRIX_SERVO_COUNTS = (7, 14, 26)  # numbers of servos at which drivers are compared
@@ -41,7 +41,7 @@ DRIVER_FACTORIES: Mapping[str, DriverFactory] = {
 MISSING_REASONS: Mapping[str, Callable[[], str]] = {
     name: why_lerobot_is_missing for name in DRIVER_FACTORIES if LerobotDriver.name in name
 }
-MAX_CELL_WIDTH = 12  # [characters] a fourth cell this wide holds a message, which widens no column
+MAX_CELL_WIDTH = 12  # [characters] width from which a row's fourth cell is a message, which widens no column
 TABLE_COLUMNS = (
     "fault",
     "servos",

@@ -55,12 +55,12 @@ class TrialResult:
     servos: int
     baud: int
     seed: int
-    period: float  # [s]
+    period: float  # [s] cycle period
     refused: str = ""  # reason why the driver refused these servos
-    exceptions: int = 0
-    wrong: int = 0  # positions reported as current that were never correct
+    exceptions: int = 0  # number of exceptions
+    wrong: int = 0  # number of positions that were never true near their timestamps
     fresh: float = 0.0  # fraction of the readable positions that arrived, even if late but with the correct time
-    prompt: float = 0.0  # fraction that arrived in the cycle of its request
+    prompt: float = 0.0  # fraction of the readable positions that arrived in the cycle of their request
     oldest: float = 0.0  # [s] largest age of a position at the end of its cycle
     durations: Floats = field(default_factory=lambda: np.zeros(1))  # (m,) [s] durations of the cycles
     reported: float | None = (

@@ -43,15 +43,15 @@ class MeasuredClip:
     """Certified motion of one clip, with independent checks and mink's motion."""
 
     result: Certification
-    cpu_time: float  # [s] of reading and certification
+    cpu_time: float  # [s] CPU time of reading and certification
     largest_ratio: float  # largest value / limit at 10 kHz by SciPy
     has_penetration: bool  # whether bodies touch, by MuJoCo
     captured: Floats  # (k, f) features of the clip
     certified: Floats  # (k, f) features of the certified motion
-    least_elbow_error: float  # [deg] 95th percentile of upper-arm errors that the proportions of the arms cause
-    elbow_excess: float  # [deg] 95th percentile of upper-arm errors beyond these
-    stroke_shift: float | None  # [s] shift of the stroke; None: no marker, or no motion there
-    peer: PeerMotion | None  # None: mink is not installed
+    least_elbow_error: float  # [deg] 95th percentile of upper-arm errors due to arm proportions alone
+    elbow_excess: float  # [deg] 95th percentile of upper-arm errors beyond those due to arm proportions
+    stroke_shift: float | None  # [s] time shift of the stroke; None: no marker, or no motion near the marker
+    peer: PeerMotion | None  # motion retargeted by mink; None: mink is not installed
 
 
 def bench() -> list[Metric]:

@@ -10,11 +10,11 @@ from kinesic.body.arrays import Floats
 from kinesic.capture.certification import angles_between
 from kinesic.capture.clip import ArmPath
 
-MIN_DISTANCE = 1e-6  # [arm lengths] smallest shoulder-wrist distance by which is divided
+MIN_DISTANCE = 1e-6  # [arm lengths] lower bound of the shoulder-wrist distance as a divisor
 
 
 def measure_elbow_errors(desired: ArmPath, reached: ArmPath) -> tuple[Floats, Floats]:
-    """Return upper-arm direction errors (m,) [deg], reached and least for exact wrists.
+    """Return upper-arm direction errors (m,) [deg]: actual, and least for exact wrists.
 
     Args:
         desired: elbows and wrists of the clip.

@@ -9,7 +9,7 @@ from kinesic.body.robot import Side
 from kinesic.capture.clip import ArmPath
 from kinesic.capture.robot_motion import SAMPLE_RATE
 
-HALF_WINDOW = 0.4  # [s] compared motion before and after the stroke marker
+HALF_WINDOW = 0.4  # [s] duration of the compared motion before and after the stroke marker
 MAX_SHIFT = 0.6  # [s] largest shift that is searched
 MIN_DEVIATION = 1e-3  # [arm lengths/s] standard deviation of the velocity below which a window has no stroke
 

@@ -9,9 +9,9 @@ from kinesic.body.robot import SIDES, Side
 from kinesic.capture.clip import ArmPath
 from kinesic.capture.robot_motion import SAMPLE_RATE
 
-SAMPLE_STEP = 5  # samples of a clip per sample of the distribution
+SAMPLE_STEP = 5  # number of clip samples per sample of the distribution
 VELOCITY_WEIGHT = 0.1  # [s] factor that converts velocities to features [arm lengths]
-MIN_DEVIATION = 0.02  # [arm lengths] smallest standard deviation by which a feature is divided, for still arms
+MIN_DEVIATION = 0.02  # [arm lengths] lower bound of a feature's standard deviation as a divisor, for still arms
 
 
 def sample_features(arms: Mapping[Side, ArmPath]) -> Floats:

@@ -20,10 +20,10 @@ PEER_LIMITS = ("position", "velocity")  # kinds of limits that mink enforces
 class PeerMotion:
     """Quality of a clip that mink retargeted."""
 
-    violates: bool  # whether a limit is exceeded
-    violates_own: bool  # whether a position or velocity limit is exceeded
+    violates: bool  # whether the motion exceeds any limit
+    violates_own: bool  # whether the motion exceeds a position or velocity limit
     ratio: float  # largest value / limit
-    penetrates: bool  # whether bodies touch
+    penetrates: bool  # whether segments of the robot touch
     correlation: float  # smallest correlation of wrist paths
 
 

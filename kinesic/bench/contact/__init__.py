@@ -25,25 +25,25 @@ from kinesic.planning.syncs import SHIFT_TO_WARN
 from kinesic.session.documents import read_block
 from kinesic.session.setup import set_up
 
-MAX_SURVEY_TIME = 0.05  # goal: CPU time of one evaluation of contacts / CPU time of planning
+MAX_SURVEY_RATIO = 0.05  # goal: CPU time of one evaluation of contacts / CPU time of planning
 COMPARED_ROBOTS = ("upper22", "upper36")  # robots whose plans are compared
-AUDIENCE: Audience = "adult"  # audience of the policy
+POLICY_AUDIENCE: Audience = "adult"  # people near the robot, whose contact limits are applied
 DOCUMENT_COUNT = 100  # number of corpus documents
 COLLISION_COUNT = 200  # number of collisions with each robot
-SURVEY_REPEATS = 5  # evaluations of one motion whose CPU time is averaged
+SURVEY_REPEATS = 5  # number of evaluations of one motion whose CPU time is averaged
 
 
 @dataclass(frozen=True, eq=False)
 class ComparedPlan:
-    """One block planned without and with a policy."""
+    """One block planned without and with contact limits."""
 
     name: str
-    ratio_before: float  # largest force / limit without the policy
-    ratio: float  # largest force / limit under the policy, by independent code
+    ratio_before: float  # largest force / limit, planned without contact limits
+    ratio: float  # largest force / limit, planned with contact limits, by independent code
     shift: float  # [s] largest additional shift of a stroke
-    stretch: float  # duration of the motion / that without the policy
-    dropped: int  # behaviours dropped because of the policy
-    seconds: tuple[float, float]  # [s] CPU time of planning without and with the policy
+    stretch: float  # motion duration with contact limits / duration without
+    dropped: int  # number of behaviours dropped because of the contact limits
+    seconds: tuple[float, float]  # [s] CPU time of planning without and with contact limits
     survey_seconds: float  # [s] CPU time of one evaluation of all contacts
 
 
@@ -87,7 +87,7 @@ def bench_documents(robot: str, count: int) -> list[Metric]:
 
 def bench_collisions(robot: str, count: int) -> list[Metric]:
     """Compare forces of collisions with their bounds."""
-    setup = set_up(robot, near=AUDIENCE)
+    setup = set_up(robot, near=POLICY_AUDIENCE)
     lexemes = sorted(form.id for form in setup.lexicon.forms)
     found = list(collide(setup, lexemes, read_impact_limits().regions, count))
     ratios = np.array([collision.ratio for collision in found])
@@ -102,8 +102,8 @@ def bench_collisions(robot: str, count: int) -> list[Metric]:
 
 
 def compare_plans(blocks: Sequence[Block], setup: Setup) -> list[ComparedPlan]:
-    """Plan blocks without and with the policy, and measure both plans."""
-    policy = find_policy(AUDIENCE)
+    """Plan blocks without and with contact limits, and measure both plans."""
+    policy = find_policy(POLICY_AUDIENCE)
     assert policy is not None
     limited, contacts = replace(setup, policy=policy), MujocoContacts(setup.robot)
     compared = []
@@ -140,7 +140,7 @@ def _time_survey(planned: Plan) -> float:
 
 
 def _largest_shift(before: Plan, after: Plan) -> float:
-    """Return the largest change [s] of a stroke's time.
+    """Return the largest change [s] of a stroke's time between two plans.
 
     0 if the plans have no common stroke.
     """
@@ -173,5 +173,5 @@ def summarise_plans(prefix: str, compared: Sequence[ComparedPlan]) -> list[Metri
         Metric(f"{prefix}.stretch_p50", float(np.median(stretches)), "times", None, "lower"),
         Metric(f"{prefix}.stretch_max", float(stretches.max()), "times", None, "lower"),
         Metric(f"{prefix}.planning_time", after / before, "times", None, "lower", "CPU time with / without the policy"),
-        Metric(f"{prefix}.survey_time", surveys / before, "of planning", MAX_SURVEY_TIME, "lower"),
+        Metric(f"{prefix}.survey_time", surveys / before, "of planning", MAX_SURVEY_RATIO, "lower"),
     ]

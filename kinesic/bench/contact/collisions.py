@@ -21,10 +21,10 @@ from kinesic.planning.setup import Setup
 from kinesic.session.plan import plan
 from kinesic.sim.model import build_model, find_actuator_indices, find_joint_indices
 
-STEP = 2e-5  # [s] simulation step; a contact lasts 4 to 20 ms
-SETPOINT_STEPS = 50  # simulation steps per setpoint
-MAX_STEPS = 4000  # simulation steps of the longest contact
-FREE_STEPS = 50  # simulation steps without force after which a collision has ended
+SIMULATION_STEP = 2e-5  # [s] simulation step; a contact lasts 4 to 20 ms
+SETPOINT_STEPS = 50  # number of simulation steps per setpoint
+MAX_STEPS = 4000  # largest number of simulation steps of a contact
+FREE_STEPS = 50  # number of simulation steps without force after which a collision has ended
 BALL_RADIUS = 0.05  # [m] radius of the ball
 MIN_VELOCITY = 0.25  # [m/s] lowest velocity of a point that meets a ball
 MIN_APPROACH = 0.5  # smallest cosine of the angle between velocity and contact normal
@@ -42,9 +42,9 @@ class Collision:
     lexeme: str
     region: str  # part of a person's body that the ball stands for
     segment: str  # segment of the robot that meets the ball
-    velocity: float  # [m/s] of the point at the beginning
-    peak: float  # [N] largest force of the spring
-    bound: float  # [N] force that the report states for this instant and region
+    velocity: float  # [m/s] velocity of the point at the beginning
+    peak: float  # [N] largest force of the spring between point and ball
+    bound: float  # [N] largest force that the report predicts for this time and region
 
     @property
     def ratio(self) -> float:
@@ -57,10 +57,10 @@ class _Strike:
     """Time, place, normal and velocity at the beginning of a collision."""
 
     time: float  # [s] performance time
-    geom: int  # capsule of the model
-    place: float  # 0..1 along the capsule's axis
+    geom: int  # index of the capsule in the MuJoCo model
+    place: float  # position along the capsule's axis, 0..1
     normal: Floats  # (3,) unit, from the robot to the ball
-    velocity: Floats  # (3,) [m/s] of the point
+    velocity: Floats  # (3,) [m/s] velocity of the point
 
 
 def collide(
@@ -113,7 +113,7 @@ class CollidingTwin:
         """
         self._robot = setup.robot
         self.model = build_model(setup.robot)
-        self.model.opt.timestep = STEP
+        self.model.opt.timestep = SIMULATION_STEP
         self.model.opt.disableflags |= int(mujoco.mjtDisableBit.mjDSBL_CONTACT)
         self._data = mujoco.MjData(self.model)
         self._order = find_joint_indices(setup.robot, self.model)
@@ -122,7 +122,7 @@ class CollidingTwin:
 
     @cached_property
     def _capsules(self) -> list[int]:
-        """Capsules of the arms."""
+        """Indices of the capsules of both arms."""
         model = self.model
         names = [model.body(body).name for body in model.geom_bodyid]
         is_capsule = model.geom_type == int(mujoco.mjtGeom.mjGEOM_CAPSULE)
@@ -164,7 +164,7 @@ class CollidingTwin:
         ball_velocity, peak = np.zeros(3), 0.0
         for step in range(MAX_STEPS):
             if step % SETPOINT_STEPS == 0:
-                angles, velocities, _ = trajectory.sample(np.array([strike.time + step * STEP]))
+                angles, velocities, _ = trajectory.sample(np.array([strike.time + step * SIMULATION_STEP]))
                 data.ctrl[self._motors] = angles[0] + self._lags * velocities[0]
             mujoco.mj_kinematics(model, data)
             mujoco.mj_comPos(model, data)
@@ -180,8 +180,8 @@ class CollidingTwin:
                 mujoco.mj_applyFT(model, data, -force * normal, np.zeros(3), touched, body, data.qfrc_applied)
             elif step > FREE_STEPS and peak > 0.0:
                 break
-            ball_velocity += force * normal / region.mass * STEP
-            ball = ball + ball_velocity * STEP
+            ball_velocity += force * normal / region.mass * SIMULATION_STEP
+            ball = ball + ball_velocity * SIMULATION_STEP
             mujoco.mj_step(model, data)
         return peak
 

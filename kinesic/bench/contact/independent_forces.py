@@ -16,7 +16,7 @@ from kinesic.sim.model import build_model, find_joint_indices
 from kinesic.sim.uncoupled import uncouple
 
 SAMPLE_RATE = 100.0  # [Hz] sampling rate of the motion
-POINTS_PER_CAPSULE = 4  # points along the axis of each capsule
+POINTS_PER_CAPSULE = 4  # number of points along the axis of each capsule
 
 
 class MujocoContacts:

@@ -20,22 +20,22 @@ INTERRUPTION_WINDOW = 1.2  # [s] time after the start of a voice in which an end
 
 @dataclass(eq=False)
 class _Results:
-    """Measures of all dialogues."""
+    """Measurements of all dialogues."""
 
-    turn_ends: dict[bool, list[float]] = field(default_factory=lambda: {False: [], True: []})  # [s] by predictor
-    false_ends: int = 0
-    yields: list[float] = field(default_factory=list)  # [s] from the start of a voice to the end of own speech
-    missed: int = 0
-    attempts: int = 0
-    false_yields: int = 0
-    agreements: int = 0
-    looking: dict[str, list[float]] = field(default_factory=dict)  # fractions of time by situation
-    longest_look: float = 0.0  # [s]
+    turn_ends: dict[bool, list[float]] = field(default_factory=lambda: {False: [], True: []})  # [s] delays by predictor
+    false_ends: int = 0  # number of turn ends detected within a turn
+    yields: list[float] = field(default_factory=list)  # [s] delays from a voice to the end of own speech
+    missed: int = 0  # number of missed interruptions
+    attempts: int = 0  # number of interruptions by a person
+    false_yields: int = 0  # number of yields to agreement or coughs
+    agreements: int = 0  # number of agreements and coughs
+    looking: dict[str, list[float]] = field(default_factory=dict)  # fractions of time looking at a person
+    longest_look: float = 0.0  # [s] longest look at a person
     limit_ratio: float = 0.0  # largest ratio of a velocity, acceleration, jerk or angle to its limit
-    errors: list[float] = field(default_factory=list)  # [deg] of the head towards a standing person
-    seconds: float = 0.0  # [s] virtual time
-    nods: int = 0
-    listening: float = 0.0  # [s]
+    errors: list[float] = field(default_factory=list)  # [deg] azimuth errors of the head towards a standing person
+    seconds: float = 0.0  # [s] virtual time of all dialogues
+    nods: int = 0  # number of nods
+    listening: float = 0.0  # [s] time of listening
 
 
 def bench(count: int = DIALOGUE_COUNT, *, first: int = 0) -> list[Metric]:

@@ -22,7 +22,7 @@ PAUSE_SPREAD = 0.45  # standard deviation of the logarithm of pauses
 PAUSE_RANGE = (0.2, 1.5)  # [s] shortest and longest pause within a turn
 UNFINISHED_PROBABILITY = 0.5  # probability that the words before a pause end with a conjunction or a hesitation
 PREDICTOR_ERROR = 0.05  # probability that a predictor confuses a pause with the end of a turn, or the reverse
-EXCHANGES = 4  # number of turns of the person, and of the robot, in a dialogue
+EXCHANGE_COUNT = 4  # number of turns of the person, and also of the robot, in a dialogue
 TRACKER_PERIOD = 0.1  # [s] time between two reports of people
 
 STANDING_PLACE: Place = (1.5, 0.3, 1.55)  # [m] eyes of the person who speaks
@@ -34,7 +34,7 @@ TimedEvent = tuple[float, ConversationEvent]
 class Interjection:
     """Voice of a person during the robot's speech."""
 
-    begin: float  # [s]
+    begin: float  # [s] start of the voice
     takes_turn: bool  # whether the person wants to speak; False for agreement and coughs
 
 
@@ -42,11 +42,11 @@ class Interjection:
 class Dialogue:
     """Events of one dialogue, with the true times behind them."""
 
-    events: tuple[TimedEvent, ...]  # in the order of their arrival
+    events: tuple[TimedEvent, ...]  # events in the order of their arrival
     turns: tuple[tuple[float, float], ...]  # [s] true start and end of the turns of the person
     speeches: tuple[tuple[float, float], ...]  # [s] planned start and end of the robot's speeches
     interjections: tuple[Interjection, ...]
-    end: float  # [s]
+    end: float  # [s] end of the dialogue
     has_predictor: bool  # whether a model predicts turns
 
 
@@ -56,7 +56,7 @@ def write_dialogue(seed: int) -> Dialogue:
 
 
 class _Writer:
-    """Writer of one dialogue."""
+    """Generator of one dialogue's events."""
 
     def __init__(self, seed: int) -> None:
         self._random, self._time = np.random.default_rng(seed), 1.0
@@ -65,7 +65,7 @@ class _Writer:
 
     def write(self) -> Dialogue:
         turns, speeches, interjections = [], [], []
-        for _ in range(EXCHANGES):
+        for _ in range(EXCHANGE_COUNT):
             turns.append((self._time, self._write_turn()))
             begin = self._time + float(self._random.uniform(1.2, 2.5))
             end = begin + float(self._random.uniform(4.0, 12.0))

@@ -28,12 +28,12 @@ MAX_SIDE_DISTANCE = 0.1  # [m] largest sideways distance between gaze target and
 class DialogueRecord:
     """Decisions and motion of one dialogue."""
 
-    modes: list[tuple[float, str]] = field(default_factory=list)
+    modes: list[tuple[float, str]] = field(default_factory=list)  # time [s] and name of each new mode
     looks: list[tuple[float, bool]] = field(default_factory=list)  # time [s], and whether the gaze meets a person
-    yields: list[float] = field(default_factory=list)  # [s]
-    nods: int = 0
+    yields: list[float] = field(default_factory=list)  # [s] times at which the robot yields
+    nods: int = 0  # number of nods
     motions: list[Trajectory] = field(default_factory=list)
-    errors: list[float] = field(default_factory=list)  # [deg] of the head towards the standing person
+    errors: list[float] = field(default_factory=list)  # [deg] azimuth errors of the head towards the standing person
     thinking_delay: float = TURN_TIMES.end_to_thinking  # [s] from the end of a turn to the thinking state
 
     def looking_fraction(self, begin: float, end: float) -> float:
@@ -62,16 +62,16 @@ class VirtualScene:
     """Scene that accepts each change at a virtual time."""
 
     scene: Scene
-    now: float = 0.0  # [s]
-    told: list[str] = field(default_factory=list)
+    now: float = 0.0  # [s] virtual time
+    messages: list[str] = field(default_factory=list)
 
     def propose(self, change: Callable[[Scene, float], Scene]) -> None:
-        """Apply a change."""
+        """Apply a change of the scene at the present virtual time."""
         self.scene = change(replace(self.scene, ahead=COMMAND_DELAY, outgoing_feedback=()), self.now)
 
     def tell(self, message: str, client: int) -> None:
         """Record a message to the client."""
-        self.told.append(message)
+        self.messages.append(message)
 
 
 def perform_dialogue(dialogue: Dialogue, setup: Setup) -> DialogueRecord:
@@ -98,11 +98,11 @@ def perform_dialogue(dialogue: Dialogue, setup: Setup) -> DialogueRecord:
             done.looks.append((shared.now, conversation.look.place is not None and conversation.look.away == (0, 0)))
         if shared.scene.motion is not motion:
             done.motions.append(shared.scene.motion)
-        for message in map(json.loads, shared.told):
+        for message in map(json.loads, shared.messages):
             done.nods += message["told"] == "backchannel"
             if message["told"] == "conversing" and (not done.modes or done.modes[-1][1] != message["state"]):
                 done.modes.append((shared.now, message["state"]))
-        shared.told.clear()
+        shared.messages.clear()
 
 
 def _error(motion: Trajectory, time: float, place: tuple[float, float, float], setup: Setup) -> list[float]:

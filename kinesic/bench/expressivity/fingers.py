@@ -18,8 +18,8 @@ from kinesic.planning.setup import Setup
 from kinesic.session.setup import set_up
 from kinesic.studies.gestures.isolated import BEHAVIOUR_ID, plan_gesture
 
-METRIC_PREFIX = "expressivity.fingers"
-FINGER_ROBOT = "upper36"
+METRIC_PREFIX = "expressivity.fingers"  # prefix of the metric names
+FINGER_ROBOT = "upper36"  # robot whose fingers are measured
 MAX_SHAPE_ERROR = np.radians(4.0)  # [rad] largest finger angle error of a complete hand shape
 MIN_COMPLETE = 95.0  # [%] goal for the fraction of hands with complete shapes at strokeStart
 

@@ -42,9 +42,9 @@ class GestureResult:
     gesture: str
     style: str
     dropped: bool
-    clearance: float  # [m] smallest of plan and twin
-    penetrations: int  # colliding samples of plan and twin
-    violations: int  # exceeded limits in the plan at 1 kHz
+    clearance: float  # [m] smallest clearance in plan and twin
+    penetrations: int  # number of samples of plan and twin with colliding segments
+    violations: int  # number of limits exceeded in the plan, at 1 kHz
     stroke_error: float  # [s] deviation in the twin from the requested time; infinite if the stroke never arrived
     on_time: bool  # whether the planned stroke is at the requested time
     reported: bool  # whether every moved sync point and every drop has a warning

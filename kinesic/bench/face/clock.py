@@ -8,7 +8,7 @@ import numpy as np
 from kinesic.face.gl.context import GlContext
 from kinesic.face.gl.programs import VertexColumn
 
-SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "swrast")
+SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "swrast")  # names of OpenGL renderers that draw with the processor
 BUSY_TIME = 0.015  # [s] filler work of the graphics card while the measured commands are queued
 BUSY_SIZE = 512  # [pixels] side of the picture drawn as filler work
 MAX_BUSY_STEPS = 1e7  # largest number of filler iterations per pixel

@@ -56,10 +56,10 @@ class Closing(NamedTuple):
     """
 
     sounds: str
-    shut: float | None  # [s] the lips close; None: never
-    open: float | None  # [s] the lips open again; None: never closed
-    stops: float | None  # [s] audible end of the preceding vowel; None: no vowel
-    bursts: float | None  # [s] audible opening of the lips; None: not audible
+    shut: float | None  # [s] time when the lips close; None: never
+    open: float | None  # [s] time when the lips open again; None: never closed
+    stops: float | None  # [s] time when the preceding vowel audibly ends; None: no vowel
+    bursts: float | None  # [s] time when the lips audibly open; None: not audible
 
     @property
     def is_late(self) -> bool:

@@ -26,7 +26,7 @@ from kinesic.face.render.passes import make_texture
 from kinesic.face.render.portrait import Portrait
 from kinesic.face.render.presets import NORMAL_PRESET, TILE_SIZES, Estimator, Occlusion, Pattern
 
-TABLE_SIZE = (1024, 768)  # [pixels] [pixels] picture size of Table 3.1 of the thesis
+TABLE_SIZE = (1024, 768)  # [pixels] picture size of Table 3.1 of the thesis
 TIMING_REPETITIONS = 5  # number of timed drawings per estimator
 SMILE_UNITS = {"12": 0.5, "26": 0.6}  # action units of the drawn smile, with intensities
 LARGEST_SETTINGS = Occlusion(size=21)  # occlusion with the largest filter

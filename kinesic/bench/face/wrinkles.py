@@ -17,7 +17,7 @@ PICTURE_SIZE = (512, 512)  # [pixels] width and height of the compared pictures
 BACK_YAWS_DEG = (140.0, 180.0, -140.0)  # camera angles that show the back of the head
 BACK_LIMIT = -0.65  # [eye distances] forward coordinate below which a point is at the back of the head
 LINEAR_RANGE = (0.05, 1.5)  # range of the tangent of normal tilt in which half the intensity must halve the tangent
-SUPPORT_MARGIN = 8  # [pixels] of a wrinkle map, around its non-zero part, for interpolation and differences
+SUPPORT_MARGIN = 8  # [pixels] margin around the non-zero part of a wrinkle map
 
 
 class _Head:

@@ -26,18 +26,18 @@ FALSE_KINDS = ("short", "cough", "knock", "music", "none")  # kinds of mixtures 
 
 @dataclass(frozen=True)
 class HearingOutcome:
-    """Decisions of the ear in a mixture, with their delays."""
+    """Barge-in decisions for a mixture, with their delays."""
 
     kind: str
-    begin: float  # [s] time of the event
+    begin: float  # [s] start of the event
     duck: float | None  # [s] delay of the first mute after the event's start; None: no mute
     turn: float | None  # [s] delay of the decision to yield; None: no decision; negative: before the event
     early_ducks: int  # number of mutes before the event
-    cpu: float  # [s] of CPU time per second of sound
+    cpu: float  # [s] CPU time per second of sound
 
 
 def judge(mixture: Mixture) -> HearingOutcome:
-    """Return the decisions of an ear that hears a mixture."""
+    """Return the barge-in decisions for a mixture."""
     ear, start = Ear(), time.process_time()
     changes = list(ear.hear(mixture.heard, mixture.played))
     cpu = (time.process_time() - start) / (len(mixture.heard) / VOICE_RATE)

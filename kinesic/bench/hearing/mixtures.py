@@ -22,7 +22,7 @@ from kinesic.body.utterance import Samples
 from kinesic.hearing.voice_activity import VOICE_RATE
 
 EventKind = Literal["turn", "short", "cough", "knock", "music", "none"]
-TURNS_PER_ROUND = 2  # mixtures with a turn in each round, which has one of each other kind
+TURNS_PER_ROUND = 2  # number of mixtures per round in which a person takes the turn; one mixture of each other kind
 
 ROBOT_TEXTS = (
     "The castle was built on a hill above the river, and for many years nobody lived there at all.",
@@ -49,13 +49,15 @@ SHORT_TEXTS = (
     *(("en", text) for text in ("mm", "uh huh", "yeah", "okay", "right", "hm")),
     *(("de", "ja"), ("de", "genau"), ("fr", "oui"), ("es", "sí")),
 )
-TURN_RATES, SHORT_RATES, PITCHES = (0.9, 1.0, 1.2), (1.0, 1.2), (0.75, 1.0, 1.3)
+TURN_SPEECH_RATES = (0.9, 1.0, 1.2)  # speech rate factors of persons who take the turn
+SHORT_SPEECH_RATES = (1.0, 1.2)  # speech rate factors of persons who say a short word
+VOICE_PITCHES = (0.75, 1.0, 1.3)  # pitch factors of persons' voices
 ROBOT_LEVEL = 0.05  # root mean square of the robot's voice at the microphone
-LEVEL_RATIOS = (-6.0, 0.0, 6.0)  # [dB] of the other sound over the robot's voice
-NOISE_RATIOS = (20.0, 10.0)  # [dB] of the other sound over the noise
+LEVEL_RATIOS = (-6.0, 0.0, 6.0)  # [dB] levels of the event's sound relative to the robot's voice
+NOISE_RATIOS = (20.0, 10.0)  # [dB] levels of the event's sound relative to the noise
 ECHO_DELAYS = (0.0, 0.03)  # [s] range of the delay from the loudspeaker to the microphone
-DISTORTIONS = (1.0, 4.0)  # range of the loudspeaker's gain before it saturates
-PAUSES = (0.5, 0.3, 0.5)  # [s] before, between and after the robot's two sentences
+DISTORTION_GAINS = (1.0, 4.0)  # range of the loudspeaker's gain before saturation; higher gains distort more
+SENTENCE_PAUSES = (0.5, 0.3, 0.5)  # [s] pauses before, between and after the robot's two sentences
 EVENT_DELAYS = (0.2, 2.5)  # [s] range of the event's start within the second sentence
 
 
@@ -64,9 +66,9 @@ class Mixture:
     """Microphone sound with the playback and the kind of its event."""
 
     kind: EventKind
-    heard: Samples  # (m,) at 16 kHz
-    played: Samples  # (m,) of the robot's loudspeaker
-    begin: float  # [s] time of the event, or of its place without one
+    heard: Samples  # (m,) sound at the microphone, 16 kHz
+    played: Samples  # (m,) sound of the robot's loudspeaker, 16 kHz
+    begin: float  # [s] start of the event, or the same place without an event
 
 
 def make_mixtures(seed: int, rounds: int) -> Iterator[Mixture]:
@@ -82,9 +84,9 @@ def make_mixtures(seed: int, rounds: int) -> Iterator[Mixture]:
 
 def _make_mixture(kind: EventKind, random: Generator) -> Mixture:
     first, second = (with_level(say_as_robot(str(random.choice(ROBOT_TEXTS))), ROBOT_LEVEL) for _ in range(2))
-    before, between, after = (np.zeros(round(pause * VOICE_RATE)) for pause in PAUSES)
+    before, between, after = (np.zeros(round(pause * VOICE_RATE)) for pause in SENTENCE_PAUSES)
     played = np.concatenate([before, first, between, second, after])
-    distorted = np.tanh(played * random.uniform(*DISTORTIONS))
+    distorted = np.tanh(played * random.uniform(*DISTORTION_GAINS))
     heard = with_level(reverberate(distorted, random, random.uniform(*ECHO_DELAYS))[: len(played)], ROBOT_LEVEL)
     level = ROBOT_LEVEL * 10 ** (float(random.choice(LEVEL_RATIOS)) / 20)
     begin = len(before) + len(first) + len(between) + round(random.uniform(*EVENT_DELAYS) * VOICE_RATE)
@@ -97,7 +99,7 @@ def _make_mixture(kind: EventKind, random: Generator) -> Mixture:
 
 def _make_event(kind: EventKind, random: Generator) -> Floats | Samples:
     if kind in ("turn", "short"):
-        texts, rates = (TURN_TEXTS, TURN_RATES) if kind == "turn" else (SHORT_TEXTS, SHORT_RATES)
+        texts, rates = (TURN_TEXTS, TURN_SPEECH_RATES) if kind == "turn" else (SHORT_TEXTS, SHORT_SPEECH_RATES)
         language, text = texts[random.integers(len(texts))]
-        return say(text, language, float(random.choice(rates)), float(random.choice(PITCHES)))
+        return say(text, language, float(random.choice(rates)), float(random.choice(VOICE_PITCHES)))
     return {"cough": make_cough, "knock": make_knock, "music": make_music}[kind](random)

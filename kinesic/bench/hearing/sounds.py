@@ -15,7 +15,7 @@ from kinesic.speech.hibari.model import find_installation_fault
 from kinesic.speech.voice import voice
 
 SILENCE_RATIO = 0.03  # fraction of a sound's peak below which its start and end count as silence
-SEMITONES = (0, 2, 4, 5, 7, 9, 11, 12)  # major scale of the music
+SCALE_SEMITONES = (0, 2, 4, 5, 7, 9, 11, 12)  # [semitones] notes of the music: a major scale
 REVERBERATION_GAIN = 0.06  # amplitude of the reverberation, relative to the direct sound
 REVERBERATION_TIMES = (0.15, 0.4)  # [s] range of the time in which the reverberation falls by 60 dB
 
@@ -81,7 +81,7 @@ def make_music(random: Generator) -> Floats:
     for begin, end in pairwise(np.unique(np.minimum(begins, duration))):
         first, last = round(begin * VOICE_RATE), round(end * VOICE_RATE)
         time = np.arange(last - first) / VOICE_RATE
-        for semitone in random.choice(SEMITONES, size=random.integers(1, 4), replace=False):
+        for semitone in random.choice(SCALE_SEMITONES, size=random.integers(1, 4), replace=False):
             pitch, fall, decay = root * 2 ** (semitone / 12), random.uniform(0.9, 1.6), random.uniform(0.2, 0.8)
             overtones = sum(np.sin(2 * np.pi * k * pitch * time) / k**fall for k in range(1, 9))
             music[first:last] += np.minimum(time / 0.01, 1.0) * np.exp(-time / decay) * overtones

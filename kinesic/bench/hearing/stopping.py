@@ -9,8 +9,8 @@ from kinesic.realizer.realizer import Scene, advance, begin, interrupt, prepare_
 from kinesic.realizer.request import Message, read_request
 from kinesic.session.setup import set_up
 
-BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><gesture id="g" lexeme="{}"/></bml>'
-GESTURES = ("BEAT", "large", "offer", "refuse", "wave", "think", "come_here", "me", "you", "stop")
+BLOCK_TEMPLATE = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><gesture id="g" lexeme="{}"/></bml>'
+YIELDING_GESTURES = ("BEAT", "large", "offer", "refuse", "wave", "think", "come_here", "me", "you", "stop")
 INTERRUPTION_TIMES = np.arange(0.3, 2.0, 0.4)  # [s] times of interruptions after the start of the gesture
 STILL_VELOCITY = np.radians(2.0)  # [rad/s] velocity below which an arm is still
 STILL_DURATION = 0.2  # [s] shortest standstill that counts as a stop
@@ -25,8 +25,8 @@ def measure_arm_stops() -> list[float]:
     setup = set_up()
     hinges = [hinge for role in ARM_ROLES for hinge in arm_hinges(role, setup.robot)]
     stops = []
-    for lexeme in GESTURES:
-        prepared = prepare_block(read_request(Message(BLOCK.format(lexeme)), setup), setup)
+    for lexeme in YIELDING_GESTURES:
+        prepared = prepare_block(read_request(Message(BLOCK_TEMPLATE.format(lexeme)), setup), setup)
         for time in INTERRUPTION_TIMES.tolist():
             scene = advance(begin(Scene.of(setup), prepared, 0.0), time)
             times = time + np.arange(0.0, WATCHED_DURATION, KNOT_INTERVAL)

@@ -49,7 +49,7 @@ USER_ENTRIES = ("polish_seeds", "whole")  # ablation rows that run kinesic's pub
 DRAWN_TARGET = (0.075, -0.064, 0.164)  # [m] hand target of the plot, in the frame of the chain's base
 SWIVEL_SAMPLES = 73  # drawn points on the elbow's circle
 PALE_COLOUR = "#bbbbbb"  # colour of the rest posture and the elbow's circle
-MISS_WEIGHT = 1e3  # cost per bone length of distance between a bone's end and its target
+MISS_WEIGHT = 1e3  # cost of a distance of one bone length between a bone's end and its target
 TRAVEL_WEIGHT = 1e-3  # cost per radian of joint travel
 EXACT_MISS = 1e-6  # hand error / reach below which a posture counts as exact
 
@@ -203,7 +203,7 @@ class AblationRow:
     """One selection of IK solver stages with its plot label."""
 
     words: str  # label in the plot
-    answer: ArmSolver
+    answer: ArmSolver  # solver of this row
 
 
 ABLATION_ROWS = {

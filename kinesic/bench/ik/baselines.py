@@ -53,7 +53,7 @@ class ChainRuns:
 
     iterations: Floats  # (m,)
     residuals: Floats  # (m,) distances of the tip from the clamped target / chain length
-    nanoseconds: Floats  # (m,) for the whole solve with points and rotations; the shortest of three repeats
+    nanoseconds: Floats  # (m,) [ns] duration of a solve with points and rotations; shortest of three repeats
 
 
 def make_curved_chain(bones: int, *, bend: float = np.pi / 18.0) -> Floats:

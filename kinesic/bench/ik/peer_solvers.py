@@ -296,7 +296,7 @@ def _bounds(carrier: WristHinge) -> tuple[float, float]:
 
 
 def _fill_angles(chain: Chain, angles: Floats) -> Floats:
-    """Extend a solver's angles to all joints, the others at rest."""
+    """Extend a solver's angles to all joints, with unsolved joints at rest."""
     all_angles = chain.rest.copy()
     all_angles[: len(angles)] = angles
     return all_angles

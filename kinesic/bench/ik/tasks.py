@@ -32,7 +32,7 @@ ARM_COUNT = 60  # arms with random joint orders and lengths
 POSES_PER_ARM = 100  # hand poses of each random arm
 MAX_POSITION_ERROR = 1e-3  # [m] position error below which a task counts as solved
 MAX_ANGLE_ERROR = 1e-2  # [rad] direction error below which a task counts as solved
-RESIDUAL_MARGIN = 5e-3  # [m] a task counts as solved up to this much above the optimizer's residual
+RESIDUAL_MARGIN = 5e-3  # [m] excess over the optimizer's residual up to which a task counts as solved
 PERFECT_COST = 1e-12  # cost below which the optimizer tries no further start
 DIRECTION_WEIGHT = 0.1  # cost weight of pointing and palm directions; the position has weight 1
 # Options of IPOPT: no output, small tolerance, bounds kept exactly.
@@ -158,8 +158,8 @@ class BestPosture:
 
     angles: Floats  # (k,) [rad] within the ranges
     residual: float  # [m] distance of the hand from the position
-    pointing_error: float | None  # [rad]
-    palm_error: float | None  # [rad]
+    pointing_error: float | None  # [rad] angle between hand and requested pointing direction
+    palm_error: float | None  # [rad] angle between palm normal and requested normal
     starts: int  # number of starts used
 
 

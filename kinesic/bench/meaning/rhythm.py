@@ -12,7 +12,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from kinesic.bench.meaning.stories import STORIES
+from kinesic.bench.meaning.stories import STORY_TEXTS
 from kinesic.bench.metric import Metric
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import SIDES, Robot, Side
@@ -35,7 +35,7 @@ MAX_HUMAN_RATE = 34.0  # [1/min] 95th percentile of the gesture rate of people w
 MAX_STROKE_DELAY = 0.1  # [s] deviation from the requested time above which a stroke counts as late
 RETURN_RATIO = 0.3  # distance from rest / distance at the strokes, below which a hand has returned
 SAMPLE_PERIOD = 0.02  # [s] between samples of the hands' paths
-MAX_LOSSES = 2.0  # goal of dropped gestures and, separately, of late strokes: at most this many in three stories
+MAX_LOSSES = 2.0  # goal for the number of dropped gestures in three stories, and for that of late strokes
 MAX_SILENCE = 14.0  # [s] goal for the longest time without strokes
 
 
@@ -55,7 +55,7 @@ class StoryRhythm:
 
     seconds: float  # [s] duration of the speech
     strokes: tuple[PlannedStroke, ...]  # in time order
-    lost: int  # dropped gestures
+    lost: int  # number of dropped gestures
     returns: tuple[bool, ...]  # whether a hand returned to rest, for successive strokes of one hand
 
     @property
@@ -100,7 +100,7 @@ def bench(robot: str = "human") -> Iterator[Metric]:
         robot: name of the body.
     """
     for level, style in STORY_STYLES.items():
-        stories = [measure_story_rhythm(text, style, robot) for text in STORIES.values()]
+        stories = [measure_story_rhythm(text, style, robot) for text in STORY_TEXTS.values()]
         yield from rhythm_metrics(f"meaning.rhythm.{level}", stories)
 
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping
 
-STORIES: Mapping[str, str] = {
+STORY_TEXTS: Mapping[str, str] = {
     "kitchen": (
         "I have to tell you what happened in our kitchen last night. We had invited eight people, and my wife "
         "wanted to make the big fish soup that her mother always makes. So in the afternoon I carried the huge pot "

@@ -31,9 +31,9 @@ COMPARED_GESTURES = ("doubt_shrug", "hush", "refuse_push", "large")  # gestures 
 class BodyMeasures:
     """Largest rotations of body parts away from rest [rad]."""
 
-    head: float = 0.0  # in world coordinates
+    head: float = 0.0  # [rad] rotation of the head in world coordinates
     trunk: float = 0.0
-    shoulders: float = 0.0  # range of the clavicle joint that moves most
+    shoulders: float = 0.0  # [rad] range of the clavicle joint that moves most
 
     @property
     def moves(self) -> bool:

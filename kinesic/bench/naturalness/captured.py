@@ -20,7 +20,7 @@ from kinesic.capture.reading.smartbody import read_motion, read_skeleton
 from kinesic.capture.reading.text import read_file
 from kinesic.capture.skeleton_motion import CapturedJoint, joint_positions
 
-METRIC_PREFIX = "naturalness.captured"
+METRIC_PREFIX = "naturalness.captured"  # prefix of the metric names
 CHEST_JOINT = "JtSpineC"  # name of the chest joint in captured skeletons
 ARM_JOINTS = tuple(tuple(f"Jt{name}{side}" for name in ("Shoulder", "Elbow", "Wrist")) for side in ("Lf", "Rt"))
 SMOOTHING_WEIGHTS = (
@@ -35,7 +35,7 @@ class CapturedGesture:
 
     name: str
     hand: GestureMeasures | None
-    why: str = ""  # reason if it is not measured
+    why: str = ""  # reason if the clip is not measured
 
 
 def measure_clips(folder: Path) -> list[CapturedGesture]:

@@ -22,7 +22,7 @@ STROKE_SAMPLES = 60  # samples of a stroke, at equal time intervals
 class Pair:
     """Two gestures and their visual distance."""
 
-    distance: float  # [m]
+    distance: float  # [m] visual distance
     a: str
     b: str
 

@@ -29,21 +29,21 @@ class GestureMeasures:
     Values are None if phases are unknown or too short.
     """
 
-    duration: float  # [s]
-    stroke_time: float | None  # [s] from strokeStart to strokeEnd
-    hold_time: float | None  # [s] from strokeEnd to relax
-    return_time: float | None  # [s] from relax to end
-    largest_speed: float  # [arm lengths/s]
-    preparation_speed: float | None  # [arm lengths/s] largest before strokeStart
-    stroke_speed: float | None  # [arm lengths/s] largest during the stroke
-    return_speed: float | None  # [arm lengths/s] largest during the return
+    duration: float  # [s] time from start to end
+    stroke_time: float | None  # [s] time from strokeStart to strokeEnd
+    hold_time: float | None  # [s] time from strokeEnd to relax
+    return_time: float | None  # [s] time from relax to end
+    largest_speed: float  # [arm lengths/s] largest speed
+    preparation_speed: float | None  # [arm lengths/s] largest speed before strokeStart
+    stroke_speed: float | None  # [arm lengths/s] largest speed during the stroke
+    return_speed: float | None  # [arm lengths/s] largest speed during the return
     flow: float | None  # speed at strokeStart / largest speed before strokeEnd
-    lead: float | None  # [s] from the largest speed between ready and strokeEnd to the stroke
-    units: int  # movement units
+    lead: float | None  # [s] time from the largest speed between ready and strokeEnd to the stroke
+    units: int  # number of movement units
     sparc: float | None  # spectral arc length of the speed, more negative if rougher
     preparation_sparc: float | None  # spectral arc length of the preparation's speed
-    path: float  # [m] of the wrist relative to the chest
-    arm_lengths: float  # [arm lengths] the same path
+    path: float  # [m] path length of the wrist relative to the chest
+    arm_lengths: float  # [arm lengths] path length of the wrist relative to the chest
     stroke_path: float | None  # [arm lengths] path during the stroke
 
     @property
@@ -53,12 +53,12 @@ class GestureMeasures:
 
     @property
     def stroke_to_preparation(self) -> float | None:
-        """Largest speed of the stroke / that of the preparation."""
+        """Largest speed of the stroke / largest speed of the preparation."""
         return ratio(self.stroke_speed, self.preparation_speed)
 
     @property
     def return_to_preparation(self) -> float | None:
-        """Largest speed of the return / that of the preparation."""
+        """Largest speed of the return / largest speed of the preparation."""
         return ratio(self.return_speed, self.preparation_speed)
 
 
@@ -126,7 +126,7 @@ class _Profile:
 
     times: Floats  # (m,) [s]
     speeds: Floats  # (m,) [arm lengths/s]
-    syncs: Mapping[str, float]  # [s]
+    syncs: Mapping[str, float]  # sync point -> time [s]
 
     def time(self, begin: str, end: str) -> float | None:
         """Return the time [s] between two of a gesture's sync points.

@@ -37,11 +37,11 @@ MAX_STROKE_SHIFT = 0.05  # [s] shift beyond which a stroke misses its word
 class StoryMeasures:
     """Liveliness during the spoken part of a story."""
 
-    still_trunk: float  # fraction of the time
-    still_head: float  # fraction of the time
+    still_trunk: float  # fraction of the time with a still trunk
+    still_head: float  # fraction of the time with a still head
     longest_trunk: float  # [s] longest stillness of the trunk
     longest_all: float  # [s] longest stillness of all joints
-    holds: tuple[float, ...]  # [m] range of the wrist in each hold
+    holds: tuple[float, ...]  # [m] extent of the wrist's motion in each hold
     aside: float  # fraction of the time with the head turned away from the listener
     missed: tuple[str, ...]  # strokes dropped or not at their word
 

@@ -22,9 +22,9 @@ DocumentWriter = Callable[[Sequence[str]], str]  # writes a document from lexeme
 class PlanningCost:
     """CPU time and memory to plan one document."""
 
-    cpu: float  # [s]
+    cpu: float  # [s] CPU time
     memory: float  # [MB] peak of the process, kinesic itself included
-    ending: str  # counts of outcomes, or the reason of the refusal
+    ending: str  # number of behaviours by outcome, or the reason of the refusal
 
 
 def write_pile(count: int) -> DocumentWriter:

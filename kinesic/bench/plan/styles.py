@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from kinesic.bench.meaning.stories import STORIES
+from kinesic.bench.meaning.stories import STORY_TEXTS
 from kinesic.bench.metric import Metric
 from kinesic.body.arrays import Floats
 from kinesic.body.config import names_of
@@ -23,8 +23,8 @@ from kinesic.session.setup import set_up
 from kinesic.sim.servo_factors import PESSIMISTIC_FACTORS
 
 DOCUMENT_COUNT = 20  # number of texts for each style and body
-SENTENCES_PER_DOCUMENT = 4  # sentences in each text
-SENTENCE_STRIDE = 2  # sentences from the start of one text to that of the next
+SENTENCES_PER_DOCUMENT = 4  # number of sentences in each text
+SENTENCE_STRIDE = 2  # number of sentences between the starts of successive texts
 MAX_MEDIAN_ERROR = 15.0  # [ms] goal for the median stroke error
 MAX_P95_ERROR = 60.0  # [ms] goal for the 95th percentile of stroke errors
 
@@ -34,7 +34,7 @@ class StrokeErrors:
     """Stroke errors, lost strokes and largest shift of one style and body."""
 
     errors: Floats  # (s,) [s] deviation of each stroke's arrival from its requested time
-    lost: int  # strokes that never arrived
+    lost: int  # number of strokes that never arrived
     shift: float  # [s] largest shift of a stroke in the plans
 
 
@@ -76,7 +76,7 @@ def measure_style(setup: Setup, documents: int = DOCUMENT_COUNT) -> StrokeErrors
 def write_documents() -> list[str]:
     """Return the stories in overlapping pieces of a few sentences."""
     texts: list[str] = []
-    for story in STORIES.values():
+    for story in STORY_TEXTS.values():
         sentences = [f"{sentence.rstrip('.')}." for sentence in story.split(". ")]
         starts = range(0, len(sentences) - 1, SENTENCE_STRIDE)
         texts += [" ".join(sentences[k : k + SENTENCES_PER_DOCUMENT]) for k in starts]

@@ -3,7 +3,7 @@
 import pytest
 
 from kinesic.bench.conversation import bench
-from kinesic.bench.conversation.dialogues import EXCHANGES, write_dialogue
+from kinesic.bench.conversation.dialogues import EXCHANGE_COUNT, write_dialogue
 from kinesic.bench.conversation.record import DialogueRecord
 
 
@@ -29,7 +29,7 @@ def test_dialogue_script_depends_only_on_its_random_seed():
     one, same, other = write_dialogue(3), write_dialogue(3), write_dialogue(4)
     assert one.events == same.events
     assert one.events != other.events
-    assert len(one.turns) == len(one.speeches) == EXCHANGES
+    assert len(one.turns) == len(one.speeches) == EXCHANGE_COUNT
     assert all(turn[1] < speech[0] for turn, speech in zip(one.turns, one.speeches, strict=True))
     assert [time for time, _ in one.events] == sorted(time for time, _ in one.events)
 

@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import pytest
 
-from kinesic.bench.meaning.stories import STORIES
+from kinesic.bench.meaning.stories import STORY_TEXTS
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.author import plan_behaviours
@@ -33,7 +33,7 @@ def times_of(kept: Sequence[Candidate]) -> list[float]:
 
 
 def gestures_of(story: str, style: str) -> Sequence[ChosenBehaviour]:
-    selection = plan_behaviours(STORIES[story], Lexicon.load(), Style.load(style))[1]
+    selection = plan_behaviours(STORY_TEXTS[story], Lexicon.load(), Style.load(style))[1]
     return [behaviour for behaviour in selection.behaviours if behaviour.channel == "gesture"]
 
 
@@ -134,7 +134,7 @@ def test_clause_in_a_lively_style_may_have_two_illustrating_gestures() -> None:
     assert len(pictures["joyful"]) > 1
 
 
-@pytest.mark.parametrize("story", STORIES)
+@pytest.mark.parametrize("story", STORY_TEXTS)
 def test_40_to_60_percent_of_the_gestures_in_joyful_stories_are_beats(story: str) -> None:
     gestures = gestures_of(story, "joyful")
     assert 0.4 <= sum(is_beat(each.lexeme) for each in gestures) / len(gestures) <= 0.6

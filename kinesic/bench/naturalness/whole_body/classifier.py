@@ -19,8 +19,8 @@ MAX_FOLDS = 5  # largest number of folds of the cross-validation
 class Sample:
     """Feature vectors of clips with their performances."""
 
-    features: Floats  # (n, k)
-    performances: tuple[str, ...]  # of the clips; those of one performance stay in one fold
+    features: Floats  # (n, k) features of each clip
+    performances: tuple[str, ...]  # performance of each clip; clips of one performance stay in one fold
 
     def __len__(self) -> int:
         return len(self.features)

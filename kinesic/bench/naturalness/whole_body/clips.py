@@ -37,7 +37,7 @@ class JointNames:
 
     chest: str
     head: str
-    hips: tuple[str, str]  # left first; a skeleton may lack them
+    hips: tuple[str, str]  # left and right hip; a skeleton may lack both
     arms: tuple[tuple[str, str, str], tuple[str, str, str]]  # shoulder, elbow, wrist; left first
 
 

@@ -45,9 +45,9 @@ class MeasuredSet:
 
     name: str
     gestures: tuple[WholeBodyMeasures, ...]
-    performances: tuple[str, ...]  # of the gestures
-    postures: tuple[StandingPosture, ...]  # in the first frame, of clips that start at rest
-    rests: tuple[str, ...]  # performances of the postures
+    performances: tuple[str, ...]  # performance of each gesture
+    postures: tuple[StandingPosture, ...]  # postures in the first frame of clips that start at rest
+    rests: tuple[str, ...]  # performance of each posture
 
     def values(self, name: str) -> Floats:
         """Return the available values (m,) of one measure."""

@@ -32,23 +32,23 @@ class WholeBodyMeasures:
     """Motion measures of hands, trunk, head and collar bones in one clip."""
 
     trunk: float  # [deg] largest rotation of the chest since the first frame
-    trunk_speed: float  # [deg/s] largest
+    trunk_speed: float  # [deg/s] largest rotation speed of the chest
     head: float  # [deg] largest rotation of the head since the first frame
-    head_speed: float  # [deg/s] largest
+    head_speed: float  # [deg/s] largest rotation speed of the head
     collar: float  # [arm lengths] largest displacement of a shoulder in the chest since the first frame
-    free_arm: float  # path of the hand that moves less / path of the other one
+    free_arm: float  # path of the hand that moves less / path of the hand that moves more
     hand_turning: float  # [deg/s] largest rotation speed of the main hand in the chest
     wrist_range: float  # [deg] range of the angle between main hand and forearm
     elbow_range: float  # [deg] range of the main elbow
-    largest_speed: float  # [arm lengths/s] main wrist
-    path: float  # [arm lengths] main wrist relative to the chest
-    path_metres: float  # [m] the same path
-    units_per_second: float  # [1/s] movement units
+    largest_speed: float  # [arm lengths/s] largest speed of the main wrist
+    path: float  # [arm lengths] path length of the main wrist relative to the chest
+    path_metres: float  # [m] path length of the main wrist relative to the chest
+    units_per_second: float  # [1/s] rate of movement units
     sparc: float  # spectral arc length of the main wrist's speed
     still: float  # fraction of the time with the main hand still
     stroke_speed: float | None  # [arm lengths/s] largest speed of the stroke; None: no sync points
     stroke_path: float | None  # [arm lengths] path of the stroke
-    flow: float | None  # speed at strokeStart / largest before strokeEnd
+    flow: float | None  # speed at strokeStart / largest speed before strokeEnd
 
 
 MEASURE_NAMES = tuple(field.name for field in fields(WholeBodyMeasures))

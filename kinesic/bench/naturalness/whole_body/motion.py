@@ -21,13 +21,13 @@ class BodyMotion:
     """
 
     name: str
-    set_name: str  # captured set, or the body that performs
-    performance: str  # clips of one performance share it
+    set_name: str  # name of the captured set, or of the robot that performs
+    performance: str  # name of the performance to which the clip belongs
     times: Floats  # (m,) [s]
     syncs: Mapping[str, float]  # [s] times of sync points; `start` and `end` are always there
     arm: float  # [m] arm length from shoulder to wrist
     hip_lines: Floats  # (m, 3) from the right to the left hip; the shoulders where hips are missing
-    chest: Floats  # (m, 3) [m]
+    chest: Floats  # (m, 3) [m] positions of the chest
     shoulders: Floats  # (2, m, 3) [m]
     elbows: Floats  # (2, m, 3) [m]
     wrists: Floats  # (2, m, 3) [m]

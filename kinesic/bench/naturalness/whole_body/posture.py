@@ -16,16 +16,16 @@ class StandingPosture:
     out: float  # [arm lengths] wrist to the side of its shoulder
     forward: float  # [arm lengths] wrist in front of its shoulder
     down: float  # [arm lengths] wrist below its shoulder
-    elbow_out: float  # [arm lengths]
-    elbow_forward: float  # [arm lengths]
+    elbow_out: float  # [arm lengths] elbow to the side of its shoulder
+    elbow_forward: float  # [arm lengths] elbow in front of its shoulder
     elbow_flexion: float  # [deg]
-    out_difference: float  # [arm lengths] between both arms, without sign, like those below
-    forward_difference: float  # [arm lengths]
-    down_difference: float  # [arm lengths]
-    flexion_difference: float  # [deg]
-    head_pitch: float  # [deg] down; depends on the skeleton's neutral pose
-    head_turn: float  # [deg] to the side, without sign
-    head_tilt: float  # [deg] without sign
+    out_difference: float  # [arm lengths] difference of `out` between both arms, without sign
+    forward_difference: float  # [arm lengths] difference of `forward` between both arms, without sign
+    down_difference: float  # [arm lengths] difference of `down` between both arms, without sign
+    flexion_difference: float  # [deg] difference of elbow flexion between both arms, without sign
+    head_pitch: float  # [deg] head pitched down; depends on the skeleton's neutral pose
+    head_turn: float  # [deg] head turned to the side, without sign
+    head_tilt: float  # [deg] head tilted to the side, without sign
     shoulder_tilt: float  # [deg] line of the shoulders, without sign
     breadth: float  # [arm lengths] wrist from the midline; depends on the breadth of the shoulders
 
