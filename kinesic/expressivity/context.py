@@ -74,7 +74,7 @@ class BlockContext:
 
     @cached_property
     def bearing(self) -> Style:
-        """Style whose standing posture, face and gaze the block shows."""
+        """Style that sets standing posture, face and gaze of the block."""
         name = self.block.manners.get("gesture", Manner()).style
         if not name or any(setting.parameter == "posture" for setting in self.shared.style.settings):
             return self.shared.style
@@ -134,7 +134,7 @@ class BlockContext:
         return replace(match, form=deviation.form(match.form, self.robot))
 
     def manner(self, behaviour: Behaviour, modality: Modality | None = None) -> Expressivity:
-        """Return a behaviour's expressivity, by default for the modality it moves."""
+        """Return a behaviour's expressivity for its modality, or for a given modality."""
         return self.styles[behaviour.id].of(modality or find_modality(behaviour.action) or "gesture")
 
     def find_target(self, text: str) -> Floats | None:

@@ -45,7 +45,7 @@ class SyncPoint:
 class FrameMoment:
     """Time of a key frame with the sync points merged into it."""
 
-    time: float  # [s] of the frame
+    time: float  # [s] time of the key frame
     first: float  # [s] earliest time merged into the frame
     last: float  # [s] latest time merged into the frame
     syncs: tuple[tuple[str, str], ...]

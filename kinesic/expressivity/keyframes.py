@@ -42,13 +42,13 @@ class BodyMove:
 
     head: Turn = Turn()  # rotation at the stroke
     nod: float = 0.0  # [rad] additional tilt down at each stroke
-    shake: float = 0.0  # [rad] of the head to both sides, first to the left; below 0 first to the right
+    shake: float = 0.0  # [rad] shake of the head to both sides, first to the left; below 0 first to the right
     trunk: Turn = Turn()  # rotation at the stroke
     trunk_start: Turn | None = None  # rotation at the start of the stroke; None: without a key
     shoulders: float = 0.0  # [rad] elevation on the sides of the hands that take part
     eyes: Turn | None = None  # gaze direction in the world; None: unchanged
     face: tuple[tuple[str, float], ...] = ()  # (lexeme of an expression, amount)
-    gave_way: tuple[str, ...] = ()  # parts that yield to other behaviours of the document
+    gave_way: tuple[str, ...] = ()  # body parts whose motion yields to other behaviours of the document
 
     @property
     def still(self) -> bool:
@@ -61,7 +61,7 @@ class Succession:
     """Delays between the hands, and between the joints of an arm."""
 
     leader: Side = "r"  # hand without a delay
-    behind: float = 0.0  # [s] delay of the other hand
+    behind: float = 0.0  # [s] delay of the hand that follows
     loose: float = 0.0  # [s] delay of the wrist after the shoulder in preparation and retraction
 
     def behind_of(self, side: Side) -> float:
@@ -137,9 +137,9 @@ class KeyFrames:
     frames: tuple[KeyFrame, ...]
     outcomes: Mapping[str, Outcome]  # outcomes by behaviour id, including dropped behaviours
     uses: Mapping[str, frozenset[PartName]] = field(default_factory=dict)  # behaviour id -> moved parts
-    notices: tuple[Notice, ...] = ()  # including the notices of the timeline
+    notices: tuple[Notice, ...] = ()  # warnings, including the notices of the timeline
     bodies: Mapping[str, BodyMove] = field(default_factory=dict)  # gesture id -> accompanying body motion
     fingers: Mapping[Side, tuple[FingerKey, ...]] = field(default_factory=dict)  # keys of hands with moving fingers
     shapes: Mapping[str, tuple[str, ...]] = field(default_factory=dict)  # behaviour id -> requested hand shapes
-    successions: Mapping[str, Succession] = field(default_factory=dict)  # id of a stroke -> hand and joint delays
-    held: Mapping[str, HeldTurns] = field(default_factory=dict)  # id of a behaviour that stays -> held rotations
+    successions: Mapping[str, Succession] = field(default_factory=dict)  # stroke id -> delays of hands and joints
+    held: Mapping[str, HeldTurns] = field(default_factory=dict)  # id of a lasting behaviour -> held rotations

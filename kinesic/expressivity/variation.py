@@ -32,7 +32,7 @@ MIRROR_DEVIATION = 0.04  # [arm lengths] largest random shift of the left hand f
 NEAR_DISTANCE = 0.45  # [arm lengths] distance between hands below which they stay mirror images
 OUTWARD_AXIS = 1  # index of the outward coordinate in a position
 OTHER_HAND_PROBABILITY = 0.25  # probability of using the other hand, if the document names no hand
-HAND_DELAY_RANGE = 0.03, 0.08  # [s] smallest and largest delay of the second of two hands
+HAND_DELAY_RANGE = 0.03, 0.08  # [s] smallest and largest delay of the hand that begins second
 LEFT_FIRST_PROBABILITY = 0.25  # probability that the left hand begins a two-handed gesture
 WRIST_DELAY_RANGE = 0.035, 0.065  # [s] smallest and largest delay of the wrist after the shoulder
 TWO_SIDED_CATEGORIES = frozenset(("beat", "iconic", "metaphoric"))  # gesture categories fit for either hand
@@ -59,8 +59,8 @@ class Deviation:
     place: Floats  # (3,) forward, outward, up [arm lengths] shift of all stroke keys
     apart: Floats  # (3,) forward, outward, up [arm lengths] additional shift of the left hand of two
     other_hand: bool  # whether the other hand performs the gesture, if the document allows either hand
-    leader: Side = "r"  # first of two hands
-    behind: float = 0.0  # [s] delay of the other hand
+    leader: Side = "r"  # hand that begins first in a two-handed gesture
+    behind: float = 0.0  # [s] delay of the hand that begins second
     loose: float = 0.0  # [s] delay of the wrist after the shoulder
 
     @property

@@ -39,7 +39,7 @@ from kinesic.expressivity.turns import (
 )
 
 MAX_TIME_FRACTION = 0.5  # largest fraction of a key interval that a head or trunk rotation may need
-DEPARTURE_TIME = 0.5  # [s] time to move to the stroke, where the document leaves none
+DEPARTURE_TIME = 0.5  # [s] duration of the movement to the stroke if the document leaves no time
 RETURN_TIME = 0.8  # [s] shortest duration of the movement back to upright after the hold
 LONG_PAUSE = 0.8  # [s] gap between gestures above which the head turns back to the listener
 WAITING_FRACTION = 0.3  # fraction of the rotation that the head keeps in a pause between gestures

@@ -150,10 +150,10 @@ class Envelope:
     It rises from `start` to `peak`, and decays from `relax` to `end`. The last two are infinite if it stays.
     """
 
-    start: float  # [s]
-    peak: float  # [s]
-    relax: float = np.inf  # [s]
-    end: float = np.inf  # [s]
+    start: float  # [s] start of the rise
+    peak: float  # [s] end of the rise
+    relax: float = np.inf  # [s] start of the decay
+    end: float = np.inf  # [s] end of the decay
 
     @classmethod
     def of(cls, times: Mapping[str, float], *, stays: bool = False) -> "Envelope":

@@ -42,7 +42,7 @@ class GazeDirection:
     start: float  # [s]
     left: float  # [rad] in the world, + left
     up: float  # [rad] + up
-    end: float = np.inf  # [s] departure of the eyes
+    end: float = np.inf  # [s] end of the gaze
     away: float = np.inf  # [m] distance of the target from the eyes
 
     @property
@@ -64,8 +64,8 @@ class Habits:
     """Switches and random seed of blinks and spontaneous saccades."""
 
     seed: int = 0  # seed of the random generator; the same seed gives the same motion
-    blinks: bool = True
-    saccades: bool = True
+    blinks: bool = True  # whether the eyes blink at random
+    saccades: bool = True  # whether the eyes make spontaneous saccades
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,7 +75,7 @@ class Eyes:
     habits: Habits | None = None  # None: no spontaneous motion
     looks: Sequence[GazeDirection] = ()  # gaze directions
     head: Floats | None = None  # (m, 2) [rad] left and up, direction of the head in the world; None: straight ahead
-    gaze: GazeHabit = FRONTAL_GAZE  # where the eyes look without a gaze behaviour
+    gaze: GazeHabit = FRONTAL_GAZE  # gaze while no behaviour sets the gaze
 
 
 def block_gazes(timeline: Timeline, context: BlockContext) -> tuple[GazeDirection, ...]:

@@ -56,7 +56,7 @@ def limit_lip_opening(
 
 
 def _reachable(largest: Floats, step: float) -> Floats:
-    """Reduce a lip opening over time (n,) [m] to what `MAX_LIP_VELOCITY` allows."""
+    """Reduce a lip opening (n,) [m] until its velocity obeys `MAX_LIP_VELOCITY`."""
     reachable = largest.copy()
     for k in range(1, round(CONSTRAINT_WINDOW / step) + 1):
         interval = k * step

@@ -37,7 +37,7 @@ MIN_INTENSITY = 1e-3  # intensity below which action units are omitted
 
 SPEAKING_INTENSITY = 0.3  # intensity of speech action units from which expressions no longer close the mouth
 CLOSING_UNITS = (SEAL_UNIT, "23", "28")  # action units that close the mouth
-BLINK_LEAD_TIME = 0.15  # [s] from the start of a blink to the start of a speech
+BLINK_LEAD_TIME = 0.15  # [s] time from the start of a blink to the start of a speech
 FROWN_UNITS = ("L4", "R4")  # action units that lower the brows; raised brows yield to them
 STILL_EYES = Eyes()  # eyes that look straight ahead, without spontaneous motion
 NO_AFFECT: Mapping[str, float] = MappingProxyType({})  # default: no permanent facial expression, empty
@@ -195,7 +195,7 @@ def _affect(affect: Mapping[str, float], timeline: Timeline, times: Floats, styl
 def _undirected(
     timeline: Timeline, times: Floats, styles: Mapping[str, Style], bodies: Mapping[str, BodyMove]
 ) -> Floats:
-    """Return the fraction (m,) of undirected face motion left by expressions.
+    """Return the factor (m,) on permanent expression and raised brows during expressions.
 
     Expressions of the document or of gestures suppress raised brows and a style's permanent expression: 1 without any
     expression, 0 at full intensity.

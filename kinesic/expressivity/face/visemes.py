@@ -22,8 +22,8 @@ from kinesic.expressivity.face.expressions import Envelope
 from kinesic.expressivity.face.opening import BITE_OPENINGS, LIP_OPENINGS, limit_lip_opening, lip_opening
 
 MOUTH_STEP = 0.005  # [s] time step of the mouth track
-SHAPE_LEAD_TIME = 0.07  # [s] from the start of a mouth shape to its sound
-ROUND_LEAD_TIME = 0.12  # [s] from the start of lip rounding to its sound
+SHAPE_LEAD_TIME = 0.07  # [s] time from the start of a mouth shape to its sound
+ROUND_LEAD_TIME = 0.12  # [s] time from the start of lip rounding to its sound
 PRESS_TIME = 0.025  # [s] rise time of the lip press to its full intensity
 RELEASE_TIME = 0.02  # [s] fall time of the lip press to zero intensity
 RELEASE_ADVANCE = 0.028  # [s] advance of the lip release before the sound's end, as lips stick
@@ -31,13 +31,13 @@ RELEASE_ADVANCE = 0.028  # [s] advance of the lip release before the sound's end
 # frame.
 MIN_PRESS_TIME = 0.015  # [s] shortest press of closed lips
 ATTACK_FRACTION = 0.3  # fraction of a sound's duration after which its mouth shape is reached
-SHAPE_LAG_TIME = 0.06  # [s] from the end of a sound to the end of its mouth shape
+SHAPE_LAG_TIME = 0.06  # [s] time from the end of a sound to the end of its mouth shape
 VISEME_FILE = CONFIGS / "faces" / "visemes.toml"
 SEAL_UNIT = "24"  # action unit that presses the lips together
 INNER_UNITS = ("19", "32")  # action units that closed lips hide
 VISEME_WINDOW = 0.4  # [s] time before the first and after the last sound that the mouth track covers
 UNSTRESSED_OPENING = 0.55  # relative lip opening of an unstressed vowel
-_LEAD_TIMES = {"18": ROUND_LEAD_TIME, "22": ROUND_LEAD_TIME}  # [s] from mouth shape start to sound, by action unit
+_LEAD_TIMES = {"18": ROUND_LEAD_TIME, "22": ROUND_LEAD_TIME}  # [s] by action unit, before the sound
 NEUTRAL_VOWEL = "\N{LATIN SMALL LETTER SCHWA}"  # vowel whose mouth shape replaces unknown ones
 
 
@@ -127,8 +127,8 @@ class _Sound:
     """Spoken sound with its mouth shape and times."""
 
     viseme: Viseme
-    begin: float  # [s]
-    end: float  # [s]
+    begin: float  # [s] begin of the sound
+    end: float  # [s] end of the sound
     strength: float  # factor on the lip opening
 
     @property

@@ -10,7 +10,7 @@ from kinesic.body.robot import Side
 class Clash:
     """Timing conflict of two strokes of one hand, with the resulting delay."""
 
-    delay: float  # [s] delay of the hand after moving from one to the other
+    delay: float  # [s] delay of the second stroke after the hand has moved from the first stroke
     brief: bool = False  # whether both strokes are single keys already, and cannot be shortened further
 
 
@@ -24,7 +24,7 @@ class BusyHand:
     side: Side
     begin: float  # [s] block time at which the hand must be in place
     end: float  # [s] block time at which the hand is free again
-    by: str  # behaviour that needs the hand, by its name in messages
+    by: str  # name in messages of the behaviour that needs the hand
 
     def meets(self, times: Mapping[str, float], travel_time: float) -> bool:
         """Return whether a gesture needs this hand while it is busy.

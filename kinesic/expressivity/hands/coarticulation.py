@@ -246,7 +246,7 @@ class _Hands:
         return False
 
     def _try_one_hand_each(self, stroke: Stroke) -> bool:
-        """Divide the hands between a two-handed stroke and another one."""
+        """Divide the hands between a two-handed stroke and another stroke."""
         for option in stroke.options:
             clashes = self._clashes(stroke, option)
             free = [side for side in option.hands if side not in clashes]
@@ -268,7 +268,7 @@ class _Hands:
         return False
 
     def _try_displacing(self, stroke: Stroke) -> bool:
-        """Place a stroke if all conflicting strokes are less important.
+        """Perform a stroke instead of conflicting strokes, if all are less important.
 
         They are dropped. Returns whether the stroke was placed.
         """

@@ -91,7 +91,7 @@ def arrange_hands(
 
 
 def _single_handed(works: Mapping[Side, Sequence[HandStroke]], side: Side) -> list[HandStroke]:
-    """Return the strokes that only the opposite hand performs."""
+    """Return the strokes that the opposite hand performs alone."""
     return [work for work in works[OTHER_SIDE[side]] if work not in works[side]]
 
 

@@ -46,7 +46,7 @@ class Poses:
     stroke: int  # index of the key at the sync point `stroke`
     paths: Mapping[Side, tuple[HandPath | None, ...]] = field(default_factory=dict)  # [m] path to each key, world axes
     again: tuple[int, ...] = ()  # indices of the keys at `stroke:2`, `stroke:3` and so on
-    traits: GestureTraits = PLAIN_TRAITS  # of the gesture
+    traits: GestureTraits = PLAIN_TRAITS  # properties that determine durations and accents
     body: BodyForm = NO_BODY  # accompanying body motion
     fingers: FingerMotion | None = None  # finger motion during the stroke
 

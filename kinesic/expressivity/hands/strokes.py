@@ -30,7 +30,7 @@ _MIN_PERIODS: Mapping[PathKind, float] = {"wave": 0.5, "arc": 0.5}  # fewest per
 class _HandMove:
     """Movement of a hand between two successive keys."""
 
-    swings: int
+    swings: int  # number of swings, one for each reversal of the path
     length: float  # [m] equivalent straight distance of each swing
     time_factor: float  # minimum time / minimum time of a straight movement
     duration: float = 0.0  # [s] duration of all swings in a capture; 0: not captured
@@ -50,7 +50,7 @@ class Stroke:
     rest: bool = False  # whether the stroke's last pose is held and becomes the rest pose
     manner: Expressivity = NEUTRAL_EXPRESSIVITY
     may_split: bool = False  # whether one hand may perform the stroke alone if another block needs the other hand
-    importance: int = 1  # 0 a beat, 1 any other, 2 required; less important strokes are dropped first
+    importance: int = 1  # 0 beat, 1 other gesture, 2 required behaviour; the least important is dropped first
     series: str = ""  # strokes of one series, such as counting, use the same hand
     spoken: bool = False  # whether the document synchronises the stroke with a word
 
@@ -74,7 +74,7 @@ class HandStroke:
         return self.stroke.id
 
     def is_stroke(self, key: int) -> bool:
-        """Return whether a key is the stroke or a repetition of it."""
+        """Return whether a key is the stroke or one of its repetitions."""
         return key in (self.poses.stroke, *self.poses.again)
 
     def at(self, sync: str) -> float:

@@ -20,13 +20,13 @@ class BodyForm:
     """
 
     head: Turn = UPRIGHT_TURN  # rotation from upright, independent of the trunk
-    nod: float = 0.0  # [rad] down with each stroke
-    shake: float = 0.0  # [rad] to both sides during the stroke, first to the left; below 0 first to the right
+    nod: float = 0.0  # [rad] tilt down with each stroke
+    shake: float = 0.0  # [rad] shake to both sides during the stroke, first to the left; below 0 first to the right
     trunk: Turn = UPRIGHT_TURN
     towards: float = 0.0  # [rad] largest trunk rotation towards the gaze target
     along: float = 0.0  # weight of the trunk rotation that follows the hands, set by the style
     shoulders: float = 0.0  # [rad] elevation of the collar bones on the sides of the hands
-    gaze: LookAt = "ahead"
+    gaze: LookAt = "ahead"  # target of the gaze
     look: float = 0.0  # fraction of a gaze performed by the head; the eyes perform the rest
     face: tuple[tuple[str, float], ...] = ()  # (lexeme of an expression, amount 0..1)
 

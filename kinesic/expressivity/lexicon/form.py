@@ -62,7 +62,7 @@ class GestureForm(NotebookView):
     id: str
     category: str  # beat, deictic, iconic, metaphoric, emblem, rest, ...
     keys: tuple[StrokeKey, ...]  # in order, from strokeStart to strokeEnd; one key: arrive and hold
-    rest: bool = False  # a posture held until the next one (arms crossed, hands together)
+    rest: bool = False  # whether the gesture is a posture that is held until the next posture, such as arms crossed
     tempo: Tempo = "neutral"  # sudden or sustained if the meaning of the gesture requires it
     body: BodyForm = NO_BODY  # accompanying body motion
     fingers: FingerMotion | None = None  # finger motion during the stroke
@@ -101,7 +101,7 @@ class GestureForm(NotebookView):
 class Match(NotebookView):
     """Lexicon gesture found for a lexeme, with substitutions."""
 
-    form: GestureForm  # performed by the hands of the requested mode
+    form: GestureForm  # gesture for the hands of the requested mode
     kind: MatchKind = "exact"
     substitute: str = ""  # difference in meaning from the lexeme; empty when the meaning is the same
 

@@ -47,7 +47,7 @@ class HandPath:
     """
 
     kind: PathKind
-    amplitude: Floats  # (3,)
+    amplitude: Floats  # (3,) amplitude along each axis
     frequency: Floats  # (3,) periods over the whole path
     shift: Floats  # (3,) phase in periods
     amplitude_variation: SizeTrend = "none"

@@ -67,7 +67,7 @@ class GestureHit:
     category: str
     says: str  # movement and meaning in one line
     score: float  # relevance, 0 to 1; below NEAR_SCORE the gesture is only near the query
-    kind: HitKind  # what the query matched
+    kind: HitKind  # part of the gesture's description that the query matched
     words: tuple[str, ...] = ()  # words of the query that the gesture matches
 
 

@@ -41,7 +41,7 @@ class PathTable(StrictTable):
     """
 
     kind: PathKind  # shape of the path
-    amplitude: float | tuple[float, float, float] | None = None  # [arm lengths]
+    amplitude: float | tuple[float, float, float] | None = None  # [arm lengths] by axis, or one
     frequency: float | tuple[float, float, float] | None = None  # periods over the whole path
     shift: float | tuple[float, float, float] | None = None  # phase in periods
     amplitude_variation: SizeTrend | None = None  # change of the amplitude along the path

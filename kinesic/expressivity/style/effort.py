@@ -19,7 +19,7 @@ from kinesic.motion.keys import LINEAR_STEEPNESS, MAX_STEEPNESS, KeyPassage
 
 Tempo = Literal["sudden", "neutral", "sustained"]
 
-TEMPO_FACTORS: Mapping[Tempo, float] = {"sudden": 0.48, "neutral": 1.0, "sustained": 2.1}  # factor on durations
+TEMPO_FACTORS: Mapping[Tempo, float] = {"sudden": 0.48, "neutral": 1.0, "sustained": 2.1}  # duration factor by tempo
 POSE_TIME_FACTOR = 1.3  # factor on the durations of a gesture whose stroke holds a pose
 RETRACTION_EXPONENT = 0.5  # exponent of the gesture's duration factor in the retraction; factors below 1 count as 1
 STROKE_SLOWNESS_EXPONENT = 0.5  # exponent of the gesture's duration factor in the stroke
@@ -39,7 +39,7 @@ FITTS_WIDTH = 0.05  # [m] target width in Fitts' law
 PLAIN_STROKE_MARGIN = 2.4  # smallest stroke duration without the effort profile / minimum duration of the servos
 PLAIN_HOLD_RATIO = 0.5  # hold time / stroke duration without the effort profile
 PREPARATION_MARGIN = 1.05  # lower bound of the duration of a preparation from rest / minimum duration of the servos
-EASY_MARGIN = 1.3  # the same bound for retractions and for paths between gestures
+EASY_MARGIN = 1.3  # lower bound of the duration of retractions and transitions / minimum duration of the servos
 STROKE_MARGIN = 1.6  # lower bound of a stroke's natural duration / minimum duration of the servos
 ACCENT_MARGIN = 1.5  # duration / minimum duration to which power shortens strokes; servos round off shorter accents
 WEAKNESS_FRACTION = 0.6  # fraction of a negative power that slows preparation and retraction (from Greta)
@@ -71,7 +71,7 @@ class CategoryProfile:
     """Duration factor and hold time of one gesture category."""
 
     time: float  # factor on the durations of all movements
-    hold: float  # [s] after a stroke of the reference duration
+    hold: float  # [s] hold time after a stroke of the reference duration
 
 
 DEFAULT_PROFILE = CategoryProfile(
