@@ -33,7 +33,7 @@ EXIT_TIME = 0.3  # [s] time after `relax` until which a clip may be left
 PAIRS_PER_BLOCK = 20_000  # number of pairs of windows whose distances are computed at once, which bounds the memory
 TREE_DIMENSIONS = 6  # number of principal components in the spatial tree
 HANGING_WRIST = (0.02, 0.40, -0.45)  # [arm lengths] position of a wrist that a motion lacks
-PHASES = (  # phases of a clip with the markers at their ends
+CLIP_PHASES = (  # phases of a clip with the markers at their ends
     ("preparation", "start", "strokeStart"),
     ("stroke", "strokeStart", "strokeEnd"),
     ("hold", "strokeEnd", "relax"),
@@ -130,7 +130,7 @@ def _list_nodes(captures: Sequence[GestureCapture], rows: Sequence[Floats]) -> l
     nodes: list[PhaseNode] = []
     first = 0
     for k, (capture, times) in enumerate(zip(captures, rows, strict=True)):
-        for phase, start, end in PHASES:
+        for phase, start, end in CLIP_PHASES:
             inside = np.searchsorted(times, [capture.markers[start], capture.markers[end]])
             if inside[1] > inside[0]:
                 nodes.append(PhaseNode(k, phase, first + int(inside[0]), first + int(inside[1])))
