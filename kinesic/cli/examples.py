@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import click
 
-EXAMPLES: Mapping[str, tuple[str, ...]] = {
+VERB_EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "bench": ("kinesic bench ik", "kinesic bench naturalness --style joyful --json"),
     "capture graph": ("kinesic capture graph mine",),
     "capture import": ('kinesic capture import clips --out mine --licence "CC BY 4.0"',),
@@ -81,6 +81,6 @@ def attach_examples(group: click.Group, *words: str) -> None:
         path = (*words, name)
         if isinstance(command, click.Group):
             attach_examples(command, *path)
-        elif " ".join(path) in EXAMPLES:
-            lines = "\n".join(f"  {example}" for example in EXAMPLES[" ".join(path)])
+        elif " ".join(path) in VERB_EXAMPLES:
+            lines = "\n".join(f"  {example}" for example in VERB_EXAMPLES[" ".join(path)])
             command.epilog = f"{command.epilog or ''}\n\n\b\nExamples:\n{lines}".strip()

@@ -9,11 +9,11 @@ from kinesic.body.config import locate_config
 from kinesic.body.robot_extension import read_robot
 from kinesic.body.robot_schema import RobotFile
 from kinesic.cli import kinesic as command_line
-from kinesic.cli.examples import EXAMPLES
+from kinesic.cli.examples import VERB_EXAMPLES
 from kinesic.cli.help_pages import OTHER_TASK, VERBS_BY_TASK, SharedOption
 from kinesic.studies.designs.variant import Variable, apply_design
 
-EXAMPLE_LINES = [line for lines in EXAMPLES.values() for line in lines]
+EXAMPLE_LINES = [line for lines in VERB_EXAMPLES.values() for line in lines]
 
 
 def verbs(group: click.Group, *words: str) -> Iterator[tuple[str, click.Command]]:
@@ -52,10 +52,10 @@ def test_help_lists_options_of_the_verb_before_shared_options():
 
 
 def test_every_verb_ends_its_help_with_examples():
-    assert sorted(EXAMPLES) == sorted(path for path, _ in verbs(command_line))
-    for path in EXAMPLES:
+    assert sorted(VERB_EXAMPLES) == sorted(path for path, _ in verbs(command_line))
+    for path in VERB_EXAMPLES:
         text = help_of(*path.split())
-        assert text.rstrip().endswith(f"  {EXAMPLES[path][-1]}"), path
+        assert text.rstrip().endswith(f"  {VERB_EXAMPLES[path][-1]}"), path
 
 
 @pytest.mark.parametrize("line", EXAMPLE_LINES)
@@ -69,7 +69,7 @@ def test_help_examples_are_valid_command_lines(line):
 
 
 def test_help_example_of_a_search_varies_a_body_of_its_robot():
-    (line,) = EXAMPLES["robots search"]
+    (line,) = VERB_EXAMPLES["robots search"]
     words = shlex.split(line)
     variable = Variable.parse(words[words.index("--vary") + 1])
     path = locate_config("robot", words[3])
