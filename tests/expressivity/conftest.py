@@ -15,7 +15,7 @@ from kinesic.expressivity.realise import make_keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import Style
 
-Asked = tuple[str, Action, Mapping[str, float]]
+RequestedBehaviour = tuple[str, Action, Mapping[str, float]]
 
 
 @pytest.fixture(scope="session")
@@ -46,24 +46,24 @@ def lexicon() -> Lexicon:
 
 @pytest.fixture(scope="session")
 def phases() -> Callable[..., dict[str, float]]:
-    """Return the seven sync points of a gesture from their times."""
+    """Return a function that makes the seven sync points of a gesture from times."""
     return lambda *times: dict(zip(GESTURE_SYNCS, map(float, times), strict=True))
 
 
 @pytest.fixture(scope="session")
 def nod_times(phases) -> dict[str, float]:
-    """Return the sync points of a nod of one second."""
+    """Return the sync points of a nod that lasts one second."""
     return phases(0.0, 0.1, 0.2, 0.5, 0.8, 0.9, 1.0)
 
 
 @pytest.fixture(scope="session")
 def timeline() -> Callable[..., Timeline]:
-    """Build a timeline from (id, action, times).
+    """Return a function that builds a timeline from (id, action, times).
 
     Behaviours with ids in `required` are required.
     """
 
-    def build(*asked: Asked, required: tuple[str, ...] = (), dialect: str = "bml-1.0") -> Timeline:
+    def build(*asked: RequestedBehaviour, required: tuple[str, ...] = (), dialect: str = "bml-1.0") -> Timeline:
         timed = tuple(
             TimedBehaviour(Behaviour(id, type(action).__name__, action, Place(1, 1), required=id in required), times)
             for id, action, times in asked
@@ -75,7 +75,7 @@ def timeline() -> Callable[..., Timeline]:
 
 @pytest.fixture(scope="session")
 def context(pace, lexicon) -> Callable[..., BlockContext]:
-    """Build a block context with default options."""
+    """Return a function that builds a block context with default options."""
     usual = pace
 
     def of(block: Block, style: Style | None = None, *, pace: Pace = usual, **options) -> BlockContext:
@@ -86,9 +86,9 @@ def context(pace, lexicon) -> Callable[..., BlockContext]:
 
 @pytest.fixture(scope="session")
 def perform(timeline, context) -> Callable[..., KeyFrames]:
-    """Create the key frames of a timeline from (id, action, times)."""
+    """Return a function that creates key frames from (id, action, times)."""
 
-    def run(*asked: Asked, style: Style | None = None, **options) -> KeyFrames:
+    def run(*asked: RequestedBehaviour, style: Style | None = None, **options) -> KeyFrames:
         without = options.pop("without", {})
         built = timeline(*asked, **options)
         return make_keyframes(built, context(built.block, style), without=without)

@@ -41,13 +41,13 @@ def test_body_parts_without_a_key_are_interpolated(robot):
     assert frames[1.75].hands["r"] == REST_HAND
 
 
-def test_rotation_layers_add_up_and_are_clipped_to_the_range(robot):
+def test_rotation_layers_of_head_or_torso_are_added_and_clipped_to_the_joint_range(robot):
     lean = ((TurnKey(0, Turn()), TurnKey(1, Turn(tilt=radians(20))), TurnKey(2, Turn())),) * 2
     frames = gather_frames(Sequences(torso=lean), [], robot)
     assert frames[1].torso.tilt == pytest.approx(radians(35))
 
 
-def test_neck_range_is_relative_to_the_torso(robot):
+def test_rotation_range_of_the_neck_is_relative_to_the_torso(robot):
     turned = ((TurnKey(0, Turn()), TurnKey(1, Turn(torsion=radians(40))), TurnKey(2, Turn())),)
     aside = ((TurnKey(0, Turn()), TurnKey(1, Turn(torsion=radians(100))), TurnKey(2, Turn())),)
     assert gather_frames(Sequences(torso=turned, head=aside), [], robot)[1].head.torsion == pytest.approx(radians(100))

@@ -217,7 +217,7 @@ def test_nods_and_shakes_end_upright_and_head_directions_are_held(kind, count, s
     assert HeadForm(kind, UPRIGHT_TURN, count).swings == swings
 
 
-def test_nod_takes_its_natural_time_without_given_time(robot, pace, phases):
+def test_nod_without_a_requested_duration_takes_its_natural_time(robot, pace, phases):
     manner = Expressivity()
     form = head_form(Head("NOD", repetition=2), robot, manner)
     natural = swing_time(form, pace, manner)

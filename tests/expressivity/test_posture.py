@@ -105,7 +105,7 @@ def test_posture_with_open_arms_holds_both_hands_out_to_the_side(robot, lexicon)
         ("akimbo", "akimbo"),
     ],
 )
-def test_whole_body_pose_may_be_an_arm_pose(robot, lexicon, lexeme, arms):
+def test_pose_of_the_whole_body_may_name_an_arm_pose(robot, lexicon, lexeme, arms):
     posed = pose(Posture(poses=(("WHOLEBODY", lexeme),)), lexicon, robot)
     assert [getattr(arm, "id", arm) for arm in posed.arms] == [arms]
 
@@ -126,7 +126,7 @@ def test_arm_pose_of_a_posture_overrides_the_arms_of_its_stance(perform):
     assert {frame.hands["r"].touch for frame in frames.frames if 1 <= frame.time <= 2} == {"upper_arm"}
 
 
-def test_standing_up_lets_the_arms_hang_again(perform):
+def test_arms_hang_again_after_standing_up_from_a_seated_posture(perform):
     frames = perform(
         ("p", Posture("SITTING", shift=True), dict(zip(SHIFT_SYNCS, (0, 1), strict=True))),
         ("q", Posture("STANDING", shift=True), dict(zip(SHIFT_SYNCS, (2, 3), strict=True))),

@@ -39,7 +39,7 @@ def planned(body: str, setup: Setup, folder: Path):
         ('<pointing id="g" target="right" start="1"/>', "realised", ""),
     ],
 )
-def test_missing_arm_is_replaced_or_reported(body, kind, why, left_armed, tmp_path):
+def test_gesture_of_a_missing_arm_uses_the_present_arm_or_is_reported(body, kind, why, left_armed, tmp_path):
     plan = planned(body, left_armed, tmp_path)
     outcome = plan.keyframes.outcomes["g"]
     assert outcome.kind == kind

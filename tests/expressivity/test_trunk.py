@@ -130,7 +130,7 @@ def test_trunk_motion_uses_torso_expressivity(perform, calm):
     assert not torso(perform(("g", Gesture("beat", "left"), calm), style=style)).any()
 
 
-def test_lean_without_given_time_takes_at_least_0_3_s_and_its_natural_rotation_time(pace):
+def test_lean_without_a_requested_duration_takes_at_least_0_3_s_and_its_natural_rotation_time(pace):
     at_once = {"start": 1.0, "ready": 1.0, "relax": 2.0, "end": 2.0}
     small, large = (
         hold_lean(turn, at_once, chain="torso", stays=False, pace=pace) for turn in (Turn(tilt=1e-4), Turn(torsion=0.8))

@@ -97,7 +97,7 @@ def test_rotation_range_of_an_axis_without_a_joint_is_zero(robot):
 
 
 @given(turns, turns, turns)
-def test_clipped_rotation_is_the_nearest_in_range(turn, corner, other):
+def test_clipped_head_or_torso_rotation_is_the_nearest_within_the_joint_ranges(turn, corner, other):
     sides = list(zip(turn_angles(corner), turn_angles(other), strict=True))
     within = Turn(*map(min, sides)), Turn(*map(max, sides))
     clipped = clip_turn(turn, within)
@@ -111,7 +111,7 @@ def test_clipped_rotation_is_the_nearest_in_range(turn, corner, other):
     assert range_excess(turn, within) == pytest.approx(degrees(max(beyond)))
 
 
-def test_rotation_layers_add_up_and_are_constant_outside_their_keys():
+def test_rotation_layers_are_added_and_constant_before_and_after_their_keys():
     one = (TurnKey(1.0, Turn(0.1, 0.2, 0.3)), TurnKey(2.0, Turn(0.3, 0.0, 0.3)))
     other = (TurnKey(1.5, Turn(roll=-0.3)),)
     np.testing.assert_allclose(

@@ -13,7 +13,7 @@ Gallery = Callable[[Preset, tuple[int, int]], AbstractContextManager[Portrait]]
 
 @pytest.fixture(scope="session")
 def drawable() -> None:
-    """Skip the test with a reason if nothing can be drawn."""
+    """Skip the test with a reason if no picture can be drawn."""
     reason = find_display_problem()
     if reason is not None:
         pytest.skip(reason)

@@ -11,7 +11,7 @@ from kinesic.face.display import INSTALL_DRIVER, find_display_problem, open_offs
 
 
 def draws() -> None:
-    """Skip the test with a reason if nothing can be drawn."""
+    """Skip the test with a reason if no picture can be drawn."""
     reason = find_display_problem()
     if reason is not None:
         pytest.skip(reason)
@@ -28,7 +28,7 @@ def test_offscreen_picture_is_drawn_and_read_back():
     assert error == 0
 
 
-def test_errors_raised_while_drawing_are_not_reported_as_display_errors():
+def test_program_errors_raised_while_drawing_are_not_reported_as_display_errors():
     draws()
     with pytest.raises(KeyError, match="mine"), open_offscreen_context():
         raise KeyError("mine")

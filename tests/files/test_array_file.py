@@ -159,7 +159,7 @@ SAMPLE_ARRAYS = {
 }
 
 
-def test_array_is_returned_if_type_and_dimensions_match():
+def test_requested_npz_array_is_returned_if_type_and_dimension_count_match():
     assert numbers_of(SAMPLE_ARRAYS, "times", 1) is SAMPLE_ARRAYS["times"]
     assert numbers_of(SAMPLE_ARRAYS, "counts", 2) is integers_of(SAMPLE_ARRAYS, "counts", 2) is SAMPLE_ARRAYS["counts"]
     assert numbers_of(SAMPLE_ARRAYS, "flags", 1) is SAMPLE_ARRAYS["flags"]
@@ -179,6 +179,6 @@ def test_array_is_returned_if_type_and_dimensions_match():
         (text_of, "names", 0, "names has 1 dimensions, must have 0"),
     ],
 )
-def test_missing_arrays_wrong_types_and_wrong_dimension_counts_are_refused(read, name: str, dimensions: int, said: str):
+def test_npz_files_with_missing_or_wrong_arrays_are_refused(read, name: str, dimensions: int, said: str):
     with pytest.raises(ValueError, match=said):
         read(SAMPLE_ARRAYS, name, dimensions)

@@ -20,7 +20,7 @@ LONG_TEXT = "a sentence that says more than fits into two lines of a film, " * 6
 @pytest.mark.parametrize(
     ("time", "words"), [(0.49, ""), (0.5, "Hello,"), (0.99, "Hello,"), (1.0, "and welcome"), (2.0, "")]
 )
-def test_caption_shows_words_while_spoken(time: float, words: str):
+def test_film_caption_shows_words_while_they_are_spoken(time: float, words: str):
     assert words_at(SPOKEN_WORDS, time) == words
 
 
@@ -41,7 +41,7 @@ def test_film_caption_changes_only_pixels_in_its_box(words: str):
     assert picture.max() > 240, "light letters"
 
 
-def test_caption_box_grows_to_two_lines_but_stays_below_a_fifth_of_the_picture_height():
+def test_film_caption_has_up_to_two_lines_and_less_than_a_fifth_of_the_picture_height():
     one, two, more = (caption_box(words, PICTURE_SIZE) for words in ("word", LONG_TEXT[:90], LONG_TEXT))
     assert one is not None
     assert two is not None
@@ -62,7 +62,7 @@ def test_caption_wraps_a_long_text_but_keeps_a_short_phrase_on_one_line(size: tu
     assert 0.6 * width < long[2] - long[0] <= 1.1 * MAX_LINE_WIDTH * width + padding, "with an ellipsis"
 
 
-def test_empty_caption_draws_nothing():
+def test_empty_film_caption_draws_nothing():
     picture = np.full((360, 640, 3), 128, dtype=np.uint8)
     write_caption(picture, "")
     assert (picture == 128).all()

@@ -19,7 +19,7 @@ def folder(tmp_path: Path) -> Path:
     return tmp_path / "home"
 
 
-def test_input_file_in_the_allowed_folder_is_read_directly_or_through_links(folder: Path):
+def test_input_file_in_the_allowed_folder_is_read_by_its_path_or_through_links(folder: Path):
     (folder / "link").symlink_to("below/file")
     (folder / "way").symlink_to("below")
     for name in ("below/file", "link", "way/file", "below/../below/file"):

@@ -91,7 +91,7 @@ def test_path_without_a_file_name_is_refused(path: str):
         check_file(Path(path), force=True)
 
 
-def test_check_of_an_existing_output_file_fails_unless_forced(tmp_path: Path):
+def test_check_of_an_existing_output_file_raises_an_error_unless_force_is_set(tmp_path: Path):
     (tmp_path / "a").write_text("before")
     with pytest.raises(ConfigError, match="exists already; --force replaces it"):
         check_file(tmp_path / "a")

@@ -142,7 +142,7 @@ def test_output_folder_may_not_be_a_symlink(made: Path, way: str):
     assert link.is_symlink()
 
 
-def test_folder_at_or_below_a_file_is_refused(tmp_path: Path):
+def test_output_folder_at_or_below_the_path_of_a_file_is_refused(tmp_path: Path):
     (tmp_path / "letter").write_text("dear")
     for target in (tmp_path / "letter", tmp_path / "letter" / "new"):
         with pytest.raises(ConfigError, match=r"letter is (a file|no folder)"):
@@ -165,7 +165,7 @@ def test_replacing_a_folder_removes_links_but_not_their_targets(made: Path, tmp_
     assert (tmp_path / "mine" / "letter").read_text() == "dear"
 
 
-def test_folder_or_link_created_by_another_program_during_writing_is_kept(made: Path, tmp_path: Path):
+def test_output_folder_or_link_created_by_another_program_during_writing_is_kept(made: Path, tmp_path: Path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter").write_text("dear")
 

@@ -34,7 +34,7 @@ def test_least_squares_variable_with_low_mobility_moves_less():
     assert 0.0 < descent.angles[0] < 0.2 * descent.angles[1]
 
 
-def test_preferred_posture_acts_only_in_the_null_space():
+def test_preferred_posture_of_a_least_squares_solution_acts_only_in_the_null_space():
     home = np.array([2.0, 1.0, -1.0])
     box = Box(-5 * FULL_MOBILITY, 5 * FULL_MOBILITY, home, FULL_MOBILITY)
     near, far = np.array([2.5, 0.0, 0.0]), np.array([5.0, -5.0, 5.0])

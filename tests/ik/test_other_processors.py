@@ -60,7 +60,7 @@ def test_ik_kernel_compiled_for_other_processors_gives_the_same_angles(machine, 
 
 
 def _questions(chain: Chain, count: int) -> list[Question]:
-    """Return targets of every kind, some out of reach."""
+    """Return targets of every kind, some of them out of reach."""
     random, asked = default_rng(81), []
     for k in range(count):
         angles, start = random.uniform(chain.lower, chain.upper, (2, len(chain.rest)))

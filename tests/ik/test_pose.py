@@ -240,7 +240,7 @@ def test_hand_pose_search_counts_the_tried_postures():
     assert far.rounds > 0
 
 
-def test_start_angle_outside_its_range_is_clipped_to_the_limit():
+def test_ik_start_angle_outside_its_range_is_clipped_to_the_limit():
     position, rotation = _pose(LEFT_ARM, LEFT_ARM.rest)
     for stop, away in ((LEFT_ARM.upper, 1.0), (LEFT_ARM.lower, -1.0)):
         inside, outside = (solve_pose(LEFT_ARM, position, rotation, start=start) for start in (stop, stop + away))
@@ -258,7 +258,7 @@ def test_hand_pose_is_solved_for_lists_fortran_order_and_float32(convert):
     np.testing.assert_allclose(result.angles, expected.angles, atol=1e-5)
 
 
-def test_rotation_matrix_is_accepted_up_to_rounding_errors():
+def test_hand_pose_accepts_a_rotation_matrix_with_rounding_errors():
     position, rotation = _pose(LEFT_ARM, LEFT_ARM.rest)
     assert solve_pose(LEFT_ARM, position, rotation * (1.0 + 4e-7), start=LEFT_ARM.rest).reached
     with pytest.raises(ValueError, match="perpendicular unit vectors"):

@@ -94,11 +94,11 @@ def test_texts_of_odd_characters_become_valid_bml_blocks(lexicon, text):
     assert parse(author(text, lexicon, Style.load("neutral"))).behaviours
 
 
-def test_abbreviations_do_not_end_a_sentence():
+def test_full_stops_of_abbreviations_do_not_end_a_sentence():
     assert len(read_text("Dr. Smith came, e.g. by train. He left.", load_language()).kinds) == 2
 
 
-def test_word_stress_is_found_by_spelling():
+def test_stressed_syllable_of_an_english_word_is_found_by_spelling():
     words = {"banana": 1, "elephant": 0, "information": 2, "remember": 1, "yes": 0, "myself": 1}
     assert {word: stressed_english_syllable(word) for word in words} == words
     assert count_syllables("boxes") == 2
@@ -174,7 +174,7 @@ def test_equally_certain_gestures_are_spread_over_the_text(lexicon):
     assert gestures[-1].lexeme in ("that_far", "that_low")
 
 
-def test_stroke_moves_off_its_word_only_if_the_hand_needs_much_longer():
+def test_gesture_stroke_moves_off_its_word_only_if_the_hand_needs_much_longer():
     intent = Intent("picture", Moment("s:w1", 0.0), Moment("s:w1+0.45", 0.45), Moment("s:w2", 0.9), 0.9, "big", word=0)
     assert reachable(intent).stroke == intent.stroke
     early = replace(intent, stroke=Moment("s:w1+0.20", 0.2))

@@ -9,7 +9,7 @@ from kinesic.intent.reading.language import load_language
 from kinesic.serve.planner import TEXT_TABLES_MODULE
 
 
-def test_import_of_read_ahead_loads_the_english_cues_rules_and_behaviour_sets():
+def test_importing_read_ahead_loads_the_english_cues_rules_and_behaviour_sets():
     reload(read_ahead)  # other tests may have emptied the caches
     assert read_ahead.__name__ == TEXT_TABLES_MODULE
     assert read_ahead.CUES_READ is load_cues("en")

@@ -7,7 +7,7 @@ from kinesic.intent.writing import write_block
 AUDIO = RecordedAudio("my & talk.wav", "", lambda passage: passage)
 
 
-def test_accents_of_a_recording_get_gesture_head_and_face_behaviours_at_their_times():
+def test_speech_accents_of_a_recording_get_gesture_head_and_face_behaviours():
     selection = choose_accent_behaviours([0.2, 1.5, 4.0, 7.5], 9.0, Style(), builtin_sets())
     strokes = {behaviour.intent.stroke.reference for behaviour in selection.behaviours}
     assert strokes == {"s:start+1.50", "s:start+4.00", "s:start+7.50"}  # the hand cannot reach a stroke at 0.2 s

@@ -224,7 +224,7 @@ def test_subtitles_streamed_by_letters_and_with_silences_are_spoken_without_time
     assert words_of(silent) == ["Hello", "there", "Come", "in"]
 
 
-def test_silence_inside_an_open_bracket_leaves_the_following_words_as_single_words():
+def test_words_streamed_after_a_silence_inside_an_open_bracket_are_spoken_singly():
     assert words_of(parts_of(["We saw (the", " red boats) there."], quiet=MAX_SILENCE)[0])[-3:] == [
         "red",
         "boats",

@@ -58,7 +58,7 @@ class Device:
 
     @property
     def delay(self) -> float:
-        """Return the delay [s] before a reply."""
+        """Return the delay [s] between an instruction and its reply."""
         return 2e-6 * self.memory["return_delay"]
 
     @property
@@ -71,7 +71,7 @@ class Device:
         return not self.deaf and time >= self.wakes
 
     def boot(self, time: float) -> None:
-        """Restart the servo, which receives nothing for a while."""
+        """Restart the servo, which ignores instructions while it boots."""
         self._registered = None
         self.firmware.boot(time)
         self.wakes = time + BOOT_TIME

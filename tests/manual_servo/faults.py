@@ -20,13 +20,13 @@ class Fault:
     """Temporary fault; the base class changes nothing."""
 
     def begin(self, line: Line) -> None:
-        """React to the start of the fault."""
+        """Apply the fault to a wire when it starts."""
 
     def end(self, line: Line) -> None:
-        """React to the end of the fault."""
+        """Undo the fault on a wire when it ends."""
 
     def echo(self, line: Line, data: bytes, time: float) -> None:
-        """React to the host's bytes, whose transmission ends at a time [s]."""
+        """React to bytes of the host whose transmission ends at a time [s]."""
 
     def request(self, data: bytes) -> bytes:
         """Return the bytes that servos receive from the host."""
@@ -47,10 +47,10 @@ class Fault:
 
 @dataclass
 class Spoiled(Fault):
-    """Fault that changes a fraction of the transmissions with `spoil`."""
+    """Fault that changes a fraction of the transmissions with its method `spoil`."""
 
     share: float = 1.0
-    servos: tuple[int, ...] = ()  # ids of the servos concerned; empty: all
+    servos: tuple[int, ...] = ()  # ids of the affected servos; empty means all
     seed: int = 1
     rng: Random = field(init=False)
 
@@ -132,7 +132,7 @@ class Late(Spoiled):
 
 @dataclass
 class Replay(Spoiled):
-    """Transmission that an earlier one replaces."""
+    """Transmission replaced by an earlier transmission of the servo."""
 
     age: int = 5
     kept: list[bytes] = field(default_factory=list)
@@ -212,7 +212,7 @@ class Unplugged(Fault):
 
 @dataclass
 class Replugged(Unplugged):
-    """Adapter replaced under the same name by one of another robot."""
+    """Adapter replaced under the same device name by the adapter of another robot."""
 
     others: Sequence[Device]
 
@@ -256,7 +256,7 @@ class WrongLength(Fault):
 
 @dataclass
 class Misquoted(Fault):
-    """Replies whose length field is wrong."""
+    """Replies whose length field does not equal their length."""
 
     servo: int
 

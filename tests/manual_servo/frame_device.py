@@ -32,7 +32,7 @@ class Layout:
     current_limit: int | None = None
     shutdown: int = 0
     high_byte_first: bool = False
-    turn: int = 4096  # counts of position
+    turn: int = 4096  # position counts per turn
     full_torque: int = 1000
 
 
@@ -52,10 +52,10 @@ class FrameDevice:
     volts: int = 74  # [0.1 V]
     velocity: float = 3000.0  # [counts/s] of the shaft
     silent: bool = False
-    answers_as: int | None = None  # wrong id of its replies
+    answers_as: int | None = None  # wrong id in replies, or None
     errors: int = 0
     table: bytearray = field(default_factory=lambda: bytearray(256))
-    place: float = 0.0  # [counts] true position
+    place: float = 0.0  # [counts] true position of the shaft
 
     def __post_init__(self) -> None:
         layout = self.layout

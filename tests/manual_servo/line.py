@@ -67,7 +67,7 @@ class Line:
         self._busy, self._piece = 0.0, bytearray()
 
     def expose(self, fault: Fault, *, at: float | None = None, seconds: float = inf) -> None:
-        """Apply a fault, now or later, for a while."""
+        """Apply a fault, now or later, for a duration."""
         begin = self.world.time if at is None else at
 
         def strike() -> None:
@@ -84,7 +84,7 @@ class Line:
         self.world.advance(self.world.time)
 
     def device(self, servo: int) -> Device:
-        """Return the first servo that was built with an id."""
+        """Return the first servo that was built with the given id."""
         return next(device for device in self.devices if device.id == servo)
 
     def drop(self) -> None:
@@ -149,7 +149,7 @@ class Line:
         return self._say_all(given, time)
 
     def _say_all(self, given: Sequence[tuple[Device, Answer]], time: float) -> float:
-        """Transmit replies in turn, those of equal ids at the same time."""
+        """Transmit replies in turn, and replies of servos with equal ids at once."""
         at = 0
         while at < len(given):
             same = [pair for pair in given[at:] if pair[1].servo == given[at][1].servo]
@@ -246,7 +246,7 @@ def _padded(device: Device, address: int, size: int) -> Answer:
 
 
 def _collide(said: Sequence[bytes]) -> bytes:
-    """Mix simultaneous transmissions: a low level wins."""
+    """Mix simultaneous transmissions, in which low levels win."""
     if len(said) == 1:
         return said[0]
     heard = bytearray(max(said, key=len))

@@ -69,12 +69,12 @@ class Memory:
         return address in self._owner or address in self._cells or address in self._windows
 
     def _target(self, address: int) -> int:
-        """Return the target of an indirect data address, or another address unchanged."""
+        """Resolve an indirect data address, and return other addresses unchanged."""
         pointer = self._windows.get(address)
         return address if pointer is None else int.from_bytes(self.bytes[pointer : pointer + 2], "little")
 
     def read(self, address: int, size: int) -> tuple[int, bytes]:
-        """Return an error number and the bytes of a span.
+        """Return an error number and the bytes of an address range.
 
         The span must begin at a register, and gaps inside it are zeros.
         """
@@ -85,7 +85,7 @@ class Memory:
         return 0, bytes(self.bytes[self._target(address + k)] for k in range(size))
 
     def write(self, address: int, data: bytes) -> int:
-        """Write all of the bytes or none, and return an error number."""
+        """Write all given bytes or none, and return an error number."""
         if not data:
             return LENGTH_ERROR
         if address + len(data) > len(self.bytes):
@@ -149,7 +149,7 @@ class Memory:
         return 0
 
     def _limit(self, name: str, changed: dict[str, int]) -> tuple[int, int] | None:
-        """Return the range that other registers set for a value, None without one."""
+        """Return the range that other registers set for a value, or None."""
 
         def now(other: str) -> int:
             return changed.get(other, self[other])

@@ -11,8 +11,8 @@ ACCELERATION_UNIT = 214.577 * 4096 / 3600  # [ticks/s^2] acceleration per regist
 class Profile:
     """Set point and its profile towards a goal."""
 
-    place: float = 0.0  # [ticks]
-    speed: float = 0.0  # [ticks/s]
+    place: float = 0.0  # [ticks] position
+    speed: float = 0.0  # [ticks/s] velocity
     goal: float = 0.0
     fastest: float = inf
     acceleration: float = inf

@@ -65,7 +65,7 @@ class Arm:
     links: tuple[Link, ...]
 
     def pull(self) -> None:
-        """Apply the links' weight as torque on their shafts."""
+        """Apply the weight of the links as torques on their shafts."""
         lean, weights = 0.0, []
         for link in self.links:
             lean += (link.shaft.angle - link.hang) / link.turns

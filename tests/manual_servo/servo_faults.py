@@ -90,7 +90,7 @@ class TorqueOff(OfServo):
 
 
 class GoalIgnored(OfServo):
-    """Servo that accepts goals but does not move."""
+    """Servo that acknowledges goals but does not move."""
 
     def strike(self, device: Device) -> None:
         device.firmware.head = lambda: None
@@ -111,7 +111,7 @@ class Stalled(OfServo):
 
 @dataclass
 class Ramp(OfServo):
-    """Steady change of a quantity while the fault lasts."""
+    """Fault that changes a quantity steadily while it lasts."""
 
     rate: float = 0.0  # [1/s] change of the quantity per second
     on: bool = False
@@ -179,7 +179,7 @@ class Tripped(OfServo):
 
 @dataclass
 class Boasting(OfServo):
-    """Servo with the alert bit in each reply but no hardware error."""
+    """Servo that sets the alert bit in each reply without a hardware error."""
 
     def say(self, device: Device, answer: Answer) -> Answer:
         return replace(answer, error=answer.error | 0x80) if device.id == self.servo else answer

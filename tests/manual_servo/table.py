@@ -27,21 +27,24 @@ class Model:
     """Properties of one model."""
 
     number: int
-    stall: float  # [Nm] at 12 V
-    no_load: float  # [rad/s]
+    stall: float  # [Nm] stall torque at 12 V
+    no_load: float  # [rad/s] no-load velocity
     amperes: float | None  # [A] current per count of Present Current; None: the register shows the load
     current_limit: int
-    speed_limit: int  # [0.229 rpm]
-    gains: tuple[int, int, int]  # position P, I, D
-    celsius: int  # temperature limit
-    volts: tuple[int, int]  # minimum and maximum [0.1 V]
+    speed_limit: int  # [0.229 rpm] velocity limit
+    gains: tuple[int, int, int]  # position gains P, I, D
+    celsius: int  # [C] temperature limit
+    volts: tuple[int, int]  # [0.1 V] minimum and maximum voltage
     inertia: float  # [kg m^2] at the shaft
     cells: int = 28
-    windows: tuple[tuple[int, int], ...] = ((168, 224), (578, 634))  # indirect addresses, data
-    rated: float = 12.0  # [V]
+    windows: tuple[tuple[int, int], ...] = (
+        (168, 224),
+        (578, 634),
+    )  # addresses of the first indirect address and the first indirect data
+    rated: float = 12.0  # [V] rated voltage
     fast: int = 45  # first firmware version with fast reads
-    ports: bool = False  # whether it has external ports
-    inner: tuple[int, int] = (1920, 100)  # velocity I, P
+    ports: bool = False  # whether the model has external ports
+    inner: tuple[int, int] = (1920, 100)  # velocity gains I, P
 
     @property
     def modes(self) -> tuple[int, ...]:

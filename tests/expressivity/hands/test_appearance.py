@@ -71,7 +71,7 @@ def test_different_hand_shape_or_palm_direction_makes_gestures_distinct(form, pa
     assert distinct(seen, look(changed(form, palm=lambda pose: sealed(-pose.palm)), pace))
 
 
-def test_waving_and_still_hand_have_a_path_distance_over_2_cm(lexicon, pace):
+def test_waving_and_motionless_hands_have_a_path_distance_over_2_cm(lexicon, pace):
     waving = lexicon.find("wave_far").form
     still = changed(waving, path=lambda _: None)
     assert path_distance(look(waving, pace), look(still, pace)) > 0.02

@@ -24,7 +24,7 @@ def setup(tmp_path):
 
 
 @pytest.mark.parametrize("name", TARGETS)
-def test_arm_points_within_two_degrees_of_the_target_at_the_stroke(setup, name):
+def test_captured_pointing_gesture_points_within_two_degrees_of_its_target_at_the_stroke(setup, name):
     planned = plan(DOCUMENT.format(name), setup)
     assert planned.keyframes.outcomes["g"].kind == "realised"
     stroke = planned.syncs["g:stroke"].planned
@@ -39,7 +39,7 @@ def test_arm_points_within_two_degrees_of_the_target_at_the_stroke(setup, name):
 
 
 @pytest.mark.parametrize("name", TARGETS)
-def test_aimed_path_is_displaced_at_most_3_percent_more_than_its_stroke_key(setup, name):
+def test_path_of_an_aimed_captured_gesture_is_displaced_at_most_3_percent_more_than_its_stroke(setup, name):
     side = "l" if TARGETS[name][1] > 0 else "r"
     form = in_mode(setup.lexicon.forms_by_id["swing"], "left" if side == "l" else "right")
     aimed, angle = aim_captured(form, side, np.array(TARGETS[name]), setup.robot)
@@ -54,6 +54,6 @@ def test_aimed_path_is_displaced_at_most_3_percent_more_than_its_stroke_key(setu
         assert min(shifts[0], shifts[-1]) < 0.05 * displacement
 
 
-def test_only_gestures_with_a_motion_file_count_as_captured(setup):
+def test_only_lexicon_gestures_with_a_motion_file_count_as_captured(setup):
     assert not is_captured(setup.lexicon.forms_by_id["this_index"])
     assert is_captured(setup.lexicon.forms_by_id["swing"])

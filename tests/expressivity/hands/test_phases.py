@@ -216,7 +216,9 @@ def test_rest_pose_with_a_timing_conflict_is_deferred_to_the_retraction(pace, ph
 
 
 @pytest.mark.parametrize(("touch", "relax", "home"), [("hand", 4.2, 4.2), (None, 4.2, 3.0), ("hand", 6.0, 3.0)])
-def test_hands_resting_on_each_other_retract_together_unless_one_is_much_later(pace, phases, touch, relax, home):
+def test_hands_that_rest_on_each_other_retract_together_unless_one_gesture_ends_much_later(
+    pace, phases, touch, relax, home
+):
     """Wait for the other hand to finish its gesture, unless it takes long."""
     folded = replace(A, touch=touch)
     rest = Stroke(

@@ -33,7 +33,7 @@ def test_random_delays_of_second_hand_and_wrist_stay_in_their_ranges(succession)
 
 
 @pytest.mark.parametrize("lexeme", ["applause", "hands_together", "prayer", "beat"])
-def test_hands_that_meet_and_one_handed_gestures_have_no_hand_delay(succession, lexeme):
+def test_hands_that_meet_and_single_hands_have_no_random_delay_between_hands(succession, lexeme):
     assert [succession(lexeme, seed).behind for seed in range(4)] == [0.0] * 4
     assert succession(lexeme).loose > 0.0
 

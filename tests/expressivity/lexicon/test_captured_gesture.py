@@ -21,7 +21,7 @@ from .captured_clips import MARKERS, TIMES, motion, write_gesture
 
 
 def arrays(**changes) -> bytes:
-    """Return a motion file with changed arrays, without those set to None."""
+    """Return a motion file with changed arrays, without arrays set to None."""
     with np.load(BytesIO(pack_motion(motion()))) as file:
         values = {**file, **changes}
     data = BytesIO()
@@ -29,7 +29,7 @@ def arrays(**changes) -> bytes:
     return data.getvalue()
 
 
-def test_motion_file_keeps_all_arrays(tmp_path):
+def test_motion_file_of_a_captured_gesture_returns_all_written_arrays(tmp_path):
     (tmp_path / "a.npz").write_bytes(pack_motion(motion(sides="lr")))
     read = read_gesture_motion(tmp_path, "a.npz")
     assert read.hands.keys() == {"l", "r"}
@@ -52,13 +52,13 @@ def test_motion_file_keeps_all_arrays(tmp_path):
         ({"right_straight": np.full((len(TIMES), 5), 2.0)}, "beyond 1"),
     ],
 )
-def test_invalid_motion_file_is_refused(tmp_path, changes, problem):
+def test_invalid_motion_file_of_a_captured_gesture_is_refused(tmp_path, changes, problem):
     (tmp_path / "a.npz").write_bytes(arrays(**changes))
     with pytest.raises(ConfigError, match=problem):
         read_gesture_motion(tmp_path, "a.npz")
 
 
-def test_motion_outside_the_folder_is_refused(tmp_path):
+def test_motion_file_of_a_gesture_outside_the_lexicon_folder_is_refused(tmp_path):
     inner = tmp_path / "inner"
     inner.mkdir()
     (tmp_path / "a.npz").write_bytes(pack_motion(motion()))
@@ -77,19 +77,19 @@ def test_motion_outside_the_folder_is_refused(tmp_path):
         ({"start": float("nan")}, "nan"),
     ],
 )
-def test_invalid_markers_are_refused(tmp_path, changes, problem):
+def test_invalid_markers_of_a_captured_gesture_are_refused(tmp_path, changes, problem):
     write_gesture(tmp_path, markers={**MARKERS, **changes})
     with pytest.raises(ConfigError, match=problem):
         Lexicon.load(tmp_path)
 
 
-def test_hand_that_the_motion_lacks_is_refused(tmp_path):
+def test_captured_gesture_of_a_hand_missing_in_its_motion_file_is_refused(tmp_path):
     write_gesture(tmp_path, hand="both", data=pack_motion(motion(sides="r")))
     with pytest.raises(ConfigError, match="no motion of hand 'l'"):
         Lexicon.load(tmp_path)
 
 
-def test_keys_lie_at_the_markers_and_the_path_follows_the_capture(tmp_path):
+def test_captured_gesture_has_keys_at_its_markers_and_follows_the_captured_path(tmp_path):
     form = Lexicon.load(write_gesture(tmp_path)).forms_by_id["swing"]
     assert form.sides == {"r"}
     assert form.shapes == ("open",)
@@ -102,7 +102,7 @@ def test_keys_lie_at_the_markers_and_the_path_follows_the_capture(tmp_path):
     np.testing.assert_allclose(half, wrist[round(0.7 / 0.02)], atol=2e-3)
 
 
-def test_hands_that_would_meet_move_apart_over_the_whole_path(tmp_path):
+def test_captured_hands_that_would_meet_on_a_robot_are_moved_apart_over_the_whole_path(tmp_path):
     close = motion(sides="lr", shift=-0.28)
     form = Lexicon.load(write_gesture(tmp_path, hand="both", data=pack_motion(close))).forms_by_id["swing"]
     for key in form.keys[1:]:
@@ -110,7 +110,7 @@ def test_hands_that_would_meet_move_apart_over_the_whole_path(tmp_path):
             assert min(key.hands[side].position[1], key.hands[side].path.points[:, 1].min()) > 0.09
 
 
-def test_position_beyond_the_reach_of_a_robot_is_pulled_towards_its_shoulder():
+def test_captured_position_beyond_the_reach_of_a_robot_moves_towards_its_shoulder():
     robot = set_up("upper22").robot
     near, far = np.array([0.5, 0.3, 0.2]), np.array([1.2, 0.4, 0.5])
     assert pull_within_reach(near, robot) is near
@@ -142,7 +142,7 @@ def test_captured_gesture_is_performed_on_its_path_in_its_time(tmp_path):
     assert extent(wide) > 1.1 * extent(plan)
 
 
-def test_gesture_with_keys_and_motion_is_refused(tmp_path):
+def test_lexicon_gesture_with_both_keys_and_a_motion_file_is_refused(tmp_path):
     write_gesture(tmp_path)
     text = (
         (tmp_path / "swing.toml").read_text().replace('says = "captured"', "keys = [{ right = { at = [0, 0, 0.5] } }]")
@@ -152,7 +152,7 @@ def test_gesture_with_keys_and_motion_is_refused(tmp_path):
         Lexicon.load(tmp_path)
 
 
-def test_nearest_shape_is_plain_unless_fingers_differ_clearly():
+def test_captured_fingers_select_a_special_hand_shape_only_if_they_differ_clearly_from_relaxed_ones():
     assert nearest_shape(np.array([0.8, 0.8, 0.8, 0.75, 0.7])) == "relaxed"
     assert nearest_shape(np.array([0.7, 0.9, 0.1, 0.05, 0.0])) in ("index", "pistol")
     assert nearest_shape(np.zeros(5)) == "fist"

@@ -8,7 +8,7 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.space import position
 
 
-def test_position_in_the_axis_order_of_files_has_its_components_as_written():
+def test_position_converted_to_the_axis_order_of_lexicon_files_has_the_written_components():
     assert position(0.1, 0.2, 0.3)[list(FILE_ORDER)].tolist() == [0.1, 0.2, 0.3]
 
 
@@ -19,7 +19,7 @@ def test_direction_is_printed_as_the_words_from_which_it_was_read(words: str):
     assert format_direction(read_direction(words)) == words
 
 
-def test_direction_that_no_words_describe_is_printed_as_outward_up_forward_numbers():
+def test_direction_without_matching_words_is_printed_as_outward_up_and_forward_numbers():
     assert format_direction(np.array([0.1, 0.9, -0.43])) == "0.9 -0.4 0.1"
 
 

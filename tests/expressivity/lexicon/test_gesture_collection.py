@@ -36,7 +36,7 @@ def archive(path: Path, folder: Path, *, top: str = "", **more: bytes) -> Path:
 
 
 @pytest.mark.parametrize("top", ["", "mine/"])
-def test_folder_and_zip_are_installed_and_removed(folder, tmp_path, top):
+def test_gesture_collection_is_installed_from_a_folder_or_zip_file_and_removed(folder, tmp_path, top):
     library = tmp_path / "library"
     place, card, count = install_collection(folder, library)
     assert (place, card.licence, count) == (library / "My_gestures", "CC0", 1)
@@ -52,7 +52,7 @@ def test_folder_and_zip_are_installed_and_removed(folder, tmp_path, top):
         set_up("upper22", library=library)
 
 
-def test_folder_that_kinesic_did_not_make_is_not_removed(folder, tmp_path):
+def test_folder_not_created_by_kinesic_is_not_removed_as_a_gesture_collection(folder, tmp_path):
     with pytest.raises(ConfigError, match="not marked"):
         remove_collection("made", tmp_path)
     with pytest.raises(ConfigError, match="no collection 'other'"):
@@ -64,7 +64,7 @@ def test_folder_that_kinesic_did_not_make_is_not_removed(folder, tmp_path):
     "name",
     ["../evil.toml", "/evil.toml", "a/../evil.toml", "..\\evil.toml", "evil.py", ".bashrc", "nul.toml", "b/c/d.toml"],
 )
-def test_archive_with_an_unexpected_path_is_refused(folder, tmp_path, name):
+def test_gesture_collection_archive_with_an_unexpected_path_is_refused(folder, tmp_path, name):
     hostile = archive(tmp_path / "a.zip", folder, **{name: b"x"})
     with pytest.raises(ConfigError):
         install_collection(hostile, tmp_path / "library")
@@ -72,7 +72,7 @@ def test_archive_with_an_unexpected_path_is_refused(folder, tmp_path, name):
     assert not (tmp_path / "evil.toml").exists()
 
 
-def test_archive_with_a_link_is_refused(folder, tmp_path):
+def test_gesture_collection_archive_with_a_symlink_is_refused(folder, tmp_path):
     path = archive(tmp_path / "a.zip", folder)
     link = ZipInfo("link.toml")
     link.external_attr = (stat.S_IFLNK | 0o777) << 16
@@ -82,13 +82,13 @@ def test_archive_with_a_link_is_refused(folder, tmp_path):
         install_collection(path, tmp_path / "library")
 
 
-def test_archive_that_unpacks_to_too_much_is_refused(folder, tmp_path):
+def test_gesture_collection_archive_that_unpacks_beyond_the_size_limit_is_refused(folder, tmp_path):
     bomb = archive(tmp_path / "a.zip", folder, **{"big.npz": bytes(9_000_000)})
     with pytest.raises(ConfigError, match="at most"):
         install_collection(bomb, tmp_path / "library")
 
 
-def test_damaged_archive_and_invalid_gestures_are_refused(folder, tmp_path):
+def test_damaged_gesture_collection_archive_and_invalid_gestures_are_refused(folder, tmp_path):
     data = archive(tmp_path / "a.zip", folder).read_bytes()
     for damaged in (b"", b"PK", data[:-30], data[:40] + bytes(40) + data[80:]):
         (tmp_path / "b.zip").write_bytes(damaged)
@@ -101,7 +101,7 @@ def test_damaged_archive_and_invalid_gestures_are_refused(folder, tmp_path):
 
 
 @pytest.mark.parametrize("card", ["", 'name = "a"\n', CARD.replace("CC0", " "), CARD + "more = 1\n"])
-def test_collection_without_a_full_card_is_refused(folder, tmp_path, card):
+def test_gesture_collection_without_name_licence_or_source_is_refused(folder, tmp_path, card):
     (folder / "card.toml").write_text(card)
     with pytest.raises(ConfigError):
         install_collection(folder, tmp_path / "library")

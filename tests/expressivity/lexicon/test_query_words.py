@@ -2,13 +2,13 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.query_words import content_words, form_words, related_words, search_stem
 
 
-def test_content_words_leave_out_function_words_and_repetitions():
+def test_content_words_of_a_search_query_exclude_function_words_and_repetitions():
     assert content_words("Put the hand on your hand") == ("hand",)
     assert content_words("to the") == ("to", "the")
     assert content_words("") == ()
 
 
-def test_related_words_are_found_for_inflected_forms():
+def test_related_search_words_are_found_for_inflected_words_and_compounds():
     assert "part" in related_words("apart")
     assert set(related_words("fingers")) == {"forefinger", "index"}
     assert related_words("violin") == ()

@@ -78,7 +78,7 @@ def test_function_words_of_a_query_do_not_change_its_hits(lexicon):
     assert ids(lexicon, "you")[0] == "you"
 
 
-def test_gesture_that_a_lexeme_lookup_finds_by_ignoring_words_is_not_among_the_first_3_hits(lexicon):
+def test_gesture_found_by_a_lexeme_lookup_that_ignores_words_is_not_among_the_first_3_search_hits(lexicon):
     assert lexicon.find("point at my nose").form.id == "me"
     assert "me" not in ids(lexicon, "point at my nose", 3)
 
@@ -155,7 +155,7 @@ def test_inflected_forms_of_a_word_share_their_stem(forms):
     assert len({word_stem(form) for form in forms}) == 1
 
 
-def test_stem_of_a_short_word_is_the_word():
+def test_search_stem_of_a_short_word_is_the_word_itself():
     assert [word_stem(word) for word in ("yes", "is", "red", "bus", "king", "a", "")] == [
         *("yes", "is", "red", "bus", "king", "a", "")
     ]

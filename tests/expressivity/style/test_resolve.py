@@ -20,7 +20,7 @@ def test_lowest_activation_moves_expressivity_parameters_towards_their_lower_lim
     assert folded.openness == pytest.approx(0.5 * (1 - ACTIVATION_FRACTIONS["openness"]))
 
 
-def test_activation_parameter_is_zero_after_it_has_been_applied():
+def test_activation_parameter_of_a_style_is_zero_after_it_has_been_applied():
     once = fold_activation(Expressivity(power=0.3, activation=0.7))
     assert once.activation == 0.0
     assert fold_activation(once) == once

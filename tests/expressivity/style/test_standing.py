@@ -61,16 +61,16 @@ def test_only_a_standing_posture_with_hanging_arms_has_the_usual_pause_gestures(
         Standing(rest="hand_on_hip"),
     ],
 )
-def test_standing_posture_with_any_rotation_fist_or_rest_gesture_moves_the_body(standing: Standing):
+def test_standing_posture_with_a_rotation_fist_or_rest_gesture_requests_body_motion(standing: Standing):
     assert standing.moves_body
 
 
 @pytest.mark.parametrize("standing", [NEUTRAL_STANDING, UNPOSED_STANDING, Standing(face=(("HAPPY", 1.0),))])
-def test_upright_standing_posture_does_not_move_the_body(standing: Standing):
+def test_upright_standing_posture_requests_no_body_motion(standing: Standing):
     assert not standing.moves_body
 
 
-def test_affect_is_scaled_by_the_style_weight_up_to_one():
+def test_facial_affect_of_a_style_is_scaled_by_its_weight_up_to_one():
     standing = Standing(face=(("HAPPY", 0.5), ("FEAR", 0.8)))
     assert standing.affect(0.5) == {"HAPPY": 0.25, "FEAR": 0.4}
     assert standing.affect(2.0) == {"HAPPY": 1.0, "FEAR": 1.0}

@@ -19,7 +19,7 @@ def mesh(request: pytest.FixtureRequest) -> Mesh:
 
 
 def seen(mesh: Mesh, positions: np.ndarray, window: tuple[float, float, float, float], steps: int = 36) -> set[str]:
-    """Return the visible parts in a window, along parallel frontal rays."""
+    """Return the head parts that frontal rays hit inside a window."""
     right, left, low, high = window
     corners = positions[mesh.triangles]
     near = (corners[:, :, 1].max(axis=1) > right) & (corners[:, :, 1].min(axis=1) < left)
@@ -52,7 +52,7 @@ def centre(mesh: Mesh, y: float, z: float) -> np.intp:
     return skin[np.argmin(np.hypot(mesh.positions[skin, 1] - y, mesh.positions[skin, 2] - z))]
 
 
-def test_face_without_action_units_differs_from_the_mesh_only_at_the_lips(mesh: Mesh):
+def test_neutral_face_differs_from_the_source_mesh_only_at_the_lips(mesh: Mesh):
     rest = deform(mesh, {})
     assert np.array_equal(deform(mesh, {"12": 0.0, "L45": 0.0}), rest)
     apart = np.setdiff1d(np.arange(len(rest)), find_lips(mesh).skin)

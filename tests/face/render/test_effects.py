@@ -23,7 +23,7 @@ from ..conftest import Gallery
 
 
 @pytest.mark.parametrize("preset", QUALITY_PRESETS.values())
-def test_effects_without_changes_keep_the_quality_preset(preset: Preset):
+def test_rendering_options_without_effects_keep_the_quality_preset(preset: Preset):
     assert Effects().apply_to(preset) == preset
 
 

@@ -234,7 +234,7 @@ def test_invalid_occlusion_parameters_are_rejected(told: dict[str, int], says: s
         Occlusion(**told)
 
 
-def test_radical_inverse_mirrors_digits():
+def test_radical_inverse_mirrors_the_digits_of_a_sample_number_at_the_radix_point():
     assert [compute_radical_inverse(k, 2) for k in (1, 2, 3, 4)] == [0.5, 0.25, 0.75, 0.125]
     np.testing.assert_allclose(compute_radical_inverse(5, 3), 2 / 3 + 1 / 9)
 

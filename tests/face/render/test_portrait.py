@@ -203,7 +203,7 @@ def test_default_portrait_camera_looks_at_the_head():
     assert left_side[2] > -Camera().distance + 0.07  # nearer than the middle
 
 
-def test_textures_of_bytes_are_not_interpolated_in_the_presets_normal_and_full(
+def test_byte_textures_are_never_interpolated_in_the_presets_normal_and_full(
     drawable: None, monkeypatch: pytest.MonkeyPatch
 ):
     """Prevent pictures that depend on the driver's rounding of bytes."""

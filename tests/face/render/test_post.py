@@ -73,7 +73,7 @@ def test_focus_distance_selects_the_sharp_region_of_the_picture(drawn):
     assert sharpness(ear[at_ear]) > 1.1 * sharpness(usual[at_ear])
 
 
-def test_focus_range_around_the_head_keeps_it_sharp(drawn):
+def test_focus_range_that_contains_the_head_keeps_the_whole_head_sharp(drawn):
     plain, remaining = (
         drawn(replace(DRAFT_PRESET, focus=focus), FRONT_CAMERA) for focus in (None, Focus(plane=0.85, within=0.4))
     )
@@ -144,7 +144,7 @@ def test_three_scattering_levels_change_the_skin_less_than_full_scattering(smili
     assert apart(levels, full) > 0.0
 
 
-def test_more_occluded_pixels_have_a_higher_scattering_level(gallery: Gallery):
+def test_pixels_with_more_occlusion_get_a_higher_level_of_skin_scattering(gallery: Gallery):
     """Compare scattering levels with openness on even skin (Figure 5.2)."""
     preset = replace(PLAIN_PRESET, scattering=replace(FULL_SCATTERING, levels=3), coarse=1)
     with gallery(preset, (192, 192)) as portrait:

@@ -29,7 +29,7 @@ def drawn(gallery: Gallery) -> Callable[..., NDArray[np.int64]]:
 
 @pytest.fixture
 def reached(gallery: Gallery) -> Callable[..., tuple[Floats, NDArray[np.intp]]]:
-    """Function that returns key light and parts of all pixels.
+    """Function that returns the key light and the part at every pixel.
 
     Shapes are (height, width, 3), 0..1, and (height, width), 1 for skin.
     """

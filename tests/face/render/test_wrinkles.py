@@ -34,7 +34,7 @@ BACK_POSITION = -0.6  # [distances between the eyes] the wrinkles end in front o
 
 
 class Bent:
-    """Normals of a still head, with wrinkles independent of the shape."""
+    """Normals of a motionless head, on which only wrinkles act."""
 
     def __init__(self, portrait: Portrait) -> None:
         self.pipeline = portrait.pipeline

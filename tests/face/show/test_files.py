@@ -32,13 +32,13 @@ def test_saved_film_has_all_frames(tmp_path: Path):
 
 
 @pytest.mark.parametrize("name", ["x.gif", "x", "nowhere/x.png"])
-def test_invalid_picture_path_is_named_in_the_error(tmp_path: Path, name: str):
+def test_error_for_an_unwritable_face_picture_names_its_path(tmp_path: Path, name: str):
     with pytest.raises(DisplayError, match=name):
         save_picture(BLACK_PICTURE, tmp_path / name)
 
 
 @pytest.mark.parametrize("name", ["x.gif", "x", "nowhere/x.webp"])
-def test_invalid_film_path_is_named_in_the_error(tmp_path: Path, name: str):
+def test_error_for_an_unwritable_face_film_names_its_path(tmp_path: Path, name: str):
     with pytest.raises(DisplayError, match=name):
         save_film([BLACK_PICTURE], tmp_path / name, rate=24.0)
 

@@ -152,7 +152,7 @@ def test_invalid_body_film_in_the_preview_gives_a_one_line_error(tmp_path: Path)
     assert "\n" not in str(caught.value)
 
 
-def test_missing_display_gives_a_one_line_error(drawable: None, monkeypatch: pytest.MonkeyPatch):
+def test_face_preview_without_a_display_gives_a_one_line_error(drawable: None, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.delenv("DISPLAY", raising=False)
     monkeypatch.delenv("WAYLAND_DISPLAY", raising=False)
     pytest.importorskip("glfw")
@@ -218,7 +218,9 @@ def test_face_window_shows_the_picture_until_closed(drawable: None, display: str
     assert ended.stdout.split() == ["1", "True"], ended.stderr
 
 
-def test_preview_opens_a_window_if_there_is_a_display(drawable: None, display: str, monkeypatch: pytest.MonkeyPatch):
+def test_face_preview_opens_a_window_if_there_is_a_display(
+    drawable: None, display: str, monkeypatch: pytest.MonkeyPatch
+):
     pytest.importorskip("glfw")
     monkeypatch.setenv("DISPLAY", display)
     with Preview(look=SMALL_SETTINGS) as preview:

@@ -21,7 +21,7 @@ SMALL_SETTINGS = PortraitSettings(preset=DRAFT_PRESET, size=(32, 32))
 
 
 def opening(seconds: float, angles: np.ndarray = NO_ANGLES) -> list[Command]:
-    """Return 100 commands per second of an opening mouth."""
+    """Return 100 commands per second in which the mouth opens."""
     count = round(100 * seconds) + 1
     return [Command(k / 100, angles, angles, angles, angles, {"26": k / count}) for k in range(count)]
 
@@ -122,7 +122,7 @@ def test_face_film_starts_at_the_time_of_the_first_command(drawable: None, tmp_p
 
 @pytest.fixture
 def drawn(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, object]]:
-    """Arguments of each picture that is drawn, without a renderer."""
+    """List the arguments of each picture that would be drawn."""
     pictures: list[dict[str, object]] = []
 
     class FakePortrait:
@@ -144,7 +144,7 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[dict[str, object]]:
 
 
 def still(times: Iterable[float]) -> list[Command]:
-    """Return commands at given times, each with another opening of the mouth."""
+    """Return commands at given times, each with a different mouth opening."""
     return [Command(time, *[NO_ANGLES] * 4, {"26": round(0.01 * k, 2)}) for k, time in enumerate(times)]
 
 

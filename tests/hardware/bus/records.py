@@ -1,4 +1,4 @@
-"""Records of two servos, and a filter that has accepted the first records."""
+"""Register records of two servos, and a filter that has accepted the first ones."""
 
 import numpy as np
 import pytest
@@ -14,12 +14,12 @@ PERIOD = 0.01  # [s] period of the bus cycle
 
 
 def make_filter(model: str = "xm430_w350") -> PlausibilityFilter:
-    """Make a filter for two servos that has no record yet."""
+    """Return a plausibility filter for two servos without any record yet."""
     return PlausibilityFilter(RecordBounds.of((SERVO_MODELS[model],) * 2, ((1000, 3000),) * 2), PERIOD)
 
 
 def blocks(tick: int, place: int = 2048, /, **changes: int) -> Records:
-    """Make records of two servos, with changes in the second one."""
+    """Return records of two servos, with the given changes in the second record."""
     made = np.zeros(2, BLOCK_DTYPE)
     made["tick"], made["position"], made["volts"], made["temperature"] = tick, place, 120, 40
     for name, value in changes.items():

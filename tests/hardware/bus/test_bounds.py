@@ -9,7 +9,7 @@ GOAL_RANGE = (900, 3100)  # [ticks] range of the goals of each servo
 
 
 @pytest.mark.parametrize("model", SERVO_MODELS)
-def test_record_bounds_allow_a_hot_servo_a_low_voltage_and_a_joint_slightly_beyond_its_range(model: str):
+def test_servo_record_with_heat_low_voltage_or_an_angle_slightly_out_of_range_is_within_bounds(model: str):
     """Accept factory limits, a failing supply, and a joint slightly outside its range."""
     bounds = RecordBounds.of([SERVO_MODELS[model]], [GOAL_RANGE])
     record = np.zeros(1, BLOCK_DTYPE)

@@ -91,7 +91,7 @@ def test_each_servo_problem_is_reported_on_one_line():
 
 
 @pytest.mark.parametrize(("count", "is_fast"), [(1, False), (2, True)])
-def test_fast_reads_need_at_least_two_servos(count: int, is_fast: bool):
+def test_opened_bus_uses_fast_reads_only_with_at_least_two_servos(count: int, is_fast: bool):
     wire, _ = wire_of(count=count)
     bus = open_bus(wire, [Servo(k + 1, MODEL) for k in range(count)])
     assert bus.fast is is_fast

@@ -14,7 +14,7 @@ SOAK_DAMAGES = (
     "drop",
     "duplicate",
     "noise",
-)  # kinds of damage that a busy bus survives more easily than `truncate`, tested only by `make soak`
+)  # kinds of wire damage similar to `truncate`, tested only by `make soak`
 SAMPLED_CASES = {  # kind of damage -> (servo implementation, number of servos) tested in every run
     "corrupt": {("kinesic", 7)},
     "drop": {("kinesic", 7)},
@@ -24,9 +24,11 @@ SAMPLED_CASES = {  # kind of damage -> (servo implementation, number of servos) 
     "lost": {("kinesic", 7)},
     "late": {("kinesic", 7), ("manual", 7)},
 }
-Make = Callable  # of a rig, see conftest
-on_kinesic_servos = pytest.mark.parametrize(  # those of the manual take longer
-    "servos", ["kinesic", pytest.param("manual", marks=pytest.mark.soak)], indirect=True
+Make = Callable  # type of a function that makes a rig, see conftest
+on_kinesic_servos = (
+    pytest.mark.parametrize(  # marks tests that run only with kinesic's servos, because independent servos take longer
+        "servos", ["kinesic", pytest.param("manual", marks=pytest.mark.soak)], indirect=True
+    )
 )
 
 

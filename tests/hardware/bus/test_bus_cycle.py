@@ -216,7 +216,7 @@ def test_missing_servo_is_queried_at_most_four_times_per_cycle(rig: Make, mute: 
     assert len(written) == 1 + 4
 
 
-def test_listener_keeps_only_the_bytes_of_the_last_reply(rig: Make):
+def test_bus_listener_keeps_only_the_bytes_of_the_last_reply(rig: Make):
     made = rig(3)
     made.run(5)
     assert len(made.bus._listener.received) == 8 + 3 * 22

@@ -17,13 +17,13 @@ from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 
 from ..conftest import rig_of
 
-MIN_RATE = 180.0  # [Hz] least rate of 14 STS servos at 1 Mbaud
+MIN_RATE = 180.0  # [Hz] lowest accepted rate of 14 STS servos at 1 Mbaud
 CASES = {case.name: case for case in list_cases()}
-UNKNOWN_CASES = {"watchdog", "old firmware"}  # faults of a bus watchdog, which these families lack
+UNKNOWN_CASES = {"watchdog", "old firmware"}  # faults of bus watchdogs, which these servo families lack
 QUICK_CASES = (("sts3215", "mixed 6 x 2%"), ("mx28", "corrupt 5%"), ("ax12", "truncate 5%"), ("scs0009", "reboot"))
 
 
-def test_fourteen_sts_servos_are_driven_at_180_hz_on_one_megabaud():
+def test_fourteen_sts_servos_are_driven_at_180_hz_with_one_megabaud():
     period = 1 / MIN_RATE
     rig = rig_of(14, model="sts3215", period=period)
     rig.energise()
@@ -36,7 +36,7 @@ def test_fourteen_sts_servos_are_driven_at_180_hz_on_one_megabaud():
     assert {tuple(cycle.raw_values("torque").tolist()) for cycle in done} == {(1,) * 14}
 
 
-def test_torque_loss_is_reported_although_fast_cycles_read_sensors_only():
+def test_torque_loss_of_an_sts_servo_is_reported_although_fast_cycles_read_only_sensors():
     rig = rig_of(14, model="sts3215", period=1 / MIN_RATE)
     rig.energise()
     rig.run(AUDIT_CYCLES, rig.true(Register.PRESENT_POSITION))
@@ -45,7 +45,7 @@ def test_torque_loss_is_reported_although_fast_cycles_read_sensors_only():
     assert [event.servo for cycle in cycles for event in cycle.events if event.kind == "torque"] == [4]
 
 
-def test_slow_cycles_read_the_torque_switch_every_time():
+def test_sts_bus_at_100_hz_reads_the_torque_switch_in_every_cycle():
     rig = rig_of(14, model="sts3215", period=0.01)
     rig.energise()
     rig.plant.servos[3].write_native(40, b"\0")
@@ -54,7 +54,7 @@ def test_slow_cycles_read_the_torque_switch_every_time():
 
 
 @pytest.mark.parametrize("model", ["ax12", "scs0009"])
-def test_servos_without_a_common_read_are_read_in_turns(model: str):
+def test_servos_without_a_sync_read_instruction_are_read_in_turns(model: str):
     rig = rig_of(12, model=model)
     rig.energise()
     cycles = rig.run(30, rig.true(Register.PRESENT_POSITION))
@@ -63,7 +63,7 @@ def test_servos_without_a_common_read_are_read_in_turns(model: str):
     assert all((cycle.ages < 0.035).all() for cycle in cycles[3:])
 
 
-def test_silent_servo_without_a_common_read_does_not_starve_the_others():
+def test_silent_servo_without_a_sync_read_instruction_does_not_prevent_reads_of_other_servos():
     rig = rig_of(9, model="ax12", faults=FaultPlan((PlannedFault("silent", (2,), start=0.2),)))
     rig.energise()
     cycles = rig.run(80, rig.true(Register.PRESENT_POSITION))
@@ -72,7 +72,7 @@ def test_silent_servo_without_a_common_read_does_not_starve_the_others():
     assert all((cycle.ages[others] < 0.045).all() for cycle in cycles[5:])
 
 
-def test_reboot_shows_as_lost_torque():
+def test_reboot_of_a_servo_without_a_watchdog_is_reported_as_lost_torque():
     rig = rig_of(3, model="sts3215", faults=FaultPlan((PlannedFault("reboot", (2,), start=0.3),)))
     rig.energise()
     cycles = rig.run(60, rig.true(Register.PRESENT_POSITION))
@@ -81,7 +81,7 @@ def test_reboot_shows_as_lost_torque():
     assert cycles[-1].raw_values("torque").tolist() == [1, 0, 1]
 
 
-def test_cycle_size_equals_the_transmitted_bytes():
+def test_computed_size_of_a_bus_cycle_equals_its_transmitted_bytes():
     rig = rig_of(5, model="sts3215")
     sizes: list[int] = []
     write, read = rig.wire.write, rig.wire.read
@@ -97,13 +97,13 @@ def test_cycle_size_equals_the_transmitted_bytes():
     assert sum(sizes) == cycle_size(STS_TABLE, 5, full=True)
 
 
-def test_families_cannot_share_a_wire():
+def test_servos_of_different_protocol_families_on_one_wire_are_refused():
     servos = [Servo(1, SERVO_MODELS["sts3215"]), Servo(2, SERVO_MODELS["xl330_m288"])]
     with pytest.raises(BusError, match="different protocols share a bus: sts3215, xl330_m288"):
         Bus(rig_of(2).wire, servos)
 
 
-def test_locked_eeprom_values_are_lost_by_a_reboot():
+def test_eeprom_values_written_while_locked_are_lost_by_a_servo_reboot():
     rig = rig_of(1, model="sts3215")
     access = FrameAccess(rig.wire)
     access.write_span(1, 13, b"\x41")  # temperature limit, with the EEPROM locked
@@ -115,7 +115,7 @@ def test_locked_eeprom_values_are_lost_by_a_reboot():
     assert access.read(1, Register.MAX_POSITION_LIMIT) == 3000
 
 
-def test_torque_switch_128_makes_the_present_position_the_middle():
+def test_value_128_in_the_torque_register_makes_the_present_position_the_middle_position():
     rig = rig_of(1, model="sts3215")
     rig.plant.physics.turn(0, 0.5)
     access = FrameAccess(rig.wire)
@@ -136,13 +136,13 @@ def _judge(model: str, case: FaultCase, seed: int) -> None:
 
 
 @pytest.mark.parametrize(("model", "case"), QUICK_CASES)
-def test_no_wrong_position_is_accepted_under_typical_faults(model: str, case: str):
+def test_bus_accepts_no_wrong_position_under_typical_faults(model: str, case: str):
     _judge(model, CASES[case], 1)
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("model", ["sts3215", "mx28", "ax12", "scs0009"])
 @pytest.mark.parametrize("case", [name for name in CASES if name not in UNKNOWN_CASES])
-def test_no_wrong_position_is_accepted_under_each_fault(model: str, case: str):
+def test_bus_accepts_no_wrong_position_under_each_fault_of_the_matrix(model: str, case: str):
     for seed in (1, 2, 3):
         _judge(model, CASES[case], seed)

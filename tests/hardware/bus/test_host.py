@@ -14,7 +14,7 @@ def links(folder: Path) -> tuple[Path, Path]:
     return device, names
 
 
-def test_port_is_identified_by_its_stable_name(tmp_path: Path):
+def test_serial_port_is_identified_by_its_stable_device_name(tmp_path: Path):
     device, names = links(tmp_path)
     name = names / "usb-FTDI_U2D2_FT1-if00-port0"
     assert find_stable_name(device, names=names) == name
@@ -22,7 +22,7 @@ def test_port_is_identified_by_its_stable_name(tmp_path: Path):
     assert list_ports(names=names) == (name,)
 
 
-def test_port_without_stable_name_keeps_its_path(tmp_path: Path):
+def test_serial_port_without_a_stable_device_name_keeps_its_path(tmp_path: Path):
     device, names = links(tmp_path)
     other = tmp_path / "ttyUSB1"
     other.touch()

@@ -27,7 +27,7 @@ AGE_TOLERANCE = CLOCK_TOLERANCE + (8 + 3 * 22) * 1e-5  # [s] age of a record fro
 
 
 class Waiting:
-    """Three servos with synchronous clocks, and their pending replies."""
+    """Three servos with synchronous clocks, and the bus's record of missing replies."""
 
     def __init__(self) -> None:
         self.plant, buses = build_bus([Cable("body", tuple(ServoFitting(k + 1) for k in range(3)))])
@@ -162,7 +162,7 @@ def test_bus_cycle_with_a_punctual_record_or_without_any_record_does_not_count_a
     assert not waiting.late.needs_trial, "not in a row"
 
 
-def test_after_silence_in_a_cycle_without_query_no_record_counts_as_late(waiting: Waiting):
+def test_no_servo_record_counts_as_late_after_a_silent_bus_cycle_without_query(waiting: Waiting):
     for _ in range(2):
         waiting.cycle_of_the_past()
     assert waiting.believed.is_late(0, records(1.002, 1.0, 1.0)[0], 1.05, leeway=0.004)

@@ -26,7 +26,7 @@ def after(excesses: list[float]) -> TimeoutEstimate:
 
 
 @pytest.mark.parametrize("usual", [0.0001, 0.001, 0.004, 0.009])
-def test_timeout_estimate_converges_to_ninety_percent_quantile(usual: float):
+def test_reply_timeout_converges_to_the_90_percent_quantile_of_reply_delays(usual: float):
     rng = np.random.default_rng(0)
     slack = after((usual * rng.uniform(0.0, 1.0, 3000)).tolist())
     assert slack.usual == pytest.approx(0.9 * usual, abs=0.001)
@@ -34,19 +34,19 @@ def test_timeout_estimate_converges_to_ninety_percent_quantile(usual: float):
     assert slack.wait >= usual
 
 
-def test_rare_late_reply_does_not_lengthen_the_timeout():
+def test_rare_late_reply_does_not_lengthen_the_reply_timeout():
     rng = np.random.default_rng(0)
     slack = after([0.012 if rng.random() < 0.05 else 0.001 for _ in range(2000)])
     assert slack.wait < 0.005
 
 
-def test_timeout_grows_if_two_fifths_of_the_replies_are_late():
+def test_reply_timeout_grows_if_two_fifths_of_the_replies_are_late():
     rng = np.random.default_rng(0)
     slack = after([0.012 if rng.random() < 0.4 else 0.001 for _ in range(2000)])
     assert slack.wait > 0.012
 
 
-def test_learned_reply_timeout_stays_within_bounds():
+def test_learned_reply_timeout_of_the_bus_stays_within_its_bounds():
     assert after([1.0] * 2000).wait == TIMEOUT_TUNING.max_timeout
     assert after([-1.0] * 2000).wait == TIMEOUT_TUNING.min_timeout
 

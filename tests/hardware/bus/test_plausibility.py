@@ -281,14 +281,14 @@ def test_plausible_heating_after_silence_follows_the_heating_rate(gate: Plausibi
         ({"position": 3000}, {"position": 3000, "hardware_error": 4}, False),
     ],
 )
-def test_implausible_record_is_confirmed_only_by_a_similar_next_record(
+def test_implausible_servo_record_is_accepted_only_if_the_next_record_is_similar(
     gate: PlausibilityFilter, first: dict, second: dict, same: bool
 ):
     assert told(gate, blocks(1010, **first)) == [True, False]
     assert told(gate, blocks(1020, **second), 1.02) == [True, same]
 
 
-def test_interrupted_series_of_old_records_is_not_taken_as_a_clock_restart(gate: PlausibilityFilter):
+def test_series_of_old_servo_records_interrupted_by_a_punctual_one_is_no_clock_restart(gate: PlausibilityFilter):
     """Three records of a seemingly restarted clock, one in time, and three again."""
     for begin in (0, 100):
         for k in range(3):

@@ -107,24 +107,24 @@ def test_truncated_block_in_a_reply_loses_at_most_the_next_block():
         assert found(WHOLE_REPLY[: at + kept] + WHOLE_REPLY[at + BLOCK_SIZE :]) in (without(5), without(5, 6))
 
 
-def test_noise_and_repeated_blocks_lose_no_other_block():
+def test_noise_and_repeated_blocks_in_a_joint_reply_lose_no_other_servo_block():
     at = HEADER_SIZE + BLOCK_SIZE * 4
     assert found(WHOLE_REPLY[:at] + b"\x11\x22\x33\x44\x55\x66\x77\x88" + WHOLE_REPLY[at:]) == list(SERVO_IDS)
     assert found(WHOLE_REPLY[: at + BLOCK_SIZE] + WHOLE_REPLY[at:]) == list(SERVO_IDS)
 
 
-def test_blocks_before_a_silent_servo_are_accepted():
+def test_servo_blocks_before_a_silent_servo_in_a_joint_reply_are_accepted():
     assert found(WHOLE_REPLY[: HEADER_SIZE + BLOCK_SIZE * 4]) == [1, 2, 3, 4]
     assert found(WHOLE_REPLY[:5]) == []
     assert found(b"") == []
 
 
 @pytest.mark.parametrize("noise", [b"\xff\xff\xfd", b"\x00" * 20, WHOLE_REPLY[:40]])
-def test_bytes_before_the_reply_are_skipped(noise: bytes):
+def test_noise_bytes_before_a_bus_reply_are_skipped(noise: bytes):
     assert FAST_QUERY.parse(noise + WHOLE_REPLY).whole
 
 
-def test_damaged_header_loses_no_block():
+def test_damaged_header_of_a_joint_reply_loses_no_servo_block():
     for k in range(HEADER_SIZE):
         raw = bytearray(WHOLE_REPLY)
         raw[k] ^= 0xFF
@@ -141,7 +141,7 @@ def test_end_of_a_reply_with_lost_bytes_is_detected():
     assert not FAST_QUERY.is_complete(b"")
 
 
-def test_reply_is_found_after_a_reply_of_other_servos():
+def test_expected_bus_reply_is_found_behind_a_reply_of_other_servos():
     other = bytearray(WHOLE_REPLY)
     other[HEADER_SIZE + 1] = 99
     answer = FAST_QUERY.parse(bytes(other) + WHOLE_REPLY)
@@ -149,7 +149,7 @@ def test_reply_is_found_after_a_reply_of_other_servos():
     assert answer.end == len(other) + len(WHOLE_REPLY)
 
 
-def test_end_of_damaged_reply_is_predicted():
+def test_end_of_a_damaged_bus_reply_is_predicted():
     at = HEADER_SIZE + BLOCK_SIZE * 4
     assert FAST_QUERY.parse(WHOLE_REPLY[: at + 30]).end == len(WHOLE_REPLY)
     assert (

@@ -16,12 +16,12 @@ REBOOT_TEXT = "RAM is as at power-on: torque off, no profile, no watchdog"
 
 
 def look(servo: int) -> bytes:
-    """Read the indirect cells of a servo."""
+    """Read the indirect addresses of a servo."""
     return packet.read_packet(servo, CELLS_ADDRESS, len(CELL_CONTENTS))
 
 
 def setting(servo: int) -> bytes:
-    """Return the packet that restores a servo's indirect cells."""
+    """Return the packet that restores a servo's indirect addresses."""
     return packet.write_packet(servo, CELLS_ADDRESS, CELL_CONTENTS)
 
 

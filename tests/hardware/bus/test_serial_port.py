@@ -130,7 +130,7 @@ def test_long_output_to_a_serial_port_is_written_in_pieces(full) -> None:
     assert flushed == []
 
 
-def test_stalled_output_is_discarded_after_its_transmission_time_and_a_timeout(full) -> None:
+def test_stalled_output_of_a_serial_port_is_discarded_after_its_transmission_time_and_a_timeout(full) -> None:
     port, wire, (written, flushed) = full
     port.ready = False
     with pytest.raises(BusError, match=r"the port is gone \(it did not accept 5 of 8 bytes in time\)"):

@@ -57,5 +57,5 @@ def words(*values: int) -> bytes:
 
 @pytest.fixture
 def bench() -> Callable[..., Bench]:
-    """Return a function that makes a wire with servos of some ids."""
+    """Return a function that makes a wire with servos of the given ids."""
     return lambda *ids, model="xm430_w210": Bench(ids or (1,), model)

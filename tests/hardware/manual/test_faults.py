@@ -45,7 +45,7 @@ def moves(made: Bench) -> bool:
 
 
 def climbs(made: Bench) -> int:
-    """Return the clock advance [ms] of servo 1 in a fifth of a second."""
+    """Return the clock advance [ms] of servo 1 during 0.2 s."""
     before = made.read("tick")[1]
     made.rest(0.2)
     return made.read("tick")[1] - before

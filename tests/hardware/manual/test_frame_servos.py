@@ -73,7 +73,7 @@ def moving(name: str) -> tuple[Bus, FrameLine]:
     return bus, line
 
 
-def test_independent_servos_follow_their_goals(name: str, moving):
+def test_independently_written_servos_follow_the_goals_sent_by_the_kinesic_bus(name: str, moving):
     bus, line = moving
     cycles = run(bus, line, name, 40)
     assert all(cycle.fresh.all() for cycle in cycles)
@@ -82,7 +82,7 @@ def test_independent_servos_follow_their_goals(name: str, moving):
     assert not any(cycle.events for cycle in cycles)
 
 
-def test_damaged_replies_give_no_wrong_position(name: str, moving):
+def test_damaged_replies_of_independent_servos_give_no_wrong_position(name: str, moving):
     bus, line = moving
     random = Random(7)
 
@@ -99,7 +99,7 @@ def test_damaged_replies_give_no_wrong_position(name: str, moving):
     assert np.mean([cycle.fresh.mean() for cycle in cycles]) > 0.75  # 18 % of all replies are damaged
 
 
-def test_each_fault_of_one_servo_is_reported_and_leaves_the_others_alone(name: str, moving):
+def test_each_fault_of_an_independent_servo_is_reported_and_does_not_affect_other_servos(name: str, moving):
     bus, line = moving
     device = line.devices[1]
     device.silent = True
@@ -121,7 +121,7 @@ def test_each_fault_of_one_servo_is_reported_and_leaves_the_others_alone(name: s
     assert [event.servo for cycle in cycles for event in cycle.events if event.kind == "error"] == [2]
 
 
-def test_unplugged_port_is_reported_and_comes_back(name: str, moving):
+def test_unplugged_port_of_independent_servos_is_reported_and_reopened(name: str, moving):
     bus, line = moving
     line.plugged = False
     cycles = run(bus, line, name, 10)
@@ -132,7 +132,7 @@ def test_unplugged_port_is_reported_and_comes_back(name: str, moving):
     assert cycles[-1].fresh.all()
 
 
-def test_unsuitable_servos_are_refused_by_name(name: str):
+def test_unsuitable_independent_servos_are_refused_with_their_id_and_fault(name: str):
     line = line_of(name)
     line.devices[0].silent = True
     line.devices[1].table[line.devices[1].layout.volts] = 20
@@ -146,7 +146,7 @@ def test_unsuitable_servos_are_refused_by_name(name: str):
     assert "servo 3: is a" in lines[2]
 
 
-def test_registers_of_independent_servos_are_read_and_set(name: str):
+def test_registers_of_independent_servos_are_read_and_written(name: str):
     line = line_of(name)
     access = FrameAccess(line, SERVO_MODELS[name].native_table)
     assert access.read(1, Register.MODEL_NUMBER) == SERVO_MODELS[name].number

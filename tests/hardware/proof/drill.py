@@ -37,7 +37,7 @@ WIRE_FAULT_KINDS = ("corrupt", "drop", "truncate", "duplicate", "noise", "lost",
 
 @dataclass(frozen=True)
 class Strike:
-    """Fault with its wire, start time and duration."""
+    """Random fault with its wire, start time and duration."""
 
     name: str
     bus: str
@@ -102,7 +102,7 @@ class Drill(Desk):
             assert not self.supervisor.done, self.kinds()[-12:]
 
     def suffer(self, strike: Strike, *, after: float = OBSERVATION_DURATION) -> None:
-        """Apply a fault, and observe the robot until some seconds afterwards."""
+        """Apply a fault, and observe the robot until a time after its end."""
         self.observer.watching = True
         strike.begin(self)
         self.run(strike.seconds + after)

@@ -68,7 +68,7 @@ class SpyWire:
 
 @dataclass(frozen=True)
 class Moment:
-    """Actual state of the servos at one time."""
+    """Actual state of all servos at one time."""
 
     time: float  # [s] time of the state
     torque: Flags
@@ -77,7 +77,7 @@ class Moment:
 
 @dataclass
 class Observer:
-    """Collector of the safety rules that servos break."""
+    """Observer that collects the safety rules that servos break."""
 
     manifest: Manifest
     true: TrueServos

@@ -24,8 +24,8 @@ from kinesic.hardware.supervisor.transitions import (
     expand,
 )
 
-MOTION_ACTIONS = {"approach", "follow", "fold"}  # Actions that move the robot
-PERFORMING_STAGES = {Stage.APPROACH, Stage.ACTIVE}  # Stages that move towards or along the performance
+MOTION_ACTIONS = {"approach", "follow", "fold"}  # actions that move the robot
+PERFORMING_STAGES = {Stage.APPROACH, Stage.ACTIVE}  # stages that move towards or along the performance
 INPUTS_OF_RULES = {"raised", "energised", "confirmed", "release", "alone", "limp_policy", "interrupted"}
 STOP_STAGES = {Stage.STOPPED, Stage.RELEASE, Stage.CLOSED, Stage.LOST, Stage.IDENTIFY, Stage.ARM, Stage.ADOPT}
 
@@ -76,7 +76,7 @@ def variable_table(place: int, count: int) -> int:
 
 @cache
 def all_ones(count: int) -> int:
-    """Return the truth table of a condition that always holds."""
+    """Return the truth table that is true for all `count` observations."""
     return (1 << (1 << count)) - 1
 
 
@@ -152,7 +152,7 @@ def names_of(cube: Cube) -> list[str]:
 
 
 def holding(cubes: Sequence[Cube], state: SupervisorState, tables: dict[str, int], ones: int) -> int:
-    """Return the truth table of the observations in any cube."""
+    """Return the truth table of observations that satisfy any cube."""
     total = 0
     for mask, values in cubes:
         table = ones

@@ -1,4 +1,4 @@
-"""Each rule of the observer, reported when it is broken on purpose."""
+"""Safety observer: each rule is reported when the test breaks it."""
 
 from collections.abc import Iterator
 
@@ -40,13 +40,13 @@ def say(made: Drill, register: Register, value: int, *, bus: str = "left", servo
     made.wires[bus].write(p.instruct(servo, p.WRITE, parameters))
 
 
-def test_observer_reports_nothing_for_raised_arms_without_faults(raised: Drill):
+def test_safety_observer_reports_nothing_for_raised_arms_without_faults(raised: Drill):
     raised.run(1.0)
     assert raised.observer.broken == []
     assert (np.abs(raised.observer.angles(raised.present_position.astype(float)))[[1, 2, 4, 5]] > np.radians(50)).all()
 
 
-def test_goal_moved_to_the_servo_position_does_not_count_as_a_jump(raised: Drill):
+def test_safety_observer_accepts_a_goal_moved_to_the_servo_position(raised: Drill):
     say(raised, Register.GOAL_POSITION, 2048)
     count = len(raised.observer.broken)
     here = int(raised.present_position[1])
@@ -56,14 +56,14 @@ def test_goal_moved_to_the_servo_position_does_not_count_as_a_jump(raised: Drill
     assert len(raised.observer.broken) == 2
 
 
-def test_observer_reports_a_wrongly_estimated_joint_angle(raised: Drill):
+def test_safety_observer_reports_a_wrongly_estimated_joint_angle(raised: Drill):
     believed = raised.status.angles.copy()
     believed[1] += 0.2
     raised.observer.look(raised.plant.time, believed, np.full(len(believed), raised.plant.time))
     assert any("is believed at" in line for line in raised.observer.broken)
 
 
-def test_observer_reports_unconfirmed_motion_after_a_long_standstill(raised: Drill):
+def test_safety_observer_reports_unconfirmed_motion_after_a_long_standstill(raised: Drill):
     observer = raised.observer
     observer.watching = True
     for _ in range(150):  # looks without a cycle: nothing moves
@@ -76,7 +76,7 @@ def test_observer_reports_unconfirmed_motion_after_a_long_standstill(raised: Dri
     assert any("nobody has agreed" in line for line in observer.broken)
 
 
-def test_observer_reports_torque_loss_and_zero_power_and_goal_jumps_and_reboots(raised: Drill):
+def test_safety_observer_reports_torque_loss_and_zero_power_and_goal_jumps_and_reboots(raised: Drill):
     say(raised, Register.TORQUE_ENABLE, 0)
     say(raised, Register.GOAL_PWM, 0, servo=ELBOW)
     say(raised, Register.GOAL_POSITION, 2048, bus="right")

@@ -19,7 +19,7 @@ SEEDS = {"kinesic": 11, "manual": 13}  # random seeds that draw a servo fault an
     ],
     indirect=["servos"],
 )
-def test_random_faults_break_no_safety_rule(servos: str, tmp_path: Path, seed: int):
+def test_random_servo_and_wire_faults_break_no_safety_rule(servos: str, tmp_path: Path, seed: int):
     strike, made = random_strike(servos, seed), drill(servos, tmp_path)
     made.raise_arms()
     made.suffer(strike, after=FOLD_TIME)

@@ -37,12 +37,12 @@ def observation(inputs: Sequence[str], number: int) -> Observation:
     return Observation(policy=policy, **(values | others))
 
 
-def test_every_reachable_state_keeps_all_safety_rules(cases: list[Case]):
+def test_every_reachable_state_of_the_supervisor_keeps_all_safety_rules(cases: list[Case]):
     assert {rule for case in cases for rule in broken_rules(case)} == set()
     assert nodes_without_end(cases) == set()
 
 
-def test_benchmark_page_states_the_size_of_the_model(cases: list[Case]):
+def test_benchmark_page_states_the_size_of_the_supervisor_model(cases: list[Case]):
     nodes = {case.before for case in cases}
     page = BENCHMARK_PAGE.read_text(encoding="utf-8")
     rows = {
@@ -55,7 +55,7 @@ def test_benchmark_page_states_the_size_of_the_model(cases: list[Case]):
     assert [name for name, count in rows.items() if f"| {name} | {count} |" not in page] == []
 
 
-def test_model_and_step_function_agree_on_random_cases(cases: list[Case]):
+def test_supervisor_model_and_step_function_agree_on_random_cases(cases: list[Case]):
     random = Random(0)
     for case in random.sample(cases, 2000):
         numbers = [number for number in random.sample(range(1 << len(case.inputs)), 8) if case.table >> number & 1]
@@ -89,5 +89,5 @@ def without_rule(flag: str, event: Event) -> Table:
         (without_rule("faulty", "failed"), "no performance after a failure"),
     ],
 )
-def test_model_check_detects_a_weakened_table(table: Table, rule: str):
+def test_model_check_of_the_supervisor_detects_a_weakened_transition_table(table: Table, rule: str):
     assert any(rule in broken_rules(case) for case in SupervisorModel(*table).explore())

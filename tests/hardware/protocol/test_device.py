@@ -27,7 +27,7 @@ def test_ping_returns_model_and_firmware(cold: ServoAccess):
     assert cold.ping(9) is None
 
 
-def test_scan_finds_all_servos(cold: ServoAccess):
+def test_bus_scan_finds_all_servos(cold: ServoAccess):
     assert [item.id for item in cold.ping_all()] == [1, 2, 3]
 
 
@@ -68,7 +68,7 @@ def test_refused_instruction_error_names_the_fault(cold: ServoAccess):
         cold.write(1, Register.PRESENT_POSITION, 1)
 
 
-def test_only_differing_registers_are_written(cold: ServoAccess):
+def test_configuration_writes_only_registers_whose_values_differ(cold: ServoAccess):
     wanted = {Register.MAX_POSITION_LIMIT: 3000, Register.MIN_POSITION_LIMIT: 0, Register.PROFILE_VELOCITY: 100}
     assert cold.configure(1, wanted) == (
         RegisterChange(1, Register.MAX_POSITION_LIMIT, 4095, 3000),
@@ -84,7 +84,7 @@ def test_eeprom_is_not_set_while_torque_is_on(cold: ServoAccess):
     assert cold.configure(1, {Register.PROFILE_VELOCITY: 100})
 
 
-def test_damaged_replies_are_queried_again(rig: Make):
+def test_register_reads_with_damaged_replies_are_repeated(rig: Make):
     made = rig(2, faults=FaultPlan((PlannedFault("corrupt", rate=0.3, start=0.2),), seed=3))
     cold = ServoAccess(made.wire)
     made.wire.sleep(0.3)
@@ -92,7 +92,7 @@ def test_damaged_replies_are_queried_again(rig: Make):
         assert cold.read(1, Register.MODEL_NUMBER) == 1020
 
 
-def test_shared_id_is_detected_by_three_damaged_reads(servos: str):
+def test_servo_id_shared_by_two_servos_is_detected_by_three_damaged_reads(servos: str):
     build, wire_of = BUILDERS[servos]
     faults = FaultPlan((PlannedFault("duplicate_id", servos=(2,)),))
     fitted = tuple(ServoFitting(id, model="xm430_w350") for id in (1, 2))

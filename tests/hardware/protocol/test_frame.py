@@ -59,7 +59,7 @@ MANUAL_FRAMES = {  # hexadecimal bytes of the manuals -> encoded frame
 }
 
 
-def test_twenty_one_frames_equal_those_of_the_manuals():
+def test_twenty_one_encoded_protocol_1_frames_equal_those_printed_in_the_manuals():
     assert len(MANUAL_FRAMES) == 21
     for text, encoded in MANUAL_FRAMES.items():
         with about(text):
@@ -68,7 +68,7 @@ def test_twenty_one_frames_equal_those_of_the_manuals():
             assert encoded == expected
 
 
-def test_frames_are_found_between_noise_and_truncated_frames():
+def test_protocol_1_frames_are_found_between_noise_and_truncated_frames():
     one, two = frame(1, 0, b"\xff\xff\x01\x02"), frame(2, 0x20, b"\x05")
     found = list(find_frames(b"\x00\xff" + one + one[:5] + two + b"\xff\xff"))
     assert [(packet.id, packet.instruction, packet.parameters) for packet, _ in found] == [
@@ -83,7 +83,7 @@ def test_frames_are_found_between_noise_and_truncated_frames():
 @given(
     st.lists(st.tuples(st.integers(0, 253), st.integers(0, 255), st.binary(max_size=20)), max_size=6), st.integers(1, 9)
 )
-def test_reader_yields_all_frames_of_a_stream_in_any_pieces(sent, size: int):
+def test_protocol_1_reader_yields_all_frames_for_any_division_of_a_stream(sent, size: int):
     stream = b"".join(frame(*each) for each in sent)
     reader = FrameReader()
     pieces = [stream[k : k + size] for k in range(0, len(stream), size)]
@@ -92,13 +92,13 @@ def test_reader_yields_all_frames_of_a_stream_in_any_pieces(sent, size: int):
     assert list(split_frames(stream)) == [frame(*each) for each in sent]
 
 
-def test_long_sync_write_is_divided_into_frames_of_250_bytes():
+def test_long_protocol_1_sync_write_is_divided_into_frames_of_up_to_250_bytes():
     data = sync_write_frame(42, 2, dict.fromkeys(range(100), b"\x00\x00"))
     sizes = [len(packet.parameters) for packet, _ in find_frames(data)]
     assert sizes == [2 + 3 * 82, 2 + 3 * 18]
 
 
-def test_invalid_frames_are_refused():
+def test_invalid_protocol_1_frames_are_refused():
     for call, message in (
         (lambda: frame(255, 1), "id is 255"),
         (lambda: frame(1, 1, bytes(251)), "251 bytes of parameters"),

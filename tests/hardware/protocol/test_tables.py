@@ -27,12 +27,12 @@ from ...naming import about
         (MX_TABLE, Register.SHUTDOWN, 36, "24"),
     ],
 )
-def test_register_values_have_the_bytes_of_their_family(table, register: Register, value: int, data: str):
+def test_register_values_are_encoded_as_bytes_of_their_servo_family(table, register: Register, value: int, data: str):
     assert table.pack(register, value) == bytes.fromhex(data)
     assert table.unpack(register, bytes.fromhex(data)) == value
 
 
-def test_velocities_have_the_unit_of_the_manual():
+def test_register_velocities_of_each_servo_family_have_the_unit_of_the_manual():
     for table, native, speed in (
         (STS_TABLE, 1000, 1000 * TICK_ANGLE),  # steps/s
         (AX_TABLE, 100, 11.1 * 0.10472),  # 0.111 rev/min
@@ -43,7 +43,7 @@ def test_velocities_have_the_unit_of_the_manual():
             assert counts * VELOCITY_UNIT == pytest.approx(speed, abs=VELOCITY_UNIT)
 
 
-def test_every_value_is_stable_after_one_write():
+def test_register_value_that_is_read_and_written_back_stays_equal():
     """Write each read-back value again and compare.
 
     A conversion to coarser counts must not shift a value twice.
@@ -56,7 +56,7 @@ def test_every_value_is_stable_after_one_write():
                     assert table.quantise(register, table.quantise(register, value)) == table.quantise(register, value)
 
 
-def test_positions_of_narrow_servos_are_within_half_a_count():
+def test_positions_converted_to_coarser_servo_families_are_within_half_a_count():
     for name in ("ax12", "scs0009"):
         model = SERVO_MODELS[name]
         lowest, highest = model.allowed_range(Register.GOAL_POSITION)

@@ -34,12 +34,18 @@ from .judged import Room
 PERIOD = 0.01
 QUICK_SETTINGS = SupervisorSettings(pace=3.0, patience=1.0)  # fast moves and a short wait for commands
 MODEL = "xm430_w350"
-GAINS = {MODEL: (800, 0), "sts3215": (16, 32), "scs0009": (15, 0), "ax12": (0, 0), "mx28": (32, 0)}  # P and D gain
+GAINS = {
+    MODEL: (800, 0),
+    "sts3215": (16, 32),
+    "scs0009": (15, 0),
+    "ax12": (0, 0),
+    "mx28": (32, 0),
+}  # P and D gain by servo model
 
 
 @pytest.fixture(params=["kinesic", pytest.param("manual", marks=pytest.mark.soak)])
 def servos(request: pytest.FixtureRequest) -> str:
-    """Return the name of the implementation of virtual servos.
+    """Name of the implementation of virtual servos under test.
 
     Every run tests the independent servos in tests/hardware/proof.
     """

@@ -13,7 +13,7 @@ from kinesic.hardware.supervisor.monitor import CommunicationMonitor
 
 @dataclass(frozen=True)
 class Given:
-    """Servo with prescribed register values."""
+    """Servo whose register values the test sets."""
 
     member: Member
     values: dict[Register, int] = field(default_factory=dict)

@@ -107,7 +107,7 @@ def test_planner_request_can_be_read_by_the_supervisor(ends):
     assert supervisor.word("estop") == 2
 
 
-def test_memory_is_shared_by_descriptor_without_a_name():
+def test_supervisor_channel_memory_is_shared_by_descriptor_without_a_file_name():
     octets = memory_size(JOINTS, CAPACITY)
     descriptor = memory_file(octets)
     one, other = (Channel(map_memory(descriptor, octets), JOINTS, CAPACITY) for _ in range(2))
@@ -116,7 +116,7 @@ def test_memory_is_shared_by_descriptor_without_a_name():
     assert len(other.commands(9)) == 1
 
 
-def test_long_event_text_is_not_truncated(ends):
+def test_long_event_text_in_the_supervisor_channel_is_not_truncated(ends):
     planner, supervisor = ends
     long_note = Note(1.0, -1, "refused", "\N{DEGREE SIGN} too slow; " * 100)
     for note in (Note(0.5, 3, "error", ""), long_note, Note(2.0, 4, "silent", "short")):
@@ -124,7 +124,7 @@ def test_long_event_text_is_not_truncated(ends):
     assert planner.notes() == (Note(0.5, 3, "error", ""), long_note, Note(2.0, 4, "silent", "short"))
 
 
-def test_continuation_without_its_first_row_is_skipped(ends):
+def test_continuation_row_of_an_event_text_without_its_first_row_is_skipped(ends):
     planner, supervisor = ends
     supervisor.note(Note(1.0, -1, "refused", "x" * 900))
     for k in range(EVENT_CAPACITY - 2):

@@ -13,7 +13,7 @@ MAX_INTERRUPTION = 0.5  # [s] longest interruption without a resume request
 
 
 class Watched:
-    """Failure watch with its log."""
+    """Watch of servo failures with its log."""
 
     def __init__(self, room: Room, manifest: Manifest) -> None:
         self.room, self.log = room, list[tuple[str, str]]()
@@ -103,7 +103,7 @@ def test_weak_supply_is_logged_once_with_lowest_voltage(watched: Watched):
 
 
 class Clock:
-    """Interruption watch with its time."""
+    """Watch of interruptions with its simulated time."""
 
     def __init__(self) -> None:
         self.time = 0.0

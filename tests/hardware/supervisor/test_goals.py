@@ -141,7 +141,7 @@ def test_setpoints_beyond_a_joint_range_are_clipped_to_the_range_end_and_reporte
     assert lower[2] <= steering.ticks()[2] <= upper[2]
 
 
-def test_both_servos_of_a_tandem_hold_when_one_is_stuck(steering, manifest):
+def test_both_servos_of_a_tandem_joint_hold_when_one_is_stuck(steering, manifest):
     stuck = np.array([True, False, False, False, False])
     present = steering.goals + 40.0
     present[3] = np.nan

@@ -37,7 +37,7 @@ class Bench:
         return snapshot
 
     def identify(self) -> tuple[int, str]:
-        """Return the cycles needed, and the reason to close the port or ""."""
+        """Return the number of cycles needed, and the reason to close the port."""
         procedure, cycles = identify(self.axes, self.tables, watchdog=WATCHDOG_COUNT), 0
         try:
             for _ in procedure:

@@ -55,7 +55,7 @@ def test_performance_time_never_decreases_or_passes_the_end(
         time_scale = after
 
 
-def test_move_starts_and_ends_at_rest_within_the_velocity_limit():
+def test_servo_move_starts_and_ends_with_zero_velocity_within_the_velocity_limit():
     way = TimedMove.between(np.array([0.0, 1.0]), np.array([0.5, -1.0]), pace=0.7)
     times = np.linspace(0.0, way.duration, 2001)
     places = np.array([way.at(float(time)) for time in times])
@@ -66,7 +66,7 @@ def test_move_starts_and_ends_at_rest_within_the_velocity_limit():
     assert places[-1].tolist() == [0.5, -1.0]
 
 
-def test_short_move_reaches_the_acceleration_limit_and_zero_move_lasts_zero_seconds():
+def test_short_servo_move_reaches_the_acceleration_limit_and_zero_move_lasts_zero_seconds():
     way = TimedMove.between(np.zeros(2), np.full(2, 0.01), pace=1.0)
     times = np.linspace(0.0, way.duration, 2001)
     places = np.array([way.at(time)[0] for time in times])
@@ -152,7 +152,7 @@ def test_command_with_an_earlier_time_starts_no_new_performance_half_a_second_be
     assert player.performances == 1
 
 
-def test_move_counts_as_ended_up_to_rounding_but_not_10_ms_before_its_end():
+def test_servo_move_counts_as_ended_up_to_rounding_but_not_10_ms_earlier():
     player = player_with(np.arange(0.0, 1.0, TIME_STEP))
     player.approach(np.array([0.8]))
     duration = player._move.duration

@@ -123,7 +123,7 @@ def pair(tmp_path: Path) -> Iterator[Desk]:
 
 
 def leave(desk: Desk, register: Register, value: int) -> None:
-    """Set a register of the first servo, as an earlier owner might."""
+    """Set a register of the first servo as a previous user might have left it."""
     servo = desk.plant.servos[0]
     servo.memory[register] = value
     servo.electronics.changed()

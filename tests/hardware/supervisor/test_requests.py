@@ -13,7 +13,7 @@ from kinesic.hardware.supervisor.transitions import step
 
 
 class Asked:
-    """Requests of a planner that lives until the test ends the planner."""
+    """Requests of a planner that lives until the test ends it."""
 
     def __init__(self) -> None:
         self.alive = True
@@ -131,7 +131,7 @@ def test_initial_observation_is_healthy_without_torque():
     assert calm.policy == "hold"
 
 
-def test_performance_runs_at_full_rate_until_the_clearance_watch_slows_it(asked: Asked):
+def test_performance_time_runs_at_full_rate_until_the_clearance_watch_slows_it(asked: Asked):
     assert asked.requests.pace == 1.0
     for pace in (0.02, 0.5, 0.0, 1.0):
         asked.channel.slow_to(pace)

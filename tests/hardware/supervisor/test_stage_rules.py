@@ -118,7 +118,7 @@ RULES = [  # stage, flags, event, observation; then next stage, actions, next fl
 
 
 @pytest.mark.parametrize(("stage", "before", "event", "facts", "after", "actions", "remembered"), RULES)
-def test_each_event_leads_to_the_stage_actions_and_flags_of_the_rule_table(
+def test_each_supervisor_event_leads_to_the_stage_actions_and_flags_of_the_rule_table(
     stage, before, event, facts, after, actions, remembered
 ):
     state, begun = step(at(stage, **before), event, replace(HEALTHY_OBSERVATION, **facts))
@@ -137,7 +137,9 @@ def test_each_event_leads_to_the_stage_actions_and_flags_of_the_rule_table(
         ({}, {"due": False}),
     ],
 )
-def test_faults_pauses_and_missing_commands_slow_the_performance_to_a_stop(stage: Stage, before: dict, facts: dict):
+def test_servo_faults_pauses_and_missing_commands_slow_the_performance_to_a_stop(
+    stage: Stage, before: dict, facts: dict
+):
     approaching = stage is Stage.APPROACH
     known = replace(HEALTHY_OBSERVATION, **facts, reached=True)
     state, begun = step(at(stage, **before, approaching=not approaching), "tick", known)

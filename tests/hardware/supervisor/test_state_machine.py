@@ -133,7 +133,7 @@ def test_recovered_servo_gets_torque_again_and_moves_to_rest_when_idle():
     assert step(state, "tick", replace(RAISED_OBSERVATION, idle=True))[1] == ("fold",)
 
 
-def test_torque_that_could_not_be_switched_on_is_not_tried_again():
+def test_supervisor_does_not_retry_torque_that_could_not_be_switched_on():
     state, _ = step(at(Stage.ARM), "refused", replace(RAISED_OBSERVATION, limp=True))
     assert step(state, "tick", replace(RAISED_OBSERVATION, limp=True))[1] == ("fold",)
     assert step(replace(state, stage=Stage.WAITING), "tick", replace(RAISED_OBSERVATION, limp=True))[1] == ()

@@ -61,7 +61,7 @@ def test_bus_load_equals_the_bytes_of_a_real_cycle():
     assert sum(sent) + sum(received) == 2 * load.octets - goals  # the first cycle has no goals
 
 
-def test_slow_bus_names_a_sufficient_baud_rate():
+def test_error_for_a_too_slow_bus_names_a_sufficient_baud_rate():
     manifest = manifest_at(57_600)
     (load,) = compute_bus_loads(manifest, period=0.01)
     assert not load.fits
@@ -73,7 +73,7 @@ def test_slow_bus_names_a_sufficient_baud_rate():
     assert text.endswith(" (port: servo 1 (hinge))")
 
 
-def test_servos_refuse_a_slow_bus_before_a_port_is_opened(tmp_path):
+def test_robot_with_a_too_slow_bus_is_refused_before_a_port_is_opened(tmp_path):
     robot_file = tmp_path / "slow.toml"
     text = Robot.load().path.read_text(encoding="utf-8")
     robot_file.write_text(text.replace("baud = 1_000_000", "baud = 57_600"), encoding="utf-8")
@@ -82,7 +82,7 @@ def test_servos_refuse_a_slow_bus_before_a_port_is_opened(tmp_path):
 
 
 @pytest.mark.parametrize(("volts", "count"), [(12.0, 0), (14.8, 1), (17.0, 5), (5.0, 5)])
-def test_supply_outside_the_voltage_range_names_models_and_hinges(volts: float, count: int):
+def test_error_for_an_unsuitable_supply_voltage_names_servo_models_and_hinges(volts: float, count: int):
     robot = Robot.load()
     robot = replace(robot, supply=Supply(volts, 10.0))
     lines = find_supply_faults(robot)
@@ -92,19 +92,19 @@ def test_supply_outside_the_voltage_range_names_models_and_hinges(volts: float, 
     assert all(line.startswith(f"[supply] has {volts:g} V, but ") for line in lines)
 
 
-def test_robot_without_supply_has_no_supply_faults():
+def test_robot_file_without_supply_voltage_gives_no_supply_faults():
     robot = Robot.load()
     assert find_supply_faults(replace(robot, supply=None)) == ()
 
 
-def test_servos_without_a_watchdog_have_a_safety_statement():
+def test_wiring_check_states_the_safety_of_servos_without_a_bus_watchdog():
     assert explain_missing_watchdog(manifest_of(2, 1_000_000)) == ""
     text = explain_missing_watchdog(manifest_of(2, 1_000_000, "sts3215"))
     assert text.startswith("servos of bus body have no bus watchdog: if the supervisor process")
     assert "hold it with torque" in text
 
 
-def test_load_of_servos_that_are_read_one_by_one_includes_the_adapter():
+def test_bus_load_of_servos_that_are_read_singly_includes_the_adapter_latency():
     (sts,) = compute_bus_loads(manifest_of(14, 1_000_000, "sts3215"), period=0.01)
     (few,) = compute_bus_loads(manifest_of(8, 1_000_000, "ax12"), period=0.01)
     (many,) = compute_bus_loads(manifest_of(26, 1_000_000, "ax12"), period=0.01)

@@ -23,13 +23,11 @@ COUNT = 4  # number of servos
 FULL_PWM = 885  # [counts] GOAL_PWM at full power
 WATCHDOG = 5  # value of BUS_WATCHDOG of servos with torque
 ALL_PLACES = range(COUNT)
-Change = Callable[
-    [Snapshot, int], Snapshot
-]  # what a procedure is told instead of a snapshot, by the number of the cycle
+Change = Callable[[Snapshot, int], Snapshot]  # replacement of a procedure's snapshot by cycle number
 
 
 class Bench:
-    """Four servos, and a procedure that runs on them."""
+    """Four servos, and a torque procedure that runs on them."""
 
     def __init__(self) -> None:
         cable = Cable("body", tuple(ServoFitting(k + 1, model=MODEL) for k in ALL_PLACES))

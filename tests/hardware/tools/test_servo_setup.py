@@ -44,7 +44,7 @@ def port(model: str, *ids: int) -> tuple[Callable[[int], Wire], ShaftSimulation]
     return opened, plant
 
 
-def test_id_is_changed_and_verified(model: str):
+def test_servo_id_is_changed_and_verified(model: str):
     opened, plant = port(model, 1, 9)
     assert set_id(opened(1_000_000), 1, 5).id == 5
     assert [servo.id for servo in plant.servos] == [5, 9]
@@ -54,7 +54,7 @@ def test_id_is_changed_and_verified(model: str):
         set_id(opened(1_000_000), 1, 2)
 
 
-def test_baud_rate_is_changed_and_verified(model: str):
+def test_servo_baud_rate_is_changed_and_verified(model: str):
     opened, plant = port(model, 3)
     assert set_baud(opened, 3, baud=1_000_000, new=NEW_RATES[model]).name == model
     assert plant.servos[0].baud == NEW_RATES[model]
@@ -62,7 +62,7 @@ def test_baud_rate_is_changed_and_verified(model: str):
         set_baud(opened, 3, baud=NEW_RATES[model], new=123)
 
 
-def test_servo_with_torque_is_not_changed(model: str):
+def test_id_and_baud_rate_of_a_servo_with_torque_are_not_changed(model: str):
     opened, plant = port(model, 3)
     found = identify_servo(opened(1_000_000), 3)
     found.access.write(3, Register.TORQUE_ENABLE, 1)
@@ -77,14 +77,14 @@ def test_servo_with_torque_is_not_changed(model: str):
 
 
 @pytest.mark.parametrize("name", ["xl330_m288", "sts3215"])
-def test_restart_clears_an_error(name: str):
+def test_servo_restart_clears_a_hardware_error(name: str):
     opened, plant = port(name, 3)
     plant.servos[0].electronics.fail(32)
     assert reboot(opened(1_000_000), 3).id == 3
     assert plant.servos[0].memory[Register.HARDWARE_ERROR_STATUS] == 0
 
 
-def test_scan_names_the_protocol_of_each_family(model: str):
+def test_bus_scan_names_the_protocol_of_each_servo_family(model: str):
     opened, _ = port(model, 3, 7)
     protocols = {"xl330_m288": PACKET_PROTOCOL, "ax12": FRAME_PROTOCOL, "mx28": FRAME_PROTOCOL}
     (one, two) = scan_bus(opened, bauds=(57_600, 1_000_000))
@@ -93,7 +93,7 @@ def test_scan_names_the_protocol_of_each_family(model: str):
     assert one.protocol == protocols.get(model, FEETECH_PROTOCOL)
 
 
-def test_scan_counts_the_received_bytes():
+def test_bus_scan_counts_the_received_bytes():
     opened, _ = port("sts3215", 3)
     heard: dict[int, int] = {}
     scan_bus(opened, bauds=(1_000_000, 500_000), heard=heard)

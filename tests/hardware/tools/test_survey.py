@@ -10,7 +10,7 @@ from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
 
 
 def port(baud: int = 1_000_000, faults: FaultPlan = NO_FAULTS):
-    """Return a function that opens a wire with three servos at any baud rate."""
+    """Return a function that opens a wire with three servos at a baud rate."""
     _, buses = build_bus(
         [
             Cable(
@@ -33,7 +33,7 @@ def port(baud: int = 1_000_000, faults: FaultPlan = NO_FAULTS):
 
 
 @pytest.mark.parametrize("baud", [57_600, 1_000_000, 4_000_000])
-def test_servos_are_found_at_their_baud_rate(baud: int):
+def test_bus_scan_finds_servos_at_their_baud_rate(baud: int):
     steps: list[int] = []
     servos = scan_bus(port(baud), bauds=(57_600, 1_000_000, 4_000_000), step=lambda: steps.append(1))
     assert servos == (
@@ -44,18 +44,18 @@ def test_servos_are_found_at_their_baud_rate(baud: int):
     assert len(steps) == 3
 
 
-def test_scan_with_given_ids_finds_all_answering_servos_once():
+def test_bus_scan_of_given_ids_finds_each_answering_servo_once():
     servos = scan_bus(port(), bauds=(1_000_000,), ids=(7, 8))
     assert [sighting.servo.id for sighting in servos] == [1, 7, 20]
 
 
-def test_scan_reports_an_id_shared_by_several_servos():
+def test_bus_scan_reports_an_id_shared_by_several_servos():
     faults = FaultPlan((PlannedFault("duplicate_id", servos=(20,)),))
     servos = scan_bus(port(faults=faults), bauds=(1_000_000,), ids=(20,))
     assert [sighting.servo.id for sighting in servos if not sighting.shared] == [1, 7]
 
 
-def test_survey_reads_all_servos_at_rest(bench):
+def test_servo_survey_reads_all_resting_servos(bench):
     table = bench()
     seen = survey(table.manifest, {"body": table.wire})
     assert [item.member.id for item in seen] == [member.id for member in table.manifest.members]
@@ -66,7 +66,7 @@ def test_survey_reads_all_servos_at_rest(bench):
     assert {change.register for change in elbow.differs} == {Register.MIN_POSITION_LIMIT, Register.MAX_POSITION_LIMIT}
 
 
-def test_survey_reports_faulty_servos_and_reads_all_other_servos(bench):
+def test_servo_survey_reports_faulty_servos_and_reads_all_other_servos(bench):
     table = bench(FaultPlan((PlannedFault("silent", (7,)), PlannedFault("alert", (5,), start=0.001))))
     table.set(4, Register.MODEL_NUMBER, 1060)
     table.set(6, Register.RETURN_DELAY_TIME, 250)
@@ -81,19 +81,19 @@ def test_survey_reports_faulty_servos_and_reads_all_other_servos(bench):
     assert sum(item.right for item in seen.values()) == 21
 
 
-def test_survey_reads_servos_whose_status_return_level_is_zero(bench):
+def test_servo_survey_reads_servos_whose_status_return_level_is_zero(bench):
     table = bench()
     for servo in table.servos:
         table.set(servo, Register.STATUS_RETURN_LEVEL, 0)
     assert all(item.right for item in survey(table.manifest, {"body": table.wire}))
 
 
-def test_survey_reports_unexpected_servos(bench):
+def test_servo_survey_reports_unexpected_servos(bench):
     table = bench()
     expected = [servo for servo in table.servos if servo != 28]
     assert find_unexpected_servos(open_slow_access(table.wire), expected) == ("28 (xc330_t288)",)
 
 
-def test_hardware_error_bits_have_names():
+def test_hardware_error_bits_of_a_servo_are_reported_by_name():
     assert HardwareError.names(HardwareError.OVERLOAD.value | HardwareError.VOLTAGE.value) == ("voltage", "overload")
     assert HardwareError.names(0) == ()

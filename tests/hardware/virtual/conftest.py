@@ -62,5 +62,5 @@ def line_of(*servos: int, **changes: object) -> Line:
 
 @pytest.fixture
 def line() -> Callable[..., Line]:
-    """Return a function that makes a line of new servos with these ids."""
+    """Return a function that makes a line of new servos with the given ids."""
     return line_of

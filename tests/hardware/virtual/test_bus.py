@@ -136,7 +136,7 @@ def test_servo_at_another_baud_rate_does_not_answer(line: Lines):
     assert len(one.bytes(packet.ping(1), wait=0.02)) == 14
 
 
-def test_late_replies_keep_their_order():
+def test_late_replies_of_virtual_servos_keep_their_order():
     line = troubled(PlannedFault("late", servos=(1,), value=0.012))
     line.wire.write(packet.ping(1))
     assert line.wire.read(0.010) == b""
@@ -172,7 +172,7 @@ def test_simultaneous_transmissions_destroy_packet_and_reply():
     assert [status.id for status in line.ask(packet.ping(2))] == [2], "then all is well again"
 
 
-def test_packets_of_one_write_do_not_collide(line: Lines):
+def test_packets_written_to_the_virtual_bus_at_once_do_not_collide(line: Lines):
     one = line()
     one.wire.write(packet.sync_write(116, 4, {1: bytes(4)}))
     assert len(one.ask(packet.ping(1))) == 1

@@ -103,7 +103,7 @@ def test_sensor_registers_show_voltage_temperature_and_time(line: Lines):
     assert one.get(Register.REALTIME_TICK) == int(one.servo.electronics.time * 1000) % 32768
 
 
-def test_startup_configuration_restores_ram_and_torque(line: Lines):
+def test_startup_configuration_of_a_servo_restores_ram_and_torque_after_a_reboot(line: Lines):
     one = line()
     one.set(Register.STARTUP_CONFIGURATION, 3)
     one.set(Register.PROFILE_VELOCITY, 33)

@@ -74,7 +74,7 @@ def test_time_based_servo_profile_takes_the_requested_duration(start: float, goa
     assert places[1000] == pytest.approx((start + goal) / 2, abs=1e-6)
 
 
-def test_torque_on_discards_whole_turns_in_position_mode_but_not_in_extended_mode(line: Lines):
+def test_torque_on_discards_whole_turns_in_position_mode_but_not_in_extended_position_mode(line: Lines):
     one = line()
     turn = 4096 * Register.PRESENT_POSITION.field.scale
     one.plant.physics.turn(0, 1.5 * turn)
@@ -114,7 +114,7 @@ def test_homing_offset_above_1024_is_ignored_in_position_mode(line: Lines):
     assert one.get(Register.PRESENT_POSITION) == 2048 + 1025
 
 
-def test_reverse_mode_inverts_rotation_but_not_the_offset(line: Lines):
+def test_reverse_mode_of_a_servo_inverts_rotation_but_not_the_homing_offset(line: Lines):
     one = line(ticks=1000)
     one.set(Register.DRIVE_MODE, REVERSE_BIT)
     assert one.get(Register.PRESENT_POSITION) == 3096
@@ -137,7 +137,7 @@ def test_outdated_goal_causes_a_jump_at_torque_on_unless_the_firmware_resets_the
 
 
 @pytest.mark.parametrize("name", sorted(name for name, model in SERVO_MODELS.items() if model.table is None))
-def test_every_model_answers_with_its_number_and_moves(line: Lines, name: str):
+def test_virtual_servo_of_every_model_answers_with_its_model_number_and_moves(line: Lines, name: str):
     one = line(model=name)
     (status,) = one.ask(packet.ping(1))
     assert int.from_bytes(status.data[:2], "little") == SERVO_MODELS[name].number
@@ -226,7 +226,7 @@ def test_servo_in_velocity_mode_accelerates_evenly_to_its_goal_velocity(line: Li
     assert one.get(Register.PRESENT_POSITION) > 4096, "it turns and turns"
 
 
-def test_goal_pwm_caps_the_speed_of_a_move(line: Lines):
+def test_pwm_goal_of_a_servo_limits_the_velocity_of_its_motion(line: Lines):
     one = line()
     one.set(Register.TORQUE_ENABLE, 1)
     one.set(Register.GOAL_PWM, 88)

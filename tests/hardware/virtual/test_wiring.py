@@ -21,7 +21,7 @@ def test_bus_description_of_a_robot_lists_servo_models_and_rest_ticks():
             assert (fitted[servo].ticks, fitted[servo].model) == (ticks, drive.servo.name)
 
 
-def test_built_servos_answer_with_their_models_and_positions():
+def test_virtual_servos_of_a_robot_answer_with_their_models_and_positions():
     (cable,) = describe_cables(Robot.load())
     plant, buses = build_bus([cable])
     wire = MemoryWire(buses["body"])

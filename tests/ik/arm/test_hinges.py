@@ -29,7 +29,7 @@ def _arm(shoulder: str, elbow: str, two_sided: bool) -> Chain:
 
 
 def _round_trips(chain: Chain, count: int) -> float:
-    """Return the fraction of random postures whose joint positions are recovered."""
+    """Return the fraction of random postures recovered from their joint positions."""
     random, linkage = default_rng(4), linkage_of(chain)
     met = 0
     for _ in range(count):

@@ -61,7 +61,7 @@ def test_arm_reach_covers_the_extremes_of_all_elbow_hinges() -> None:
     assert kinds == {1, 2, 3}
 
 
-def test_angle_out_of_range_becomes_its_equivalent_in_range_or_the_nearest_limit() -> None:
+def test_joint_angle_out_of_range_becomes_its_equivalent_in_range_or_the_nearest_limit() -> None:
     pivot = Pivot((0.0, 0.0, 1.0), math.radians(-50), math.radians(190), 0.0)
     assert math.degrees(pivot.bring_into_range(math.radians(-175), 0.0)) == pytest.approx(185)
     assert math.degrees(pivot.bring_into_range(math.radians(20), 0.0)) == pytest.approx(20)

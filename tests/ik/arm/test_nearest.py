@@ -18,7 +18,7 @@ SHOULDER_POSITION = np.array([0.0, 0.155, -0.035])  # (3,) [m] in the frame of t
 
 
 def _beyond(count: int, *, seed: int) -> list[Floats]:
-    """Return unreachable targets: too far, too near or behind the back."""
+    """Return unreachable targets: too far, too near, or behind the back."""
     random, results = default_rng(seed), []
     while len(results) < count:
         direction = random.normal(size=3)

@@ -122,14 +122,14 @@ def test_shoulder_raised_by_effort_stays_in_range_and_keeps_the_hand_position():
     assert pulled.angles[0] == pytest.approx(carry_shoulder(ARM_CHAIN, HIGH_TARGET, 1.0)[0])
 
 
-def test_right_shoulder_mirrors_the_left():
+def test_shoulder_solution_of_the_right_arm_mirrors_that_of_the_left_arm():
     flip = np.array([1.0, -1.0, 1.0])
     np.testing.assert_array_equal(
         carry_shoulder(DEFAULT_ROBOT.arms["r"], HIGH_TARGET * flip, 0.7), carry_shoulder(ARM_CHAIN, HIGH_TARGET, 0.7)
     )
 
 
-def test_target_closer_than_the_elbow_can_bend_tries_only_one_swivel_angle(monkeypatch) -> None:
+def test_ik_tries_one_swivel_angle_for_a_target_closer_than_the_elbow_can_bend(monkeypatch) -> None:
     looked, down = [], np.array(unit((0.3, 0.3, -0.9)))
     near = vector(np.add(SHOULDER_POSITION, 0.9 * ARM_LINKAGE.closest * down))
     place = place_shoulder(ARM_LINKAGE, near, near=REST_ANGLES, rest=REST_ANGLES)
@@ -142,7 +142,7 @@ def test_target_closer_than_the_elbow_can_bend_tries_only_one_swivel_angle(monke
     assert swivel_of(ARM_LINKAGE, points[-3:]) == pytest.approx(0.4, abs=0.005)
 
 
-def test_target_beyond_the_arm_length_tries_one_swivel_angle_without_iterations(monkeypatch) -> None:
+def test_ik_tries_one_swivel_angle_without_iterations_for_a_target_beyond_the_arm_length(monkeypatch) -> None:
     looked, line = [], np.array(unit((0.3, 0.3, -0.9)))
     lengths = ARM_LINKAGE.links[-3].length, ARM_LINKAGE.links[-2].length
     far = vector(np.add(SHOULDER_POSITION, 1.02 * sum(lengths) * line))

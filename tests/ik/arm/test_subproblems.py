@@ -23,12 +23,12 @@ def test_one_axis_rotation_minimises_the_angle_to_an_unreachable_direction() -> 
     assert angle == pytest.approx(nearest, abs=0.01)
 
 
-def test_direction_along_the_rotation_axis_gives_no_angle() -> None:
+def test_direction_along_a_hinge_axis_gives_no_rotation_angle() -> None:
     assert turn_towards(Z, X, Z) is None
     assert turn_towards(Z, Z, X) is None
 
 
-def test_two_oblique_axes_aim_exactly_in_both_solutions() -> None:
+def test_two_oblique_hinge_axes_aim_a_direction_exactly_in_both_solutions() -> None:
     random = default_rng(3)
     for _ in range(50):
         first, second, rest = (unit(tuple(random.normal(size=3).tolist())) for _ in range(3))

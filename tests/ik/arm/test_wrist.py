@@ -166,7 +166,7 @@ def test_wrist_solution_accounts_for_the_orientation_of_the_forearm(turn: float)
     assert orient(one_hinge(-1.0, 1.0), frame, wishes, (0.0,)) == pytest.approx((0.3,), abs=1e-3)
 
 
-def test_direction_errors_are_angles_to_their_targets() -> None:
+def test_reported_wrist_direction_errors_are_angles_to_the_requested_directions() -> None:
     frame = after(IDENTITY_ROTATION, (0.0, 0.0, 1.0), 0.5)
     wishes = [
         HandDirection("met", level(0.0), level(0.5)),

@@ -51,7 +51,7 @@ def test_parent_joint_compensates_a_clipped_joint_in_proportion_to_target_distan
 
 
 @pytest.mark.parametrize(("joints", "least"), [(3, 0.75), (6, 0.75), (10, 0.75), (20, 0.8)])
-def test_most_feasible_targets_are_reached_within_limits(joints, least):
+def test_ball_chain_with_joint_limits_reaches_most_feasible_targets(joints, least):
     chain, random, reached = _limited(joints), default_rng(40 + joints), []
     ground = Carrier.at_rest(chain)
     for _ in range(24):

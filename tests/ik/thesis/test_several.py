@@ -76,7 +76,7 @@ def test_larger_weight_of_a_limb_reduces_its_target_error():
     assert loss[0.2]["r_arm"] < loss[1.0]["r_arm"] < loss[5.0]["r_arm"]
 
 
-def test_torso_may_have_a_target_and_an_arm_may_have_none():
+def test_limb_ik_accepts_a_target_for_the_torso_and_none_for_an_arm():
     torso = LIMB_CHAINS["torso"].points[-1] + np.array([0.1, 0.0, -0.0181])
     reached = solve_several(ROBOT_LIMBS, {"torso": torso, "r_arm": np.array([0.3, -0.2, 0.8])})
     assert set(reached.residuals) == {"torso", "r_arm"}
@@ -143,7 +143,7 @@ def _yaw(angle: float):
 
 
 def _postured(left: float, right: float, pulls, priority=()):
-    """Turn joints towards arm masses that are yawed about the common joint."""
+    """Turn joints towards arm masses that are rotated by the given yaw angles."""
     centre = REST_STANCES["torso"].points[-1]
     points = {name: stance.points for name, stance in REST_STANCES.items()}
     points["l_arm"] = centre + (points["l_arm"] - centre) @ _yaw(left).T

@@ -36,7 +36,7 @@ def test_default_verlet_damping_is_a_fraction_of_the_theoretical_value():
     assert _after(5, damping=None).points == pytest.approx(_after(5, damping=DAMPING_FRACTIONS[0] * loss).points)
 
 
-def test_undamped_masses_keep_oscillating():
+def test_undamped_spring_masses_keep_oscillating():
     assert _after(2000, damping=0.0).energy > 0.1 * _springs().energy(_springs().forces(CHAIN_POINTS))
 
 

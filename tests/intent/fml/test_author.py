@@ -51,7 +51,7 @@ def test_bml_generated_from_fml_contains_the_speech_and_gesture_of_the_document(
     assert len({behaviour.id for behaviour in greeting.behaviours}) == len(greeting.behaviours)
 
 
-def test_stroke_is_on_the_pitch_accent_of_its_intention():
+def test_gesture_stroke_of_an_fml_intention_is_on_its_pitch_accent():
     tree = ElementTree.fromstring(author_fml(GREETING_DOCUMENT)[0])
     strokes = {item.get("stroke") for item in tree if "(performative-greet," in str(item.attrib) and item.get("stroke")}
     assert strokes == {"s1:tm2+0.20"}
@@ -69,7 +69,7 @@ def test_fml_intention_with_a_target_gives_a_pointing_behaviour_to_that_target(g
     assert [(item.type, item.action.target) for item in pointing if item.type == "pointing"] == [("pointing", "door")]
 
 
-def test_same_document_and_seed_give_the_same_bml():
+def test_same_fml_document_and_seed_give_the_same_bml():
     assert author_fml(GREETING_DOCUMENT, seed=3) == author_fml(GREETING_DOCUMENT, seed=3)
     assert len({author_fml(GREETING_DOCUMENT, seed=seed)[0] for seed in range(8)}) > 1
 

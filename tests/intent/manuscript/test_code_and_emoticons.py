@@ -69,7 +69,7 @@ def test_emoticons_are_performed_but_not_spoken(text: str, words: str, acts: lis
 
 
 @pytest.mark.parametrize("emoticon", load_acts().emoticons)
-def test_each_listed_emoticon_leaves_only_the_words_around_it(emoticon: str):
+def test_each_listed_emoticon_is_removed_from_the_spoken_words(emoticon: str):
     spoken, warnings = read_manuscript(f"It is {emoticon} so.")
     assert spoken_words(spoken) == "It is so"
     is_shown = bool(feelings(spoken)) or "kinesic:act" in spoken

@@ -36,7 +36,7 @@ def spoken_words(text: str) -> str:
 
 
 @pytest.mark.parametrize(("text", "words", "acts"), CASES)
-def test_data_and_formulas_are_not_spoken_as_written(text: str, words: str, acts: list[str]):
+def test_data_and_formulas_in_a_text_are_replaced_by_words_or_omitted(text: str, words: str, acts: list[str]):
     spoken, _ = read_manuscript(text)
     assert spoken_words(spoken) == words
     assert re.findall(r'<kinesic:act words="([^"]*)"/>', spoken) == acts
@@ -55,5 +55,5 @@ def test_data_and_formulas_do_not_depend_on_the_chunk_boundaries(seed: int):
 
 
 @pytest.mark.parametrize("text", ["It costs $5 and", "It costs $5, and", "A {brace} and", "a [b] and"])
-def test_price_or_bracket_in_a_stream_is_spoken_at_once(text: str):
+def test_streamed_text_after_a_price_or_bracket_is_spoken_at_once(text: str):
     assert spoken_words(read_more(Manuscript(), text)[1]).endswith("and")

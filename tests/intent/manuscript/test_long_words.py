@@ -29,5 +29,5 @@ def test_overlong_word_is_truncated_with_one_warning_for_different_chunk_lengths
     "text",
     ["a" * MAX_WORD_LENGTH, f"{'a' * 70} well\u2026what {'b' * 60}", "\u5b57" * 200, "\u043c" * 100, "word " * 60],
 )
-def test_shorter_words_and_words_of_other_scripts_are_spoken_whole(text: str):
+def test_words_up_to_80_characters_and_words_of_other_scripts_are_spoken_whole(text: str):
     assert read_manuscript(text) == (text, ())

@@ -39,7 +39,7 @@ def test_second_of_two_compared_degrees_gets_the_gesture_of_contrast() -> None:
 
 
 @pytest.mark.parametrize("quote", ['"{}"', "\u201c{}\u201d"])
-def test_commas_around_a_reported_speaker_make_no_list(quote: str) -> None:
+def test_reported_speaker_between_commas_is_not_read_as_a_list_item(quote: str) -> None:
     text = f"{quote.format('Get out,')} she shouted, {quote.format('and close the door!')}"
     assert not any("of a list" in each.intent.reason for each in gestures_of(text))
     assert any("of a list" in each.intent.reason for each in gestures_of("Get milk, flour, and butter."))

@@ -39,7 +39,7 @@ def test_word_has_its_gesture_only_in_the_syntax_of_its_sense(fitting: str, othe
     assert not any(gesture in pictures(other, seed=seed) for seed in range(2))
 
 
-def test_irregular_forms_of_a_verb_have_its_sense():
+def test_irregular_forms_of_a_verb_have_the_word_sense_of_the_verb():
     for text in ("We all shrank back and it sank.", "Then the ship sank.", "The old ship has sunk."):
         assert "fall" in pictures(text)
     assert pictures("They drove us apart and we grew apart.") & {"break_apart", "contrast_left_right"}
@@ -82,7 +82,7 @@ def test_time_at_the_end_of_a_plain_report_gets_no_gesture():
     assert not pictures("The engineer looked at the boiler two years ago.")
 
 
-def test_senses_name_known_gestures_and_each_has_a_pattern():
+def test_word_senses_name_only_lexicon_gestures_and_each_has_a_pattern():
     known = {entry.id for entry in LEXICON.entries}
     table = load_senses("en")
     assert {name for sense in table.cues for name in sense.shows} <= known
@@ -92,7 +92,7 @@ def test_senses_name_known_gestures_and_each_has_a_pattern():
     assert not load_cues("de").cues
 
 
-def test_sense_with_an_unknown_frame_is_refused(tmp_path: Path):
+def test_word_sense_with_an_unknown_syntactic_frame_is_refused(tmp_path: Path):
     (tmp_path / "wrong.toml").write_text('[[sense]]\nsays = "x"\nwords = "y"\nframe = "adverb"\n')
     with pytest.raises(ConfigError, match="frame"):
         list(read_senses(tmp_path, {}))

@@ -27,11 +27,11 @@ from ...growth import LINEAR_GROWTH_LIMIT, growth
         "かばんは ここ に あります",  # Unknown hiragana words have no visible end
     ],
 )
-def test_japanese_words_are_segmented(words: str) -> None:
+def test_japanese_text_is_segmented_into_words(words: str) -> None:
     assert segment(words.replace(" ", ""), load_language("ja")) == words.split()
 
 
-def test_languages_with_spaces_are_not_segmented() -> None:
+def test_text_of_languages_with_spaces_is_not_segmented() -> None:
     assert segment("Wasser", load_language("de")) == ["Wasser"]
 
 

@@ -30,13 +30,13 @@ def grammar_of(text):
         ("Not today.", "not", "today"),
     ],
 )
-def test_parsed_clause_ends_with_the_last_dependent_word(text, word, last):
+def test_clause_parsed_by_spacy_ends_with_its_last_dependent_word(text, word, last):
     words, grammar = grammar_of(text)
     assert words[grammar.clauses[words.index(word)]] == last
 
 
 @needs_spacy
-def test_parser_finds_noun_phrases_and_verbs():
+def test_spacy_parser_finds_noun_phrases_and_verbs():
     words, grammar = grammar_of("The old captain quickly described three long roads. Rain fell on us.")
     named = [" ".join(words[first : last + 1]) for first, last in grammar.things]
     assert named == ["the old captain", "three long roads"]
@@ -54,7 +54,7 @@ def test_spacy_parser_gives_any_text_clause_ends_within_the_text(text):
 
 
 @needs_spacy
-def test_rules_and_parser_find_the_same_negations():
+def test_word_rules_and_spacy_parser_find_the_same_negations():
     language = load_language()
     passage = read_text("No, I never saw it, and you did not tell me so.", language)
     names = [

@@ -30,7 +30,7 @@ def test_emphasis_tag_stresses_words_and_other_tags_are_ignored() -> None:
 
 
 @pytest.mark.parametrize("piece", ["<break ", "<break time='1s' ", "<a-", "-a", "time=", "<break time='1"])
-def test_reading_time_is_linear_in_tag_count(piece: str) -> None:
+def test_reading_time_of_a_text_is_linear_in_its_number_of_tags(piece: str) -> None:
     language = load_language()
     assert growth(lambda text: read_text(text, language), lambda size: f"<break {size * piece}") < LINEAR_GROWTH_LIMIT
 

@@ -42,7 +42,7 @@ TRANSFER_TIME = 0.05  # [s] until written bytes have reached the servos
 
 @dataclass
 class Record:
-    """Recorded motion of the servos with times."""
+    """Recorded torque and motion of the servos over time."""
 
     times: np.ndarray  # (m,) [s] time of each record
     plugged: np.ndarray  # (m, 2) whether each of the two ports is plugged in
@@ -73,7 +73,7 @@ def lateness(history: Iterable[Status], start: float, end: float) -> float:
 
 
 class Table:
-    """Virtual servos in a separate process, reused by later tests while intact."""
+    """Virtual servos in a separate process, reused by later tests unless damaged."""
 
     def __init__(self, robot: Robot, folder: Path) -> None:
         self.folder, self.in_order = folder, True
@@ -131,13 +131,13 @@ class Rig:
         self.wait(lambda: self.goes_on(servos) and servos.state().time > 0.4)
 
     def raised(self) -> bool:
-        """Return whether a servo is far from its position at the test's start."""
+        """Return whether a servo is far from its position at the start of the test."""
         places = self.record().places
         return bool(np.abs(places[-1] - places[0]).max() > MIN_RAISED_DISTANCE)
 
     @staticmethod
     def goes_on(servos: Servos) -> bool:
-        """Return whether the performance continues.
+        """Return whether the performance time advances.
 
         After a long stall of this machine, the test gives its consent.
         """
@@ -224,7 +224,7 @@ class Rig:
         return None
 
     def end(self) -> None:
-        """Kill the remaining processes of a failed test.
+        """Kill the processes that a failed test left running.
 
         Its table is then not in order any more.
         """

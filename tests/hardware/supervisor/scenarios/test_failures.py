@@ -70,7 +70,7 @@ def test_performance_continues_after_a_reboot_of_all_servos_at_once(desk: Make):
     assert max(made.jumps) <= 2
 
 
-def test_other_servos_move_to_rest_when_an_overloaded_servo_switches_its_torque_off(desk: Make):
+def test_remaining_servos_move_to_rest_when_an_overloaded_servo_switches_its_torque_off(desk: Make):
     made = desk().active()
     made.run(0.6)
     assert made.raised.all()

@@ -63,7 +63,7 @@ def arms(robot: Robot, tmp_path: Path) -> Iterator[Desk]:
 
 
 def behind(desk: Desk) -> float:
-    """Return the largest goal error [deg] of a servo with torque."""
+    """Return the largest goal error [deg] of servos with torque."""
     turns = np.abs([member.turns for member in desk.manifest.members])
     away = np.degrees(
         np.abs(desk.present_position - desk.true(Register.GOAL_POSITION)) / turns * Register.GOAL_POSITION.field.scale
