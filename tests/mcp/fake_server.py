@@ -17,7 +17,7 @@ Say = Callable[[str], None]
 
 @dataclass
 class FakeServer:
-    """Stub server with scripted answers, which may end a connection."""
+    """Stub server with scripted answers that may end a connection."""
 
     answer: Callable[[str, Say], None]
     received: list[str] = field(default_factory=list)  # messages of all connections in order

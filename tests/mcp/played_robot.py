@@ -16,7 +16,7 @@ Act = Callable[[object], Awaitable[None]]
 
 
 class Robot:
-    """Line to a robot, its gate and its performer, in the order of their calls."""
+    """Stubs of robot line, gate and performer that record their calls in order."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.calls: list[object] = []

@@ -12,7 +12,7 @@ from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
 
 
 class Calls:
-    """Calls that take their turn and end when the test allows it."""
+    """Tool calls that wait for their turn and end when the test allows it."""
 
     def __init__(self, queue: CallQueue) -> None:
         self.queue, self.began, self.ended = queue, [], []
@@ -58,7 +58,7 @@ def test_tool_calls_run_sequentially_in_order_of_arrival():
     during(act)
 
 
-def test_full_call_queue_refuses_a_call_at_once_with_the_pending_count_and_a_remedy():
+def test_full_queue_of_tool_calls_refuses_a_call_at_once_with_the_pending_count_and_a_remedy():
     async def act(calls: Calls) -> None:
         tasks = [calls.start(str(k)) for k in range(3)]
         await settle()
@@ -70,7 +70,7 @@ def test_full_call_queue_refuses_a_call_at_once_with_the_pending_count_and_a_rem
     during(act, max_calls=3)
 
 
-def test_queue_holds_64_calls_sent_at_less_than_half_the_server_rate_limit():
+def test_queue_of_tool_calls_holds_64_calls_sent_at_less_than_half_the_server_rate_limit():
     assert MAX_CALLS == 64
     assert DEFAULT_QUOTAS.rate > 2 / MIN_CALL_INTERVAL
     assert 0.0 < REFUSAL_DELAY < 1.0
@@ -109,7 +109,7 @@ def test_discarding_the_queue_refuses_the_running_and_the_pending_tool_calls():
     during(act)
 
 
-def test_discarded_calls_free_the_full_queue_and_may_be_refused_before_the_refusal_delay():
+def test_discarded_tool_calls_free_the_full_queue_and_may_be_refused_before_the_refusal_delay():
     async def act(calls: Calls) -> None:
         tasks = [calls.start(name) for name in "ab"]
         await settle()
@@ -125,7 +125,7 @@ def test_discarded_calls_free_the_full_queue_and_may_be_refused_before_the_refus
     during(act, max_calls=2, refusal_delay=10.0)
 
 
-def test_discarded_call_that_never_takes_its_turn_is_refused_after_the_refusal_delay():
+def test_discarded_tool_call_that_never_takes_its_turn_is_refused_after_the_refusal_delay():
     async def act(calls: Calls) -> None:
         async def endless() -> str:
             await asyncio.Event().wait()
@@ -153,7 +153,7 @@ def test_tool_call_discarded_twice_reports_the_first_reason():
     during(act)
 
 
-def test_call_of_a_disconnected_client_is_cancelled():
+def test_tool_call_of_a_disconnected_client_is_cancelled():
     async def act(calls: Calls) -> None:
         first = calls.start("a")
         end = asyncio.get_running_loop().create_future()
@@ -193,7 +193,7 @@ def test_three_tool_calls_take_at_least_two_call_intervals():
     during(act, interval=0.05)
 
 
-def test_failed_tool_call_lets_the_next_one_run():
+def test_tool_call_after_a_failed_one_still_runs():
     async def act(calls: Calls) -> None:
         async def fail() -> str:
             async with calls.queue.turn():

@@ -75,14 +75,14 @@ def test_converse_tool_passes_on_the_refusal_of_the_server():
     assert call(server, ("converse", {"on": True}), ("think", {"on": True})) == [server.obstacle, BEGIN_FIRST]
 
 
-def test_think_tool_needs_a_conversation():
+def test_think_tool_without_a_conversation_reports_an_error():
     server = ConversingServer()
     calls = (("think", {"on": True}), ("converse", {"on": True}), ("think", {"on": True}), ("think", {"on": False}))
     assert call(server, *calls) == [BEGIN_FIRST, {"state": "idle"}, {"thinking": True}, {"thinking": False}]
     assert server.requests[1:] == [{"do": "think", "on": True}, {"do": "think", "on": False}]
 
 
-def test_connection_records_the_end_of_a_conversation_by_the_server():
+def test_tool_connection_records_that_the_server_ended_a_conversation():
     server = ConversingServer()
 
     async def run() -> list[str]:

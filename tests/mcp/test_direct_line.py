@@ -11,7 +11,7 @@ from kinesic.mcp.direct_line import DirectLine
 
 
 class Wire:
-    """Stub connection that counts and fails as scripted."""
+    """Stub connection that counts requests and fails as scripted."""
 
     def __init__(self, number: int) -> None:
         self.number, self.closed = number, False
@@ -50,7 +50,7 @@ def becomes(condition: Callable[[], bool]) -> bool:
     return condition()
 
 
-def test_callers_that_wait_for_a_running_request_share_the_next_request():
+def test_callers_that_wait_for_a_running_server_request_use_one_common_next_request():
     server = Server()
 
     async def run() -> None:
@@ -70,7 +70,7 @@ def test_callers_that_wait_for_a_running_request_share_the_next_request():
     asyncio.run(run())
 
 
-def test_request_of_a_cancelled_caller_is_still_executed():
+def test_server_request_of_a_cancelled_caller_is_still_executed():
     server = Server()
 
     async def run() -> None:
@@ -88,7 +88,7 @@ def test_request_of_a_cancelled_caller_is_still_executed():
     asyncio.run(run())
 
 
-def test_broken_connection_is_replaced_once_per_request():
+def test_broken_server_connection_is_replaced_once_per_request():
     server = Server(failures=1)
     assert asyncio.run(server.line.request()) == 1
     assert [wire.closed for wire in server.wires] == [True, False]
@@ -130,7 +130,7 @@ def test_failure_of_the_initial_connection_is_raised():
         DirectLine(connect, lambda wire: wire.number, name="test")
 
 
-def test_closing_a_connection_does_not_wait_for_a_running_request():
+def test_closing_a_server_connection_does_not_wait_for_a_running_request():
     server = Server()
 
     async def run() -> None:

@@ -28,7 +28,7 @@ class BrokenClient:
         self.closed.set()
 
 
-def test_failed_send_of_a_document_closes_the_connection():
+def test_document_that_cannot_be_sent_closes_the_server_connection():
     client = BrokenClient()
 
     async def act() -> None:

@@ -194,7 +194,7 @@ def test_waiting_perform_calls_are_discarded_if_another_client_stops_the_robot()
     asyncio.run(act())
 
 
-def test_discarded_call_reports_the_emergency_stop():
+def test_discarded_perform_call_reports_the_emergency_stop():
     robot = FakeRobot()
 
     async def act() -> None:

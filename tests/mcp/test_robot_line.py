@@ -29,7 +29,7 @@ def test_opened_robot_connections_send_three_pings_and_one_stop_line_registratio
         assert sorted(server.received) == [*['{"do": "ping"}'] * 3, '{"do": "stop_line"}']
 
 
-def test_waiting_callers_fail_immediately_when_the_server_ends():
+def test_callers_that_wait_for_the_robot_server_fail_immediately_when_the_server_ends():
     def end(_message: str, _say: Say) -> None:
         sleep(0.1)
         raise EOFError

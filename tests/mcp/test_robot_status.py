@@ -142,7 +142,7 @@ def test_refusal_of_an_unknown_block_states_which_blocks_play_or_wait(blocks: li
         wait(PlayedRobot([blocks]), "c")
 
 
-def test_summary_has_the_state_of_a_conversation_only_during_one():
+def test_status_summary_contains_the_state_of_a_conversation_only_during_a_conversation():
     status = {"robot": "r", "state": "resting", "blocks": [], "waiting": 0}
     assert "conversation" not in summarise(status, [])
     assert summarise(status, [], conversation="listening")["conversation"] == "listening"

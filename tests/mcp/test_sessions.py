@@ -103,7 +103,7 @@ def test_new_http_session_replaces_the_session_that_was_idle_longest():
     with_sessions(3, act, opened=3)
 
 
-def test_only_the_newest_sixteen_of_forty_sessions_remain():
+def test_only_the_newest_sixteen_of_forty_http_sessions_remain():
     async def act(web: Web) -> None:
         assert web.app.sessions == [f"s{k}" for k in range(25, 41)]
 
@@ -111,7 +111,7 @@ def test_only_the_newest_sixteen_of_forty_sessions_remain():
     with_sessions(MAX_SESSIONS, act, opened=40)
 
 
-def test_sessions_that_only_connect_do_not_end_an_active_session():
+def test_http_sessions_that_only_connect_do_not_end_an_active_session():
     async def act(web: Web) -> None:
         for _ in range(OPENING_REQUESTS):
             assert await web.ask(session="s1") == 200
@@ -123,7 +123,7 @@ def test_sessions_that_only_connect_do_not_end_an_active_session():
     with_sessions(3, act, opened=3)
 
 
-def test_new_session_does_not_replace_a_session_with_a_pending_call():
+def test_new_http_session_does_not_replace_a_session_with_a_pending_call():
     async def act(web: Web) -> None:
         calls = [web.later("POST", "s1", "/slow"), web.later("POST", "s2", "/slow")]
         await settle()
@@ -138,7 +138,7 @@ def test_new_session_does_not_replace_a_session_with_a_pending_call():
     with_sessions(2, act, opened=2)
 
 
-def test_session_without_open_stream_is_ended_first():
+def test_http_session_without_an_open_stream_is_ended_before_sessions_with_one():
     async def act(web: Web) -> None:
         stream = web.later("GET", "s1", "/slow")
         await settle()

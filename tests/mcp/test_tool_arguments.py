@@ -105,7 +105,7 @@ def test_alternative_types_of_one_parameter_are_named_once_in_one_error_line() -
     assert describe_errors("say", errors) == "a: 7 is not a text or an object\nb: 7 is not a number"
 
 
-def test_omitted_parts_of_a_text_are_listed_as_warnings() -> None:
+def test_parts_of_a_text_that_are_not_spoken_are_listed_as_warnings() -> None:
     assert module.list_omissions("Hello.") == ()
     assert module.list_omissions("See https://example.com now") == ("an address is not spoken: https://example.com",)
 

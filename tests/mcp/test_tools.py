@@ -185,7 +185,9 @@ def test_preview_tool_returns_its_answer_and_a_picture_if_available(
     robot.run(act)
 
 
-def test_resources_and_prompt_name_gestures_and_the_schema(robot: Robot, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_mcp_resources_and_prompt_contain_gesture_names_and_the_document_schema(
+    robot: Robot, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(module, "common_gestures", lambda lexicon: f"common of {lexicon}")
     monkeypatch.setattr(module, "all_names", lambda lexicon: f"all of {lexicon}")
 

@@ -104,7 +104,7 @@ def test_forty_successive_clients_are_served_during_a_pending_call(port: int):
 
 @pytest.mark.parametrize("port", [None], indirect=True)
 @pytest.mark.parametrize("mode", ["legacy", "auto"])
-def test_call_of_a_disconnected_client_leaves_the_queue(port: int, mode: str):
+def test_tool_call_of_a_disconnected_http_client_leaves_the_queue(port: int, mode: str):
     async def run() -> str:
         url = f"http://127.0.0.1:{port}/mcp"
         async with http_client(url, mode=mode) as leaving, http_client(url, mode=mode) as other:
@@ -119,7 +119,7 @@ def test_call_of_a_disconnected_client_leaves_the_queue(port: int, mode: str):
 
 
 @pytest.mark.parametrize("port", [None], indirect=True)
-def test_call_with_a_broken_connection_leaves_the_queue(port: int):
+def test_tool_call_whose_http_connection_breaks_leaves_the_queue(port: int):
     session = None
     connection = http.client.HTTPConnection("127.0.0.1", port, timeout=20)
     connection.request("POST", "/mcp", json.dumps(HELLO), HEADERS)

@@ -50,7 +50,7 @@ def test_behaviours_after_a_stop_have_no_arrival_time(calm):
     assert find_arrivals(plan, stopped, paths) == {}
 
 
-def test_length_and_peak_speed_are_measured_for_a_path_section_between_samples():
+def test_length_and_peak_speed_of_a_path_section_are_measured_between_samples():
     assert measure_stretch(TIMES, STRAIGHT_PATH, 0.305, 1.5) == pytest.approx((1.0, 0.695))
     assert measure_stretch(TIMES, STRAIGHT_PATH, 1.2, 1.5) == pytest.approx((0.0, 0.0))
     assert measure_stretch(TIMES, STRAIGHT_PATH, 0.502, 0.507) == pytest.approx((1.0, 0.005))

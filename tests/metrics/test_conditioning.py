@@ -41,7 +41,7 @@ def test_strokes_after_a_stop_are_not_reported_as_weakened(calm: DryRun, share: 
     assert stopped.changes == ()
 
 
-def test_report_merges_equally_shifted_sync_points_of_a_behaviour(calm: DryRun) -> None:
+def test_equally_shifted_sync_points_of_a_behaviour_are_reported_together(calm: DryRun) -> None:
     late = tuple(replace(sync, planned=sync.planned + 0.1) for sync in calm.plan.syncs)
     (chapter,) = with_plan(calm, syncs=late).reference.changes
     (moved,) = chapter.moved

@@ -64,7 +64,7 @@ def test_planned_paths_are_those_of_the_wrists_head_and_torso(
 
 
 @pytest.mark.parametrize(("count", "batches"), [(4096, 1), (4097, 5)])
-def test_motion_of_over_4096_samples_is_split_into_batches(calm: DryRun, count: int, batches: int) -> None:
+def test_reference_motion_of_over_4096_samples_is_sampled_in_batches(calm: DryRun, count: int, batches: int) -> None:
     times = np.linspace(0.0, calm.plan.trajectory.duration, count)
     duties = np.broadcast_to(0.0, (count, calm.reference.duties.shape[1]))
     rows = [rows for rows, _ in Reference(calm.plan, times, duties).motions()]

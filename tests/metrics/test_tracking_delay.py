@@ -33,7 +33,7 @@ def test_tracking_delay_of_a_still_hinge_is_nan():
     assert np.isnan(estimate_tracking_delays(of(planned), planned, np.array([False, False]), period=0.01)).all()
 
 
-def test_batch_size_does_not_change_tracking_delays(monkeypatch):
+def test_measured_tracking_delays_do_not_depend_on_the_batch_size(monkeypatch):
     monkeypatch.setattr("kinesic.metrics.tracking_delay.VELOCITIES_PER_WINDOW", 2 * len(TIMES))
     late = [0.0, 0.02, 0.05, -0.01, 0.11, 0.07, 0.03]
     planned = np.stack([pulse(TIMES, 0.0)] * len(late), axis=1)

@@ -11,7 +11,7 @@ def test_work_budget_is_spent_once_the_work_exceeds_the_budget():
     assert budget.spent
 
 
-def test_unlimited_work_budget_is_not_spent_by_a_trillion_units():
+def test_unlimited_work_budget_remains_after_a_trillion_units_of_work():
     UNLIMITED_BUDGET.spend(1e12)
     assert not UNLIMITED_BUDGET.spent
 

@@ -175,7 +175,7 @@ def test_negative_tension_overshoots_keys_but_not_the_range():
     assert highest[0] <= highest[1] < highest[2] <= 2.0
 
 
-def test_larger_swing_overshoots_a_reversal_further_but_within_the_joint_range():
+def test_larger_swing_parameter_overshoots_a_reversal_further_but_within_the_joint_range():
     angles, times = np.array([[0.0], [1.2], [1.9], [1.5], [0.0]]), np.array([0.0, 0.4, 0.8, 1.2, 1.6])
     grid, keyed = np.linspace(0.0, 1.6, 801), np.ones((5, 1), dtype=bool)
     highest = [

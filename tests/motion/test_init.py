@@ -14,7 +14,7 @@ BOX_LIMITS = {  # limits of two hinges [rad, rad/s, rad/s^2, rad/s^3]
 }
 
 
-def test_motion_keeps_limits_and_passes_keys():
+def test_motion_planned_by_the_public_functions_keeps_limits_and_passes_keys():
     limits = motion.Limits.box(**BOX_LIMITS)
     rows = ((0.0, [0.0, 0.0]), (0.5, [1.2, 2.0]), (2.5, [-0.4, 0.3]), (3.5, [0.0, 0.0]))
     keys = tuple(motion.KeyPosture.whole(time, angles) for time, angles in rows)

@@ -50,7 +50,7 @@ def test_infeasible_segment_is_first_constrained_by_cutting_planes(monkeypatch):
 
 
 def requested(monkeypatch, attempts: int, *, evaluations: int = 0, binds=lambda k: k == 0, **state) -> KeyTimeSearch:
-    """Request more time for a segment's first interval after failed attempts."""
+    """Request more time for a segment's first interval after some failed attempts."""
     tune(monkeypatch, max_planes=3, max_stretches=2)
     search = search_of()
     segment = first_segment(search)

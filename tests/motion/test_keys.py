@@ -120,7 +120,7 @@ def test_removing_the_accent_of_a_key_passage_keeps_tension_continuity_and_bias(
 
 
 @pytest.mark.parametrize("swing", [0.0, 0.5, 1.0])
-def test_swing_raises_the_velocity_at_a_key_and_full_tension_removes_it(swing):
+def test_swing_parameter_raises_the_velocity_at_a_key_unless_tension_is_full(swing):
     flows = [KeyPassage(tension=tension, swing=swing).flow for tension in (-1.0, 0.0, 0.5, 1.0)]
     assert flows == sorted(flows, reverse=True)
     assert flows[-1] == 0.0

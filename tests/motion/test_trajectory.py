@@ -101,7 +101,7 @@ def test_motion_of_one_posture_stays_still():
     assert not speeds.any()
 
 
-def test_rest_of_a_trajectory_starts_after_its_last_movement():
+def test_final_rest_of_a_trajectory_starts_after_its_last_movement():
     held = np.vstack((CONTROL_ANGLES, np.repeat(CONTROL_ANGLES[-1:] + 1e-12, 50, axis=0)))
     motion = Trajectory(held, zero=0.0, start=2.0)
     assert motion.end - motion.rest_start == pytest.approx(48 * KNOT_INTERVAL)

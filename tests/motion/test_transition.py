@@ -32,7 +32,7 @@ def share(column: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("leave", [3, 20, 41])
-def test_transition_starts_in_one_motion_and_ends_in_the_other(leave):
+def test_transition_between_two_motions_starts_in_the_first_and_ends_in_the_second(leave):
     own, after = wave(150, 0.4, 1.6), 0.5 + wave(150, 0.3, 2.0)
     way = cross_over(own, after, (leave, leave + 60), widen_limits(JOINT_LIMITS), 0)
     np.testing.assert_array_equal(way[: leave + 3], own[: leave + 3])

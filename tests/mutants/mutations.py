@@ -167,7 +167,7 @@ class _Finder:
                 yield from self._return_another(node)
 
     def _return_another(self, node: Function) -> Iterator[Site]:
-        """Yield other results for each return, except those of inner functions."""
+        """Yield mutants that return another value, except in inner functions."""
         for own_return in _own_returns(node.body):
             if own_return.value is not None:
                 others = [f"return {result}" for result in _results(node.returns)]
@@ -184,7 +184,7 @@ class _Finder:
             yield (Edit(whole.start, whole.end, self._text(second) + between + self._text(first)),)
 
     def _bound(self, bound: ast.expr) -> Site:
-        """Return the changes of a slice bound: one off, or missing."""
+        """Return mutants of a slice bound: shifted by one, or missing."""
         return self._edit(bound, f"({self._text(bound)}) + 1"), self._edit(bound, "")
 
     def _return_early(self, node: Function) -> Iterator[Site]:

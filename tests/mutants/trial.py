@@ -18,13 +18,16 @@ from typing import Literal
 import pytest
 
 MAX_MEMORY = 8 << 30  # [bytes] largest address space of a mutant
-TIME_LIMIT = (20.0, 8.0)  # limit for the tests of a mutant: constant part [s], and factor on their usual duration
+TIME_LIMIT = (
+    20.0,
+    8.0,
+)  # time limit for the tests of a mutant: constant part [s], and factor on the usual duration of the tests
 # Tests of mutants skip the servos of `manual_servo`, because running both kinds takes twice as long.
 PYTEST_SELECTION = ("-m", "not soak and not realtime", "-k", "not ([manual or -manual or manual-)")
 
 FORK_CONTEXT = multiprocessing.get_context(
     "forkserver"
-)  # context in which each trial begins with the heavy libraries loaded
+)  # process context in which each trial begins with the heavy libraries loaded
 # MuJoCo is not preloaded, because kinesic selects its OpenGL backend before the import.
 FORK_CONTEXT.set_forkserver_preload(["trial", "numpy", "scipy.optimize", "scipy.sparse", "casadi", "msgspec"])
 os.environ |= {"PYTHONHASHSEED": "0", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # of the trials
@@ -90,7 +93,7 @@ class Sandbox:
 
 
 def run_tests(root: Path, tests: Sequence[str]) -> None:
-    """Run a tree's tests in their own process, and exit with their code."""
+    """Run the tests of a source tree in a process, and exit with their code."""
     os.setsid()
     resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY, MAX_MEMORY))
     os.chdir(root)

@@ -50,7 +50,7 @@ def under(known: Setup, law: Law) -> Setup:
 
 
 def keys_of(known: Setup, seconds: float = 0.1) -> tuple[KeyPosture, ...]:
-    """Return keys of one hinge that moves, holds and returns."""
+    """Return keys of one hinge that moves, holds its angle and returns."""
     limits, count = known.limits, len(known.limits.lower)
     here = np.clip(0.0, limits.lower + 0.1, limits.upper - 0.1)
     there = here + np.where(np.arange(count) == MOVING_HINGE, 0.3, 0.0)
@@ -97,7 +97,7 @@ def assert_limits(found: list[Limits], expected: list[Limits]) -> None:
 
 
 def pulling(known: Setup, first: Conditioned, times: float) -> Law:
-    """Load the still hinge by the acceleration of the other one."""
+    """Return dynamics that load a hinge at rest by another hinge's acceleration."""
     knots = np.arange(0.0, first.trajectory.duration, KNOT_INTERVAL)
     share = times * known.robot.drives.stall[LOADED_HINGE] / largest(first.trajectory.sample(knots)[2][:, MOVING_HINGE])
 

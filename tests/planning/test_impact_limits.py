@@ -1,4 +1,4 @@
-"""Plans under a policy of contacts with people."""
+"""Plans with limits on contact forces near people."""
 
 from dataclasses import replace
 
@@ -48,7 +48,7 @@ def ratios(planned: Plan, setup: Setup):
     return compute_impact_ratios(planned.trajectory, knot_times(planned.trajectory), setup)
 
 
-def test_plan_without_policy_equals_that_without_a_contact_model(free: Setup, unlimited: Plan):
+def test_plan_without_contact_limits_equals_the_plan_without_a_contact_model(free: Setup, unlimited: Plan):
     without_model = plan(BLOCK, replace(free, impacts=None, policy=None))
     assert unlimited.trajectory.controls.tobytes() == without_model.trajectory.controls.tobytes()
     assert [sync.planned for sync in unlimited.syncs] == [sync.planned for sync in without_model.syncs]
@@ -65,11 +65,11 @@ def test_plan_near_a_child_keeps_force_and_energy_with_secondary_motion(free: Se
     assert near_child.syncs["g:stroke"].planned > unlimited.syncs["g:stroke"].planned
 
 
-def test_stroke_shifts_caused_by_the_policy_are_reported(near_child: Plan):
+def test_stroke_shifts_caused_by_contact_limits_are_reported(near_child: Plan):
     assert any(notice.id == "b:g" and "stroke" in notice.text for notice in near_child.notices)
 
 
-def test_only_hinges_that_move_the_worst_point_are_slowed(free: Setup, unlimited: Plan):
+def test_only_hinges_that_move_the_point_with_the_largest_contact_force_are_slowed(free: Setup, unlimited: Plan):
     setup = replace(free, policy=CHILD)
     slowed = slow_hinges(unlimited.trajectory, free.limits.speed, setup, 0)
     assert slowed is not None
@@ -83,7 +83,9 @@ def test_only_hinges_that_move_the_worst_point_are_slowed(free: Setup, unlimited
     assert (later[slowed < free.limits.speed] <= free.limits.speed[slowed < free.limits.speed]).all()
 
 
-def test_contributions_are_relative_to_the_largest(free: Setup, unlimited: Plan):
+def test_contributions_of_hinges_to_a_contact_force_are_relative_to_the_largest_contribution(
+    free: Setup, unlimited: Plan
+):
     angles, velocities, _ = unlimited.trajectory.sample(np.array([0.3, 0.5]))
     assert free.impacts is not None
     points = np.array([len(free.impacts.owners) - 1] * 2)  # on the right hand
@@ -93,7 +95,9 @@ def test_contributions_are_relative_to_the_largest(free: Setup, unlimited: Plan)
     assert not parts[:, left].any()
 
 
-def test_added_motion_is_faulted_only_for_a_new_excess_over_the_policy(free: Setup, unlimited: Plan, near_child: Plan):
+def test_secondary_motion_is_rejected_only_for_a_new_excess_over_the_contact_limits(
+    free: Setup, unlimited: Plan, near_child: Plan
+):
     setup = near_child.setup
     times = knot_times(unlimited.trajectory)
     found = find_excess_times(near_child.trajectory, unlimited.trajectory, times, setup)
@@ -103,14 +107,14 @@ def test_added_motion_is_faulted_only_for_a_new_excess_over_the_policy(free: Set
     assert not len(find_excess_times(unlimited.trajectory, near_child.trajectory, times, setup))
 
 
-def test_behaviour_that_cannot_keep_the_policy_is_named_with_a_reason(free: Setup, unlimited: Plan):
+def test_behaviour_that_cannot_keep_the_contact_limits_is_dropped_with_a_reason(free: Setup, unlimited: Plan):
     reasons = find_excessive_behaviours(unlimited.keyframes, unlimited.motion, replace(free, policy=CHILD))
     assert list(reasons) == ["g"]
     assert "exceeds the limit of force on a face (near: child)" in reasons["g"]
     assert find_excessive_behaviours(unlimited.keyframes, unlimited.motion, free) == {}
 
 
-def test_only_ratios_above_the_limit_and_above_the_former_ones_are_a_new_excess(
+def test_contact_ratio_is_a_new_excess_only_above_both_the_limit_and_the_former_ratio(
     unlimited: Plan, near_child: Plan, monkeypatch: pytest.MonkeyPatch
 ):
     motion, before = near_child.trajectory, unlimited.trajectory

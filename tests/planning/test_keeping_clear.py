@@ -60,7 +60,7 @@ def test_behaviour_is_dropped_only_if_clearance_is_below_the_minimum_reserve(bea
     assert blamed(beats, {1.0: 0.99 * MIN_LAG_RESERVE}).keys() == {"g0"}
 
 
-def test_collisions_close_in_time_are_merged_and_distant_ones_are_not(beats):
+def test_collisions_close_in_time_are_treated_as_one_and_distant_ones_separately(beats):
     least = beats.setup.robot.min_clearance
     result = blamed(beats, {1.0: -0.004, 1.2: -0.007, 5.0: -0.001, 9.0: 0.1})
     assert result == {

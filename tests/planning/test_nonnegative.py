@@ -4,11 +4,11 @@ import pytest
 from kinesic.planning.nonnegative import solve_nonnegative
 
 
-def test_variable_with_a_negative_unconstrained_solution_is_zero():
+def test_nonnegative_least_squares_sets_a_variable_with_a_negative_optimum_to_zero():
     np.testing.assert_allclose(solve_nonnegative(np.eye(3), np.array([2.0, -1.0, 0.5])), [2.0, 0.0, 0.5])
 
 
-def test_first_variable_returns_to_zero_if_later_ones_make_it_negative():
+def test_least_squares_variable_returns_to_zero_if_later_variables_make_it_negative():
     """Use a variable that helps most at first, but not in the optimum."""
     matrix, target = np.array([[1.0, 1.0, 0.0], [1.0, 0.0, 1.0], [0.5, 0.0, 0.0]]), np.array([1.0, 1.0, -0.2])
     assert (matrix.T @ target).argmax() == 0
@@ -29,5 +29,5 @@ def test_nonnegative_least_squares_match_scipy(shape, repeated: bool):
         assert np.linalg.norm(matrix @ found - target) <= nnls(matrix, target)[1] + 1e-9
 
 
-def test_negative_target_keeps_all_nonnegative_variables_at_zero():
+def test_nonnegative_least_squares_of_a_negative_target_keeps_all_variables_at_zero():
     np.testing.assert_array_equal(solve_nonnegative(np.ones((2, 3)), np.array([-1.0, -1.0])), np.zeros(3))

@@ -41,7 +41,7 @@ def synced(posture, name):
     return replace(posture, syncs=((name, "stroke"),))
 
 
-def test_keys_of_a_stroke_or_its_hold_are_not_detour_keys():
+def test_detour_search_does_not_move_keys_of_a_stroke_or_its_hold():
     made = course(
         key(0.0),
         synced(key(1.0, right=ARM_IN_FRONT), "g"),

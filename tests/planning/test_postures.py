@@ -162,7 +162,7 @@ def test_torso_has_keys_at_a_lean_about_one_axis_and_at_the_frames_before_and_af
         (("l_hand",), (("g", "stroke"),), True),
     ],
 )
-def test_only_keys_on_the_path_of_one_hand_and_without_sync_point_may_be_missed(given, syncs, is_firm):
+def test_motion_may_miss_only_keys_on_the_path_of_one_hand_without_sync_points(given, syncs, is_firm):
     frame = frames_of_left_hand(None, (0.3, 0.2, 0.8), None).frames[1]
     hands = {**frame.hands, "l": replace(frame.hands["l"], passing=True)}
     assert _is_exact(replace(frame, hands=hands, given=frozenset(given), syncs=syncs)) is is_firm

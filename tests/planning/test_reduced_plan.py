@@ -28,13 +28,13 @@ def moved(plan) -> set[str]:
     return {behaviour for behaviour, parts in plan.keyframes.uses.items() if parts}
 
 
-def test_leaving_out_no_behaviours_returns_the_plan_itself(planned):
+def test_plan_reduced_by_no_behaviours_is_the_plan_itself(planned):
     plan = planned(NOD_ELEMENT)
     assert plan_without(plan, ()) is plan
 
 
 @pytest.mark.parametrize("planner", [plan_quickly, plan_block])
-def test_remaining_behaviours_move_as_if_planned_alone(planned, planner):
+def test_remaining_behaviours_of_a_reduced_plan_move_as_if_planned_alone(planned, planner):
     reduced, alone = plan_without(planned(GAZE_ELEMENT + NOD_ELEMENT, planner), ["z"]), planned(NOD_ELEMENT, planner)
     assert moved(reduced) == {"n"}
     assert reduced.conditioned is alone.conditioned
@@ -43,7 +43,7 @@ def test_remaining_behaviours_move_as_if_planned_alone(planned, planner):
     np.testing.assert_allclose(result, expected, atol=1e-6)
 
 
-def test_required_behaviour_can_be_left_out(planned):
+def test_required_behaviour_can_be_removed_from_a_plan(planned):
     reduced = plan_without(planned(f"<required>{GAZE_ELEMENT}{NOD_ELEMENT}</required>"), {"z"})
     assert moved(reduced) == {"n"}
     assert "another block" in reduced.keyframes.outcomes["z"].why

@@ -143,7 +143,7 @@ def test_planning_keeps_utterances_given_by_the_caller(known: Setup, waiting: Pl
 
 
 @SILENT_VOICE
-def test_schedule_of_the_caller_is_used_unless_pauses_or_busy_hands_change_it(known: Setup):
+def test_planning_uses_the_timeline_given_by_the_caller_unless_pauses_or_busy_hands_change_it(known: Setup):
     plain, paused = (parse(HURRIED_DOCUMENT.format(block="", speech=speech)) for speech in ("", 'kinesic:pause="true"'))
     without_pause = plan_block(paused, known, utterances=speech.synthesise_block(paused, known)).timeline
     first = plan_block(plain, known)

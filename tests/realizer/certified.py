@@ -8,7 +8,7 @@ from kinesic.planning.clearance import LAG_RESERVE, scan_clearance
 
 
 def certified(motion, known, before, time: float) -> None:
-    """Assert equality up to the cut, all limits, and clearance afterwards."""
+    """Assert equality before the change, all limits, and clearance afterwards."""
     knot = knot_at(time)
     np.testing.assert_allclose(motion.controls[: knot + 3], before.controls[: knot + 3], atol=1e-8)
     for name, peak in check_limits(motion, known.limits).by_quantity.items():

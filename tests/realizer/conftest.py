@@ -12,7 +12,7 @@ from kinesic.realizer.contention import with_busy_hands
 from kinesic.realizer.realizer import PreparedBlock, Scene, ScheduledFeedback, advance, begin, prepare_block
 from kinesic.realizer.request import Message, read_request
 
-TICK_PERIOD = 0.01  # [s] time between two advances of the scene
+TICK_PERIOD = 0.01  # [s] time between two updates of the scene
 BML_NAMESPACES = (
     'xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:bmla="http://www.asap-project.org/bmla" '
     'xmlns:kinesic="urn:kinesic"'
@@ -88,5 +88,5 @@ def play(known: Setup) -> Play:
 
 @pytest.fixture
 def played(known: Setup) -> Callable[..., Play]:
-    """Factory of plays with scene options."""
+    """Function that makes scenes with the given options."""
     return lambda **options: Play(Scene.of(known, **options))

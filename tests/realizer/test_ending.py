@@ -10,7 +10,7 @@ NOD = '<head id="h" lexeme="NOD"/>'
 BEAT = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>'
 LEFT_BEAT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
 HELLO = '<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'
-TICK_PERIOD = 0.01  # [s] time between two advances of the scene
+TICK_PERIOD = 0.01  # [s] time between two updates of the scene
 
 
 def test_replace_composition_stops_all_blocks(play):

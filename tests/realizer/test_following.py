@@ -1,4 +1,4 @@
-"""Followed gaze and posture beneath blocks."""
+"""Followed gaze and posture, which blocks override."""
 
 from dataclasses import replace
 
@@ -46,7 +46,7 @@ def followed(play, turns):
     return play.take(follow(play.scene, turns, play.now))
 
 
-def test_chain_of_200_random_gazes_keeps_limits_and_ends_at_the_last_one(played, known):
+def test_followed_chain_of_200_random_gazes_keeps_limits_and_ends_at_the_last_gaze(played, known):
     play, random = played(ahead=0.02), np.random.default_rng(5)
     for number in range(200):
         goal = (random.uniform(-55, 55), random.uniform(-15, 15))
@@ -60,7 +60,7 @@ def test_chain_of_200_random_gazes_keeps_limits_and_ends_at_the_last_one(played,
     assert neck(play)[1] == pytest.approx(-goal[1], abs=0.01)
 
 
-def test_overlapping_steps_together_keep_the_comfortable_limits():
+def test_overlapping_gaze_following_steps_together_keep_comfortable_velocity_and_acceleration():
     random, steps, begin = np.random.default_rng(2), [], 0.0
     for _ in range(60):
         step = fit_step("neck", np.append(random.uniform(-0.8, 0.8, 2), 0.0), begin, steps)
@@ -74,7 +74,7 @@ def test_overlapping_steps_together_keep_the_comfortable_limits():
     assert 0.8 < acceleration / STEP_LIMITS["neck"].acceleration < 1.05
 
 
-def test_rates_of_a_step_are_the_derivatives_of_its_progress():
+def test_velocity_and_acceleration_of_a_gaze_following_step_are_derivatives_of_its_progress():
     step = FollowStep("neck", np.array([0.4, -0.2, 0.1]), 1.0, 1.7)
     times, width = np.linspace(0.9, 1.8, 40), 1e-4
     angle = lambda at: step.progress(at)[:, None] * step.change  # noqa: E731  # the definition itself
@@ -84,7 +84,7 @@ def test_rates_of_a_step_are_the_derivatives_of_its_progress():
     np.testing.assert_allclose(acceleration, second, atol=2e-2)
 
 
-def test_gaze_of_a_block_replaces_the_followed_one_and_returns_to_it(played):
+def test_gaze_behaviour_replaces_the_followed_gaze_and_returns_to_it(played):
     alone = played().send("b", GAZE.format(0.2, 1.0, 3.0, 4.0)).until(2.0)
     play = followed(played(), look(25.0)).until(1.5).send("b", GAZE.format(0.2, 1.0, 3.0, 4.0)).until(3.5)
     assert play.was_told("b:z:ready")
@@ -93,7 +93,7 @@ def test_gaze_of_a_block_replaces_the_followed_one_and_returns_to_it(played):
     assert neck(play.until(8.0))[0] == pytest.approx(25.0, abs=0.01)
 
 
-def test_gaze_that_a_running_block_performs_later_is_not_displaced_by_following(played):
+def test_later_gaze_of_a_running_block_still_reaches_its_target_during_gaze_following(played):
     alone = played().send("b", GAZE.format(3.0, 4.0, 6.0, 7.0)).until(5.0)
     play = followed(played(), look(10.0)).until(1.0).send("b", GAZE.format(3.0, 4.0, 6.0, 7.0)).until(2.0)
     followed(play, look(30.0))
@@ -102,7 +102,7 @@ def test_gaze_that_a_running_block_performs_later_is_not_displaced_by_following(
     assert neck(play.until(10.0))[0] == pytest.approx(30.0, abs=0.01)
 
 
-def test_following_never_moves_the_arms(played, known):
+def test_gaze_following_never_moves_the_arms(played, known):
     arms = ~trunk_hinges(known.robot)
     plain, play = played().send("b", WAVE), played().send("b", WAVE)
     for number in range(8):
@@ -113,7 +113,7 @@ def test_following_never_moves_the_arms(played, known):
     assert np.ptp(neck(play, 2.4)) > 1.0
 
 
-def test_interrupted_block_returns_to_the_followed_gaze(played):
+def test_robot_returns_to_the_followed_gaze_after_an_interrupted_block(played):
     play = followed(played(), look(20.0)).until(1.0).send("b", WAVE + GAZE.format(0.0, 0.8, 4.0, 5.0)).until(2.5)
     play.take(interrupt(play.scene, play.now)).until(6.0)
     assert neck(play)[0] == pytest.approx(20.0, abs=0.01)
@@ -122,7 +122,7 @@ def test_interrupted_block_returns_to_the_followed_gaze(played):
     assert not [entry for entry in play.scene.lasting if entry.behaviour.startswith(FOLLOWING_PREFIX)]
 
 
-def test_followed_posture_and_gaze_add_up_and_end_together(played, known):
+def test_followed_posture_and_followed_gaze_are_added_and_end_together(played, known):
     lean = HeldTurns("posture", Turn(roll=np.radians(5)), Turn(tilt=np.radians(2)))
     play = followed(followed(played(), look(15.0)), lean).until(2.0)
     assert neck(play) == pytest.approx([15.0, -2.0, 5.0], abs=0.1)  # the neck keeps the head level
@@ -130,21 +130,21 @@ def test_followed_posture_and_gaze_add_up_and_end_together(played, known):
     np.testing.assert_allclose(play.scene.motion.controls[-1], known.robot.skeleton.rest, atol=1e-9)
 
 
-def test_gaze_beyond_the_range_of_the_neck_is_clipped(played, known):
+def test_followed_gaze_beyond_the_range_of_the_neck_is_clipped(played, known):
     play = followed(played(), HeldTurns("look", Turn(tilt=np.radians(-80)), Turn())).until(2.0)
     lowest = known.robot.skeleton.lower[list(known.robot.joints("neck"))]
     assert neck(play)[1] == pytest.approx(np.degrees(lowest[1]), abs=0.01)
     assert neck(followed(play, look(0.0)).until(5.0))[1] == pytest.approx(0.0, abs=0.01)
 
 
-def test_nod_adds_to_the_motion_and_ends_where_it_began(played):
+def test_listening_nod_is_added_to_the_running_motion_and_returns_to_the_followed_gaze(played):
     play = followed(played(ahead=0.02), look(20.0)).until(1.0)
     checked(play, lambda scene: nod(scene, np.radians(5.0), play.now))
     assert neck(play, play.now + 0.02 + NOD_DOWN_DURATION)[1] == pytest.approx(5.0, abs=0.5)
     assert neck(play) == pytest.approx([20.0, 0.0, 0.0], abs=0.01)
 
 
-def test_nod_of_a_block_excludes_another_nod(played):
+def test_listening_nod_is_omitted_during_the_nod_of_a_block(played):
     play = played().send("b", '<head id="h" lexeme="NOD" start="0" end="2"/>').until(0.5)
     assert nod(play.scene, 0.08, play.now) is play.scene
     play.until(4.0)

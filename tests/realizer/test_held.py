@@ -106,7 +106,7 @@ def test_interrupting_a_block_keeps_the_newer_gaze_shift_of_another_block(played
     np.testing.assert_allclose(end(play), end(played().send("b", look("left"))), atol=ANGLE_TOLERANCE)
 
 
-def test_trunk_is_upright_after_two_gaze_shifts_are_interrupted(played, end):
+def test_trunk_is_upright_after_interruption_of_two_gaze_shifts(played, end):
     play = played().send("a", '<wait id="w" duration="9"/>' + look("left")).until(3.0)
     play.send("b", '<wait id="w" duration="9"/>' + look("right")).until(6.0)
     for id in ("a", "b"):

@@ -43,7 +43,7 @@ def merged(setup: Setup, running: Trajectory) -> list[MergedMotion]:
     return [merge(running, time, lean, begin=time) for time in np.arange(0.2, 1.8, 0.2)]
 
 
-def test_merged_trunk_and_arm_motion_keeps_the_policy_or_drops_the_behaviour(setup: Setup, raised: Trajectory):
+def test_merged_trunk_and_arm_motion_keeps_the_contact_limits_or_drops_the_behaviour(setup: Setup, raised: Trajectory):
     results = merged(setup, raised)
     assert max(largest_ratio(result.trajectory, setup) for result in results) <= 1.0
     texts = [notice.text for result in results for notice in result.notices]
@@ -52,7 +52,7 @@ def test_merged_trunk_and_arm_motion_keeps_the_policy_or_drops_the_behaviour(set
     assert max(largest_ratio(result.trajectory, setup) for result in free) > 1.0
 
 
-def test_merged_motion_beyond_the_policy_is_a_conflict(setup: Setup):
+def test_merged_motion_beyond_the_contact_limits_is_a_conflict(setup: Setup):
     count, hinge = 120, setup.robot.skeleton.names.index("l_shoulder_flexion")
     base = np.repeat(setup.robot.skeleton.rest[None], count, axis=0)
     swing = np.linspace(0.0, 2.0, count) ** 2 * 0.3
@@ -66,7 +66,7 @@ def test_merged_motion_beyond_the_policy_is_a_conflict(setup: Setup):
     assert failure.why.startswith("exceeds the limit of contacts")
 
 
-def test_interrupted_hands_return_within_the_policy(setup: Setup, raised: Trajectory):
+def test_hands_of_an_interrupted_block_return_within_the_contact_limits(setup: Setup, raised: Trajectory):
     everything = np.ones(len(setup.limits.lower), dtype=np.bool_)
     free = replace(setup, policy=None)
     times = (0.8, 1.6)
@@ -75,18 +75,18 @@ def test_interrupted_hands_return_within_the_policy(setup: Setup, raised: Trajec
     assert max(kept) <= 1.0 < max(unlimited)
 
 
-def test_emergency_stops_stay_within_the_policy(setup: Setup, raised: Trajectory):
+def test_emergency_stops_stay_within_the_contact_limits(setup: Setup, raised: Trajectory):
     stops = [stop(raised, time, setup.limits) for time in np.linspace(0.3, 2.1, 5)]
     assert max(largest_ratio(stopped, setup) for stopped in stops) <= 1.0
 
 
-def test_quick_plan_keeps_the_policy(setup: Setup):
+def test_quick_plan_keeps_the_contact_limits_near_people(setup: Setup):
     quick = plan_quickly(parse(RAISE), setup)
     assert largest_ratio(quick.trajectory, setup) <= 1.0
     assert largest_ratio(plan_quickly(parse(RAISE), replace(setup, policy=None)).trajectory, setup) > 1.0
 
 
-def test_excess_of_the_motion_before_a_change_is_not_reported(setup: Setup, raised: Trajectory):
+def test_contact_excess_that_existed_before_a_change_is_not_reported(setup: Setup, raised: Trajectory):
     free = plan_block(parse(RAISE), replace(setup, policy=None, impacts=setup.impacts)).trajectory
     excess = find_worst_excess(free, stay(setup.robot.skeleton.rest), setup)
     assert excess is not None
@@ -96,7 +96,7 @@ def test_excess_of_the_motion_before_a_change_is_not_reported(setup: Setup, rais
     assert find_worst_excess(raised, free, setup) is None
 
 
-def test_contact_ratio_depends_on_the_audience(raised: Trajectory, setup: Setup):
+def test_contact_ratio_of_a_motion_depends_on_the_audience(raised: Trajectory, setup: Setup):
     near_adult = replace(setup, policy=find_policy("adult"))
     assert largest_ratio(raised, near_adult) < largest_ratio(raised, setup)
     assert largest_ratio(raised, replace(setup, policy=None)) == 0.0

@@ -207,7 +207,7 @@ def test_block_with_a_dropped_gaze_or_gesture_nods_as_if_planned_without_it(plan
     np.testing.assert_allclose(result, expected, atol=1e-6)
 
 
-def test_retraction_is_replaced_by_the_next_gesture(planned, rest, known):
+def test_gesture_of_a_new_block_replaces_the_retraction_of_the_previous_gesture(planned, rest, known):
     plan = planned(gesture("RIGHT"))
     first = merge(rest, 0.0, planned(gesture("RIGHT", 1.0, lexeme="offer")), begin=0.0)
     relax, end = first.occupancy[0].relax, first.occupancy[0].end
@@ -246,7 +246,7 @@ def test_later_of_two_simultaneous_gazes_is_dropped(planned, rest):
     assert "look busy with z" in merged.notices[0].text
 
 
-def test_truncating_the_past_does_not_change_a_merge(planned, running, known):
+def test_merge_result_does_not_depend_on_truncation_of_past_motion(planned, running, known):
     later = running.since(2.0)
     times = np.linspace(2.0, 7.0, 100)
     one, other = later.trajectory.sample(times)[0], running.trajectory.sample(times)[0]
@@ -259,7 +259,7 @@ def test_truncating_the_past_does_not_change_a_merge(planned, running, known):
 
 
 @pytest.mark.parametrize("coming", [NOD, gesture("RIGHT", 0.5)], ids=["free", "busy"])
-def test_merge_is_independent_of_the_clock_time(planned, known, coming):
+def test_merged_motion_does_not_depend_on_the_clock_time(planned, known, coming):
     first, second = planned(gesture("RIGHT", 1.0)), planned(coming)
     results = []
     for start in (0.0, 1e4):

@@ -54,7 +54,7 @@ def joined(task: Overlay):
     return result if isinstance(result, tuple | MergeFailure) else result[0]
 
 
-def test_hand_unused_by_the_block_keeps_the_running_motion(transitions):
+def test_hand_without_behaviour_in_the_new_block_keeps_the_running_motion(transitions):
     other = use("left", 0.3, role="l_hand")
     assert joined(work([other], [use("a", 0.3)])) == 0.0
     assert transitions == []

@@ -80,7 +80,7 @@ def test_block_whose_speech_has_started_gets_a_full_plan_with_the_same_speech(kn
     assert options["conditioned"].keywords == {"lead_in": 0.0}
 
 
-def test_planner_reuses_the_timeline_of_a_scheduled_block(known, planners):
+def test_planning_of_a_scheduled_block_reuses_its_timeline(known, planners):
     request = timed((0.0, 1.0))
     prepare_block(request, known, is_scheduled=True)
     assert planners[0][2]["timeline"] is request.timeline

@@ -218,7 +218,7 @@ def test_refined_plan_still_points_at_its_target_while_the_trunk_leans(play):
     check(play)
 
 
-def test_arm_may_come_as_near_to_the_body_as_the_required_clearance(alone, known):
+def test_corrected_pointing_arm_may_approach_the_body_up_to_the_required_clearance(alone, known):
     controls = alone.trajectory.controls
     last = len(controls) - MIN_TRANSITION
     nearest = float(scan_clearance(motion_from_knot(controls, 0), known.distances)[1].distances.min())

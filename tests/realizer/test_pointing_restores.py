@@ -24,7 +24,7 @@ from kinesic.realizer.scene import Scene
 from .small_pointing import ARM, HINGE_COUNT, START, TOLERANCE, motion, use
 
 
-def test_all_hands_of_playing_blocks_are_checked_after_a_change_of_the_motion(monkeypatch):
+def test_pointing_error_of_all_hands_is_checked_after_a_change_of_the_motion(monkeypatch):
     calls = []
     monkeypatch.setattr(module, "pointing_hands", lambda plan: plan)
     monkeypatch.setattr(
@@ -98,7 +98,7 @@ def restored(monkeypatch):
     return restore
 
 
-def test_hand_that_misses_its_target_is_corrected(restored):
+def test_pointing_hand_that_misses_its_target_is_corrected(restored):
     stage, ((where, change, stroke, others, setup),) = restored()
     assert (where, change, setup) == ("bent", 3.0, stage.setup)
     assert (stroke.time, stroke.occupancy, stroke.pointer.behaviour) == (4.5, stage.running.occupancy[0], "p")

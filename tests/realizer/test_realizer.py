@@ -18,7 +18,7 @@ NOD = '<head id="h" lexeme="NOD"/>'
 BEAT = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>'
 
 
-def test_empty_block_starts_and_ends(play):
+def test_empty_block_reports_its_start_and_end(play):
     play.send("b").until(0.02)
     assert play.at("b:start") == play.at("b:end") == 0.0
     assert play.warnings() == []

@@ -178,7 +178,7 @@ def test_new_block_delays_a_waiting_block_that_it_names_unless_both_would_wait_f
     assert after.find("a").waits == {"z": "end", "b": "relax"}
 
 
-def test_advance_sends_due_messages_in_order_and_clears_earlier_ones(scene):
+def test_scene_sends_due_messages_in_order_and_removes_them(scene):
     messages = tuple(ScheduledFeedback(time, f"t{time}") for time in (1.0, 2.0, 3.0))
     after = advance(replace(scene, agenda=messages).with_feedback(ScheduledFeedback(0.0, "old")), 2.0)
     assert after.outgoing_feedback == messages[:2]

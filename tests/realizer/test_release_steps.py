@@ -72,7 +72,7 @@ def freed(*hinges: int) -> np.ndarray:
     return np.isin(np.arange(HINGE_COUNT), hinges)
 
 
-def test_motion_without_released_hinges_is_unchanged(known, tries):
+def test_release_of_no_hinges_leaves_the_motion_unchanged(known, tries):
     running = motion(60)
     assert _release_from(running, 20, NO_HINGES, known, None, ()) is running
     assert tries[0] == []

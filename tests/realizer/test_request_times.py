@@ -109,7 +109,7 @@ def test_request_lists_times_and_notices_of_its_timeline():
     assert (request.is_anchored, request.is_decided, request.busy_hands) == (False, False, ())
 
 
-def test_client_message_has_sender_zero_by_default():
+def test_client_message_has_sender_number_zero_by_default():
     message = Message("text")
     assert (message.sender, message.source) == (0, "<text>")
 

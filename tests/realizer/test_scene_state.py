@@ -24,7 +24,7 @@ def scene(known) -> Scene:
     return Scene.of(known, 3.0, ahead=0.25)
 
 
-def test_new_scene_rests_from_its_start_time_on(known, scene):
+def test_new_scene_stays_in_the_rest_posture_from_its_start_time(known, scene):
     assert scene.motion.start == 3.0
     assert (scene.motion.controls == known.robot.skeleton.rest).all()
     assert (scene.ahead, scene.blocks, scene.runs, Scene.of(known).ahead) == (0.25, (), 0, 0.0)

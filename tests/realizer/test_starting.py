@@ -12,7 +12,7 @@ RIGHT_BEAT_WITH_HOLD = '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" relax="1
 LEFT_BEAT = '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND"/>'
 BEAT_OF_ANY_HAND = '<gesture id="g" lexeme="BEAT"/>'
 HELLO = '<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'
-TICK_PERIOD = 0.01  # [s] time between two advances of the scene
+TICK_PERIOD = 0.01  # [s] time between two updates of the scene
 
 
 def test_merge_composition_adds_to_running_blocks(play):

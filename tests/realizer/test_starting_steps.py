@@ -54,7 +54,7 @@ def texts(scene: Scene) -> list[str]:
     return [item.xml for item in scene.outgoing_feedback]
 
 
-def test_block_is_merged_with_the_motion_of_the_others(scene, merged):
+def test_started_block_is_merged_with_the_motion_of_running_blocks(scene, merged):
     busy = scene.with_block(small_block("a", motion=small_motion(), occupancy=[use("g", "l_hand")]))
     running = coming()
     after = start_block(busy.with_block(running), running, 10.0)
@@ -223,7 +223,7 @@ def test_activated_block_waits_for_its_dependencies(scene, merged):
     assert activate_block(scene.with_block(waiting), "p", 10.0).find("p").state is BlockState.IN_EXEC
 
 
-def test_only_preplanned_blocks_are_activated(crowd):
+def test_activation_starts_only_preplanned_blocks(crowd):
     for id in ("a", "w", "gone"):
         assert activate_block(crowd, id, 10.0) is crowd
 

@@ -17,7 +17,7 @@ from .certified import certified
 GESTURE = '<gesture id="g" lexeme="{}" mode="RIGHT_HAND"/>'
 GAZE = '<gazeShift id="z" target="1 0.5 0.5"/>'
 STILL_VELOCITY = np.radians(2.0)  # [rad/s] velocity below which an arm holds
-MAX_STOPPING_TIME = 0.23  # [s] largest time from the interruption until all arms are still
+MAX_STOPPING_TIME = 0.23  # [s] largest time from the interruption until all arms hold
 
 
 def arm_velocities(motion, robot, times):
@@ -26,7 +26,7 @@ def arm_velocities(motion, robot, times):
     return np.abs(motion.sample(times)[1])[:, hinges].max(axis=1)
 
 
-def test_arms_of_a_yielding_block_stop_then_hold_then_return_within_limits(play, known):
+def test_arms_of_a_block_that_yields_to_a_person_stop_then_hold_then_return_within_limits(play, known):
     """Interrupt gestures in different phases.
 
     Phases are the preparation, the stroke, the retraction and a posture near the chin.
@@ -46,7 +46,7 @@ def test_arms_of_a_yielding_block_stop_then_hold_then_return_within_limits(play,
         assert made.moves
 
 
-def test_hold_of_a_yielding_arm_lasts_as_long_as_its_constant(play, known):
+def test_arm_of_an_interrupted_block_decelerates_and_then_holds_for_the_set_durations(play, known):
     play.send("a", GESTURE.format("BEAT")).until(0.65)
     motion = interrupt(play.scene, 0.65, yields=True).motion
     times = np.arange(0.65, 3.0, KNOT_INTERVAL)
@@ -56,14 +56,14 @@ def test_hold_of_a_yielding_arm_lasts_as_long_as_its_constant(play, known):
     assert held[0] * KNOT_INTERVAL == pytest.approx(DECELERATION_DURATION, abs=2 * KNOT_INTERVAL)
 
 
-def test_arm_returns_without_a_hold_if_another_block_uses_it_later(play):
+def test_yielding_arm_returns_without_a_hold_if_another_block_uses_it_later(play):
     play.send("a", GESTURE.format("BEAT")).send("b", '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" stroke="4"/>')
     play.until(0.65)
     yielding, direct = (interrupt(play.scene, 0.65, "a", yields=yields).motion for yields in (True, False))
     np.testing.assert_array_equal(yielding.controls, direct.controls)
 
 
-def test_arm_at_the_end_of_its_retraction_is_not_stopped(play):
+def test_yielding_arm_near_the_end_of_its_retraction_is_not_stopped(play):
     play.send("a", GESTURE.format("BEAT"))
     end = play.scene.blocks[0].end
     for remaining, stops in ((0.2, False), (0.4, True)):
@@ -91,7 +91,7 @@ def test_yielding_block_reports_its_interruption_once(play):
     assert not play.was_told("a:g:end")
 
 
-def test_stop_angle_is_the_limit_of_a_deceleration_with_least_jerk():
+def test_stop_angle_of_a_yielding_arm_follows_from_a_deceleration_with_least_jerk():
     """A cubic velocity that ends with zero acceleration covers vT/2 + aT^2/12."""
     times = KNOT_INTERVAL * np.arange(-1, 2)[:, None]
     assert _stop_angles(0.3 + 0.0 * times, 0.5) == pytest.approx([0.3])

@@ -36,7 +36,7 @@ from kinesic.mcp.server import make_server  # noqa: E402 - as above
 pytestmark = pytest.mark.realtime
 
 BATCH_SIZE = 10  # number of attacks sent at once
-SAMPLE_TIME = 2.0  # [s] time in which a batch of the sample may move the robot, and of all attacks after a stop
+SAMPLE_TIME = 2.0  # [s] time in which a batch of the sample may move the robot, and in which a stopped robot is watched
 PERFORMING_TIME = 15.0  # [s] time in which a batch of all attacks may move the robot
 SETTLING_TIME = 1.0  # [s] time after an emergency stop until the robot stands still
 ANSWER_TIMEOUT = 60.0  # [s] longest wait for the answers to a batch
@@ -73,7 +73,7 @@ def list_attacks() -> list[Attack]:
 
 
 ATTACKS = list_attacks()
-SAMPLE = ATTACKS[3::20]  # attacks of every run
+SAMPLE = ATTACKS[3::20]  # attacks that every test run sends
 
 
 @pytest.fixture(scope="module")
@@ -164,7 +164,7 @@ def moved(commands: Sequence[Command]) -> Floats:
     return np.asarray(np.ptp([command.angles for command in commands], axis=0))
 
 
-def test_attacks_are_two_hundred_different_ones_of_every_kind():
+def test_list_of_attacks_contains_two_hundred_different_attacks_of_every_kind():
     assert len({attack.content for attack in ATTACKS}) == len(ATTACKS) == 200
     assert {attack.by for attack in ATTACKS} == {"document", "say", "tool", "message"}
     assert len(SAMPLE) == BATCH_SIZE
@@ -178,7 +178,7 @@ def test_attacks_are_two_hundred_different_ones_of_every_kind():
         pytest.param(ATTACKS, PERFORMING_TIME, id="all", marks=pytest.mark.soak),
     ],
 )
-def test_attacks_move_the_robot_within_limits_and_not_after_a_stop(
+def test_attacks_never_move_the_robot_beyond_limits_or_after_an_emergency_stop(
     robot: Running, setup: Setup, attacks: list[Attack], seconds: float
 ):
     batches = [attacks[k :: len(attacks) // BATCH_SIZE] for k in range(len(attacks) // BATCH_SIZE)]  # of mixed kinds
@@ -198,7 +198,7 @@ def test_attacks_move_the_robot_within_limits_and_not_after_a_stop(
     assert moved(stopped).max() == 0.0
 
 
-def test_commands_beyond_each_limit_are_detected(setup: Setup):
+def test_attack_judge_detects_commands_beyond_each_limit(setup: Setup):
     rest = setup.robot.skeleton.rest
     zero = np.zeros(len(rest))
 

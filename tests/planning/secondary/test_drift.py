@@ -54,7 +54,7 @@ def test_arm_drifts_several_times_during_a_long_hold():
     assert {DEFAULT_ROBOT.skeleton.names[hinge][:2] for hinge in np.flatnonzero(moved)} == {"l_"}
 
 
-def test_drift_is_smaller_in_short_holds():
+def test_drift_of_a_held_arm_is_smaller_in_short_holds():
     (short,) = make_drifts(raised(0.6), 1.0, DEFAULT_ROBOT, np.random.default_rng(0))
     assert np.abs(short.away).max() <= MAX_DRIFT * 0.75
 

@@ -46,7 +46,7 @@ def test_20_to_80_percent_of_rest_changes_use_a_pause_posture_of_the_style():
     assert 0.2 < len(folded) / len(found) < 0.8
 
 
-def test_short_rest_between_gestures_keeps_its_posture():
+def test_short_rest_between_gestures_keeps_the_rest_posture():
     assert changes(MIN_REST_SPAN - 1.0) == []
 
 
@@ -57,7 +57,7 @@ def test_changes_of_the_rest_posture_are_repeatable_by_seed():
 
 
 @pytest.mark.parametrize("robot", ["human", "upper22"])
-def test_idle_body_changes_its_rest_posture_and_returns(robot):
+def test_idle_robot_changes_its_rest_posture_and_returns_to_the_first(robot):
     made = plan(WAIT_TEMPLATE.format(12), set_up(robot, idle=1.0))
     body = made.setup.robot
     arms = [joint for side in SIDES for joint in body.arm(side).joints]

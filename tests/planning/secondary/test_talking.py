@@ -126,6 +126,6 @@ def test_sways_of_head_and_trunk_fill_a_time_span_and_are_smaller_if_short(known
     assert max(peaks) > 0.8 * largest * min(1.0, duration / DRIFT_PERIODS[0])
 
 
-def test_pause_shorter_than_a_sway_stays_still(known):
+def test_robot_does_not_sway_in_a_pause_shorter_than_a_sway(known):
     span = (5.0, 5.0 + 0.99 * MIN_DRIFT_TIME)
     assert not [*_straying(span, 1.0, known.robot, np.random.default_rng(1))]

@@ -1,4 +1,4 @@
-"""One tick of the observer as a CasADi graph."""
+"""One control period of the observer as a CasADi graph."""
 
 from functools import lru_cache
 
@@ -10,7 +10,7 @@ from kinesic.controller.observer_step import DISTURBANCE_DECAY, LOAD_ERROR_RANGE
 
 
 def advance(observer: Observer, estimate, deviation, inputs):
-    """Return the estimate (7 + h, n) one tick later."""
+    """Return the observer estimate (7 + h, n) after one control period."""
     hinges, late = len(observer.lower), len(observer.arrival)
     gains = np.concatenate([observer.forecast.reshape(9, hinges), observer.gain, [observer.step, observer.full]])
     tick = compile_tick(hinges, late, observer.restoring)
@@ -19,7 +19,7 @@ def advance(observer: Observer, estimate, deviation, inputs):
 
 @lru_cache(maxsize=8)
 def compile_tick(hinges: int, late: int, restoring: float = 1.0) -> casadi.Function:
-    """Build one observer tick.
+    """Build the CasADi function of one observer step.
 
     Args:
         hinges: number of hinges.

@@ -31,17 +31,17 @@ TRAVEL_COST = 1e-3  # cost per radian of travel from the current angles
 
 @dataclass(frozen=True)
 class Extraction:
-    """Angles that bring the joints to the points."""
+    """Hinge angles that put the joints near the given points."""
 
-    angles: tuple[float, ...]  # [rad] of the hinges before the hand's own
-    miss: float  # [m] sum over the joints
+    angles: tuple[float, ...]  # [rad] angles of all hinges except those of the hand
+    miss: float  # [m] sum of the distances of all joints from their points
 
 
 class _Branch(NamedTuple):
-    """The first links aimed in one of the possible ways."""
+    """Angles of the first links, in one of the possible combinations."""
 
     cost: float
-    miss: float  # [m]
+    miss: float  # [m] sum of the distances of the first joints from their points
     frame: Rotation
     end: Vector  # [m]
     angles: tuple[float, ...]  # [rad]
@@ -91,7 +91,7 @@ def _grow(
 
 
 def _turns(branch: _Branch, link: Link, point: Vector, near: Sequence[float]) -> list[tuple[float, ...]]:
-    """Return all ways to aim a bone with its last two hinges."""
+    """Return all angle pairs with which two hinges aim a bone."""
     now = tuple(near[link.first : link.first + len(link.pivots)])
     wanted = within(branch.frame, unit(minus(point, branch.end)))
     kept = now[:-2]
@@ -113,6 +113,6 @@ def _turns(branch: _Branch, link: Link, point: Vector, near: Sequence[float]) ->
 
 
 def _aimed(pivot: Pivot, along: Vector, wanted: Vector, now: float) -> float:
-    """The last hinge's turn, held in its range [rad]."""
+    """Return the angle [rad] of the last hinge, clipped to its range."""
     turn = turn_towards(pivot.axis, along, wanted)
     return now if turn is None else pivot.bring_into_range(turn, now)

@@ -1,4 +1,4 @@
-"""Arm postures from key to key, one after the other."""
+"""Arm postures at successive keys, each computed from the previous one."""
 
 from collections.abc import Sequence
 
@@ -34,7 +34,7 @@ def pose_keys(
 def _posture(
     chain: Chain, key: Key, limits: ReachLimits, previous: Floats, path_start: Floats
 ) -> tuple[Floats, float | None]:
-    """Return the arm (k,) [rad] in one key, and its requested swivel."""
+    """Return the arm angles (k,) [rad] at one key, and the requested swivel."""
     if key.reach is None or key.mode is not ArmMode.REACH:
         return key.rest if key.mode is ArmMode.REST else previous, None
     if key.passing:
@@ -48,7 +48,7 @@ def _posture(
 
 
 def _swing_elbow(chain: Chain, reach: Reach, rest: Floats, limits: ReachLimits, start: Floats) -> Floats:
-    """Swing the elbow for palm and pointing, unless the arm would flip."""
+    """Change the elbow swivel for palm and pointing, unless the arm would flip."""
     swung = best_swivel(chain, reach, start=start, rest=rest, max_swivel=limits.max_swivel_change).angles
     kept = swivel(chain, start)
     if kept is None or np.abs(swung - start).max() <= limits.max_hinge_step:
@@ -58,7 +58,7 @@ def _swing_elbow(chain: Chain, reach: Reach, rest: Floats, limits: ReachLimits, 
 
 
 def _opened(chain: Chain, angles: Floats, openness: float, open_swivel: float) -> float | None:
-    """Return the swivel [rad] for an openness, or None."""
+    """Return the swivel [rad] for an elbow openness, or None."""
     present = swivel(chain, angles)
     if openness <= 0.0 or present is None or present >= open_swivel:
         return None

@@ -21,9 +21,9 @@ NUDGE_DISTANCE = 0.02  # [chain lengths] sideways displacement that bends a stra
 
 @dataclass(frozen=True)
 class Settled:
-    """Masses at rest."""
+    """Spring masses after relaxation."""
 
-    points: tuple[Vector, ...]  # [m] n + 1 of them, the first pinned to the base, the last to the target
+    points: tuple[Vector, ...]  # [m] n + 1 positions; the first mass is fixed at the base, the last one at the target
     iterations: int
     energy: float  # sum of the forces on the free masses, in units of stiffness x chain length
 
@@ -31,7 +31,7 @@ class Settled:
 def settle_masses(
     points: Sequence[Vector], lengths: Sequence[float], target: Vector, *, rounds: int = MAX_ITERATIONS
 ) -> Settled:
-    """Let a chain of unit masses settle between base and target.
+    """Relax a chain of unit masses between base and target.
 
     Stiffness and damping are those of heavy-ball theory for the springs' Laplacian; they depend on the number of
     bones alone, so nothing has to be tuned.
@@ -64,7 +64,7 @@ def settle_masses(
 
 
 def _tuned(bones: int) -> tuple[float, float]:
-    """Return stiffness x dt^2 and the momentum of the heavy-ball optimum."""
+    """Return stiffness x dt^2 and momentum of the optimal heavy-ball method."""
     slow, fast = (sqrt(2.0 - 2.0 * cosine_sine(pi * bends / bones)[0]) for bends in (1, bones - 1))
     share = (fast - slow) / (fast + slow)
     return 4.0 / ((fast + slow) * (fast + slow)), 1.0 - DAMPING_FRACTION * (1.0 - share * share)
@@ -81,7 +81,7 @@ def _forces(masses: Sequence[Vector], rests: Sequence[float]) -> list[Vector]:
 
 
 def _bent(masses: list[Vector]) -> list[Vector]:
-    """Return the masses, moved sideways if they lie on one line."""
+    """Return the masses, displaced sideways if they are collinear."""
     line = unit(minus(masses[-1], masses[0]))
     if line == (0.0, 0.0, 0.0):
         line = unit(minus(masses[1], masses[0]))

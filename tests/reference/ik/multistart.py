@@ -1,4 +1,4 @@
-"""Polish from other postures where it stalls."""
+"""Numerical correction from several start postures, if the first one stalls."""
 
 from collections.abc import Sequence
 
@@ -17,7 +17,7 @@ MAX_RESTARTS = 8  # largest number of other start postures
 
 
 def nearest_seeds(linkage: Linkage, target: Vector, count: int) -> list[Seed]:
-    """Return the seeds with hands nearest to a target, best first."""
+    """Return the stored postures with hands nearest to a target, best first."""
     return sorted(seeds(linkage), key=lambda seed: distance(seed.hand, target))[:count]
 
 
@@ -29,7 +29,7 @@ def approach(
     posture: Sequence[float],
     mobility: Sequence[float],
 ) -> Polished:
-    """Polish from a start posture, then from seeds near the target.
+    """Correct a start posture numerically, then stored postures near the target.
 
     Args:
         linkage: the arm.
@@ -56,7 +56,7 @@ def approach(
 
 
 def reach(chain: Chain, target, angles) -> float:
-    """Move angles in place until the hand is on a target."""
+    """Change angles in place until the hand is at a target."""
     linkage, home = _packed(chain)
     angles[:] = np.clip(angles, chain.lower, chain.upper)
     place = vector(mirror_place(target) if is_right(chain) else target)
@@ -66,7 +66,7 @@ def reach(chain: Chain, target, angles) -> float:
 
 
 def reach_many(chain: Chain, targets, start, *, rounds: int = MAX_ITERATIONS):
-    """Return angles and residuals after polish from one start."""
+    """Return angles and residuals after numerical correction from one start posture."""
     angles, residuals = np.empty((len(targets), len(start))), np.empty(len(targets))
     linkage, home = _packed(chain)
     angles[:] = np.clip(start, chain.lower, chain.upper)
@@ -80,6 +80,6 @@ def reach_many(chain: Chain, targets, start, *, rounds: int = MAX_ITERATIONS):
 
 
 def _packed(chain: Chain) -> tuple[Linkage, list[float]]:
-    """Return a left arm's linkage, and its clipped rest posture."""
+    """Return the linkage of a left arm, and its rest posture within the ranges."""
     linkage = linkage_of(mirror_chain(chain) if is_right(chain) else chain)
     return linkage, np.clip(chain.rest, chain.lower, chain.upper).tolist()

@@ -17,7 +17,7 @@ from .polish import Polished
 
 MAX_ITERATIONS = 30  # largest number of iterations
 MIN_GAIN = 1e-9  # relative decrease of the squared distance below which the search ends
-MIN_DAMPING = 1e-6  # [arm lengths^2] added to the curvature
+MIN_DAMPING = 1e-6  # [arm lengths^2] smallest damping added to the Hessian
 MAX_DAMPING = 1e6  # [arm lengths^2] damping above which the search ends
 MIN_IMPROVEMENT = 2.5e-3  # [arm lengths] smallest gain for which the elbow may change its side
 DAMPING_GROWTH = 8.0  # factor on the damping after a rejected step, divisor after an accepted one
@@ -25,11 +25,11 @@ DAMPING_GROWTH = 8.0  # factor on the damping after a rejected step, divisor aft
 
 @dataclass(frozen=True, eq=False)
 class _Shape:
-    """Second-order model of half the squared distance."""
+    """Second-order model of half the squared distance to the target."""
 
-    distance: float  # [m]
-    slope: Floats  # (n,) [m^2/rad]
-    curvature: Floats  # (n, n) [m^2/rad^2]
+    distance: float  # [m] distance to the target
+    slope: Floats  # (n,) [m^2/rad] gradient
+    curvature: Floats  # (n, n) [m^2/rad^2] Hessian
 
 
 def finish(linkage: Linkage, target: Vector, beginnings: Sequence[Sequence[float]]) -> Polished:
@@ -78,7 +78,7 @@ def _newton(slope: Floats, curvature: Floats, damping: float) -> Floats:
 
 
 def _shape(linkage: Linkage, target: Vector, angles: Floats) -> _Shape:
-    """Return distance, gradient and curvature at a posture."""
+    """Return distance model with gradient and Hessian at a posture."""
     hand, lines = linkage.hinge_lines(angles.tolist())
     error = minus(target, hand)
     columns = [cross(axis, minus(hand, pole)) for axis, pole in lines]

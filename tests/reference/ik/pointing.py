@@ -1,4 +1,4 @@
-"""Swing of the elbow for pointing and palm, step by step outward."""
+"""Search over the elbow swivel for palm and pointing, in outward steps."""
 
 from collections.abc import Callable
 from math import inf, pi
@@ -23,7 +23,7 @@ from .wrist import direction_errors, orient
 
 Swing = tuple[Floats, float, float | None, float | None]  # angles, residual, errors of pointing and palm
 
-SEARCH_STEPS = 12  # swivels tried on each side
+SEARCH_STEPS = 12  # number of swivels tried on each side
 SWIVEL_WEIGHT = 0.03  # pointing error [rad] traded per radian of swivel change
 BISECTION_STEPS = 8  # number of bisection steps at the boundary
 MAX_HAND_OFFSET = 1e-6  # [reach] largest displacement of the hand
@@ -43,7 +43,7 @@ def best_swivel(chain: Chain, reach: Reach, *, start: Floats, rest: Floats | Non
 
 
 def _swing(chain: Chain, reach: Reach, home: Floats, angles: Floats, max_swivel: float) -> Swing:
-    """Swing the elbow from a solved posture [rad]."""
+    """Search over the elbow swivel from a solved posture [rad]."""
     if is_right(chain):
         chain, reach = mirror_chain(chain), mirror_reach(reach)
     linkage, directions, near = linkage_of(chain), hand_directions(chain, reach), angles.tolist()
@@ -63,7 +63,7 @@ def _swing(chain: Chain, reach: Reach, home: Floats, angles: Floats, max_swivel:
 
 
 def _search_swivel(linkage: Linkage, at: Callable[[float], Cell], max_swivel: float) -> Cell:
-    """Return the smallest satisfying swing, or the best trade-off."""
+    """Return the smallest sufficient swivel change, or the best compromise."""
 
     def fits(cell: Cell) -> bool:
         return cell.miss <= MAX_HAND_OFFSET * linkage.farthest and cell.error <= SATISFIED_ERROR

@@ -1,4 +1,4 @@
-"""Levenberg-Marquardt with an active set for one hand.
+"""Levenberg-Marquardt method with an active set, for one hand.
 
 A hinge that meets its stop stays there and the others take over what it cannot give: the thesis' rule of pushing
 the excess to the parent (algorithm 3), for all hinges at once and to second order.
@@ -23,21 +23,21 @@ DAMPING_GROWTH = 8.0  # factor on the damping after a rejected step, divisor aft
 
 @dataclass(frozen=True)
 class Polished:
-    """Angles in range with their residual."""
+    """Angles within the ranges, with the remaining error."""
 
-    angles: tuple[float, ...]  # [rad] of the hinges before the hand's own
-    miss: float  # [m]
+    angles: tuple[float, ...]  # [rad] angles of all hinges except those of the hand
+    miss: float  # [m] remaining distance of the hand from the target
     rounds: int
 
 
 @dataclass(frozen=True)
 class HandSlope:
-    """Linear model of the hand's motion over its hinges."""
+    """Linear model of the hand position as a function of the hinge angles."""
 
-    moves: Sequence[Vector]  # [m] per radian of each hinge
-    pulls: Sequence[float]  # [rad] by which each hinge would go back to the posture
+    moves: Sequence[Vector]  # [m] hand displacement per radian of each hinge
+    pulls: Sequence[float]  # [rad] change of each hinge towards the preferred posture
     mobility: Sequence[float]  # 1 for an ordinary hinge, 0 for one that is fixed
-    damping: float  # [m^2]
+    damping: float  # [m^2] damping of the least-squares step
 
 
 def polish(
@@ -85,7 +85,7 @@ def polish(
 
 
 def columns(linkage: Linkage, angles: Sequence[float]) -> tuple[Vector, list[Vector]]:
-    """Return the hand [m] and the columns of its Jacobian."""
+    """Return the hand position [m] and the columns of its Jacobian."""
     hand, lines = linkage.hinge_lines(angles)
     return hand, [cross(axis, minus(hand, pole)) for axis, pole in lines]
 

@@ -38,10 +38,10 @@ from .wrist import HandDirection, orient
 
 POSITION_TOLERANCE = 1e-4  # [m] largest position error of a solved pose
 ROTATION_TOLERANCE = 1e-3  # [rad] largest rotation error of a solved pose
-PERFECT_COST = 1e-6  # cost of a cell at which the search ends
-TOLERANCE = 1e-7  # error of the descent in arm lengths and rad
+PERFECT_COST = 1e-6  # cost below which the search ends
+TOLERANCE = 1e-7  # error [arm lengths, rad] below which the descent ends
 SAME_POSTURE_DISTANCE = 0.05  # [rad] distance below which postures count as equal
-MAX_CANDIDATES = 12  # largest number of refined cells
+MAX_CANDIDATES = 12  # largest number of postures that are refined
 
 
 def solve_pose(chain: Chain, position: Floats, rotation: Floats, *, start: Floats) -> PoseSolution:
@@ -81,7 +81,7 @@ def _solved(linkage: Linkage, target: Vector, wanted: Rotation, near: tuple[floa
 def _beginnings(
     linkage: Linkage, target: Vector, hand: WristSolver, seen: Sequence[Cell]
 ) -> Iterator[tuple[float, ...]]:
-    """Yield start postures for the search.
+    """Yield start postures for the pose search.
 
     Those of cheap search cells come before the seeds of IK.
     """
@@ -95,7 +95,7 @@ def _beginnings(
 
 
 def _distinct(seen: Sequence[Cell]) -> Iterator[Cell]:
-    """Yield cells that differ from all earlier ones."""
+    """Yield postures that differ from all earlier ones."""
     kept: list[Cell] = []
     for cell in seen:
         if all(dist(cell.angles, other.angles) > SAME_POSTURE_DISTANCE for other in kept):
@@ -112,7 +112,7 @@ def _solution(linkage: Linkage, target: Vector, wanted: Rotation, angles: Sequen
 
 
 def _wrist(link: Link, frame: Rotation, wanted: Rotation, near: Sequence[float]) -> tuple[tuple[float, ...], float]:
-    """Return the hand's own angles and the remaining rotation error [rad]."""
+    """Return the angles of the hand's hinges and the remaining rotation error [rad]."""
     now = near[link.first :]
     inner = product(transposed(frame), wanted)
     ways = _three_turns(link, inner, now) if len(link.pivots) == 3 else [_few_turns(link, frame, wanted, now)]
@@ -123,7 +123,7 @@ def _wrist(link: Link, frame: Rotation, wanted: Rotation, near: Sequence[float])
 
 
 def _three_turns(link: Link, wanted: Rotation, now: Sequence[float]) -> list[tuple[float, ...]]:
-    """Return both branches of three angles that compose a rotation."""
+    """Return both solutions of three hinge angles that compose a rotation."""
     first, second, third = (pivot.axis for pivot in link.pivots)
     aside = unit(across((0.0, 0.0, 1.0) if abs(third[2]) < 0.9 else (1.0, 0.0, 0.0), third))
     tip, edge = rotated(wanted, third), rotated(wanted, aside)
@@ -137,7 +137,7 @@ def _three_turns(link: Link, wanted: Rotation, now: Sequence[float]) -> list[tup
 
 
 def _few_turns(link: Link, frame: Rotation, wanted: Rotation, now: Sequence[float]) -> tuple[float, ...]:
-    """Return the best angles of a wrist without three hinges."""
+    """Return the best angles of a wrist with fewer than three hinges."""
     axes: tuple[Vector, Vector] = ((1.0, 0.0, 0.0), (0.0, 0.0, 1.0))
     return orient(link, frame, [HandDirection("axis", axis, rotated(wanted, axis)) for axis in axes], now)
 

@@ -13,25 +13,25 @@ from .hinges import Extraction, extract
 from .masses import MAX_ITERATIONS, SWIVEL_ITERATIONS, settle_masses
 from .swivel import bisect_edge, elbow_at, elbow_radius
 
-MAX_STRETCH_RATIO = 0.9999  # [reach] distance to which targets beyond reach are clamped
-TAUT_RATIO = 0.97  # [reach] distance beyond which the arm pulls the shoulder along
-EXACT_MISS = 1e-6  # [reach] largest miss of an exact posture
+MAX_STRETCH_RATIO = 0.9999  # [reach] distance to which targets out of reach are clamped
+TAUT_RATIO = 0.97  # [reach] distance beyond which the shoulder moves towards the target
+EXACT_MISS = 1e-6  # [reach] largest hand error of a posture that counts as exact
 NATURAL_SWIVEL = 0.35  # [rad] swivel of a relaxed elbow, slightly away from the body
 NATURAL_SWIVEL_WEIGHT = 0.5  # fraction of the change towards the natural swivel if none is requested
-SEARCH_STEPS = 12  # swivels tried on each side of the desired one
+SEARCH_STEPS = 12  # number of swivels tried on each side of the desired swivel
 BISECTION_STEPS = 6  # number of bisection steps at the boundary
 MIN_CIRCLE_RATIO = 1e-3  # [reach] radius of the elbow's circle below which it has no side
-EQUAL_MISS = 1e-9  # [reach] misses that differ by less are equal
+EQUAL_MISS = 1e-9  # [reach] hand errors that differ by less count as equal
 
 
 @dataclass(frozen=True)
 class ShoulderPlace:
-    """Shoulder position with a target in its reach."""
+    """Shoulder position from which a target is within reach."""
 
-    girdle: tuple[Vector, ...]  # [m] ends of the bones up to the shoulder's centre; empty without collar bone
-    shoulder: Vector  # [m]
-    target: Vector  # [m] of the hand
-    iterations: int  # of the masses
+    girdle: tuple[Vector, ...]  # [m] ends of the bones between base and shoulder; empty without collar bone
+    shoulder: Vector  # [m] shoulder position
+    target: Vector  # [m] target of the hand
+    iterations: int  # number of relaxation iterations
 
 
 def place_shoulder(linkage: Linkage, target: Vector, *, near: Sequence[float], rest: Sequence[float]) -> ShoulderPlace:
@@ -63,22 +63,22 @@ def place_shoulder(linkage: Linkage, target: Vector, *, near: Sequence[float], r
 
 
 def place_of(linkage: Linkage, angles: Sequence[float], target: Vector) -> ShoulderPlace:
-    """Return the shoulder position of a posture [rad]."""
+    """Return the shoulder position in a posture [rad]."""
     return _place(linkage.walk(angles, len(linkage.girdle))[1], target, 0)
 
 
 def gap(linkage: Linkage, target: Vector) -> float:
-    """Return the least distance of the shoulder to a target [m]."""
+    """Return the least possible distance [m] of the shoulder from a target."""
     return distance(nearest_girdle(linkage, target, [pivot.rest for pivot in linkage.pivots])[-1], target)
 
 
 def nearest_girdle(linkage: Linkage, target: Vector, near: Sequence[float]) -> list[Vector]:
-    """Return the girdle's joints nearest to a target [m]."""
+    """Return joint positions [m] of the collar bone with the shoulder nearest to a target."""
     return linkage.walk(_nearest_girdle_angles(linkage, target, near), len(linkage.girdle))[1]
 
 
 def _nearest_girdle_angles(linkage: Linkage, target: Vector, near: Sequence[float]) -> tuple[float, ...]:
-    """Return the girdle's angles nearest to a target [rad]."""
+    """Return collar-bone angles [rad] that bring the shoulder nearest to a target."""
     line = unit(minus(target, linkage.origin))
     ends = [linkage.origin]
     for link in linkage.girdle:
@@ -92,15 +92,15 @@ def _place(points: Sequence[Vector], target: Vector, iterations: int) -> Shoulde
 
 @dataclass(frozen=True)
 class Bend:
-    """Angles of an arm for a shoulder position."""
+    """Angles of an arm whose shoulder position is given."""
 
-    angles: tuple[float, ...]  # [rad] of the hinges before the hand's own
-    exact: bool  # the hand is on the target
-    iterations: int  # of the masses
+    angles: tuple[float, ...]  # [rad] angles of all hinges except those of the hand
+    exact: bool  # whether the hand is at the target
+    iterations: int  # number of relaxation iterations
 
 
 def bend_elbow(linkage: Linkage, place: ShoulderPlace, *, near: Sequence[float], swivel: float | None) -> Bend:
-    """Return the exact posture nearest to the desired swivel.
+    """Return the posture that reaches the target nearest to the desired swivel.
 
     Args:
         linkage: the arm.
@@ -140,7 +140,7 @@ def bend_elbow(linkage: Linkage, place: ShoulderPlace, *, near: Sequence[float],
 def _nearest_exact(
     at: Callable[[float], Extraction], towards: float, tolerance: float, least: float
 ) -> tuple[Extraction, bool]:
-    """Search outward for the first exact posture."""
+    """Search outward from a swivel for the first posture that reaches the target."""
 
     def fits(posture: Extraction) -> bool:
         return posture.miss <= tolerance
@@ -161,7 +161,7 @@ def _nearest_exact(
 
 
 def _least_miss(linkage: Linkage, span: float) -> float:
-    """Return the least possible miss for a hand distance [m].
+    """Return the least possible hand error for a hand distance [m].
 
     An elbow that cannot bend enough leaves the hand off by a chord of the forearm's circle. To leave the elbow's circle
     takes the elbow farther away than it brings the hand nearer, as the hand is nearer to the shoulder.

@@ -1,4 +1,4 @@
-"""The solver of one arm: clamp, masses, hinges, polish, wrist (thesis 7.3)."""
+"""Solver of one arm: clamp, spring masses, hinge angles, correction, wrist (thesis 7.3)."""
 
 from collections.abc import Sequence
 
@@ -30,7 +30,7 @@ def solve(chain: Chain, reach: Reach, *, start: Floats, rest: Floats | None = No
 
 
 def _solved(chain: Chain, reach: Reach, start: Floats, rest: Floats, mobility: Floats | None) -> Solution:
-    """Solve a reach for an arm on the left or in the middle."""
+    """Solve the target of an arm on the left or in the middle."""
     linkage = linkage_of(chain)
     near, home = (tuple(np.clip(angles, chain.lower, chain.upper).tolist()) for angles in (start, rest))
     ease = linkage.mobility if mobility is None else mobility.tolist()
@@ -45,7 +45,7 @@ def _solved(chain: Chain, reach: Reach, start: Floats, rest: Floats, mobility: F
 def _with_wrist(
     chain: Chain, reach: Reach, bent_angles: Sequence[float], rest: Sequence[float], iterations: int, target: Vector
 ) -> Solution:
-    """Return the solution of a bent arm with its hand oriented."""
+    """Return the solution with the hand oriented, for a solved arm."""
     linkage, asked = linkage_of(chain), vector(reach.position)
     frame, points = linkage.walk(bent_angles, len(linkage.links) - 1)
     directions = hand_directions(chain, reach)
@@ -87,7 +87,7 @@ def _found(
     ease: Sequence[float],
     swivel: float | None,
 ) -> Bend:
-    """Solve in closed form, and polish where it misses."""
+    """Solve the arm in closed form, and correct it numerically if it misses."""
     first = bend_elbow(linkage, place, near=near, swivel=swivel)
     if first.exact:
         return first

@@ -1,4 +1,4 @@
-"""The elbow's circle and a bisection along it."""
+"""Circle of possible elbow positions, and a bisection along this circle."""
 
 from collections.abc import Callable
 from math import sqrt
@@ -21,7 +21,7 @@ def bisect_edge(
     fits: Callable[[Posture], bool],
     rounds: int,
 ) -> Posture:
-    """Bisect between a rejected and an accepted swivel [rad]."""
+    """Bisect the boundary [rad] between a rejected and an accepted swivel."""
     for _ in range(rounds):
         middle = 0.5 * (outside + inside)
         tried = at(middle)
@@ -33,7 +33,7 @@ def bisect_edge(
 
 
 def elbow_at(linkage: Linkage, shoulder: Vector, hand: Vector, swivel: float) -> Vector:
-    """Return the elbow [m] on its circle for a swivel [rad].
+    """Return the elbow position [m] for a swivel [rad].
 
     Where the bones cannot span the distance, the elbow lies on the line.
     """
@@ -47,12 +47,12 @@ def elbow_at(linkage: Linkage, shoulder: Vector, hand: Vector, swivel: float) ->
 
 
 def elbow_radius(linkage: Linkage, shoulder: Vector, hand: Vector) -> float:
-    """Return the radius of the elbow's circle [m]."""
+    """Return the radius [m] of the circle of possible elbow positions."""
     return _circle(linkage, distance(shoulder, hand))[1]
 
 
 def _circle(linkage: Linkage, between: float) -> tuple[float, float]:
-    """Return centre distance and radius of the elbow's circle [m]."""
+    """Return centre distance and radius [m] of the circle of elbow positions."""
     upper, fore = linkage.links[-3].length, linkage.links[-2].length
     span = max(between, 1e-9 * linkage.farthest)
     along = (upper * upper - fore * fore + span * span) / (2.0 * span)

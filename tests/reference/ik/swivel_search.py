@@ -16,8 +16,8 @@ from .hinges import extract
 from .shoulder_elbow import NATURAL_SWIVEL, ShoulderPlace, place_of
 from .swivel import elbow_at
 
-SWIVEL_STEPS = 24  # swivels on the elbow's circle
-GIRDLE_STEPS = 5  # values over the range of each collar-bone hinge, in addition to the present one
+SWIVEL_STEPS = 24  # number of swivels on the circle of elbow positions
+GIRDLE_STEPS = 5  # number of values over the range of each collar-bone hinge, in addition to the current value
 MISS_COST = 10.0  # [rad / arm length] cost of the hand's distance from its target
 
 WristSolver = Callable[
@@ -27,12 +27,12 @@ WristSolver = Callable[
 
 @dataclass(frozen=True)
 class Cell:
-    """Posture of the whole arm in range."""
+    """Posture of the whole arm within its ranges."""
 
-    angles: tuple[float, ...]  # [rad] of all hinges
-    miss: float  # [m] of the hand
-    error: float  # [rad] of the hand's direction or orientation
-    cost: float  # both together: 0 = nothing is left to wish
+    angles: tuple[float, ...]  # [rad] angles of all hinges
+    miss: float  # [m] distance of the hand from its target
+    error: float  # [rad] error of the hand's direction or orientation
+    cost: float  # weighted sum of both errors; 0 without error
 
 
 def cells(
@@ -68,19 +68,19 @@ def cell_at(linkage: Linkage, place: ShoulderPlace, swivel: float, hand: WristSo
 
 
 def present_swivel(linkage: Linkage, near: Sequence[float]) -> float:
-    """Return the swivel of a posture [rad], or the natural one."""
+    """Return the swivel [rad] of a posture, or the natural swivel."""
     swivel = swivel_of(linkage, linkage.walk(near, len(linkage.links) - 1)[1][-3:])
     return NATURAL_SWIVEL if swivel is None else swivel
 
 
 def _outward() -> Iterator[float]:
-    """Yield swivel offsets, alternating outward [rad]."""
+    """Yield swivel offsets [rad] of growing size and alternating sign."""
     step = 2.0 * pi / SWIVEL_STEPS
     return ((k + 1) // 2 * (step if k % 2 else -step) for k in range(SWIVEL_STEPS))
 
 
 def _girdles(linkage: Linkage, near: Sequence[float]) -> list[tuple[float, ...]]:
-    """Return postures with other collar-bone angles, nearest first."""
+    """Return postures with different collar-bone angles, the nearest first."""
     pivots = [pivot for link in linkage.girdle for pivot in link.pivots]
     grid = [_steps(pivot, angle) for pivot, angle in zip(pivots, near, strict=False)]
     ways = sorted(product(*grid), key=lambda way: _apart(way, near))
@@ -88,7 +88,7 @@ def _girdles(linkage: Linkage, near: Sequence[float]) -> list[tuple[float, ...]]
 
 
 def _apart(one: Sequence[float], other: Sequence[float]) -> float:
-    """Return the distance of two postures, with the kernel's rounding [rad]."""
+    """Return the distance [rad] of two postures, rounded as in the kernel."""
     total = 0.0
     for a, b in zip(one, other, strict=False):
         total += (a - b) * (a - b)

@@ -1,4 +1,4 @@
-"""A tracker whose ticks are taken in Python."""
+"""Tracker whose steps are computed in Python."""
 
 from collections.abc import Sequence
 from math import exp
@@ -23,7 +23,7 @@ SOFT_FRACTION = 0.05  # last fraction of the reach, approached asymptotically: a
 
 
 class Tracker(CompiledTracker):
-    """The same tracker without the kernel."""
+    """Tracker that computes each step in Python instead of the kernel."""
 
     def __init__(self, chain: Chain, **options) -> None:
         super().__init__(chain, **options)
@@ -31,7 +31,7 @@ class Tracker(CompiledTracker):
 
 
 class Ticks:
-    """Ticks of an arm."""
+    """Steps of the tracker for one arm."""
 
     def __init__(self, chain: Chain) -> None:
         self._right = is_right(chain)
@@ -39,7 +39,7 @@ class Ticks:
         self._rest = np.clip(chain.rest, chain.lower, chain.upper).tolist()
 
     def track(self, target: Floats, pull: float, parts: int, angles: Floats) -> float:
-        """Advance by one tick in place, and return the residual [m]."""
+        """Advance the angles in place by one control period, and return the residual [m]."""
         place = np.asarray(target, dtype=np.float64)
         asked = vector(mirror_place(place) if self._right else place)
         goal, now = soften_target(self._linkage, asked, self._rest), angles.tolist()
@@ -79,7 +79,7 @@ def soften_target(linkage: Linkage, target: Vector, rest: Sequence[float]) -> Ve
 def _moved(
     linkage: Linkage, target: Vector, pull: float, rest: Sequence[float], angles: Sequence[float]
 ) -> tuple[list[float], Vector]:
-    """Return the angles after one tick, and the error [m]."""
+    """Return the angles after one step, and the error [m]."""
     own = linkage.links[-1].first
     wrist = [angle + pull * (home - angle) for angle, home in zip(angles[own:], rest[own:], strict=True)]
     now, size = list(angles[:own]), linkage.farthest

@@ -17,7 +17,7 @@ from .solve import solve
 
 TOLERANCE = 1e-6  # [arm lengths] error at which an attempt ends
 TORSO_FRACTIONS = (0.25, 0.75)  # start values over the range of each torso hinge
-YIELD_WEIGHTS = (0.1, 0.01, 0.001)  # successive weights of the hand without priority
+YIELD_WEIGHTS = (0.1, 0.01, 0.001)  # successive weights of the error of the hand without priority
 
 
 def reach_both(

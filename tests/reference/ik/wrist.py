@@ -24,14 +24,14 @@ class HandDirection:
     """Direction of the hand with its target."""
 
     name: str
-    own: Vector  # unit, in the last segment
-    wanted: Vector  # unit, in the base
+    own: Vector  # (3,) unit direction in the frame of the last segment
+    wanted: Vector  # (3,) requested unit direction in the frame of the base
 
 
 def orient(
     link: Link, frame: Rotation, directions: Sequence[HandDirection], rest: Sequence[float]
 ) -> tuple[float, ...]:
-    """Return the angles of the hand's own hinges.
+    """Return the angles of the hand's hinges for the requested directions.
 
     Args:
         link: the last link.
@@ -63,7 +63,7 @@ def direction_errors(frame: Rotation, directions: Sequence[HandDirection]) -> di
 def _climbed(
     link: Link, frame: Rotation, directions: Sequence[HandDirection], rest: Sequence[float], start: Sequence[float]
 ) -> tuple[tuple[float, ...], float]:
-    """Optimise hinge after hinge until none moves."""
+    """Optimise one hinge after another until no angle changes."""
     angles, height = list(start), 0.0
     wanted = [within(frame, direction.wanted) for direction in directions]
     for _ in range(MAX_ITERATIONS):
@@ -81,14 +81,14 @@ def _climbed(
 
 
 def _inward(link: Link, angles: Sequence[float], k: int, look: Vector) -> Vector:
-    """Return a direction of the base, seen at hinge k."""
+    """Return a direction of the base in the frame before hinge k."""
     for pivot, angle in zip(link.pivots[:k], angles, strict=False):
         look = turned(look, pivot.axis, -angle)
     return look
 
 
 def _outward(link: Link, angles: Sequence[float], k: int, own: Vector) -> Vector:
-    """Return a direction of the hand, seen behind hinge k."""
+    """Return a direction of the hand in the frame behind hinge k."""
     for j in range(len(link.pivots) - 1, k, -1):
         own = turned(own, link.pivots[j].axis, angles[j])
     return own

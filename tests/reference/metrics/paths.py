@@ -1,14 +1,14 @@
-"""Speeds, lengths and tracking errors of sampled paths in NumPy."""
+"""Velocities, lengths and tracking errors of sampled paths in NumPy."""
 
 import numpy as np
 
 from kinesic.metrics.tracking_errors import TrackingErrors
 
-SHORTEST_STEP = 1e-3  # [s] shorter steps have no speed
+SHORTEST_STEP = 1e-3  # [s] time steps below this duration get no velocity
 
 
 def measure_stretch(times, path, begin: float, end: float) -> tuple[float, float]:
-    """Return largest velocity and length of part of a path."""
+    """Return largest velocity and length of a section of a path."""
     first, last = times.searchsorted(begin, side="right"), times.searchsorted(end)
     places = np.stack([[np.interp(moment, times, column) for column in path.T] for moment in (begin, end)])
     steps = np.diff(np.concatenate([[begin], times[first:last], [end]]))
@@ -19,7 +19,7 @@ def measure_stretch(times, path, begin: float, end: float) -> tuple[float, float
 
 
 def measure_errors(errors, moving) -> TrackingErrors:
-    """Return the errors of `tracking_errors.measure_errors`."""
+    """Compute the result of `tracking_errors.measure_errors`."""
     degrees, (rows, hinges) = np.degrees(np.abs(errors)), np.nonzero(moving)
     largest = int(degrees.argmax())
     return TrackingErrors(

@@ -1,4 +1,4 @@
-"""Samples and limit ratios of cubic B-splines by definition."""
+"""Samples and limit ratios of cubic B-splines, computed by their definition."""
 
 import numpy as np
 
@@ -46,7 +46,7 @@ def _instants(points, order: int):
 
 
 def find_beyond(controls, before, limits: Limits, hinges, *, full: float):
-    """Return the flags (h, k) of `limit_check.find_beyond`."""
+    """Compute the flags (h, k) of `limit_check.find_beyond`."""
     flags = np.zeros(controls.shape, dtype=np.bool_)
     splines = grid(controls.shape[1] - 3, KNOT_INTERVAL)
     ratios, earlier = (splines.limit_ratios(points, limits, hinges) for points in (controls, before))

@@ -1,4 +1,4 @@
-"""Programs of one segment by PIQP and sparse linear algebra."""
+"""Optimisation of one spline segment by PIQP and sparse linear algebra."""
 
 import casadi
 import numpy as np
@@ -12,20 +12,20 @@ from kinesic.motion.segments import SplineSegment, segments
 from kinesic.motion.spline_program import KEPT_RATIO, Relaxation, _linear_part, nearest_without_limits
 from kinesic.motion.trajectory import KNOT_INTERVAL
 
-MAX_ITERATIONS = 40  # feasible quadratic programs take half as many
+MAX_ITERATIONS = 40  # largest number of iterations; feasible quadratic programs need half as many
 MAX_LINEAR_ITERATIONS = 250
-LINEAR_PRECISION = 1e-6  # absolute tolerance of rows and variables
-DENSE_ROWS = 64  # rows from which on a sparse system is solved faster than a dense one
-ROW_REGULARISATION = 1e-10  # separates rows that fix nearly the same
+LINEAR_PRECISION = 1e-6  # absolute tolerance of constraints and variables
+DENSE_ROWS = 64  # number of rows from which a sparse solver is faster than a dense one
+ROW_REGULARISATION = 1e-10  # regularisation that separates nearly equal constraint rows
 
 
 def sparse(matrix: SparseMatrix):
-    """Convert a matrix to SciPy's compressed rows."""
+    """Convert a matrix to SciPy's compressed row format."""
     return scipy.sparse.csr_array((matrix.values, (matrix.rows, matrix.columns)), shape=matrix.shape)
 
 
 def angles_matrix(grid: Grid):
-    """Return the matrix from control points to the angles at the knots."""
+    """Return the matrix that maps control points to angles at the knots."""
     return scipy.sparse.diags_array([1 / 6, 4 / 6, 1 / 6], offsets=[0, 1, 2], shape=(grid.pieces + 1, grid.size))
 
 
@@ -38,13 +38,13 @@ def closeness(grid: Grid):
 
 
 def to_casadi(matrix) -> casadi.DM:
-    """Convert SciPy's compressed columns."""
+    """Convert a matrix in SciPy's compressed column format to CasADi."""
     pattern = casadi.Sparsity(*map(int, matrix.shape), matrix.indptr.tolist(), matrix.indices.tolist())
     return casadi.DM(pattern, matrix.data.tolist())
 
 
 def smoothest(segment: SplineSegment, bands, pull, *, dense_rows: int = DENSE_ROWS):
-    """Minimise a banded quadratic form under a segment's fixed equations.
+    """Minimise a banded quadratic form under the equality constraints of a segment.
 
     Args:
         segment: of k knot intervals.
@@ -87,7 +87,7 @@ def nearest_within_limits(segment: SplineSegment, desired, limits: Limits):
 
 
 def relax_limits(segment: SplineSegment, limits: Limits, *, easy: float) -> Relaxation | None:
-    """Return the least relaxation of a segment's limits, or None."""
+    """Return the least relaxation that makes a segment's limits feasible, or None."""
     grid, fixed, (lower, upper) = segment.grid, segment.fixed, segment.corridor(limits)
     some = grid.bounds == 1.0
     rows, powers = sparse(grid.rows(limits, segment.hinge))[some], grid.powers[some]
@@ -113,7 +113,7 @@ def relax_limits(segment: SplineSegment, limits: Limits, *, easy: float) -> Rela
 
 
 def _relaxed(fixed, rows, powers):
-    """Stack fixed equations with relaxed lower and upper limits."""
+    """Stack equality constraints with relaxed lower and upper limits."""
     above, (count, size) = fixed.shape[0], rows.shape
     every, last = np.arange(count), np.full(count, size)
     down = [fixed.row, rows.row + above, every + above, rows.row + above + count, every + above + count]

@@ -12,10 +12,10 @@ from .segment_distances import segment_distances
 
 
 class ReferenceDistances(CapsuleDistances):
-    """Self-distances of all capsule pairs, without the kernel."""
+    """Distances of all capsule pairs of a robot, without the kernel."""
 
     def gaps(self, angles):
-        """Return the distances (m, p) [m] of `CapsuleDistances.gaps`."""
+        """Compute the distances (m, p) [m] of `CapsuleDistances.gaps`."""
         frames, gaps = self._body_frames(angles), np.full((self._counted, len(angles)), np.inf)
         pairs = self._capsule_gaps(frames)
         self._measure_fingers(pairs, (pairs < MAX_EXACT_FINGER_GAP) & self._hulled[:, None], frames, angles)
@@ -23,7 +23,7 @@ class ReferenceDistances(CapsuleDistances):
         return gaps.T
 
     def lowest(self, frames: MotionFrames, angles):
-        """Return pair distances, or lower bounds for far pairs."""
+        """Return the distances of near pairs, and lower bounds for distant pairs."""
         starts, ends = self.capsule_axes(frames)
         middles = (starts + ends) / 2
         between = middles[self._first] - middles[self._second]
@@ -36,7 +36,7 @@ class ReferenceDistances(CapsuleDistances):
         return lowest
 
     def survey(self, angles, segments):
-        """Return distances (p, m) and origins (k, m, 3) [m] of `CapsuleDistances.survey`."""
+        """Compute distances (p, m) and origins (k, m, 3) [m] of `CapsuleDistances.survey`."""
         frames = self._body_frames(angles)
         return self.lowest(frames, angles), frames.origins[list(segments)].transpose(0, 2, 1)
 

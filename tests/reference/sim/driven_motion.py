@@ -1,4 +1,4 @@
-"""Servo law, currents and temperatures of all physics steps in NumPy."""
+"""Servo model, currents and temperatures of all physics steps in NumPy."""
 
 from dataclasses import dataclass
 
@@ -12,7 +12,7 @@ from kinesic.sim.power import Spent, Winding, list_windings
 from kinesic.sim.stepping.driven_motion import DrivenMotion, HingePlaces
 from kinesic.sim.stepping.step_log import LoggedSteps
 
-FULL_SUPPLY = sealed([1.0])  # fraction of its voltage that a stiff supply has
+FULL_SUPPLY = sealed([1.0])  # supply voltage / open-circuit voltage of a supply without resistance
 
 
 def measure_drives(kept: LoggedSteps, places: HingePlaces, names, drives: Drives, before: Spent | None = None):
@@ -36,16 +36,16 @@ def measure_drives(kept: LoggedSteps, places: HingePlaces, names, drives: Drives
 
 @dataclass(frozen=True, eq=False)
 class DriveEffort:
-    """Duties and loads of the servo law on each physics step."""
+    """Duties and loads of the servo model in each physics step."""
 
-    duties: Floats  # (s, n) demanded, may exceed 1
-    applied: Floats  # (s, n) within -1..1
-    loads: Floats  # (s, n) torque over stall torque, which is motor current over stall current
-    supplied: Floats  # (s,) or (1,) fraction of its open voltage that the supply has
+    duties: Floats  # (s, n) demanded duty, may exceed 1
+    applied: Floats  # (s, n) applied duty within -1..1
+    loads: Floats  # (s, n) torque / stall torque, which equals motor current / stall current
+    supplied: Floats  # (s,) or (1,) supply voltage / open-circuit voltage
 
 
 def effort(drives: Drives, errors: Floats, speeds: Floats, *, supplied: Floats = FULL_SUPPLY) -> DriveEffort:
-    """Return duties and loads of each drive on each physics step.
+    """Return duties and loads of each drive in each physics step.
 
     Args:
         drives: in joint order.
@@ -67,7 +67,7 @@ def power(
     counts: list[int],
     before: Spent | None = None,
 ) -> tuple[Power, Spent]:
-    """Return the power drawn, with energy and heat so far.
+    """Return the electrical power, and the energy and heat up to each step.
 
     Args:
         names: of the hinges.
@@ -104,13 +104,13 @@ def power(
 
 
 def _edges(counts: list[int], first: int) -> Indices:
-    """Return first step and end of each command's interval, (2 m,)."""
+    """Return the first and last physics step of each command, (2 m,)."""
     ends = np.array(counts, dtype=np.intp)
     return np.stack([np.minimum(np.concatenate([[first], ends[:-1]]), ends - 1), ends], axis=1).ravel()
 
 
 def warm(winding: Winding, loads, spans, rise: float):
-    """Return the temperature rise (s,) [K] of a winding."""
+    """Return the temperature rise (s,) [K] of a motor winding."""
     settled = winding.loss * loads**2 * winding.resistance  # [K] steady-state rise of each loss
     rises = []
     for goal, share in zip(settled.tolist(), winding.remaining_fraction(spans).tolist(), strict=True):

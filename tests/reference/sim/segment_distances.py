@@ -1,4 +1,4 @@
-"""Distances between line segments, many at once."""
+"""Distances between many pairs of line segments."""
 
 from typing import cast
 
