@@ -62,7 +62,7 @@ def measure(folder: Path, wheels: Path, python: str) -> str:
 
 
 def run(name: str, command: list[object], folder: Path) -> Step:
-    """Run a command without the caller's settings, and return its times."""
+    """Run a command with default settings, and return its times."""
     clean = {key: value for key, value in os.environ.items() if not key.startswith(("KINESIC_", "PYTHON", "VIRTUAL_"))}
     start, used = time.monotonic(), _used_by_children()
     done = subprocess.run(

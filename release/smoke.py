@@ -10,7 +10,7 @@ import sys
 import time
 from pathlib import Path
 
-TOLERANCE = 1e-9  # [rad] or [m] largest difference between two processors
+TOLERANCE = 1e-9  # [rad] or [m] largest difference between results of two processors
 PING = "fffffd00010300" + "01194e"  # hexadecimal ping packet of servo 1, from the specification of Protocol 2.0
 BEAT = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">'

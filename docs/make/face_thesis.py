@@ -62,7 +62,7 @@ def seen_close(preset: Preset, effects: Effects, camera: Camera, corner: Corner)
 
 
 def close(pixels: Picture, corner: Corner) -> Picture:
-    """Crop a tile-sized region of a picture."""
+    """Crop a region of one tile from a picture."""
     row, column = corner
     return pixels[row : row + SIDE, column : column + SIDE]
 

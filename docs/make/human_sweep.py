@@ -1,4 +1,4 @@
-"""Plan each gesture of the lexicon in every style with the human, and print the values of its page.
+"""Plan each gesture in every style with the human model, and print a table.
 
 `human_sweep.py FILE` appends one line per plan to a file. A stopped run continues from it.
 """

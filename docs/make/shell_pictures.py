@@ -11,7 +11,10 @@ from kinesic.body.arrays import Floats
 from kinesic.body.robot import Robot
 from kinesic.sim.film import write_still
 
-PICTURE, CUT = (720, 540), (140, 20, 620, 540)  # [pixels] of a picture, and what is kept of it
+PICTURE, CUT = (
+    (720, 540),
+    (140, 20, 620, 540),
+)  # [pixels] width and height of a picture, and left, top, right and bottom of the part that is kept
 WAVING_ANGLES = {  # [deg] hinge angles of a waving robot
     "r_shoulder_abduct": 40,
     "r_elbow_flexion": 110,

@@ -36,7 +36,7 @@ def picture(page: chromium.Page) -> Image.Image:
 
 
 def titled(shown: Image.Image, title: str, where: tuple[float, float] | None) -> Image.Image:
-    """Draw one film frame: page, pointer and caption."""
+    """Draw one film frame from page, pointer and caption."""
     frame = shown.copy()
     pen = ImageDraw.Draw(frame)
     if where is not None:
@@ -80,7 +80,7 @@ if __name__ == "__main__":
     ):
 
         def film(what: str, where: tuple[float, float] | None) -> None:
-            """Store a frame of the page before an action."""
+            """Store a film frame of the page before an action."""
             frames.append(titled(picture(person.page), f"{len(frames) + 1}. {what}", where))
             times.append(ACTION_TIME)
             if what.startswith("Save the gesture"):

@@ -12,10 +12,10 @@ from pathlib import Path
 from piper import PiperVoice
 from piper.config import SynthesisConfig
 
-MODIFIERS = "\u02d0\u02d1\u02b0\u02b2\u0303\u0329\u032f"  # change the sound before them
+MODIFIERS = "\u02d0\u02d1\u02b0\u02b2\u0303\u0329\u032f"  # symbols that change the sound before them
 STOPS = "pbtdkg\u0261"
-CLOSURE_TIME = 0.06  # [s]
-STRESS_MARKS = "\u02c8\u02cc"  # belong to the vowel after them
+CLOSURE_TIME = 0.06  # [s] duration of the closed lips or tongue before a plosive
+STRESS_MARKS = "\u02c8\u02cc"  # symbols that belong to the vowel after them
 
 
 def answer(voice: PiperVoice, phrase: dict) -> tuple[dict, bytes]:

@@ -211,7 +211,7 @@ def test_worst_value_of_each_check_is_named_with_its_document():
     assert [(item.worst.value, item.file) for item in reverse] == [(3.0, "a/two.bml"), (0.2, "a/one.bml")]
 
 
-def test_totals_are_counted_by_folder_and_type():
+def test_totals_of_a_batch_are_counted_by_folder_and_document_type():
     result = totals(VERDICTS)
     assert result["documents"] == 5
     assert list(result["folders"]) == ["a", "b"]

@@ -70,5 +70,5 @@ def test_report_values_are_formatted_with_units(value: Json, unit: str, shown: t
     ("value", "text"),
     [(None, "\u2013"), (0.012345, "0.0123"), (12345.6, "12346"), (True, "True"), (-0.0, "0"), ("a", "a")],
 )
-def test_numbers_are_rounded_to_three_significant_digits_or_to_an_integer(value: Json, text: str) -> None:
+def test_report_numbers_are_rounded_to_three_significant_digits_or_to_an_integer(value: Json, text: str) -> None:
     assert format_number(value) == text

@@ -94,7 +94,7 @@ def shade(page: Page) -> str:
     return "document.querySelector('[data-part=face]').getContext('2d').getImageData(50, 50, 1, 1).data[0]"
 
 
-def test_face_follows_the_replay_forwards_and_backwards(page: Page):
+def test_face_film_of_the_report_page_follows_the_replay_forwards_and_backwards(page: Page):
     rest = "document.querySelector('[data-part=face]').getContext('2d').getImageData(10, 10, 1, 1).data[0]"
     with page.undrawn():
         for frame in (3, 20, 31, 30, 5, 0, 39):

@@ -86,7 +86,7 @@ def running(
     make_setup: Callable[[], Setup] = set_up,
     more: Sequence[Sink] = (),
 ) -> Iterator[Running]:
-    """Run a server on a free port, with optional web files, folder and sinks."""
+    """Run a server on a free port, optionally with web files, a folder and sinks."""
     witness, ready, results = Witness(), threading.Event(), []
 
     async def serve() -> None:

@@ -13,7 +13,7 @@ from .played_children import PlayedChild, played_context
 
 PATIENCE = 8.0  # [s] longest wait for a condition that a test expects
 READY_MESSAGE = PlannerReady()
-LOOP_START = "start of the loop"  # placeholder for the state from which a planner starts
+LOOP_START = "start of the loop"  # placeholder for the state of the loop from which a planner starts
 
 
 class Loop:
@@ -32,7 +32,7 @@ class Loop:
 
 
 class Office:
-    """Planner with its recorded processes, loop and calls."""
+    """Planner whose processes, loop and calls are recorded."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, *, planning: float, spare_delay: float) -> None:
         self.children: list[PlayedChild] = []

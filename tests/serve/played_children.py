@@ -1,4 +1,4 @@
-"""Child processes that are threads, or nothing at all."""
+"""Stub child processes that run in threads or not at all."""
 
 import os
 import socket
@@ -11,7 +11,7 @@ from kinesic.child import PipeEnd
 
 
 class PlayedChild:
-    """Child that only records its arguments."""
+    """Stub child process that only records its arguments."""
 
     def __init__(self, context: object, work: Callable, *arguments: object, name: str | None = None) -> None:
         self.context, self.work, self.arguments, self.name = context, work, arguments, name
@@ -34,7 +34,7 @@ class PlayedChild:
 
 
 class ThreadChild(PlayedChild):
-    """Child whose work runs in a thread."""
+    """Stub child process whose work runs in a thread."""
 
     def __init__(self, context: object, work: Callable, *arguments: object, name: str | None = None) -> None:
         super().__init__(context, work, *arguments, name=name)

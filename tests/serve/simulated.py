@@ -23,7 +23,9 @@ MAX_SLEEPS = 20_000  # largest number of sleeps per run; more indicate an endles
 WAKE_DELAY = 1e-5  # [s] excess duration of each sleep
 READ_TIME = 1e-6  # [s] simulated time between two clock reads
 Messages = tuple[ScheduledFeedback, ...]
-Script = Generator[float, None, None]  # yields simulated times [s] since the start and acts at these times
+Script = Generator[
+    float, None, None
+]  # generator that yields simulated times [s] since the start and acts at these times
 
 
 class Recorder:
@@ -57,9 +59,9 @@ class Simulation:
 
     setup: Setup
     time: float = START_TIME  # [s] monotonic clock time
-    told: list[tuple[float, str, int]] = field(default_factory=list)  # time [s], message, receiver
+    told: list[tuple[float, str, int]] = field(default_factory=list)  # tuples of time [s], message and receiver
     news: list[PlannerReady | RequestDone | None] = field(default_factory=list)
-    sleeps: int = 0  # so far
+    sleeps: int = 0  # number of sleeps until now
     effects: TrackEffects = field(default_factory=lambda: TrackEffects(face=True))
 
     def make(self, sinks: Sequence[RealTimeSink] = ()) -> Loop:

@@ -98,11 +98,11 @@ class SimulatedServer:
             self._looked = self.clock.machine
 
     def stall_loop(self, seconds: float) -> None:
-        """Skip ticks of the loop, as if its thread were suspended."""
+        """Skip control cycles of the loop, as if its thread were suspended."""
         self._next_tick += seconds
 
     def pass_time(self, seconds: float) -> None:
-        """Advance the time with loop ticks and events."""
+        """Advance the time with control cycles of the loop and scheduled events."""
         end = self.clock.machine + seconds
         while (coming := min(self._next_tick, self._events[0][0] if self._events else end)) < end:
             self.clock.machine = max(self.clock.machine, coming)

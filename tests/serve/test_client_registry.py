@@ -174,7 +174,7 @@ def test_streamed_words_of_a_client_are_passed_to_the_session_unchanged():
 
 
 @pytest.mark.parametrize(("token", "trusted"), [("open sesame", True), ("open barley", False), (None, False)])
-def test_arm_needs_the_token_in_its_message(token: str | None, trusted: bool):
+def test_arm_message_without_the_token_is_refused_by_the_client_registry(token: str | None, trusted: bool):
     registry = Registry(TOKEN_ACCESS)
     client = registry.join("a", trusted=True)
     registry.say(client, {"do": "arm", "token": token})
@@ -299,7 +299,7 @@ def test_client_is_connected_until_it_leaves_or_is_disconnected():
     assert [item() for item in there] == [False, False]
 
 
-def test_overlong_message_is_reported():
+def test_client_registry_reports_an_overlong_message_to_its_client():
     registry = Registry()
     client = registry.join("a")
     registry.refuse_overlong(client, ValueError("a message has 9 bytes or more"))

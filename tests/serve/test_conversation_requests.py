@@ -14,7 +14,7 @@ def report(side: float) -> PeopleReport:
     return PeopleReport((SeenPerson("p", (1.5, side, 1.6)),))
 
 
-def test_busy_planner_gets_only_the_latest_report_of_people(on_stage: Callable):
+def test_busy_planner_gets_only_the_latest_report_of_seen_people(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.session.perform(stage.document("a"))  # keeps the planner busy
         for message, sender in (
@@ -36,7 +36,7 @@ def test_busy_planner_gets_only_the_latest_report_of_people(on_stage: Callable):
     on_stage(act)
 
 
-def test_robot_does_not_converse_while_it_is_stopped(on_stage: Callable):
+def test_conversation_is_refused_during_an_emergency_stop(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.session.emergency_stop()
         assert stage.session.converse(ConverseRequest(), 1) == "an emergency stop holds; resume first"
@@ -46,7 +46,7 @@ def test_robot_does_not_converse_while_it_is_stopped(on_stage: Callable):
     on_stage(act)
 
 
-def test_planner_learns_the_client_and_whether_it_wants_fillers(on_stage: Callable):
+def test_planner_request_for_a_conversation_contains_the_client_and_its_wish_for_fillers(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.session.converse(ConverseRequest(fillers=True), 4)
         stage.planner.become_free()
@@ -56,7 +56,7 @@ def test_planner_learns_the_client_and_whether_it_wants_fillers(on_stage: Callab
     on_stage(act)
 
 
-def test_client_is_told_why_the_robot_cannot_converse():
+def test_refusal_of_a_conversation_contains_the_reason():
     registry = Registry()
     client = registry.join("a")
     assert registry.say(client, {"do": "converse"}) == []
@@ -67,7 +67,7 @@ def test_client_is_told_why_the_robot_cannot_converse():
     assert registry.say(client, {"do": "people", "people": []}) == []
 
 
-def test_frequent_reports_of_people_leave_the_message_quota_to_documents():
+def test_frequent_reports_of_seen_people_do_not_use_up_the_message_quota():
     registry = Registry()
     client = registry.join("a")
     for _ in range(12):
@@ -76,7 +76,7 @@ def test_frequent_reports_of_people_leave_the_message_quota_to_documents():
     assert len(registry.session.performed) == 1
 
 
-def test_folding_the_arms_ends_the_conversation_first(on_stage: Callable):
+def test_conversation_ends_before_the_arms_are_folded(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.session.converse(ConverseRequest(), 1)
         folding = asyncio.create_task(stage.session.fold())

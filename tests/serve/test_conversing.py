@@ -29,7 +29,7 @@ SPEECH = '<speech id="s"><text>This is a rather long sentence, which I am tellin
 
 
 class Talk:
-    """Planner in a conversation, with all messages to its client."""
+    """Planner in a conversation, and all messages to its client."""
 
     def __init__(self, planning: Planning) -> None:
         self.planning, self.told, self.proposals = planning, [], []
@@ -81,7 +81,7 @@ def talk(planning: Planning) -> Talk:
     return Talk(planning).send(Conversing(on=True))
 
 
-def test_head_follows_a_person_and_returns_at_the_end(talk: Talk):
+def test_head_follows_a_person_and_returns_at_the_end_of_the_conversation(talk: Talk):
     goal = np.degrees(towards(np.array(LEFT), talk.planning.setup.robot).torsion)
     talk.until(2.0, Person("p", LEFT))
     assert talk.head(2.0) == pytest.approx(goal, abs=3.0)
@@ -93,20 +93,20 @@ def test_head_follows_a_person_and_returns_at_the_end(talk: Talk):
     assert talk.head(4.5) == pytest.approx(0.0, abs=0.01)
 
 
-def test_head_starts_within_a_quarter_of_a_second(talk: Talk):
+def test_head_starts_to_follow_a_person_within_a_quarter_of_a_second(talk: Talk):
     talk.until(1.0)
     talk.send(PeopleSeen((Person("p", LEFT),)))
     assert abs(talk.head(talk.planning.time + 0.25)) > 2.0
 
 
-def test_two_reports_of_the_same_place_cause_no_further_motion(talk: Talk):
+def test_repeated_report_of_a_person_at_the_same_place_causes_no_motion(talk: Talk):
     talk.until(1.0, Person("p", FRONT))
     motion = talk.motion
     talk.send(PeopleSeen((Person("p", FRONT),)))
     assert talk.motion.controls is motion.controls
 
 
-def test_listener_leans_and_nods_and_tells_the_backchannel(talk: Talk):
+def test_listening_robot_leans_and_nods_and_reports_its_nods_to_the_client(talk: Talk):
     talk.until(1.0, Person("p", FRONT))
     for k in range(6):
         talk.send(VoiceActivity(active=True, who="p")).until(2.5 + 2 * k, Person("p", FRONT))
@@ -119,7 +119,7 @@ def test_listener_leans_and_nods_and_tells_the_backchannel(talk: Talk):
     assert np.degrees(np.abs(talk.motion.controls[-1] - talk.planning.setup.robot.skeleton.rest))[tilts].max() > 1.0
 
 
-def test_own_speech_starts_the_speaking_state_and_a_voice_interrupts_it(talk: Talk):
+def test_speech_of_the_robot_starts_the_speaking_state_and_a_voice_interrupts_it(talk: Talk):
     talk.until(1.0, Person("p", FRONT))
     talk.planning.document("b", SPEECH)
     talk.until(2.5, Person("p", FRONT))
@@ -132,7 +132,7 @@ def test_own_speech_starts_the_speaking_state_and_a_voice_interrupts_it(talk: Ta
     assert not talk.state._scene.playing
 
 
-def test_gesture_of_a_block_keeps_its_arms_while_the_head_follows(talk: Talk, planning: Planning):
+def test_arms_perform_the_gesture_of_a_block_while_the_head_follows_a_person(talk: Talk, planning: Planning):
     talk.until(1.0, Person("p", FRONT))
     planning.document("b", '<gesture id="g" lexeme="BEAT" mode="LEFT_HAND" stroke="2"/>')
     arms = list(planning.setup.robot.arm("l").all_joints)
@@ -143,7 +143,7 @@ def test_gesture_of_a_block_keeps_its_arms_while_the_head_follows(talk: Talk, pl
     np.testing.assert_allclose(talk.motion.angles(times)[:, arms], before.angles(times)[:, arms], atol=1e-9)
 
 
-def test_fillers_are_spoken_only_if_the_client_wants_them(make_planning: Callable[..., Planning]):
+def test_filler_words_are_spoken_only_if_the_client_requests_them(make_planning: Callable[..., Planning]):
     for fills in (False, True):
         talk = Talk(make_planning()).send(Conversing(on=True), fills=fills)
         talk.until(1.0, Person("p", FRONT)).send(Thinking(on=True)).until(2.5, Person("p", FRONT))
@@ -152,7 +152,7 @@ def test_fillers_are_spoken_only_if_the_client_wants_them(make_planning: Callabl
         assert talk.states()[-1] == "thinking"
 
 
-def test_emergency_stop_ends_the_conversation_without_motion(talk: Talk):
+def test_emergency_stop_ends_a_conversation_without_motion(talk: Talk):
     talk.until(1.0, Person("p", LEFT))
     held = stay(talk.motion.at(1.0).angles, start=1.0)
     talk.state.handle_stop(Halted(1, 1.0, held))
@@ -166,7 +166,7 @@ def test_emergency_stop_ends_the_conversation_without_motion(talk: Talk):
     np.testing.assert_array_equal(talk.motion.controls[-1], held.controls[-1])
 
 
-def test_idle_motion_goes_on_while_the_head_follows(make_planning: Callable[..., Planning], lively: Setup):
+def test_idle_motion_continues_while_the_head_follows_a_person(make_planning: Callable[..., Planning], lively: Setup):
     talk = Talk(make_planning(lively)).send(Conversing(on=True))
     talk.until(4.0, Person("p", LEFT))
     assert talk.state._scene.idle is not None
@@ -176,7 +176,7 @@ def test_idle_motion_goes_on_while_the_head_follows(make_planning: Callable[...,
     assert talk.state._scene.idle is not first
 
 
-def test_eyes_reach_a_person_before_the_head_and_keep_looking(make_planning: Callable[..., Planning]):
+def test_eyes_reach_a_person_before_the_head_and_stay_on_the_person(make_planning: Callable[..., Planning]):
     talk = Talk(make_planning(accompaniment=SoundAndFace(face=True))).send(Conversing(on=True)).until(1.0)
     effects = TrackEffects(face=True)
     talk.send(PeopleSeen((Person("p", FRONT),)))
@@ -193,7 +193,7 @@ def test_eyes_reach_a_person_before_the_head_and_keep_looking(make_planning: Cal
     assert effects.face(begin + 60.0)["61"] == effects.face(begin + 10.0)["61"]
 
 
-def test_smile_of_a_greeting_appears_and_vanishes(make_planning: Callable[..., Planning]):
+def test_robot_smiles_briefly_when_it_greets_a_person(make_planning: Callable[..., Planning]):
     talk = Talk(make_planning(accompaniment=SoundAndFace(face=True))).send(Conversing(on=True))
     effects = TrackEffects(face=True)
     talk.until(0.2, Person("p", FRONT))
@@ -204,7 +204,7 @@ def test_smile_of_a_greeting_appears_and_vanishes(make_planning: Callable[..., P
     assert smiles[1] == pytest.approx(0.0, abs=0.01)
 
 
-def test_gaze_of_a_block_also_determines_the_eyes(make_planning: Callable[..., Planning]):
+def test_gaze_of_a_block_also_moves_the_eyes_during_a_conversation(make_planning: Callable[..., Planning]):
     talk = Talk(make_planning(accompaniment=SoundAndFace(face=True))).send(Conversing(on=True))
     talk.until(1.0, Person("p", FRONT))
     talk.planning.document(

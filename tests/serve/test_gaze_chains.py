@@ -54,7 +54,7 @@ def test_final_posture_of_200_gaze_shifts_on_a_server_equals_that_of_the_last_sh
 
 
 @pytest.mark.soak
-def test_gaze_before_an_emergency_stop_does_not_affect_the_posture_of_later_gaze_shifts(server, becomes):
+def test_gaze_shift_before_an_emergency_stop_does_not_affect_later_gaze_shifts(server, becomes):
     session = server.open.clients.session
     with server.client() as client:
         client.send(BLOCK.format("before", SHIFT.format(0.9, 0.6)))

@@ -46,7 +46,7 @@ def test_commands_are_written_within_a_quarter_tick_of_their_time(simulation: Si
     assert max(abs(now - time) for now, time in seen) < TICK_PERIOD / 4
 
 
-def test_delayed_control_loop_sends_all_missed_commands(simulation: Simulation):
+def test_delayed_control_loop_sends_all_missed_commands_later(simulation: Simulation):
     recorder = Recorder()
     loop = simulation.make([RealTimeSink(recorder)])
 
@@ -100,7 +100,7 @@ def test_sink_with_performance_time_sets_the_server_clock(simulation: Simulation
     assert np.allclose(np.diff(other.times), TICK_PERIOD)
 
 
-def test_clock_never_goes_back_and_holds_while_time_is_unknown(simulation: Simulation):
+def test_server_clock_never_decreases_and_pauses_while_the_performance_time_is_unknown(simulation: Simulation):
     timed = Timed()
     simulation.make([RealTimeSink(timed)])
     times = []
@@ -151,7 +151,7 @@ def test_arming_request_without_servos_changes_nothing(simulation: Simulation):
 
 
 @pytest.mark.parametrize("fault", [BusError("unplugged"), DisplayError("no window")])
-def test_failing_sink_ends_the_loop_and_closes_all_sinks(simulation: Simulation, fault: Exception):
+def test_failed_sink_ends_the_control_loop_and_closes_all_sinks(simulation: Simulation, fault: Exception):
     recorders = [Recorder(), Recorder()]
     loop = simulation.make([RealTimeSink(recorder) for recorder in recorders])
 

@@ -48,7 +48,7 @@ def test_new_connections_replace_the_oldest_silent_ones(
     asyncio.run(run())
 
 
-def test_replaced_connection_that_has_begun_to_send_leaves_no_task_behind(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_replaced_connection_that_has_begun_to_send_leaves_no_running_task(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(reception_module, "MAX_PENDING_CONNECTIONS", 2)
 
     async def run() -> None:

@@ -63,7 +63,7 @@ async def plan_until(
     return planner
 
 
-def test_spare_planner_replaces_a_dead_one(known):
+def test_spare_planner_process_replaces_a_dead_planner_process(known):
     spares = []
 
     def done(planner: Planner, news: News) -> bool:
@@ -108,7 +108,7 @@ def test_request_postpones_the_start_of_the_spare_planner_at_most_until_its_dead
     assert planner._spare is None
 
 
-def test_planner_that_never_warms_up_fails(known):
+def test_planner_process_that_never_warms_up_is_reported_as_failed(known):
     planner = asyncio.run(plan_until(partial(set_up, "nobody"), known, lambda planner, news: planner.has_failed))
     assert planner.deaths == MAX_COLD_DEATHS
     assert not planner.is_warm

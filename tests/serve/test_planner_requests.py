@@ -145,7 +145,7 @@ def test_interruption_of_one_block_leaves_another_block_running(planning: Planni
     assert not any("INTERRUPTED" in each.xml and 'id="b' in each.xml for each in feedback_of(proposal))
 
 
-def test_yielding_block_tells_its_sender_and_the_interrupter_the_heard_text_once(planning: Planning):
+def test_heard_text_of_a_yielding_block_is_sent_once_to_its_sender_and_to_the_interrupting_client(planning: Planning):
     speech = '<speech id="s"><text>one two three four five six</text></speech>'
     planning.document("a", speech + LONG_GESTURE_BML, sender=1)
     planning.document("n", NOD_BML, sender=2)
@@ -162,7 +162,7 @@ def test_yielding_block_tells_its_sender_and_the_interrupter_the_heard_text_once
     assert sum("INTERRUPTED" in each.xml for each in feedback_of(proposal) if 'id="a:end"' in each.xml) == 1
 
 
-def test_plain_interruption_tells_no_text(planning: Planning):
+def test_interruption_without_yielding_reports_no_heard_text(planning: Planning):
     planning.document("a", NOD_BML)
     planning.state.execute(Interruption(None))
     assert not any("yielded" in notice.message for notice in planning.said()[1])

@@ -121,7 +121,7 @@ def test_request_beyond_its_time_limit_kills_the_planner_without_waiting_for_its
     in_office(act, planning=0.005)
 
 
-def test_answer_cancels_the_planning_timeout_of_its_request(in_office) -> None:
+def test_answer_of_the_planner_cancels_the_timeout_of_its_request(in_office) -> None:
     async def act(office: Office) -> None:
         office.start()
         office.planner.send(DOCUMENT)

@@ -102,7 +102,7 @@ def test_streamed_phrase_removes_behaviours_that_it_replaces_in_the_preceding_bl
     assert [block for block, _ in planning.said()[0][-1].moving] == ["b"]
 
 
-def test_phrase_waits_for_the_running_speech_of_another_client(planning: Planning):
+def test_streamed_phrase_waits_for_the_running_speech_of_another_client(planning: Planning):
     text = "One two three four five six seven eight nine ten. "
     planning.state.execute(DocumentRequest(Words(text, 1, ends=True), 0))
     planning.state.execute(DocumentRequest(Words("Here I am.", 2, ends=True), 0))

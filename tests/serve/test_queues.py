@@ -14,7 +14,7 @@ def waiting(sender, text=b""):
     return Message(text, sender, "test")
 
 
-def test_documents_of_clients_take_turns():
+def test_queued_documents_of_several_clients_alternate():
     turns = FairQueue(9)
     for sender, text in ((1, b"a"), (1, b"b"), (1, b"c"), (2, b"d"), (3, b"e"), (2, b"f")):
         turns.add(waiting(sender, text))
@@ -38,7 +38,7 @@ def test_document_queue_contains_a_client_until_it_is_cleared():
     assert len(turns) == 0
 
 
-def test_waiting_words_are_joined_until_the_text_ends():
+def test_queued_words_of_a_streamed_text_are_joined_until_the_text_ends():
     turns = FairQueue(3)
     for entry in (
         Words("He", 1),
@@ -56,7 +56,7 @@ def test_waiting_words_are_joined_until_the_text_ends():
     ]
 
 
-def test_words_are_not_joined_with_documents_or_beyond_the_limit():
+def test_queued_words_are_not_joined_with_documents_or_beyond_the_length_limit():
     turns = FairQueue(2)
     assert turns.add(Words("a", 1))
     assert turns.add(waiting(1, b"<bml/>"))

@@ -61,7 +61,7 @@ def test_running_blocks_are_replanned_in_another_style_one_at_a_time(planning: P
 
 
 @pytest.mark.parametrize("plan", [None, "gone"])
-def test_failed_refinement_keeps_the_running_plan(planning: Planning, plan: str | None):
+def test_block_keeps_its_running_plan_if_refinement_fails(planning: Planning, plan: str | None):
     planning.document("a", '<head id="h" lexeme="NOD" start="0" repetition="4"/>')
     planning.state.execute(Restyling(None, (), 0.3, None, 3))
     planning.state.request_refinement()

@@ -149,7 +149,7 @@ def test_block_is_reported_although_its_id_begins_with_the_id_of_another_block(s
     assert progress(messages, "twins")[-1] == "end"
 
 
-def test_two_hundred_connections_are_served(server):
+def test_server_serves_two_hundred_simultaneous_connections(server):
     clients = [server.client() for _ in range(200)]
     try:
         clients[0].send(BLOCK.format("crowd", NOD))
@@ -299,7 +299,7 @@ def test_strokes_of_a_block_with_six_gestures_are_reported_in_order(server):
     assert undisturbed(seen(server))
 
 
-def test_block_whose_expressivity_amount_changes_during_it_performs_all_strokes(server):
+def test_block_performs_all_strokes_although_its_expressivity_amount_changes_meanwhile(server):
     with server.client() as client:
         client.send(BLOCK.format("wide", SEVERAL_BEATS))
         messages = []

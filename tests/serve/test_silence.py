@@ -11,7 +11,7 @@ from .simulated import Recorder, Simulation, proposal
 
 
 class Speaker:
-    """Stub loudspeaker that records the times of fades."""
+    """Stub loudspeaker that records the times at which sounds fade."""
 
     def __init__(self, simulation: Simulation) -> None:
         self.simulation, self.fades = simulation, list[float]()

@@ -9,7 +9,7 @@ from kinesic.serve import messages
 from .simulated import Simulation
 
 
-def test_loop_of_another_thread_keeps_real_time_during_a_simulation(simulation: Simulation):
+def test_event_loop_of_another_thread_keeps_real_time_during_a_simulation(simulation: Simulation):
     before, results = simulation.time, []
 
     def use_clock() -> None:

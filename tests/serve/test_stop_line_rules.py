@@ -149,7 +149,7 @@ def test_overlong_message_closes_the_stop_connection_with_the_reason(lines: Stop
 
 
 @pytest.mark.parametrize("fault", [HalfError("the connection ended"), ConnectionResetError()])
-def test_loss_of_a_stop_connection_is_not_logged(
+def test_lost_stop_connection_is_not_logged_as_an_error(
     lines: StopLines, fault: Exception, caplog: pytest.LogCaptureFixture
 ) -> None:
     assert talk(lines, PlayedWire(fault=fault)).result is None
@@ -177,7 +177,7 @@ def count_threads() -> int:
     return sum(thread.name == "stop lines" for thread in threading.enumerate())
 
 
-def test_closing_ends_all_stop_connections_and_accepts_no_new_ones(lines: StopLines, robot: Robot) -> None:
+def test_closing_the_server_ends_all_stop_connections_and_accepts_no_new_ones(lines: StopLines, robot: Robot) -> None:
     wire = PlayedWire(stays_open=True)
     with take(lines, wire) as client:
         assert wire.is_open.wait(PATIENCE)

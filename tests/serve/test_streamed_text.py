@@ -46,7 +46,7 @@ def test_replacing_a_streamed_text_drops_its_unread_pieces():
     assert speech.is_read
 
 
-def test_text_after_a_finished_text_begins_a_new_sentence():
+def test_text_streamed_after_a_finished_one_begins_a_new_sentence_on_the_server():
     speech = StreamedText(Talk(), 0.0)
     speech.take("We met. " * (MAX_PARSED_AHEAD // 8 + 1) + "We are here", 0.0, ends=True, instead=False)
     speech.take("you are there", 0.0, ends=True, instead=False)

@@ -1,4 +1,4 @@
-"""Streamed texts without a server: times, turns and replaced behaviours."""
+"""Streamed texts without a server: times, alternating clients and replaced behaviours."""
 
 from math import inf, isfinite
 
@@ -151,7 +151,7 @@ def test_streamed_phrase_waits_for_a_pending_block_with_speech(scene: Scene):
     assert talks.next_phrase(speaking, 0.5) is not None
 
 
-def test_phrase_removes_replaced_behaviours_that_have_not_begun(scene: Scene):
+def test_streamed_phrase_removes_replaced_behaviours_that_have_not_begun(scene: Scene):
     nods = '<bml id="a"><head id="now" lexeme="NOD" start="0" end="2"/><head id="later" lexeme="NOD" start="4"/></bml>'
     nodding = performed(scene, nods, 0.0)
     both = frozenset({"now", "later", "unknown"})

@@ -68,7 +68,7 @@ def test_successive_streamed_phrases_do_not_overlap(server):
     assert not [message for message in messages if "speaks until" in message]
 
 
-def test_first_phrase_is_spoken_while_the_next_is_awaited(server):
+def test_first_streamed_phrase_is_spoken_before_the_next_one_is_received(server):
     with server.client() as client:
         client.do("words", text="Look at the old house on the hill, and ")
         messages = told(client, r'id="[^"]*:start"')
@@ -87,14 +87,14 @@ def test_streamed_words_that_are_not_yet_spoken_can_be_replaced(server):
     assert saying[-1]["text"].endswith("wonderful!")
 
 
-def test_silence_ends_an_unfinished_phrase(server):
+def test_unfinished_streamed_phrase_is_spoken_after_a_silence(server):
     with server.client() as client:
         client.do("words", text="I never saw the tower")
         assert answers(told(client, '"saying"'), "saying")[0]["text"] == "I never saw the tower"
 
 
 @pytest.mark.parametrize("verb", ["stop", "interrupt"])
-def test_stop_and_interrupt_drop_unspoken_words(server, verb):
+def test_emergency_stop_and_interrupt_discard_unspoken_streamed_words(server, verb):
     with server.client() as client:
         client.do("words", text="One two three four five six seven eight nine ten. " * 6, ends=True)
         told(client, r'id="[^"]*-1:start"')

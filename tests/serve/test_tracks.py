@@ -110,7 +110,7 @@ def test_silenced_blocks_stay_silent_until_their_tracks_are_removed(block, faded
     assert speaker.told[-1] == 3.0
 
 
-def test_ducked_sounds_are_muted_until_they_go_on_or_an_emergency_stop():
+def test_sounds_muted_for_a_person_continue_on_request_or_end_at_an_emergency_stop():
     speaker = Recorder()
     effects = TrackEffects(speaker)
     effects.duck(on=True)
@@ -139,7 +139,7 @@ def test_face_track_has_a_row_per_10_ms():
 @pytest.mark.parametrize("needs", [False, True])
 @pytest.mark.parametrize("amount", [0.0, 0.5])
 @pytest.mark.parametrize("outputs", [SoundAndFace(), SoundAndFace(face=True), SoundAndFace(sound=True)])
-def test_track_has_the_sounds_of_speeches_and_a_face_that_moves_or_idles(monkeypatch, needs, amount, outputs):
+def test_track_of_a_block_contains_its_speech_sounds_and_a_moving_or_idle_face(monkeypatch, needs, amount, outputs):
     asked = []
     monkeypatch.setattr(tracks, "needs_face", lambda plan: needs)
     monkeypatch.setattr(tracks, "compute_action_units", lambda plan, times: asked.append(times) or {"x": times})

@@ -18,7 +18,7 @@ def robot_with(confidence: float, folder: Path) -> Robot:
     return Robot.load(path)
 
 
-def test_robot_with_a_doubtful_mapping_is_refused_unless_any_mapping_is_trusted(tmp_path: Path):
+def test_imported_robot_with_a_doubtful_joint_mapping_is_refused_unless_the_option_mapping_is_any(tmp_path: Path):
     robot = robot_with(0.59, tmp_path)
     with pytest.raises(ConfigError, match=r"confidence 0\.59 of its joint mapping is below 0\.6.*--mapping any"):
         set_up(robot)
@@ -27,11 +27,11 @@ def test_robot_with_a_doubtful_mapping_is_refused_unless_any_mapping_is_trusted(
 
 
 @pytest.mark.parametrize("confidence", [0.6, 1.0])
-def test_robot_with_a_clear_mapping_performs(confidence, tmp_path: Path):
+def test_imported_robot_with_a_confident_joint_mapping_performs(confidence, tmp_path: Path):
     robot = robot_with(confidence, tmp_path)
     assert describe_mapping_doubt(robot) is None
     assert set_up(robot).robot.mapping_confidence == confidence
 
 
-def test_robot_that_was_not_imported_has_no_mapping_doubt():
+def test_robot_that_was_not_imported_needs_no_mapping_confidence():
     assert describe_mapping_doubt(Robot.load()) is None

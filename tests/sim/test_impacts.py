@@ -12,7 +12,7 @@ from kinesic.sim.model import build_model, find_joint_indices
 from kinesic.sim.uncoupled import uncouple
 
 ROWS = force_rows(read_impact_limits().regions)
-POSTURES = 6  # number of random postures, which is no multiple of the kernel's group
+POSTURES = 6  # number of random postures, not a multiple of the kernel's batch size
 
 
 def random_motion(robot: Robot) -> tuple[Floats, Floats]:
@@ -23,7 +23,7 @@ def random_motion(robot: Robot) -> tuple[Floats, Floats]:
 
 
 def points_of(robot: Robot, model: mujoco.MjModel) -> list[tuple[int, Floats]]:
-    """Return body and position of each capsule point that moves."""
+    """Return body and position of each contact point that can move."""
     points = []
     for segment in uncouple(robot).skeleton.segments:
         body = model.body(segment.name).id
@@ -59,7 +59,7 @@ def forces_by_mujoco(robot: Robot, angles: Floats, velocities: Floats, rows: Imp
 
 
 @pytest.mark.parametrize("name", ["upper22", "upper36"])
-def test_forces_and_jacobians_equal_those_of_mujoco(name: str):
+def test_contact_forces_and_jacobians_equal_those_of_mujoco(name: str):
     robot = Robot.load(name)
     impacts = RobotImpacts(robot)
     angles, velocities = random_motion(robot)
@@ -72,7 +72,7 @@ def test_forces_and_jacobians_equal_those_of_mujoco(name: str):
     assert len(impacts.owners) == len(jacobians)
 
 
-def test_gate_replaces_small_values_by_upper_bounds():
+def test_contact_forces_far_below_the_limit_are_replaced_by_upper_bounds():
     robot = Robot.load()
     impacts = RobotImpacts(robot)
     angles, velocities = random_motion(robot)
@@ -87,7 +87,7 @@ def test_gate_replaces_small_values_by_upper_bounds():
     assert (exact[4:] <= 1.0).any()
 
 
-def test_forces_are_proportional_to_velocity():
+def test_contact_forces_are_proportional_to_velocity():
     robot = Robot.load()
     angles, velocities = random_motion(robot)
     values = RobotImpacts(robot).survey(angles, velocities, ROWS).values
@@ -95,7 +95,7 @@ def test_forces_are_proportional_to_velocity():
     np.testing.assert_allclose(faster, 2.0 * values, rtol=1e-9)
 
 
-def test_points_are_on_moving_segments_only():
+def test_contact_points_are_only_on_moving_segments():
     owners = set(RobotImpacts(Robot.load()).owners)
     assert "humanoid_root" not in owners
     assert {"vt1", "skullbase", "l_wrist", "r_wrist"} <= owners

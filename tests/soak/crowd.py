@@ -49,13 +49,19 @@ QUESTIONS: tuple[tuple[str, dict[str, object]], ...] = (
     ("gesture", {"toml": flood.GESTURE_TEMPLATE % 0.3}),
     ("export", {"format": "csv", "bml": '<bml id="asked"><head id="h" lexeme="NOD" start="0"/></bml>'}),
 )
-FAULT_WORDS = ("duplicate", "lost", "no end", "disorder", "early")  # words with which the journal names kinds of faults
+FAULT_WORDS = (
+    "duplicate",
+    "lost",
+    "no end",
+    "disorder",
+    "early",
+)  # words with which the feedback journal names kinds of faults
 BLOCK_BML = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}" composition="{}">{}</bml>'
 
 
 @dataclass
 class Report:
-    """Faults of feedback, and memory over time."""
+    """Faults of feedback, and memory of the server over time."""
 
     blocks: int
     messages: int

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 from math import inf
 
-CLOCK_RESOLUTION = 0.002  # [s] rounding of `time` in a status, and of a tick
+CLOCK_RESOLUTION = 0.002  # [s] rounding of `time` in a status, plus one control period
 PROGRESS = re.compile(
     r"<(?:blockProgress|syncPointProgress)\b[^>]*? id=\"([^\":]+):([^\"]+)\"[^>]*? globalTime=\"([^\"]+)\""
 )
@@ -19,10 +19,10 @@ class Arrival:
     """Sync point of a block, with the time [s] at which a client was informed."""
 
     block: str
-    point: str  # of the block, or `behaviour:point`
-    time: float  # [s] of the server's clock, as the message says
-    received: float  # [s] of the machine's monotonic clock
-    earliest: float  # [s] of that clock, before which the server's clock had not come to `time`
+    point: str  # sync point of the block, or `behaviour:point`
+    time: float  # [s] time of the server's clock in the message
+    received: float  # [s] time of the machine's monotonic clock at the arrival of the message
+    earliest: float  # [s] earliest time of the monotonic clock at which the server's clock can have reached `time`
 
 
 @dataclass
@@ -33,10 +33,10 @@ class FeedbackJournal:
     sent: list[str] = field(default_factory=list)  # ids of the sent blocks
     refused: set[str] = field(default_factory=set)
     lost_messages: int = 0  # number of messages that the server dropped, because they were not read in time
-    _offset: float = -inf  # [s] from the server's clock to the machine's, at least
+    _offset: float = -inf  # [s] lower bound of the difference from the server's clock to the machine's clock
 
     def synchronize(self, asked: float, time: float) -> None:
-        """Record a server time [s] that was requested at a machine time [s]."""
+        """Record the server time [s] that was requested at a machine time [s]."""
         self._offset = max(self._offset, asked - time)
 
     def hear(self, message: str, received: float) -> None:

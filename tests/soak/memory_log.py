@@ -33,7 +33,7 @@ class ProcessSize:
 class MemoryLog:
     """Samples of a server and all its descendants."""
 
-    samples: list[tuple[float, tuple[ProcessSize, ...]]] = field(default_factory=list)  # by time [s]
+    samples: list[tuple[float, tuple[ProcessSize, ...]]] = field(default_factory=list)  # process sizes by time [s]
 
     def record(self, time: float, server: int) -> None:
         """Record all processes of a server at a time [s]."""
@@ -41,7 +41,7 @@ class MemoryLog:
 
     @property
     def roles(self) -> tuple[str, ...]:
-        """All roles, in order of first appearance."""
+        """Program names of all recorded processes, in order of first appearance."""
         return tuple(dict.fromkeys(size.role for _, sizes in self.samples for size in sizes))
 
     def total(self, settled: float, duration: float) -> tuple[float, float]:
@@ -49,7 +49,7 @@ class MemoryLog:
         return self._windows(settled, duration, lambda each: each.share)
 
     def private(self, settled: float, duration: float, role: str | None = None) -> tuple[float, float]:
-        """Return a role's private memory [bytes] in the two compared windows."""
+        """Return the private memory [bytes] of a program in the two compared windows."""
         return self._windows(settled, duration, lambda each: each.private if role in (None, each.role) else 0)
 
     def _windows(self, settled: float, duration: float, size: Callable[[ProcessSize], int]) -> tuple[float, float]:
@@ -69,7 +69,7 @@ class MemoryLog:
             yield self._course(pid)
 
     def _course(self, pid: int) -> str:
-        """Describe one process over time."""
+        """Describe the memory of one process over time."""
         own = [(time, size) for time, sizes in self.samples for size in sizes if size.pid == pid]
         sizes = [round(each.private / 1e6, 1) for _, each in own]
         return (

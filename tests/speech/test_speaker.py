@@ -12,7 +12,7 @@ DEVICE_LATENCY = 0.05  # [s]
 
 
 class Tape:
-    """Fake sound device that records its input and advances its own clock."""
+    """Fake sound device that records its input and has its own clock."""
 
     latency = DEVICE_LATENCY
 
@@ -94,7 +94,7 @@ def test_stopped_speaker_is_silent_until_the_next_sound():
     assert np.flatnonzero(tape.heard)[0] == tape.at(100.9)
 
 
-def test_faded_sound_ends_without_a_step_and_others_continue():
+def test_faded_sound_ends_without_a_step_while_other_sounds_continue():
     tape, tone = Tape(), Sound.of(SAMPLE_RATE, np.full(1000, 0.25))
     speaker = Speaker(tape.clock, device=tape, rate=SAMPLE_RATE)
     speaker.play(tone, 100.1)
@@ -111,7 +111,7 @@ def test_faded_sound_ends_without_a_step_and_others_continue():
     assert tape.heard[first + 20] == pytest.approx(0.375, abs=0.01)
 
 
-def test_muted_speaker_fades_out_and_in_while_its_sounds_go_on():
+def test_muted_speaker_fades_out_and_in_while_the_time_of_its_sounds_continues():
     tape = Tape()
     speaker = Speaker(tape.clock, device=tape, rate=SAMPLE_RATE)
     speaker.play(Sound.of(SAMPLE_RATE, np.linspace(0.2, 0.8, 1000)), 100.05)
@@ -128,7 +128,7 @@ def test_muted_speaker_fades_out_and_in_while_its_sounds_go_on():
     assert tape.heard[muted - 1] == pytest.approx(undisturbed[muted - 1], abs=1e-3)
 
 
-def test_mute_that_nobody_ends_is_over_after_its_maximum_duration():
+def test_muted_speaker_is_audible_again_after_the_maximum_mute_duration():
     tape = Tape()
     speaker = Speaker(tape.clock, device=tape, rate=SAMPLE_RATE)
     speaker.play(Sound.of(SAMPLE_RATE, np.full(9000, 0.5)), 100.0)

@@ -149,7 +149,7 @@ def test_wav_recordings_of_every_sample_width_are_read(width: int, channels: int
     assert sound.samples.mean() == pytest.approx(0.0, abs=0.01)
 
 
-def test_recording_keeps_its_given_mark_times(tmp_path: Path):
+def test_recording_keeps_the_mark_times_given_in_the_document(tmp_path: Path):
     recording = Recording(write_tone(tmp_path / "tone.wav"), (("two", 1.25),))
     utterance = RECORDED_VOICE.say(Script("one two", (Mark("two", 4),), recording=recording), rate=2.0)
     assert (utterance.duration, utterance.marks["two"], utterance.voice) == (2.0, 1.25, "recording")

@@ -20,14 +20,14 @@ from kinesic.studio.page import page_files
 from ..chromium import MAX_WAIT, Page, binary, opened
 from ..serve.conftest import Running, running
 
-PATIENT = Quotas(planning=60.0)  # [s] longest planning time, ample for a busy machine
+PATIENT = Quotas(planning=60.0)  # quotas with a planning time [s] sufficient on a busy machine
 STEP = 10.0  # [s] longest wait for an answer of the browser
 BACKUP_DELAY = 0.2  # [s] time for the server to write the last backup of a closed page
 
 
 @dataclass(frozen=True)
 class Desk:
-    """Server of a folder of documents."""
+    """Server of a folder of documents with a simulated robot."""
 
     server: Running
     folder: Path
@@ -64,7 +64,7 @@ def _read_status(client: Client) -> str:
 
 @dataclass
 class Studio:
-    """Open page with its server."""
+    """Open page of the studio with its server."""
 
     page: Page
     server: Running

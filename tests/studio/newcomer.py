@@ -11,7 +11,7 @@ from pathlib import Path
 
 from ..chromium import Page, opened
 
-PATIENT = "planning=60"  # [s] longest planning time, ample for a busy machine
+PATIENT = "planning=60"  # quota of the planning time [s], sufficient on a busy machine
 STATE = "kinesicStudio.state()"
 TEXT = "It is tea versus coffee today."
 

@@ -15,7 +15,7 @@ from .test_tracks import PARTS, show
 
 DRAWN = False  # WebGL pictures are tested in test_stage.py
 FIGURES = PAGE_FOLDER / "figures.json"
-MAX_SIZE = 3_000_000  # [bytes] all figures
+MAX_SIZE = 3_000_000  # [bytes] largest size of the file of all figures
 RIGHT_ARM = 3 + 3 + 5  # index of the right shoulder: after head, neck, trunk and the left arm with five fingers
 
 

@@ -49,7 +49,7 @@ def test_key_pose_dragged_past_another_key_pose_on_the_timeline_changes_their_or
     assert keys(edited) == before
 
 
-def test_clicked_pose_is_shown_at_its_time(edited: Studio):
+def test_clicked_key_pose_is_shown_at_its_time(edited: Studio):
     edited.until("s.draft.keys !== undefined")
     last = len(keys(edited)) - 1
     edited.page.value(f"{POSE.format(last)}.click()")

@@ -21,12 +21,12 @@ pytestmark = [pytest.mark.soak, pytest.mark.realtime]
 
 @dataclass(frozen=True)
 class Weight:
-    """Memory use of page and server."""
+    """Memory use of page and server at one time."""
 
-    heap: float  # [bytes] script of the page
+    heap: float  # [bytes] memory of the page's script
     nodes: float  # DOM nodes, including detached ones
     listeners: float
-    server: float  # [bytes] all processes of the server
+    server: float  # [bytes] memory of all processes of the server
 
     @classmethod
     def of(cls, studio: Studio) -> "Weight":

@@ -119,7 +119,7 @@ def exported(studio: Studio, folder: Path, name: str) -> Path:
     return file
 
 
-def test_performance_is_exported_by_download(studio: Studio, tmp_path: Path):
+def test_studio_exports_a_performance_as_a_download(studio: Studio, tmp_path: Path):
     studio.write(WORDS)
     rows = exported(studio, tmp_path / "downloads", "doc.csv").read_text().splitlines()
     assert rows[0].startswith("time_s,")
@@ -202,7 +202,7 @@ def test_emergency_stop_does_not_wait_for_a_long_plan(studio: Studio):
     assert studio.state("draft")["duration"] > 115.0
 
 
-def test_motion_of_another_client_is_shown(studio: Studio):
+def test_studio_shows_motion_that_another_client_requested(studio: Studio):
     studio.page.click("#mode-robot")
     studio.until("s.report !== null")
     rest = studio.state("report")["planned"]
@@ -271,7 +271,7 @@ def test_heap_grows_by_less_than_4_mb_in_1_5_s_of_looped_playback(studio: Studio
     studio.page.click("#loop")
 
 
-def test_hostile_names_and_texts_never_run_and_broken_answers_are_ignored(studio: Studio):
+def test_hostile_names_and_texts_never_run_as_code_and_broken_server_answers_are_ignored(studio: Studio):
     evil = '<img src="x" onerror="hacked = true"><script>hacked = true</script>'
     escaped = evil.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
     studio.write(WORDS.replace("another", escaped).replace('lexeme="offer"', f'lexeme="{escaped}"'))
@@ -302,7 +302,7 @@ def test_hostile_names_and_texts_never_run_and_broken_answers_are_ignored(studio
     assert studio.page.value("document.querySelector('#fault').hidden")
 
 
-def test_every_entry_of_the_palette_is_performed_without_writing_xml(studio: Studio):
+def test_every_behaviour_added_from_the_palette_is_performed(studio: Studio):
     studio.write('<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="new"></bml>')
     page, line = studio.page, "document.querySelector('#line')"
     page.value(f"{line}.value = 'Hello & welcome.'; document.querySelector('#say-line').requestSubmit(); 0")

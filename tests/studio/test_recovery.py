@@ -83,7 +83,7 @@ def test_existing_document_is_replaced_only_after_confirmation_and_kept_as_a_ver
     studio.until("!s.unsaved")
 
 
-def test_page_reload_shows_the_unsaved_text_again(studio: Studio):
+def test_reloaded_studio_page_shows_the_unsaved_text_again(studio: Studio):
     text = EMPTY.format(GESTURE.format(3))
     type_text(studio, text)
     reload(studio)

@@ -57,7 +57,7 @@ def save_style(studio: Studio, name: str) -> str:
     return studio.page.value("document.querySelector('#style-status').textContent")
 
 
-def test_sliders_show_the_style_and_mark_values_that_differ_from_neutral(studio: Studio):
+def test_studio_sliders_show_the_style_and_mark_values_that_differ_from_neutral(studio: Studio):
     begin(studio)
     assert set(sliders(studio).values()) == {0.0}
     assert not marked(studio, "differs")
@@ -102,7 +102,7 @@ def test_style_of_several_selected_behaviours_is_written_to_each(studio: Studio)
     assert studio.state("text") == two
 
 
-def test_without_a_selection_the_style_is_that_of_the_whole_performance(studio: Studio):
+def test_style_chosen_without_a_selection_applies_to_the_whole_performance(studio: Studio):
     begin(studio)
     usual = "document.querySelector('#usual-style').checkVisibility()"
     assert not studio.page.value(usual)

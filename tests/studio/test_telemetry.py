@@ -52,7 +52,7 @@ def test_recorded_posture_and_values_are_shown_until_return_to_live_telemetry(st
     assert page.value(angles) != raised
 
 
-def test_telemetry_chart_is_drawn_and_scrubbed_with_the_pointer(studio: Studio):
+def test_telemetry_chart_is_drawn_and_its_time_is_chosen_with_the_pointer(studio: Studio):
     page = studio.page
     page.value("document.querySelector('#measure').value = 'tracking'; 0")
     page.value("document.querySelector('#history-chart').scrollIntoView({block: 'center'})")

@@ -149,7 +149,7 @@ def test_text_without_words_is_refused_and_changes_nothing(studio: Studio):
     assert studio.state("text") == before
 
 
-def test_words_and_source_are_two_tabs_reached_by_arrow_keys(studio: Studio):
+def test_spoken_words_and_bml_source_are_two_tabs_reached_by_arrow_keys(studio: Studio):
     perform(studio, TEXT)
     page = studio.page
     assert not page.value("document.querySelector('#pane-source').checkVisibility()")

@@ -175,7 +175,7 @@ def test_stroke_dragged_to_an_accent_is_written_as_an_offset_from_its_word(studi
     assert offset == pytest.approx(time - piece["start"], abs=2e-3)
 
 
-def test_dragging_with_the_alt_key_does_not_snap(studio: Studio):
+def test_behaviour_dragged_with_the_alt_key_does_not_snap_to_strokes(studio: Studio):
     show(studio, THREE)
     syncs = {(s["behaviour"], s["sync"]): s["planned"] for s in studio.state("draft")["syncs"]}
     begin, end = onto(studio, "[data-block=three]", syncs["two", "stroke"] - syncs["three", "stroke"] + 0.03)
@@ -276,7 +276,7 @@ def drop(studio: Studio, source: str, place: tuple[float, float]) -> None:
     studio.page.drag((x, y), (x + 8, y + 8), ((x + place[0]) / 2, (y + place[1]) / 2), place)
 
 
-def test_palette_entry_is_dropped_onto_a_word_and_onto_a_time(studio: Studio):
+def test_palette_entry_may_be_dropped_onto_a_word_or_onto_a_time(studio: Studio):
     show(studio, WORDS)
     studio.page.click("#show-palette")
     word = studio.page.value("[...document.querySelectorAll('.word')].findIndex(word => word.textContent === 'then')")
@@ -299,7 +299,7 @@ def test_palette_entry_is_dropped_onto_a_word_and_onto_a_time(studio: Studio):
     assert studio.page.value("document.querySelector('#palette').hidden")
 
 
-def test_gesture_of_the_list_is_dropped_onto_a_word(studio: Studio):
+def test_listed_gesture_dropped_onto_a_word_gets_its_stroke_there(studio: Studio):
     show(studio, WORDS)
     studio.page.value("document.querySelector('#lexicon').open = true")
     search = "document.querySelector('#search')"

@@ -50,7 +50,7 @@ def test_studio_counts_and_names_typed_words_that_have_no_gestures_yet(studio: S
     studio.page.until("document.querySelector('#plain-pending').textContent === ''")
 
 
-def test_perform_button_first_chooses_gestures_for_newly_typed_words(studio: Studio):
+def test_perform_button_of_the_studio_first_chooses_gestures_for_newly_typed_words(studio: Studio):
     show_first(studio, "performed")
     studio.until("s.connection === 'open' && !s.stopped")
     type_words(studio, SECOND)
@@ -71,7 +71,7 @@ def test_stop_button_cancels_a_performance_that_still_waits_for_its_gestures(stu
     assert not studio.state("performs")
 
 
-def test_save_button_first_chooses_gestures_for_newly_typed_words(studio: Studio):
+def test_save_button_of_the_studio_first_chooses_gestures_for_newly_typed_words(studio: Studio):
     show_first(studio, "saved")
     studio.save_as("typed")
     studio.until("!s.unsaved && s.name === 'typed.bml'")

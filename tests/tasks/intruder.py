@@ -19,14 +19,14 @@ PATIENCE = 10  # [s] longest duration of one attempt
 
 
 async def run_in_worker(address: str, security: Security) -> int:
-    """Return the user that a worker or nanny at this address runs code as."""
+    """Return the user as which a worker or nanny at an address runs code."""
     async with rpc(address, connection_args=security.get_connection_args("client")) as door:
         answer = await door.run(function=pickle.dumps(os.getuid))
         return int(answer["result"])
 
 
 async def run_in_cluster(address: str, security: Security) -> int:
-    """Return the user that a worker of the scheduler at this address runs code as."""
+    """Return the user as which a worker of the scheduler at an address runs code."""
     async with Client(address, security=security, timeout=PATIENCE, asynchronous=True) as client:
         return int(await client.submit(os.getuid))
 

@@ -16,7 +16,7 @@ pytestmark = pytest.mark.skipif(find_spec("distributed") is None, reason="the ex
 
 
 class Opened:
-    """Stand-in for a dask client or cluster that records its arguments."""
+    """Stub of a dask client or cluster that records its arguments."""
 
     made: list["Opened"]
 

@@ -12,7 +12,7 @@ TASKS = {1: "one", 2: "two", 3: "three"}
 
 
 class Engine:
-    """Engine that multiplies numbers by ten at once and records them."""
+    """Engine that multiplies numbers by ten and records these numbers."""
 
     def __init__(self, *crashes: int) -> None:
         self.done: list[int] = []
@@ -80,7 +80,7 @@ def test_task_with_an_invalid_journal_entry_runs_again(journal: Journal[int]):
     assert engine.done == [2]
 
 
-def test_crashed_task_is_reported_and_retried(journal: Journal[int]):
+def test_crashed_task_is_reported_and_repeated_in_the_next_run(journal: Journal[int]):
     result = run(Engine(2), journal)
     assert isinstance(result[2], WorkerCrash)
     assert (result[1], result[3]) == (11, 33)

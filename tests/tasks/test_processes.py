@@ -29,7 +29,7 @@ def test_every_task_runs_once_in_local_worker_processes(jobs):
     assert dict(run_pool(tasks, EVALUATE, jobs=jobs)) == {task: k**2 for k, task in enumerate(tasks)}
 
 
-def test_empty_task_list_has_no_results():
+def test_empty_task_list_gives_no_results():
     assert list(run_pool([], EVALUATE, jobs=2)) == []
 
 

@@ -46,12 +46,12 @@ def test_complete_journal_lines_become_table_rows_and_a_truncated_line_is_ignore
 GUIDE_QUERIES = re.findall(r'^kinesic results "(.+)" reports', GUIDE_PAGE.read_text(encoding="utf-8"), re.MULTILINE)
 
 
-def test_query_guide_has_ten_queries():
+def test_guide_of_the_result_store_has_ten_sql_queries():
     assert len(GUIDE_QUERIES) == 10
 
 
 @pytest.mark.parametrize("query", GUIDE_QUERIES)
-def test_each_query_of_the_guide_is_answered(query, folder):
+def test_each_sql_query_of_the_guide_is_answered(query, folder):
     assert ask(folder, query).columns
 
 

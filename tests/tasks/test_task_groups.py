@@ -29,11 +29,11 @@ EVALUATE = partial(partial, eval)  # tasks are Python expressions
 
 
 class KilledWorker(Exception):  # noqa: N818 - its name in dask
-    """Stand-in for dask's error of a lost worker."""
+    """Stub of dask's error of a lost worker."""
 
 
 class PlayedFuture:
-    """Group of tasks that runs when its result is requested."""
+    """Group of tasks that runs when the result of the group is requested."""
 
     def __init__(self, client: "PlayedClient", key: str, work: Callable[[], object]) -> None:
         self.client, self.key, self._work = client, key, work
@@ -112,7 +112,7 @@ class PlayedClient:
 
 
 class Completed:
-    """Futures in the order in which they were added."""
+    """Futures in the order in which the caller added them."""
 
     def __init__(self) -> None:
         self._waiting: list[PlayedFuture] = []
@@ -256,7 +256,7 @@ def test_cluster_without_workers_is_refused() -> None:
         Cluster(PlayedClient(workers=0))
 
 
-def test_worker_of_another_version_is_refused() -> None:
+def test_cluster_worker_of_another_program_version_is_refused() -> None:
     with pytest.raises(ConfigError, match=r"(?s)worker tcp://worker0 .*there: other.*here:  ") as refused:
         Cluster(PlayedClient(version="other"))
     assert str(refused.value).endswith(program_version())

@@ -8,7 +8,7 @@ TOLERANCE = 0.02  # largest difference of two decimals / shown number
 
 
 def matches(shown: str, printed: str, *, is_measured: bool = False) -> bool:
-    """Return whether a command's output matches that of the page.
+    """Return whether a printed output matches the output shown on a page.
 
     White space is ignored. `...` stands for any text. Numbers with a decimal point may differ by 2 % or by one unit of
     the last shown place, all others not at all.

@@ -98,7 +98,7 @@ class Desk:
         return self.terminals[name]
 
     def at_own_port(self, text: str) -> str:
-        """Replace the server's default port, so that several servers run on one machine."""
+        """Replace the default port of the server, so that several servers can run."""
         text = re.sub(r"kinesic (serve|studio)\b", rf"kinesic \1 --listen 127.0.0.1:{self._port}", text)
         return text.replace("Client()", f"Client(port={self._port})").replace(str(DEFAULT_PORT), str(self._port))
 

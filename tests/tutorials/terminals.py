@@ -24,16 +24,16 @@ class Terminal:
         self._folder, self._environment = folder, environment
         self._process: subprocess.Popen[str] | None = None
         self._source, self._shown, self._printed = "", "", list[str]()
-        self._is_measured = False
-        self._reader: Thread | None = None
+        self._is_measured = False  # [s] longest time for a command or its shown output, also on a loaded machine
+        self._reader: Thread | None = None  # [s] time between two comparisons of the output
 
     @property
     def printed(self) -> str:
-        """Output of the last block so far."""
+        """Output of the last block of commands until now."""
         return "".join(self._printed)
 
     def start(self, source: str) -> None:
-        """Run a block of commands, after ending the one before as Ctrl-C does."""
+        """Run a block of commands after ending the previous block by Ctrl-C."""
         self.interrupt()
         self._printed = printed = list[str]()
         self._source, self._shown = source, ""
@@ -59,7 +59,7 @@ class Terminal:
         self._process.stdin.flush()
 
     def await_output(self, shown: str, *, is_measured: bool) -> None:
-        """Wait until the output is as shown; commands that still run may print more.
+        """Wait until the output matches the shown output.
 
         Args:
             shown: text of the page.
@@ -108,7 +108,7 @@ class Terminal:
         self.await_end()
 
     def kill(self) -> None:
-        """End everything at once."""
+        """Kill all processes of the terminal."""
         if self._process is not None:
             if self._is_running():
                 os.killpg(self._process.pid, signal.SIGKILL)

@@ -176,7 +176,7 @@ DOCUMENTS = (
     ),
 )
 
-OTHER_KINDS = {RobotFile: {"bus": f"list of {describe_type(BusTable)}"}}  # the hardware package reads these
+OTHER_KINDS = {RobotFile: {"bus": f"list of {describe_type(BusTable)}"}}  # tables that the hardware package reads
 
 
 def write_page() -> str:

@@ -63,7 +63,7 @@ def test_error_for_a_check_without_a_limit_names_the_file_to_edit():
 
 
 @pytest.mark.parametrize("name", DOCUMENTED_LIMITS)
-def test_value_at_its_limit_passes_and_one_beyond_warns_or_fails(name: str):
+def test_check_passes_at_its_limit_and_warns_or_fails_beyond_it(name: str):
     worse = -1.0 if name in MINIMUM_CHECKS else 1.0
     bound = POOR_LIMITS.get(name, 0.0)
     limit = 0.5 if name == "limits.holding" else bound - 0.1 * worse  # well inside of what is poor
@@ -76,7 +76,7 @@ def test_value_at_its_limit_passes_and_one_beyond_warns_or_fails(name: str):
 
 
 @pytest.mark.parametrize(("name", "bound"), POOR_LIMITS.items())
-def test_value_beyond_its_poor_threshold_is_graded_poor(name: str, bound: float):
+def test_check_beyond_its_poor_threshold_gets_the_status_poor(name: str, bound: float):
     worse = -1.0 if name in MINIMUM_CHECKS else 1.0
     limit = bound - 0.1 * worse
     assert Check.of(name, bound, limit).status == "warn"

@@ -183,7 +183,7 @@ def test_stroke_that_the_hand_never_reaches_is_counted_and_named_as_poor(done):
     assert (check.status, check.value, check.where) == ("poor", 1.0, "stroke of offer (g)")
 
 
-def test_saturation_and_overload_cause_a_warning(done):
+def test_servo_saturation_and_overload_get_the_status_warn(done):
     duties = np.zeros_like(done.measured.duties)
     duties[50:60, 4], duties[:, 9] = 1.5, 0.31
     names = done.plan.setup.robot.skeleton.names

@@ -1,4 +1,4 @@
-"""Checks and figures of contacts with people."""
+"""Checks and metrics of contacts with people."""
 
 from dataclasses import replace
 
@@ -39,7 +39,7 @@ def under(performance: DryRun, audience) -> DryRun:
     return replace(performance, reference=replace(performance.reference, plan=judged))
 
 
-def test_contacts_have_figures_but_no_checks_without_a_policy(done: DryRun):
+def test_contacts_with_people_are_reported_without_checks_if_there_are_no_contact_limits(done: DryRun):
     assert impact_checks(done) == []
     described = describe_impacts(done)
     assert described is not None
@@ -50,7 +50,7 @@ def test_contacts_have_figures_but_no_checks_without_a_policy(done: DryRun):
     assert "Not safety-rated" in described["note"]
 
 
-def test_motion_beyond_the_policy_fails_with_region_segment_and_time(done: DryRun):
+def test_contact_beyond_the_limits_fails_its_check_with_body_region_segment_and_time(done: DryRun):
     found = {check.name: check for check in impact_checks(under(done, "child"))}
     assert set(found) == {"safety.energy", "safety.force", "safety.clamp"}
     assert found["safety.force"].status == found["safety.energy"].status == "fail"
@@ -61,14 +61,14 @@ def test_motion_beyond_the_policy_fails_with_region_segment_and_time(done: DryRu
     assert found["safety.energy"].value == pytest.approx(figures.energies.max())
 
 
-def test_motion_planned_under_the_policy_passes(setup: Setup):
+def test_motion_planned_with_contact_limits_passes_the_contact_checks(setup: Setup):
     near_child = replace(setup, policy=find_policy("child"))
     found = {check.name: check for check in impact_checks(dry_run(plan(BLOCK.format("house"), near_child)))}
     assert found["safety.force"].status == found["safety.energy"].status == "pass"
     assert 0.9 < found["safety.force"].value <= 1.0
 
 
-def test_energy_is_half_the_effective_mass_times_velocity_squared(done: DryRun, setup: Setup):
+def test_reported_contact_energy_is_half_the_effective_mass_times_velocity_squared(done: DryRun, setup: Setup):
     figures = done.reference.impacts
     assert figures is not None
     row = int(figures.energies.argmax())
@@ -80,7 +80,7 @@ def test_energy_is_half_the_effective_mass_times_velocity_squared(done: DryRun, 
     assert figures.energies[row] < 0.5 * 1.0 * velocity @ velocity
 
 
-def test_closing_gap_gives_way_at_the_stall_torque_of_the_weakest_hinge(setup: Setup):
+def test_clamping_force_of_a_closing_gap_is_limited_by_the_stall_torque_of_the_weakest_hinge(setup: Setup):
     planned = plan(BLOCK.format("clap"), setup)
     gap = find_closing_gap(planned)
     assert gap is not None
@@ -98,7 +98,7 @@ def test_closing_gap_gives_way_at_the_stall_torque_of_the_weakest_hinge(setup: S
     assert warned.status == ("warn" if gap.force > 140 else "pass")
 
 
-def test_margins_draw_forces_of_contacts_with_the_limit(done: DryRun):
+def test_plot_of_limit_margins_contains_contact_forces_and_their_limit(done: DryRun):
     assert "force of a contact with a free hand or chest [N]" in margins(done)
     assert len(margins(under(done, "child"))) > 0
     assert "free hand" not in margins(replace(done, reference=without_model(done)))

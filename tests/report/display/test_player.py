@@ -17,7 +17,7 @@ pytestmark = [
 
 @pytest.fixture(scope="module")
 def page(calm: DryRun, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Page]:
-    """Return a page with the HTML of a plan, as a notebook shows it."""
+    """Return a page that shows the HTML of a plan as a notebook does."""
     path = tmp_path_factory.mktemp("notebook") / "frame.html"
     path.write_text(the_frame(calm.plan._repr_html_())["srcdoc"], encoding="utf-8")
     with opened(path.as_uri()) as result:

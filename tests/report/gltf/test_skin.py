@@ -95,7 +95,7 @@ def scene(tmp_path_factory: pytest.TempPathFactory) -> GltfScene:
 
 
 def vertices_of(scene: GltfScene, primitive: dict, *parts: str) -> np.ndarray:
-    """Find the vertices of the mesh that a primitive consists of."""
+    """Return the mesh vertices that a primitive contains."""
     drawn = MESH.positions + MESH.normals(MESH.positions) * FIGURE.hair[:, None]
     candidates = np.flatnonzero(np.isin(MESH.parts, [MESH_PARTS.index(part) for part in parts]))
     distances, result = cKDTree(drawn[candidates]).query(scene.attribute(primitive, "POSITION"))
@@ -150,7 +150,7 @@ def test_gltf_skin_texture_is_the_vertically_flipped_skin_painting(scene: GltfSc
     assert np.abs(np.asarray(picture, dtype=float) - expected).mean() < 4.0
 
 
-def test_texture_of_clothes_is_transparent_beyond_their_border(scene: GltfScene) -> None:
+def test_gltf_texture_of_clothes_is_transparent_beyond_their_border(scene: GltfScene) -> None:
     cloth = scene.primitives("hands and clothes", "cloth")
     assert len(cloth) > 1
     for primitive in cloth:
@@ -224,7 +224,7 @@ def test_hair_colour_of_the_skin_begins_at_the_hairline(scene: GltfScene) -> Non
     assert (result[share > 0.55] > share[share > 0.55]).all()
 
 
-def test_iris_is_in_the_middle_of_its_texture(scene: GltfScene) -> None:
+def test_iris_is_in_the_middle_of_the_gltf_eye_texture(scene: GltfScene) -> None:
     (primitive,) = scene.primitives("face", "eyes")
     chart = compute_vertex_chart(MESH)[vertices_of(scene, primitive, "eyes"), :2]
     across = scene.attribute(primitive, "TEXCOORD_0")

@@ -63,7 +63,7 @@ def test_narrow_timeline_plot_has_the_labels_of_the_wide_one_above_the_bars(hurr
     assert float(head[1]) == pytest.approx(1 - NARROW_LAYOUT.right / NARROW_LAYOUT.width, abs=1e-4)
 
 
-def test_reduced_plot_line_keeps_its_extremes() -> None:
+def test_plot_line_reduced_to_fewer_points_keeps_its_extremes() -> None:
     times = np.arange(120_000) / 100
     values = np.sin(times)
     values[77_777], values[4_321] = 5.0, -5.0

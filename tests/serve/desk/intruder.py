@@ -69,7 +69,7 @@ class Grounds:
         return self.root / "outside"
 
     def lay_out(self) -> None:
-        """Create the folders, secret files outside, and links to them inside."""
+        """Create the folders, the secret files outside, and links to these files inside."""
         for folder in (self.given, self.temporary, self.outside / "work", self.outside / "home"):
             folder.mkdir(parents=True)
             for name in KEPT_NAMES if folder.is_relative_to(self.outside) else ():

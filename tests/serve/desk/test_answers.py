@@ -101,7 +101,7 @@ def opened(servos: object = None) -> Desk:
     return Desk(lambda: None, SimpleNamespace(report_body=None, servos=servos), RULES, tables=SHARED_MODULES)
 
 
-def test_each_client_query_is_passed_to_the_handler_of_its_kind(rooms: dict, told: list[str]):
+def test_each_client_query_is_passed_to_the_handler_for_its_kind(rooms: dict, told: list[str]):
     desk, requester = opened(), Requester(4, told.append, lambda: True)
     drafts = (
         (PlanQuestion("x"), ""),

@@ -25,7 +25,7 @@ def test_backup_keeps_the_exact_text_with_key_file_name_revision_and_time(backup
     assert backups.read("a").header == Header("a", "tea.bml", "r1", 3.0)
 
 
-def test_later_backup_of_the_same_key_replaces_the_earlier_one(backups, tmp_path):
+def test_later_backup_of_the_same_document_replaces_the_earlier_one(backups, tmp_path):
     for text in ("one", "two"):
         backups.keep("a", "tea.bml", "", text)
     backups.keep("b", "tea.bml", "", "other")

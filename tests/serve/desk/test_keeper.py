@@ -25,7 +25,7 @@ RULES = Quotas(planning=7.0)
 
 
 class Drafter:
-    """Stub drafter that keeps its questions until the test answers them."""
+    """Stub drafter that answers its questions only when the test lets it."""
 
     def __init__(self) -> None:
         self.questions: list[tuple[int, FileQuestion, str]] = []
@@ -180,7 +180,9 @@ def test_invalid_gesture_file_is_not_saved(work: Callable, tmp_path: Path, fault
     assert not (tmp_path / "a.toml").exists()
 
 
-def test_requests_are_ordered_per_client_and_independent_between_clients(work: Callable, tmp_path: Path):
+def test_document_requests_are_executed_in_order_per_client_and_independently_between_clients(
+    work: Callable, tmp_path: Path
+):
     async def act(office: Office) -> None:
         office.take(SaveRequest("a.toml", "x", id=1), client=1)
         office.take(OpenRequest(id=2), client=1)
@@ -195,7 +197,7 @@ def test_requests_are_ordered_per_client_and_independent_between_clients(work: C
     work(act)
 
 
-def test_number_of_waiting_requests_per_client_is_limited(work: Callable):
+def test_number_of_waiting_document_requests_per_client_is_limited(work: Callable):
     async def act(office: Office) -> None:
         office.take(SaveRequest("a.toml", "x"))
         for number in range(1, MAX_WAITING_REQUESTS):
@@ -218,7 +220,7 @@ def test_number_of_waiting_requests_per_client_is_limited(work: Callable):
     work(act)
 
 
-def test_no_file_request_is_executed_after_close(work: Callable, tmp_path: Path):
+def test_document_requests_are_not_executed_after_the_keeper_is_closed(work: Callable, tmp_path: Path):
     async def act(office: Office) -> None:
         office.take(SaveRequest("a.toml", "x"))
         await office.asked(1)
@@ -230,7 +232,7 @@ def test_no_file_request_is_executed_after_close(work: Callable, tmp_path: Path)
     assert not (tmp_path / "a.toml").exists()
 
 
-def test_file_of_another_revision_is_not_replaced(work: Callable, tmp_path: Path):
+def test_document_is_not_replaced_by_a_request_with_an_outdated_revision(work: Callable, tmp_path: Path):
     async def act(office: Office) -> None:
         office.drafter.always = NO_FAULT
         for name in ("a.bml", "a.toml"):
@@ -250,7 +252,7 @@ def test_file_of_another_revision_is_not_replaced(work: Callable, tmp_path: Path
     assert (tmp_path / "a.toml").read_text() == "mine"
 
 
-def test_versions_of_a_replaced_document_are_listed_and_read(work: Callable):
+def test_earlier_versions_of_a_replaced_document_are_listed_and_read(work: Callable):
     async def act(office: Office) -> None:
         for text in ("one", "two", "three"):
             office.take(SaveRequest("a.bml", text))

@@ -115,7 +115,7 @@ def test_queries_are_answered_in_order_of_arrival_by_one_process(workshop: Works
     workshop.run(work)
 
 
-def test_newer_query_of_the_same_client_and_kind_replaces_a_waiting_one(workshop: Workshop) -> None:
+def test_newer_query_of_a_client_replaces_its_waiting_query_of_the_same_kind(workshop: Workshop) -> None:
     async def work() -> None:
         for client, question, kind in ((1, "old", ""), (2, "other", ""), (1, "kind", "file"), (1, "new", "")):
             workshop.ask(client, question, kind)
@@ -158,7 +158,7 @@ def test_warm_up_of_the_query_helper_starts_one_process_before_any_query(worksho
     workshop.run(work)
 
 
-def test_answer_beyond_its_time_limit_kills_the_process_without_waiting_for_its_end(hasty: Workshop) -> None:
+def test_helper_process_that_answers_too_late_is_killed_without_waiting_for_its_end(hasty: Workshop) -> None:
     async def work() -> None:
         hasty.ask(1, "hindered")
         assert (await hasty.until_told(1))[0] == ("hindered", Unanswered.FAILED)
@@ -172,7 +172,7 @@ def test_answer_beyond_its_time_limit_kills_the_process_without_waiting_for_its_
     hasty.run(work)
 
 
-def test_setup_beyond_its_time_limit_fails_the_query_and_kills_the_process(
+def test_query_fails_and_its_helper_process_is_killed_if_loading_the_setup_takes_too_long(
     workshop: Workshop, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(helper, "SETUP_TIMEOUT", 0.02)
@@ -186,7 +186,7 @@ def test_setup_beyond_its_time_limit_fails_the_query_and_kills_the_process(
     workshop.run(work)
 
 
-def test_dead_process_fails_its_query_and_the_next_one_gets_another(workshop: Workshop) -> None:
+def test_query_fails_if_its_helper_process_dies_and_the_next_query_gets_a_new_process(workshop: Workshop) -> None:
     async def work() -> None:
         workshop.ask(1, "hindered")
         await workshop.until(lambda: workshop.is_hindered)

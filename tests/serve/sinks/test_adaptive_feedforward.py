@@ -21,7 +21,7 @@ class Swing:
 SOFT_SERVOS = Factors(gain=0.5, latency=0.015)
 
 
-def test_setpoints_blend_to_the_learned_model_without_a_jump(known):
+def test_setpoints_change_to_the_learned_servo_model_without_a_jump(known):
     leading, motion = AdaptiveFeedForward(NOMINAL_FACTORS, delay=0.002), Swing(len(known.robot.drives))
     leading.change(SOFT_SERVOS, 2.0)
     times = np.arange(1.5, 3.5, 0.01)

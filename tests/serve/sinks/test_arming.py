@@ -115,7 +115,7 @@ def test_servos_follow_after_confirmation_until_disarmed(guest: Guest, limp: Lim
 
 
 @pytest.mark.parametrize("token", [None, "open barley", ""])
-def test_arming_needs_the_token_in_the_message(guest: Guest, limp: Limp, token: str | None):
+def test_request_to_arm_servos_needs_the_token_in_its_message(guest: Guest, limp: Limp, token: str | None):
     code = guest.ask(do="arm", token=TOKEN)["code"]
     assert "token" in guest.ask(do="arm", token=token, code=code)["why"]
     assert "token" in guest.ask(do="arm", token=token)["why"]
@@ -124,7 +124,9 @@ def test_arming_needs_the_token_in_the_message(guest: Guest, limp: Limp, token: 
 
 
 @pytest.mark.parametrize("code", ["", "0" * 16, "ä"])
-def test_wrong_confirmation_code_is_refused_and_invalidates_the_right_code(guest: Guest, limp: Limp, code: str):
+def test_wrong_confirmation_code_for_arming_is_refused_and_invalidates_the_right_code(
+    guest: Guest, limp: Limp, code: str
+):
     assert "not confirmed" in guest.ask(do="arm", token=TOKEN, code=code)["why"]
     right = guest.ask(do="arm", token=TOKEN)["code"]
     assert "not confirmed" in guest.ask(do="arm", token=TOKEN, code=code)["why"]
@@ -132,7 +134,7 @@ def test_wrong_confirmation_code_is_refused_and_invalidates_the_right_code(guest
     assert not limp.armed
 
 
-def test_confirmation_is_bound_to_the_client_valid_once_and_expires(
+def test_confirmation_code_for_arming_is_valid_once_for_its_client_and_expires(
     guest: Guest, limp: Limp, monkeypatch: pytest.MonkeyPatch
 ):
     with connect(f"ws://localhost:{guest.server.port}/") as socket:
@@ -148,7 +150,7 @@ def test_confirmation_is_bound_to_the_client_valid_once_and_expires(
     assert guest.ask(do="arm", token=TOKEN, code=code)["told"] == "refused"
 
 
-def test_unauthenticated_clients_and_foreign_pages_cannot_arm(armable: Running, limp: Limp):
+def test_unauthenticated_clients_and_foreign_web_pages_cannot_arm_servos(armable: Running, limp: Limp):
     with connect(f"ws://localhost:{armable.port}/") as socket:
         socket.send('{"do": "arm"}')
         assert json.loads(socket.recv(5))["told"] == "refused"

@@ -58,7 +58,7 @@ def test_confirmation_timeout_for_arming_is_half_a_minute():
     assert CONFIRMATION_TIMEOUT == 30.0
 
 
-def test_request_of_another_client_does_not_extend_a_confirmation(play: Play):
+def test_request_of_another_client_does_not_extend_the_confirmation_time_for_arming(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         one, other = Client(1), Client(2)
         code = (await desk.ask(one))["code"]
@@ -184,7 +184,7 @@ def test_disarming_waits_for_blocks_only_up_to_a_timeout(play: Play):
     play(scene)
 
 
-def test_servos_of_an_ended_control_loop_are_disarmed_immediately(play: Play):
+def test_servos_are_disarmed_immediately_if_the_control_loop_has_ended(play: Play):
     async def scene(desk: Desk, servos: Servos) -> None:
         servos.armed, desk.loop.rests, desk.loop.alive = True, False, False
         assert (await desk.disarm(Client()))["told"] == "disarmed"

@@ -28,7 +28,7 @@ NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h
 
 
 def performed(sink: RealTimeSink, known, begin: float) -> float:
-    """Perform nods and a second of rest; return the largest error [rad]."""
+    """Perform nods and a second of rest, and return the largest error [rad]."""
     motion = plan(NOD, known).trajectory
     shifted, worst = replace(motion, start=motion.start + begin), 0.0
     for now in np.arange(begin, begin + motion.duration + 1.2, 0.01):
@@ -68,7 +68,7 @@ def test_servos_are_not_identified_without_motion(known):
 
 
 @pytest.mark.parametrize("change", [{"stage": Stage.HOLD}, {"time": np.nan}])
-def test_recorded_cycles_are_discarded_when_the_performance_is_interrupted(known, change):
+def test_cycles_recorded_for_servo_identification_are_discarded_at_an_interruption(known, change):
     learner, count = ServoLearner(known.robot, NOMINAL_FACTORS), len(known.robot.drives)
     learner.see(still(0.01 * k, count) for k in range(10))
     assert len(learner._cycles) == 10

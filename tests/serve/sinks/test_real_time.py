@@ -30,7 +30,7 @@ def followed(sink: RealTimeSink, setup: Setup, *times: float) -> list[list[float
     return results
 
 
-def test_sink_gets_each_command_once_including_those_missed_during_a_delay(known: Setup):
+def test_sink_gets_each_command_once_including_commands_missed_during_a_delay(known: Setup):
     sink = RealTimeSink(Recorder())
     assert followed(sink, known, 0.0, 0.005, 0.0099, 0.01, 0.012, 0.05) == [
         [0.0],
@@ -83,7 +83,7 @@ def test_sink_resends_commands_from_the_first_time_after_a_motion_change(known: 
     assert times == sorted(set(times))
 
 
-def test_two_motion_changes_resend_commands_from_the_earliest_change(known: Setup):
+def test_after_two_motion_changes_commands_are_resent_from_the_earliest_change(known: Setup):
     sink = RealTimeSink(Recorder())
     sink.follow(nod(known, 0.1), 0.05, known, no_face)
     sink.repeat_from(0.02)

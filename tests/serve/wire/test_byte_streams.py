@@ -49,7 +49,7 @@ async def receive_all(client: socket.socket) -> bytes:
     return await asyncio.to_thread(receive)
 
 
-def test_reading_returns_the_sent_bytes_and_then_the_end() -> None:
+def test_reading_a_connection_returns_the_sent_bytes_and_then_its_end() -> None:
     async def read() -> list[bytes]:
         async with connected() as (line, _, client):
             client.sendall(b"some words")
@@ -125,7 +125,7 @@ def test_number_of_bytes_read_from_a_client_is_limited_until_admission() -> None
     assert admitted == min(1000 + 2 * UNADMITTED_READ_LIMIT, CHUNK_SIZE)
 
 
-def test_one_read_returns_at_most_one_chunk() -> None:
+def test_one_read_of_a_connection_returns_at_most_one_chunk() -> None:
     async def read() -> int:
         async with connected() as (line, _, client):
             line.admit()
@@ -139,7 +139,7 @@ def test_one_read_returns_at_most_one_chunk() -> None:
     assert asyncio.run(read()) <= CHUNK_SIZE
 
 
-def test_data_of_concurrent_writes_are_not_interleaved() -> None:
+def test_data_written_concurrently_to_a_connection_are_not_interleaved() -> None:
     async def write() -> bytes:
         async with connected() as (line, here, client):
             hearing = asyncio.create_task(receive_all(client))
@@ -171,8 +171,10 @@ def test_writing_to_a_client_that_does_not_read_times_out() -> None:
         asyncio.run(write())
 
 
-def test_closing_discards_unread_data_slowly(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Without that, a connection reset would discard the last message."""
+def test_closing_connection_reads_and_discards_data_slowly_so_that_no_reset_is_sent(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Without this delay, a connection reset would discard the last message."""
     pauses: list[float] = []
 
     async def note_pause(seconds: float) -> None:

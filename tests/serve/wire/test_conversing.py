@@ -24,7 +24,7 @@ def events(**message):
     return conversation_events(read_control(json.dumps(message).encode()))
 
 
-def test_messages_become_events_of_a_conversation():
+def test_conversation_messages_are_decoded_into_events():
     assert events(do="converse") == (Conversing(on=True),)
     assert events(do="converse", on=False, amount=0.5) == (Conversing(on=False, amount=0.5),)
     seen = events(do="people", people=[{"id": "p1", "at": [1, 0.5, 1.6], "looks": True}], age=0.08)
@@ -35,13 +35,13 @@ def test_messages_become_events_of_a_conversation():
     assert events(do="think") == (Thinking(on=True),)
 
 
-def test_words_precede_the_end_of_their_voice_and_follow_its_begin():
+def test_transcript_event_comes_after_the_start_and_before_the_end_of_its_voice():
     begins, ends = (events(do="heard", voice=voice, text="yes", final=True) for voice in (True, False))
     assert [type(event) for event in begins] == [VoiceActivity, Transcript]
     assert [type(event) for event in ends] == [Transcript, VoiceActivity]
 
 
-def test_values_outside_their_limits_are_refused():
+def test_conversation_message_with_a_value_outside_its_limits_is_refused():
     person = {"id": "p", "at": [1, 0, 1]}
     refused = [
         {"do": "people", "people": [person] * (MAX_PEOPLE + 1)},
@@ -59,7 +59,7 @@ def test_values_outside_their_limits_are_refused():
             read_control(json.dumps(message).encode())
 
 
-def test_report_of_many_people_may_exceed_the_size_of_other_messages():
+def test_report_of_many_seen_people_may_exceed_the_size_limit_of_other_messages():
     people = [
         {"id": f"person-{k:057}", "at": [-1.12345678, 0.123456789, 1.6], "looks": True} for k in range(MAX_PEOPLE)
     ]
@@ -68,7 +68,7 @@ def test_report_of_many_people_may_exceed_the_size_of_other_messages():
     assert read_control(message) is not None
 
 
-def test_messages_of_the_adapter_example_are_valid(capsys, monkeypatch):
+def test_conversation_messages_of_the_adapter_example_are_valid(capsys, monkeypatch):
     monkeypatch.setattr(sys, "argv", ["12_converse.py"])
     adapters = runpy.run_path(str(Path(__file__).parents[3] / "examples" / "12_converse.py"))
     messages = [*adapters["REALTIME"].values(), *adapters["PIPECAT"].values(), *adapters["messages"]]

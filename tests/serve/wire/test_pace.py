@@ -25,7 +25,7 @@ def waits(monkeypatch):
     return results
 
 
-def test_reads_within_their_burst_do_not_wait(waits):
+def test_connection_reads_within_their_burst_do_not_wait(waits):
     async def read():
         for _ in range(3):
             await ReadPace().await_turn(TokenBucket(1.0, 3))
@@ -34,7 +34,7 @@ def test_reads_within_their_burst_do_not_wait(waits):
     assert waits[1:] == []
 
 
-def test_read_delay_grows_with_the_number_of_busy_connections(waits):
+def test_delay_between_reads_grows_with_the_number_of_busy_connections(waits):
     async def read():
         release, shared = waits.pop(0), ReadPace()
         spent = [TokenBucket(100.0, 1) for _ in range(20)]

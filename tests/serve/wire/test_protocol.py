@@ -42,7 +42,7 @@ def test_message_framing_is_independent_of_chunk_boundaries(messages, cuts):
     assert not frames.is_midway
 
 
-def test_blanks_between_messages_are_ignored():
+def test_blank_characters_between_client_messages_are_ignored():
     frames = MessageFramer(10)
     assert frames.feed(b" \n<a/>\0\n\0 \0<b/>") == [b"<a/>"]
     assert frames.is_midway
@@ -52,7 +52,7 @@ def test_blanks_between_messages_are_ignored():
 
 
 @pytest.mark.parametrize("pieces", [[b"12345678901"], [b"12345", b"678901"], [b"12345678901\0"]])
-def test_overlong_message_is_detected_immediately(pieces):
+def test_message_longer_than_the_limit_is_detected_before_its_end(pieces):
     frames, (*first, last) = MessageFramer(10), pieces
     assert [frames.feed(piece) for piece in first] == [[]] * len(first)
     with pytest.raises(ValueError, match="11 bytes or more, at most 10"):

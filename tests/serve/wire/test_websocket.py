@@ -248,7 +248,7 @@ def test_websocket_frame_limit_recovers_with_time(monkeypatch: pytest.MonkeyPatc
     assert len(exchange([frame(OP_TEXT, b"x")] * 6, rules=Quotas(fragments=4))[0]) == 6
 
 
-def test_other_tasks_run_while_many_frames_are_parsed(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_other_server_tasks_run_while_many_websocket_frames_are_parsed(monkeypatch: pytest.MonkeyPatch) -> None:
     pauses: list[float] = []
 
     async def note_pause(seconds: float) -> None:

@@ -12,7 +12,7 @@ def limb(tee):
     )
 
 
-def test_anatomical_division_of_arm_hinges_has_the_highest_likeness(limb):
+def test_anatomical_division_of_imported_arm_hinges_has_the_highest_likeness_to_a_human_arm(limb):
     ranked = sorted(splits(7), key=lambda split: -likeness(limb, split))
     assert ranked[0] == Split(girdle=0, shoulder=3, wrist=3)
     assert likeness(limb, ranked[0]) > likeness(limb, ranked[1]) + 0.3

@@ -70,7 +70,7 @@ def test_bones_of_an_imported_arm_run_between_joint_centres():
     assert at.miss == pytest.approx(0.2)
 
 
-def test_joint_centres_leave_out_collar_bone_and_fingers():
+def test_joint_centres_of_an_imported_arm_exclude_collar_bone_and_fingers():
     row = limb(
         GIRDLE,
         (SHOULDER + 0.3 * Y, Y),
@@ -196,7 +196,7 @@ def test_hinge_row_contains_hinge_axes_and_the_centre_of_mass_of_parts_beyond_th
     np.testing.assert_allclose(row.tip, X + 0.5 * Y)
 
 
-def test_rotation_of_a_hinge_moves_the_axes_of_all_later_hinges():
+def test_rotation_of_an_imported_hinge_moves_the_axes_of_all_later_hinges():
     row = HingeRow(np.array([X, 2 * X, 3 * X]), np.array([Z, X, Y]), np.array([4.0, 0.0, 0.0]))
     turned = row.turned(np.array([np.pi / 2, np.pi / 2, np.pi / 2]))
     np.testing.assert_allclose(turned.anchors, (X, X + Y, X + 2 * Y), atol=1e-12)
@@ -239,7 +239,7 @@ def test_unit_vector_has_length_1_unless_it_is_zero():
     assert unit_vector(np.zeros(3)).tolist() == [0, 0, 0]
 
 
-def test_hinges_beyond_the_wrist_do_not_change_the_likeness():
+def test_hinges_beyond_the_wrist_do_not_change_the_likeness_of_an_arm():
     row = limb(*BALL, HINGE, *HAND)
     longer = replace(limb(*BALL, HINGE, *HAND, FINGER), centre=row.centre)
     assert likeness(longer, Split(0, 3, 2)) == likeness(row, Split(0, 3, 2))

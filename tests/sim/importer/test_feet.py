@@ -29,7 +29,7 @@ def box(centre, size):
 
 
 def robot(*, root=0.5, end=0.0, sole=(0.2, 0.08, 0.03), knee=None, name="j", mass=10.0, load=0.8):
-    """Return a robot with a pair of hanging limbs.
+    """Return a robot with a mirrored pair of hanging limbs.
 
     Each limb has three hinges and hangs from a trunk.
     """
@@ -125,7 +125,7 @@ def test_joint_name_contradicts_a_hinge_of_another_body_part(hinge, joint_name, 
 
 
 @pytest.mark.parametrize(("name", "side"), [("left_arm", 1), ("r_arm", -1), ("RElbowYaw", -1), ("arm", 0), ("roll", 0)])
-def test_side_of_a_joint_name(name, side):
+def test_side_of_a_joint_is_recognised_from_its_name(name, side):
     assert find_named_side(name) == side
 
 
@@ -152,7 +152,7 @@ def test_single_arm_is_on_the_side_of_its_name_or_position(tree, side):
     assert (found.trunk, found.legs) == ((0,), ())
 
 
-def test_single_arm_on_the_midline_is_no_arm():
+def test_single_limb_on_the_midline_does_not_count_as_an_arm():
     with pytest.raises(ConfigError, match="no single arm"):
         branches(single_arm(0.0), sides(single_arm(0.0)))
 

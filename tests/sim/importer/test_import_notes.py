@@ -167,7 +167,7 @@ def test_import_confidence_is_the_product_of_its_factors(values, confidence):
     assert _rate_confidence(figure(**values), ()) == pytest.approx(confidence)
 
 
-def test_doubtful_limbs_and_contradicting_names_reduce_the_confidence():
+def test_doubtful_limbs_and_contradicting_names_reduce_the_import_confidence():
     shape = figure()
     shape.is_doubtful = True
     assert _rate_confidence(shape, ()) == pytest.approx(0.5)

@@ -95,7 +95,7 @@ def test_triangles_far_outside_a_robot_are_removed():
     assert simplify(mesh, 1000).corners.tolist() == [[0, 1, 2]]
 
 
-def test_only_the_outward_one_of_two_faces_with_equal_corners_is_kept():
+def test_only_the_outward_face_of_two_mesh_faces_with_equal_corners_is_kept():
     """Keep one of two coincident walls that result from merged vertices."""
     vertices = np.array([[0.0, 0, 1], [1, 0, 1], [0, 1, 1], [0, 0, -3]])
     outside, inside = [0, 1, 2], [2, 1, 0]

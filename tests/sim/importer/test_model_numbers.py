@@ -85,7 +85,7 @@ def test_coupling_with_a_negligible_nonlinear_coefficient_counts_as_linear(curve
     assert len(read_equalities(spec_of(hinges("a", "b") + coupling)).left_out) == notes
 
 
-def test_couplings_of_a_robot_file_are_convertedto_absolute_angles():
+def test_couplings_of_a_robot_file_are_converted_to_absolute_angles():
     text = """<worldbody><body><freejoint/><geom size="0.1"/><body><joint name="a" ref="0.5"/><geom size="0.1"/>
     <body><joint name="b" ref="0.25"/><geom size="0.1"/></body></body></body></worldbody>"""
     model, _ = compiled(text)

@@ -38,13 +38,13 @@ def test_invalid_value_of_a_link_is_repaired_with_a_note(mass, inertia, inside, 
     assert repair(root) == ()
 
 
-def test_replaced_inertia_is_the_mean_of_the_positive_diagonal():
+def test_invalid_inertia_of_a_link_is_replaced_by_the_mean_of_its_positive_diagonal():
     root = ElementTree.fromstring(LINK.format(1, 'ixx="2" iyy="4" izz="-1" ixy="0" ixz="0" iyz="0"', ""))
     repair(root)
     assert root.find("link/inertial/inertia").get("izz") == "3.0"
 
 
-def test_limits_in_the_wrong_order_are_exchanged():
+def test_joint_limits_in_the_wrong_order_are_exchanged_with_a_note():
     root = ElementTree.fromstring('<robot><joint name="j"><limit lower="1" upper="-2"/></joint></robot>')
     (note,) = repair(root)
     assert "joint j" in note
@@ -76,13 +76,13 @@ def test_mjcf_with_a_zero_radius_and_an_impossible_inertia_is_loaded(tmp_path):
         ("r.toml", b"", "use it with --robot"),
     ],
 )
-def test_file_that_is_no_robot_is_refused_with_a_remedy(tmp_path, name, data, remedy):
+def test_imported_file_without_a_robot_is_refused_with_a_remedy(tmp_path, name, data, remedy):
     (tmp_path / name).write_bytes(data)
     with pytest.raises(ConfigError, match=remedy):
         load_robot_tree(tmp_path / name)
 
 
-def test_meshes_are_searched_in_the_package_its_neighbours_and_sibling_folders(tmp_path):
+def test_mesh_files_are_searched_in_the_ros_package_neighbouring_packages_and_sibling_folders(tmp_path):
     urdf = tmp_path / "pkg" / "robots" / "urdf"
     for folder in (urdf, tmp_path / "other", tmp_path / "plain", urdf.parent / "meshes"):
         folder.mkdir(parents=True)
@@ -100,7 +100,7 @@ def test_meshes_are_searched_in_the_package_its_neighbours_and_sibling_folders(t
 
 
 @pytest.mark.parametrize(("upper", "ends"), [("2.0", (-1.5, 2.0)), ("inf", (None, None))])
-def test_joint_with_an_infinite_limit_counts_as_unlimited(tmp_path, upper, ends):
+def test_imported_joint_with_an_infinite_limit_counts_as_unlimited(tmp_path, upper, ends):
     joint = '<joint name="j" type="revolute"><parent link="a"/><child link="b"/><axis xyz="0 0 1"/>{}</joint>'
     limit = f'<limit lower="-1.5" upper="{upper}" effort="1" velocity="1"/>'
     path = tmp_path / "r.urdf"

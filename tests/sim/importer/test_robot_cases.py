@@ -85,7 +85,7 @@ def test_arm_hinges_have_the_arm_joints_of_the_file(name):
     assert not imported(name).doubtful
 
 
-def test_joint_that_only_one_side_has_is_named_as_left_out():
+def test_joint_of_only_one_side_is_named_as_omitted_in_the_import_review():
     assert "right_grip" not in joints("one_gripper_only.urdf").values()
     assert "right_grip" in review("one_gripper_only.urdf")
 
@@ -102,12 +102,12 @@ def test_repair_of_a_robot_file_is_noted_with_the_name_of_the_part(name, part, r
     assert repair in review(name)
 
 
-def test_spindle_of_a_sensor_on_the_head_is_no_neck_joint():
+def test_rotating_sensor_on_the_head_of_an_imported_robot_is_no_neck_joint():
     assert {"lidar_spindle", "antenna"}.isdisjoint(joints("lidar_spindle_on_head.urdf").values())
     assert "antenna" not in joints("massless_antenna_bad_inertia.urdf").values()
 
 
-def test_surplus_neck_joints_about_one_axis_are_named_as_left_out():
+def test_surplus_neck_joints_about_one_axis_are_named_as_omitted_in_the_import_review():
     name = "neck_of_five_same_axis.urdf"
     mapped = set(joints(name).values())
     neck = [joint.name for joint in imported(name).figure.tree.joints if "neck" in joint.name]
@@ -123,11 +123,11 @@ def test_rest_angles_of_an_imported_hand_are_within_their_ranges():
     assert any("thumb" in hinge.name and hinge.lower > 0 for hinge in skeleton.hinges)
 
 
-def test_model_of_60_files_is_imported():
+def test_robot_model_of_60_xml_files_is_imported():
     assert len(joints("mjcf_of_60_files/robot.xml")) > 6
 
 
-def test_hand_of_an_arm_that_ends_in_a_twist_does_not_extend_beyond_the_file():
+def test_hand_of_an_imported_arm_with_a_final_twist_joint_does_not_exceed_the_links_of_the_file():
     mapped = imported("last_joint_is_forearm_twist.urdf")
     tip = min(
         float(end[2]) - shape.radius
@@ -158,7 +158,7 @@ def test_mesh_in_a_sibling_folder_of_a_ros_package_is_found():
     assert not tree.left_out
 
 
-def test_robot_with_one_arm_is_imported():
+def test_robot_file_with_only_one_arm_is_imported():
     robot = robot_of("one_arm.urdf")
     assert robot.sides == ("r",)
     assert joints("one_arm.urdf")["r_elbow_flexion"] == "right_elbow"

@@ -30,7 +30,7 @@ ROBOT_FILES = {
     "simple": ("example-robot-data", "simple_humanoid_description/urdf/simple_humanoid.urdf", 17, "LARM_ELBOW"),
     "tiago pro": ("example-robot-data", "tiago_pro_description/robots/tiago_pro.urdf", 16, "arm_left_4_joint"),
 }
-SAMPLE_ROBOTS = ("op3", "t1", "tiago pro")  # `make soak` imports the others
+SAMPLE_ROBOTS = ("op3", "t1", "tiago pro")  # robots imported in every run; `make soak` imports all
 
 
 def model(name: str) -> Path:

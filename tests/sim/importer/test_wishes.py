@@ -22,18 +22,18 @@ def mapping(path, *texts):
     return {figure.tree.joints[hinge.joint].name: hinge.name for hinge in name_hinges(figure)}
 
 
-def test_requested_hinge_is_exchanged_on_both_sides(tee_path):
+def test_requested_joint_mapping_is_also_applied_to_the_other_side(tee_path):
     usual, requested = mapping(tee_path), mapping(tee_path, "l_wag=l_wrist_flexion")
     assert (usual["l_wag"], usual["l_nod"]) == ("l_wrist_pivot", "l_wrist_flexion")
     assert (requested["l_wag"], requested["l_nod"]) == ("l_wrist_flexion", "l_wrist_pivot")
     assert (requested["r_wag"], requested["r_nod"]) == ("r_wrist_flexion", "r_wrist_pivot")
 
 
-def test_hinge_name_that_no_joint_has_is_taken(tee_path):
+def test_requested_hinge_name_is_used_although_no_joint_of_the_file_has_it(tee_path):
     assert mapping(tee_path, "waist=vt1_torsion")["waist"] == "vt1_torsion"
 
 
-def test_joint_without_a_hinge_is_held_and_its_part_kept(tee_path):
+def test_joint_that_a_mapping_request_excludes_is_fixed_and_its_link_kept(tee_path):
     tree = load_robot_tree(tee_path)
     held, _ = read_wishes(tree, ["pan=none", "bow=none"])
     names = [joint.name for joint in held.joints]
@@ -45,11 +45,11 @@ def test_joint_without_a_hinge_is_held_and_its_part_kept(tee_path):
     assert {"pan", "bow"}.isdisjoint(mapping(tee_path, "pan=none", "bow=none"))
 
 
-def test_requested_side_exchanges_left_and_right(tee_path):
+def test_requested_side_of_one_joint_exchanges_left_and_right_arm(tee_path):
     assert mapping(tee_path, "l_bend=r_elbow_flexion")["r_bend"] == "l_elbow_flexion"
 
 
-def test_requested_elbow_restricts_the_division_of_the_arm(tee_path):
+def test_requested_elbow_joint_determines_the_division_of_an_imported_arm(tee_path):
     found = mapping(tee_path, "l_twist=l_elbow_flexion")
     assert found["l_twist"] == "l_elbow_flexion"
     assert found["l_bend"] != "l_elbow_flexion"
@@ -66,7 +66,7 @@ def test_requested_elbow_restricts_the_division_of_the_arm(tee_path):
         ("l_thumb=l_wrist_pivot", "is on no path to the head or a hand"),
     ],
 )
-def test_impossible_request_is_refused_with_the_reason(text, message, tee_path):
+def test_impossible_joint_mapping_request_is_refused_with_the_reason(text, message, tee_path):
     with pytest.raises(ConfigError, match=message):
         mapping(tee_path, text)
 

@@ -11,7 +11,7 @@ from kinesic.speech.recorded.spectrum import BAND_COUNT, CEPSTRUM_SIZE, COSINE_M
 @pytest.mark.parametrize("seed", range(8))
 @pytest.mark.parametrize("distance", [1, 6, 12])
 @pytest.mark.parametrize("digits", [0, 6])
-def test_peaks_of_random_levels_match_scipy(seed, distance, digits):
+def test_peaks_of_random_sound_levels_match_scipy(seed, distance, digits):
     """Include levels rounded to integers, with plateaus and equal peaks."""
     random = np.random.default_rng(seed)
     levels = np.round(np.cumsum(random.normal(size=300)), digits)
@@ -22,7 +22,7 @@ def test_peaks_of_random_levels_match_scipy(seed, distance, digits):
 
 
 @pytest.mark.parametrize("levels", [np.zeros(5), np.arange(5.0), np.zeros(1), np.array([1.0, 0.0, 1.0])])
-def test_levels_without_inner_maximum_have_no_peak(levels):
+def test_sound_levels_without_inner_maximum_have_no_peak(levels):
     assert not len(find_peaks(levels, prominence=0.0))
 
 

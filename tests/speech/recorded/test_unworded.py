@@ -160,7 +160,7 @@ def accents(levels: np.ndarray, pitch: dict[int, float] | None = None, silent: s
     return _find_accents(levels, hertz, is_speech).tolist()
 
 
-def test_syllable_has_an_accent_if_it_is_louder_than_those_within_two_seconds():
+def test_syllable_has_an_accent_if_it_is_louder_than_all_syllables_within_two_seconds():
     assert accents(syllables({100: 10.0, 200: 10.0, 300: 15.2, 400: 10.0})) == [300]
     assert accents(syllables({100: 10.0, 200: 10.0, 300: 14.2, 400: 10.0})) == []
     assert accents(syllables({100: 10.0, 300: 15.2, 500: 10.0})) == [300]

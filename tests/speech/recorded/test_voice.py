@@ -130,7 +130,7 @@ def test_recording_without_text_moves_the_lips_by_its_sound_with_a_remark(espeak
         assert "lips follow its loudness and spectrum alone" in utterance.remarks[0]
 
 
-def test_document_parsed_from_a_string_uses_recordings_only_from_a_given_folder(tmp_path: Path):
+def test_document_parsed_from_text_uses_recordings_only_from_a_given_folder(tmp_path: Path):
     document = (
         '<bml id="b"><speech id="s">one<description type="audio/wav"><audio ref="r.wav"/></description></speech></bml>'
     )

@@ -81,14 +81,14 @@ def test_word_after_the_end_of_the_rendition_begins_at_the_last_frame_with_speec
     assert found.word_frames[-1] == FRAME_COUNT - 1
 
 
-def test_each_silence_becomes_four_copies_of_its_first_frame():
+def test_each_silence_of_a_rendition_becomes_four_copies_of_its_first_frame():
     is_speech = np.array([0, 0, 1, 1, 1, 0, 0, 0, 0, 0, 0, 1], dtype=bool)
     frames, is_silent = _shorten_silences(is_speech)
     assert frames.tolist() == [0, 0, 0, 0, 2, 3, 4, 5, 5, 5, 5, 11]
     assert is_silent.tolist() == [True] * 4 + [False] * 3 + [True] * 4 + [False]
 
 
-def test_frames_are_averaged_in_groups_of_four():
+def test_sound_frames_are_averaged_in_groups_of_four():
     rows = np.array([[0.0, 1.0], [2.0, 1.0], [4.0, 1.0], [6.0, 1.0], [10.0, 3.0], [20.0, 5.0]])
     np.testing.assert_allclose(_average(rows), [[3.0, 1.0], [15.0, 4.0]])
 
@@ -146,12 +146,12 @@ def test_silent_frames_align_with_the_gap_column_before_the_next_word():
 
 
 @pytest.mark.parametrize(("recorded", "spoken"), [(1, 9), (9, 1)])
-def test_one_frame_of_speech_gives_no_warping(recorded: int, spoken: int):
+def test_recording_with_one_frame_of_speech_is_not_time_warped(recorded: int, spoken: int):
     recording, rendition = (FrameSequence(np.ones((10, 2)), np.arange(10) < count) for count in (recorded, spoken))
     assert warp(recording, rendition, np.array([0])) is None
 
 
-def test_recording_with_two_frames_of_speech_is_warped():
+def test_recording_with_two_frames_of_speech_is_time_warped():
     both = FrameSequence(np.array([[0.0], [5.0]]), np.ones(2, dtype=bool))
     found = warp(both, both, np.array([0, 1]))
     assert found is not None

@@ -20,7 +20,7 @@ first
 """
 
 
-def test_each_cue_of_subrip_is_a_phrase():
+def test_each_subtitle_of_a_subrip_file_is_read_as_a_timed_phrase():
     assert read_timed_words(SUBRIP_FILE.encode()).words == (
         TimedSpan("Hello, my friend.", 0.5, 2.0),
         TimedSpan("Yes!", 62.5, 63.0),

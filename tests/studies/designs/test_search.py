@@ -77,7 +77,7 @@ def test_design_search_resumes_after_a_crash(folder, found):
     assert (folder / "again.jsonl").read_bytes().count(b"\n") == lines.count(b"\n")
 
 
-def test_task_key_depends_on_design_documents_and_setup():
+def test_task_key_of_a_design_search_depends_on_design_documents_and_setup():
     keys = {
         DesignTask(CHEAP_DESIGN, (("a", NOD),), "x").key,
         DesignTask(CHEAP_DESIGN, (("a", WALK),), "x").key,

@@ -80,7 +80,7 @@ def test_invalid_design_changes_are_refused(design, message):
         build(ROBOT_FILE, (design,), ROBOT_PATH)
 
 
-def test_written_design_is_minimal_and_reads_back_equal(tmp_path):
+def test_written_robot_design_contains_only_changes_and_reads_back_equal(tmp_path):
     design = (*LONG_ARM_DESIGN, ("l_wrist.length", "0.07"), ("vl5_tilt.reduction", "1"))
     text = write_design(ROBOT_FILE, design, name="longer", extends="upper22", heading=["a longer one"])
     (tmp_path / "longer.toml").write_text(text)

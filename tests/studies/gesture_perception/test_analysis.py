@@ -32,7 +32,7 @@ def binomial_probabilities(total: int, chance: float) -> list[float]:
 
 
 @pytest.mark.parametrize(("hits", "total"), [(0, 10), (3, 10), (10, 10), (1, 1), (17, 96), (700, 960)])
-def test_confidence_interval_is_the_wilson_interval(hits: int, total: int):
+def test_confidence_interval_of_recognition_is_the_wilson_interval(hits: int, total: int):
     """Check the interval's ends by the normal quantile of the observed fraction."""
     low, high = compare_with_chance(hits, total, 1 / 6).interval
     rate, n = hits / total, total
@@ -46,7 +46,7 @@ def test_confidence_interval_is_the_wilson_interval(hits: int, total: int):
 
 
 @pytest.mark.parametrize(("hits", "total", "chance"), [(4, 24, 1 / 6), (12, 24, 1 / 6), (0, 5, 0.5), (9, 12, 0.5)])
-def test_p_value_is_that_of_the_exact_binomial_test(hits: int, total: int, chance: float):
+def test_p_value_of_recognition_equals_that_of_the_exact_binomial_test(hits: int, total: int, chance: float):
     likely = binomial_probabilities(total, chance)
     above = compare_with_chance(hits, total, chance, "greater").p
     assert above == pytest.approx(sum(likely[hits:]), rel=1e-9, abs=0)
@@ -86,7 +86,7 @@ def test_recognition_rate_of_guessing_participants_is_one_sixth(tmp_path: Path):
     assert find_position_choosers(answers) == {}
 
 
-def test_participant_who_always_chooses_first_is_detected(tmp_path: Path):
+def test_participant_who_always_chooses_the_first_option_is_detected(tmp_path: Path):
     answers = read(tmp_path, always_right, first_place, guess)
     position_choosers = find_position_choosers(answers)
     assert set(position_choosers) == {"first_place-1"}

@@ -25,7 +25,7 @@ def judge(seed: int, participants: int = 60, repetitions: int = 3, spread: float
     return choices
 
 
-def test_true_ratings_of_systems_are_recovered_from_simulated_judges():
+def test_true_elo_ratings_are_recovered_from_simulated_judges():
     result = rate_systems(judge(1), 0.95)
     assert result is not None
     assert list(result.ratings) == ["captured", "rules", "beats", "idle"]
@@ -62,7 +62,7 @@ def test_over_85_percent_of_rating_intervals_cover_the_true_ratings_of_varied_ju
     assert covered / total > 0.85
 
 
-def test_ratings_stay_finite_if_one_system_always_wins():
+def test_elo_ratings_stay_finite_if_one_system_always_wins():
     choices = [PairChoice("a", "one", "other"), PairChoice("b", "one", "other")]
     result = rate_systems(choices, 0.95)
     assert result is not None

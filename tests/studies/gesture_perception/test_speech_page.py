@@ -21,7 +21,7 @@ from .test_page import choose, download_answers
 pytestmark = pytest.mark.realtime
 
 TEXTS, SYSTEMS = ("one", "two"), ("standard", "idle=0")
-RATE = 8000  # [Hz] of the simulated speech
+RATE = 8000  # [Hz] sample rate of the simulated speech
 RIGHT = 'document.querySelector(`input[value="${byId.get(state.order[state.place - 1].id).stimulus}"]`)'
 STANDARD = "document.querySelector('input[value=standard]')"
 

@@ -44,7 +44,7 @@ def test_moving_segments_are_in_the_picture_from_all_directions(name: str, aspec
     assert fullest > 0.85
 
 
-def test_viewpoint_projects_points_as_a_camera():
+def test_drawing_viewpoint_projects_points_like_a_camera():
     view = Viewpoint(np.array([0.0, 0.0, 1.0]), 2.0, field_deg=90.0)
     assert view.project(np.array([0.0, 0.4, 1.0])) == pytest.approx(
         [0.1, 0.0]
@@ -54,7 +54,7 @@ def test_viewpoint_projects_points_as_a_camera():
     assert side.project(np.array([-0.4, 0.0, 1.0])) == pytest.approx([0.1, 0.0])
 
 
-def test_view_of_a_gesture_excludes_motionless_legs():
+def test_camera_view_of_a_gesture_excludes_motionless_legs():
     robot = Robot.load("human")
     low = Balls.of(robot, [robot.skeleton.rest]).centres[:, 2].min()
     assert low > 0.5

@@ -37,12 +37,12 @@ def test_rank_biserial_correlation_weighs_pairs_by_rank():
     assert compare_pairs([2.0, 2.0, 1.0]).correlation == 1.0
 
 
-def test_equal_ratings_give_no_difference_and_a_p_value_of_one():
+def test_equal_ratings_of_two_conditions_give_no_difference_and_a_p_value_of_one():
     result = compare_pairs([0.0, 0.0])
     assert (result.participants, result.difference, result.p, result.correlation) == (2, 0.0, 1.0, 0.0)
     assert isnan(compare_pairs([]).p)
 
 
-def test_constant_difference_of_many_participants_is_significant():
+def test_constant_rating_difference_of_many_participants_is_significant():
     assert compare_pairs([1.0] * 11).p < 0.001
     assert compare_pairs([1.0, -1.0] * 3).p > 0.9

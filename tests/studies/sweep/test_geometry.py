@@ -66,7 +66,7 @@ def test_curvature_is_independent_of_speed_and_stops():
     assert curvature(uneven) == pytest.approx(curvature(path), rel=0.02)
 
 
-def test_line_has_no_curvature_and_a_reversal_adds_pi():
+def test_straight_hand_path_has_no_curvature_and_each_reversal_adds_pi():
     assert curvature(along((0, 0, 0), (0.5, 0, 0))) == pytest.approx(0.0, abs=1e-6)
     assert curvature(along((0, 0, 0), (0.5, 0, 0), (0, 0, 0))) == pytest.approx(np.pi, rel=0.05)  # over 1 m
     assert curvature(along((0, 0, 0), (0.5, 0, 0), (0.5, 0.5, 0))) == pytest.approx(np.pi / 2, rel=0.05)
@@ -101,7 +101,7 @@ def test_rms_jerk_of_a_path_with_too_few_samples_is_zero():
     assert rms_jerk(np.zeros((5, 3)), period=SAMPLE_PERIOD) == 0.0
 
 
-def test_visits_to_a_position_count_only_after_leaving_it():
+def test_visits_of_the_hand_to_a_position_count_only_after_leaving_the_position():
     far, place = (0.2, 0, 0), (0, 0, 0)
     path = along(far, place, far, place, far)
     assert count_visits(path, np.zeros(3), near=0.05, far=0.1) == 2

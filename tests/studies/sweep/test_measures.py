@@ -12,7 +12,7 @@ from kinesic.studies.sweep.measures import MEASURE_FORMATS, Measures, kinetic_en
 ROBOT = Robot.load()
 
 
-def test_kinetic_energy_equals_mujoco():
+def test_kinetic_energy_of_a_motion_equals_that_of_mujoco():
     random = np.random.default_rng(3)
     angles = random.uniform(ROBOT.skeleton.lower, ROBOT.skeleton.upper, (5, len(ROBOT.skeleton.hinges)))
     speeds = random.normal(0.0, 2.0, angles.shape)
@@ -32,7 +32,7 @@ def test_rotation_sum_of_a_joint_starts_again_at_each_reversal():
     np.testing.assert_allclose(sum_turns(steps), [[0.5, 0.1], [0.2, 0.6], [0.0, 0.3], [0.0, 0.0]])
 
 
-def test_kinetic_energy_at_rest_is_zero():
+def test_kinetic_energy_of_a_resting_robot_is_zero():
     still = np.zeros((2, len(ROBOT.skeleton.hinges)))
     assert kinetic_energy(MujocoDynamics(ROBOT), still + ROBOT.skeleton.rest, still).tolist() == [0.0, 0.0]
 

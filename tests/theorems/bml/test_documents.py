@@ -1,4 +1,4 @@
-"""Any document is parsed or refused with its position."""
+"""Property tests: any document is parsed or refused with its position."""
 
 import json
 import re

@@ -20,7 +20,7 @@ BLOCK_CONTENTS: dict[str, Callable[[int], str]] = {
     "digits of a break": lambda n: f'<speech id="s"><text>a <break time="{n * "1"}x"/></text></speech>',
     "letters of a lexeme": lambda n: f'<gesture id="g" lexeme="{n * "aB1_"}"/>',
 }
-MAX_LENGTH = 2**19  # Longest accepted document [characters]
+MAX_LENGTH = 2**19  # [characters] length of the longest accepted document
 
 
 def read(text: str) -> None:

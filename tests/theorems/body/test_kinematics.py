@@ -37,7 +37,7 @@ def other_side(name: str) -> str:
 
 
 @given(RANDOM_POSTURES)
-def test_mirrored_angles_give_mirror_postures(angles: Floats):
+def test_mirrored_joint_angles_give_mirrored_postures(angles: Floats):
     frames, image = ROBOT_SKELETON.frames(angles), ROBOT_SKELETON.frames(mirrored(angles))
     for k, segment in enumerate(ROBOT_SKELETON.segments):
         j = ROBOT_SKELETON.segment(other_side(segment.name))
@@ -88,7 +88,9 @@ def test_clamped_angles_are_in_range_and_clamping_is_idempotent(angles: Floats):
 
 
 @given(AXIS_VECTORS, st.floats(-7.0, 7.0), st.floats(-7.0, 7.0))
-def test_rotations_about_one_axis_add_their_angles(axis: Floats, first: float, second: float):
+def test_two_rotations_about_one_axis_equal_a_rotation_by_the_sum_of_their_angles(
+    axis: Floats, first: float, second: float
+):
     axis = axis / np.linalg.norm(axis)
     np.testing.assert_allclose(
         rotation_about(axis, first) @ rotation_about(axis, second), rotation_about(axis, first + second), atol=1e-12

@@ -162,7 +162,7 @@ def test_key_frames_contain_all_body_parts_keep_a_minimum_gap_and_start_at_rest(
 
 @examples(50)
 @given(timelines(), styles)
-def test_key_frames_are_deterministic(timeline, style):
+def test_key_frames_of_a_timeline_are_deterministic(timeline, style):
     first, second = performed(timeline, style), performed(timeline, style)
     assert [frame.time for frame in first.frames] == [frame.time for frame in second.frames]
     for a, b in zip(first.frames, second.frames, strict=True):

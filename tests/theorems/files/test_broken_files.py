@@ -131,7 +131,7 @@ def test_altered_toml_files_are_read_or_refused(kind: str, seed: int):
 
 
 @pytest.mark.parametrize("kind", TOML_READERS)
-def test_undamaged_example_file_of_each_format_is_read(kind: str, tmp_path: Path):
+def test_undamaged_example_file_of_each_toml_format_is_read(kind: str, tmp_path: Path):
     reader = TOML_READERS[kind]
     (tmp_path / "own.toml").write_text(toml(reader.valid()), encoding="utf-8")
     reader.read(tmp_path / "own.toml")

@@ -17,7 +17,14 @@ from kinesic.files.output_folder import MARKER_FILE, MARKER_TEXT, new_folder
 
 ITEM_NAMES = ("a", "b", "c")
 # kinds of items below the root, among them links upwards and to the home folder
-ITEM_KINDS = ("file", "folder", "marked", "link", "way up", "home link")
+ITEM_KINDS = (
+    "file",
+    "folder",
+    "marked",
+    "link",
+    "way up",
+    "home link",
+)  # kinds of items below the root, including links upwards and to the home folder
 ITEM_PATHS = st.lists(st.sampled_from(ITEM_NAMES), min_size=1, max_size=3)
 FOLDER_TREES = st.lists(st.tuples(ITEM_PATHS, st.sampled_from(ITEM_KINDS), ITEM_PATHS), max_size=8)
 SWAP_COUNT = 150  # number of writes while items are swapped

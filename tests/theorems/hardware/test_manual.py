@@ -126,7 +126,7 @@ class StatusReply:
 
 
 class Host:
-    """Servos of one implementation and the port to them."""
+    """Servos of one implementation, and the port to these servos."""
 
     def __init__(self, wire: MemoryWire | ManualWire) -> None:
         self.wire, self._decoder = wire, p.Decoder()

@@ -120,7 +120,7 @@ def test_separate_status_packets_are_decoded(servos: list[int], data: st.DataObj
 
 
 @given(SERVO_LISTS, st.data())
-def test_goal_frame_is_a_sync_write(servos: list[int], data: st.DataObject):
+def test_packet_with_the_goals_of_all_servos_is_a_sync_write(servos: list[int], data: st.DataObject):
     frame = GoalFrame(servos)
     for _ in range(3):
         goals = np.array([data.draw(st.integers(-10, 5000)) for _ in servos])

@@ -8,7 +8,7 @@ from kinesic.hardware.virtual.faults import FaultPlan, PlannedFault
 
 from ...hardware.conftest import rig_of
 
-MAX_DELAY = 0.2  # Longest time from the end of a silence to the first accepted record [s]
+MAX_DELAY = 0.2  # [s] longest time from the end of a silence to the first accepted record
 MID_TICKS, SERVO_COUNT = 2048, 7
 
 silences = st.lists(

@@ -29,12 +29,16 @@ from ...examples import examples
 ALL_EVENTS: tuple[Event, ...] = get_args(Event)
 ENERGISING_ACTIONS = {"arm", "adopt"}  # actions that enable torque
 MOTION_ACTIONS = {"approach", "follow", "fold"}  # actions that move the robot
-FRESH_STAGES = {Stage.PROBE, Stage.CONFIGURE, Stage.LIMP}  # Stages without history
-UNARMED_STAGES = {Stage.LOST, Stage.IDENTIFY, Stage.ARM, Stage.ADOPT}  # Torque may still be incomplete
+FRESH_STAGES = {Stage.PROBE, Stage.CONFIGURE, Stage.LIMP}  # stages without history
+UNARMED_STAGES = {Stage.LOST, Stage.IDENTIFY, Stage.ARM, Stage.ADOPT}  # stages in which torque may be incomplete
 OBSERVED_FIELDS = [field.name for field in fields(Observation) if field.name != "policy"]
 STATE_FIELDS = [field.name for field in fields(SupervisorState) if field.name != "stage"]
 STEP_COUNT, STATE_COUNT = 60_000, 2_000
-RELEASE_STAGES = {Stage.CLOSED, Stage.LIMP, Stage.RELEASE}  # The removal of torque is decided
+RELEASE_STAGES = {
+    Stage.CLOSED,
+    Stage.LIMP,
+    Stage.RELEASE,
+}  # stages in which the supervisor has decided to switch torque off
 
 
 class TakenStep(NamedTuple):
@@ -48,7 +52,7 @@ class TakenStep(NamedTuple):
 
 
 def possible(state: SupervisorState) -> SupervisorState:
-    """Correct a random state so that it satisfies the supervisor's invariants."""
+    """Correct a random state so that the state satisfies the supervisor's invariants."""
     powered = state.stage in POWERED_STAGES
     if state.stage in FRESH_STAGES:
         state = replace(state, powered=False, armed=False, stopped=False, paused=False)
@@ -144,7 +148,7 @@ def test_emergency_stop_pauses_the_supervisor_in_every_state(steps: list[TakenSt
                 assert "release" not in actions
 
 
-def test_no_motion_or_arming_after_an_emergency_stop(steps: list[TakenStep]):
+def test_stopped_supervisor_neither_moves_the_robot_nor_enables_torque(steps: list[TakenStep]):
     """Check all steps between stopped states without motion or dismissal."""
     for before, _, known, after, actions in steps:
         if before.stopped and after.stopped and not dismissed(known) and before.stage not in MOVING_STAGES:
@@ -177,7 +181,7 @@ def test_no_state_continues_a_long_interrupted_performance_without_a_resume_requ
 
 
 def good_end(state: SupervisorState, known: Observation) -> SupervisorState:
-    """Run without further faults to a constant state."""
+    """Run the supervisor without further faults until its state is constant."""
     for _ in range(30):
         event: Event = "tick"
         if state.stage in (Stage.PROBE, Stage.CONFIGURE, Stage.ARM, Stage.IDENTIFY, Stage.ADOPT, Stage.RELEASE):
@@ -198,7 +202,9 @@ def test_every_state_reaches_the_closed_stage_after_the_planner_ends(states: Ite
         assert good_end(state, known).stage is Stage.CLOSED
 
 
-def test_robot_with_raised_limbs_holds_at_the_end_until_a_person_confirms(states: Iterator[SupervisorState]):
+def test_robot_with_raised_limbs_holds_its_posture_at_the_end_until_a_person_confirms(
+    states: Iterator[SupervisorState],
+):
     for number, state in enumerate(states):
         known = Observation(energised=True, reached=True, idle=True, ended=True, release=True, raised=True)
         known = replace(known, alone=bool(number % 2))

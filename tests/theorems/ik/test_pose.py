@@ -42,7 +42,7 @@ def test_hand_poses_of_postures_inside_the_joint_ranges_are_reached(share, start
 
 @settings(max_examples=15, deadline=None, derandomize=True)
 @given(place=places, turn=turns, start=shares)
-def test_any_pose_is_solved_in_range_and_arms_are_mirror_images(place, turn, start):
+def test_pose_ik_of_any_target_keeps_joint_ranges_and_mirrors_for_the_other_arm(place, turn, start):
     left = solve_pose(LEFT_ARM, 0.5 * place, turn, start=_posture(start))
     right = solve_pose(
         RIGHT_ARM, 0.5 * place * MIRROR_SIGNS, MIRROR_SIGNS[:, None] * turn * MIRROR_SIGNS, start=_posture(start)
@@ -56,7 +56,7 @@ def test_any_pose_is_solved_in_range_and_arms_are_mirror_images(place, turn, sta
 
 @settings(max_examples=15, deadline=None, derandomize=True)
 @given(left=places, right=places, weight=st.floats(0.0, 1.0))
-def test_any_pair_of_targets_is_solved_in_range(left, right, weight):
+def test_two_hand_ik_of_any_targets_keeps_joint_ranges(left, right, weight):
     rest = DEFAULT_ROBOT.skeleton.rest
     solution = reach_both(DEFAULT_ROBOT, {"l": left, "r": right}, start=rest, torso_weight=weight)
     assert np.all((DEFAULT_ROBOT.skeleton.lower <= solution.angles) & (solution.angles <= DEFAULT_ROBOT.skeleton.upper))

@@ -50,7 +50,7 @@ def test_arm_solution_is_within_joint_ranges_and_its_residual_is_correct(reach: 
 
 @examples(80, derandomize=True)
 @given(reach=reaches, start=shares)
-def test_arms_are_mirror_images_and_solving_is_deterministic(reach: Reach, start: Floats) -> None:
+def test_arm_solutions_are_mirror_images_and_deterministic(reach: Reach, start: Floats) -> None:
     left = solve(LEFT_ARM, reach, start=_posture(start))
     right = solve(RIGHT_ARM, _mirrored(reach), start=_posture(start))
     assert np.abs(left.angles - right.angles).max() < 1e-9

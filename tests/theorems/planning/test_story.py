@@ -14,7 +14,7 @@ SOAK_STYLES = [pytest.param(style, marks=pytest.mark.soak) for style in ("calm",
 
 
 @pytest.mark.parametrize("style", ["neutral", "joyful", *SOAK_STYLES])
-def test_story_drops_no_behaviour_and_shifts_strokes_by_at_most_400_ms(style: str):
+def test_story_document_drops_no_behaviour_and_shifts_strokes_by_at_most_400_ms(style: str):
     planned = plan(STORY_BML, set_up(style=style, **INTERACTIVE_DEFAULTS))
     assert [name for name, outcome in planned.keyframes.outcomes.items() if outcome.kind == "dropped"] == []
     assert max(abs(sync.planned - sync.requested) for sync in planned.syncs if sync.is_stroke) <= MAX_STROKE_SHIFTS.get(
@@ -23,7 +23,7 @@ def test_story_drops_no_behaviour_and_shifts_strokes_by_at_most_400_ms(style: st
 
 
 @pytest.mark.soak
-def test_second_story_drops_no_behaviour_and_shifts_strokes_by_at_most_200_ms():
+def test_second_story_document_drops_no_behaviour_and_shifts_strokes_by_at_most_200_ms():
     planned = plan(NIGHT_BML, set_up(**INTERACTIVE_DEFAULTS))
     assert [name for name, outcome in planned.keyframes.outcomes.items() if outcome.kind == "dropped"] == []
     assert max(abs(sync.planned - sync.requested) for sync in planned.syncs if sync.is_stroke) <= 0.2

@@ -67,7 +67,7 @@ PASSING_BLOCKS = (  # blocks after which nothing persists
 STYLE_NAMES = ("joyful", "sad", "neutral")
 CLOCK_STEP = 0.05  # [s] step of the virtual clock
 _HELD_ALONE: dict[str, Floats] = {}  # [rad] results of `held_alone`, by action
-END_WARNING = "where it would end alone"  # Part of the warning about an unreachable end
+END_WARNING = "where it would end alone"  # part of the warning about an unreachable end posture
 
 
 @cache
@@ -91,13 +91,13 @@ def trunk() -> list[int]:
 
 @cache
 def held_alone(inside: str) -> Floats:
-    """Return the final offset (k,) [rad] from rest of a single block."""
+    """Return the final offset (k,) [rad] from rest of a block performed alone."""
     controls = prepared(inside).plan.trajectory.controls
     return (controls[-1] - setup_once().robot.skeleton.rest)[trunk()]
 
 
 class Chain:
-    """A scene in virtual time that receives one block after another."""
+    """Scene in virtual time that receives one block after another."""
 
     def __init__(self, *, ahead: float) -> None:
         self.scene, self.now = Scene.of(setup_once(), ahead=ahead), 0.0
@@ -108,7 +108,7 @@ class Chain:
         self._sent = 0
 
     def wait(self, seconds: float) -> "Chain":
-        """Advance the virtual clock by some seconds."""
+        """Advance the virtual clock by a duration [s]."""
         until = self.now + seconds
         while self.now < until - 1e-9:
             self.now = min(until, self.now + CLOCK_STEP)
@@ -116,7 +116,7 @@ class Chain:
         return self
 
     def send(self, inside: str) -> "Chain":
-        """Send a block under the next id."""
+        """Send a block with the next unused id."""
         self._sent += 1
         return self._take(begin(self.scene, prepared(inside, f"b{self._sent}"), self.now))
 
@@ -143,7 +143,7 @@ class Chain:
         return self
 
     def finish(self) -> None:
-        """Play until every block has ended."""
+        """Advance the time until every block has ended."""
         self.wait(40.0)
 
     @property
@@ -154,7 +154,7 @@ class Chain:
 
     @property
     def expected_end(self) -> Floats:
-        """Return the offset (k,) [rad] of the last gaze and posture."""
+        """Return the offset (k,) [rad] of the last gaze and the last posture shift."""
         last: dict[str, tuple[float, Floats]] = {}
         for kind, end, held in self._held.values():
             if end >= last.get(kind, (-np.inf, held))[0] - 1e-9:
@@ -189,7 +189,7 @@ class Chain:
 
 
 def _held_by(behaviour: Behaviour) -> Floats:
-    """Return the final offset (k,) [rad] of a single behaviour."""
+    """Return the final offset (k,) [rad] from rest of a behaviour performed alone."""
     key = repr(behaviour.action)
     if key not in _HELD_ALONE:
         block = parse(BLOCK_XML.format("b", ""))

@@ -14,7 +14,7 @@ from .holding_chain import GAZE_BLOCKS, HOLDING_BLOCKS, PASSING_BLOCKS, STANCE_B
 
 WAITING_BLOCK = HOLDING_BLOCKS[-1]  # block that waits 6 s before its gaze
 ANGLE_TOLERANCE = np.radians(1.0)  # [rad] largest difference of equal postures
-MAX_LIMIT_RATIO = 1.0015  # largest accepted value / limit
+MAX_LIMIT_RATIO = 1.0015  # largest accepted ratio of value / limit
 PAUSE_TIMES = st.one_of(st.floats(0.0, 0.6), st.floats(0.0, 4.0))
 GAZE_EVENTS = st.tuples(PAUSE_TIMES, st.sampled_from(GAZE_BLOCKS))
 CHAIN_EVENTS = st.tuples(PAUSE_TIMES, st.sampled_from([*GAZE_BLOCKS, *STANCE_BLOCKS, *HOLDING_BLOCKS, *PASSING_BLOCKS]))

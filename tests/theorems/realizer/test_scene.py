@@ -33,7 +33,7 @@ BLOCK_CONTENTS = (
     '<speech id="s"><text>Good <sync id="m"/>morning</text></speech><head id="h" lexeme="NOD" stroke="s:m"/>',
 )
 WIDE_MOTION = '<gesture id="g" lexeme="large" mode="BOTH_HANDS"/><head id="h" lexeme="SHAKE" repetition="3"/>'
-MAX_LIMIT_RATIO = 1.0015  # Largest accepted value / limit
+MAX_LIMIT_RATIO = 1.0015  # largest accepted ratio of value / limit
 TIME_RESOLUTION = 1e-6  # [s] resolution of the times in messages
 REST_TOLERANCE = 2e-6  # [rad] largest distance from rest that counts as rest
 CHANGE_TOLERANCES = (

@@ -22,7 +22,7 @@ def scripts(draw: st.DrawFn) -> Script:
 
 
 @given(scripts())
-def test_marks_are_ordered_and_within_the_speech(script: Script):
+def test_estimated_speech_marks_are_ordered_and_within_the_speech(script: Script):
     said = DURATION_MODEL.say(script)
     times = [said.marks[mark.name] for mark in script.marks]
     assert times == sorted(times)
@@ -38,7 +38,7 @@ def test_speech_times_are_inversely_proportional_to_the_rate(script: Script, rat
 
 
 @given(scripts())
-def test_phonemes_do_not_overlap(script: Script):
+def test_estimated_phonemes_do_not_overlap(script: Script):
     said = DURATION_MODEL.say(script)
     ends = [0.0] + [phoneme.start + phoneme.duration for phoneme in said.phonemes]
     assert all(phoneme.duration > 0 for phoneme in said.phonemes)

@@ -37,7 +37,7 @@ def scripts(draw: st.DrawFn, texts: st.SearchStrategy[str] = SAMPLE_TEXTS) -> Sc
 
 
 @given(scripts())
-def test_ssml_is_well_formed_and_keeps_its_words(script: Script):
+def test_ssml_for_espeak_is_well_formed_and_keeps_the_words_of_the_script(script: Script):
     written = "".join(fromstring(write_ssml(script)).itertext())
     kept = "".join(character for character in script.text if character.isalnum())
     assert "".join(character for character in written if character.isalnum()) == kept
@@ -45,7 +45,7 @@ def test_ssml_is_well_formed_and_keeps_its_words(script: Script):
 
 @FEW_EXAMPLES
 @given(scripts())
-def test_marks_and_phonemes_are_ordered_and_within_the_speech(script: Script):
+def test_espeak_marks_and_phonemes_are_ordered_and_within_the_speech(script: Script):
     said = Espeak().say(script)
     times = [said.marks[stop.name] for stop in script.stops() if isinstance(stop, Mark)]
     assert times == sorted(times)

@@ -19,7 +19,7 @@ def _engine():
 
 @FEW_EXAMPLES
 @given(scripts())
-def test_marks_phonemes_and_accents_are_ordered_and_within_the_speech(script: Script):
+def test_neural_voice_marks_phonemes_and_accents_are_ordered_and_within_the_speech(script: Script):
     said = EngineVoice(Hibari()).say(script)
     times = [said.marks[stop.name] for stop in script.stops() if isinstance(stop, Mark)]
     assert times == sorted(times)
