@@ -47,10 +47,10 @@ class Page:
             if data.get("method") in names:
                 return data["method"]
 
-    def post(self, method: str) -> None:
+    def post(self, method: str, **parameters: object) -> None:
         """Call a method without waiting for its result."""
         self._calls += 1
-        self._connection.send(json.dumps({"id": self._calls, "method": method, "params": {}}))
+        self._connection.send(json.dumps({"id": self._calls, "method": method, "params": parameters}))
 
     def value(self, expression: str) -> object:
         """Return the value of an expression in the page."""
