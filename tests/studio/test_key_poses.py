@@ -1,4 +1,4 @@
-"""Key poses of a gesture in the browser: their order on the timeline, and their recording by hand."""
+"""Key poses of a gesture in the browser: their order on the timeline, and their recording."""
 
 import json
 import tomllib
@@ -62,15 +62,39 @@ def test_robot_motion_guided_by_hand_is_recorded_as_a_gesture(studio: Studio):
     skeleton = Robot.load().skeleton
     rest, raised = skeleton.rest.tolist(), skeleton.rest.tolist()
     raised[skeleton.joint("r_elbow_flexion")] += 1.2
-    begin = "(r => { window.hands = r.add.bind(r); r.add = () => {} })(kinesicStudio.recorder)"  # no other reports
-    studio.page.value(f"{begin}; document.querySelector('#record-gesture').click()")
+    torque_off = "Object.defineProperty(kinesicStudio.robot, 'isTorqueOff', {value: true, configurable: true})"
+    begin = "(r => { window.hands = r.addReport.bind(r); r.addReport = () => {} })(kinesicStudio.recorder)"
+    studio.page.value(f"{torque_off}; {begin}; document.querySelector('#record-gesture').click()")
     for k, angles in enumerate((rest, raised, rest)):
         report = {"time": k / 2, "angles": angles, "planned": rest}
         studio.page.value(f"hands({json.dumps(report)})")
-    studio.page.value("document.querySelector('#record-gesture').click(); delete kinesicStudio.recorder.add")
+    end = "delete kinesicStudio.recorder.addReport; delete kinesicStudio.robot.isTorqueOff"
+    studio.page.value(f"document.querySelector('#record-gesture').click(); {end}")
     studio.until("s.draft?.gesture === 'my_recording' && s.name === 'my_recording.toml'")
     poses = keys(studio)
     assert len(poses) == 3
     assert all([*pose] == ["right"] for pose in poses)
     up = [pose["right"]["at"][1] for pose in poses]
     assert up[1] > up[0] + 0.2 == pytest.approx(up[2] + 0.2)
+
+
+def test_hand_dragged_on_the_stage_is_recorded_as_a_gesture(studio: Studio):
+    studio.page.value("kinesicStudio.files.choose('example', 'welcome'); document.querySelector('#view-front').click()")
+    studio.until("s.name === 'welcome.bml' && s.text === s.plannedText && s.left !== null && s.drawn > 0")
+    studio.page.value("document.querySelector('#record-gesture').click()")
+    hand = studio.state("left")
+    x, y = hand["x"], hand["y"]
+    for step in ((x + 40, y - 30), (x + 40, y - 90), (x - 20, y - 90)):
+        studio.page.drag((x, y), step)
+        studio.until("s.reach !== null && !kinesicStudio.view.reaching.busy")
+        x, y = (studio.state("left")[axis] for axis in "xy")
+    assert studio.state("past") == 0, "the document of the stage stays"
+    studio.page.value("document.querySelector('#record-gesture').click()")
+    studio.until("s.draft?.gesture === 'my_recording' && s.name === 'my_recording.toml'")
+    recorded = tomllib.loads(studio.state("text"))["gesture"][0]
+    assert "dragged" in recorded["says"]
+    assert len(recorded["keys"]) >= 3
+    assert all([*pose] == ["left"] for pose in recorded["keys"])
+    outward, up = ([pose["left"]["at"][axis] for pose in recorded["keys"]] for axis in (0, 1))
+    assert up[-1] > up[0] + 0.1
+    assert max(outward) > outward[-1] + 0.05

@@ -34,7 +34,7 @@ export function listen(actions: Actions): void {
   for (const mode of ["plan", "robot"] as const)
     byId(`mode-${mode}`).addEventListener("click", () => actions.show(mode));
   for (const view of VIEWS) byId(`view-${view}`).addEventListener("click", () => actions.view(view));
-  byId("choose-block").addEventListener("click", () => actions.chooseBlock());
+  for (const name of ["choose-block", "whole-style"]) byId(name).addEventListener("click", () => actions.chooseBlock());
   const sectors = byId("show-sectors");
   sectors.addEventListener("click", () => {
     const on = sectors.getAttribute("aria-pressed") !== "true";

@@ -1,7 +1,7 @@
 // Shows a changed document, plan, selection or time in all parts of the page.
 import { enableButtons } from "./buttons.ts";
 import { Motion } from "./motion.ts";
-import { showClock, showNotices } from "./panels.ts";
+import { showClock, showFault, showNotices } from "./panels.ts";
 import type { Studio } from "./studio.ts";
 import type { Draft, Fault, GestureDraft } from "./types.ts";
 
@@ -26,7 +26,8 @@ export class Display {
     const { studio } = this;
     if (!isTyped) studio.textPane.show(studio.document.text);
     studio.textPane.mark(null);
-    studio.plan.later();
+    if (isTyped) studio.plan.later();
+    else studio.plan.soon();
     studio.files.saving.changed();
     this.buttons();
   }
@@ -38,7 +39,7 @@ export class Display {
     studio.player.duration = draft.duration;
     studio.tracks.drafted(draft);
     studio.timeline.show(draft, studio.tracks.selection.all);
-    showNotices(draft.notices);
+    showNotices(draft, this.studio.about.gestures);
     studio.textMode.show(draft);
     studio.styles.preview.drafted(draft, studio.inspection.ids);
     studio.player.seek(Math.min(studio.player.time, draft.duration));
@@ -49,7 +50,7 @@ export class Display {
   /** Show an error of the document at its line. */
   fault(fault: Fault): void {
     this.studio.textPane.mark(fault);
-    showNotices([{ type: "", id: `line ${fault.line}, column ${fault.column}`, text: fault.text }]);
+    showFault(fault);
   }
 
   selection(): void {

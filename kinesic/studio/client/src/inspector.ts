@@ -1,7 +1,7 @@
 // Editable attributes of the selected behaviour.
 import { byId, say } from "./dom.ts";
 import { ExpressivitySliders } from "./expressivity_sliders.ts";
-import { typeWords } from "./plain_words.ts";
+import { gestureId, gestureWords, labelWords, typeWords } from "./plain_words.ts";
 import type { Numbers } from "./styles/numbers.ts";
 import { BLOCK } from "./xml.ts";
 
@@ -34,9 +34,7 @@ export class Inspector {
     this.sliders = new ExpressivitySliders((name, value) => listener.expressivity(name, value));
     this.style.addEventListener("change", () => listener.style(this.style.value || null));
     for (const name of ATTRIBUTES)
-      byId(name).addEventListener("change", () =>
-        listener.attribute(name, byId<HTMLInputElement>(name).value.trim() || null),
-      );
+      byId(name).addEventListener("change", () => listener.attribute(name, readField(name) || null));
   }
 
   show(chosen: Chosen | null): void {
@@ -49,9 +47,15 @@ export class Inspector {
     byId("remove").hidden = chosen.alone || isBlock;
     byId("lexeme-line").hidden = byId("hand-line").hidden = chosen.type !== "gesture" || chosen.alone || !isSingle;
     byId("usual-style").hidden = !isBlock;
+    byId("whole-line").hidden = isBlock || chosen.alone;
+    say(
+      byId("style-scope"),
+      isBlock ? "Style" : isSingle ? `Style of this ${typeWords(chosen.type)} only` : "Style of these only",
+    );
     say(byId("no-own-style"), isBlock ? "usual style" : "as the performance");
     byId("manners").hidden = chosen.type === "speech";
-    for (const name of ATTRIBUTES) byId<HTMLInputElement>(name).value = chosen.read(name) ?? "";
+    byId<HTMLInputElement>("lexeme").value = gestureWords(chosen.read("lexeme") ?? "");
+    byId<HTMLSelectElement>("mode").value = chosen.read("mode") ?? "";
     byId("style-line").hidden = chosen.alone;
     this.style.value = chosen.read("style") ?? "";
     this.sliders.show((name) => chosen.read(name), chosen.inherited);
@@ -62,5 +66,11 @@ export class Inspector {
 function describe({ ids, type, read, alone }: Chosen): string {
   if (alone) return "This gesture";
   if (ids.length > 1) return `${ids.length} selected`;
-  return ids[0] === BLOCK ? "Whole performance" : `${typeWords(type)} ${read("lexeme") ?? ids[0]}`;
+  return ids[0] === BLOCK ? "Whole performance" : `${typeWords(type)} ${labelWords(type, read("lexeme") ?? ids[0]!)}`;
+}
+
+/** Return the value of a field; a gesture that is named in words gets its id. */
+function readField(name: (typeof ATTRIBUTES)[number]): string {
+  const value = byId<HTMLInputElement>(name).value.trim();
+  return name === "lexeme" ? gestureId(value) : value;
 }

@@ -1,6 +1,7 @@
 // Panels around the stage: menus, clock and notices of the plan.
 import { byId, make } from "./dom.ts";
-import type { About, Draft } from "./types.ts";
+import { gestureWords, labelWords, typeWords, withGestureWords } from "./plain_words.ts";
+import type { About, Draft, Fault } from "./types.ts";
 
 /** Fill the menus of templates, examples, styles and gestures. */
 export function fillMenus(about: About): void {
@@ -9,7 +10,7 @@ export function fillMenus(about: About): void {
     byId("built-in").append(make("option", { value: `example:${name}` }, name.replaceAll("_", " ")));
   for (const place of ["style", "own-style"])
     for (const name of about.styles) byId(place).append(make("option", { value: name }, name));
-  for (const { id, says } of about.gestures) byId("gestures").append(make("option", { value: id }, says));
+  for (const { id, says } of about.gestures) byId("gestures").append(make("option", { value: gestureWords(id) }, says));
 }
 
 /** Show the player's time and the duration [s]. */
@@ -22,8 +23,20 @@ export function showClock(time: number, duration: number, playing: boolean): voi
   play.setAttribute("aria-label", playing ? "Pause" : "Play");
 }
 
-/** List the deviations of the plan from the document. */
-export function showNotices(notices: Draft["notices"]): void {
-  const lines = notices.map(({ id, text }) => make("li", {}, make("b", {}, id), ` ${text}`));
+/** List the deviations of the plan from the document; gestures are named in words. */
+export function showNotices({ notices, behaviours }: Draft, gestures: About["gestures"]): void {
+  const known = new Set(gestures.map(({ id }) => id));
+  const nameOf = (id: string) => {
+    const found = behaviours.find((behaviour) => behaviour.id === id.slice(id.lastIndexOf(":") + 1));
+    if (!found) return id;
+    return found.type === "speech" ? found.type : `${typeWords(found.type)} ${labelWords(found.type, found.label)}`;
+  };
+  const lines = notices.map(({ id, text }) =>
+    make("li", { title: id }, make("b", {}, nameOf(id)), ` ${withGestureWords(text, (word) => known.has(word))}`),
+  );
   byId("notices").replaceChildren(...(lines.length ? lines : [make("li", { class: "none" }, "none")]));
 }
+
+/** Show an error of the document in place of the notices. */
+export const showFault = ({ line, column, text }: Fault): void =>
+  byId("notices").replaceChildren(make("li", {}, make("b", {}, `line ${line}, column ${column}`), ` ${text}`));

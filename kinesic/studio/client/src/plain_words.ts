@@ -38,6 +38,12 @@ const CATEGORIES: Record<string, string> = {
 /** Return the name of a gesture in words: `weigh up` for weigh_up. */
 export const gestureWords = (id: string): string => id.replaceAll("_", " ");
 
+/** Whether a gesture is a beat, a small movement that stresses a word; `BEAT` is BML's name of the usual one. */
+export const isBeat = (id: string): boolean => /^beat(_|$)/i.test(id);
+
+/** Return the id of a gesture that is named in words: weigh_up for `weigh up`. */
+export const gestureId = (words: string): string => words.trim().replace(/\s+/g, "_");
+
 /** Return the category of a gesture in plain words: `sign` for an emblem. */
 export const categoryWords = (category: string): string => CATEGORIES[category] ?? category;
 
@@ -50,6 +56,10 @@ export function labelWords(type: string, label: string): string {
 /** Return the outcome of a behaviour with its reason; empty if the behaviour is performed as requested. */
 export const outcomeWords = ({ outcome, why }: { outcome: string; why: string }): string =>
   outcome === "realised" ? "" : [OUTCOMES[outcome] ?? outcome, why].filter(Boolean).join(": ");
+
+/** Write the gesture ids of a text in words: `tiny low needs fingers` for `tiny_low needs fingers`. */
+export const withGestureWords = (text: string, isGesture: (id: string) => boolean): string =>
+  text.replace(/\b[a-z0-9]+(?:_[a-z0-9]+)+\b/g, (id) => (isGesture(id) ? gestureWords(id) : id));
 
 export const typeWords = (type: string): string => TYPES[type] ?? type;
 

@@ -48,6 +48,11 @@ export class PlannedDocument {
     this.drafting.later();
   }
 
+  /** Plan at once, or after a pause while the plan of an earlier change is awaited. */
+  soon(): void {
+    this.drafting.soon();
+  }
+
   now(): void {
     void this.drafting.now();
   }

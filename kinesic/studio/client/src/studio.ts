@@ -109,7 +109,7 @@ export class Studio {
         if (this.robot.report) {
           this.performing.reported(this.robot.report.time);
           this.recording.add(this.robot.report);
-          this.recorder.add(this.robot.report);
+          this.recorder.addReport(this.robot.report);
         }
         this.view.follow();
       },
@@ -118,12 +118,11 @@ export class Studio {
     const exports = new Exports(this.robot.wire, log);
     exports.listen(text);
     this.playback = new Playback(exports, text, (time) => this.display.time(time));
-    this.view = new StageView(
-      about,
-      this.robot,
-      () => this.player.time,
-      (drag) => this.isGesture && drag.part === "hand" && this.gestures.drop(drag),
-    );
+    this.view = new StageView(about, this.robot, () => this.player.time, {
+      dropped: (drag) =>
+        this.isGesture && drag.part === "hand" && !this.recorder.isRecording && this.gestures.drop(drag),
+      reached: (angles) => this.recorder.addDragged(angles),
+    });
     this.performances = new Performances(this.robot, this.performing, {
       bml: () => (this.isGesture ? this.gestures.performed() : this.document.text),
       hasTypedWords: () => this.textMode.typed !== "",
@@ -187,7 +186,8 @@ export class Studio {
     this.recorder = new GestureRecorder(about.robot, {
       hand: (side, angles) => this.view.stage.handPosition(side, angles),
       open,
-      showRobot: () => this.view.setMode("robot"),
+      isMovedByHand: () => this.robot.isTorqueOff,
+      show: (mode) => this.view.setMode(mode),
     });
     listen(listActions(this));
     new Tour(() => this.textMode.tabs.choose("words"));

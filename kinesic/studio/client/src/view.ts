@@ -19,7 +19,12 @@ export class StageView {
     private readonly about: About,
     private readonly robot: Robot,
     private readonly time: () => number,
-    dropped: (drag: Drag) => void,
+    private readonly listener: {
+      /** A dragged part was released. */
+      dropped(drag: Drag): void;
+      /** The dragged part has reached a posture [rad]. */
+      reached(angles: readonly number[]): void;
+    },
   ) {
     const covers = {
       sketch: byId<HTMLCanvasElement>("sketch"),
@@ -30,7 +35,7 @@ export class StageView {
       drag: (drag) => this.reaching.drag(drag),
       drop: (drag) => {
         this.reaching.drop();
-        dropped(drag);
+        listener.dropped(drag);
       },
     });
     this.reaching = new Reaching(
@@ -95,6 +100,7 @@ export class StageView {
   }
 
   private reached(found: Reached | null, asked?: number): void {
+    if (found) this.listener.reached(found.angles);
     say(byId("stops"), this.reaching.words(found));
     byId("stops").classList.toggle("warning", found !== null && !found.reached);
     this.redraw(asked);

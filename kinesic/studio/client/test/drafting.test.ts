@@ -51,3 +51,31 @@ test("a change hides the waiting message only when its own plan has arrived", as
   await answer(1, "present");
   assert.deepEqual(waiting, [true, false]);
 });
+
+test("a single change is planned at once, and changes during its planning together after a pause", async () => {
+  const { drafting, shown, answers, answer } = open();
+  drafting.soon();
+  assert.equal(answers.length, 1);
+  drafting.soon();
+  drafting.soon();
+  assert.equal(answers.length, 1);
+  await answer(0, "first");
+  mock.timers.tick(200);
+  assert.equal(answers.length, 2);
+  drafting.soon();
+  assert.equal(answers.length, 2);
+  mock.timers.tick(200);
+  await answer(1, "second");
+  await answer(2, "third");
+  assert.deepEqual(shown, ["third"]);
+  drafting.soon();
+  assert.equal(answers.length, 4);
+});
+
+test("a plan that is requested at once replaces the one after a pause in typing", () => {
+  const { drafting, answers } = open();
+  drafting.later();
+  void drafting.now();
+  mock.timers.tick(500);
+  assert.equal(answers.length, 1);
+});

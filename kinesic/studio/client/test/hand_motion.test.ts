@@ -14,6 +14,7 @@ const line = (from: Place, to: Place, count = 20): Place[] =>
     { length: count },
     (_, k) => from.map((value, axis) => value + ((to[axis]! - value) * k) / (count - 1)) as unknown as Place,
   );
+const write = (samples: HandSample[]) => writeGesture("mine", samples, "recorded");
 const record = (right: Place[], left: Place[] = hold(REST, right.length)): HandSample[] =>
   right.map((place, k) => ({ left: left[k]!, right: place }));
 
@@ -22,7 +23,7 @@ test("a recorded hand becomes the corners of its path, without the rest before a
     [0.4, 0.5, 0.6],
     [0.0, 0.5, 0.6],
   ] as const;
-  const text = writeGesture("mine", record([...hold(a!), ...line(a!, b!), ...line(b!, a!), ...hold(a!)]))!;
+  const text = write(record([...hold(a!), ...line(a!, b!), ...line(b!, a!), ...hold(a!)]))!;
   const keys = keySpans(text).map(({ from, to }) => text.slice(from, to));
   assert.equal(keys.length, 3);
   assert.match(text, /^category = "metaphoric"\n\n\[\[gesture\]\]\nid = "mine"\n/);
@@ -35,19 +36,19 @@ test("a recorded hand becomes the corners of its path, without the rest before a
 
 test("both hands that move are recorded in the same key poses", () => {
   const up: Place = [0.3, 0.6, 0.5];
-  const text = writeGesture("mine", record(line(REST, up), line(REST, up)))!;
+  const text = write(record(line(REST, up), line(REST, up)))!;
   assert.equal(keySpans(text).length, 2);
   assert.match(text, /left = \{ at = \[0.3, 0.6, 0.5\] \}, right = \{ at = \[0.3, 0.6, 0.5\] \} \},\n\]/);
 });
 
 test("a wavering path has at most eight key poses", () => {
   const wave = Array.from({ length: 200 }, (_, k): Place => [0.3 + 0.2 * Math.sin(k / 3), 0.5 + k / 1000, 0.5]);
-  const count = keySpans(writeGesture("mine", record(wave))!).length;
+  const count = keySpans(write(record(wave))!).length;
   assert.equal(count, 8);
 });
 
 test("hands that hardly move are no gesture", () => {
-  assert.equal(writeGesture("mine", record(line(REST, [0.4, -0.38, 0.12]))), null);
+  assert.equal(write(record(line(REST, [0.4, -0.38, 0.12]))), null);
 });
 
 test("a position is outward on its own side, in arm lengths from the origin", () => {

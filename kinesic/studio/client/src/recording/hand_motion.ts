@@ -1,4 +1,4 @@
-// Motion of the hands of a robot that is moved by hand, thinned to the key poses of a gesture.
+// Recorded motion of hands, thinned to the key poses of a gesture.
 import { formatPosition, type Place } from "../toml.ts";
 import type { Side } from "../types.ts";
 
@@ -10,8 +10,8 @@ const MAX_POSES = 8; // largest number of key poses
 /** Positions of both hands at one time, in arm lengths. */
 export type HandSample = Readonly<Record<Side, Place>>;
 
-/** Return the TOML file of a gesture that follows recorded hands; null if no hand has moved. */
-export function writeGesture(id: string, samples: readonly HandSample[]): string | null {
+/** Return the TOML file of a gesture that follows recorded hands; `says` describes it; null if no hand has moved. */
+export function writeGesture(id: string, samples: readonly HandSample[], says: string): string | null {
   const moved = SIDES.filter((side) =>
     samples.some((sample) => distance(sample[side], samples[0]![side]) > MIN_TRAVEL),
   );
@@ -20,7 +20,6 @@ export function writeGesture(id: string, samples: readonly HandSample[]): string
     const hands = moved.map((side) => `${side} = { at = ${formatPosition(sample[side])} }`);
     return `  { ${hands.join(", ")} },\n`;
   });
-  const says = "recorded from a robot that was moved by hand";
   return `category = "metaphoric"\n\n[[gesture]]\nid = "${id}"\nsays = "${says}"\nkeys = [\n${poses.join("")}]\n`;
 }
 

@@ -1,6 +1,6 @@
 // List of the gestures that could be shown at a word, the best first, with their reasons.
 import { byId, make, say } from "../dom.ts";
-import { categoryWords, gestureWords } from "../plain_words.ts";
+import { categoryWords, gestureWords, isBeat } from "../plain_words.ts";
 import type { Answer } from "../wire.ts";
 import type { Choice } from "./replacing.ts";
 import type { ShownGesture } from "./spoken.ts";
@@ -50,9 +50,24 @@ export class AlternativesPanel {
     say(byId("alternatives-reason"), present ? present.reason || "without a reason" : "Choose one below.");
     say(byId("alternatives-choice"), reasons.filter(Boolean).join(" "));
     byId("alternatives-remove").hidden = present === null;
-    const rows = alternatives?.map((each) => this.row(each, each.id === present?.name)) ?? [];
     const none = alternatives ? "nothing fits this word" : "looking for gestures …";
-    byId("alternatives-list").replaceChildren(...(rows.length ? rows : [make("li", { class: "none" }, none)]));
+    const rows = alternatives?.length ? this.rows(alternatives, present?.name) : [make("li", { class: "none" }, none)];
+    byId("alternatives-list").replaceChildren(...rows);
+  }
+
+  /** Return the rows of alternatives; beats, which fit every word, are folded after all others. */
+  private rows(alternatives: readonly Alternative[], present: string | undefined): HTMLElement[] {
+    const draw = (each: Alternative) => this.row(each, each.id === present);
+    const [beats, others] = [alternatives.filter(({ id }) => isBeat(id)), alternatives.filter(({ id }) => !isBeat(id))];
+    if (!beats.length || !others.length) return alternatives.map(draw);
+    const folded = make(
+      "details",
+      {},
+      make("summary", {}, describeBeats(beats.length)),
+      make("ul", {}, ...beats.map(draw)),
+    );
+    folded.open = beats.some(({ id }) => id === present);
+    return [...others.map(draw), make("li", {}, folded)];
   }
 
   /** Mark a chosen gesture until its plan arrives; null: the gesture is removed. */
@@ -89,3 +104,6 @@ export class AlternativesPanel {
     return make("li", {}, button);
   }
 }
+
+const describeBeats = (count: number): string =>
+  count === 1 ? "1 small movement that stresses the word" : `${count} small movements that stress the word`;

@@ -1,5 +1,5 @@
 // Spoken words of a document, each with the gestures whose strokes fall on it.
-import { gestureWords } from "../plain_words.ts";
+import { gestureWords, isBeat } from "../plain_words.ts";
 import { listWords, type Word } from "../tracks/words.ts";
 import type { Draft } from "../types.ts";
 import { findAttribute, findTags, type Tag, tagWithId } from "../xml.ts";
@@ -119,3 +119,14 @@ export function describeGesture({ name, reason }: ShownGesture, isMarked: boolea
   const words = gestureWords(name);
   return why ? `${words}: ${why}` : words;
 }
+
+/** Return how many words are spoken, and how many gestures they have. */
+export function describeCounts(words: readonly SpokenWord[]): string {
+  if (!words.length) return "no spoken words";
+  const gestures = words.flatMap((word) => word.gestures);
+  const beats = gestures.filter(({ name }) => isBeat(name)).length;
+  const stress = beats ? `, of which ${beats} only ${beats === 1 ? "stresses" : "stress"} the word (beat)` : "";
+  return `${count(words.length, "word")}, ${count(gestures.length, "gesture")}${stress}`;
+}
+
+const count = (number: number, noun: string): string => `${number} ${noun}${number === 1 ? "" : "s"}`;

@@ -12,7 +12,7 @@ import { describeAdditions, keepAdditions } from "./kept_additions.ts";
 import { describePending, measure } from "./pending.ts";
 import { describeKept, keepPicked } from "./picked_gestures.ts";
 import { type Choice, choose, isWritten } from "./replacing.ts";
-import { listSpoken, locate, type ShownGesture, type SpokenWord, spokenText } from "./spoken.ts";
+import { describeCounts, listSpoken, locate, type ShownGesture, type SpokenWord, spokenText } from "./spoken.ts";
 import { Tabs } from "./tabs.ts";
 import { WordList } from "./word_list.ts";
 
@@ -150,8 +150,7 @@ export class TextMode {
     this.isReplaced = false;
     if (this.chosen >= this.words.length) this.chosen = -1;
     this.list.show(this.words, this.chosen, isWritten(this.listener.text()));
-    const count = this.words.reduce((sum, { gestures }) => sum + gestures.length, 0);
-    say(byId("spoken-count"), this.words.length ? `${this.words.length} words, ${count} gestures` : "no spoken words");
+    say(byId("spoken-count"), describeCounts(this.words));
     if (this.chosen >= 0) void this.ask(false);
     else this.panel.hide();
     this.enable();

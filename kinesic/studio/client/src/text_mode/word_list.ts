@@ -1,6 +1,6 @@
 // Spoken words as buttons, each with its gestures; arrow keys move from word to word.
 import { byId, make } from "../dom.ts";
-import { gestureWords } from "../plain_words.ts";
+import { gestureWords, isBeat } from "../plain_words.ts";
 import { describeGesture, type ShownGesture, type SpokenWord } from "./spoken.ts";
 
 export class WordList {
@@ -25,9 +25,7 @@ export class WordList {
           title: word.gestures.map((each) => describeGesture(each, isMarked(each))).join("\n") || "no gesture",
         },
         word.text,
-        ...word.gestures.map((each) =>
-          make("span", { class: isMarked(each) ? "shown picked" : "shown" }, gestureWords(each.name)),
-        ),
+        ...word.gestures.map((each) => drawGesture(each, isMarked(each))),
       );
       button.addEventListener("click", () => this.choose(index));
       return button;
@@ -55,4 +53,10 @@ export class WordList {
     next.tabIndex = 0;
     next.focus();
   }
+}
+
+/** Return the mark of a gesture below its word; all beats look alike, as a person seldom cares which one it is. */
+function drawGesture({ name }: ShownGesture, isMarked: boolean): HTMLElement {
+  const kind = `shown${isMarked ? " picked" : ""}${isBeat(name) ? " beat" : ""}`;
+  return make("span", { class: kind }, isBeat(name) ? "beat" : gestureWords(name));
 }
