@@ -67,7 +67,7 @@ class VoiceDetector:
         self.reset()
 
     def reset(self) -> None:
-        """Forget all sound heard so far."""
+        """Reset the network's state, for the start of a stream."""
         self._context = np.zeros(CONTEXT_SIZE, np.float32)
         self._hidden, self._cell = np.zeros(STATE_SIZE, np.float32), np.zeros(STATE_SIZE, np.float32)
 

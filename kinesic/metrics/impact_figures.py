@@ -24,7 +24,7 @@ MIN_LEVER = 1e-3  # [m/rad] smallest effect of a hinge on a gap that it closes
 
 @dataclass(frozen=True, eq=False)
 class WorstContact:
-    """Largest contact force on a body region, or largest energy, in a motion."""
+    """Largest contact force on a body region, or energy, in a motion."""
 
     value: float  # force [N], or energy [J]
     time: float  # [s] performance time
@@ -57,7 +57,7 @@ class ImpactFigures:
 
     @property
     def policy(self) -> ImpactPolicy | None:
-        """Policy that the plan keeps; None: no limits."""
+        """Policy whose limits the plan keeps, None without limits."""
         return self.plan.setup.policy
 
     @cached_property

@@ -1,4 +1,4 @@
-"""Search for gestures of a hand whose strokes are too close in time.
+"""Search for strokes of one hand that are too close in time.
 
 The time that a hand needs between strokes depends on joint angles, and is known only after inverse kinematics. An
 estimate with stops at every reversal finds candidates. For these alone, key times are searched exactly, with the hinges

@@ -86,7 +86,7 @@ class PostureCourse:
         return {k for arm in arms for k in self._neighbours(time, arm) if deficits[samples[k]] > min_deficit}
 
     def _neighbours(self, time: float, arm: ArmHinges) -> list[int]:
-        """Return indices of an arm's last key before and first key after a block time."""
+        """Return indices of an arm's keys directly before and after a time."""
         keys = [k for k, posture in enumerate(self.postures) if posture.keyed[arm[0]]]
         after = int(np.searchsorted(self.planned[keys], time))
         return keys[max(after - 1, 0) : after + 1]

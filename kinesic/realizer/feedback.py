@@ -98,7 +98,7 @@ class ScheduledFeedback:
         return isinstance(self.content, Progress) and self.content.key == BLOCK_END
 
     def interrupted_at(self, time: float) -> "ScheduledFeedback":
-        """Return a copy that reports the interruption of its block [s, global time]."""
+        """Return a copy that reports the block's interruption at a time [s]."""
         if isinstance(self.content, str):
             raise TypeError("a written message cannot be interrupted")
         return replace(self, time=time, content=self.content.interrupted(self.content.time + time - self.time))

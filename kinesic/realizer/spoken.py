@@ -81,7 +81,7 @@ def _letter_fraction(text: str, first: int, position: float, last: int) -> float
 
 
 def _voiced_time(begin: float, end: float, fraction: float, utterance: Utterance) -> float:
-    """Return the time [s] by which a fraction of a span is spoken."""
+    """Return the time [s] when a fraction of a span is spoken."""
     sounds = [phoneme for phoneme in utterance.phonemes if phoneme.letters and begin <= phoneme.start < end]
     left = fraction * sum(phoneme.duration for phoneme in sounds)
     for phoneme in sounds:

@@ -66,7 +66,7 @@ def _compile(robot: Robot, servos: Factors) -> mujoco.MjModel:
 
 
 def select_link_factors(servos: Factors) -> Factors:
-    """Return the servo factors that require a new MuJoCo model: mass and backlash.
+    """Return the servo factors (mass, backlash) that require a new MuJoCo model.
 
     Drive parameters can be written into a compiled model.
     """

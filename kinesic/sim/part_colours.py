@@ -24,7 +24,7 @@ def parts(robot: Robot) -> dict[str, RodPart]:
 
 
 def shell_parts(robot: Robot) -> dict[str, RodPart]:
-    """Return the body part of each segment, with the trunk coloured as limb.
+    """Return each segment's body part, with the trunk coloured as limb.
 
     The trunk is painted like the limbs.
     """

@@ -93,7 +93,7 @@ class Listener:
         return octets * self._byte
 
     def forget(self) -> None:
-        """Discard all bytes received so far, for a new query."""
+        """Discard received bytes before a new query."""
         self.received = b""
 
     def send(self, data: bytes) -> None:

@@ -1,4 +1,4 @@
-"""Table of the joint angles of a robot that is moved by hand."""
+"""Table of joint angles while a person moves the robot."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -97,7 +97,7 @@ class FrameServo(VirtualServo):
         return refusal
 
     def reboot(self, *, seconds: float = BOOT_TIME) -> None:
-        """Reboot the servo; values written to a locked EEPROM are lost."""
+        """Reboot the servo and restore registers written while the EEPROM was locked."""
         for register, value in self._volatile.items():
             self.memory[register] = value
         self._volatile.clear()

@@ -1,4 +1,4 @@
-"""All cues of a language, found by the words with which they begin."""
+"""Cues of a language, indexed by the words with which they begin."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
@@ -28,7 +28,7 @@ class CueTable:
 
     @cached_property
     def gestures(self) -> Mapping[str, tuple[str, ...]]:
-        """Gestures of all cues with the same meaning, by that meaning (`is large`)."""
+        """Gestures of all cues, grouped by the cues' meaning (`is large`)."""
         shown = dict[str, dict[str, None]]()
         for cue in self.cues:
             shown.setdefault(cue.says, {}).update(dict.fromkeys(cue.shows))
@@ -61,7 +61,10 @@ def load_senses(language: str) -> CueTable:
 
 
 def _find_folder(parent: Path, language: str) -> Path | None:
-    """Return the folder of a language, found by listing, as a tag may contain a path."""
+    """Find the folder of a language, or return None.
+
+    The folders are listed, because a language tag may contain a path.
+    """
     folders = {folder.name: folder for folder in sorted(parent.iterdir()) if folder.is_dir()}
     return folders.get(language.partition("-")[0])
 

@@ -146,7 +146,7 @@ def read_pattern(text: str, irregular: Mapping[str, frozenset[str]] = NO_FORMS) 
 
 
 def spell_out(pattern: Pattern) -> Pattern | None:
-    """Return a pattern with the full forms of its contractions (`do not`, `it is`).
+    """Return a pattern with contractions written in full (`do not`, `it is`).
 
     An optional contraction has a full form only if it is negative, since its parts are optional, too.
 
@@ -177,7 +177,7 @@ def _full_form(word: str) -> tuple[str, str] | None:
 
 
 def _add_forms(slot: Slot, part: str, irregular: Mapping[str, frozenset[str]]) -> Slot:
-    """Return a position that also accepts the irregular forms of its inflected words."""
+    """Add the irregular forms of the slot's inflected words."""
     if not slot.stems:
         return slot
     verbs = (word.removesuffix(STEM_SIGN) for word in part.removeprefix(STROKE_SIGN).split("/") if STEM_SIGN in word)

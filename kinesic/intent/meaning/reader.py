@@ -98,7 +98,7 @@ def list_pictures(passage: Passage, language: Language, lexicon: Lexicon) -> tup
 
 
 def _find_idioms(cues: Sequence[Candidate]) -> tuple[frozenset[int], frozenset[int]]:
-    """Return word indices of all idioms, and of those that express no negation."""
+    """Return the word indices of idioms, and of those without negation."""
     spans = [(each.cue.intent, range(each.first, each.last + 1)) for each in cues if each.cue.kind != "word"]
     harmless = frozenset(k for intent, span in spans for k in span if intent not in NEGATION_INTENTS)
     return frozenset(k for _, span in spans for k in span), harmless

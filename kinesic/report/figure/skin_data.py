@@ -75,7 +75,7 @@ def _bones(skin_of: Skin, skeleton: Skeleton) -> list[Json]:
 
 
 def _turns(frame: SkinningFrame, skeleton: Skeleton) -> list[Json]:
-    """List the hinges of a rig frame, empty for the segment's whole rotation."""
+    """List a rig frame's hinges, empty if it follows the whole segment."""
     if (frame.rotation_fraction, frame.twist) == (1, 1):
         return []
     return [

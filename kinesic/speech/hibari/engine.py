@@ -92,7 +92,7 @@ def _letter_factors(reading: Pronunciation, sections: Sequence[ProsodySection], 
 
 
 def _spread(pitches: Floats32, prediction: Prediction) -> Floats32:
-    """Return the pitch factor of each frame, from the factors of the letters."""
+    """Convert the letters' pitch factors to a pitch factor per frame."""
     padded = np.concatenate([pitches[:1], pitches, pitches[-1:]])
     frames_per_unit = len(prediction.pitch) // int(prediction.durations.sum())
     return np.repeat(padded, frames_per_unit * prediction.durations).astype(np.float32)
