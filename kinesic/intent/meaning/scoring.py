@@ -139,7 +139,7 @@ def score(
         value -= DEFAULT_PENALTIES.name * is_name(context, candidate)
     if is_sensitive and cue.kind != "question":
         value -= DEFAULT_PENALTIES.reported * (is_literal and context.is_reported(at))
-        value -= DEFAULT_PENALTIES.plain_emblem * (not context.is_talk(at))
+        value -= DEFAULT_PENALTIES.plain_emblem * _is_plain(context, candidate)
         value -= DEFAULT_PENALTIES.asked_emblem * (
             cue.kind == "idiom"
             and cue.where == "any"
@@ -154,6 +154,16 @@ def score(
             value -= DEFAULT_PENALTIES.asked_idiom * context.is_asked_within(at)
             value -= DEFAULT_PENALTIES.others_idiom * (cue.intent != PICTURE_INTENT and context.is_others(at))
     return min(max(value, 0.0), 1.0)
+
+
+def _is_plain(context: Context, candidate: Candidate) -> bool:
+    """Return whether a candidate's clause is a plain report.
+
+    An idiom with a picture (`our class`) is also plain among reports of the speaker's own past and things.
+    """
+    cue, at = candidate.cue, candidate.first
+    is_picture = cue.kind == "idiom" and cue.intent == PICTURE_INTENT
+    return is_told(context, at) if is_picture else not context.is_talk(at)
 
 
 def _penalise_report(context: Context, candidate: Candidate, categories: Mapping[str, str]) -> float:
