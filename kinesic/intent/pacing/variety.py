@@ -9,7 +9,7 @@ from kinesic.intent.behaviour_sets import Channel, Choice
 from kinesic.intent.behaviours import ChosenBehaviour, Omission, name_form
 from kinesic.intent.greta.agent import Agent
 from kinesic.intent.intents import Intent
-from kinesic.intent.meaning.cues import PICTURE_INTENT
+from kinesic.intent.meaning.feelings import EMOTION_PREFIX
 from kinesic.intent.pacing.beat_spans import select_fitting
 from kinesic.intent.pacing.candidates import Candidate
 from kinesic.intent.pacing.long_strokes import stroke_delay
@@ -189,11 +189,11 @@ class LexemeSampler:
     def _manner(self, intent: Intent, lexeme: str) -> Mapping[str, float]:
         """Return the expressivity parameters of a lexeme that differ from the style.
 
-        Illustrating gestures are not repeated, as a second stroke would accompany other words.
+        Only gestures of feelings are repeated, as a second stroke of others would accompany other words.
         """
         manner = self.agent.manner(intent.name, self.channel, intent.strength)
         if self.channel == "gesture" and is_beat(lexeme) and intent.certainty < EMPHATIC_CERTAINTY:
             return {**self.beat_manner, **manner}
-        if self.channel == "gesture" and intent.name == PICTURE_INTENT:
+        if self.channel == "gesture" and not is_beat(lexeme) and not intent.name.startswith(EMOTION_PREFIX):
             return {**{name: value for name, value in self.beat_manner.items() if name == "repetition"}, **manner}
         return manner

@@ -97,14 +97,19 @@ def test_beat_gestures_of_the_lexicon_are_recognised_by_their_ids() -> None:
     }
 
 
-def test_joyful_style_enlarges_no_uncertain_beats_and_repeats_no_illustrating_strokes() -> None:
-    gestures = gestures_of("bicycle", "joyful")
+def test_joyful_style_enlarges_no_uncertain_beats_and_repeats_only_strokes_of_feelings() -> None:
+    glad = plan_behaviours("Hooray, I passed the test! Welcome to our house.", Lexicon.load(), Style.load("joyful"))[
+        1
+    ].behaviours
+    gestures = [*gestures_of("bicycle", "joyful"), *(each for each in glad if each.channel == "gesture")]
     for behaviour in gestures:
         if is_beat(behaviour.lexeme) and behaviour.intent.certainty < EMPHATIC_CERTAINTY:
             assert behaviour.manner == {"spatial": 0.0, "repetition": 0.0}
         else:
-            assert behaviour.manner == ({"repetition": 0.0} if behaviour.intent.name == "picture" else {})
-    assert {behaviour.intent.name == "picture" for behaviour in gestures} == {True, False}
+            is_felt = behaviour.intent.name.startswith("emotion")
+            assert behaviour.manner == ({} if is_felt else {"repetition": 0.0})
+    names = {behaviour.intent.name for behaviour in gestures}
+    assert {"picture", "emotion-joyStrong", "performative-welcome"} <= names
 
 
 @pytest.mark.parametrize(
