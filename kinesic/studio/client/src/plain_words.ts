@@ -19,6 +19,14 @@ const POINTS: Record<string, string> = {
   relax: "way back begins",
 };
 
+const TARGETS: Record<string, string> = {
+  audience: "the listener",
+  upleft: "up left",
+  upright: "up right",
+  downleft: "down left",
+  downright: "down right",
+};
+
 const OUTCOMES: Record<string, string> = {
   substituted: "differs from the request",
   partly: "shown in part",
@@ -50,6 +58,7 @@ export const categoryWords = (category: string): string => CATEGORIES[category] 
 /** Return the label of a behaviour in plain words: `raise brows` for RAISE_BROWS, `weigh up` for weigh_up. */
 export function labelWords(type: string, label: string): string {
   if (type === "gesture") return gestureWords(label);
+  if (type.startsWith("gaze") || type === "pointing") return TARGETS[label] ?? label;
   return type === "speech" || !/^[A-Z_]+$/.test(label) ? label : label.toLowerCase().replaceAll("_", " ");
 }
 

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { showNotices } from "../src/panels.ts";
-import { gestureId, gestureWords, isBeat } from "../src/plain_words.ts";
+import { gestureId, gestureWords, isBeat, labelWords } from "../src/plain_words.ts";
 import { AlternativesPanel } from "../src/text_mode/alternatives.ts";
 import { describeCounts, type SpokenWord } from "../src/text_mode/spoken.ts";
 import type { Draft } from "../src/types.ts";
@@ -16,6 +16,13 @@ const spoken = (...names: string[]): SpokenWord[] => [
 test("a gesture that is typed in words has the id of these words", () => {
   for (const id of ["weigh_up", "beat", "count_three"]) assert.equal(gestureId(gestureWords(id)), id);
   assert.equal(gestureId("  weigh  up "), "weigh_up");
+});
+
+test("targets of the eyes and of pointing hands are named in words, and spoken text is left as it is", () => {
+  assert.equal(labelWords("gaze", "downright"), "down right");
+  assert.equal(labelWords("pointing", "audience"), "the listener");
+  assert.equal(labelWords("gaze", "lamp"), "lamp");
+  assert.equal(labelWords("speech", "upright"), "upright");
 });
 
 test("beats are told apart from gestures whose name begins alike", () => {
