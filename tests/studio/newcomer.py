@@ -8,12 +8,18 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
+from time import sleep
 
 from ..chromium import Page, opened
 
 PATIENT = "planning=60"  # quota of the planning time [s], sufficient on a busy machine
 STATE = "kinesicStudio.state()"
 TEXT = "It is tea versus coffee today."
+MUSEUM_TEXT = (
+    "Good morning, and welcome to the museum of machines! My name is Milo. On this floor you will find three hundred "
+    "clocks. Some are tiny, and some are taller than a house. The oldest of them is over there, on the left. Please do "
+    "not touch them, but ask me anything you like. Enjoy your visit!"
+)  # greeting of about 20 s
 
 
 @dataclass
@@ -23,6 +29,7 @@ class Person:
     page: Page
     films: Callable[[str, tuple[float, float] | None], None] = lambda _what, _where: None
     actions: list[str] = field(default_factory=list)
+    typing_interval: float = 0.0  # [s] between two typed words; 0: a text comes at once
 
     def click(self, selector: str, what: str = "") -> None:
         """Click on an element; `what` describes the action."""
@@ -33,11 +40,17 @@ class Person:
     def write(self, selector: str, text: str, what: str = "") -> None:
         """Write into a field and leave it."""
         self._does(what or f"write into {selector}", self.middle(selector))
-        script = (
-            f"(e => {{ e.value = {json.dumps(text)}; e.dispatchEvent(new Event('input'));"
-            f" e.dispatchEvent(new Event('change')) }})(document.querySelector({json.dumps(selector)}))"
-        )
-        self.page.value(script)
+        words = text.split(" ")
+        for count in range(1 if self.typing_interval else len(words), len(words)):
+            self._enter(selector, " ".join(words[:count]), "input")
+            sleep(self.typing_interval)
+        self._enter(selector, text, "input", "change")
+
+    def _enter(self, selector: str, text: str, *events: str) -> None:
+        """Set the value of a field, and dispatch events to it."""
+        dispatched = "".join(f" e.dispatchEvent(new Event('{name}'));" for name in events)
+        field = f"document.querySelector({json.dumps(selector)})"
+        self.page.value(f"(e => {{ e.value = {json.dumps(text)};{dispatched} }})({field})")
 
     def save_as(self, name: str, what: str) -> None:
         """Save a new document under a name."""
@@ -109,21 +122,46 @@ def make_and_perform(person: Person) -> None:
     person.write("#plain", TEXT, f"write: {TEXT}")
     person.click("#plain-make", "let the studio choose gestures")
     person.sees("s.draft?.block === 'said'")
-    versus = "[...document.querySelectorAll('#spoken button')].findIndex(e => e.textContent.startsWith('versus'))"
-    person.page.until(f"{versus} >= 0")
-    person.click(f"[data-spoken='{person.page.value(versus)}']", "click the word: versus")
-    mine = (
-        "[...document.querySelectorAll('#alternatives-list button')].find(e => e.textContent.startsWith('my balance'))"
-    )
-    person.page.until(f"{mine} !== undefined")
-    person.page.value(f"{mine}.id = 'mine'")
-    person.click("#mine", "choose my_balance from the list")
+    choose_gesture(person, "versus", "my balance")
     person.sees("s.draft?.syncs.some(sync => sync.behaviour === 'g1') && s.text.includes('lexeme=\"my_balance\"')")
     person.write("#own-style", "shy", "make it shy")
     realised = "s.draft.behaviours.every(each => each.type !== 'gesture' || each.outcome === 'realised')"
     person.sees(f"s.text.includes('kinesic:style=\"shy\"') && {realised}")
     person.save_as("talk", "Save the document")
     person.page.until("document.querySelector('#file').textContent === 'talk.bml'")
+    switch_on_and_perform(person)
+
+
+def greet_visitors(person: Person) -> None:
+    """Perform a greeting of 20 s for a museum: a text, one changed gesture, joyful style."""
+    person.write("#examples", "template:empty", "open a new document")
+    person.sees("s.draft?.block === 'new'")
+    person.write("#plain", MUSEUM_TEXT, "type what the robot should say")
+    person.click("#plain-make", "let the studio choose gestures")
+    person.sees("s.draft?.block === 'said' && s.text === s.plannedText")
+    choose_gesture(person, "left.", "left")
+    person.sees("s.text.includes('lexeme=\"left\"') && s.text === s.plannedText")
+    person.click("#whole-style", "return to the whole performance")
+    person.write("#own-style", "joyful", "make it joyful")
+    person.sees("s.text.includes('kinesic:style=\"joyful\"') && s.text === s.plannedText")
+    person.save_as("museum", "Save the document")
+    person.page.until("document.querySelector('#file').textContent === 'museum.bml'")
+    switch_on_and_perform(person)
+
+
+def choose_gesture(person: Person, word: str, gesture: str) -> None:
+    """Choose a gesture for a spoken word from the list."""
+    index = f"[...document.querySelectorAll('#spoken button')].findIndex(e => e.textContent.startsWith({word!r}))"
+    person.page.until(f"{index} >= 0")
+    person.click(f"[data-spoken='{person.page.value(index)}']", f"click the word: {word.strip('.')}")
+    row = f"[...document.querySelectorAll('#alternatives-list b')].find(e => e.textContent === {gesture!r})"
+    person.page.until(f"{row} !== undefined")
+    person.page.value(f"{row}.closest('button').id = 'mine'")
+    person.click("#mine", f"choose {gesture} from the list")
+
+
+def switch_on_and_perform(person: Person) -> None:
+    """Switch the servos on, and perform the document."""
     person.sees("document.querySelectorAll('#strips .strip:not(.head)').length === s.report.servos.celsius.length")
     assert person.page.value("document.querySelector('#perform').disabled"), "the servos have no torque yet"
     person.click("#arm", "Motors on gives servos their torque")
