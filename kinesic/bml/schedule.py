@@ -76,7 +76,7 @@ def schedule(
 
 @dataclass
 class _ActiveSet:
-    """Behaviours and constraints still to schedule, with the dropped ones."""
+    """Behaviours and constraints still to schedule, and dropped behaviours."""
 
     block: Block
     behaviours: dict[str, Behaviour]
@@ -121,7 +121,7 @@ class _ActiveSet:
             self.add_notice(kind, f"a constraint (line {culprit.place.line}) is ignored: {reason}")
 
     def drop(self, name: str, kind: NoticeType, reason: str) -> None:
-        """Drop a behaviour and all behaviours that depend on it alone.
+        """Drop a behaviour, and behaviours that depend on this behaviour alone.
 
         Raises:
             BmlError: one of them is required.
@@ -255,7 +255,7 @@ class _ActiveSet:
         return 0 if behaviour.required else 1 if isinstance(behaviour.action, Speech) else 2
 
     def _remove_block_orders(self, loop: list[Edge]) -> None:
-        """Ignore precedence constraints between two times of the block itself.
+        """Ignore precedence constraints that order only times of the block itself.
 
         Only these can contradict each other without a behaviour.
         """

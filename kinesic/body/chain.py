@@ -16,7 +16,7 @@ from kinesic.body.skeleton import Hinge, Skeleton
 
 TWIST_ALIGNMENT = 0.8  # Minimum |cosine| between axis and bone at which a joint's last hinge counts as twist hinge
 ALIGNMENT_TOLERANCE = 1e-9  # Largest sine, or 1 - cosine, of the angle between an aligned axis and its bone
-MAX_SWING_HINGES = 2  # Largest number of non-twist hinges per joint; further ones are dropped
+MAX_SWING_HINGES = 2  # Largest number of non-twist hinges per joint; further hinges are dropped
 
 
 @dataclass(frozen=True, eq=False)

@@ -53,7 +53,7 @@ class Clearance:
 
     @property
     def worst(self) -> int:
-        """Index of the posture with the smallest distance."""
+        """Index of the posture with the smallest clearance."""
         return int(self.distances.argmin())
 
 

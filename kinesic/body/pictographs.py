@@ -17,5 +17,5 @@ def is_pictograph(character: str) -> bool:
 
 
 def blank_pictographs(text: str) -> str:
-    """Replace each character of all pictographs by a space."""
+    """Replace every pictograph by as many spaces as it has characters."""
     return PICTOGRAPH_PATTERN.sub(lambda found: " " * len(found[0]), text)

@@ -54,7 +54,7 @@ class RobotArm:
 
     @property
     def all_joints(self) -> tuple[int, ...]:
-        """Hinge indices of the arm, followed by those of its fingers."""
+        """Hinge indices of the arm, then of its fingers."""
         return (*self.joints, *self.fingers)
 
     @classmethod

@@ -128,7 +128,7 @@ def mirror_name(name: str, mirror: MirrorTable) -> str:
 
 
 def _swap_prefix(name: str, mirror: MirrorTable) -> str:
-    """Replace the side prefix of a name by the opposite one."""
+    """Replace the side prefix of a name by the opposite prefix."""
     if name.startswith(mirror.target):
         return mirror.source + name.removeprefix(mirror.target)
     return mirror_name(name, mirror)

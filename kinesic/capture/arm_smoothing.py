@@ -16,13 +16,13 @@ from kinesic.capture.clip import ArmPath
 from kinesic.capture.robot_motion import SAMPLE_RATE, arm_paths
 from kinesic.planning.setup import Setup
 
-MAX_ITERATIONS = 6  # largest number of Gauss-Newton steps, rejected ones included
+MAX_ITERATIONS = 6  # largest number of Gauss-Newton steps, including rejected steps
 DIFFERENCE_STEP = 1e-4  # [rad] rotation for finite differences of positions
 WRIST_TOLERANCE = 0.02  # [arm lengths] wrist error that adds 1 to the cost of a sample
 ELBOW_TOLERANCE = 0.10  # [arm lengths] elbow error that adds 1 to the cost of a sample
 ACCELERATION_WEIGHT = 1.0  # cost of a sample with one hinge at its acceleration limit
 FIRST_DAMPING = 10.0  # [1/rad^2] initial damping of the steps (Levenberg-Marquardt)
-DAMPING_FACTOR = 10.0  # factor on the damping after a rejected step, and its divisor after an accepted one
+DAMPING_FACTOR = 10.0  # factor on the damping after a rejected step, and divisor after an accepted step
 MIN_DECREASE = 0.01  # relative decrease of the cost below which the search ends
 
 

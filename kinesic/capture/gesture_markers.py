@@ -12,18 +12,18 @@ from kinesic.capture.robot_motion import SAMPLE_RATE
 from kinesic.expressivity.lexicon.captured_form import MARKER_NAMES
 
 MIN_VELOCITY = 0.02  # [arm lengths/s] largest wrist velocity below which a clip is motionless
-PEAK_PROMINENCE = 0.15  # prominence of a velocity peak / largest velocity, below which it is noise
-PEAK_HEIGHT = 0.3  # height of the first peak / largest velocity, below which it belongs to the idle motion
-MINIMUM_PROMINENCE = 0.05  # prominence of a velocity minimum / largest velocity, below which it is noise
+PEAK_PROMINENCE = 0.15  # prominence / largest velocity, below which a velocity peak is noise
+PEAK_HEIGHT = 0.3  # height / largest velocity, below which the first velocity peak belongs to the idle motion
+MINIMUM_PROMINENCE = 0.05  # prominence / largest velocity, below which a velocity minimum is noise
 STROKE_START_RATIO = 0.7  # velocity at strokeStart / velocity of the peak before the stroke
 STROKE_RATIO = 0.3  # largest velocity of the minimum at the stroke / velocity of the peak before it
 DEPARTURE_RATIO = 0.1  # velocity at which a hand leaves a hold / velocity of the following peak
 ONSET_RATIO = 0.05  # velocity at which the preparation starts / velocity of its peak
-NO_MINIMUM_DELAY = 0.3  # [s] time from the peak to the stroke of a motion without a minimum after it
+NO_MINIMUM_DELAY = 0.3  # [s] time from the peak to the stroke if no velocity minimum follows the peak
 
 
 def gesture_markers(clip: BodyClip) -> tuple[Mapping[str, float], bool]:
-    """Return the markers [s] of a gesture clip, and whether they were found.
+    """Return a gesture clip's markers [s], and whether its motion determines them.
 
     Markers of the file are used where it has a stroke; others are found in the motion. All are in order.
     """

@@ -223,7 +223,7 @@ def _approach_time(setup: Setup, rest: Floats, posture: Floats) -> float:
 
 
 def _ease(start: Floats, end: Floats, duration: float) -> Floats:
-    """Return minimum-jerk samples between two postures, without the last one."""
+    """Return minimum-jerk samples between two postures, without the last sample."""
     count = round(duration * SAMPLE_RATE)
     fractions = minimum_jerk(np.arange(count) / max(count, 1))
     samples: Floats = start + fractions[:, None] * (end - start)

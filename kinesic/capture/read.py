@@ -130,7 +130,7 @@ def find_acclaim_skeleton(path: Path) -> Path:
 
 
 def _only(paths: list[Path]) -> list[Path]:
-    """Return the paths if there is exactly one, or an empty list."""
+    """Return the only path of a list, or an empty list."""
     return paths if len(paths) == 1 else []
 
 

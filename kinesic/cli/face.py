@@ -274,7 +274,7 @@ def _show_window(content: Mapping[str, float] | Plan, settings: ViewSettings) ->
 
 
 def _film_document(planned: Plan, settings: ViewSettings, out: Path, progress: Callable[[float], None]) -> None:
-    """Film the face while it performs a document."""
+    """Film the face during the performance of a document."""
     robot, times = planned.setup.robot, planned.command_times
     with TemporaryDirectory() as folder:
         speech, speech_file = sound(planned), None

@@ -277,7 +277,7 @@ def group_options(name: str, kind: "type[DataclassInstance]", *options: Decorato
 
 
 def _add_options(verb: Verb, *options: Decorator) -> Verb:
-    """Add options in the order in which help lists them."""
+    """Add options to a verb in the order of its help page."""
     for option in reversed(options):
         verb = option(verb)
     return verb

@@ -27,7 +27,7 @@ MAX_PRINTED_WARNINGS = 40  # largest number of warnings printed after a performa
 
 
 def print_checks(checks: Sequence[Check], screen: Console) -> None:
-    """Print checks that do not pass, and count the others.
+    """Print checks that do not pass, and count the passed checks.
 
     Failures come first.
     """

@@ -117,7 +117,7 @@ def describe_estimate(believed: Factors) -> str:
 
 
 def _format_factors(factors: DriveFactors) -> str:
-    """Format the P gain factor, and other factors unless they are 1."""
+    """Format the P gain factor, and other factors that differ from 1."""
     others = (("stall torque", factors.stall), ("no-load speed", factors.no_load))
     parts = [
         f"P gain x {factors.gain:.2f}",

@@ -84,7 +84,7 @@ def write_wav(spoken: Sound, file: Path | BinaryIO) -> None:
 
 
 class SpeechPlayback:
-    """Speech playback in sync with the servos, silent while they are slowed."""
+    """Speech playback in sync with the servos, silent during slowed motion."""
 
     def __init__(self, sound: Sound, speaker: Speaker) -> None:
         """Prepare the playback, silent until the first servo status.

@@ -201,7 +201,7 @@ def _score(person: TrackedPerson, roles: Roles, eyes: Place) -> float:
 
 
 def _new_key(id: str, people: Company) -> str:
-    """Return an unused key for a new person, the id if possible."""
+    """Return an unused key for a new person, if possible the id."""
     keys = {person.key for person in people.tracked}
     names = (id, *(f"{id}-{number}" for number in range(2, len(keys) + 3)))
     return next(name for name in names if name not in keys)

@@ -38,7 +38,7 @@ def read_targets(path: Path) -> Mapping[str, Floats]:
 class Context:
     """Style, lexicon, robot, targets and options of a performance."""
 
-    style: Style  # documents override it, and its settings override documents
+    style: Style  # documents override the style; settings of the style override documents
     lexicon: Lexicon
     pace: Pace  # minimum and natural movement durations of the robot
     targets: Mapping[str, Floats] = field(

@@ -84,7 +84,7 @@ def gather_times(times: Mapping[PartName, Sequence[float]], syncs: Sequence[Sync
 
 
 def _spaced_times(times: Sequence[float]) -> list[float]:
-    """Drop sorted times [s] less than `SAME_FRAME` after a kept one."""
+    """Drop sorted times [s] less than `SAME_FRAME` after a kept time."""
     kept_times: list[float] = []
     for time in times:
         if not kept_times or time - kept_times[-1] >= SAME_FRAME:
@@ -105,7 +105,7 @@ def _nearest(times: Sequence[float], time: float) -> float:
 
 
 def _anchor(time: float, strokes: Sequence[float], others: Sequence[float]) -> float:
-    """Return the key frame time into which a time is merged [s].
+    """Return the time [s] of the key frame that absorbs a time.
 
     It is that of a near stroke, otherwise that of the earliest neighbour.
     """

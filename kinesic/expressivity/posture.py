@@ -268,5 +268,5 @@ def _arm_strokes(timed: TimedBehaviour, arms: Arms, context: BlockContext) -> tu
 
 
 def _instant_syncs(start: float, arrive: float) -> dict[str, float]:
-    """Return sync times [s] of an arm motion: `start`, and all others at arrival."""
+    """Return an arm motion's sync times [s], with later points at arrival."""
     return {"start": start} | dict.fromkeys(("ready", "strokeStart", "stroke", "strokeEnd", "relax", "end"), arrive)

@@ -173,7 +173,7 @@ def hold_layer(hold: Hold, base: Turn = UPRIGHT_TURN) -> Layer:
 
 
 def layers_of_holds(holds: Sequence[Hold]) -> tuple[Layer, ...]:
-    """Convert holds to layers, later holds overriding earlier ones.
+    """Convert holds to layers, with priority of later holds.
 
     A hold that stays becomes the rotation to which later ones return.
 
@@ -214,10 +214,10 @@ def set_passages(layer: Layer, manner: Expressivity) -> Layer:
 
 
 def departure_time(desired: float, arrival: float, natural: float) -> float:
-    """Return the desired departure time, or an earlier feasible one [s]."""
+    """Return the desired departure time, or an earlier feasible time [s]."""
     return desired if arrival - desired >= MIN_KEY_SPACING else arrival - natural
 
 
 def arrival_time(leave: float, desired: float, natural: float) -> float:
-    """Return the desired arrival time, or a later feasible one [s]."""
+    """Return the desired arrival time, or a later feasible time [s]."""
     return desired if desired - leave >= MIN_KEY_SPACING else leave + natural

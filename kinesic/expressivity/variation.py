@@ -65,7 +65,7 @@ class Deviation:
 
     @property
     def in_place(self) -> "Deviation":
-        """The same random deviation without changes of the hand positions."""
+        """Random deviation without changes of the hand positions."""
         return replace(self, spatial=0.0, place=NO_SHIFT, apart=NO_SHIFT, behind=0.0)
 
     def style(self, style: Style) -> Style:
@@ -95,7 +95,7 @@ class Deviation:
         return replace(form, keys=tuple(self._key(key, apart, robot) for key in form.keys))
 
     def order_hands(self, options: list[GestureForm]) -> list[GestureForm]:
-        """Put the other hand's form first if the deviation chooses it.
+        """Put the other hand's form first if the deviation chooses this hand.
 
         Only gestures of `TWO_SIDED_CATEGORIES` change hands.
         """

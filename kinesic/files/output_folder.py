@@ -157,7 +157,7 @@ def _put_back(aside: str, name: str, folder: Path, *, parent: HeldFolder) -> Non
 
 @contextmanager
 def _hold_replaceable(name: str, folder: Path, *, parent: HeldFolder, force: bool) -> Iterator[HeldFolder | None]:
-    """Yield the opened folder to be replaced, or None without one.
+    """Yield the opened folder to be replaced, or None without a folder.
 
     None if the folder is missing or empty.
 

@@ -73,7 +73,7 @@ def send_drips(port: int) -> None:
 
 
 def open_connections(port: int) -> None:
-    """Keep a thousand idle connections open and reopen closed ones."""
+    """Keep a thousand idle connections open, and reopen closed connections."""
     waiting = selectors.DefaultSelector()
     present = dict[int, socket.socket]()
     while True:

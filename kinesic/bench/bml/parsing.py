@@ -130,7 +130,7 @@ def _judge_inline(inline: InlineExpectation) -> str:
 
 
 def _is_true(actual: Constraints, fact: BehaviourFact) -> bool:
-    """Return whether a fact about behaviours holds.
+    """Return whether a query about behaviours has the expected result.
 
     The order within lists has no meaning.
     """

@@ -208,7 +208,7 @@ def _compute_memory_growth(memory: list[tuple[float, int]], seconds: float) -> f
 
 
 def _list_process_tree(pid: int) -> list[int]:
-    """Return a process id and those of all descendants.
+    """Return the ids of a process and all its descendants.
 
     The result is empty if not available.
     """

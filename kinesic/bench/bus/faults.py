@@ -105,7 +105,7 @@ class DriverTrials:
     """Results of one driver in the whole fault matrix."""
 
     driver: str
-    why: str  # reason why the driver was not tried; empty if it was
+    why: str  # reason why the driver was not tried; empty if tried
     results: Sequence[TrialResult]
 
     def __str__(self) -> str:

@@ -1,4 +1,4 @@
-"""Benchmark of contacts with people.
+"""Benchmark of contacts between a moving robot and people.
 
 It measures plans under a policy, and collisions of the twin.
 """

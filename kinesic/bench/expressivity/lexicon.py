@@ -123,7 +123,7 @@ def _prepare(make_setup: Callable[[], Setup]) -> Callable[[GestureTask], Gesture
 
 
 def _count_gestures(lexicon: Lexicon) -> list[Metric]:
-    """Count the lexicon's gestures and the visibly distinct ones."""
+    """Count all gestures of the lexicon, and visibly distinct gestures."""
     pace = set_up().pace
     same = twins((form.id, look(form, pace)) for form in lexicon.forms)
     count = float(len(lexicon.forms))

@@ -58,7 +58,7 @@ def _draw(settings: Scattering | None) -> tuple[Picture, float, Flags]:
 
 
 def _time_ratio(whole: Scattering, part: Scattering) -> float:
-    """Return the filter time with full settings / that with cheaper settings.
+    """Return the ratio of filter times with full and with cheaper settings.
 
     Both are timed in turn.
     """

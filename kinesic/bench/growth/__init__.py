@@ -47,7 +47,7 @@ CURVE_COLOURS: Mapping[str, str] = {
 }
 MAX_LENGTH_EXPONENT = 1.1  # goal for the exponent of CPU time over document length
 MAX_JOINT_EXPONENT = 1.3  # goal for the exponent of CPU time over the number of joints
-MAX_MEMORY_RATIO = 1.5  # goal for the memory of the longer document / that of the shorter one
+MAX_MEMORY_RATIO = 1.5  # goal for the memory of the longer document / memory of the shorter document
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""Robots with fewer or more joints, derived from the supplied ones."""
+"""Robots with fewer or more joints, derived from the supplied robots."""
 
 from collections.abc import Iterator
 

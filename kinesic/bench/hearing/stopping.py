@@ -1,4 +1,4 @@
-"""Stopping times of the arms when a block yields."""
+"""Stopping times of the arms when a block yields to a person."""
 
 import numpy as np
 

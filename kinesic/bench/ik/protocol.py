@@ -23,7 +23,7 @@ from kinesic.ik.solve import solve
 from kinesic.ik.track import Tracker
 
 TARGET_COUNT = 2000  # hand targets per start posture
-RANDOM_STARTS = 60  # random start postures; the smallest joint travel from them is the reference
+RANDOM_STARTS = 60  # number of random start postures; the smallest joint travel among these is the reference
 TRAVEL_TARGETS = 100  # targets for which joint travel is measured
 STRICT_POSITION_ERROR = 1e-4  # [m] strict bound of the hand's position error
 TRACKING_RATES = (50, 200, 1000)  # [Hz] compared sample rates of a closed hand path

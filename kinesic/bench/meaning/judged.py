@@ -91,7 +91,7 @@ def judge_seeds(judged: JudgedSet, seeds: int = SEED_COUNT) -> Sequence[Sequence
 def judge_chosen_behaviours(
     utterance: JudgedUtterance, judged: JudgedSet, lexicon: Lexicon, style: Style, seed: int
 ) -> Judgement:
-    """Choose the behaviours of one utterance and return the verdict on them."""
+    """Choose an utterance's behaviours, and return the verdict on these behaviours."""
     passage, selection = plan_behaviours(utterance.text, lexicon, style, seed=seed)
     gestures, faces, heads = read_shown(passage, utterance, selection.behaviours)
     return judge_utterance(utterance, judged, gestures, faces, heads)
@@ -118,7 +118,7 @@ def read_shown(
 
 
 def _stroke_word(behaviour: ChosenBehaviour) -> int:
-    """Return the index of a stroke's word, -1 if it has none."""
+    """Return the index of a stroke's word, -1 without a word."""
     digits = behaviour.intent.stroke.reference.partition(":w")[2].partition("+")[0].partition("-")[0]
     return int(digits) - 1 if digits.isdigit() else -1
 

@@ -1,4 +1,4 @@
-"""Judged utterances, and verdicts on the behaviours chosen for them."""
+"""Utterances labelled by judges, and verdicts on chosen behaviours."""
 
 import csv
 import re

@@ -14,7 +14,7 @@ from kinesic.body.arrays import Floats
 # Measures that distinguish gesture categories.
 EFFORT_ROWS = ("preparation_speed", "stroke_speed", "return_speed_all", "flow")
 ROW_PERCENTILES = (5, 25, 50, 75, 95)  # [%] percentiles in the notes of a metric
-MIN_COMPLETE_RETURN = 0.7  # [s] shortest complete return; shorter ones may be cut in captured clips
+MIN_COMPLETE_RETURN = 0.7  # [s] shortest complete return; shorter returns may be cut in captured clips
 SPEED_UNIT = "arm lengths/s"
 
 

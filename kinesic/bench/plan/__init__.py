@@ -159,7 +159,7 @@ def _find_shifted_syncs(planned: Plan) -> set[tuple[str, str]]:
 
 
 def compare_with_optimum(crowded: Iterable[Plan]) -> list[Metric]:
-    """Compare weighted key-time shifts with those of a nonlinear optimizer.
+    """Compare weighted key-time shifts with shifts by a nonlinear optimizer.
 
     The ratios are given in total, at the median and at worst.
     """

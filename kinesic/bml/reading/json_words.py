@@ -18,7 +18,7 @@ FRONT_TARGET = "audience"  # name of the target in front of the robot
 _GAZE_DIRECTIONS = frozenset({"UP", "DOWN", "LEFT", "RIGHT", "UPRIGHT", "UPLEFT", "DOWNRIGHT", "DOWNLEFT", "FRONT"})
 _HAND_NAMES = {"DOMINANT": "RIGHT", "NON_DOMINANT": "LEFT"}  # hand of a right-handed person
 _TRUE_VALUES = ("true", "1")  # texts that mean true
-_MAX_COUNT_DIGITS = 4  # largest number of digits of a `repetition` that is converted; longer ones stay unchanged
+_MAX_COUNT_DIGITS = 4  # largest number of digits of a `repetition` that is converted; longer numbers stay unchanged
 
 
 def rewrite_json_behaviour(element: Element) -> Element:

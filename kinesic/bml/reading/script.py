@@ -26,7 +26,7 @@ BREAK_DURATIONS = {
     "strong": 0.5,
     "x-strong": 1.0,
 }  # [s] duration of a break by its SSML strength
-MAX_BREAK_DURATION = 60.0  # [s] longest accepted break in a speech; a longer one is invalid
+MAX_BREAK_DURATION = 60.0  # [s] longest accepted break in a speech; a longer break is invalid
 WAV_TYPES = frozenset({"audio/wav", "audio/x-wav", "audio/wave", "audio/vnd.wave"})  # media types of recordings
 PAUSE_ATTRIBUTE = "pause"  # kinesic attribute: maximum pause before a word ([s], true or false)
 MAX_AUTOMATIC_PAUSE = 2.0  # [s] longest pause for `kinesic:pause="true"`

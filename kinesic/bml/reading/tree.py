@@ -109,7 +109,7 @@ class _Builder:
         return Place(line, max(1, offset + 1 - (len(self._wrapper) if line == 1 else 0)))
 
     def parse(self, text: bytes) -> None:
-        """Parse the whole text, inside the wrapper element if there is one."""
+        """Parse the whole text, inside the optional wrapper element."""
         if self._wrapper:
             self.parser.Parse(self._wrapper.encode(), False)
             self.parser.Parse(text, False)

@@ -52,7 +52,7 @@ def note_unread(root: Element, bml: Element, nodes: Iterable[BehaviourElement], 
 
 
 def _find_outer_elements(root: Element, bml: Element) -> Iterator[Element]:
-    """Yield the outermost elements outside the <bml> that do not contain it."""
+    """Yield the outermost elements that are neither in nor around the <bml>."""
     if root is not bml:
         for child in root.children:
             yield from _find_outer_elements(child, bml) if _contains(child, bml) else (child,)

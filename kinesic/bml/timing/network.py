@@ -26,7 +26,7 @@ class Potentials:
         self._above: dict[Point, tuple[Point, float]] = {}
 
     def find(self, point: Point) -> tuple[Point, float]:
-        """Return the root of a point's set and the gap to it.
+        """Return the root of a point's set, and the gap between both.
 
         The gap is time(point) - time(root). An unknown point becomes the root of a new set.
         """

@@ -142,7 +142,7 @@ class _Solver:
     def _groups(
         self, chains: Sequence[SyncChain], orders: Sequence[Edge], fixed_times: Mapping[Point, float]
     ) -> Iterator[_Group]:
-        """Yield groups of coupled behaviours, omitting those with fixed times."""
+        """Yield groups of coupled behaviours whose times are not fixed."""
         sets = Potentials()
 
         def first_free(points: Sequence[Point]) -> Point | None:
@@ -190,7 +190,7 @@ class _Solver:
         return root_times
 
     def _solve_floating(self, group: _Group) -> dict[Point, float]:
-        """Solve a group without fixed times so that it starts at 0.
+        """Solve the times of a group that starts at 0.
 
         The times of a speech, if there is one, are set first.
         """

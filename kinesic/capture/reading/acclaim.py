@@ -165,7 +165,7 @@ def _add_children(parents: dict[str, str], words: Sequence[str], bones: Mapping[
 
 
 def _parents_first(parents: Mapping[str, str]) -> Iterator[str]:
-    """Yield the root and all bones that are connected to it."""
+    """Yield the root and all connected bones, parents first."""
     children: dict[str, list[str]] = {}
     for child, parent in parents.items():
         children.setdefault(parent, []).append(child)

@@ -89,7 +89,7 @@ def read_bvh(data: bytes, source: str) -> tuple[tuple[CapturedJoint, ...], Captu
 
 
 def _find_motion(lines: Sequence[str]) -> int:
-    """Return the line index of MOTION, or the line count without it."""
+    """Return the line index of MOTION, or the line count if missing."""
     return next((k for k, line in enumerate(lines) if line.strip() == "MOTION"), len(lines))
 
 

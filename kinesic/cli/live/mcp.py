@@ -151,7 +151,7 @@ def _connect(address: Address, token: str | None, connect: str) -> "RobotLine":
 
 @contextmanager
 def _start_server(planning: Planning, performers: Performers, token: str | None) -> "Iterator[Future[RobotLine]]":
-    """Start a server and yield a future of the connection to it."""
+    """Start a server, and yield a future of the server's connection."""
     command = [sys.executable, "-m", "kinesic", "serve", "--listen", "127.0.0.1:0", "--end-with-input"]
     command += _list_arguments(planning, performers)
     # Standard input of the server closes when this process ends in any way; the server then folds the arms and ends.

@@ -81,7 +81,7 @@ def search_designs(
 
 
 def _prepare_folder(output: Output) -> Path | None:
-    """Create the output folder or reuse that of an interrupted search.
+    """Create the output folder, or reuse an interrupted search's folder.
 
     The result is None if no output folder is requested.
 

@@ -16,7 +16,7 @@ class Column:
     heading: Text
     justify: Justification = "left"
     no_wrap: bool = False  # whether cells are shortened, not wrapped
-    width: int | None = None  # fixed width [terminal columns], None: that of the widest cell
+    width: int | None = None  # fixed width [terminal columns]; None: width of the widest cell
 
 
 class Table:

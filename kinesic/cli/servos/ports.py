@@ -39,7 +39,7 @@ def read_ports(texts: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
 
 
 def read_all_ports(texts: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
-    """Parse the servo ports and require one for every bus.
+    """Parse the servo ports, and require a port for every bus.
 
     Raises:
         ConfigError: a bus has no port.

@@ -99,7 +99,7 @@ def nearest(seen: StrokeAppearance, others: Mapping[str, StrokeAppearance]) -> t
 
 
 def twins(looks: Iterable[tuple[str, StrokeAppearance]]) -> list[tuple[str, str]]:
-    """List gestures that look like an earlier one, as pairs of names."""
+    """Return pairs of gestures in which the second looks like the first."""
     counted: list[tuple[str, StrokeAppearance]] = []
     duplicates = []
     for name, seen in looks:

@@ -1,4 +1,4 @@
-"""Correction of captured pointing gestures so that they meet their target.
+"""Correction of captured pointing gestures towards their target.
 
 The stroke is turned about the shoulder by the angle between captured and requested direction. The angle grows from zero
 at strokeStart to its full value at the stroke, and returns to zero at strokeEnd, so that the path changes no more than
@@ -77,7 +77,7 @@ def _turn_pose(
     is_stroke: bool,
     rises: bool,
 ) -> HandPose:
-    """Turn a pose and the path to it by weights between 0 and 1.
+    """Turn a hand pose towards the target, with weights along its path.
 
     Args:
         pose: of the hand.

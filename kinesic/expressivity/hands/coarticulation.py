@@ -94,7 +94,7 @@ class _Hands:
     displaced: dict[str, Outcome] = field(default_factory=dict)  # strokes dropped for more important strokes
 
     def assign(self, stroke: Stroke) -> None:
-        """Assign hands to a stroke, or drop it."""
+        """Assign hands to a stroke, or drop the stroke."""
         if stroke.rest:
             self._take(stroke, stroke.options[0])
             return
@@ -207,7 +207,7 @@ class _Hands:
         self.outcomes[stroke.id] = moved_outcome(hands, len(stroke.options[0].hands), self._conflict_message(stroke))
 
     def _try_spacing(self, stroke: Stroke, options: Sequence[Poses]) -> bool:
-        """Move overlapping strokes apart for the first hand option that allows it."""
+        """Move overlapping strokes apart for the first feasible choice of hands."""
         for option in options:
             clashes = self._clashes(stroke, option)
             if not all(self._can_be_spaced(work, stroke, option) for works in clashes.values() for work in works):

@@ -1,4 +1,4 @@
-"""Messages about conflicts between strokes, with the time that avoids them."""
+"""Messages about conflicts between strokes, with a time free of conflicts."""
 
 from kinesic.body.robot import SIDE_NAMES, Side
 from kinesic.expressivity.hands.busy_hands import BusyHand

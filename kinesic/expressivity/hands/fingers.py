@@ -151,7 +151,7 @@ def _add_motions(
 
 
 def _motion_angles(shape: HandShape, motion: FingerMotion, quarter: int, last: int, robot: Robot, side: Side) -> Floats:
-    """Return finger angles [rad] of a periodic motion after some quarter periods.
+    """Return finger angles [rad] of a periodic motion after `quarter` quarter periods.
 
     Each finger leaves the shape and returns to it once per period.
     """

@@ -65,7 +65,7 @@ class Poses:
         return self.paths[side][key] if side in self.paths else None
 
     def with_effort(self, weight: float) -> "Poses":
-        """Return the poses with another effort profile weight, 0 to 1."""
+        """Return the poses with a new effort profile weight, 0 to 1."""
         return replace(self, traits=replace(self.traits, weight=weight))
 
     def only(self, side: Side) -> "Poses":
@@ -208,7 +208,7 @@ def pose_distance(a: Hand, b: Hand, rest: Reach) -> float:
 def _is_dynamic(
     hands: Mapping[Side, Sequence[Hand]], paths: Mapping[Side, Sequence[HandPath | None]], robot: Robot, count: int
 ) -> bool:
-    """Return whether a hand travels farther than `_DYNAMIC_DISTANCE` in some strokes.
+    """Return whether a hand travels farther than `_DYNAMIC_DISTANCE` in `count` strokes.
 
     The returns between them count. If a hand touches something, a single stroke counts.
     """

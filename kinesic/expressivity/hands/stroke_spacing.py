@@ -1,4 +1,4 @@
-"""Shortening of two successive strokes of one hand to separate them."""
+"""Shortening of successive strokes of one hand, to separate the strokes."""
 
 from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace

@@ -20,7 +20,7 @@ from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY, Expressivity
 from kinesic.expressivity.turns import MIN_KEY_SPACING
 
 PATH_LENGTH_FACTOR = 1.5  # factor on the length of half a path period in the estimate of the minimum time
-PATH_TIME_FACTOR = 1.4  # minimum time of half a path period / that of a straight movement
+PATH_TIME_FACTOR = 1.4  # minimum time of half a path period / minimum time of a straight movement
 
 _TIME_TOLERANCE = 1e-9  # [s] times that differ by less count as equal
 _MIN_PERIODS: Mapping[PathKind, float] = {"wave": 0.5, "arc": 0.5}  # fewest periods by path kind; other kinds: 1

@@ -57,7 +57,7 @@ def paths_in_world(
 
 
 def _spread_path(pose: HandPose, path: HandPath, side: Side, robot: Robot, spatial: float) -> HandPath:
-    """Scale a path by spatial extent and convert it to the world."""
+    """Scale a path by spatial extent, and convert to world coordinates."""
     amplitude = robot.arm_length * direction_in_world(side, extend_position(path.amplitude, spatial, pose.fixed))
 
     def move(point: Floats) -> Floats:

@@ -32,12 +32,12 @@ class BodyForm:
 
     @property
     def mirrored(self) -> "BodyForm":
-        """The same body motion with left and right exchanged."""
+        """Body motion with left and right exchanged."""
         return replace(self, head=_mirror(self.head), shake=-self.shake, trunk=_mirror(self.trunk))
 
     @property
     def symmetric(self) -> "BodyForm":
-        """The same body motion without rotations to the side."""
+        """Body motion without rotations to the side."""
         return replace(self, head=Turn(tilt=self.head.tilt), trunk=Turn(tilt=self.trunk.tilt))
 
     def weighed(self, *, head: float, trunk: float, shoulders: float, face: float) -> "BodyForm":

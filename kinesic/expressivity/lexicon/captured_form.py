@@ -125,7 +125,7 @@ def _interpolate(motion_times: Floats, rows: Floats, times: Floats) -> Floats:
 
 
 def _interpolate_directions(motion_times: Floats, rows: Floats | None, times: Floats) -> Floats | None:
-    """Return unit directions (p, 3), or None if they are unknown or vanish."""
+    """Return unit directions (p, 3), or None if unknown or vanishing."""
     if rows is None:
         return None
     vectors = _interpolate(motion_times, rows, times)
@@ -134,7 +134,7 @@ def _interpolate_directions(motion_times: Floats, rows: Floats | None, times: Fl
 
 
 def _spread(samples: Sequence[_HandSamples]) -> Sequence[_HandSamples]:
-    """Move both hands outward at every sample until they are clear.
+    """Move both hands outward at every sample until the hands are clear.
 
     The largest outward shift within `SPREAD_WINDOW` applies, so that the paths stay smooth.
     """

@@ -44,5 +44,5 @@ def card_text(card: GestureCard) -> str:
 
 
 def quote(text: str) -> str:
-    """Return a TOML basic string; its escapes are those of JSON."""
+    """Return a TOML basic string with JSON's escapes."""
     return json.dumps(text[:MAX_CARD_TEXT]).replace("\x7f", "\\u007f")

@@ -46,7 +46,7 @@ def find_collections(library: Path) -> tuple[Path, ...]:
 
 
 def install_collection(source: Path, library: Path, *, force: bool = False) -> tuple[Path, GestureCard, int]:
-    """Copy a collection of gestures into a library, after reading all of them.
+    """Copy a collection of gestures into a library, after reading all gestures.
 
     Args:
         source: folder or .zip file of the collection.
@@ -112,7 +112,7 @@ def _read_folder(source: Path) -> Mapping[str, bytes]:
 
 
 def _read_archive(source: Path) -> Mapping[str, bytes]:
-    """Read the files of a zip archive under all limits.
+    """Read the files of a zip archive, limited in size and number.
 
     Raises:
         ConfigError: an entry leaves the folder, is a link, encrypted or too large, or has an unexpected name.

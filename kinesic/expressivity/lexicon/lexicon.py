@@ -134,7 +134,7 @@ class Lexicon:
 
     @cached_property
     def as_written(self) -> "Lexicon":
-        """The same lexicon without fallback gestures for hands that lack fingers."""
+        """Lexicon without fallback gestures for hands that lack fingers."""
         return self.changed(_without_fallback)
 
     @cached_property

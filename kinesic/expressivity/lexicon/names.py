@@ -77,7 +77,7 @@ class GestureName:
         return replace(rest, left_out=(*self.left_out, *(word for word in self.words if word in SIDE_WORDS)))
 
     def without(self, words: frozenset[str]) -> "GestureName":
-        """Remove the given words from the name and list them in `left_out`."""
+        """Move the given words from the name to `left_out`."""
         kept, cut = ([word for word in self.words if (word in words) == is_removed] for is_removed in (False, True))
         return replace(self, words=tuple(kept), left_out=(*self.left_out, *cut))
 
@@ -117,7 +117,7 @@ def split_words(name: str) -> tuple[str, ...]:
 
 @lru_cache(maxsize=NAME_CACHE_SIZE)
 def read_name(name: str) -> GestureName:
-    """Split a gesture name into words and the hand it mentions.
+    """Split a gesture name into words, and find the named hand.
 
     `Rise_Arm_R2` gives ("rise", "arm", "2") and the right hand; articles are removed.
     """

@@ -39,7 +39,7 @@ class Sense:
 
 
 def read_lexeme(lexeme: str) -> LexemeReading:
-    """Split a lexeme into words and the hand it mentions.
+    """Split a lexeme into words, and find the named hand.
 
     `Rise_Arm_R2` gives ("rise", "arm") on the right. It is split at underscores, capitals and digits. Articles, digits
     and words such as `Ges` are removed. A single letter L, R or B names the hand; the words left, right and both do so

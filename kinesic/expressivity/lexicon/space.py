@@ -174,14 +174,14 @@ def widen_position(position: Floats, spatial: float, fixed: tuple[bool, bool, bo
 
 
 def pull_within_reach(position: Floats, robot: Robot) -> Floats:
-    """Move a position towards the shoulder until the arm reaches it [arm lengths]."""
+    """Move a position towards the shoulder into the arm's reach [arm lengths]."""
     shoulder = _shoulder(robot)
     distance = float(np.linalg.norm(position - shoulder))
     return position if distance <= CAPTURED_REACH else shoulder + (CAPTURED_REACH / distance) * (position - shoulder)
 
 
 def _limit_reach(position: Floats, wide: Floats, shoulder: Floats) -> Floats:
-    """Move a position towards a wider one within easy reach [arm lengths]."""
+    """Move a position towards a wider position, within easy reach [arm lengths]."""
     step, out = wide - position, position - shoulder
     radius = max(EASY_REACH, float(np.linalg.norm(out)))
     if float(np.linalg.norm(wide - shoulder)) <= radius:

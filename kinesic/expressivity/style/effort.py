@@ -29,7 +29,7 @@ RETRACTION_TIME = 0.96  # [s] natural retraction over the reference distance
 STROKE_TIME = 0.47  # [s] natural stroke over the reference stroke distance
 REFERENCE_DISTANCE = 0.9  # [arm lengths] usual distance between rest and stroke
 REFERENCE_STROKE_DISTANCE = 0.35  # [arm lengths] usual distance of a stroke movement between two reversals
-MIN_DISTANCE = 0.02  # [arm lengths] shorter movements take as long as one of this distance
+MIN_DISTANCE = 0.02  # [arm lengths] shorter movements take as long as a movement of this distance
 PREPARATION_DISTANCE_EXPONENT = 0.10  # exponent of the relative distance in the preparation time
 RETRACTION_DISTANCE_EXPONENT = 0.25  # exponent of the relative distance in the retraction time
 STROKE_DISTANCE_EXPONENT = 0.4  # exponent of the relative distance in the stroke time
@@ -251,7 +251,7 @@ class Effort:
 
     @property
     def plain(self) -> "Effort":
-        """The same calculator with neutral expressivity."""
+        """Calculator for the same gesture with neutral expressivity."""
         return replace(self, manner=NEUTRAL_EXPRESSIVITY)
 
     @property
@@ -302,7 +302,7 @@ class Effort:
         return plain + self.traits.weight * (effort_value - plain)
 
     def _relative_distance(self, distance: float, usual: float) -> float:
-        """Return a distance [m] relative to a reference distance [arm lengths]."""
+        """Return distance [m] / reference distance [arm lengths] as a ratio."""
         return max(distance / self.pace.robot.arm_length, MIN_DISTANCE) / usual
 
 

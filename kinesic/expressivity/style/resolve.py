@@ -24,7 +24,7 @@ StyleSource = Literal["style", "block", "behaviour", "setting"]  # later sources
 
 
 def fold_activation(manner: Expressivity) -> Expressivity:
-    """Apply the activation to other parameters, then set it to zero.
+    """Apply the activation to other parameters, then set activation to zero.
 
     At activation 1 each parameter moves its fraction of the distance to its upper limit, at -1 to its lower limit, in
     proportion between. The map is monotone, stays inside the ranges, and is the identity at 0.

@@ -25,7 +25,7 @@ class StandingTurnTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True)
 
     @property
     def turn(self) -> Turn:
-        """The rotation in radians."""
+        """Rotation with angles in radians."""
         return Turn(radians(self.torsion), radians(self.tilt), radians(self.roll))
 
 

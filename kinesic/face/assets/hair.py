@@ -24,7 +24,7 @@ from kinesic.face.assets.hair_roots import (
 from kinesic.face.assets.hair_styles import HairStyle
 from kinesic.face.assets.mesh import MESH_PARTS, Mesh
 
-NORMAL_LEAN = 0.35  # sideways component of the normals at the edges of a lock, relative to the outward one
+NORMAL_LEAN = 0.35  # sideways / outward component of the normals at the edges of a lock
 HAIR_SEED = 11  # seed of the random generator for hair
 PAINTED_HAIR_HEIGHT = 0.0035  # [m] distance of painted hair from the scalp, reached at the height SCALP_RAMP
 INSIDE_VISIBLE_HEIGHT = -0.4  # [eye distances] height below which the inside of hanging locks is visible

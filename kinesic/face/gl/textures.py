@@ -199,7 +199,7 @@ class Framebuffer:
             gl.Clear(n.GL_COLOR_BUFFER_BIT | n.GL_DEPTH_BUFFER_BIT)
 
     def copy(self, other: "Framebuffer") -> None:
-        """Copy another framebuffer's first texture into this one's."""
+        """Copy another framebuffer's first texture into this framebuffer."""
         gl, (width, height) = self._context.functions, self.size
         with self._bind_temporarily():
             gl.BindFramebuffer(n.GL_READ_FRAMEBUFFER, other.number)
@@ -233,7 +233,7 @@ class Framebuffer:
 
 
 class _Bound:
-    """Context manager that binds a framebuffer and then restores the previous one."""
+    """Context manager that binds a framebuffer, then restores the previous framebuffer."""
 
     def __init__(self, context: "GlContext", number: int) -> None:
         self._context, self._number = context, number

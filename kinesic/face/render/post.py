@@ -45,7 +45,7 @@ class ScatterPass:
         return {"threshold": scattering.threshold} | deep
 
     def draw(self, bent: Texture, scale: float) -> None:
-        """Blur the diffuse light of skin to scatter it.
+        """Blur the diffuse light of skin, to simulate scattering.
 
         Args:
             bent: normals, with depth and part.

@@ -217,7 +217,7 @@ class WrinklePass:
             self._first = np.searchsorted(number, np.arange(MAP_COUNT))
 
     def draw(self, shown: Floats) -> tuple[Texture, Texture]:
-        """Draw wrinkle heights, and the normals that they bend.
+        """Draw wrinkle heights, and the normals bent at wrinkles.
 
         Args:
             shown: (2, 16) weight of each wrinkle map on the left and right half of the face.

@@ -59,7 +59,7 @@ class Controls:
         return self
 
     def merge_units(self, units: Mapping[str, float]) -> Mapping[str, float]:
-        """Combine a command's action units with manual ones by maximum."""
+        """Combine a command's action units with manual action units by maximum."""
         channels = dict(units)
         for number, value in self.units.items():
             for channel in unit_channels(number):

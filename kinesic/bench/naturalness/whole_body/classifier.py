@@ -17,7 +17,7 @@ MAX_FOLDS = 5  # largest number of folds of the cross-validation
 
 @dataclass(frozen=True, eq=False)
 class Sample:
-    """Feature vectors of clips with their performances."""
+    """Feature vectors of clips, and the performance of each clip."""
 
     features: Floats  # (n, k) features of each clip
     performances: tuple[str, ...]  # performance of each clip; clips of one performance stay in one fold
@@ -123,7 +123,7 @@ def assign_folds(performances: Sequence[str]) -> Indices:
 
 
 def area_under_curve(ours: Floats, others: Floats) -> float:
-    """Return the probability that a score of `ours` exceeds one in `others`.
+    """Return the probability that a score in `ours` exceeds one in `others`.
 
     Equal scores count half.
     """

@@ -30,7 +30,7 @@ def list_seeded_gestures(every: int = 1) -> list[GestureTask]:
 
 
 def perform_gestures(robot: str, tasks: Sequence[GestureTask], style: str = NEUTRAL_STYLE) -> list[BodyMotion]:
-    """Return the motion of each gesture planned alone, unless it is dropped.
+    """Return the motion of each feasible gesture, planned alone.
 
     Raises:
         RuntimeError: a worker process crashed.

@@ -59,7 +59,7 @@ def group_hanging(clips: Iterable[BodyMotion]) -> StanceGroups:
 
 
 def group_changed(clips: Iterable[BodyMotion], is_counted: Callable[[Floats], bool]) -> StanceGroups:
-    """Return resting stances (k, s) [deg] unlike the first, by clip group.
+    """Return resting stances (k, s) [deg] that left the first, by group.
 
     `is_counted` selects the stances. Frames in the pose of the first frame are left out. A group has the clips of one
     set whose names agree between `@` and the first `_`. Groups with stances from fewer than `MIN_CLIP_COUNT` clips are
@@ -127,7 +127,7 @@ def _split(stances: Floats) -> tuple[Floats, Floats]:
 
 
 def _scale_tails(parts: Sequence[Floats]) -> Floats:
-    """Scale deviations to rows (k, c) whose scatter is a t distribution's.
+    """Scale deviations so that their scatter equals a t distribution's, (k, c).
 
     Args:
         parts: deviations (k, c) of each person; persons have equal weights.
