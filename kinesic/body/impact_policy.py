@@ -125,7 +125,7 @@ def _check_positive(path: Path, where: str, numbers: Mapping[str, float]) -> Non
 
 
 def find_policy(audience: Audience, path: Path | None = None) -> ImpactPolicy | None:
-    """Return the contact limits for an audience, or None for nobody.
+    """Return an audience's contact limits, or None for nobody.
 
     Args:
         audience: people near the robot.

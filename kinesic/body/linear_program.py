@@ -20,7 +20,7 @@ class SparseMatrix:
         return SparseMatrix(self.rows, self.columns, -self.values, self.shape)
 
     def __matmul__(self, vector: Floats) -> Floats:
-        """Multiply by a vector (n,)."""
+        """Return the product of the matrix and a vector (n,)."""
         return np.asarray(np.bincount(self.rows, self.values * vector[self.columns], self.shape[0]), dtype=np.float64)
 
     def select_rows(self, selected: Flags) -> "SparseMatrix":

@@ -79,7 +79,7 @@ class SourceJoints:
         }
 
     def hinge_angles(self, hinge: int, name: str, values: Floats) -> Floats:
-        """Convert a column of joint or hinge angles to hinge angles (m,) [rad].
+        """Convert a column of joint or hinge angles to hinge angles.
 
         Args:
             hinge: index in joint order.

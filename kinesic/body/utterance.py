@@ -62,7 +62,7 @@ class Script:
     marks: tuple[Mark, ...] = ()
     language: str = "en"  # BCP 47 tag, or the language name in the document
     pauses: tuple[Pause, ...] = ()
-    emphases: tuple[Emphasis, ...] = ()  # outer before inner
+    emphases: tuple[Emphasis, ...] = ()  # sections with emphasis, outer before inner
     recording: Recording | None = None
 
     def stops(self) -> tuple[Mark | Pause, ...]:

@@ -145,7 +145,7 @@ def _import_clip(path: Path, robot: Robot, lexicon: Lexicon, taken: set[str], te
 
 
 def _body_lines(motion: GestureMotion, markers: Mapping[str, float]) -> Sequence[str]:
-    """Return TOML lines with the head and trunk rotation from start to stroke."""
+    """Return TOML lines of head and trunk rotation, start to stroke."""
     first, stroke = motion.at(markers["start"]), motion.at(markers["stroke"])
     lines = []
     for part, angles in (("head", motion.head), ("trunk", motion.trunk)):
@@ -171,7 +171,7 @@ def _free_id(stem: str, taken: set[str]) -> str:
 
 
 def _find_licence(folder: Path, top: Path) -> str:
-    """Return the first line of the nearest licence file, from a folder up to another.
+    """Return the nearest licence file's first line, in a folder or above.
 
     The folder above the upper one is searched too.
     """

@@ -36,7 +36,7 @@ def gesture_markers(clip: BodyClip) -> tuple[Mapping[str, float], bool]:
 
 
 def find_markers(clip: BodyClip) -> Mapping[str, float]:
-    """Find the markers [s] of a gesture clip by the velocity of its wrists.
+    """Find the markers [s] of a gesture clip by wrist velocity.
 
     The stroke is the first velocity minimum after the first large peak.
     """

@@ -1,4 +1,4 @@
-"""Search for the best captured gestures of a sentence in a motion graph."""
+"""Search for a sentence's best captured gestures in a motion graph."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

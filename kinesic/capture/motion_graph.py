@@ -139,7 +139,7 @@ def _list_nodes(captures: Sequence[GestureCapture], rows: Sequence[Floats]) -> l
 
 
 def _find_edges(windows: Floats, owners: Indices, threshold: float) -> Indices:
-    """Return pairs of windows (e, 2) of different clips at local minima of distance.
+    """Return window pairs (e, 2) of different clips at distance minima.
 
     A spatial tree limits the search. Its points are the principal components of the windows, whose distance is never
     larger than that of the windows.
@@ -205,7 +205,7 @@ def _measure_transitions(captures: Sequence[GestureCapture], windows: Floats, ow
 
 
 def _choose(row: Indices, times: Floats, first: float, last: float) -> Indices:
-    """Return the windows within a time span, or the one nearest to its start."""
+    """Return the windows within a time span, or nearest its start."""
     inside = row[(times[row] >= first) & (times[row] <= last)]
     chosen: Indices = inside if len(inside) else row[[int(np.argmin(np.abs(times[row] - first)))]]
     return chosen

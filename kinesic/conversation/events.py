@@ -28,7 +28,7 @@ class Person:
 
 @dataclass(frozen=True)
 class PeopleSeen:
-    """All people whom a tracker sees at one time."""
+    """All people seen by a tracker at one time."""
 
     people: tuple[Person, ...]
     age: float = 0.0  # [s] time since the measurement

@@ -74,7 +74,7 @@ class ConversationState:
 
     @property
     def partner(self) -> TrackedPerson | None:
-        """Person whom the robot attends to, or None."""
+        """Attended person, or None."""
         return self.company.find(self.company.focus)
 
     @property

@@ -8,7 +8,7 @@ import msgspec
 
 from kinesic.body.config import CONFIGS, read_toml
 
-WORD_PATTERN = re.compile(r"[\w'-]+")  # one word
+WORD_PATTERN = re.compile(r"[\w'-]+")  # regular expression of one word
 UNSPACED_LANGUAGES = ("ja",)  # languages that write no spaces between words
 
 

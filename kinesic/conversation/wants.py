@@ -13,7 +13,7 @@ STRAIGHT_DIRECTION: Direction = (0.0, 0.0)  # [deg] straight at the position
 
 @dataclass(frozen=True)
 class Look:
-    """Gaze at a position, or in a direction beside it."""
+    """Gaze at a position, or in a direction relative to a position."""
 
     place: Place | None  # [m] position in the world; None: straight ahead
     away: Direction = STRAIGHT_DIRECTION  # [deg] direction relative to the position

@@ -266,7 +266,7 @@ def stays(action: object) -> bool:
 
 
 def hanging_arms(sides: Sequence[Side]) -> Poses:
-    """Return stroke poses in which the given arms hang at rest."""
+    """Return stroke poses of given arms that hang at rest."""
     return Poses(dict.fromkeys(sides, (REST_HAND,)), stroke=0)
 
 

@@ -81,7 +81,7 @@ def stroke_durations(work: Poses, effort: Effort, *, holds: bool = True) -> dict
 
 
 def _rest_distance(work: Poses, key: int, pace: Pace) -> float:
-    """Return the larger distance [m] of both hands from rest at a key."""
+    """Return the larger distance [m] of both hands from rest."""
     rest = resting_hands(pace.robot)
     return max(pose_distance(REST_HAND, row[key], rest[side]) for side, row in work.hands.items())
 

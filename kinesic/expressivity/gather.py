@@ -51,7 +51,7 @@ class FrameMoment:
     syncs: tuple[tuple[str, str], ...]
 
     def among(self, times: Sequence[float]) -> float | None:
-        """Return the time [s] in this span nearest to the frame.
+        """Return the time [s] from `first` to `last` nearest to the frame.
 
         Args:
             times: sorted [s].

@@ -40,10 +40,10 @@ class Turn:
 class BodyMove:
     """Body motion that accompanies one gesture."""
 
-    head: Turn = Turn()  # rotation at the stroke
+    head: Turn = Turn()  # rotation of the head at the stroke
     nod: float = 0.0  # [rad] additional tilt down at each stroke
     shake: float = 0.0  # [rad] shake of the head to both sides, first to the left; below 0 first to the right
-    trunk: Turn = Turn()  # rotation at the stroke
+    trunk: Turn = Turn()  # rotation of the trunk at the stroke
     trunk_start: Turn | None = None  # rotation at the start of the stroke; None: without a key
     shoulders: float = 0.0  # [rad] elevation on the sides of the hands that take part
     eyes: Turn | None = None  # gaze direction in the world; None: unchanged

@@ -243,7 +243,7 @@ def posture_moves(postures: Sequence[TimedBehaviour], context: BlockContext) -> 
 
 
 def _from_standing(posture_pose: Pose, robot: Robot) -> Turn:
-    """Return a pose's trunk rotation, less the standing rotation if the pose sets it."""
+    """Return the trunk rotation that a pose adds to the standing posture."""
     turn = posture_pose.lean.turn
     return add_turns(turn, scale_turn(rest_turn(robot, "torso"), -1.0)) if posture_pose.names_trunk else turn
 

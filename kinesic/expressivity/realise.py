@@ -137,7 +137,7 @@ def _held_turns(timeline: Timeline, moves: Mapping[str, Move]) -> dict[str, Held
 def _whole_body(
     timeline: Timeline, context: BlockContext, moves: Mapping[str, Move], hands: HandArrangement
 ) -> WholeBody:
-    """Add body motion to gestures where no other behaviour needs the body."""
+    """Add body motion to gestures unless another behaviour needs the body."""
     behaviours = {timed.behaviour.id: timed.behaviour for timed in timeline.timed}
     gestures = [
         AccompaniedGesture(work, context.manner(behaviour, "head"), context.manner(behaviour, "torso"))

@@ -112,7 +112,7 @@ def find_place(path: Path) -> Path:
 
 
 def check_above(place: Path, path: Path) -> None:
-    """Refuse a path whose nearest existing parent is not a writable folder.
+    """Raise an error unless a path's nearest existing parent is writable.
 
     Raises:
         ConfigError: the path is refused; the message has the given path.

@@ -28,7 +28,7 @@ class _LateModule:
         self._name = name
 
     def __getattr__(self, name: str) -> object:
-        """Import the module and return its attribute.
+        """Import the module, and return one of the module's attributes.
 
         Raises:
             ModuleNotFoundError: Pillow is not installed.

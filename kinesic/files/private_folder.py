@@ -15,7 +15,7 @@ OTHERS_WRITE = stat.S_IWGRP | stat.S_IWOTH  # Write permissions of group and oth
 
 @contextmanager
 def hold_private_folder(path: Path, *, make: bool = False) -> Iterator[HeldFolder]:
-    """Hold a folder open; raise an error if other users may write.
+    """Hold a folder open, or raise an error if others may write.
 
     Args:
         path: path of the folder; its last component must not be a link.

@@ -48,7 +48,7 @@ class Collision:
 
     @property
     def ratio(self) -> float:
-        """Measured force / bound."""
+        """Measured force / force that the report predicts."""
         return self.peak / self.bound
 
 

@@ -43,7 +43,7 @@ class MujocoContacts:
         self._inertia = np.zeros((model.nv, model.nv))
 
     def largest_ratio(self, trajectory: Trajectory, rows: ImpactRows) -> float:
-        """Return the largest force or energy ratio to its limit.
+        """Return the largest ratio of a force or energy to its limit.
 
         An energy counts by the square root of its ratio.
         """

@@ -25,7 +25,7 @@ PREDICTOR_ERROR = 0.05  # probability that a predictor confuses a pause with the
 EXCHANGE_COUNT = 4  # number of turns of the person, and also of the robot, in a dialogue
 TRACKER_PERIOD = 0.1  # [s] time between two reports of people
 
-STANDING_PLACE: Place = (1.5, 0.3, 1.55)  # [m] eyes of the person who speaks
+STANDING_PLACE: Place = (1.5, 0.3, 1.55)  # [m] position of the standing person's eyes
 
 TimedEvent = tuple[float, ConversationEvent]
 

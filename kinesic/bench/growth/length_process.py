@@ -1,4 +1,4 @@
-"""Process that measures the cost of one document.
+"""Process that measures time and memory to plan and perform one document.
 
 Run `python -m kinesic.bench.growth.length_process SECONDS`; it prints JSON.
 """

@@ -1,4 +1,4 @@
-"""Seeded mixtures: the robot speaks, and something else sounds meanwhile."""
+"""Sound mixtures from a seed: the robot's speech and another sound."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass

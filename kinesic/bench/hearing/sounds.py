@@ -51,7 +51,7 @@ def with_level(sound: Floats | Samples, level: float) -> Floats:
 
 
 def make_cough(random: Generator) -> Floats:
-    """Return one or two bursts of noise with a hoarse tail."""
+    """Return a cough: one or two noise bursts with a hoarse tail."""
     parts = []
     for _ in range(random.integers(1, 3)):
         time = np.arange(round(random.uniform(0.12, 0.3) * VOICE_RATE)) / VOICE_RATE
@@ -63,7 +63,7 @@ def make_cough(random: Generator) -> Floats:
 
 
 def make_knock(random: Generator) -> Floats:
-    """Return one to three knocks on wood."""
+    """Return the sound of one to three knocks on wood."""
     parts = []
     for _ in range(random.integers(1, 4)):
         time = np.arange(round(0.15 * VOICE_RATE)) / VOICE_RATE
@@ -74,7 +74,7 @@ def make_knock(random: Generator) -> Floats:
 
 
 def make_music(random: Generator) -> Floats:
-    """Return two to four seconds of chords with overtones."""
+    """Return two to four seconds of music: chords with overtones."""
     duration, beat, root = random.uniform(2.0, 4.0), random.uniform(0.18, 0.5), random.uniform(130.0, 330.0)
     begins = np.append(np.cumsum(random.choice([0.0, 1.0, 1.0, 2.0], size=40)) * beat, duration)
     music = np.zeros(round(duration * VOICE_RATE))

@@ -99,7 +99,7 @@ def table_name(method: Method, bones: int, quantity: Quantity) -> str:
 
 
 def thesis_value(method: Method, bones: int, quantity: Quantity) -> float | None:
-    """Return a value of thesis Table 7.1, times relative to its method 2.
+    """Return a value of thesis Table 7.1, times relative to method 2.
 
     The result is None if not printed.
     """

@@ -34,7 +34,7 @@ _NUMBER_PATTERN = r"(?:\d++(?:\.\d*+)?|\.\d++)(?:[eE][+-]?\d++)?"
 _BARE_NUMBER_PATTERN = re.compile(rf"[+-]?{_NUMBER_PATTERN}")  # number without a sync point
 _SIGN_PATTERN = re.compile(r"[+-]")  # sign that may start an offset
 _OFFSET_PATTERN = re.compile(rf"([+-])\s*({_NUMBER_PATTERN})")
-_RELATION_PATTERN = re.compile(r"(after|before)\s*\((.*)\)", re.DOTALL)  # relation with its reference
+_RELATION_PATTERN = re.compile(r"(after|before)\s*\((.*)\)", re.DOTALL)  # reference with `after` or `before`
 _ARRIVAL_SYNCS = ("ready", "attackPeak")  # sync points read as `end` in behaviours that lack them, such as shifts
 
 
@@ -46,7 +46,7 @@ class Names:
     behaviours: frozenset[str] = frozenset()  # ids of the behaviours in this block
     marks: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))  # mark -> first speech with it
     blocks: frozenset[str] = frozenset()  # ids of other blocks
-    speeches: Mapping[str, frozenset[str]] = field(default_factory=lambda: MappingProxyType({}))  # id -> its marks
+    speeches: Mapping[str, frozenset[str]] = field(default_factory=lambda: MappingProxyType({}))  # speech -> marks
     containing_behaviour: str = ""  # behaviour with the reference; may omit its own id
 
     def knows(self, name: str) -> bool:

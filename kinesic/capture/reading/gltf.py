@@ -27,7 +27,7 @@ MATRIX_SIZE = 16  # number of entries of a node's matrix
 
 @dataclass(frozen=True, eq=False)
 class _Skeleton:
-    """Nodes of a file as joints."""
+    """Nodes of a glTF file as skeleton joints."""
 
     joints: tuple[CapturedJoint, ...]  # parents first
     names: Sequence[str]  # unique joint names in the order of the nodes

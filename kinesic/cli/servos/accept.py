@@ -237,7 +237,7 @@ def _ask(step: Step) -> float | None:
 
 
 def _parse_value(text: str) -> float | None:
-    """Parse a finite value that is not negative; empty: None."""
+    """Parse a finite, non-negative value, or return None without text."""
     if not text.strip():
         return None
     try:

@@ -99,7 +99,7 @@ def nearest(seen: StrokeAppearance, others: Mapping[str, StrokeAppearance]) -> t
 
 
 def twins(looks: Iterable[tuple[str, StrokeAppearance]]) -> list[tuple[str, str]]:
-    """Return pairs of gestures in which the second looks like the first."""
+    """Return pairs of names of gestures that look alike, later gesture first."""
     counted: list[tuple[str, StrokeAppearance]] = []
     duplicates = []
     for name, seen in looks:

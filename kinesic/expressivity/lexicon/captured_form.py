@@ -34,7 +34,7 @@ SWIVEL_WINDOW = 0.2  # [s] time around a key over which the elbow's swivel is av
 
 
 def check_markers(markers: Mapping[str, float], duration: float) -> None:
-    """Refuse markers that are missing, out of order or after the motion's end.
+    """Raise an error for markers missing, out of order or too late.
 
     Raises:
         ValueError: a marker is invalid.

@@ -88,7 +88,7 @@ def remove_collection(name: str, library: Path) -> Path:
 
 
 def _card_name(data: bytes, source: Path) -> str:
-    """Return the folder name of a collection, made from the name in its card."""
+    """Return a collection's folder name, from the name in its card."""
     match = re.search(r'^name\s*=\s*"([^"]*)"', data.decode("utf-8", "replace"), re.MULTILINE)
     if match is None:
         raise ConfigError(f"{source}: {CARD_FILE} has no name")

@@ -69,7 +69,7 @@ def pack_motion(motion: GestureMotion) -> bytes:
 
 
 def read_gesture_motion(folder: Path, name: str) -> GestureMotion:
-    """Read the motion of a gesture from a .npz file inside a folder.
+    """Read a gesture's motion from an .npz file inside a folder.
 
     Raises:
         ConfigError: the file is missing, outside the folder, damaged or too large, or its arrays are invalid.

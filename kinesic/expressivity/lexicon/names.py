@@ -42,7 +42,7 @@ class GestureName:
 
     words: tuple[str, ...]  # lower-case, in order, numbers included
     hand: HandMode = "unspecified"  # from a suffix such as R, Lf, 2H, or from a removed word
-    left_out: tuple[str, ...] = ()  # removed words with a meaning beyond the hand
+    left_out: tuple[str, ...] = ()  # words removed from the name that mean more than the hand
     limbs: frozenset[str] = frozenset()  # words after the letter of a hand, as in `RArm_Offer`
 
     def shortened(self) -> Iterator["GestureName"]:

@@ -59,7 +59,7 @@ def content_words(query: str) -> tuple[str, ...]:
 
 
 def search_stem(word: str) -> str:
-    """Return the stem of a word, equal for inflections such as finger, fingers."""
+    """Return a word's stem, equal for inflections such as finger, fingers."""
     return word_stem(word.removesuffix("s") if word.endswith("ers") else word)
 
 

@@ -26,7 +26,7 @@ from kinesic.expressivity.style.effort import Tempo
 
 AxisName = Literal["outward", "up", "forward"]
 
-NO_BODIES: Bodies = MappingProxyType({})  # default: no body motion by category, empty
+NO_BODIES: Bodies = MappingProxyType({})  # default: no category has body motion
 _AXIS_NAMES: tuple[AxisName, ...] = ("forward", "outward", "up")
 
 
@@ -96,7 +96,7 @@ class ClassTable(StrictTable):
 
 
 class GestureFile(StrictTable):
-    """Content of a TOML file of gestures of one category, with names and body motion."""
+    """TOML file of gestures of one category, with names and body motion."""
 
     category: Category | None = None  # category of all gestures of the file
     gesture: list[GestureTable] = []  # one `[[gesture]]` each
@@ -110,8 +110,8 @@ class LexiconPart:
     """Gestures, names, classes and body motion from one or more files."""
 
     entries: tuple[tuple[GestureForm, Sense], ...] = ()
-    synonyms: tuple[tuple[str, str], ...] = ()  # (name, gesture)
-    meanings: tuple[tuple[str, str], ...] = ()  # (word, gesture), looser than synonyms
+    synonyms: tuple[tuple[str, str], ...] = ()  # (synonym, name of the gesture)
+    meanings: tuple[tuple[str, str], ...] = ()  # (descriptive word, name of the gesture), looser than synonyms
     classes: tuple[GestureClass, ...] = ()
     bodies: Bodies = field(default_factory=dict)
     captured: tuple[GestureCapture, ...] = ()  # captured gestures among the entries

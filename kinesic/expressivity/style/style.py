@@ -134,7 +134,7 @@ class Style(NotebookView):
     head: Expressivity = NEUTRAL_EXPRESSIVITY
     torso: Expressivity = NEUTRAL_EXPRESSIVITY
     face: Expressivity = NEUTRAL_EXPRESSIVITY
-    settings: tuple[Setting, ...] = ()  # already applied; applied again after the documents
+    settings: tuple[Setting, ...] = ()  # settings, applied already, and again after the values of a document
     whole_body: float = 1.0  # factor on accompanying body motion: 0 hands only .. 2 twice the usual amount
     effort: float = 1.0  # weight of the effort profile: 0 durations by Fitts' law .. 1 durations of people
     posture: float = 1.0  # factor on standing posture, face and gaze: 0 as neutral .. 2 twice as much

@@ -28,7 +28,7 @@ BODY_FILE = CONFIGS / "faces" / "body.npz"
 POSITION_STEP = 5e-5  # [m] resolution of positions in the file
 FIGURE_HAIR = replace(
     HAIR_STYLES["female"], roots=460, hairline_roots=30, steps=6, width=(0.20, 0.20)
-)  # fewer locks than a portrait
+)  # hair with fewer locks than in a portrait
 SHOULDER_PASSES = 16  # number of smoothing iterations over the clothes' skinning weights around the shoulders
 SHOULDER_REACH = 0.15  # [m] distance from a shoulder within which weights are smoothed
 SHOULDER_RAMP = 0.08  # [m] width of the transition from smoothed to unsmoothed weights

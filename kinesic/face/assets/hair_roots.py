@@ -106,7 +106,7 @@ def find_roots(skull: Skull, style: HairStyle) -> Floats:
 
 
 def may_root(points: Floats, style: HairStyle) -> NDArray[np.bool_]:
-    """Return the (n,) mask of (n, 3) points of the skull at which locks may begin."""
+    """Return the mask (n,) of skull points that may carry hair roots."""
     lowest = np.interp(points[:, 0], *np.array(LOWEST_ROOTS).T)
     return np.asarray(
         ~find_ear_points(points) & (measure_hairline_height(points) > style.lowest) & (points[:, 2] > lowest)

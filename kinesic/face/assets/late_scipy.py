@@ -17,7 +17,7 @@ class _LateScipy:
     """Stand-in for SciPy that imports its subpackages at their first use."""
 
     def __getattr__(self, name: str) -> "ModuleType":
-        """Import a subpackage.
+        """Import and return a subpackage of SciPy.
 
         Raises:
             DisplayError: SciPy is not installed.

@@ -115,7 +115,7 @@ def split_sets(captured: Sequence[MeasuredSet]) -> tuple[list[MeasuredSet], list
 
 
 def merge_sets(name: str, sets: Sequence[MeasuredSet]) -> MeasuredSet:
-    """Merge sets of measured gestures and rests into one with a new name."""
+    """Merge sets of measured gestures and rests under a new name."""
     return MeasuredSet(
         name,
         tuple(gesture for measured in sets for gesture in measured.gestures),
