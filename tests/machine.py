@@ -40,7 +40,7 @@ WRONG_MESSAGE_TEXT = "Regex pattern did not match"  # pytest's text for an error
 class Look:
     """Timing measurements of one check of the machine."""
 
-    lateness: float  # [s] delay of the second worst wake-up
+    lateness: float  # [s] delay of the second latest wake-up
     share: float  # fraction of a core that this process got during the loops
     loops: float  # [s] processor time of the loops
 

@@ -129,7 +129,7 @@ def test_server_refuses_connections_of_foreign_pages_and_sandboxed_iframes(plain
 
 
 @pytest.mark.parametrize("scheme", ["data", "file"])
-def test_server_refuses_connections_of_pages_from_a_file_or_data_url(plain, reached, tmp_path, scheme):
+def test_server_refuses_connections_of_web_pages_opened_from_a_file_or_data_url(plain, reached, tmp_path, scheme):
     page, file = PAGE.format(script=attack(plain.port)), tmp_path / "page.html"
     file.write_text(page)
     data = f"data:text/html;base64,{b64encode(page.encode()).decode()}"

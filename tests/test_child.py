@@ -56,7 +56,7 @@ def tell_name(line: Connection) -> None:
     line.send(Path("/proc/self/comm").read_text())
 
 
-def test_child_process_ends_after_its_work():
+def test_child_process_ends_when_its_function_returns():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, answer, theirs, "ready", name="answer")
     assert ours.recv() == "ready"

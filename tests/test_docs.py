@@ -63,7 +63,7 @@ def test_index_of_each_documentation_section_links_each_page_once(section: str):
 
 
 @pytest.mark.parametrize("page", CODE_MAP_PAGES, ids=lambda page: str(page.relative_to(ROOT)))
-def test_file_paths_in_contributor_pages_exist(page: Path):
+def test_file_paths_named_on_pages_for_contributors_exist(page: Path):
     """Paths in backticks contain a slash or a file suffix; NAME is a placeholder."""
     prose = re.sub(r"```.*?```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL)
     paths = re.findall(r"`([\w.*/-]+/[\w.*/-]*|[\w-]+\.(?:py|md|toml))`", prose)

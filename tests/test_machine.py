@@ -16,11 +16,13 @@ from .nudge import nudge, nudged_generator
         (Look(0.001, 0.9, 0.3), "a core needs 300 ms for what may take 40"),
     ],
 )
-def test_machine_check_reports_missing_resources(seen: Look, missing: str):
+def test_timing_check_of_the_machine_reports_late_wake_ups_and_missing_processor_time(seen: Look, missing: str):
     assert seen.complaint == missing
 
 
-def test_machine_check_is_repeated_after_a_disturbance_and_its_success_is_cached(monkeypatch: pytest.MonkeyPatch):
+def test_timing_check_of_the_machine_is_repeated_after_a_disturbance_and_its_success_is_cached(
+    monkeypatch: pytest.MonkeyPatch,
+):
     looks = [Look(0.1, 1.0, 0.002), Look(0.001, 1.0, 0.002)]
     monkeypatch.setattr(f"{Watch.__module__}.look", lambda: looks.pop(0))
     watch = Watch()
@@ -29,13 +31,13 @@ def test_machine_check_is_repeated_after_a_disturbance_and_its_success_is_cached
     assert looks == []
 
 
-def test_persistently_slow_machine_is_reported(monkeypatch: pytest.MonkeyPatch):
+def test_machine_that_stays_too_slow_is_reported(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(f"{Watch.__module__}.PATIENCE_TIME", 0.0)
     monkeypatch.setattr(f"{Watch.__module__}.look", lambda: Look(0.1, 1.0, 0.002))
     assert Watch().complaint() == "it wakes 100 ms late (at most 20)"
 
 
-def test_second_check_of_a_slow_machine_measures_only_once(monkeypatch: pytest.MonkeyPatch):
+def test_second_timing_check_of_a_slow_machine_measures_only_once(monkeypatch: pytest.MonkeyPatch):
     slow, looks = Look(0.1, 1.0, 0.002), []
     monkeypatch.setattr(f"{Watch.__module__}.PATIENCE_TIME", 0.1)
     monkeypatch.setattr(f"{Watch.__module__}.REPEATED_PATIENCE_TIME", 0.0)
@@ -58,7 +60,7 @@ def test_test_failures_on_a_busy_processor_are_excused_only_a_limited_number_of_
     assert watch.complaint() == f"{MAX_EXCUSED_FAILURES} tests had too little of a core"
 
 
-def test_machine_measurements_are_finite_and_positive():
+def test_timing_measurements_of_the_machine_are_finite_and_positive():
     seen = look()
     assert seen.lateness > 0.0
     assert 0.0 < seen.share <= 1.1

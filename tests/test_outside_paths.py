@@ -42,7 +42,7 @@ def test_each_string_to_path_conversion_is_listed():
     assert not wrong, "\n".join((f"who chooses these strings? answer in {TABLE_FILE.name}:", *wrong))
 
 
-def test_each_listed_path_names_the_source_of_its_string():
+def test_each_listed_path_conversion_names_the_source_of_its_string():
     for module, rows in tomllib.loads(TABLE_FILE.read_text(encoding="utf-8")).items():
         for row in rows:
             assert row["why"].startswith(SOURCE_PREFIXES), (module, row["why"])

@@ -168,7 +168,7 @@ def test_report_contains_the_results_of_all_requested_twins(performer, plan):
     assert {*run.data["twins"]} == {"nominal", "pessimistic"}
 
 
-def test_servos_without_ports_are_refused_before_performing(performer, plan):
+def test_performance_on_servos_without_ports_is_refused_before_motion(performer, plan):
     mine = Mine()
     with pytest.raises(kinesic.BusError, match=r"upper22 needs body=PATH"):
         performer.perform(plan, on="servos", sinks=[mine])

@@ -88,7 +88,7 @@ def _kept(kept: list):
     return of
 
 
-def test_serial_ports_are_checked_before_performing(performer, servos, monkeypatch):
+def test_performer_checks_the_serial_ports_before_motion(performer, servos, monkeypatch):
     def refuse(robot, manifest, ports):
         raise kinesic.BusError("no such port")
 

@@ -39,7 +39,7 @@ def few_repetitions(monkeypatch):
     monkeypatch.setattr(twin, "WORST_TWINS", twin.WORST_TWINS[:1])
 
 
-def test_metric_is_ok_if_its_value_meets_its_goal():
+def test_benchmark_metric_is_ok_if_its_value_meets_its_goal():
     assert Metric("x", 2.0, "ms", 3.0, "lower").ok is True
     assert Metric("x", 2.0, "x", 3.0, "higher").ok is False
     assert Metric("x", None, "x", 3.0, "higher", why="no OpenGL").ok is None
@@ -90,7 +90,7 @@ def test_missing_corpus_gives_null_tracking_metrics_with_reason(monkeypatch):
     assert all(metric.value is None and "KINESIC_CORPUS" in metric.why for metric in metrics)
 
 
-def test_corpus_documents_are_chosen_repeatably():
+def test_benchmark_chooses_the_same_corpus_documents_in_every_run():
     folder = find_corpus()
     if folder is None:
         pytest.skip("no corpus of BML documents (KINESIC_CORPUS)")
@@ -112,7 +112,7 @@ def test_bench_json_output_is_a_list_of_metrics(monkeypatch, capsys):
     assert {"name", "value", "unit", "goal", "better", "ok"} <= entries[0].keys()
 
 
-def test_metrics_are_saved_to_an_output_folder(monkeypatch, capsys, tmp_path):
+def test_benchmark_metrics_are_saved_to_an_output_folder(monkeypatch, capsys, tmp_path):
     metrics = [Metric("a.x", 2.0, "ms", 3.0, "lower"), Metric("a.y", None, "ms", None, "lower", "no GPU")]
     monkeypatch.setattr(bench, "measure", lambda part, stage: metrics)
     monkeypatch.chdir(tmp_path)

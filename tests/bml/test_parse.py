@@ -269,7 +269,7 @@ def test_strict_parsing_rejects_unknown_behaviours() -> None:
         parse('<bml><dance id="d"/></bml>', strict=True)
 
 
-def test_references_to_other_blocks_are_not_checked() -> None:
+def test_sync_references_to_other_blocks_are_accepted_without_a_check() -> None:
     block = parse_block('<head id="h" lexeme="NOD" start="other:x:end"/>')
     assert block.behaviours[0].syncs["start"] == SyncRef("other", "x", "end")
 

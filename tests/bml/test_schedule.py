@@ -23,7 +23,7 @@ def test_empty_block_has_an_empty_timeline(timed: Timing) -> None:
     assert (timeline.timed, timeline.dropped, timeline.notices, timeline.start, timeline.end) == ((), (), (), 0.0, 0.0)
 
 
-def test_unconstrained_behaviour_starts_at_zero(timed: Timing) -> None:
+def test_behaviour_without_time_constraints_starts_at_block_time_zero(timed: Timing) -> None:
     timeline = timed(gesture("g") + SPEECH_XML)
     assert at(timeline, "g:start") == at(timeline, "s:start") == 0.0
 
@@ -34,7 +34,7 @@ def test_post_stroke_hold_absorbs_spare_time_between_given_start_and_end(timed: 
     assert at(timeline, "g:relax") - at(timeline, "g:strokeEnd") > 4.0
 
 
-def test_schedule_uses_the_natural_phase_durations_of_the_caller() -> None:
+def test_schedule_uses_the_natural_phase_durations_given_by_the_caller() -> None:
     block = parse('<bml id="b"><gesture id="g" lexeme="BEAT" stroke="9"/></bml>')
     spans = {"g": {"ready": 1.0, "strokeStart": 0.25, "stroke": 0.5, "end": 2.0}}
     timeline = schedule(block, {}, spans)
@@ -99,7 +99,7 @@ def test_earliest_of_linked_behaviours_without_fixed_times_starts_at_zero(timed:
     assert (at(timeline, "g:start"), at(timeline, "s:start"), at(timeline, "h:start")) == (0.0, 2.0, 0.0)
 
 
-def test_reference_chains_are_resolved_in_any_order(timed: Timing) -> None:
+def test_chains_of_sync_references_are_resolved_in_any_order(timed: Timing) -> None:
     heads = [f'<head id="h{i}" lexeme="NOD" start="h{i + 1}:start-2"/>' for i in range(3)]
     timeline = timed("".join(heads) + '<head id="h3" lexeme="NOD" start="10"/>')
     assert [at(timeline, f"h{i}:start") for i in range(4)] == [4.0, 6.0, 8.0, 10.0]
@@ -159,7 +159,7 @@ def test_repeated_strokes_can_be_referenced(timed: Timing) -> None:
         (SPEECH_XML + gesture("g", 'start="s:m" end="s:start"'), ["g"], "contradict each other"),
     ],
 )
-def test_infeasible_behaviours_are_dropped_with_a_reason(
+def test_behaviours_with_infeasible_times_are_dropped_with_a_reason(
     timed: Timing, content: str, dropped: list[str], reason: str
 ) -> None:
     timeline = timed(content + gesture("other", 'start="1"'))
@@ -251,7 +251,7 @@ def test_speech_whose_start_refers_to_its_own_mark_starts_at_zero(timed: Timing)
     assert (at(timeline, "s:start"), timeline.dropped) == (0.0, ())
 
 
-def test_times_beyond_the_maximum_duration_are_rejected(timed: Timing) -> None:
+def test_block_with_times_beyond_the_maximum_duration_is_rejected(timed: Timing) -> None:
     assert timed('<gazeShift id="z" start="0" end="915"/>').end == 915.0
     with pytest.raises(BmlError, match=r"at most 1200 s: split it"):
         timed(gesture("a", 'end="1200"') + gesture("b", 'start="a:end"'))

@@ -64,7 +64,7 @@ def test_toml_file_with_invalid_utf8_is_refused(tmp_path: Path):
 
 
 @pytest.mark.parametrize(("number", "shown"), [("nan", "nan"), ("inf", "inf"), ("-inf", "-inf")])
-def test_non_finite_number_is_refused_with_its_field_path(file, number: str, shown: str):
+def test_non_finite_number_in_a_toml_file_is_refused_with_its_field_path(file, number: str, shown: str):
     with pytest.raises(ConfigError, match=rf"\$\.wheels\[1\]\.radius is {shown}, must be a finite number"):
         read_toml(file(f'name = "a"\nwheels = [{{ radius = 1.0 }}, {{ radius = {number} }}]'), Cart)
 
@@ -138,26 +138,26 @@ def test_config_file_outside_the_folder_is_refused(folder: Path, name: str) -> N
 @pytest.mark.parametrize(
     ("name", "why"), [("pipe", "not a regular"), (".", "not a regular"), ("ring", "ring"), ("a\0b", "null")]
 )
-def test_pipes_folders_link_loops_and_null_characters_are_refused_as_config_paths(
+def test_config_paths_that_are_pipes_folders_link_loops_or_contain_null_characters_are_refused(
     folder: Path, name: str, why: str
 ) -> None:
     with pytest.raises(ConfigError, match=why):
         check_inside(folder, folder / name)
 
 
-def test_file_in_a_folder_reached_through_a_link_is_accepted(folder: Path) -> None:
+def test_config_file_in_a_folder_reached_through_a_link_is_accepted(folder: Path) -> None:
     (folder.parent / "linked").symlink_to(folder)
     check_inside(folder.parent / "linked", folder.parent / "linked" / "own")
 
 
-def test_integer_with_thousands_of_digits_is_refused(tmp_path: Path):
+def test_toml_integer_with_thousands_of_digits_is_refused(tmp_path: Path):
     path = tmp_path / "digits.toml"
     path.write_text("a = " + "1" * 5000)
     with pytest.raises(ConfigError, match=r"digits\.toml: not TOML: .*digits"):
         read_toml(path, msgspec.Struct)
 
 
-def test_key_with_too_many_parts_is_refused_before_parsing(tmp_path: Path):
+def test_toml_key_with_too_many_parts_is_refused_before_parsing(tmp_path: Path):
     path = tmp_path / "dotted.toml"
     path.write_text(".".join(["a"] * 450_000) + " = 1")  # parsing it takes minutes
     began = process_time()

@@ -7,7 +7,7 @@ INFINITE_BOUNDS = np.full(2, np.inf)  # upper bounds of two unbounded variables
 
 
 def random_matrix(seed: int) -> SparseMatrix:
-    """Return a random sparse matrix, some entries of which add up."""
+    """Return a random sparse matrix with some entries given in several parts."""
     rng = np.random.default_rng(seed)
     height, width = rng.integers(2, 9, 2).tolist()
     count = int(rng.integers(1, 2 * height * width))
@@ -45,7 +45,7 @@ def test_compressed_columns_match_scipy(seed: int):
     np.testing.assert_allclose(values, other.data)
 
 
-def test_optimum_of_a_linear_program_lies_at_a_vertex():
+def test_solution_of_a_linear_program_lies_at_a_vertex_of_the_feasible_region():
     matrix = SparseMatrix(np.array([0, 0, 1]), np.array([0, 1, 1]), np.array([1.0, 2.0, 1.0]), (2, 2))
     bounds, ranges = (np.array([4.0, -np.inf]), np.array([np.inf, 1.5])), (np.zeros(2), INFINITE_BOUNDS)
     assert solve_linear_program(np.array([1.0, 1.0]), matrix, bounds, ranges) == pytest.approx([1.0, 1.5])

@@ -91,7 +91,7 @@ def test_robot_file_in_the_folder_or_a_subfolder_may_be_extended(place: str, tmp
 @pytest.mark.parametrize(
     "extends", ["../secret.toml", "{outside}/secret.toml", "link.toml", "../secret", "{outside}/secret"]
 )
-def test_extending_a_file_outside_the_folder_is_refused(extends: str, tmp_path: Path):
+def test_robot_file_that_extends_a_file_outside_its_folder_is_refused(extends: str, tmp_path: Path):
     home = tmp_path / "home"
     home.mkdir()
     (tmp_path / "secret.toml").write_text(robot("upper22"))
@@ -102,7 +102,7 @@ def test_extending_a_file_outside_the_folder_is_refused(extends: str, tmp_path: 
         Robot.load(home / "mine.toml")
 
 
-def test_pipe_as_robot_or_calibration_file_is_refused(tmp_path: Path):
+def test_pipe_in_place_of_a_robot_or_calibration_file_is_refused(tmp_path: Path):
     os.mkfifo(tmp_path / "pipe.toml")
     (tmp_path / "mine.toml").write_text(robot("pipe.toml"))
     with pytest.raises(ConfigError, match=r"mine\.toml: extends = 'pipe\.toml': .* is not a regular file"):

@@ -84,7 +84,7 @@ def test_frames_of_rest_and_zero_posture_are_cached(skeleton: Skeleton):
     assert skeleton.zero_frames is skeleton.zero_frames
 
 
-def test_clamp_gives_the_nearest_angles_within_limits(skeleton: Skeleton):
+def test_clamped_joint_angles_are_the_nearest_within_the_limits(skeleton: Skeleton):
     np.testing.assert_array_equal(skeleton.clamp(np.full(22, 10.0)), skeleton.upper)
     np.testing.assert_array_equal(skeleton.clamp(np.full(22, -10.0)), skeleton.lower)
     np.testing.assert_array_equal(skeleton.clamp(skeleton.rest), skeleton.rest)

@@ -171,7 +171,7 @@ def test_approach_from_rest_keeps_clearance_to_the_body(known):
     assert result.distance.wrist_max < 0.5
 
 
-def test_finite_differences_give_the_derivatives_of_cubic_motion():
+def test_finite_differences_give_the_derivatives_of_a_cubic_captured_motion():
     times = np.arange(50) / 100.0
     velocity, acceleration, jerk = differentiate((times**3)[:, None])
     assert jerk[5:45, 0] == pytest.approx(6.0)
@@ -200,7 +200,7 @@ def test_reported_limit_violations_of_a_clip_name_joint_time_and_ratio(known):
     assert list(found) == sorted(found, key=lambda violation: -violation.ratio)
 
 
-def test_correlation_of_a_path_with_its_opposite_is_minus_one():
+def test_correlation_of_a_wrist_path_with_its_opposite_is_minus_one():
     path = np.random.default_rng(3).normal(size=(50, 3))
     assert correlate(path, path + 1.0) == pytest.approx(1.0)
     assert correlate(path, -path) == pytest.approx(-1.0)

@@ -11,7 +11,9 @@ UNTRUSTED_TEXT = "kinesic[face] [red]red[/] :smile:"
 
 
 @pytest.mark.parametrize("open_console", [console, error_console])
-def test_untrusted_text_is_printed_with_its_brackets(open_console, capsys: pytest.CaptureFixture[str]):
+def test_text_from_a_document_is_printed_with_its_brackets_and_not_as_markup(
+    open_console, capsys: pytest.CaptureFixture[str]
+):
     screen = open_console()
     table = Table(UNTRUSTED_TEXT, title=UNTRUSTED_TEXT)
     table.add_row(UNTRUSTED_TEXT)
@@ -21,7 +23,7 @@ def test_untrusted_text_is_printed_with_its_brackets(open_console, capsys: pytes
     assert printed.count(UNTRUSTED_TEXT) == 4
 
 
-def test_benchmark_notes_are_printed_with_the_brackets_of_an_extra(kinesic, monkeypatch: pytest.MonkeyPatch):
+def test_install_commands_in_benchmark_notes_are_printed_with_their_brackets(kinesic, monkeypatch: pytest.MonkeyPatch):
     metrics = [
         Metric("a.missing", None, "s", 1.0, "lower", UNTRUSTED_TEXT),
         Metric("a.measured", 0.5, "s", 1.0, "lower", UNTRUSTED_TEXT),

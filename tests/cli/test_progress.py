@@ -88,7 +88,7 @@ def appears(terminal: int, pattern: str) -> bool:
     ],
     ids=lambda value: value.__name__ if isinstance(value, ModuleType) else None,
 )
-def test_slow_commands_report_their_first_stage(kinesic, tmp_path, monkeypatch, module, arguments, stage):
+def test_verbs_that_take_long_report_their_first_stage(kinesic, tmp_path, monkeypatch, module, arguments, stage):
     stages: list[str] = []
 
     @contextmanager

@@ -60,13 +60,13 @@ def test_summary_only_counts_warnings_beyond_its_line_limit(hurried: DryRun, scr
     assert rest == f"and {len(hurried.plan.notices) - 1} more warnings: report.json lists all"
 
 
-def test_markup_in_documents_is_printed_literally(known: Setup, screen: Console):
+def test_markup_in_texts_of_a_document_is_printed_literally(known: Setup, screen: Console):
     document_plan = plan(BLOCK.format('<gesture id="[bold]g" lexeme="[red]xyzzy&#x9b;"/>'), known)
     print_notices(document_plan, screen)
     assert any("[red]xyzzy\\x9b ([bold]g): " in line and "[red]xyzzy\\x9b" in line for line in lines(screen))
 
 
-def test_gesture_moved_to_the_other_hand_is_reported_as_substituted(known: Setup):
+def test_summary_reports_a_gesture_moved_to_the_other_hand_as_substituted(known: Setup):
     """Plan two simultaneous beats, of which the free hand performs one."""
     document_plan = plan(
         BLOCK.format('<gesture id="one" lexeme="beat" stroke="1"/><gesture id="two" lexeme="beat" stroke="1"/>'), known

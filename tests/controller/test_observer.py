@@ -268,7 +268,7 @@ def test_setpoint_correction_requires_one_setpoint_row_per_command():
         list(correct_setpoints([command()], setpoints(np.zeros((2, HINGE_COUNT))), [Still(REST_ANGLES)], OBSERVER))
 
 
-def test_fractional_servo_delay_splits_a_setpoint_between_command_periods():
+def test_servo_delay_of_a_fraction_of_a_period_divides_a_setpoint_between_two_periods():
     for delay, arrival in ((0.0, [1.0, 0.0]), (0.0025, [0.75, 0.25]), (0.018, [0.0, 0.2, 0.8])):
         observer = Observer.of(ROBOT, DYNAMICS, period=COMMAND_PERIOD, delay=delay)
         np.testing.assert_allclose(observer.arrival, arrival, atol=1e-9)

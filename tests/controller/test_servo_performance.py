@@ -306,7 +306,7 @@ def test_delayed_servo_reading_is_compared_once_with_the_plan_at_reading_time(pe
     assert np.isfinite(again.errors).sum() == pytest.approx(np.isfinite(live.errors).sum() / 2, rel=0.2)
 
 
-def test_error_in_the_request_callback_releases_and_closes_the_servos(performance: DryRun):
+def test_exception_in_the_request_callback_of_a_servo_run_releases_and_closes_the_servos(performance: DryRun):
     actor = Actor(part=0.3)
     actor.waiting = lambda: "release" not in actor.done
 

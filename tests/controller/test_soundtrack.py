@@ -61,7 +61,7 @@ def test_speech_samples_that_precede_the_motion_are_cut(known: Setup):
     assert heard.samples[0] > 0.0
 
 
-def test_utterances_start_and_end_at_their_planned_performance_times(known: Setup):
+def test_utterances_in_the_soundtrack_start_and_end_at_their_planned_times(known: Setup):
     planned = beeping(known, 2.0)
     assert planned.trajectory.zero > 0.0  # the hand begins before the block does
     heard = sound(planned)
@@ -97,7 +97,7 @@ def test_mixed_sound_of_simultaneous_speech_keeps_the_sample_sign(known: Setup, 
     assert heard.samples[np.abs(heard.samples).argmax()] == pytest.approx(max(2 * loudness, -1.0), abs=0.1)
 
 
-def test_speech_longer_than_the_motion_is_complete(known: Setup):
+def test_soundtrack_contains_all_of_a_speech_that_is_longer_than_the_motion(known: Setup):
     planned = beeping(known, 2.0, seconds=9.0)
     heard = sound(planned)
     assert heard is not None

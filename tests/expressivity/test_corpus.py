@@ -63,7 +63,7 @@ def test_at_most_5_percent_of_corpus_behaviours_are_dropped(pace, lexicon):
     assert counts["dropped"] <= 0.05 * counts.total()
 
 
-def test_corpus_fragments_are_performed_or_named_in_warnings(pace, lexicon):
+def test_smartbody_fragments_of_the_corpus_are_performed_or_named_in_warnings(pace, lexicon):
     file = CORPUS_FOLDER / "smartbody" / "fragments.jsonl"
     if not file.is_file():
         pytest.skip(f"no corpus at {CORPUS_FOLDER}; KINESIC_CORPUS names another place")

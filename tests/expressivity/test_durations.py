@@ -54,7 +54,7 @@ def test_rest_pose_gesture_has_no_hold_time(natural):
     assert natural(Gesture("arms_crossed"))["relax"] == 0
 
 
-def test_document_temporal_extent_shortens_gesture(natural):
+def test_temporal_extent_given_in_a_document_shortens_its_gesture(natural):
     usual, quick = natural(Gesture("large")), natural(Gesture("large"), manner=Manner(temporal=1.0))
     assert all(quick[sync] < usual[sync] for sync in ("ready", "stroke", "end"))
 

@@ -72,7 +72,7 @@ def test_key_frame_of_a_stroke_at_time_zero_is_kept(robot):
     assert [frame.time for frame in frames] == [-0.5, 0.0, 0.3, 0.6, 1.0]
 
 
-def test_sync_point_without_a_key_has_a_key_frame(robot):
+def test_sync_point_at_which_no_body_part_has_a_key_gets_a_key_frame(robot):
     frames = gather_frames(Sequences(hands=HAND_KEYS), [SyncPoint(2.2, "g", "relax")], robot)
     frame = next(frame for frame in frames if frame.time == 2.2)
     assert frame.given == frozenset()
@@ -87,7 +87,7 @@ def test_first_and_last_key_frame_stay_at_rest_when_keys_merge(robot):
         assert frame.hands["l"] is REST_HAND
 
 
-def test_empty_key_sequences_give_no_key_frames(robot):
+def test_block_without_any_keys_has_no_key_frames(robot):
     assert gather_frames(Sequences(hands={"l": (), "r": ()}), [], robot) == ()
 
 
@@ -122,7 +122,7 @@ def test_lazy_gathering_holds_lower_priority_body_parts_at_their_last_key(robot)
     assert 0.0 < halfway.torso.tilt < 0.1
 
 
-def test_body_part_priorities_are_configurable(robot):
+def test_priorities_of_body_parts_in_lazy_gathering_are_configurable(robot):
     frames = defined_parts(gather_frames(ALL_SEQUENCES, [], robot, LAZY_PRIORITIES | {"head": 2.0}))
     assert frames[1.75] == ["head"]
     assert frames[2] == ["head", "l_hand", "r_hand"]

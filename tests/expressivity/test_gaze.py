@@ -38,7 +38,7 @@ def gaze_times(*times):
     return dict(zip(GAZE_SYNCS, times, strict=True))
 
 
-def test_one_of_two_simultaneous_gazes_is_dropped(perform):
+def test_only_one_of_two_simultaneous_gazes_is_performed(perform):
     frames = perform(
         ("one", Gaze("0.5 -1 1"), gaze_times(1, 2, 9, 10)), ("two", Gaze("0.5 1 1"), gaze_times(1, 2, 9, 10))
     )
@@ -135,7 +135,7 @@ def test_gaze_to_a_mirrored_target_has_mirrored_rotations(robot, look_at, direct
         ((-1, 0, 0), 180, 0),
     ],
 )
-def test_left_is_positive_torsion_and_down_is_positive_tilt(robot, place, torsion, tilt):
+def test_gaze_to_the_left_has_positive_torsion_and_gaze_down_has_positive_tilt(robot, place, torsion, tilt):
     turn = towards(np.array(place) - from_eyes(np.zeros(3), robot), robot)
     assert [degrees(angle) for angle in turn_angles(turn)] == pytest.approx([torsion, tilt, 0], abs=1e-9)
 

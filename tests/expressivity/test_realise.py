@@ -236,7 +236,7 @@ def test_document_expressivity_overrides_style(timeline, context, beat):
     assert stroke[1] > stroke[0] + 0.05
 
 
-def test_hands_head_and_torso_move_at_the_same_time(perform, beat):
+def test_hand_head_and_torso_behaviours_of_a_block_move_at_the_same_time(perform, beat):
     frames = perform(
         ("g", Gesture("large"), beat),
         ("h", Head("NOD"), beat),

@@ -133,7 +133,7 @@ def test_random_variation_keeps_a_given_hand_and_the_hand_of_an_emblem(context, 
         assert poses_of(there, emblem)[1] == usual
 
 
-def test_fixed_axes_and_touching_hands_do_not_vary(lexicon, robot):
+def test_random_variation_does_not_change_fixed_axes_and_touching_hands(lexicon, robot):
     (deviation,) = deviations(beats(1), Variation(2.0, 1)).values()
     moved = 0
     for form in lexicon.forms:
@@ -188,7 +188,7 @@ def test_random_variation_keeps_parameters_in_their_ranges(context):
             assert -1.0 <= manner.temporal <= 0.0
 
 
-def test_gestures_with_fixed_meaning_vary_only_in_time(context, lexicon):
+def test_random_variation_changes_gestures_with_fixed_meaning_only_in_time(context, lexicon):
     placed = [form for form in lexicon.forms if needs_place(form)]
     assert {"hush", "me", "watch_time", "arms_crossed"} <= {form.id for form in placed}
     for seed in (1, 2):

@@ -167,7 +167,7 @@ def test_temporary_folder_is_private_locked_and_removed_after_use(tmp_path: Path
         assert os.listdir(tmp_path) == []
 
 
-def test_failed_creation_of_a_temporary_folder_leaves_no_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_failed_creation_of_a_temporary_folder_leaves_no_file_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     usual = os.open
 
     def fail(path: str, *arguments: int, **more: int) -> int:

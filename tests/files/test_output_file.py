@@ -161,14 +161,14 @@ def test_existing_output_file_is_kept_without_force(tmp_path: Path):
     assert path.read_text() == "dear"
 
 
-def test_appending_creates_a_missing_file(tmp_path: Path):
+def test_appending_to_a_missing_output_file_creates_the_file(tmp_path: Path):
     open_to_add(tmp_path / "log").close()
     (tmp_path / "any").touch()
     assert (tmp_path / "log").stat().st_mode == (tmp_path / "any").stat().st_mode
 
 
 @pytest.mark.parametrize("mode", [0o600, 0o640, 0o755, 0o666])
-def test_replaced_file_keeps_its_permissions(tmp_path: Path, mode: int):
+def test_replaced_output_file_keeps_its_permissions(tmp_path: Path, mode: int):
     path = tmp_path / "mine"
     path.write_text("before")
     path.chmod(mode)
@@ -187,7 +187,7 @@ def test_replacement_of_a_private_file_is_written_in_a_private_temporary_folder(
 
 
 @pytest.mark.parametrize("mode", [0o444, 0o400, 0o000])
-def test_read_only_file_is_not_replaced_even_if_forced(tmp_path: Path, mode: int):
+def test_read_only_output_file_is_not_replaced_even_if_forced(tmp_path: Path, mode: int):
     path = tmp_path / "mine"
     path.write_text("before")
     path.chmod(mode)

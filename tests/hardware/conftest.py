@@ -26,7 +26,7 @@ BUILDERS = {"kinesic": (build_bus, MemoryWire), "manual": (build_manual, ManualW
 
 @dataclass
 class Rig:
-    """A bus in virtual time, and the servos behind it."""
+    """Bus in virtual time, with the servos connected to this bus."""
 
     bus: Bus
     wire: MemoryWire | ManualWire

@@ -76,7 +76,7 @@ def test_queue_of_tool_calls_holds_64_calls_sent_at_less_than_half_the_server_ra
     assert 0.0 < REFUSAL_DELAY < 1.0
 
 
-def test_cancelled_tool_call_leaves_the_queue():
+def test_cancelled_tool_call_is_removed_from_the_queue():
     async def act(calls: Calls) -> None:
         first, second = calls.start("a"), calls.start("b")
         await settle()

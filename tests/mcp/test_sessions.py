@@ -55,7 +55,7 @@ class Web:
         self.limit = SessionLimit(self.app, max_sessions=most)
 
     async def ask(self, method: str = "POST", session: str = "", path: str = "/", host: str = "here") -> int:
-        """Return the status of the answer."""
+        """Send an HTTP request and return the status of its answer."""
         headers = [(b"host", host.encode()), *([(SESSION_HEADER.encode(), session.encode())] if session else [])]
         statuses = []
 

@@ -20,7 +20,7 @@ def test_error_statistics_use_only_moving_hinges_and_locate_the_largest_error():
     assert errors.p95 == pytest.approx(np.percentile([0.0, 0.0, 0.0, 1.0, 3.0], 95))
 
 
-def test_tracking_error_without_motion_is_zero():
+def test_tracking_error_of_motionless_hinges_is_reported_as_zero():
     nothing = np.zeros_like(MOVING_FLAGS)
     assert measure_errors(np.zeros(0), nothing) == TrackingErrors(0.0, 0.0, 0.0, 0, 0, 0)
 

@@ -130,7 +130,7 @@ def test_motion_without_a_spline_solution_takes_longer_and_keeps_limits(monkeypa
     assert highest(slower) <= 1.0 + 1e-6
 
 
-def test_keys_between_knots_are_passed_exactly():
+def test_motion_passes_exactly_through_keys_between_spline_knots():
     rng = np.random.default_rng(3)
     times = np.cumsum(rng.uniform(0.3, 0.6, 8))
     keys = tuple(posture(float(t), tuple(rng.uniform(-0.6, 0.6, 2)), "stroke") for t in times)

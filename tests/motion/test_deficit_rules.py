@@ -196,7 +196,9 @@ def test_slope_of_a_time_deficit_is_multiplier_times_velocity_with_zero_sum_over
     ("multipliers", "programs"),
     [([3.0, -2.5], 1), ([3.0, -2.4], 3), ([0.51, -0.51], 1), ([0.49, -0.49], 3), ([-0.51, 0.51], 1)],
 )
-def test_flat_or_unbalanced_deficit_slopes_are_replaced_by_finite_differences(monkeypatch, multipliers, programs):
+def test_time_deficit_slopes_that_are_zero_or_unbalanced_are_replaced_by_finite_differences(
+    monkeypatch, multipliers, programs
+):
     given = relaxed(-0.009, [*multipliers, 0, 0, 0, 0, 0, 0], ("speed", None, "jerk"))
     found = measured_with(monkeypatch, given, differences=(7.0, -7.0))
     assert found.programs == programs

@@ -57,7 +57,7 @@ def test_desired_motion_starts_and_ends_at_rest():
         np.testing.assert_allclose(accelerations, 0.0, atol=1e-7)
 
 
-def test_velocity_and_acceleration_are_continuous_at_keys():
+def test_velocity_and_acceleration_of_the_desired_motion_are_continuous_at_keys():
     for time in KEY_TIMES[1:-1]:
         before, after = state(joined(), time - 1e-7), state(joined(), time + 1e-7)
         np.testing.assert_allclose(before[1], after[1], atol=1e-4)
@@ -71,7 +71,7 @@ def test_velocities_of_the_desired_motion_are_the_derivative_of_its_angles():
     np.testing.assert_allclose((ahead - behind) / (2 * step), joined().sample(times)[1], atol=1e-5)
 
 
-def test_hinge_does_not_move_during_a_hold():
+def test_hinge_of_the_desired_motion_does_not_move_during_a_hold():
     times = np.linspace(1.2, 1.5, 31)
     np.testing.assert_allclose(joined().sample(times)[0][:, 0], 0.9, atol=1e-12)
 

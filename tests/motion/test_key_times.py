@@ -143,7 +143,9 @@ def nods(count: int, seconds: float) -> Keys:
 
 
 # limits with a duty limit that requires slow motion
-SLOW_LIMITS = Limits(*(sealed([value]) for value in (-2, 2, 6, 40, 1e3, 0.01, 0.05, 0.5)))
+SLOW_LIMITS = Limits(
+    *(sealed([value]) for value in (-2, 2, 6, 40, 1e3, 0.01, 0.05, 0.5))
+)  # limits of one hinge, with a duty limit that requires slow motion
 
 
 def test_repeated_strokes_take_less_time_than_rest_to_rest_moves():

@@ -43,7 +43,7 @@ def test_minimum_gaps_link_a_key_of_another_hinge_to_both_ends_of_a_path():
     assert {(1, 3), (3, 5), (1, 5)} <= result.gaps.keys()
 
 
-def test_path_keys_keep_their_order():
+def test_keys_on_a_path_keep_their_order():
     result = keys(*PATH_ROWS)
     for gap in ({(0, 1): 0.5}, {(1, 3): 0.4}, {(3, 5): 0.6}, {(1, 5): 0.9}, {(0, 3): 0.8}):
         times = solve_key_times(KeyTimeProblem(result, {**result.gaps, **gap}, 0.0))

@@ -106,7 +106,7 @@ def test_angle_corridor_of_a_segment_uses_the_joint_range_of_its_hinge():
     ("angles", "count"),
     [((0.0, 1.0), 0), ((0.0, 1.0, 0.0), 1), ((0.0, 1.0, 1.0, 0.0), 1), ((0.0, 1.0, 0.5, 0.8, 0.9), 2), ((0.0, 0.0), 0)],
 )
-def test_holds_do_not_count_as_reversals_of_a_segment(angles, count):
+def test_holds_within_a_motion_segment_do_not_count_as_reversals(angles, count):
     start, *inner, end = angles
     assert segment(90, start, end, *((9.0 * (k + 1), angle) for k, angle in enumerate(inner))).reversals == count
     assert segment(90, -start, -end, *((9.0 * (k + 1), -a) for k, a in enumerate(inner))).reversals == count

@@ -219,7 +219,7 @@ def test_torque_of_repeated_motion_states_is_evaluated_once(known: Setup):
     assert sum(map(len, setup.dynamics.asked)) == 1
 
 
-def test_long_motion_is_checked_to_its_end(known: Setup):
+def test_torque_certification_checks_a_long_motion_to_its_end(known: Setup):
     heights = np.zeros((2 * KNOTS_PER_WINDOW, len(known.limits.lower)))
     heights[-5] = 0.1
     setup = under(known, lambda angles, speeds, accelerations: angles * known.robot.drives.stall)

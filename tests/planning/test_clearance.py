@@ -92,7 +92,7 @@ def test_touching_postures_of_left_and_right_are_mirror_images(lexeme):
 
 
 @pytest.mark.parametrize(("first", "second"), [("arms_crossed", "hands_together"), ("chin", "hands_low")])
-def test_hands_move_between_two_touching_poses_without_collision(first, second):
+def test_hands_move_from_one_touching_pose_to_another_without_collision(first, second):
     body = '<gesture id="a" lexeme="{}" start="0" stroke="1.2"/><gesture id="g" lexeme="{}" stroke="3.0"/>'
     for names in ((first, second), (second, first)):
         made = planned(body.format(*names))

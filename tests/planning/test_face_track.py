@@ -65,7 +65,7 @@ def test_servo_commands_contain_the_facial_action_units_of_their_time(smiling: P
         np.testing.assert_array_equal(one.angles, other.angles)
 
 
-def test_lips_close_on_p_and_m(smiling: Plan):
+def test_lips_of_a_planned_speech_close_on_p_and_m(smiling: Plan):
     said, zero = smiling.utterances["s"], smiling.trajectory.zero
     sounds = [sound for sound in said.phonemes if sound.symbol in ("p", "m")]
     assert len(sounds) >= 4

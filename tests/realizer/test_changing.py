@@ -178,7 +178,7 @@ def test_quick_plan_of_a_running_block_is_replaced_once_by_its_refined_plan(play
     assert improve_block(play.scene, "a", better, play.now) is None
 
 
-def test_prediction_of_a_new_plan_precedes_its_warnings(play):
+def test_prediction_feedback_of_a_new_plan_precedes_its_warnings(play):
     quick = play.ready("a", HURRIED_BEATS)
     better = prepare_block(quick.replan_request, play.scene.setup)
     play.take(begin(play.scene, better, play.now)).until(0.2)
@@ -189,7 +189,7 @@ def test_prediction_of_a_new_plan_precedes_its_warnings(play):
     assert len(messages) > len(quick.plan.notices) > 1
 
 
-def test_refined_plan_uses_the_same_hands_as_the_quick_plan(play):
+def test_refined_plan_of_a_block_uses_the_same_hands_as_its_quick_plan(play):
     play.send("a", '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND"/>').until(0.3)
     open_ = "".join(f'<gesture id="g{k}" lexeme="BEAT" stroke="{0.8 + 1.2 * k}"/>' for k in range(5))
     play.send("b", open_)

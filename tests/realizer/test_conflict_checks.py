@@ -14,7 +14,7 @@ from kinesic.realizer.release import motion_from_knot
 from .small_blocks import HINGE_COUNT, use
 
 ROW_COUNT = 60  # control points of the test motions
-CHANGE_KNOT = 10  # first knot that may change
+CHANGE_KNOT = 10  # first spline knot at which the motion may change
 
 
 def work(performed=(), *, base_rows: int = ROW_COUNT) -> Overlay:

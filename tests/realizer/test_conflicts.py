@@ -29,7 +29,7 @@ def test_conflict_names_the_nearest_behaviour_that_moves_the_hinge(work: Overlay
     assert _nearest_behaviour(work, np.arange(HINGE_COUNT) == hinge, time) == name
 
 
-def test_conflict_of_a_block_without_behaviours_names_none():
+def test_conflict_of_a_block_without_behaviours_names_no_behaviour():
     motion = np.zeros((10, HINGE_COUNT))
     assert (
         _nearest_behaviour(Overlay(motion, motion, motion[0], 0, (), ()), np.ones(HINGE_COUNT, dtype=bool), 1.0) == ""

@@ -87,6 +87,6 @@ def test_interrupt_can_end_a_single_behaviour(play):
     assert play.at("a:end") == pytest.approx(play.at("a:h:end"), abs=1e-6)
 
 
-def test_commands_to_missing_blocks_cause_warnings(play):
+def test_bml_commands_to_missing_blocks_cause_warnings(play):
     play.send("b", '<bmla:interrupt id="i" target="nobody"/><bmla:activate id="j" target="nobody"/>').until(0.1)
     assert len(play.warnings("b:i")) == len(play.warnings("b:j")) == 1

@@ -191,7 +191,7 @@ def test_occupancies_conflict_only_if_their_busy_times_overlap(ready, relax, con
     assert second.conflicts_with(first) is conflicts
 
 
-def test_occupancy_holds_a_role_only_if_it_has_this_role_and_a_held_offset():
+def test_behaviour_holds_a_gaze_or_posture_only_if_it_has_this_role_and_a_held_offset():
     assert use("a", "look", offset=np.zeros(HINGE_COUNT)).holds("look")
     assert not use("a", "look", offset=np.zeros(HINGE_COUNT)).holds("trunk")
     assert not use("a", "look").holds("look")
@@ -202,7 +202,7 @@ def test_shifted_occupancy_moves_all_its_times():
     assert (entry.begin, entry.ready, entry.relax, entry.end) == (2.0, 2.5, 3.0, 3.5)
 
 
-def test_times_within_a_microsecond_are_sorted_as_equal():
+def test_occupancy_times_within_a_microsecond_are_sorted_as_equal():
     for entries in ([(1.0, 5.0), (2.0, 1.0)], [(1.0 - 0.9e-6, 4.0), (1.0, 5.0)], [(1.0 - 1.1e-6, 5.0), (1.0, 4.0)]):
         assert sort_by_time(entries, lambda entry: entry) == entries
         assert sort_by_time(entries[::-1], lambda entry: entry) == entries

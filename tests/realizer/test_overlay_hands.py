@@ -17,7 +17,7 @@ from kinesic.realizer.overlay import (
 
 ROW_COUNT = 100  # control points of the test motions
 ARM_HINGE = 2  # index of the arm hinge whose motions are joined
-CHANGE_KNOT = 10  # first knot that may change
+CHANGE_KNOT = 10  # first spline knot at which the motion may change
 NO_HINGES = np.zeros(4, dtype=np.bool_)
 LIMITS = object()  # placeholder; only passed on to a replaced function
 HALF_TOLERANCE = 0.5 * KNOT_TOLERANCE * KNOT_INTERVAL  # [s] half of the tolerance for times that should be at a knot

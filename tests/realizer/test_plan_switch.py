@@ -80,7 +80,7 @@ def test_only_hand_behaviours_that_have_begun_count_as_in_progress(switch, monke
     ],
 )
 @pytest.mark.parametrize("sync", ["stroke", "strokeStart"])
-def test_strokes_are_kept_if_past_ones_stay_past_and_future_ones_are_three_knots_away(
+def test_plan_change_keeps_strokes_if_past_ones_stay_past_and_future_ones_are_three_knots_away(
     switch, nod, before, after, keeps, sync
 ):
     """The transition begins at 0.2 s, and a stroke at that time is past."""

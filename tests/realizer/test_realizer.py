@@ -53,7 +53,7 @@ def test_each_sync_point_is_reported_once_in_order(play):
     assert [due.time for due in play.told] == sorted(due.time for due in play.told)
 
 
-def test_prediction_is_sent_first_and_its_end_is_that_of_the_block(play):
+def test_prediction_feedback_is_sent_first_and_has_the_end_time_of_the_block(play):
     play.send("b", BEAT)
     assert "<predictionFeedback" in play.told[0].xml
     end = re.search(r'globalEnd="([^"]*)"', play.told[0].xml)

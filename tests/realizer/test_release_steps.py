@@ -53,7 +53,7 @@ def test_release_times_are_relative_to_the_start_of_the_running_motion(known, mo
 
 @pytest.fixture
 def tries(monkeypatch):
-    """Record the transition search, and return calls, durations [s] and results."""
+    """Record calls of the transition search, with durations [s] and results."""
     calls, times, ends = [], np.zeros(HINGE_COUNT), []
 
     def cross_over(current, goal, knots, _limits, hinge):

@@ -79,7 +79,7 @@ def test_started_block_is_merged_with_the_motion_of_running_blocks(scene, merged
     ]
 
 
-def test_prediction_precedes_the_notices_of_the_merge(scene, merged):
+def test_prediction_feedback_precedes_the_notices_of_the_merge(scene, merged):
     prediction, warning = texts(start_block(scene, coming(), 10.0))
     assert "predictionFeedback" in prediction
     assert "moved to the left hand" in warning
@@ -87,7 +87,7 @@ def test_prediction_precedes_the_notices_of_the_merge(scene, merged):
 
 
 @pytest.mark.parametrize(("shift", "is_told"), [(0.9 * SHIFT_TO_WARN, False), (1.1 * SHIFT_TO_WARN, True)])
-def test_prediction_is_repeated_only_if_the_times_changed_by_more_than_a_threshold(scene, merged, shift, is_told):
+def test_prediction_feedback_is_repeated_only_if_times_changed_by_more_than_a_threshold(scene, merged, shift, is_told):
     running = replace(coming(), predicted=(10.75 + shift, TIMES))
     found = texts(start_block(scene, running, 10.0))
     assert any("predictionFeedback" in text for text in found) is is_told

@@ -145,7 +145,7 @@ def test_document_that_crashes_its_process_is_named_and_others_continue(folder: 
     assert "nod" in again.did
 
 
-def test_missing_path_is_refused_and_each_file_is_listed_once(folder: Path):
+def test_batch_refuses_a_missing_path_and_lists_each_file_once(folder: Path):
     with pytest.raises(BmlError, match=r"nowhere\.bml: no such file or folder"):
         documents((folder / "nowhere.bml",))
     nod = folder / "nod.bml"

@@ -32,7 +32,7 @@ def test_behaviour_label_names_its_action(written: str, name: str):
     assert label(behaviour) == name
 
 
-def test_long_behaviour_label_is_truncated():
+def test_long_behaviour_label_in_a_report_is_truncated():
     (behaviour,) = parse(f'<bml id="b"><gesture id="g" lexeme="{"very" * 30}"/></bml>').behaviours
     assert len(label(behaviour)) == MAX_LABEL_LENGTH
     assert label(behaviour).endswith("\u2026")

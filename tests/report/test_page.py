@@ -123,7 +123,7 @@ def test_most_severe_checks_are_listed_first_on_the_report_page(text: str) -> No
     assert text.index("xyzzy") < text.index("realised as requested")
 
 
-def test_page_lists_changes_made_to_fit_limits(text: str) -> None:
+def test_report_page_lists_changes_made_to_fit_limits(text: str) -> None:
     story = text[text.index("Changes made to fit limits") : text.index("<h2>Servos")]
     assert "rushed" in story
     assert re.search(r"hand \d+&#8239;% slower in the stroke", story)
@@ -243,7 +243,7 @@ def test_empty_block_has_a_report_page(known: Setup, tmp_path: Path) -> None:
     assert "Changes made to fit limits" not in text
 
 
-def test_time_shifts_have_a_sign_and_long_names_may_break_at_underscores() -> None:
+def test_report_page_shows_time_shifts_with_a_sign_and_breaks_long_names_at_underscores() -> None:
     assert [format_shift(seconds) for seconds in (0.0834, -0.0152)] == ["+83\u2009ms", "\u221215\u2009ms"]
     assert breakable("l_<b>") == "l_<wbr>&lt;b&gt;"
 

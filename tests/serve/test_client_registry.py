@@ -181,7 +181,7 @@ def test_arm_message_without_the_token_is_refused_by_the_client_registry(token: 
     assert registry.session.done == [("arm", client.number, trusted)]
 
 
-def test_ping_and_status_answers_repeat_the_id():
+def test_answers_to_ping_and_status_requests_repeat_the_request_id():
     registry = Registry()
     client = registry.join("a")
     assert json.loads(*registry.say(client, {"do": "ping", "id": "x"})) == {"told": "pong", "id": "x"}

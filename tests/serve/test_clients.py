@@ -17,7 +17,7 @@ BLOCK = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}">{}</bml>
 NOD = '<head id="h" lexeme="NOD" start="0"/>'
 
 
-def test_no_message_is_accepted_without_the_token(guarded):
+def test_server_with_a_token_accepts_no_message_without_the_token(guarded):
     with Client(port=guarded.port) as client:
         client.send(BLOCK.format("b", NOD))
         assert "a token is needed" in json.loads(client.receive(20))["why"]

@@ -121,7 +121,7 @@ def test_at_least_the_requested_number_of_oldest_pending_connections_is_dropped(
 
 @pytest.fixture
 def addresses(monkeypatch):
-    """Addresses that a name has, and the servers that are created."""
+    """Record the addresses of a host name, and the created servers."""
     found: list[tuple] = []
     created: list[tuple] = []
     monkeypatch.setattr(reception.socket, "getaddrinfo", lambda host, port, **_: found)

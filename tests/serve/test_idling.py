@@ -32,7 +32,7 @@ def test_server_adds_no_idle_motion_if_it_is_switched_off(scene: Scene):
     assert scheduler.next_time(replace(scene, setup=replace(scene.setup, idling=NO_IDLING))) == inf
 
 
-def test_successive_idle_motions_differ(scene: Scene):
+def test_successive_idle_motions_of_a_server_differ(scene: Scene):
     scheduler = IdleScheduler()
     scheduler.allow(0.0)
     first, other = scheduler.plan_next(scene.setup), scheduler.plan_next(scene.setup)

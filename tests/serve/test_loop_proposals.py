@@ -41,7 +41,7 @@ def sent(simulation: Simulation) -> list[str]:
     return [message for _, message, _ in simulation.told]
 
 
-def test_proposed_motion_is_played_from_its_splice_time(simulation: Simulation):
+def test_control_loop_plays_a_proposed_motion_from_its_splice_time(simulation: Simulation):
     recorder = Recorder()
     loop = simulation.make([RealTimeSink(recorder)])
     planner = simulation.link()
@@ -64,7 +64,9 @@ def test_proposed_motion_is_played_from_its_splice_time(simulation: Simulation):
 
 
 @pytest.mark.parametrize(("early", "accepted"), [(0.05, False), (0.02, False), (-0.05, True)])
-def test_proposal_that_changes_sent_commands_is_refused(simulation: Simulation, early: float, accepted: bool):
+def test_control_loop_refuses_a_plan_proposal_that_changes_sent_commands(
+    simulation: Simulation, early: float, accepted: bool
+):
     """This holds even for a continuous transition."""
     loop = simulation.make()
     planner = simulation.link()
@@ -81,7 +83,7 @@ def test_proposal_that_changes_sent_commands_is_refused(simulation: Simulation, 
     assert sent(simulation) == ["<new/>"] * accepted
 
 
-def test_proposal_spliced_at_the_last_sent_command_is_accepted(simulation: Simulation):
+def test_control_loop_accepts_a_plan_proposal_that_begins_at_the_last_sent_command(simulation: Simulation):
     loop = simulation.make()
     planner = simulation.link()
 
@@ -99,7 +101,7 @@ def test_proposal_spliced_at_the_last_sent_command_is_accepted(simulation: Simul
 
 
 @pytest.mark.parametrize("parts", ["angles", "velocities", "accelerations"])
-def test_proposal_of_a_discontinuous_motion_is_refused(simulation: Simulation, parts: str):
+def test_control_loop_refuses_the_proposal_of_a_discontinuous_motion(simulation: Simulation, parts: str):
     recorder = Recorder()
     loop = simulation.make([RealTimeSink(recorder)])
     planner = simulation.link()
@@ -181,7 +183,7 @@ def test_feedback_is_sent_once_in_order_when_due(simulation: Simulation):
         assert 0.0 <= when - due < 2 * TICK_PERIOD
 
 
-def test_withdrawn_feedback_is_not_sent(simulation: Simulation):
+def test_feedback_withdrawn_by_the_planner_is_not_sent(simulation: Simulation):
     simulation.make()
     planner = simulation.link()
 

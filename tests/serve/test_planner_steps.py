@@ -258,7 +258,7 @@ def test_streamed_phrases_are_reported_and_planned_in_turn(state, monkeypatch):
     ]
 
 
-def test_refiner_gets_one_block_at_a_time(state, monkeypatch):
+def test_background_replanner_gets_one_block_at_a_time(state, monkeypatch):
     monkeypatch.setattr(module, "pack", lambda job: job)
     state.request_refinement()
     assert state._refiner.sent == []

@@ -96,7 +96,7 @@ async def _messages(queue):
         yield message
 
 
-def test_queued_messages_keep_their_order():
+def test_messages_queued_for_a_client_keep_their_order():
     queue = OutputQueue(3, 100_000, UnreadMemory(100_000))
     for message in "abc":
         queue.put(message)
@@ -182,7 +182,7 @@ def test_total_memory_limit_drops_messages_of_the_largest_queue():
     assert sum(map(len, others)) >= 19
 
 
-def test_unread_memory_of_a_leaving_client_is_released():
+def test_memory_of_unread_messages_is_released_when_a_client_leaves():
     memory = UnreadMemory(100_000)
     gone, here = OutputQueue(512, 100_000, memory), OutputQueue(512, 100_000, memory)
     gone.put("x" * 90_000)

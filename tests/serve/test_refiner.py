@@ -130,7 +130,9 @@ def refined(line: Connection, job: RefinementJob, setup: Setup) -> RefinedPlan:
     return found
 
 
-def test_refiner_process_synthesises_a_trial_speech_before_its_first_job(known: Setup, monkeypatch: pytest.MonkeyPatch):
+def test_background_replanner_synthesises_a_trial_speech_before_its_first_job(
+    known: Setup, monkeypatch: pytest.MonkeyPatch
+):
     scripts = []
 
     class HeardVoice:
@@ -145,7 +147,7 @@ def test_refiner_process_synthesises_a_trial_speech_before_its_first_job(known: 
     assert [script.text for script in scripts] == ["Yes."]
 
 
-def test_refiner_plans_each_job_in_its_style(known: Setup, refining):
+def test_background_replanner_plans_each_job_in_the_style_of_the_job(known: Setup, refining):
     line, made = refining
     usual, calm = (refined(line, styled_job(known, style), known) for style in (known.style.name, "calm"))
     assert usual.block == calm.block == "b"
@@ -155,14 +157,16 @@ def test_refiner_plans_each_job_in_its_style(known: Setup, refining):
     assert len(made) == 1
 
 
-def test_refiner_rebuilds_its_setup_once_per_new_reload_count_of_a_job(known: Setup, refining):
+def test_background_replanner_rebuilds_its_setup_once_per_lexicon_reload(known: Setup, refining):
     line, made = refining
     for renewals, count in ((0, 1), (1, 2), (1, 2), (3, 3)):
         refined(line, replace(styled_job(known, known.style.name), renewals=renewals), known)
         assert len(made) == count
 
 
-def test_failed_refinement_returns_no_plan(known: Setup, refining, monkeypatch: pytest.MonkeyPatch):
+def test_background_replanner_returns_no_plan_if_planning_fails(
+    known: Setup, refining, monkeypatch: pytest.MonkeyPatch
+):
     def fail(*_: object) -> None:
         raise BmlError("b: no")
 

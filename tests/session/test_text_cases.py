@@ -117,11 +117,11 @@ def test_text_of_an_ssml_document_is_spoken():
     assert spoken(planned("24_speak.xml")) == ["Hello there."]
 
 
-def test_text_in_utf_16_is_decoded():
+def test_text_file_in_utf_16_is_decoded():
     assert spoken(planned("26_utf16.txt")) == ["Hello, my friend!"]
 
 
-def test_json_in_a_markdown_code_fence_is_planned():
+def test_json_document_in_a_markdown_code_fence_is_planned():
     plan = planned("27_fence.json")
     assert [each.type for each in plan.timeline.block.behaviours] == ["head"]
 

@@ -15,7 +15,7 @@ from itertools import product
 from distributed import Client, Security, rpc
 
 NOBODY = 65534  # user id without rights on any Unix
-PATIENCE = 10  # [s] longest duration of one attempt
+PATIENCE = 10  # [s] longest duration of one attack
 
 
 async def run_in_worker(address: str, security: Security) -> int:

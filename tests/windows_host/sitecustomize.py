@@ -114,7 +114,7 @@ def import_as_on_windows(
     fromlist: tuple[str, ...] | None = (),
     level: int = 0,
 ) -> ModuleType:
-    """Import a module, or its stand-in if kinesic imports it."""
+    """Import a module, or its Windows replacement if kinesic imports the module."""
     caller = str((globals or {}).get("__name__", ""))
     program = str((globals or {}).get("__package__") or "")
     if not (caller.startswith("kinesic") or program.startswith("kinesic")):

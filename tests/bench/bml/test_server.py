@@ -39,7 +39,7 @@ def test_server_loses_no_block_and_bounds_memory_growth_at_ten_blocks_per_second
 
 
 @pytest.mark.soak
-def test_failed_server_start_raises_an_error_with_its_reason():
+def test_failed_start_of_the_benchmarked_server_raises_an_error_with_the_reason():
     with (
         pytest.raises(RuntimeError, match="did not open: kinesic: --rule rate=x"),
         open_server("--rule", "rate=x"),

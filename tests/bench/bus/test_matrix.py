@@ -84,7 +84,7 @@ def test_wrong_servo_positions_are_counted():
     assert run_trial(FaultCase("calm"), WrongDriver, servos=2, baud=1_000_000, seed=0, cycles=20).wrong == 20
 
 
-def test_comparison_table_has_a_row_per_fault():
+def test_driver_comparison_table_has_a_row_per_bus_fault():
     results = [run_driver("kinesic", name) for name in ("calm", "corrupt 1%", "wrong model")]
     table = table_rows(results)
     assert [row[0] for row in table] == ["calm", "corrupt 1%", "wrong model"]

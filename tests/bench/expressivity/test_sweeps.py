@@ -8,7 +8,7 @@ from kinesic.studies.sweep import series
 from kinesic.studies.sweep.series import MEASURE_OF, Series
 
 
-def test_sweep_covers_ten_gestures_of_at_least_six_categories():
+def test_expressivity_benchmark_covers_ten_gestures_of_at_least_six_categories():
     forms = {form.id: form for form in Lexicon.load().forms}
     assert len(set(sweeps.SWEPT_GESTURES)) == 10
     assert len({forms[id].category for id in sweeps.SWEPT_GESTURES}) >= 6
@@ -38,7 +38,7 @@ def test_each_expressivity_parameter_has_monotonicity_and_stroke_metrics(short_s
 
 
 @pytest.mark.soak
-def test_effect_of_power_counts_only_gestures_whose_velocity_limits_allow_faster_strokes(short_sweep):
+def test_effect_of_power_is_measured_only_for_gestures_whose_velocity_limits_allow_faster_strokes(short_sweep):
     power = next(series for series in sweeps.sweep_all() if series.parameter == "power")
     tight = _with(power, allowed_speed=0.1)
     metric = sweeps.effect_metrics("power", [tight])[0]

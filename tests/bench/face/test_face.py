@@ -110,7 +110,7 @@ def test_face_frame_rate_is_measured_for_the_draft_preset(monkeypatch: pytest.Mo
 
 @drawable
 @pytest.mark.parametrize("of_card", [False, True])
-def test_each_rendering_stage_is_timed_by_a_gpu_or_cpu_clock(monkeypatch: pytest.MonkeyPatch, of_card: bool):
+def test_each_face_rendering_stage_is_timed_by_a_gpu_or_cpu_clock(monkeypatch: pytest.MonkeyPatch, of_card: bool):
     """Check that the benchmark times every stage of the rendering pipeline."""
     from kinesic.bench.face import clock, stages  # noqa: PLC0415 - needs OpenGL
 

@@ -14,7 +14,7 @@ from kinesic.speech.espeak_pool import espeak_fault
 needs_voice = pytest.mark.skipif(bool(espeak_fault()), reason=espeak_fault())
 
 
-def test_sound_begin_and_end_are_found_as_loudness_steps():
+def test_begin_and_end_of_a_speech_sound_are_found_as_loudness_steps():
     noise = np.random.default_rng(3).normal(scale=0.1, size=4000)
     samples = np.concatenate([np.zeros(4000), noise, np.zeros(4000)])
     moments, steps = loudness_steps(Sound.of(16000, samples))

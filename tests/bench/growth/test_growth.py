@@ -18,7 +18,7 @@ from kinesic.session.setup import set_up
 FLOAT_BYTES = 8  # [bytes]
 
 
-def test_cost_exponents_are_fitted_above_a_minimum_document_length():
+def test_exponents_of_cost_growth_are_fitted_above_a_minimum_document_length():
     costs = [DocumentCost(size, 2.0 * size**1.5, 3.0 * size, 7.0, 5.0 * size**0.5) for size in (10.0, 30.0, 90.0)]
     short = DocumentCost(1.0, 50.0, 50.0, 50.0, 50.0)
     metrics = fit_exponents([short, *costs], min_size=10.0)
@@ -90,7 +90,7 @@ def trace_memory(work):
         tracemalloc.stop()
 
 
-def test_cost_growth_is_plotted_as_png(tmp_path, monkeypatch):
+def test_growth_of_planning_cost_with_document_length_is_plotted_as_png(tmp_path, monkeypatch):
     costs = tuple(DocumentCost(size, size, size, size, size) for size in np.array([10.0, 100.0]))
     monkeypatch.setattr("kinesic.bench.growth.cost_by_length", lambda: costs)
     monkeypatch.setattr("kinesic.bench.growth.cost_by_joints", lambda: costs)

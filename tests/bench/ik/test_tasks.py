@@ -12,7 +12,7 @@ from kinesic.body.robot import Robot
 LEFT_ARM = Robot.load().arms["l"]
 
 
-def test_best_posture_reaches_hand_positions_of_random_postures():
+def test_best_posture_search_reaches_hand_positions_of_random_postures():
     random = default_rng(91)
     for _ in range(20):
         position = LEFT_ARM.hand(random.uniform(LEFT_ARM.lower, LEFT_ARM.upper))
@@ -23,7 +23,7 @@ def test_best_posture_reaches_hand_positions_of_random_postures():
         assert best.pointing_error is None
 
 
-def test_best_posture_meets_pointing_and_palm_directions():
+def test_best_posture_search_meets_pointing_and_palm_directions():
     random = default_rng(92)
     for _ in range(10):
         rotations, centres = LEFT_ARM.frames(random.uniform(LEFT_ARM.lower, LEFT_ARM.upper))
@@ -34,7 +34,7 @@ def test_best_posture_meets_pointing_and_palm_directions():
         assert max(best.pointing_error, best.palm_error) < 1e-3
 
 
-def test_best_posture_with_more_starts_is_no_worse_and_repeatable_by_seed():
+def test_best_posture_search_with_more_starts_is_no_worse_and_repeatable_by_seed():
     reach = Reach(np.array([-0.5, -0.3, 0.1]))
     few, many, again = (best_posture(LEFT_ARM, reach, starts=count, seed=3) for count in (2, 12, 12))
     assert many.residual <= few.residual + 1e-9

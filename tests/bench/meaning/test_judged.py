@@ -29,7 +29,7 @@ def verdict(small: JudgedSet, number: int, *gestures: tuple[str, int], faces=(),
     return result.verdict, result.has_hit, result.merit
 
 
-def test_verdict_on_a_gesture_depends_on_its_kind_and_word(small_set):
+def test_judgement_of_a_chosen_gesture_depends_on_its_kind_and_word(small_set):
     assert verdict(small_set, 0, ("large", 4)) == ("right", True, 1.0)
     assert verdict(small_set, 0, ("large", 1)) == ("neutral", False, 0.0), "off its word"
     assert verdict(small_set, 0, ("no_low", 1)) == ("right", True, 1.0)
@@ -41,7 +41,7 @@ def test_verdict_on_a_gesture_depends_on_its_kind_and_word(small_set):
     assert verdict(small_set, 0) == ("neutral", False, 0.0)
 
 
-def test_facial_expressions_head_movements_and_rest_poses_get_verdicts(small_set):
+def test_facial_expressions_head_movements_and_rest_poses_of_a_text_are_judged(small_set):
     assert verdict(small_set, 0, ("large", 4), faces=["joy"])[0] == "wrong"
     assert verdict(small_set, 1, heads=["shake"])[0] == "wrong"
     assert verdict(small_set, 1, ("hands_low", 1)) == ("right", False, 1.0), "as without a gesture"

@@ -41,7 +41,7 @@ def test_gestures_with_misplaced_hands_are_counted_and_named():
     )
 
 
-def test_alike_at_head_metric_counts_only_gestures_with_required_positions_at_the_head():
+def test_metric_of_similar_gestures_at_the_head_counts_only_gestures_with_required_head_positions():
     assert legibility(HUSH_TABLE, {})["alike_at_head"].value == 0.0, "nose has no required position here"
     both = {name: PlaceTable("tips", "mouth", 0.05) for name in ("hush", "nose")}
     results = legibility(LegibilityTable(both, {}, ()), {})["alike_at_head"]

@@ -45,7 +45,7 @@ def run(*words):
     return cli.kinesic.main(["bench", *map(str, words)], standalone_mode=False)
 
 
-def test_folder_of_clips_is_measured_instead_of_the_lexicon(folder, capsys):
+def test_naturalness_benchmark_measures_a_given_folder_of_clips_instead_of_the_lexicon(folder, capsys):
     run("naturalness", "--capture", folder, "--json")
     metrics = {metric["name"]: metric for metric in json.loads(capsys.readouterr().out)}
     assert metrics["naturalness.captured.clips"]["value"] == 1

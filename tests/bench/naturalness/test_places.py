@@ -78,7 +78,7 @@ def test_error_of_a_required_position_is_measured_at_the_performing_hand(known):
     assert left == pytest.approx(right, abs=0.005)
 
 
-def test_gestures_at_the_head_do_not_look_alike(plans):
+def test_gestures_with_the_hand_at_the_head_do_not_look_alike(plans):
     seen = {
         name: measure_appearance(ROBOT, sample_stroke(planned, 60))
         for name, planned in plans.items()

@@ -7,7 +7,7 @@ from kinesic.bml.parse import parse
 
 
 @pytest.mark.parametrize("lexeme", ["NOD", "Nod_RH", "head_shake", "HeadTilt_Left", "TILT", "bigNod"])
-def test_gestures_named_after_head_movements_become_head_behaviours(lexeme: str) -> None:
+def test_gesture_elements_named_after_head_movements_become_head_behaviours(lexeme: str) -> None:
     block = parse(f'<bml id="b"><gesture id="g" type="LEXICALIZED" lexeme="{lexeme}" stroke_end="2"/></bml>')
     assert block.behaviours[0].action == Head(lexeme)
     assert (list(block.behaviours[0].syncs), block.notices) == (["strokeEnd"], ())

@@ -27,7 +27,7 @@ def test_declared_encoding_is_used_for_bytes_and_ignored_for_text() -> None:
     assert read_tree("<a>日本</a>".encode("utf-16"), source="x").text == "日本"
 
 
-def test_xml_doctype_is_accepted() -> None:
+def test_xml_document_with_a_doctype_declaration_is_accepted() -> None:
     assert read_tree('<!DOCTYPE a SYSTEM "elsewhere.dtd" []><a/>', source="x").name == "a"
 
 

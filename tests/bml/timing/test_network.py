@@ -38,7 +38,7 @@ def test_unlinked_sync_point_forms_a_set_of_one_point() -> None:
     assert Potentials().find(A) == (A, 0.0)
 
 
-def test_time_gaps_accumulate_over_links_in_any_order() -> None:
+def test_fixed_time_offsets_between_sync_points_add_up_over_a_chain_of_links() -> None:
     points = [Point("b", f"x{k}", "start") for k in range(12)]
     for seed in range(20):
         drawn, potentials = random.Random(seed), Potentials()

@@ -64,7 +64,7 @@ def test_speech_marks_lie_between_start_and_end():
 
 
 @pytest.mark.parametrize("action", [*SHIFT_ACTIONS, *RETURNING_ACTIONS, Wait()])
-def test_natural_phases_last_from_0_1_to_2_seconds(action):
+def test_natural_durations_of_behaviour_phases_are_between_0_1_and_2_seconds(action):
     spans, points = find_natural_spans(action, {}), list_sync_points(action, "bml-1.0")
     assert spans.keys() <= set(points[1:])
     assert all(0.1 <= seconds <= 2.0 for seconds in spans.values())
@@ -72,7 +72,7 @@ def test_natural_phases_last_from_0_1_to_2_seconds(action):
     assert find_natural_spans(action, {"end": 9.0})["end"] == 9.0
 
 
-def test_wait_lasts_its_duration_or_one_second():
+def test_wait_behaviour_lasts_its_given_duration_or_else_one_second():
     assert find_natural_spans(Wait(2.5), {}) == {"end": 2.5}
     assert find_natural_spans(Wait(), {}) == {"end": 1.0}
     assert find_natural_spans(Interrupt("b"), {}) == {}

@@ -24,12 +24,12 @@ def test_given_stroke_time_shifts_all_other_sync_points() -> None:
     assert fit_times(stroke=5.0)["end"] == pytest.approx(6.2)
 
 
-def test_spare_time_extends_the_post_stroke_hold() -> None:
+def test_spare_time_of_a_behaviour_extends_its_post_stroke_hold() -> None:
     times = fit_times(start=0.0, end=6.0)
     assert (times["strokeEnd"], times["relax"], times["end"]) == pytest.approx((1.0, 5.3, 6.0))
 
 
-def test_too_short_duration_shortens_holds_first_and_then_all_phases_equally() -> None:
+def test_too_little_time_for_a_behaviour_shortens_holds_first_and_then_all_phases_equally() -> None:
     times = fit_times(start=0.0, end=1.8)
     assert times["relax"] - times["strokeEnd"] == pytest.approx(0.1)
     assert times["ready"] == pytest.approx(0.6)
@@ -38,14 +38,14 @@ def test_too_short_duration_shortens_holds_first_and_then_all_phases_equally() -
     assert [times["ready"], times["stroke"] - times["strokeStart"]] == pytest.approx([0.3, 0.1])
 
 
-def test_time_before_the_stroke_extends_the_pre_stroke_hold_or_the_preparation() -> None:
+def test_spare_time_before_a_stroke_extends_the_pre_stroke_hold_or_the_preparation() -> None:
     times = fit_times(start=0.0, strokeStart=2.0)
     assert times["ready"] == pytest.approx(0.6)
     assert fit_times(start=0.0, ready=2.0)["strokeStart"] == pytest.approx(2.0)
     assert fit_times(strokeStart=1.0, strokeEnd=3.0)["stroke"] in (pytest.approx(1.2), pytest.approx(2.8))
 
 
-def test_zero_duration_gives_all_sync_points_the_same_time() -> None:
+def test_behaviour_of_zero_duration_has_all_sync_points_at_one_time() -> None:
     assert set(fit_times(start=1.0, end=1.0).values()) == {1.0}
     assert fit_behaviour(GAZE_SYNCS, {}, {"start": 0.0, "end": 2.0}) == [0.0, 0.0, 2.0, 2.0]
 

@@ -74,7 +74,7 @@ def test_bvh_skeleton_has_joints_but_no_end_sites(tmp_path):
         ("Yrotation Xrotation Zrotation", "Yrotation Xrotation Yrotation", "channel 'Yrotation' occurs twice"),
     ],
 )
-def test_broken_bvh_file_is_rejected_with_its_path(tmp_path, old, new, message):
+def test_damaged_bvh_file_is_rejected_with_its_path(tmp_path, old, new, message):
     path = write(tmp_path / "a.bvh", text=TEXT.replace(old, new))
     with pytest.raises(ConfigError, match=message) as error:
         load(read_bvh, path)

@@ -188,7 +188,7 @@ def test_mcp_server_prints_configuration_errors_of_the_setup_and_no_other_errors
     assert (printed.out, printed.err) == ("", "kinesic: no style\n")
 
 
-def test_setup_is_not_loaded_if_the_robot_server_does_not_start(monkeypatch) -> None:
+def test_mcp_server_loads_no_setup_if_the_robot_server_does_not_start(monkeypatch) -> None:
     opened: Future[object] = Future()
     opened.set_exception(RobotError("gone"))
     with pytest.raises(ConfigError, match="gone"):

@@ -44,7 +44,7 @@ def test_invalid_results_query_is_reported_in_one_line(kinesic, folder):
     assert ended.err.count("\n") == 1
 
 
-def test_results_plot_is_written_and_replaces_no_file_of_another_name(kinesic, folder):
+def test_plot_of_results_is_written_and_replaces_no_file_of_another_name(kinesic, folder):
     plotted = kinesic("results", "plot", folder)
     assert (plotted.code, plotted.out) == (0, f"png: {folder / 'results.png'}\n")
     assert (folder / "results.png").read_bytes().startswith(b"\x89PNG")

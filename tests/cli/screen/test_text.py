@@ -8,7 +8,7 @@ from kinesic.cli.screen.text import Text, cell_width
 @pytest.mark.parametrize(
     ("line", "width"), [("abc", 3), ("naïve", 5), ("e\u0301", 1), ("手話", 4), ("", 0), ("a\u200db", 2)]
 )
-def test_text_width_counts_wide_characters_twice_and_combining_marks_not_at_all(line: str, width: int):
+def test_terminal_text_width_counts_wide_characters_twice_and_combining_marks_not_at_all(line: str, width: int):
     assert cell_width(line) == width
 
 
@@ -27,7 +27,7 @@ def test_text_width_counts_wide_characters_twice_and_combining_marks_not_at_all(
         ("手", 1, ["手"]),
     ],
 )
-def test_text_is_wrapped_at_spaces_and_inside_words_that_are_too_long(text: str, width: int, lines: list[str]):
+def test_terminal_text_is_wrapped_at_spaces_and_inside_words_that_are_too_long(text: str, width: int, lines: list[str]):
     assert [line.plain for line in Text(text).wrapped(width)] == lines
 
 
@@ -38,7 +38,7 @@ def test_wrapped_lines_of_a_styled_text_keep_the_styles_of_their_characters():
     assert (Text("ab", "red") + "cd")[1:3].pieces == (("b", "red"), ("c", ""))
 
 
-def test_text_that_is_too_wide_ends_with_an_ellipsis():
+def test_terminal_text_that_is_too_wide_ends_with_an_ellipsis():
     assert Text("welcome").shortened(7).plain == "welcome"
     assert Text("welcome").shortened(6).plain == "welco…"
     assert Text("welcome").shortened(1).plain == "…"

@@ -26,7 +26,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 def archive(path: Path, folder: Path, *, top: str = "", **more: bytes) -> Path:
-    """Write a zip of a collection, with further entries."""
+    """Write a zip archive of a collection, with the given additional entries."""
     with ZipFile(path, "w", ZIP_DEFLATED) as file:
         for source in folder.glob("*.[tn]*[lz]"):
             file.write(source, top + source.name)

@@ -73,7 +73,7 @@ def test_gesture_name_of_only_removable_words_keeps_them(name):
     assert shorter(name)[-1] == (tuple(name.split()), "unspecified", ())
 
 
-def test_qualifiers_are_removed_only_at_both_ends_of_a_gesture_name():
+def test_qualifier_words_are_removed_only_at_the_ends_of_a_gesture_name():
     assert shorter("very_slow_wave_big")[-1] == (("wave",), "unspecified", ("very", "slow", "big"))
     assert shorter("count_big_boxes")[-1][0] == ("count", "big", "boxes")
 
@@ -94,7 +94,7 @@ def test_any_gesture_name_text_is_shortened_without_error(text):
         *(("RArmUp", "raise_hand", "r"), ("LHandOnHip", "hand_on_hip", "l"), ("RHandShake", "handshake", "r")),
     ],
 )
-def test_limb_word_with_side_letter_selects_the_hand(name, gesture, side):
+def test_body_part_word_with_a_side_letter_in_a_gesture_name_selects_the_hand(name, gesture, side):
     match = Lexicon.load().find(name)
     assert match is not None
     assert (match.form.id, match.form.sides, match.substitute) == (gesture, {side}, "")

@@ -60,12 +60,12 @@ def test_spatial_extent_scales_each_axis_by_its_own_rate(spatial, expected):
     assert extend_position(sealed([0.4, 0.5, 0.6]), spatial) == pytest.approx(expected)
 
 
-def test_fixed_position_axes_are_not_scaled_by_spatial_extent():
+def test_position_axes_marked_as_fixed_are_not_scaled_by_spatial_extent():
     assert extend_position(sealed([0.4, 0.5, 0.6]), 1.0, (True, False, True)) == pytest.approx([0.4, 1.15, 0.6])
 
 
 @given(places, st.floats(-1, 1), st.floats(-1, 1))
-def test_wider_extent_never_moves_the_hand_towards_the_origin(place, one, other):
+def test_larger_spatial_extent_never_moves_the_hand_towards_the_gesture_space_origin(place, one, other):
     tight, wide = sorted((one, other))
     assert np.all(np.abs(extend_position(place, tight)) <= np.abs(extend_position(place, wide)) + 1e-12)
 
@@ -76,7 +76,7 @@ def _wrists(key: StrokeKey) -> float:
 
 
 @given(places, places, st.floats(-1, 1))
-def test_two_hands_keep_the_minimum_gap_at_any_spatial_extent(left, right, spatial):
+def test_two_hands_of_a_gesture_keep_their_minimum_gap_at_any_spatial_extent(left, right, spatial):
     assert (
         _wrists(widen_key(StrokeKey({"l": HandPose(left), "r": HandPose(right)}), spatial, DEFAULT_ROBOT))
         >= HAND_GAP - 1e-9
@@ -91,12 +91,12 @@ def test_hands_pointing_at_each_other_are_spread_more_than_parallel_hands():
     )
 
 
-def test_hands_that_are_far_apart_are_not_spread():
+def test_spatial_extent_does_not_spread_hands_that_are_far_apart():
     key = StrokeKey({"l": HandPose(position(0.5, 0.2, 0.5)), "r": HandPose(position(0.5, 0.2, 0.5))})
     assert spread_hands(key) is key
 
 
-def test_crossed_hands_with_a_fixed_lateral_axis_stay_crossed():
+def test_spatial_extent_keeps_hands_crossed_if_their_lateral_axis_is_fixed():
     fixed = (True, True, True)
     key = StrokeKey({"l": HandPose(position(-0.1, 0.2, 0.4), fixed), "r": HandPose(position(-0.1, 0.3, 0.4), fixed)})
     assert widen_key(key, 1.0, DEFAULT_ROBOT).hands["l"].position == pytest.approx([0.4, -0.1, 0.2])

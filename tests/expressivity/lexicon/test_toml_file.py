@@ -40,7 +40,7 @@ def test_path_of_one_hand_overrides_the_path_of_the_stroke_key(read):
     assert (key.hands["l"].path.kind, key.hands["r"].path.kind) == ("arc", "wave")
 
 
-def test_axes_of_path_parameters_are_ordered_like_those_of_positions(read):
+def test_path_parameters_in_lexicon_files_have_the_axis_order_of_positions(read):
     numbers = "amplitude = [0.1, 0.2, 0.3], frequency = [1, 2, 3], shift = [0.1, 0.2, 0.3]"
     path = read(first(), with_path(f'kind = "wave", {numbers}')).keys[1].hands["r"].path
     np.testing.assert_allclose(path.amplitude, [0.3, 0.1, 0.2])
@@ -48,12 +48,12 @@ def test_axes_of_path_parameters_are_ordered_like_those_of_positions(read):
     np.testing.assert_allclose(path.shift, [0.3, 0.1, 0.2])
 
 
-def test_path_points_may_be_named_gesture_space_sectors(read):
+def test_points_of_a_hand_path_may_be_names_of_gesture_space_sectors(read):
     path = read(first(), with_path('kind = "points", points = [["XP", "YCC", "ZFar"], [0.1, 0.2, 0.3]]')).keys[1]
     np.testing.assert_allclose(path.hands["r"].path.points, [[0.95, 0.5, 0.25], [0.3, 0.1, 0.2]])
 
 
-def test_single_path_amplitude_applies_to_all_moving_axes(read):
+def test_single_amplitude_of_a_hand_path_applies_to_all_moving_axes(read):
     path = read(first(), with_path('kind = "circle", amplitude = 0.2, frequency = 3')).keys[1].hands["r"].path
     np.testing.assert_allclose(path.amplitude, [0, 0.2, 0.2])
     assert path.turns == 3

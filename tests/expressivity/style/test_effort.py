@@ -53,7 +53,7 @@ def efforts(pace, sluggish):
 
 
 @pytest.mark.parametrize("phase", PHASE_METHODS)
-def test_longer_movement_takes_longer_at_higher_velocity(efforts, phase):
+def test_longer_hand_movement_takes_longer_and_has_a_higher_velocity(efforts, phase):
     for effort in efforts:
         times = np.array([getattr(effort, phase)(distance) for distance in DISTANCES])
         assert np.all(np.diff(times) > 0.0)
@@ -100,7 +100,7 @@ def test_zero_effort_weight_gives_durations_by_fitts_law(efforts):
             )
 
 
-def test_overshoot_and_accent_grow_with_the_effort_weight(pace):
+def test_overshoot_and_velocity_accent_of_a_stroke_grow_with_the_effort_weight(pace):
     passages = [Effort(pace, GestureTraits(weight=weight)).passage("stroke") for weight in (0.0, 0.5, 1.0)]
     assert passages[0].swing == 0.0 < passages[1].swing < passages[2].swing
     assert passages[1].steepness < passages[2].steepness == MIN_STEEPNESS + STROKE_ACCENT
@@ -108,7 +108,7 @@ def test_overshoot_and_accent_grow_with_the_effort_weight(pace):
     assert LINEAR_STEEPNESS < homes[0] < homes[1]
 
 
-def test_high_power_shortens_only_the_stroke_and_low_power_slows_all_moving_phases(pace):
+def test_high_power_shortens_only_the_stroke_of_a_gesture_and_low_power_slows_all_phases(pace):
     plain, strong, weak = (Effort(pace, GestureTraits("beat"), Expressivity(power=power)) for power in (0.0, 1.0, -1.0))
     assert strong.stroke_time(0.1) < plain.stroke_time(0.1) < weak.stroke_time(0.1)
     for phase in ("preparation_time", "return_time"):
@@ -117,7 +117,7 @@ def test_high_power_shortens_only_the_stroke_and_low_power_slows_all_moving_phas
     assert len({item.hold_time(0.5) for item in (strong, plain, weak)}) == 1
 
 
-def test_sudden_tempo_shortens_preparation_and_stroke_but_not_retraction(pace):
+def test_sudden_tempo_of_a_gesture_shortens_preparation_and_stroke_but_not_retraction(pace):
     sudden, plain, sustained = (Effort(pace, GestureTraits("iconic", tempo)) for tempo in TEMPO_FACTORS)
     for phase in ("preparation_time", "stroke_time"):
         times = [getattr(item, phase)(0.1) for item in (sudden, plain, sustained)]
@@ -137,7 +137,7 @@ def test_slow_gesture_tempo_does_not_slow_the_transition_between_gestures(pace):
     assert slow.joining_time(0.3) == plain.joining_time(0.3) < slow.preparation_time(0.3)
 
 
-def test_hold_time_depends_on_stroke_duration_except_for_poses(pace):
+def test_hold_time_of_a_gesture_is_proportional_to_its_stroke_time_but_constant_for_poses(pace):
     stroke, pose = Effort(pace, GestureTraits("emblem")), Effort(pace, POSE_TRAITS)
     assert stroke.hold_time(1.2) == pytest.approx(2 * stroke.hold_time(0.6))
     assert pose.hold_time(0.1) == pose.hold_time(2.0) > stroke.hold_time(0.6)
@@ -165,7 +165,7 @@ def test_initial_path_velocity_falls_with_tension_and_is_zero_for_strokes_on_wor
     assert spoken.path_start_velocity(spoken.passage("preparation", led=True)) == 0.0
 
 
-def test_overshoot_and_accent_fade_if_time_is_short(pace):
+def test_overshoot_and_velocity_accent_of_a_stroke_fade_if_time_is_short(pace):
     passages = [Effort(pace).passage("stroke", time_ratio=share) for share in (0.0, MIN_TIME_RATIO, 0.8, 0.9, 1.0, 2.0)]
     swings, accents = [item.swing for item in passages], [item.steepness for item in passages[2:]]
     assert swings[0] == swings[1] == 0.0 < swings[2] < swings[3] < swings[4] == swings[5]
@@ -173,7 +173,7 @@ def test_overshoot_and_accent_fade_if_time_is_short(pace):
     assert passages[0] == passages[1] == passage_of(Expressivity(), "stroke")
 
 
-def test_preparation_and_motion_along_a_path_have_no_velocity_accent(pace):
+def test_preparation_of_a_gesture_and_motion_along_a_hand_path_have_no_velocity_accent(pace):
     effort = Effort(pace)
     assert effort.passage("preparation").easing == "minimum_jerk"
     assert effort.passage("stroke", led=True).easing == "minimum_jerk"

@@ -44,12 +44,12 @@ def test_neck_rotation_keeps_its_minimum_servo_time_at_any_temporal_extent(pace,
     assert pace.turn_time("neck", Turn(tilt=0.2), -1.0) > pace.turn_time("neck", Turn(tilt=0.2))
 
 
-def test_slowest_axis_determines_the_time_of_a_trunk_or_head_rotation(pace):
+def test_slowest_joint_axis_determines_the_time_of_a_trunk_or_head_rotation(pace):
     both = pace.least_turn_time("neck", Turn(torsion=0.8, tilt=0.05))
     assert both == pace.least_turn_time("neck", Turn(torsion=0.8)) > pace.least_turn_time("neck", Turn(tilt=0.05))
 
 
-def test_rotation_without_a_joint_chain_takes_no_time(robot, limits):
+def test_rotation_of_a_missing_joint_chain_takes_no_time(robot, limits):
     arms = replace(robot, chains={name: robot.chains[name] for name in ("l_arm", "r_arm")})
     assert Pace(arms, limits(arms)).turn_time("neck", Turn(tilt=0.3)) == 0.0
 
@@ -86,7 +86,7 @@ def test_human_duration_is_a_lower_bound_of_natural_time(pace):
     st.floats(0.01, 2.0),
     st.floats(0.2, 1.0),
 )
-def test_rotation_is_reduced_to_fit_the_available_time(pace, before, desired, seconds, haste):
+def test_trunk_or_head_rotation_is_reduced_to_fit_the_available_time(pace, before, desired, seconds, haste):
     start, end = Turn(*before), Turn(*desired)
     change = add_turns(end, scale_turn(start, -1.0))
     result = pace.manageable_turn("neck", start, end, seconds, haste)

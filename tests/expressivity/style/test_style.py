@@ -109,7 +109,7 @@ def test_unknown_style_error_suggests_the_nearest_style():
         Style.load("joyfull")
 
 
-def test_user_style_file_is_loaded_and_checked(tmp_path):
+def test_style_file_of_the_user_is_loaded_and_checked(tmp_path):
     text = (CONFIGS / "styles" / "calm.toml").read_text()
     (tmp_path / "mine.toml").write_text(text)
     assert Style.load(tmp_path / "mine.toml").numbers() == style_preset("calm").numbers()

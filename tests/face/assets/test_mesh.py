@@ -148,7 +148,7 @@ def test_subdivision_of_a_cube_follows_catmull_and_clark():
     assert {tuple(edge[::-1]) for edge in edges} == {tuple(edge) for edge in edges}
 
 
-def test_straight_open_border_stays_in_place_when_subdivided():
+def test_straight_open_border_of_a_mesh_stays_in_place_in_a_subdivision():
     strip = np.array([[x, y, 0.0] for x in range(4) for y in (0.0, 1.0)])
     faces = np.array([[2 * k, 2 * k + 2, 2 * k + 3, 2 * k + 1] for k in range(3)], dtype=np.int32)
     stencil, _ = build_subdivision(faces, 8)

@@ -239,12 +239,12 @@ def test_radical_inverse_mirrors_the_digits_of_a_sample_number_at_the_radix_poin
     np.testing.assert_allclose(compute_radical_inverse(5, 3), 2 / 3 + 1 / 9)
 
 
-def test_wendland_weight_falls_from_one_to_zero():
+def test_wendland_occlusion_falloff_decreases_from_one_to_zero():
     assert compute_wendland_weight(np.array([0.0, 1.0, 1.5])).tolist() == [1.0, 0.0, 0.0]
     assert np.all(np.diff(compute_wendland_weight(np.linspace(0, 1, 50))) < 0)
 
 
-def test_gaussian_and_wendland_have_equal_half_width():
+def test_gaussian_and_wendland_occlusion_falloffs_have_equal_half_width():
     half = np.array([0.3137])
     np.testing.assert_allclose(compute_wendland_weight(half), 0.5, atol=2e-3)
     np.testing.assert_allclose(compute_gaussian_weight(half), 0.5, atol=2e-2)

@@ -52,7 +52,7 @@ def test_sharp_pixels_do_not_bleed_into_the_background(drawn):
     assert apart[30:200, :30].max() <= 2  # next to the head, within the circle of the shoulders
 
 
-def test_larger_circle_of_confusion_blurs_more(drawn):
+def test_depth_of_field_with_a_larger_circle_of_confusion_blurs_more(drawn):
     plain = drawn(DRAFT_PRESET)
     apart = [
         float(np.abs(drawn(replace(DRAFT_PRESET, focus=Focus(circle=c))) - plain).mean()) for c in (0.0, 0.03, 0.12)
@@ -88,7 +88,7 @@ def test_anti_aliasing_changes_mainly_high_contrast_edges(drawn):
     assert steep[changed].mean() > 4 * steep[~changed].mean()
 
 
-def test_supersampling_averages_a_larger_picture(drawn):
+def test_supersampled_face_picture_is_the_average_of_a_larger_picture(drawn):
     mean = drawn(DRAFT_PRESET, size=(512, 512)).astype(np.float64).reshape(256, 2, 256, 2, 3).mean(axis=(1, 3))
     assert np.abs(drawn(replace(DRAFT_PRESET, samples=2)) - mean).max() <= 1.0
 

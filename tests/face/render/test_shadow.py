@@ -73,14 +73,14 @@ def test_forehead_has_no_self_shadow(drawn):
     assert np.abs(one - other).max() <= 2
 
 
-def test_wider_lamp_widens_penumbras(reached):
+def test_wider_lamp_widens_the_penumbra_of_face_shadows(reached):
     partly = [
         float(np.mean((light > 0.1) & (light < 0.9))) for light in (reached(Shadow(lamp=w))[0] for w in (0.02, 0.3))
     ]
     assert partly[1] > 1.5 * partly[0] > 0.0
 
 
-def test_penumbra_grows_with_blocker_distance(reached):
+def test_penumbra_of_a_shadow_grows_with_the_distance_of_the_blocking_part(reached):
     """Compare the shadow's edge width at the jaw and farther away."""
     light, seen = reached(Shadow(lamp=0.3))
     below = (seen == 1) & (np.arange(256)[:, None] > 196)

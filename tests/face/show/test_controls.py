@@ -44,12 +44,12 @@ def test_keys_of_the_face_window_change_wrinkles_and_variant_and_camera_or_close
 
 
 @pytest.mark.parametrize("key", KEY_NAMES)
-def test_every_key_of_the_face_window_changes_a_setting(key: str):
+def test_every_listed_key_of_the_face_window_changes_a_setting(key: str):
     given_values = Controls(preset="full", yaw_deg=3.0, units={12: 0.5, 4: 0.5})
     assert given_values.press(key) != given_values or key == "3"
 
 
-def test_window_title_shows_the_settings():
+def test_title_of_the_face_window_shows_its_settings():
     assert ACTION_UNITS[12].name in after("up").title
     assert "0.1" in after("up").title
     assert "preset" in KEY_HELP

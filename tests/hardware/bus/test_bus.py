@@ -233,7 +233,7 @@ def test_reboot_of_a_servo_is_reported_and_its_records_return_within_two_cycles(
     assert cycles[answered + 2].fresh.all()
 
 
-def test_tripped_watchdog_is_reported(rig: Make):
+def test_tripped_bus_watchdog_of_a_servo_is_reported_as_an_event(rig: Make):
     made = rig(3)
     made.energise()
     made.bus.put(Register.BUS_WATCHDOG, dict.fromkeys(made.bus.ids, 2))
@@ -244,7 +244,7 @@ def test_tripped_watchdog_is_reported(rig: Make):
     assert (cycles[-1].raw_values("watchdog") == -1).all()
 
 
-def test_port_loss_and_return_are_reported_as_events(rig: Make):
+def test_loss_and_return_of_a_serial_port_are_reported_as_bus_events(rig: Make):
     made = rig(7, faults=plan("unplug", start=0.5, seconds=0.4))
     made.energise()
     cycles = made.run(150, np.full(7, MID_TICKS))
@@ -258,7 +258,7 @@ def test_port_loss_and_return_are_reported_as_events(rig: Make):
     assert made.true(Register.TORQUE_ENABLE).all()
 
 
-def test_queued_writes_are_dropped_while_the_port_is_lost(rig: Make):
+def test_queued_register_writes_are_dropped_while_the_port_is_lost(rig: Make):
     made = rig(2, faults=plan("unplug", start=0.3, seconds=0.2))
     made.wire.sleep(0.35)
     assert made.run(1)[0].lost

@@ -44,7 +44,7 @@ def asked(written: list[bytes], servos: tuple[int, ...]) -> int:
     return written.count(question or packet.read_packet(servos[0], cells, RECORD_SIZE))
 
 
-def test_queued_writes_are_sent_once_before_goals(rig: Make):
+def test_queued_register_writes_are_sent_once_before_servo_goals(rig: Make):
     made = rig(2)
     written = overhear(made)
     made.bus.put(Register.PROFILE_VELOCITY, {1: 100, 2: 200})

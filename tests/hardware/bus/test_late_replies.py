@@ -87,20 +87,22 @@ def waiting() -> Waiting:
     return made
 
 
-def test_reply_without_a_missed_query_is_not_attributed_to_an_earlier_cycle(waiting: Waiting):
+def test_bus_reply_is_not_attributed_to_an_earlier_cycle_if_no_reply_was_missed(waiting: Waiting):
     assert not waiting.admit_earlier(whole(1.001, 1.001, 1.001), 1.04)
     assert not waiting.late.needs_trial
 
 
 @pytest.mark.parametrize(("after", "earlier"), [(-0.0005, True), (0.0, True), (0.0005, False)])
-def test_reply_that_was_missed_may_still_arrive_fifty_milliseconds_late(waiting: Waiting, after: float, earlier: bool):
+def test_bus_reply_missed_in_its_cycle_is_accepted_up_to_fifty_milliseconds_late(
+    waiting: Waiting, after: float, earlier: bool
+):
     assert waiting.admit_earlier(whole(1.001, 1.001, 1.001), waiting.miss(1.02) + after) is earlier
 
 
 @pytest.mark.parametrize(
     ("times", "earlier"), [((1.001,) * 3, True), ((1.001, 1.001, 1.04), True), ((1.001, 1.04, 1.04), False)]
 )
-def test_reply_is_assigned_to_the_query_of_most_of_its_servo_records(
+def test_bus_reply_is_assigned_to_the_query_to_which_most_of_its_servo_records_belong(
     waiting: Waiting, times: tuple[float, ...], earlier: bool
 ):
     waiting.miss(1.03)
@@ -108,7 +110,7 @@ def test_reply_is_assigned_to_the_query_of_most_of_its_servo_records(
     assert waiting.believed.late.any() == earlier
 
 
-def test_reply_with_only_half_of_its_records_late_is_not_assigned_to_an_earlier_query(waiting: Waiting):
+def test_bus_reply_with_only_half_of_its_servo_records_late_is_not_assigned_to_an_earlier_query(waiting: Waiting):
     waiting.miss(1.03)
     waiting.listener.sent_at = 1.04
     two = ServoReplies(records(1.001, 1.04, 1.04)[:2], np.ones(2, dtype=np.bool_), True, 0)

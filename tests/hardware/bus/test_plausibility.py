@@ -85,7 +85,7 @@ def test_impossible_first_servo_record_is_rejected(gate: PlausibilityFilter):
 
 
 @pytest.mark.parametrize("place", [2500, 1200])
-def test_repeated_jump_of_joint_with_torque_is_rejected(gate: PlausibilityFilter, place: int):
+def test_repeated_position_jump_of_a_servo_with_torque_is_rejected(gate: PlausibilityFilter, place: int):
     assert told(gate, blocks(1010, torque=1), 1.01) == [True, True]
     heard = [told(gate, blocks(1000 + 10 * k, position=place, torque=1), 1.0 + 0.01 * k) for k in range(2, 200)]
     assert all(fresh == [True, False] for fresh in heard)
@@ -135,7 +135,7 @@ def test_record_after_a_rejected_record_is_compared_with_the_last_accepted_recor
     assert told(gate, blocks(1030, position=2048 + 60, torque=1), 1.03) == [True, True]
 
 
-def test_position_far_from_the_last_accepted_position_is_accepted_after_long_silence(gate: PlausibilityFilter):
+def test_servo_position_far_from_the_last_accepted_one_is_accepted_after_a_long_silence(gate: PlausibilityFilter):
     told(gate, blocks(1010, torque=1), 1.01)
     assert told(gate, blocks(1020, position=2700, torque=1), 1.02) == [True, False]
     assert told(gate, blocks(1220, position=1500, torque=1), 1.22) == [True, True]
@@ -250,7 +250,7 @@ def alone(made: PlausibilityFilter, block: Records, time: float) -> bool:
 
 
 @pytest.mark.parametrize("sign", [-1, 1])
-def test_plausible_motion_after_silence_follows_the_velocity_limit(sign: int):
+def test_plausible_position_change_of_a_silent_servo_grows_with_the_velocity_limit(sign: int):
     """The limit is 8192 ticks/s; times are sums of powers of two, so that sums are exact."""
     most = 8192 // 8 + POSITION_TOLERANCE
     for jump, believed in ((most, True), (most + 1, False)):
@@ -260,7 +260,9 @@ def test_plausible_motion_after_silence_follows_the_velocity_limit(sign: int):
 
 
 @pytest.mark.parametrize("sign", [-1, 1])
-def test_plausible_heating_after_silence_follows_the_heating_rate(gate: PlausibilityFilter, sign: int):
+def test_plausible_temperature_change_of_a_silent_servo_grows_with_the_heating_rate(
+    gate: PlausibilityFilter, sign: int
+):
     most = TEMPERATURE_TOLERANCE + round(MAX_HEATING_RATE / 4)
     assert not alone(gate, blocks(1250, temperature=40 + sign * (most + 1)), 1.25)
     gate.forget(1)

@@ -81,7 +81,7 @@ def test_fast_query_is_used_for_several_servos_if_enabled_but_not_for_a_single_s
     assert make_query((5,), (224,), fast=True).data == PlainQuery((5,), (224,)).data
 
 
-def test_intact_reply_is_parsed_completely():
+def test_intact_reply_of_several_servos_is_parsed_completely():
     answer = FAST_QUERY.parse(WHOLE_REPLY)
     assert answer.whole
     assert found(WHOLE_REPLY) == list(SERVO_IDS)
@@ -132,7 +132,7 @@ def test_damaged_header_of_a_joint_reply_loses_no_servo_block():
         assert found(WHOLE_REPLY[:k] + WHOLE_REPLY[k + 1 :]) == list(SERVO_IDS)
 
 
-def test_end_of_a_reply_with_lost_bytes_is_detected():
+def test_end_of_a_bus_reply_with_lost_bytes_is_detected():
     assert FAST_QUERY.is_complete(WHOLE_REPLY)
     assert FAST_QUERY.is_complete(WHOLE_REPLY[:50] + WHOLE_REPLY[60:])
     assert not FAST_QUERY.is_complete(WHOLE_REPLY[:-1])

@@ -19,7 +19,7 @@ def cold(rig: Make) -> ServoAccess:
     return ServoAccess(rig(3).wire)
 
 
-def test_ping_returns_model_and_firmware(cold: ServoAccess):
+def test_ping_of_a_servo_returns_its_model_and_firmware_version(cold: ServoAccess):
     reply = cold.ping(2)
     assert reply == PingReply(2, 1020, 52)
     assert reply.name == "xm430_w350"
@@ -42,7 +42,7 @@ def test_several_registers_of_a_servo_are_read_at_once(cold: ServoAccess):
     assert cold.read_several(2, registers) == {register: cold.read(2, register) for register in registers}
 
 
-def test_read_error_names_the_silent_servo_and_register(cold: ServoAccess):
+def test_error_of_a_register_read_names_the_silent_servo_and_the_register(cold: ServoAccess):
     with pytest.raises(BusError, match=r"memory: servo 9: read of 4 bytes at 132.*is it powered, wired"):
         cold.read(9, Register.PRESENT_POSITION)
 
@@ -77,7 +77,7 @@ def test_configuration_writes_only_registers_whose_values_differ(cold: ServoAcce
     assert cold.configure(1, wanted) == ()
 
 
-def test_eeprom_is_not_set_while_torque_is_on(cold: ServoAccess):
+def test_eeprom_registers_are_not_written_while_torque_is_on(cold: ServoAccess):
     cold.write(1, Register.TORQUE_ENABLE, 1)
     with pytest.raises(BusError, match="MAX_POSITION_LIMIT cannot be set while its torque is on"):
         cold.configure(1, {Register.MAX_POSITION_LIMIT: 3000})

@@ -14,7 +14,7 @@ def scale(zero: int = 2048, turns: float = 1.0) -> Scale:
 
 @pytest.mark.parametrize("turns", [1.0, -1.0, 2.0, 2.5, -2.5, 0.5])
 @pytest.mark.parametrize("zero", [0, 1000, 2048, 4095])
-def test_conversions_from_ticks_to_angles_and_back_are_inverse(zero: int, turns: float):
+def test_encoder_ticks_converted_to_joint_angles_and_back_are_unchanged(zero: int, turns: float):
     line = scale(zero, turns)
     assert (line.ticks(line.angles(ALL_TICKS)) == ALL_TICKS).all()
 
@@ -28,7 +28,7 @@ def test_belt_reduction_scales_ticks_per_joint_angle():
     assert scale(turns=2.5).ticks(np.array([np.deg2rad(20.0)])) == [2048 + round(20 * 2.5 / 360 * 4096)]
 
 
-def test_angles_are_rounded_to_the_nearest_tick():
+def test_joint_angles_are_converted_to_the_nearest_encoder_tick():
     tick = 2 * pi / 4096
     assert scale().ticks(np.array([[0.4 * tick], [0.6 * tick], [-0.6 * tick]])).ravel().tolist() == [2048, 2049, 2047]
 

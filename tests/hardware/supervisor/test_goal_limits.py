@@ -25,7 +25,7 @@ def test_servo_goals_within_their_limits_are_unchanged():
     assert not any(refusals)
 
 
-def test_goal_jump_becomes_fastest_motion_without_overshoot():
+def test_jump_of_a_servo_goal_becomes_the_fastest_motion_without_overshoot():
     goals, refusals = follow(1000.0, [3000.0] * 200)
     assert max(np.diff(goals)) == pytest.approx(2000 * TIME_STEP)
     assert max(goals) <= 3000.0 + 1e-6
@@ -41,21 +41,21 @@ def test_servo_goals_stay_in_their_position_range():
     assert min(goals) >= 100.0
 
 
-def test_goal_stays_near_a_blocked_servo():
+def test_servo_goal_stays_near_the_position_of_a_blocked_servo():
     course = GoalCourse.still(np.array([2000.0]))
     for k in range(200):
         course, _ = limit_goals(course, np.array([2000.0 + 10 * k]), np.array([2000.0]), TIME_STEP, BOUNDS)
     assert course.goals[0] <= 2300.0
 
 
-def test_goal_stays_unchanged_if_its_servo_is_pushed_away():
+def test_servo_goal_stays_unchanged_if_the_servo_is_pushed_away():
     course, _ = limit_goals(
         GoalCourse.still(np.array([2000.0])), np.array([2000.0]), np.array([1000.0]), TIME_STEP, BOUNDS
     )
     assert course.goals[0] == 2000.0
 
 
-def test_goal_limits_apply_to_each_servo_separately():
+def test_limits_of_servo_goals_apply_to_each_servo_separately():
     """One servo away from its goal, or without a record, must not change the other goals."""
     rng, two = np.random.default_rng(1), GoalBounds(*(np.repeat(limit, 2) for limit in LIMITS))
     for _ in range(400):
@@ -85,7 +85,7 @@ def next_of(
     return float(course.goals[0]), float(course.velocities[0]), bool(refused[0])
 
 
-def test_goal_reaches_its_full_velocity_after_ten_milliseconds():
+def test_servo_goal_reaches_its_full_velocity_after_ten_milliseconds():
     course, speeds, goals = GoalCourse.still(np.array([1000.0])), [], []
     for _ in range(12):
         course, refused = limit_goals(course, np.array([3000.0]), UNKNOWN_POSITION, FINE_STEP, BOUNDS)
@@ -97,7 +97,7 @@ def test_goal_reaches_its_full_velocity_after_ten_milliseconds():
 
 
 @pytest.mark.parametrize("steps", [3, 4, 7, 10])
-def test_goal_decelerates_as_late_as_its_acceleration_limit_allows(steps: int):
+def test_servo_goal_decelerates_as_late_as_its_acceleration_limit_allows(steps: int):
     """Braking from 800 ticks/s takes 0.8 + 0.6 + 0.4 + 0.2 ticks."""
     speed, way = 200.0 * steps, 0.2 * steps * (steps + 1) / 2
     assert next_of(2000.0, 2000.0 + way, speed=speed)[:2] == pytest.approx((2000.0 + FINE_STEP * speed, speed))
@@ -106,7 +106,7 @@ def test_goal_decelerates_as_late_as_its_acceleration_limit_allows(steps: int):
 
 
 @pytest.mark.parametrize("way", [-1.0, 1.0])
-def test_goal_velocity_and_acceleration_reach_but_never_exceed_limits(way: float):
+def test_velocity_and_acceleration_of_a_servo_goal_reach_but_never_exceed_their_limits(way: float):
     for goal in np.linspace(1000.3, 3000.7, 23).tolist():
         assert next_of(goal, goal + way * 2.0, speed=way * 2000.0)[1:] == (pytest.approx(way * 2000.0), False)
         faster = next_of(goal, goal + way * 2.001, speed=way * 2000.0)[1:]
@@ -116,7 +116,7 @@ def test_goal_velocity_and_acceleration_reach_but_never_exceed_limits(way: float
 
 
 @pytest.mark.parametrize("way", [-1.0, 1.0])
-def test_goal_is_at_most_the_allowed_distance_ahead_of_its_servo(way: float):
+def test_servo_goal_is_at_most_the_allowed_distance_ahead_of_its_servo(way: float):
     goal, present = 2000.0 + way * 290.0, 2000.0
     for more, granted, refused in ((10.0, 10.0, False), (10.4, 10.0, False), (10.6, 10.0, True), (50.0, 10.0, True)):
         result = next_of(goal, goal + way * more, present=present, seconds=TIME_STEP)
@@ -124,7 +124,7 @@ def test_goal_is_at_most_the_allowed_distance_ahead_of_its_servo(way: float):
 
 
 @pytest.mark.parametrize("way", [-1.0, 1.0])
-def test_goal_far_from_its_servo_may_only_approach_it(way: float):
+def test_servo_goal_far_from_its_servo_may_only_approach_the_servo(way: float):
     present = 2000.0 - way * 1000.0
     for desired, granted in ((-5.0, -5.0), (0.0, 0.0), (5.0, 0.0)):
         assert next_of(2000.0, 2000.0 + way * desired, present=present, seconds=TIME_STEP) == (
@@ -135,7 +135,7 @@ def test_goal_far_from_its_servo_may_only_approach_it(way: float):
 
 
 @pytest.mark.parametrize(("edge", "way"), [(4000.0, 1.0), (100.0, -1.0)])
-def test_goal_outside_its_range_moves_to_the_edge(edge: float, way: float):
+def test_servo_goal_outside_its_range_moves_to_the_nearest_edge_of_the_range(edge: float, way: float):
     """The nearest edge replaces a goal far outside its range."""
     for outside in (50.0, 900.0):
         result = next_of(edge + way * 5.0, edge - way * 400.0, present=edge + way * outside, seconds=TIME_STEP)
@@ -144,7 +144,7 @@ def test_goal_outside_its_range_moves_to_the_edge(edge: float, way: float):
     assert next_of(edge, edge + way, present=edge, seconds=TIME_STEP) == (edge, 0.0, True)
 
 
-def test_goal_limits_are_equal_in_both_directions():
+def test_limits_of_servo_goals_are_equal_in_both_directions():
     rng = np.random.default_rng(2)
     for _ in range(500):
         goal, speed = rng.uniform(100, 4000), rng.uniform(-2000, 2000)

@@ -99,7 +99,7 @@ def test_move_to_rest_moves_all_but_holding_joints(manifest, steering):
     assert steering.angles == pytest.approx(expected, abs=2e-3)
 
 
-def test_approach_command_moves_goals_to_the_start_of_the_performance(manifest, steering):
+def test_approach_command_moves_servo_goals_to_the_start_of_the_performance(manifest, steering):
     begin = np.array([0.1, 0.4, -0.2, 0.3])
     for k in range(3):
         assert steering.player.take(k * PERIOD, begin)
@@ -108,7 +108,7 @@ def test_approach_command_moves_goals_to_the_start_of_the_performance(manifest, 
     assert steering.angles == pytest.approx(begin, abs=2e-3)
 
 
-def test_hold_command_stops_moving_goals(steering, manifest):
+def test_hold_command_stops_the_motion_of_servo_goals(steering, manifest):
     steering.put(range(5), manifest.scale.nearest(np.full(5, 0.5)))
     steering.fold(frozenset())
     run(steering, cycles=30)
@@ -157,7 +157,7 @@ def test_both_servos_of_a_tandem_joint_hold_when_one_is_stuck(steering, manifest
     assert steering.goals[2:] == pytest.approx(others)
 
 
-def test_goals_follow_servos_without_torque(steering, manifest):
+def test_servo_goals_follow_the_positions_of_servos_without_torque(steering, manifest):
     limp = np.array([True, True, False, True, False])
     present = np.array([1900.0, 2 * HALF_A_TURN + 1905.0, 1000.0, np.nan, 1000.0])
     before = steering.goals.copy()

@@ -77,7 +77,7 @@ def test_servo_that_is_silent_during_identification_is_accepted_as_booting(bench
     assert bench.axes.unidentified == ()
 
 
-def test_port_without_answers_is_closed(bench: Bench):
+def test_reopened_port_without_answers_is_closed(bench: Bench):
     for servo in bench.servos[:4]:
         servo.mute = True
     cycles, why = bench.identify()

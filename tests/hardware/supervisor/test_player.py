@@ -25,7 +25,7 @@ def test_performance_time_accelerates_evenly_to_its_full_rate():
     assert np.isclose(scales[-1].time - scales[-2].time, TIME_STEP)
 
 
-def test_time_scale_reaches_zero_within_the_slowdown_time():
+def test_time_scale_of_a_performance_reaches_zero_within_the_slowdown_time():
     scales = run(TimeScale(1.0, 1.0), 41, target=0.0)
     assert scales[39].scale > 0.0
     assert scales[41].still

@@ -44,7 +44,7 @@ def test_supervisor_stages_go_from_closed_to_performance_and_back():
 
 
 @pytest.mark.parametrize("stage", [Stage.PROBE, Stage.CONFIGURE])
-def test_refused_servos_close_the_ports_at_once(stage: Stage):
+def test_ports_are_closed_at_once_if_their_servos_are_refused(stage: Stage):
     state, actions = step(SupervisorState(stage), "refused", Observation())
     assert (state.stage, actions) == (Stage.CLOSED, ("close",))
 

@@ -35,7 +35,7 @@ def test_watchdog_time_is_rounded_up_to_register_counts(seconds: float, counts: 
     assert watchdog_counts(seconds) == counts
 
 
-def test_torque_starts_at_present_positions_with_low_power(bench: Bench):
+def test_torque_is_switched_on_at_the_present_positions_with_low_power(bench: Bench):
     here = [servo.electronics.present_position() for servo in bench.plant.servos]
     bench.run(energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3))
     powers = [seen[Register.GOAL_PWM][2] for seen in bench.seen if seen[Register.TORQUE_ENABLE][2]]

@@ -12,7 +12,7 @@ from .conftest import Line
 Lines = Callable[..., Line]
 
 
-def test_reboot_resets_ram_and_takes_its_boot_time(line: Lines):
+def test_reboot_of_a_virtual_servo_resets_ram_and_takes_its_boot_time(line: Lines):
     one = line()
     one.set(Register.RETURN_DELAY_TIME, 5)
     one.set(Register.PROFILE_VELOCITY, 5)

@@ -25,7 +25,7 @@ def test_motor_model_is_integrated_exactly(goal: float, seconds: float, cap: flo
     assert often.angle == pytest.approx(once.angle, abs=1e-9)
 
 
-def test_first_order_motor_arrives_without_overshoot():
+def test_first_order_motor_model_reaches_its_goal_without_overshoot():
     physics = FirstOrder([MOTOR], [0.0])
     before = 0.0
     for _ in range(300):

@@ -96,14 +96,14 @@ def _tilted(axis: Floats, random: np.random.Generator, by: float) -> Floats:
     return sealed(aside / np.linalg.norm(aside))
 
 
-def test_three_swing_hinges_of_one_bone_raise_an_error():
+def test_ik_arm_with_three_swing_hinges_at_one_bone_raises_an_error():
     with pytest.raises(ConfigError, match=r"chain arm: joint s: hinges s0, s1, s2 all swing .* at most two may"):
         accept_chain(_arm("xyx", "y", "zyx"))
     with pytest.raises(ConfigError, match=r"joint w: hinges w1, w2, w3 all swing"):
         accept_chain(_arm("yxz", "y", "zyxy"))
 
 
-def test_two_parallel_hinges_of_one_joint_raise_an_error():
+def test_ik_arm_with_two_parallel_hinges_in_one_joint_raises_an_error():
     with pytest.raises(ConfigError, match=r"joint s: hinges s2 and e0 turn about the same line"):
         accept_chain(_arm("yxz", "zy", "yx"))
 

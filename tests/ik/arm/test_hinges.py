@@ -63,7 +63,7 @@ def test_undetermined_twist_of_a_straight_elbow_keeps_its_current_angle() -> Non
     assert extract(linkage, points[1:], near).angles == pytest.approx(near[:5], abs=1e-9)
 
 
-def test_angle_solution_nearest_to_the_current_joint_angles_is_chosen() -> None:
+def test_ik_chooses_the_solution_nearest_to_the_current_joint_angles() -> None:
     chain = _arm("yxz", "x", two_sided=True)
     linkage = linkage_of(chain)
     for elbow in (-1.0, 1.0):

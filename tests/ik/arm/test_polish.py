@@ -10,7 +10,7 @@ from ...reference.ik.polish import MAX_ITERATIONS, polish
 
 ARM_CHAIN = Robot.load().arms["l"]  # chain of the left arm
 ARM_LINKAGE = linkage_of(ARM_CHAIN)  # linkage of the left arm
-REST_ANGLES = ARM_CHAIN.rest.tolist()  # [rad]
+REST_ANGLES = ARM_CHAIN.rest.tolist()  # [rad] rest angles of the arm's hinges
 HINGE_MOBILITIES = [0.1, *[1.0] * 7]  # mobility of each hinge, the first of them low
 
 

@@ -81,13 +81,13 @@ def test_undamped_mass_spring_chain_does_not_settle(way):
     assert np.mean([rest.iterations == Effort().iterations for _, rest in rests]) > 0.9
 
 
-def test_too_large_time_step_diverges_and_is_stopped():
+def test_spring_simulation_with_a_too_large_time_step_diverges_and_is_stopped():
     rest = swing_pinned(_task(6, np.array([0.5, 0.2, 0.1]), effort=Effort(step=2.0)))
     assert rest.iterations < Effort().iterations
     assert rest.energy > 1e6
 
 
-def test_springs_softer_than_the_recommended_ones_settle_slowly():
+def test_mass_spring_ik_with_softer_springs_than_recommended_settles_slowly():
     tuned = np.median([rest.iterations for _, rest in _rests("position", 10)])
     soft = np.median([rest.iterations for _, rest in _rests("position", 10, effort=Effort(step=np.sqrt(0.1)))])
     assert soft > 2.0 * tuned
@@ -110,7 +110,7 @@ def test_springs_of_a_settled_chain_have_their_rest_lengths(way):
     assert points[-1] == pytest.approx(task.target, abs=1e-6)
 
 
-def test_equal_masses_relax_to_the_same_points_as_in_the_arm_solver():
+def test_mass_spring_ik_with_equal_masses_gives_the_joint_positions_of_the_arm_solver():
     lengths, target = (0.25, 0.35, 0.4), (0.5, 0.2, 0.3)
     chain = BallChain.curved(lengths)
     mine = swing_pinned(

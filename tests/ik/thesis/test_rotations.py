@@ -51,7 +51,7 @@ def test_moving_the_base_moves_the_whole_ball_joint_chain():
     assert carried.end.rotation == pytest.approx(turn @ alone.end.rotation)
 
 
-def test_bone_between_coincident_masses_keeps_its_direction():
+def test_bone_between_coincident_spring_masses_keeps_its_direction():
     points = CURVED_CHAIN.points.copy()
     points[2] = points[1]
     stance = aim_bones(CURVED_CHAIN, ZERO_ROTATIONS, points, FIXED_BASE)

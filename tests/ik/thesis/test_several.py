@@ -159,7 +159,7 @@ def _turn(stances, name: str) -> float:
     return float(Rotation.from_matrix(turn).as_rotvec()[2])
 
 
-def test_limbs_at_rest_have_the_rest_positions_of_their_chains():
+def test_limb_tree_at_rest_has_the_rest_positions_of_its_chains():
     for limb in ROBOT_LIMBS.members:
         assert REST_STANCES[limb.name].points == pytest.approx(limb.chain.points)
 

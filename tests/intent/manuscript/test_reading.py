@@ -236,7 +236,7 @@ def test_each_omitted_part_of_a_text_gives_one_warning(text: str, warning: str):
     assert read_manuscript(text)[1] == (warning,)
 
 
-def test_streamed_word_is_spoken_before_the_next_word_arrives():
+def test_word_of_a_streamed_text_is_spoken_before_the_next_word_arrives():
     assert read_more(Manuscript(), "I want to")[1] == "I want to"
 
 

@@ -56,7 +56,7 @@ def test_words_of_politeness_in_other_senses_get_no_facial_expression(text: str,
 
 
 @pytest.mark.parametrize("text", ["Watch out, the pan is hot!", "Mind your step.", "Look out for the bus."])
-def test_warning_of_a_danger_raises_a_finger(text: str):
+def test_text_that_warns_of_a_danger_gets_a_raised_finger(text: str):
     assert shown(text) == {"warning_finger"}
     assert "warning_finger" not in shown("Mind your own business.") | shown("You look out of the window.")
 
@@ -165,7 +165,7 @@ def test_word_pairs_of_a_cue_match_across_a_comma_only_if_repeated():
     assert not shown("The answer is right, now the next question.") & {"now_here", "here_down"}
 
 
-def test_denial_gets_a_head_shake_and_a_refusal_gesture():
+def test_text_with_a_denial_gets_a_head_shake_and_a_refusal_gesture():
     assert shown("No, I won't.") & {"no_low"}
     assert shown("No, I won't.", "head") == {"SHAKE"}
 

@@ -139,7 +139,7 @@ def test_denied_feeling_is_not_shown_on_the_face():
 
 
 @pytest.mark.parametrize("text", ["I nearly died laughing.", "This cake is to die for."])
-def test_exaggerations_do_not_show_sadness(text: str):
+def test_exaggerations_such_as_dying_of_laughter_do_not_show_sadness(text: str):
     assert "sadness" not in shown(text, "face")
 
 

@@ -64,14 +64,14 @@ def test_twin_follows_imported_motion_within_one_degree_and_all_limits(known, of
     assert violations(performed) == 0
 
 
-def test_too_fast_motion_is_slowed_with_a_notice(known, offer):
+def test_too_fast_imported_motion_is_slowed_with_a_notice(known, offer):
     fast = BapFrames(sealed(offer.times / 4), offer.angles, offer.given, ())
     planned = plan_imported(fast, known, source="fast.bap")
     assert any("faster than the servos" in notice.text for notice in planned.notices)
     assert violations(dry_run(planned)) == 0
 
 
-def test_angles_beyond_range_are_clipped_and_reported(known, offer):
+def test_imported_angles_beyond_the_joint_range_are_clipped_and_reported(known, offer):
     elbow = known.robot.skeleton.joint("l_elbow_flexion")
     angles = offer.angles.copy()
     angles[:, elbow] = -0.1

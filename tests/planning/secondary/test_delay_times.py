@@ -35,7 +35,9 @@ SHORT_AFTER = Gap(2.0, 2.4, ())  # gap of 0.4 s after the stroke
         (MOVING_BEFORE, Gap(2.0, 3.0, ((2.8, 2.9),)), [0.0, 1.5, 2.0, 3.0]),
     ],
 )
-def test_hand_builds_up_its_delay_in_a_long_rest_or_else_in_the_whole_gap(before: Gap, after: Gap, times: list[float]):
+def test_delay_of_the_following_hand_builds_up_in_a_long_rest_or_else_in_the_whole_gap(
+    before: Gap, after: Gap, times: list[float]
+):
     lateness = _delay_hand(DELAYED_STROKE, before, after)
     assert [time for time, _ in lateness] == pytest.approx(times)
     assert [delay for _, delay in lateness] == [0.0, HAND_DELAY, HAND_DELAY, 0.0]
@@ -45,7 +47,7 @@ def test_hand_builds_up_its_delay_in_a_long_rest_or_else_in_the_whole_gap(before
     ("before", "after"),
     [(SHORT_BEFORE, RESTING_AFTER), (RESTING_BEFORE, SHORT_AFTER), (SHORT_BEFORE, SHORT_AFTER)],
 )
-def test_hand_without_time_to_catch_up_is_not_delayed(before: Gap, after: Gap):
+def test_following_hand_without_time_to_catch_up_is_not_delayed(before: Gap, after: Gap):
     assert _delay_hand(DELAYED_STROKE, before, after) == ()
 
 
@@ -59,7 +61,7 @@ def test_hand_without_time_to_catch_up_is_not_delayed(before: Gap, after: Gap):
         (1.0, Gap(0.0, 9.0, ((0.0, 0.1), (0.2, 1.0))), 0.0, 0.8 * MAX_DELAY_RATE),  # 0.8 s of rest
     ],
 )
-def test_joint_delay_on_approach_is_zero_at_the_stroke_and_fits_into_rest_and_motion(
+def test_joint_delay_during_the_approach_to_a_stroke_is_zero_at_the_stroke(
     delay: float, gap: Gap, start: float, applied: float
 ):
     begin, leave, end = _delay_on_approach(delay, gap, start)
@@ -68,7 +70,7 @@ def test_joint_delay_on_approach_is_zero_at_the_stroke_and_fits_into_rest_and_mo
     assert end == (gap.end, 0.0)
 
 
-def test_joint_delay_on_approach_needs_a_rest_of_the_arm():
+def test_joints_are_delayed_on_approach_only_after_a_rest_of_the_arm():
     assert _delay_on_approach(0.1, MOVING_BEFORE, 0.0) == ()
     assert _delay_on_approach(0.1, Gap(0.0, 2.0, ((1.0, 1.0),)), 0.0) == ()
     assert _delay_on_approach(0.0, RESTING_BEFORE, 0.0) == ()
@@ -84,7 +86,7 @@ def test_joint_delay_on_approach_needs_a_rest_of_the_arm():
         (0.1, Gap(1.0, inf, ((4.0, inf),)), [1.0, 4.0, 4.0], 0.1),
     ],
 )
-def test_joint_delay_on_return_builds_up_before_it_and_ends_in_the_last_rest(
+def test_joint_delay_during_the_return_of_an_arm_builds_up_before_it_and_ends_in_the_last_rest(
     sign: float, delay: float, gap: Gap, times: list[float], applied: float
 ):
     lateness = _delay_on_return(sign * delay, gap)

@@ -63,7 +63,7 @@ def direction_errors(frame: Rotation, directions: Sequence[HandDirection]) -> di
 def _climbed(
     link: Link, frame: Rotation, directions: Sequence[HandDirection], rest: Sequence[float], start: Sequence[float]
 ) -> tuple[tuple[float, ...], float]:
-    """Optimise one hinge after another until no angle changes."""
+    """Optimise one hinge angle after another until none changes."""
     angles, height = list(start), 0.0
     wanted = [within(frame, direction.wanted) for direction in directions]
     for _ in range(MAX_ITERATIONS):

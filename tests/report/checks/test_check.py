@@ -109,7 +109,7 @@ def test_no_two_check_statuses_have_the_same_severity():
     assert list(SEVERITY_RANKS.values()) == [0, 1, 2, 3]
 
 
-def test_times_are_formatted_with_two_decimals_and_without_negative_zero():
+def test_times_in_checks_are_formatted_with_two_decimals_and_without_negative_zero():
     assert [format_time(time) for time in (1.234, -0.001, 12.0)] == ["at 1.23 s", "at 0.00 s", "at 12.00 s"]
 
 

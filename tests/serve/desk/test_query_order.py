@@ -28,7 +28,7 @@ class Kit:
 
 
 class Workshop:
-    """Setups, answers and children of one helper."""
+    """Records of the setups, answers and child processes of one helper."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, rules: Quotas = DEFAULT_QUOTAS) -> None:
         self.children: list[ThreadChild] = []

@@ -37,7 +37,7 @@ def test_documents_with_similar_names_have_separate_versions(versions):
         assert [versions.read(name, version.number) for version in versions.list(name)] == [name]
 
 
-def test_missing_version_is_refused_with_the_existing_numbers(versions):
+def test_missing_document_version_is_refused_with_the_existing_version_numbers(versions):
     with pytest.raises(ConfigError, match="no version 1; there are: none"):
         versions.read("tea.bml", 1)
     versions.keep("tea.bml", b"x")

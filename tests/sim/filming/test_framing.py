@@ -102,7 +102,7 @@ def draw_scene(room: Image.Image, robot: Image.Image) -> np.ndarray:
     return np.asarray(seen)
 
 
-def test_bounding_box_is_the_smallest_that_contains_two_boxes():
+def test_joined_bounding_box_is_the_smallest_box_that_contains_both_boxes():
     assert bounding_box((2, 4, 8, 9), (4, 0, 20, 6)) == (2, 0, 20, 9)
 
 

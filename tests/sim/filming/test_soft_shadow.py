@@ -21,7 +21,7 @@ def bar_shadow() -> np.ndarray:
     return compute_shadow_outlines(sealed(ends), sealed([0.15, 0.15]), SCENE_VIEW, size=PICTURE_SIZE)
 
 
-def test_shadow_lies_along_the_light_direction():
+def test_drawn_floor_shadow_lies_along_the_light_direction():
     (outline,) = bar_shadow()[0]
     fallen = np.array([0.0, 0.0, BAR_HEIGHT]) + BAR_HEIGHT / -SUN_DIRECTION[2] * np.array(SUN_DIRECTION)
     assert fallen[2] == pytest.approx(0.0)
@@ -57,6 +57,6 @@ def test_shadow_does_not_darken_pixels_outside_its_box():
     assert (np.abs(seen.astype(int) - 200) <= 1).all()
 
 
-def test_shading_a_region_equals_shading_the_whole_picture():
+def test_floor_shadow_of_a_picture_region_equals_that_of_the_whole_picture():
     whole, part = shade_region((0, 0, 320, 180)), shade_region((40, 60, 200, 170))
     assert np.abs(part.astype(int) - whole[60:170, 40:200]).max() <= 1

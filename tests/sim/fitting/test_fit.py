@@ -55,7 +55,7 @@ def true_value(unknown, factors):
 
 @pytest.fixture(scope="module")
 def worn():
-    """Fit a log of worn servos that were simulated with small steps."""
+    """Fit servo parameters to a log of simulated worn servos."""
     return fit_factors(record_log(WORN_FACTORS, seconds=0.7, step=0.001), ROBOT, free=FREE_PARAMETERS)
 
 

@@ -234,7 +234,7 @@ def test_nearly_parallel_lines_count_as_parallel(angle, at):
     np.testing.assert_allclose(found, at * X)
 
 
-def test_unit_vector_has_length_1_unless_it_is_zero():
+def test_normalised_vector_has_length_1_unless_it_is_zero():
     np.testing.assert_allclose(unit_vector(np.array([3.0, 0, -4])), (0.6, 0, -0.8))
     assert unit_vector(np.zeros(3)).tolist() == [0, 0, 0]
 

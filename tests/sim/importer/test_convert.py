@@ -76,7 +76,7 @@ def test_hinge_limit_converts_back_to_the_joint_limit_of_the_robot_file(tee_mapp
     assert lowest == pytest.approx(-1.7, abs=1e-4)
 
 
-def test_unambiguous_robot_needs_no_review(tee_mapped):
+def test_imported_robot_without_ambiguity_needs_no_review(tee_mapped):
     assert tee_mapped.confidence > 0.9
     assert not tee_mapped.doubtful
 

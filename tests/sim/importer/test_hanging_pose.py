@@ -29,7 +29,7 @@ def test_arm_is_brought_to_hanging_within_narrow_joint_ranges(tee, row):
     assert roll.lower - 1e-6 <= posed.angles[1] <= roll.upper + 1e-6
 
 
-def test_elbow_bends_towards_the_middle_of_its_range(tee, row):
+def test_elbow_of_a_hanging_imported_arm_bends_towards_the_middle_of_its_range(tee, row):
     limb = HingeRow.of(tee, row)
     assert find_elbow_sense(limb, ARM_SPLIT, -2.4, 0.1) == -1.0
     assert find_elbow_sense(limb, ARM_SPLIT, -0.1, 2.4) == 1.0

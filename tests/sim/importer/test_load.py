@@ -23,7 +23,7 @@ def test_free_joint_gives_no_hinge_and_mimic_joints_are_read(tee, hanging):
     assert all(joint.name for joint in tee.joints)
 
 
-def test_parents_come_first_and_root_hinges_have_no_parent(tee):
+def test_hinges_of_a_loaded_robot_are_listed_after_their_parents(tee):
     assert all(joint.parent < k for k, joint in enumerate(tee.joints))
     assert named(tee, "waist").parent == BASE_INDEX
     assert tee.joints[named(tee, "l_bend").parent].name == "l_twist"

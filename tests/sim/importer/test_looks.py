@@ -137,7 +137,7 @@ def test_meshes_beyond_the_size_limit_are_not_read(folder: Path, monkeypatch: py
     assert "MB of meshes" in load_robot_tree(written(folder, mjcf())).left_out[0]
 
 
-def test_cube_edges_are_sharp_and_a_ball_is_smooth():
+def test_imported_cube_mesh_keeps_sharp_edges_and_imported_ball_mesh_is_smooth():
     corners = np.array([[x, y, z] for x in (0, 1) for y in (0, 1) for z in (0, 1)], dtype=float)
     quads = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     cube = Triangles(corners, np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))]))

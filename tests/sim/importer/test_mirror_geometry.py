@@ -186,7 +186,7 @@ def crooked(count):
     return [*arms(count=count), ("l_leg", BASE_INDEX, 0.1 * Y - 2 * Z, X), ("r_leg", BASE_INDEX, -0.1 * Y - 3 * Z, X)]
 
 
-def test_names_pair_hinges_if_symmetry_finds_fewer_than_six_pairs_and_names_find_more():
+def test_imported_hinges_are_paired_by_names_if_symmetry_finds_fewer_than_six_pairs():
     found = sides(make_tree(*crooked(5)))
     assert (found.by_names, found.pairs) == (True, {k: k + 5 for k in range(5)} | {10: 11})
     found = sides(make_tree(*crooked(6)))
@@ -201,7 +201,7 @@ def test_joint_names_decide_which_side_is_left():
     assert (found.left, found.certain, found.pairs) == ((0.0, -1.0), True, {3: 0, 4: 1, 5: 2, 7: 6})
 
 
-def test_toes_decide_which_side_is_left_without_names():
+def test_direction_of_the_toes_decides_which_side_is_left_if_joint_names_do_not():
     found = sides(make_tree(*arms("a", "b"), *FEET_ROWS))
     assert (found.left, found.certain, found.pairs) == ((0.0, 1.0), True, {0: 3, 1: 4, 2: 5, 6: 7})
     backward = [(name, parent, anchor, axis, 2 * anchor - centre) for name, parent, anchor, axis, centre in FEET_ROWS]
@@ -209,7 +209,7 @@ def test_toes_decide_which_side_is_left_without_names():
     assert (found.left, found.certain, found.pairs) == ((0.0, -1.0), True, {3: 0, 4: 1, 5: 2, 7: 6})
 
 
-def test_left_side_is_a_guess_without_names_and_toes():
+def test_left_side_of_an_imported_robot_is_a_guess_without_side_names_and_toes():
     found = sides(make_tree(*arms("a", "b")))
     assert (found.left, found.certain, found.pairs) == ((0.0, 1.0), False, {0: 3, 1: 4, 2: 5})
 

@@ -13,7 +13,7 @@ from kinesic.sim.importer.segments import (
 )
 
 
-def test_segment_origins_are_the_joint_centres(tee_figure):
+def test_segment_origins_of_an_imported_robot_are_the_joint_centres(tee_figure):
     where = lay_out_segments(tee_figure, name_hinges(tee_figure))
     left = tee_figure.arms["l"].centres
     assert where.carrier == "vl5"
@@ -44,7 +44,7 @@ def test_bone_capsule_begins_after_the_given_fraction_of_the_bone():
     assert capsule.end == (0, 0, -1)
 
 
-def test_shapes_are_converted_to_the_segment_frame():
+def test_imported_shapes_are_converted_to_the_frame_of_their_segment():
     (capsule,) = convert_capsules([Capsule(np.array([1.0, 0, 0]), np.array([1.0, 0, 1]), 0.1)], np.array([1.0, 0, 0.5]))
     assert (capsule.start, capsule.end, capsule.radius) == ((0, 0, -0.5), (0, 0, 0.5), 0.1)
 

@@ -21,7 +21,7 @@ def test_shoulders_of_an_imported_robot_are_symmetric_about_y_0(tee_figure):
     assert left[1] + right[1] == pytest.approx(0, abs=1e-9)
 
 
-def test_arm_length_is_from_shoulder_to_wrist(tee_figure):
+def test_arm_length_of_an_imported_robot_is_from_shoulder_to_wrist(tee_figure):
     assert tee_figure.arm_length == pytest.approx(0.52, abs=0.005)
 
 
@@ -37,18 +37,18 @@ def test_arms_trunk_and_head_of_an_imported_robot_are_found(tee):
     assert names(tee, result.right) == [name.replace("l_", "r_", 1) for name in names(tee, result.left)]
 
 
-def test_gripper_is_not_part_of_the_wrist(hanging):
+def test_gripper_of_an_imported_robot_is_not_part_of_the_wrist(hanging):
     assert names(hanging, branches(hanging, sides(hanging)).left)[-1] == "left_turn_joint"
 
 
-def test_robot_without_neck_and_trunk_is_accepted(written, puppets):
+def test_imported_robot_without_neck_and_trunk_is_accepted(written, puppets):
     tree = load_robot_tree(written("plain.xml", puppets.puppet(neck=False, trunk=False)))
     result = branches(tree, sides(tree))
     assert (result.trunk, result.neck) == ((), ())
 
 
 @pytest.mark.parametrize("joints", ["", "<joint/>"])
-def test_robot_without_arms_is_rejected(written, joints: str):
+def test_imported_robot_without_arms_is_rejected(written, joints: str):
     one = f'<mujoco model="one"><worldbody><body>{joints}<geom size="0.1"/></body></worldbody></mujoco>'
     tree = load_robot_tree(written("one.xml", one))
     message = "robot one: no arms found: among 1 hinges" if joints else "robot one: no movable joint"

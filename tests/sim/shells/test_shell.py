@@ -118,7 +118,7 @@ def test_only_the_shell_is_visible_and_it_has_no_mass(tmp_path: Path):
     assert build_model(ROBOT).nmesh == 0
 
 
-def test_meshes_are_placed_at_the_shell_vertices():
+def test_meshes_of_the_physics_model_have_the_vertices_of_the_shell():
     model = styled_model(ROBOT, width=64, height=48)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)

@@ -85,7 +85,7 @@ def test_motion_pair_planning_starts_at_the_given_document_index(known, document
     assert [pair.stimulus for pair in pairs] == ["offer", "doubt_shrug"]
 
 
-def test_indistinguishable_motions_give_no_stimulus_pair(known, documents, motions: dict[str, SampledMotion]):
+def test_two_visually_equal_motions_give_no_stimulus_pair(known, documents, motions: dict[str, SampledMotion]):
     assert plan_pairs(documents, motions, known, "power=0", 2) == []
     assert plan_pairs(documents, motions, known, "repetition=0", 2) == []
 
@@ -110,7 +110,7 @@ def test_invalid_study_settings_are_refused(known, condition: str, what: str):
         changed_setup(known, condition)
 
 
-def test_two_motions_differ_visibly_by_joint_angles_or_by_duration():
+def test_motions_of_a_stimulus_pair_differ_visibly_by_joint_angles_or_duration():
     still = SampledMotion(np.zeros((50, 3)))
     assert not still.differs(SampledMotion(np.full((50, 3), 0.9 * MIN_VISIBLE_DIFFERENCE)))
     assert still.differs(SampledMotion(np.full((50, 3), 1.1 * MIN_VISIBLE_DIFFERENCE)))

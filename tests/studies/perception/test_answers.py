@@ -101,7 +101,7 @@ def test_each_participant_of_the_face_study_counts_once_and_age_is_optional():
     assert count_participants(results) == People(2, (51,))
 
 
-def test_conditions_without_an_effect_rarely_differ_significantly(answers: tuple[FaceRating, ...]):
+def test_study_conditions_without_a_true_effect_rarely_differ_significantly(answers: tuple[FaceRating, ...]):
     comparison = compare_sides(answers, "presentation", ("animation", "image"))
     assert sum(cell.significant for cell in comparison.cells.values()) <= 4  # of 18, by chance 1
 

@@ -48,14 +48,14 @@ def test_packets_are_decoded_for_any_split_of_the_stream(
 
 
 @given(SERVO_IDS, PACKET_BODIES, st.integers(0, 1000), st.integers(1, 255))
-def test_packet_with_a_changed_byte_is_rejected(servo: int, body: bytes, where: int, change: int):
+def test_servo_packet_with_a_changed_byte_is_rejected(servo: int, body: bytes, where: int, change: int):
     whole = bytearray(packet(servo, Instruction.WRITE, body))
     whole[where % len(whole)] ^= change
     assert list(Reader().feed(bytes(whole))) == []
 
 
 @given(st.binary(max_size=30).filter(lambda noise: b"\xff" not in noise), SERVO_IDS, PACKET_BODIES)
-def test_packet_after_noise_is_decoded(noise: bytes, servo: int, body: bytes):
+def test_servo_packet_after_noise_bytes_is_decoded(noise: bytes, servo: int, body: bytes):
     assert list(Reader().feed(noise + packet(servo, Instruction.READ, body))) == [Packet(servo, 2, body)]
 
 
@@ -111,7 +111,7 @@ def test_changed_byte_in_a_fast_answer_loses_at_most_two_records(
 
 
 @given(st.lists(st.integers(1, 250), min_size=1, max_size=20, unique=True), st.data())
-def test_separate_status_packets_are_decoded(servos: list[int], data: st.DataObject):
+def test_separate_status_packets_of_several_servos_are_decoded(servos: list[int], data: st.DataObject):
     records = [data.draw(SERVO_RECORDS) for _ in servos]
     raw = b"".join(packet(s, Instruction.STATUS, b"\0" + r) for s, r in zip(servos, records, strict=True))
     answer = PlainQuery(tuple(servos), (224,) * len(servos)).parse(raw)

@@ -117,7 +117,7 @@ def test_no_event_sequence_reaches_an_impossible_supervisor_state(story: list[tu
         assert possible(state) == state
 
 
-def test_no_servo_is_powered_before_the_manifest_is_checked(steps: list[TakenStep]):
+def test_supervisor_enables_no_torque_before_all_servos_are_checked(steps: list[TakenStep]):
     for before, _, _, after, actions in steps:
         if ENERGISING_ACTIONS & set(actions):
             assert before.checked

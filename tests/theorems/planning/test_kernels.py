@@ -38,7 +38,7 @@ OLDEST_KERNELS = {
     "x86_64": ("Prescott", "Nehalem"),
     "aarch64": ("ARMV8", "NEOVERSEN1"),
 }  # the first, unless it is in use
-KERNEL_ALIASES = {"katmai": "Prescott"}  # OpenBLAS's two names of the same kernel
+KERNEL_ALIASES = {"katmai": "Prescott"}  # other names of OpenBLAS kernels
 # GLIBC_TUNABLES without vector and fused multiply-add instructions
 NO_FUSED_INSTRUCTIONS = "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX2_Usable,-FMA_Usable"
 

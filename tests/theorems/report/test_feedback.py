@@ -29,7 +29,7 @@ def known():
 
 @settings(max_examples=10, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(gestures, times)
-def test_warnings_name_exactly_the_sync_points_moved_by_over_10_ms(known, asked, nod):
+def test_feedback_warnings_name_exactly_the_sync_points_moved_by_over_10_ms(known, asked, nod):
     lines = [
         f'<gesture id="g{k}" lexeme="{lexeme}" mode="{mode}" stroke="{time}"/>'
         for k, (lexeme, mode, time) in enumerate(asked)

@@ -67,7 +67,7 @@ def test_classifier_separates_a_constant_rest_posture_from_varied_ones(captured)
     assert metrics["robot.first_frame_accuracy_left_out"].value > 0.9
 
 
-def test_rest_spread_is_the_standard_deviation_of_wrist_positions():
+def test_spread_of_rest_postures_is_the_standard_deviation_of_wrist_positions():
     measured = make_set("robot", trunks=[1.0] * 4, bends=(0.0, 90.0))
     forward, down = 0.25 / ARM / 2, 0.25 / ARM / 2
     assert measure_rest_spread(measured) == pytest.approx(np.hypot(forward, down))
