@@ -142,7 +142,7 @@ class ClockBesideCalculation(LoadFileScheduling):
         return is_consistent(names) or super()._check_nodes_have_same_collection()
 
     def _remaining(self, node: WorkerController) -> list[str]:
-        """Return the files that a process can still take."""
+        """Return the queued test files that a process has collected."""
         return [file for file in self.workqueue if file in self._files[node]]
 
     def _reschedule(self, node: WorkerController) -> None:

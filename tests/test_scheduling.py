@@ -99,7 +99,7 @@ def test_indexed_list_of_tests_returns_the_same_positions_as_a_plain_list():
 
 
 class StubNode:
-    """Test process that records the tests that it is sent."""
+    """Stub test process that records the tests sent to it."""
 
     def __init__(self, worker: str) -> None:
         self.gateway = SimpleNamespace(id=worker)
@@ -134,7 +134,7 @@ def start_scheduler(root: Path, collections: Mapping[str, list[str]]) -> tuple[C
 
 
 def finish_sent_tests(scheduler: ClockBesideCalculation, node: StubNode) -> list[str]:
-    """Finish all tests that a process is sent, and return their files."""
+    """Finish all tests sent to a process, and return their files."""
     done = []
     while len(done) < len(node.sent):
         index = node.sent[len(done)]

@@ -22,7 +22,7 @@ MERGES_PER_PLAN = (
     4  # number of merges after each plan; the first one merges this plan, later ones earlier plans of the group
 )
 MEAN_PAUSE = 0.8  # [s] mean time between two blocks of the running motion
-MERGE_FRACTION = 0.85  # fraction of the plans that are merged; the others replace the running motion
+MERGE_FRACTION = 0.85  # fraction of the plans that are merged; all other plans replace the running motion
 KEPT_PAST = 0.1  # [s] duration of past motion kept in the running motion
 
 

@@ -18,7 +18,7 @@ from kinesic.sim.model import build_model, find_joint_indices
 
 BASIS = np.array([[1, 4, 1, 0], [-3, 0, 3, 0], [3, -6, 3, 0], [-1, 3, -3, 1]]) / 6.0  # powers of u x control points
 MAX_RATIO = 1.001  # largest accepted ratio of value / limit
-CONTACT_KNOTS = 2  # knots between two postures that are judged for contact: 50 postures a second
+CONTACT_KNOTS = 2  # number of knots between two postures checked for contact: 50 postures per second
 QUANTITIES = ("position", "velocity", "acceleration", "jerk")
 CONTACT = "contact"  # name of the largest ratio of force or energy to the limit near an audience
 

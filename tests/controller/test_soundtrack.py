@@ -242,7 +242,7 @@ class Stand:
         self.time = 0.0
 
     def go(self, seconds: float, stage: Stage, scale: float = 1.0, *, told: bool = True) -> None:
-        """Advance the performance time for a while."""
+        """Advance the clock and the performance time in steps of the status period."""
         for _ in range(round(seconds / STATUS_PERIOD)):
             if told:
                 self.aloud(replace(Status(stage), clock=self.tape.now, time=self.time, scale=scale))

@@ -28,7 +28,7 @@ def _pose(chain: Chain, angles: Floats) -> tuple[Floats, Floats]:
 
 
 def _check(chain: Chain, found: PoseSolution, position: Floats, rotation: Floats) -> None:
-    """Check reported errors with other forward kinematics and another rotation formula."""
+    """Check reported errors with independent forward kinematics and rotation formula."""
     at, turned = _pose(chain, found.angles)
     assert np.all((chain.lower <= found.angles) & (found.angles <= chain.upper))
     assert found.residual == pytest.approx(np.linalg.norm(at - position), abs=1e-9)

@@ -58,7 +58,7 @@ def measure(root: Path = TREE_ROOT, limits: Limits = Limits()) -> list[Metric]: 
 
 
 def find_shared_names(public_names: Sequence[Finding]) -> list[Finding]:
-    """Return each public name once; one that several modules define is an offender."""
+    """Return each public name once, as an offender if several modules define it."""
     places: dict[str, list[str]] = defaultdict(list)
     for finding in public_names:
         places[finding.text].append(finding.place)

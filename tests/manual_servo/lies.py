@@ -74,7 +74,7 @@ class Nonsense(Lying):
 
 @dataclass
 class Scattered(Lying):
-    """Servo with another impossible position in each record."""
+    """Servo that reports a different impossible position in each record."""
 
     seed: int = 1
 

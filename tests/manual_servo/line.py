@@ -220,7 +220,7 @@ class Line:
         return time
 
     def _fast(self, packet: Packet, awake: Sequence[Device], time: float) -> float:
-        """Return one joint reply whose blocks end with a running CRC."""
+        """Return the combined reply of several servos, whose blocks end with a running CRC."""
         wanted = list(_reads(packet))
         size = 1 + sum(size + 4 for _, _, size in wanted)
         head = p.PACKET_HEADER + bytes([p.BROADCAST_ID]) + size.to_bytes(2, "little") + bytes([p.STATUS])
@@ -240,7 +240,7 @@ class Line:
 
 
 def _padded(device: Device, address: int, size: int) -> Answer:
-    """Pad a block of a joint reply to its size."""
+    """Pad a servo's block of a combined reply to its size."""
     error, data = device.show(address, size)
     return device.answer(error, data.ljust(size, b"\0"))
 

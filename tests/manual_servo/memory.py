@@ -131,7 +131,7 @@ class Memory:
         return 0
 
     def _wrong(self, changed: dict[str, int]) -> int:
-        """Return the error number for these values, 0 if they are allowed."""
+        """Return the error number for written values, 0 if they are allowed."""
         for name, value in changed.items():
             item = self.items[name]
             if self["watchdog"] == WATCHDOG_TRIPPED and name in GOAL_REGISTERS:

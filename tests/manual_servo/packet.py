@@ -86,7 +86,7 @@ class Decoder:
         self._heard, self._last = b"", 0.0
 
     def feed(self, data: bytes, time: float = 0.0) -> list[Packet]:
-        """Return the packets completed by these bytes.
+        """Return the packets completed by the given bytes.
 
         Half a packet is forgotten after a silence.
         """

@@ -33,7 +33,7 @@ class OfServo(Fault):
         """Apply the fault to the servo."""
 
     def heal(self, device: Device) -> None:
-        """Undo the fault where possible."""
+        """Restore the servo's state at the end of the fault, if the fault changed it."""
 
 
 @dataclass

@@ -33,7 +33,7 @@ def test_arm_set_to_unreachable_directions_keeps_the_joint_limits():
     assert np.all((posture >= robot.skeleton.lower) & (posture <= robot.skeleton.upper))
 
 
-def test_arm_directions_of_several_postures_equal_those_of_single_ones():
+def test_arm_directions_computed_for_several_postures_at_once_equal_single_results():
     robot = TESTED_ROBOTS["human"]
     postures = np.stack([robot.skeleton.rest, set_arm(robot, "l", HANGING_ARM, np.array(robot.skeleton.rest))])
     single = [measure_arm(robot, "l", posture) for posture in postures]

@@ -165,7 +165,7 @@ def test_detours_start_from_the_closest_sample_of_each_collision():
     assert list(detour._find_closest_samples(np.zeros(4))) == []
 
 
-def test_unsolved_collision_does_not_block_detours_around_later_ones(monkeypatch):
+def test_later_collisions_get_detours_although_an_earlier_one_has_none(monkeypatch):
     usual = detour._propose_detours
     monkeypatch.setattr(
         detour, "_propose_detours", lambda course, time, *more: usual(course, time, *more) if time > 5.0 else iter(())

@@ -60,7 +60,7 @@ def test_equal_shifts_of_one_behaviour_share_a_warning(calm: DryRun) -> None:
     ]
 
 
-def test_delay_is_explained_first_by_limits_of_joints_that_the_behaviour_moves(calm: DryRun) -> None:
+def test_explanation_of_a_delay_prefers_limits_of_joints_that_the_behaviour_moves(calm: DryRun) -> None:
     plan = calm.plan
     robot = plan.setup.robot
     own, other = robot.joints("r_arm")[2], robot.joints("neck")[0]

@@ -132,7 +132,7 @@ def test_motion_without_holding_behaviour_is_shifted_to_rest(known, need):
     np.testing.assert_allclose(led, motion(known), atol=1e-12)
 
 
-def test_held_posture_ignores_the_arms(known):
+def test_offset_to_a_held_posture_does_not_include_arm_hinges(known):
     controls = motion(known)
     controls[:, list(arm_hinges("l_hand", known.robot))] += 0.2
     assert not offset_to_held_posture(controls, (), known.robot).any()

@@ -132,7 +132,7 @@ def test_released_arm_rejoins_only_behaviours_that_are_not_ready_yet(planned, kn
     assert bool(np.abs(after - before).max() < 1e-6) is rejoins
 
 
-def test_first_tried_return_has_one_and_a_half_times_the_minimum_duration(planned, known, monkeypatch):
+def test_first_tried_arm_return_takes_one_and_a_half_times_its_minimum_duration(planned, known, monkeypatch):
     running, spans = planned(passage_text(0)).trajectory, list[int]()
 
     def refuse(current, _after, knots, *_):

@@ -58,7 +58,7 @@ class Office:
         return [child for child in self.children if child.name == name]
 
     def received(self, index: int = 0, *, count: int = 1) -> list[object]:
-        """Return the messages to a planner process, which must be so many."""
+        """Return the messages to a planner process, and check their count."""
         pipe, messages = self.of("planner")[index].arguments[1], []
         for _ in range(count):
             assert pipe.poll(PATIENCE)
@@ -67,7 +67,7 @@ class Office:
         return messages
 
     def start(self) -> Planner:
-        """Start a planner that becomes warm."""
+        """Start a planner process, and report that it is ready."""
         self.planner.start()
         assert self.received() == [LOOP_START]
         self.planner.receive(READY_MESSAGE)

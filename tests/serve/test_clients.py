@@ -100,7 +100,7 @@ def test_messages_beyond_the_rate_limit_are_refused_one_by_one(guarded):
 
 @pytest.fixture
 def full(guarded, becomes):
-    """Server without free places."""
+    """Server whose client slots are all taken."""
     assert becomes(lambda: not guarded.open.clients._clients)
     clients = [Client(port=guarded.port, token="open sesame") for _ in range(4)]
     yield guarded

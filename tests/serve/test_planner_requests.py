@@ -116,7 +116,7 @@ def test_emergency_stop_interrupts_the_playing_block_without_proposing_a_motion(
     assert proposal.owed == frozenset()
 
 
-def test_blocks_end_at_the_first_of_two_emergency_stops_reported_late(planning: Planning):
+def test_blocks_end_at_the_first_of_two_emergency_stops_reported_together(planning: Planning):
     """The loop has already ended the blocks at the first stop."""
     planning.document("b", LONG_GESTURE_BML)
     planning.said()

@@ -152,7 +152,7 @@ def test_torques_equal_mujoco_inverse_dynamics():
         assert result[k] == pytest.approx(data.qfrc_inverse[order] + rubbing, abs=1e-11)
 
 
-def test_python_fallback_gives_equal_torques(monkeypatch: pytest.MonkeyPatch):
+def test_python_fallback_of_the_dynamics_gives_equal_torques(monkeypatch: pytest.MonkeyPatch):
     results = (
         DYNAMICS.holding(RANDOM_POSTURES),
         DYNAMICS.inertias(RANDOM_POSTURES),

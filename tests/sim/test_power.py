@@ -16,7 +16,7 @@ IDLE_CURRENT = sum(drive.count * drive.servo.idle_a for drive in DRIVES)
 
 
 def make_steady_steps(duty, load, *, steps=6):
-    """Return steps in which all servos do the same."""
+    """Return steps with the same duty and load of all servos."""
     return DriveEffort(
         *(np.full((steps, HINGE_COUNT), value) for value in (duty, np.clip(duty, -1, 1), load)), np.ones(1)
     )

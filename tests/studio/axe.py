@@ -9,7 +9,7 @@ from ..chromium import Page
 
 AXE_SCRIPT = (
     Path(__file__).parents[2] / "kinesic" / "studio" / "client" / "node_modules" / "axe-core" / "axe.min.js"
-)  # installed by npm
+)  # script of the accessibility checker axe-core, installed by npm
 SEVERE_IMPACTS = ("serious", "critical")  # axe-core impact levels that fail a test
 
 

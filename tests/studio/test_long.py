@@ -13,8 +13,8 @@ from .conftest import STEP, Studio
 from .test_bundle import CLIENT
 
 AXE = CLIENT / "node_modules" / "axe-core" / "axe.min.js"
-HALF_HOUR, WARM = 1800.0, 30.0  # [s] duration of the playback, and of the warm-up before it
-PARTS = 6  # number of memory measurements
+HALF_HOUR, WARM = 1800.0, 30.0  # [s] durations of the measured playback and of the warm-up before it
+PARTS = 6  # number of memory measurements during the playback
 
 pytestmark = [pytest.mark.soak, pytest.mark.realtime]
 

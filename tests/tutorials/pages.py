@@ -110,7 +110,7 @@ def _free_port() -> int:
 
 
 def _follow(example: Example) -> None:
-    """Do what a reader does at a block."""
+    """Type, run or compare a code block as a reader of the tutorial does."""
     desk: Desk = example.namespace["desk"]
     lexemes = example.region.lexemes
     language, title, source = lexemes["language"], lexemes["title"], desk.at_own_port(str(lexemes["source"]))

@@ -9,7 +9,7 @@ from threading import Thread
 
 from tests.tutorials.outputs import matches
 
-COMMAND_TIMEOUT = 90.0  # [s] for a command or its shown output, also on a loaded machine
+COMMAND_TIMEOUT = 90.0  # [s] longest wait for a command or its shown output, sufficient on a busy machine
 POLL_PERIOD = 0.05  # [s] between two comparisons of the output
 
 

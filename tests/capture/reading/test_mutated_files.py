@@ -24,7 +24,7 @@ from ..gltf_files import moving_person
 from ..lerobot_files import write_dataset
 from ..ros_files import JOINT_STATE, JOINT_TRAJECTORY, joint_trajectory, mcap, state_messages
 
-MUTATIONS = 2000  # number of files of each format in `make soak`; other runs read one twentieth
+MUTATIONS = 2000  # number of files of each format in `make soak`; ordinary test runs read one twentieth
 WORDS = (b"nan", b"-1", b"1e999", b"{", b"}", b"\n", b" ", b"0", b"CHANNELS", b"\xff", b"[", b"null", b"9" * 30)
 
 

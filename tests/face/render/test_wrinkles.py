@@ -25,7 +25,7 @@ from kinesic.face.render.wrinkles import (
 
 from ..conftest import Gallery
 
-TABLE_41 = {1: (0,), 2: (1, 2), 4: (3,), 6: (4, 5), 10: (6, 7), 12: (8, 9), 20: (10, 11)}  # unit -> maps
+TABLE_41 = {1: (0,), 2: (1, 2), 4: (3,), 6: (4, 5), 10: (6, 7), 12: (8, 9), 20: (10, 11)}  # action unit -> wrinkle maps
 ADDED_UNITS = {9: (12,), 15: (13,), 17: (14,), 14: (15,)}  # action unit -> wrinkle maps, for units missing in the table
 WRINKLED_UNITS = sorted(TABLE_41 | ADDED_UNITS)
 PICTURE_SIDE = 160  # [pixels] side of the pictures

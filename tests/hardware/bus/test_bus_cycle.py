@@ -38,7 +38,7 @@ def overhear(made: Rig) -> list[bytes]:
 
 
 def asked(written: list[bytes], servos: tuple[int, ...]) -> int:
-    """Count the queries to exactly these servos."""
+    """Count the queries to exactly the given servos."""
     cells = SERVO_MODELS["xm430_w350"].cells[0].data
     question = packet.sync_read(servos, cells, RECORD_SIZE, fast=True) if len(servos) > 1 else None
     return written.count(question or packet.read_packet(servos[0], cells, RECORD_SIZE))
@@ -234,7 +234,7 @@ def test_late_reply_that_arrives_during_a_repeated_query_is_accepted():
 
 
 def silence(made: Rig, *places: int) -> None:
-    """Make exactly the servos at these places silent from now on."""
+    """Make only the servos with the given indices silent from now on."""
     for place, servo in enumerate(made.plant.servos):
         servo.mute = place in places
 

@@ -65,7 +65,7 @@ def test_pseudo_terminal_and_invalid_latency_file_give_no_latency(tmp_path: Path
 
 
 def beat(host: Punctuality, gaps: list[float], *, now: float = 100.0) -> list[str]:
-    """Return the messages for cycles with these gaps between them."""
+    """Return the messages for cycles with the given times [s] between them."""
     notes = [host.note(now, excused=False)]
     for gap in gaps:
         now += gap

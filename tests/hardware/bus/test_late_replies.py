@@ -23,7 +23,7 @@ MID_TICKS = 2048  # [ticks] position in the middle of a turn
 ALL_SERVOS = slice(None)  # index of all servos
 CYCLE_PERIOD = 0.01  # [s] period of the bus cycle
 SERVO_MODEL = SERVO_MODELS["xm430_w350"]
-AGE_TOLERANCE = CLOCK_TOLERANCE + (8 + 3 * 22) * 1e-5  # [s] age of a record from which on it is late
+AGE_TOLERANCE = CLOCK_TOLERANCE + (8 + 3 * 22) * 1e-5  # [s] age above which a record is late
 
 
 class Waiting:
@@ -60,7 +60,7 @@ class Waiting:
         return self.late.admit_earlier(self.question, ALL_SERVOS, answer)
 
     def cycle_of_the_past(self) -> None:
-        """Process a cycle whose records all seem older than accepted ones."""
+        """Process a cycle in which all records appear older than records accepted before."""
         self.believed.begin()
         assert self.admit_earlier(whole(1.001, 1.001, 1.001), self.miss(1.04) - 0.04)
         self.late.note(fresh=False)
@@ -75,7 +75,7 @@ def records(*times: float) -> Records:
 
 
 def whole(*times: float) -> ServoReplies:
-    """Return a reply of every servo, with records of these times [s]."""
+    """Return a reply of every servo with the given record times [s]."""
     return ServoReplies(records(*times), np.ones(3, dtype=np.bool_), True, 0)
 
 

@@ -260,9 +260,7 @@ def test_plausible_position_change_of_a_silent_servo_grows_with_the_velocity_lim
 
 
 @pytest.mark.parametrize("sign", [-1, 1])
-def test_plausible_temperature_change_of_a_silent_servo_grows_with_the_heating_rate(
-    gate: PlausibilityFilter, sign: int
-):
+def test_temperature_change_accepted_after_silence_grows_with_the_heating_rate(gate: PlausibilityFilter, sign: int):
     most = TEMPERATURE_TOLERANCE + round(MAX_HEATING_RATE / 4)
     assert not alone(gate, blocks(1250, temperature=40 + sign * (most + 1)), 1.25)
     gate.forget(1)

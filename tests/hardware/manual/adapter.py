@@ -235,7 +235,7 @@ WIRE_FAULTS = {  # kinesic's kind of a wire fault -> fault class of the independ
 
 
 def _translate(planned: PlannedFault, line: Line, seed: int) -> list[Fault]:
-    """Convert a fault chance per joint reply to a chance per servo."""
+    """Convert a fault chance per combined reply of several servos to a chance per servo."""
     concerned = [device.id for device in line.devices if not planned.servos or device.id in planned.servos]
     if planned.way == "request" and planned.kind in WIRE_FAULTS:
         return [wire.LostRequest(planned.rate, seed=seed)]

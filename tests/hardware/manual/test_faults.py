@@ -180,7 +180,7 @@ def test_longer_return_delay_time_delays_the_servo_reply(bench: Make):
     assert made.line.arrives() - made.line.world.time == pytest.approx(soon + 508e-6, abs=1e-4)
 
 
-def test_another_robot_can_be_connected_when_the_cable_is_plugged_in_again(bench: Make):
+def test_replugged_cable_can_connect_the_servos_of_another_robot(bench: Make):
     made = bench(1, 2)
     others = [Device(1, "xm540_w270")]
     made.line.expose(faults.Replugged(others), seconds=0.5)

@@ -19,7 +19,12 @@ from kinesic.hardware.protocol.wire import BusError
 
 from ...manual_servo.frame_device import AX, MX, SCS, STS, FrameDevice, FrameLine
 
-FAMILIES = {"sts3215": (STS, 74), "scs0009": (SCS, 60), "ax12": (AX, 120), "mx28": (MX, 120)}  # layout, [0.1 V]
+FAMILIES = {
+    "sts3215": (STS, 74),
+    "scs0009": (SCS, 60),
+    "ax12": (AX, 120),
+    "mx28": (MX, 120),
+}  # register layout, voltage [0.1 V]
 SERVO_COUNT = 4  # servos on the wire
 PERIOD = 0.01  # [s] cycle period
 TOLERANCE = 60  # [ticks] motion of a servo within two cycles, with rounding

@@ -84,7 +84,7 @@ class Drill(Desk):
         self.observer.look(self.plant.time, self.status.angles, self.status.taken)
 
     def raise_arms(self, up: Floats = RAISED_ANGLES) -> None:
-        """Raise the arms, and let them sway there."""
+        """Raise the arms, and let them sway in the raised posture."""
         self.open()
         rest = self.manifest.rest
         for k in range(round(PERFORMANCE_DURATION / PERIOD)):

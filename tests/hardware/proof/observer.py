@@ -143,7 +143,7 @@ class Observer:
         self._goals[place], self._sent[place] = goal, time
 
     def _off(self, place: int, goal: float) -> float:
-        """Return the distance [rad] between a goal and its servo."""
+        """Return the distance [rad] between a goal and the position of its servo."""
         turns = abs(self.manifest.scale.turns[place])
         return float(abs(goal - self.true.ticks()[place]) / turns * np.pi / 2048)
 

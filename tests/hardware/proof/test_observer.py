@@ -26,7 +26,7 @@ def standing(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFa
 
 @pytest.fixture
 def raised(standing: Drill) -> Drill:
-    """Robot with raised arms of an earlier test, without recorded violations."""
+    """Robot with raised arms, without violations recorded in earlier tests."""
     standing.run(0.2)
     standing.observer.watching = False
     standing.observer.broken.clear()

@@ -64,12 +64,12 @@ def test_operating_modes_indirect_cells_and_current_unit_agree_with_the_independ
 
 
 @EVERY_MODEL
-def test_temperature_limit_is_that_of_the_series(model: Model):
+def test_factory_temperature_limit_is_that_of_the_servo_series(model: Model):
     assert model.factory_value(Register.TEMPERATURE_LIMIT) == SERIES_TEMPERATURES[model.name.removeprefix("2")[:5]]
 
 
 @EVERY_MODEL
-def test_supply_limits_are_those_of_the_series(model: Model):
+def test_factory_voltage_limits_are_those_of_the_servo_series(model: Model):
     limits = tuple(
         model.factory_value(register) for register in (Register.MIN_VOLTAGE_LIMIT, Register.MAX_VOLTAGE_LIMIT)
     )

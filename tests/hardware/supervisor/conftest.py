@@ -156,7 +156,7 @@ class Desk:
         return np.abs(away) > np.radians(5.0)
 
     def consent(self) -> None:
-        """Request a resume, as a person does."""
+        """Request a resume after an emergency stop, as a person does."""
         self.channel.set("estop", 0)
         self.channel.set("resume", self.channel.word("resume") + 1)
 
@@ -176,7 +176,7 @@ class Desk:
         return self.supervisor.now() - began
 
     def expose(self, *faults: PlannedFault, bus: str = "") -> None:
-        """Apply faults from now on, to the first wire or another."""
+        """Apply faults from now on, to the first wire or the given bus."""
         self.buses[bus or next(iter(self.buses))].expose(FaultPlan(faults, seed=3))
 
     def perform(self, seconds: float, *, amplitude: float = 0.4, begin: float = 0.0) -> None:

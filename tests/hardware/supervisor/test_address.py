@@ -46,7 +46,7 @@ class Held:
 
 
 def beat(clock: float, *, joints: int = JOINTS) -> Status:
-    """Write a status of this time [s]."""
+    """Return a status with the given clock time [s]."""
     nowhere = np.zeros(joints)
     return Status(clock=clock, angles=nowhere, setpoints=nowhere, taken=nowhere)
 
@@ -170,7 +170,7 @@ def squat(path: Path, kind: str) -> None:
             os.chown(path, NOBODY, NOBODY)
 
 
-OCCUPANT_KINDS = ["file", "link", "open", *(["foreign"] if os.geteuid() == 0 else [])]  # kinds of files at its place
+OCCUPANT_KINDS = ["file", "link", "open", *(["foreign"] if os.geteuid() == 0 else [])]  # files in the folder's place
 
 
 @pytest.mark.parametrize("kind", OCCUPANT_KINDS)

@@ -88,7 +88,7 @@ DRIVEN_VALUES = {  # (register, value) that the supervisor overwrites in operati
     (Register.GOAL_PWM, -885),
     (Register.GOAL_POSITION, 500),
 }
-LEFT_VALUES = {  # register -> value that has no effect on motion, so that it is kept
+LEFT_VALUES = {  # register -> value that the supervisor keeps, because it has no effect on motion
     **dict.fromkeys((r for r in Register if r.name.startswith("EXTERNAL_PORT_MODE")), 1),
     **dict.fromkeys((r for r in Register if r.name.startswith("EXTERNAL_PORT_DATA")), 4095),
     Register.LED: 1,

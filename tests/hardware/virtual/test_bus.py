@@ -23,7 +23,7 @@ def troubled(*faults: PlannedFault, count: int = 3, **changes: object) -> Line:
 
 
 def blocks(reply: bytes, size: int) -> list[tuple[int, int, bytes]]:
-    """Return error, id and data of each block of a joint reply.
+    """Return error, id and data of each block of a combined reply of several servos.
 
     CRCs are checked.
     """

@@ -11,7 +11,7 @@ from kinesic.intent.manuscript.reading import read_manuscript, read_more
 from kinesic.intent.reading.language import load_language
 from kinesic.intent.reading.words import read_text
 
-CODE_CASES = (  # text, spoken words, warnings
+CODE_CASES = (  # text with program code, its spoken words, its warnings
     ("~~~\nx = 2\n~~~\nHi", "Hi", ["code is not spoken"]),
     ("Run this:\n~~~py\nx = 2\n~~~\nHi", "Run this Hi", ["code is not spoken: py"]),
     ("Use ~~~x = 2~~~ or ``` y = 3 ``` now", "Use or now", ["code is not spoken: x = 2", "code is not spoken: y = 3"]),

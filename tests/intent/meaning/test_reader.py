@@ -233,7 +233,7 @@ def test_language_without_cues_keeps_the_gestures_of_its_rules():
     }
 
 
-def test_repeated_meaning_does_not_repeat_a_gesture():
+def test_successive_sentences_of_equal_meaning_get_different_gestures():
     _, selection = plan_behaviours("I have no idea. I have no clue. Who knows. I don't know why.", LEXICON, NEUTRAL)
     gestures = [behaviour.lexeme for behaviour in selection.behaviours if behaviour.channel == "gesture"]
     assert len(gestures) == len(set(gestures)) > 1

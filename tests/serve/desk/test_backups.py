@@ -98,7 +98,7 @@ def test_backups_of_documents_need_a_document_folder():
 
 
 @pytest.mark.parametrize("field", ["key", "name", "revision", "text"])
-def test_backup_with_a_lone_surrogate_is_refused_and_the_earlier_one_kept(backups, field):
+def test_backup_with_a_lone_surrogate_is_refused_and_the_earlier_backup_kept(backups, field):
     fields = {"key": "a", "name": "tea.bml", "revision": "r1", "text": "x"}
     backups.keep(**fields)
     with pytest.raises(ConfigError, match=f"the {field} of the backup: character 1 is not a Unicode character"):

@@ -156,7 +156,7 @@ def test_document_is_not_replaced_if_its_version_cannot_be_kept(tmp_path):
     assert not list((tmp_path / "elsewhere").iterdir())
 
 
-def test_document_with_a_lone_surrogate_is_refused_and_the_earlier_one_kept(tmp_path):
+def test_document_with_a_lone_surrogate_is_refused_and_the_saved_document_kept(tmp_path):
     folder = DocumentFolder(tmp_path)
     folder.save("a.bml", "x")
     with pytest.raises(ConfigError, match=r"a\.bml: character 4 is not a Unicode character"):

@@ -21,7 +21,7 @@ from kinesic.sim.shells.shell import (
 
 ROBOT_NAMES = ("upper22", "upper36")
 MAX_SHELL_DISTANCE = 0.021  # [m] from a shell to the shapes and servos of its segment
-MAX_HEAD_DISTANCE = 0.030  # [m] from the head's shell to its shapes, at the rounded corners
+MAX_HEAD_DISTANCE = 0.030  # [m] largest distance between the head's shell and its shapes, at the rounded corners
 PEDESTAL_HEIGHT = 0.23  # [m] height of the base's wide foot, out of the hands' reach
 MAX_SEGMENT_TRIANGLES = 3000  # triangles of one segment
 MAX_FILE_SIZE = 300_000  # [bytes] largest shell file

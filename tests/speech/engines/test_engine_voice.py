@@ -84,7 +84,7 @@ class FaultyEngine:
     name: str = "faulty"
 
     def speak(self, phrase: Phrase, /) -> SpokenPhrase:
-        """Return a phrase with the fault."""
+        """Return a spoken phrase with the fault."""
         spoken = ToneEngine().speak(phrase)
         word = SpokenWord(0, 3, 0.3, 0.4)
         if self.fault == "raises":

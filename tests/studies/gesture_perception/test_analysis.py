@@ -27,7 +27,7 @@ def read(tmp_path: Path, *people) -> Answers:
 
 
 def binomial_probabilities(total: int, chance: float) -> list[float]:
-    """Binomial probabilities of 0, 1, .. hits."""
+    """Return the binomial probabilities of 0, 1, 2, ... hits."""
     return [comb(total, k) * chance**k * (1 - chance) ** (total - k) for k in range(total + 1)]
 
 

@@ -154,7 +154,7 @@ def test_corpus_schedules_are_independent_of_behaviour_names_and_time_origin() -
 
 
 def _grounded(block: Block) -> Block:
-    """Give untimed behaviours a start, so that the block can shift."""
+    """Start untimed behaviours at the block's start, so that they shift with it."""
     free = {b.id for b in block.behaviours if not b.syncs}
     anchor = {"start": SyncRef(block.id, "bml", "start")}
     tied = {ref.behaviour for b in block.behaviours for ref in b.syncs.values()}

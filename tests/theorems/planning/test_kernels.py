@@ -37,7 +37,7 @@ SAMPLE_RATE = 100.0  # [Hz] sample rate of the compared angles
 OLDEST_KERNELS = {
     "x86_64": ("Prescott", "Nehalem"),
     "aarch64": ("ARMV8", "NEOVERSEN1"),
-}  # the first, unless it is in use
+}  # the first kernel is compared with the kernel in use, or the second if the first is in use
 KERNEL_ALIASES = {"katmai": "Prescott"}  # other names of OpenBLAS kernels
 # GLIBC_TUNABLES without vector and fused multiply-add instructions
 NO_FUSED_INSTRUCTIONS = "glibc.cpu.hwcaps=-AVX2,-FMA,-AVX2_Usable,-FMA_Usable"

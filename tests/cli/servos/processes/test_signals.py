@@ -23,7 +23,7 @@ LONG_INTERRUPTION = 1.2  # [s] suspension after which a person must confirm
 
 @pytest.fixture(scope="module")
 def robot(tmp_path_factory):
-    """The arms alone: other servos would only take time."""
+    """Robot with arms only, so that the tests take less time."""
     return Robot.load(write_robot(tmp_path_factory.mktemp("robot"), "neck", "torso", "clavicles"))
 
 

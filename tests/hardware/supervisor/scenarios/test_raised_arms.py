@@ -29,7 +29,7 @@ OVERLOAD, ENCODER, VOLTAGE = (
 
 @pytest.fixture(scope="module")
 def robot(tmp_path_factory: pytest.TempPathFactory) -> Robot:
-    """Return the default robot's arms alone, as its other servos only cost time."""
+    """Return the default robot with arms only, so that the tests take less time."""
     return Robot.load(write_robot(tmp_path_factory.mktemp("robot"), "neck", "torso", "clavicles"))
 
 
