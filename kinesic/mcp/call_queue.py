@@ -14,7 +14,7 @@ MIN_CALL_INTERVAL = 0.1  # [s] shortest time between two calls, as the server ac
 REFUSAL_DELAY = 0.1  # [s] delay of answers to discarded calls, so that the emergency stop is answered first
 CLIENT_GONE = "the client is gone"  # answer to a call whose client has disconnected
 
-T = TypeVar("T")
+T = TypeVar("T")  # type of a call's result
 
 # Done when the request of the current call has ended, by an answer or by a disconnection.
 request_end: ContextVar[Future[None] | None] = ContextVar("request_end", default=None)

@@ -17,8 +17,8 @@ class Connection(Protocol):
         """Close the connection to the server."""
 
 
-C = TypeVar("C", bound=Connection)
-T = TypeVar("T")
+C = TypeVar("C", bound=Connection)  # type of the connection
+T = TypeVar("T")  # type of a request's result
 
 
 class DirectLine(Generic[C, T]):

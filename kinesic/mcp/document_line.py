@@ -25,7 +25,7 @@ NO_CONVERSATION = "off"  # state without a conversation
 MAX_MESSAGE_SIZE = DEFAULT_QUOTAS.message  # [bytes] largest message; the server ends the connection at a longer one
 
 RobotAnswer = Mapping[str, Json]
-T = TypeVar("T")
+T = TypeVar("T")  # type of an answer
 
 
 @dataclass(eq=False)

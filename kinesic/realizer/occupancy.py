@@ -26,7 +26,7 @@ RELAX_SYNCS = ("relax", "strokeEnd", "stroke", "end")  # sync points that may se
 MOTION_TOLERANCE = 1e-9  # [rad] hinges that move less count as unmoved
 ROUNDING_TOLERANCE = 1e-6  # [s] times closer than this count as equal, as clock shifts cause rounding errors
 
-T = TypeVar("T")
+T = TypeVar("T")  # type of the entries to sort
 
 
 @dataclass(frozen=True, eq=False)

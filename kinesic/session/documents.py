@@ -1,4 +1,4 @@
-"""Read documents (BML, FML-APML or plain text) as planning blocks."""
+"""Reader of documents (BML, FML-APML or plain text) as planning blocks."""
 
 import re
 from bisect import bisect_left

@@ -1,4 +1,4 @@
-"""Plan documents and motion files without moving the robot."""
+"""Planning of documents and motion files without moving the robot."""
 
 from collections.abc import Callable
 from dataclasses import replace

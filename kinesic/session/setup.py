@@ -1,4 +1,4 @@
-"""Combine robot, style, lexicon, voice and options into a planning setup."""
+"""Planning setups from robot, style, lexicon, voice and options."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path

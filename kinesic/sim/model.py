@@ -1,4 +1,4 @@
-"""Build the MuJoCo model of a robot from its description.
+"""MuJoCo model of a robot, built from its description.
 
 Inverse kinematics and limits read the same description. Each servo is a `dcmotor` whose on-board controller is the
 servo's own position loop: with the data sheet's stall torque s, no-load speed w and voltage V the motor has K = V / w

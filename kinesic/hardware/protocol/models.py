@@ -168,9 +168,9 @@ def _native_model(sheet: NativeSheet) -> Model:
     )
 
 
-_MODELS = (*(_x_model(sheet) for sheet in FACTORY_SHEETS), *(_native_model(sheet) for sheet in NATIVE_SHEETS))
-SERVO_MODELS: Mapping[str, Model] = MappingProxyType({model.name: model for model in _MODELS})
-ALL_BAUD_RATES = tuple(sorted({rate for model in _MODELS for rate in model.bauds}))  # [bit/s] of all families
+_ALL_MODELS = (*(_x_model(sheet) for sheet in FACTORY_SHEETS), *(_native_model(sheet) for sheet in NATIVE_SHEETS))
+SERVO_MODELS: Mapping[str, Model] = MappingProxyType({model.name: model for model in _ALL_MODELS})
+ALL_BAUD_RATES = tuple(sorted({rate for model in _ALL_MODELS for rate in model.bauds}))  # [bit/s] of all families
 MODELS_BY_NUMBER: Mapping[int, Model] = MappingProxyType({model.number: model for model in SERVO_MODELS.values()})
 
 

@@ -137,11 +137,14 @@ class FamilyTable:
         return self.sensors[0], self.sensors[1] - self.sensors[0]
 
 
-_VOLTAGE, _HEAT, _ENCODER = HardwareError.VOLTAGE.value, HardwareError.OVERHEATING.value, HardwareError.ENCODER.value
-_SHOCK, _OVERLOAD = HardwareError.ELECTRICAL_SHOCK.value, HardwareError.OVERLOAD.value
-_FEETECH_ERRORS = {0x01: _VOLTAGE, 0x02: _ENCODER, 0x04: _HEAT, 0x08: _SHOCK, 0x20: _OVERLOAD}
+_VOLTAGE_BIT = HardwareError.VOLTAGE.value
+_HEAT_BIT = HardwareError.OVERHEATING.value
+_ENCODER_BIT = HardwareError.ENCODER.value
+_SHOCK_BIT = HardwareError.ELECTRICAL_SHOCK.value
+_OVERLOAD_BIT = HardwareError.OVERLOAD.value
+_FEETECH_ERRORS = {0x01: _VOLTAGE_BIT, 0x02: _ENCODER_BIT, 0x04: _HEAT_BIT, 0x08: _SHOCK_BIT, 0x20: _OVERLOAD_BIT}
 _FEETECH_BITS = {bit: native for native, bit in _FEETECH_ERRORS.items()}
-_PROTOCOL1_ERRORS = {0x01: _VOLTAGE, 0x04: _HEAT, 0x20: _OVERLOAD}
+_PROTOCOL1_ERRORS = {0x01: _VOLTAGE_BIT, 0x04: _HEAT_BIT, 0x20: _OVERLOAD_BIT}
 _PROTOCOL1_BITS = {bit: native for native, bit in _PROTOCOL1_ERRORS.items()}
 # Sources disagree below 115200 baud, so those codes are left out
 _FEETECH_BAUDS = {0: 1_000_000, 1: 500_000, 2: 250_000, 3: 128_000, 4: 115_200}

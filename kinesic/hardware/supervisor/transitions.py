@@ -219,14 +219,15 @@ def _matches(values: int, cubes: tuple[Cube, ...]) -> bool:
     return any(values & mask == required for mask, required in cubes)
 
 
-_READ_FLAGS, _READ_INPUTS = attrgetter(*FLAG_NAMES), attrgetter(*INPUT_NAMES)
+_READ_FLAGS = attrgetter(*FLAG_NAMES)
+_READ_INPUTS = attrgetter(*INPUT_NAMES)
 _VARIABLE_BITS = tuple(1 << place for place in range(len(VARIABLE_NAMES)))
-_CASES = [(stage, event) for stage in Stage for event in sorted(ALL_EVENTS)]
+_STAGE_EVENTS = [(stage, event) for stage in Stage for event in sorted(ALL_EVENTS)]
 _FLAG_ROWS = {
     (stage, event): [(rule, expand(rule.when)) for rule in FLAG_RULES if stage in rule.stages and event in rule.events]
-    for stage, event in _CASES
+    for stage, event in _STAGE_EVENTS
 }
 _TRANSITION_ROWS = {
     (stage, event): [(row, expand(row.when)) for row in TRANSITION_TABLE if stage in row.stages and event in row.events]
-    for stage, event in _CASES
+    for stage, event in _STAGE_EVENTS
 }

@@ -1,4 +1,4 @@
-"""Fit labels and lines into the available space of a plot."""
+"""Fitting of labels and lines into the available space of a plot."""
 
 from collections.abc import Iterable
 

@@ -22,8 +22,8 @@ from kinesic.serve.wire.quotas import Quotas
 HELPER_NICENESS = 5  # niceness of helpers: lower priority than loop and planner
 SETUP_TIMEOUT = 30.0  # [s] time limit for the start of a helper process
 
-Q = TypeVar("Q")
-R = TypeVar("R")
+Q = TypeVar("Q")  # type of the queries
+R = TypeVar("R")  # type of an exchange's result
 MakeSetup = Callable[[], Setup]
 Answer = Callable[[Q, Setup, Quotas], str]
 

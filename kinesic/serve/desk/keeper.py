@@ -36,7 +36,7 @@ from kinesic.serve.wire.quotas import Quotas
 MAX_STYLE_FILES = 200  # largest number of files that are searched for styles
 MAX_WAITING_REQUESTS = 16  # largest number of pending document requests, and of pending backups, of one client
 
-T = TypeVar("T")
+T = TypeVar("T")  # type of an action's result
 
 
 @dataclass(eq=False)

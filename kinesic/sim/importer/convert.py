@@ -1,4 +1,4 @@
-"""Convert an MJCF or URDF file to robot tables with review notes."""
+"""Conversion of MJCF or URDF files to robot tables with review notes."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Load kinematics, masses, shapes, motors and meshes of MJCF or URDF."""
+"""Reader of kinematics, masses, shapes, motors and meshes of MJCF or URDF."""
 
 import warnings
 from dataclasses import replace

@@ -1,4 +1,4 @@
-"""Read and simplify triangle meshes from binary STL and OBJ files."""
+"""Reader of triangle meshes (binary STL, OBJ) that simplifies them."""
 
 from dataclasses import dataclass
 from pathlib import Path

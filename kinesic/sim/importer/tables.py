@@ -1,4 +1,4 @@
-"""Create the tables of a robot file from a humanoid's geometry."""
+"""Tables of a robot file, made from a humanoid's geometry."""
 
 from collections.abc import Mapping
 from math import degrees

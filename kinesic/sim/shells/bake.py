@@ -1,4 +1,4 @@
-"""Build the shell of a robot and write it to NAME.npz.
+"""Program that builds a robot's shell and writes it to NAME.npz.
 
 The shell is built from the robot's TOML file and stored next to it. Run
 `python -m kinesic.sim.shells.bake upper22 my_robot.toml` after a change of a robot's shape. Without a current shell the

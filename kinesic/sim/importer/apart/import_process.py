@@ -1,4 +1,4 @@
-"""Import a robot file with bounded memory and processor time.
+"""Process that imports a robot file with bounded memory and time.
 
     python -P -m kinesic.sim.importer.apart.import_process FILE MEMORY CPU_TIME [JOINT=HINGE ...]
 

@@ -1,4 +1,4 @@
-"""Import an untrusted robot file in a separate, bounded process."""
+"""Import of an untrusted robot file in a separate, bounded process."""
 
 import os
 import signal

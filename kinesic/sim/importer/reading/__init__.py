@@ -1,1 +1,1 @@
-"""Read untrusted robot files within limits of size and number."""
+"""Reader of untrusted robot files within limits of size and number."""

@@ -1,4 +1,4 @@
-"""Parse the XML of one model and expand its includes."""
+"""Parser of one model's XML, with its includes expanded."""
 
 from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Read a foreign robot's MJCF or URDF into self-contained XML.
+"""Reader of a foreign robot's MJCF or URDF as self-contained XML.
 
 MuJoCo opens files by rules of its own. It therefore gets text alone: includes are expanded here, attached models are
 handed over as bytes, and meshes have tokens in place of their files.
