@@ -16,7 +16,7 @@ from kinesic.hardware.supervisor.transitions import (
     COMBINED_CONDITIONS,
     FLAG_NAMES,
     FLAG_RULES,
-    INPUTS,
+    INPUT_NAMES,
     TRANSITION_TABLE,
     FlagRule,
     Transition,
@@ -43,7 +43,7 @@ def write_page() -> str:
         for stage in Stage
     ]
     lines += _meaning_table("Events", "event", _comments("Event =", get_args(Event)))
-    lines += _meaning_table("Inputs", "input", {name: inputs[name] for name in INPUTS})
+    lines += _meaning_table("Inputs", "input", {name: inputs[name] for name in INPUT_NAMES})
     lines += _meaning_table("Flags", "flag", {name: flags[name] for name in FLAG_NAMES})
     lines += _meaning_table("Actions", "action", _comments("Action =", get_args(Action)))
     lines += ["", "## Combined conditions", "", "| condition | holds if |", "|---|---|"]
