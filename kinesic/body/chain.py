@@ -25,7 +25,7 @@ class ChainJoint:
 
     name: str  # name of the joint's segment
     hinges: tuple[Hinge, ...]  # hinges of the joint, nearest to the base first
-    bone: Floats  # (3,) [m] in the segment, to the next joint's centre; from the last joint to the palm
+    bone: Floats  # (3,) [m] vector in the segment to the next joint's centre; from the last joint to the palm
 
 
 @dataclass(frozen=True, eq=False)

@@ -54,9 +54,9 @@ class Command(Struct, frozen=True, eq=False, gc=False):
     """
 
     time: float  # [s] performance time
-    angles: Floats  # (n,) [rad] reference
-    velocities: Floats  # (n,) [rad/s] reference
-    accelerations: Floats  # (n,) [rad/s^2] reference
+    angles: Floats  # (n,) [rad] angles of the reference
+    velocities: Floats  # (n,) [rad/s] velocities of the reference
+    accelerations: Floats  # (n,) [rad/s^2] accelerations of the reference
     setpoints: Floats  # (n,) [rad] reference plus feed-forward, clipped to range
     face: Mapping[str, float] = NO_FACE  # action unit -> intensity 0..1
 

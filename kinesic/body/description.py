@@ -21,7 +21,7 @@ class Mount:
 
     drive: Drive  # servo model, number of servos and reduction
     segment: str  # name of the segment that carries the servos
-    position: Floats  # (3,) [m] in the segment
+    position: Floats  # (3,) [m] position of the servos in the segment
 
 
 @dataclass(frozen=True)
@@ -37,7 +37,7 @@ class Site:
     """Named point on a segment, with a facing direction."""
 
     segment: str
-    position: Floats  # (3,) [m] in the segment
+    position: Floats  # (3,) [m] position in the segment
     facing: Floats  # (3,) unit, in the segment
 
 
@@ -46,7 +46,7 @@ class Supply:
     """Power supply of the servos."""
 
     volts: float  # [V] rated voltage
-    amps: float  # [A] continuous
+    amps: float  # [A] largest continuous current
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,7 +58,7 @@ class Description:
     skeleton: Skeleton
     mounts: tuple[Mount, ...]  # one per hinge, in joint order
     chains: Mapping[str, tuple[str, ...]]  # "torso", "neck", "l_arm", "r_arm" -> segments from the base outward
-    sites: Mapping[str, Site]  # at least "l_palm", "r_palm", "eyes"
+    sites: Mapping[str, Site]  # named points: at least "l_palm", "r_palm", "eyes"
     exclusions: tuple[Exclusion, ...]
     min_clearance: float  # [m] required distance between bodies, except excluded pairs
     contact_distance: float  # [m] distance between a hand and the point that it touches

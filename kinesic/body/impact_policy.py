@@ -25,7 +25,7 @@ class RegionTable(Strict):
     """TOML table `[regions.NAME]`: one part of a person's body."""
 
     mass: float  # [kg] effective mass
-    stiffness: float  # [N/m] of the surface
+    stiffness: float  # [N/m] stiffness of the surface
     quasi_static: float  # [N] largest force while the part cannot move away
     source: str  # origin of the values
     date: str  # date of the source

@@ -42,7 +42,7 @@ class FingerTip:
 class RobotArm:
     """One arm of a robot's skeleton."""
 
-    segments: tuple[str, ...]  # from the base outward; the last three are upper arm, forearm and hand
+    segments: tuple[str, ...]  # segments from the base outward; the last three are upper arm, forearm and hand
     joints: tuple[int, ...]  # hinge indices, in joint order
     shoulder: int  # index of the upper arm's segment; its origin is the shoulder's centre
     elbow: int  # index of the forearm's segment

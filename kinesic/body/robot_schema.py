@@ -45,7 +45,7 @@ class CapsuleTable(Strict, rename={"start": "from", "end": "to", "radius": "r"})
 
     start: Triple  # [m] centre of the first end, in the body's frame
     end: Triple  # [m] centre of the second end
-    radius: float  # [m] radius
+    radius: float  # [m] radius of cylinder and round ends
 
 
 class BodyTable(Strict):

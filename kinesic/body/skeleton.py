@@ -22,8 +22,8 @@ NO_SEGMENTS: frozenset[int] = frozenset()  # empty set of segment indices
 class Capsule:
     """Cylinder with round ends on a segment, for collisions and inertia."""
 
-    start: Floats  # (3,) [m] in the segment
-    end: Floats  # (3,) [m] in the segment
+    start: Floats  # (3,) [m] centre of the first end, in the segment
+    end: Floats  # (3,) [m] centre of the second end, in the segment
     radius: float  # [m]
 
 

@@ -81,7 +81,7 @@ class Phoneme:
     """One speech sound of an utterance, with its timing."""
 
     symbol: str
-    start: float  # [s] from the start of the utterance
+    start: float  # [s] time from the start of the utterance
     duration: float  # [s]
     onset: float | None = None  # [s] time from the utterance's start when the mouth reaches its shape; None: at `start`
     release: float | None = None  # [s] time from the utterance's start when the mouth leaves its shape; None: at `end`
@@ -113,7 +113,7 @@ class Sound:
     """Audio samples of one channel."""
 
     rate: int  # [Hz]
-    samples: Samples  # (m,) -1..1
+    samples: Samples  # (m,) samples, -1..1
 
     @property
     def duration(self) -> float:

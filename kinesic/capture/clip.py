@@ -34,7 +34,7 @@ class HandTrack:
 class BodyClip:
     """Upper-body motion of a human, independent of size and heading."""
 
-    times: Floats  # (m,) [s] from 0
+    times: Floats  # (m,) [s] times of the samples, from 0
     arms: Mapping[Side, ArmPath]
     head: Floats  # (m, 3) [rad] rotation vector of the head in the chest frame, zero when upright
     syncs: Mapping[str, float] = field(default_factory=dict)  # BML sync point in the file -> time [s]
@@ -49,7 +49,7 @@ class BodyClip:
 class JointClip:
     """Motion of one robot as named joint angles."""
 
-    times: Floats  # (m,) [s] from 0
+    times: Floats  # (m,) [s] times of the samples, from 0
     names: tuple[str, ...]  # names of the joints in the file
     angles: Floats  # (m, n) [rad] joint angles
     guesses: tuple[str, ...] = ()  # properties that the file does not state, as sentences

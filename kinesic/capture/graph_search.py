@@ -33,7 +33,7 @@ class ClipChoice:
     """Clip chosen for a gesture, with the costs that decided."""
 
     capture: int  # index of the clip
-    distance: float  # [arm lengths] from the previous gesture's last pose to the clip's first; 0 after a rest
+    distance: float  # [arm lengths] difference of the previous gesture's last pose and the clip's first; 0 after a rest
     stretch: float  # available time / captured time, at most 1
     cost: float  # total cost of the choice
 

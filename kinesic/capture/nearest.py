@@ -66,7 +66,7 @@ class NearestMotion:
     """Motion within kinematic and duty limits, with the clip's performance times."""
 
     motion: Conditioned
-    keys: tuple[KeyPosture, ...]  # at requested times, from rest to rest
+    keys: tuple[KeyPosture, ...]  # key postures at requested times, from rest to rest
     clip_times: Floats  # (m,) [s] performance times of the desired samples
     stretch: Floats  # (m,) local time stretch that was requested, 1 without
 

@@ -17,7 +17,7 @@ SAMPLE_RATE = 100.0  # [Hz] sample rate of desired motions
 class RobotMotion:
     """Desired joint angles at `SAMPLE_RATE`, with the arm paths they imitate."""
 
-    times: Floats  # (m,) [s] from 0
+    times: Floats  # (m,) [s] times of the samples, from 0
     requested: Floats  # (m, n) [rad] joint angles of the source, possibly beyond the joint ranges
     angles: Floats  # (m, n) [rad] joint angles within the joint ranges
     arms: Mapping[Side, ArmPath]  # elbow and wrist paths of the source, at the same times

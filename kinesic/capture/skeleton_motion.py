@@ -42,8 +42,8 @@ class JointFrames:
     World axes are those of the file.
     """
 
-    positions: Mapping[str, Floats]  # (m, 3) in the unit of the file
-    rotations: Mapping[str, Floats]  # (m, 3, 3) from joint axes to the world
+    positions: Mapping[str, Floats]  # (m, 3) positions in the unit of the file
+    rotations: Mapping[str, Floats]  # (m, 3, 3) rotations from joint axes to the world
 
 
 def joint_positions(skeleton: Sequence[CapturedJoint], motion: CapturedMotion) -> Mapping[str, Floats]:

@@ -51,7 +51,7 @@ class FeedForward:
 
     robot: Robot  # robot with drives and joint ranges
     dynamics: Dynamics
-    period: float = 1 / COMMAND_RATE  # [s] between setpoints
+    period: float = 1 / COMMAND_RATE  # [s] interval between setpoints
     delay: float | Floats = 0.0  # [s] delay of the bus, constant or (m,) for m times
     terms: InvertedTerms = "full"  # inverted terms; fewer than "full" only for comparisons
     learned: LearnedGains | None = None  # corrections for the individual servos; None: values of the data sheets

@@ -87,7 +87,7 @@ class LoadEstimate:
 class ObserverInputs:
     """Observer inputs at all control ticks, computed before any measurement."""
 
-    angles: Floats  # (m, n) [rad] reference
+    angles: Floats  # (m, n) [rad] angles of the reference
     setpoints: Floats  # (m, n) [rad] feed-forward setpoints
     lowest: Floats  # (m, n) [rad] smallest corrected setpoint
     highest: Floats  # (m, n) [rad] largest corrected setpoint
@@ -110,7 +110,7 @@ class Observer:
 
     forecast: Floats  # (3, 3, n) transition of deviation, velocity and disturbance over one tick
     gain: Floats  # (3, n) gain of the innovation
-    period: float  # [s] of a tick
+    period: float  # [s] duration of a tick
     arrival: Floats  # (h,) fraction of each setpoint in flight that acts in this tick, the newest first
     lower: Floats  # (n,) [rad] smallest setpoint
     upper: Floats  # (n,) [rad] largest setpoint

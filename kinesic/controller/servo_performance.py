@@ -28,8 +28,8 @@ from kinesic.metrics.dry_run import DryRun
 from kinesic.metrics.servo_run import Ending, ServoRun
 from kinesic.planning.plan import Plan
 
-BUS_DELAY = 0.002  # [s] from a command's time until its setpoints are on the bus
-POLL_PERIOD = 0.02  # [s] between polls of the supervisor and the keyboard
+BUS_DELAY = 0.002  # [s] delay from a command's time until its setpoints are on the bus
+POLL_PERIOD = 0.02  # [s] interval between polls of the supervisor and the keyboard
 CLEARANCE_STOP_REASON = (
     "stopped before contact: the servos' errors leave too little clearance (`kinesic twin fit` finds the cause)"
 )

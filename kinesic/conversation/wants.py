@@ -28,7 +28,7 @@ class BodyLean:
     Both are held until the next request.
     """
 
-    lean: float  # [deg] forward
+    lean: float  # [deg] forward lean of the trunk
     tilt: float  # [deg] head, to the right
     reason: str = ""
 

@@ -101,7 +101,7 @@ class FingerKey:
     """Finger angles of one hand at one time."""
 
     time: float  # [s] block time
-    angles: Floats  # (f,) [rad] of the finger drives, in joint order
+    angles: Floats  # (f,) [rad] angles of the finger drives, in joint order
 
 
 @dataclass(frozen=True, eq=False)

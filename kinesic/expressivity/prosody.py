@@ -43,7 +43,7 @@ NO_PROSODY = Prosody()  # no motion by prosody
 class Accent:
     """Motion of head and brows on an accented syllable."""
 
-    time: float  # [s] from the start of the utterance
+    time: float  # [s] time from the start of the utterance
     nod: float = 0.0  # amplitude / amplitude of a usual nod; 0: none
     brow: float = 0.0  # intensity of the raised brows, 0..1; 0: none
 

@@ -87,7 +87,7 @@ class WholeBody:
 class _Course:
     """Rotation keys of one body part during one gesture."""
 
-    start: float  # [s] departure
+    start: float  # [s] departure from the current rotation
     keys: Sequence[tuple[float, Turn]]  # time [s] and rotation; the last one is held
     leave: float  # [s] begin of the return
     back: float  # [s] end of the return

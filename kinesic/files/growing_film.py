@@ -12,7 +12,7 @@ from kinesic.files.late_pillow import Image
 
 FILE_HEADER_SIZE = 12  # [bytes] size of the WebP file header: RIFF, file size and WEBP
 PICTURE_HEADER_SIZE = 16  # [bytes] size of a picture header: left / 2, top / 2, width, height, duration, flags
-POLL_INTERVAL = 0.004  # [s] between checks of the file's size
+POLL_INTERVAL = 0.004  # [s] interval between checks of the file's size
 WRITER_TIMEOUT = 60.0  # [s] waiting time for a new picture, after which the writer counts as dead
 
 

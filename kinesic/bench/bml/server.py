@@ -33,9 +33,9 @@ SMALL_BEHAVIOURS = (
     '<gesture id="g" lexeme="BEAT" mode="RIGHT_HAND" start="0"/>',
     '<speech id="s"><text>Yes, <sync id="m"/>indeed.</text></speech><head id="h" lexeme="NOD" stroke="s:m"/>',
 )
-BLOCK_INTERVAL = 1.0  # [s] between blocks of the latency measurement
+BLOCK_INTERVAL = 1.0  # [s] interval between blocks of the latency measurement
 END_TIMEOUT = 5.0  # [s] longest wait for block ends and for the status reply, after the endurance run
-POLL_INTERVAL = 0.05  # [s] between checks whether the server is listening
+POLL_INTERVAL = 0.05  # [s] interval between checks whether the server is listening
 ENDURANCE_RATE = 10  # [1/s] block rate of the endurance run
 SETTLED_FRACTION = 0.25  # fraction of the endurance run after which the initial memory is measured
 MAX_COMMAND_LATENCY = 100.0  # [ms] goal of the 95th percentile of delays from a block to its first command

@@ -34,7 +34,7 @@ class DialogueRecord:
     nods: int = 0  # number of nods
     motions: list[Trajectory] = field(default_factory=list)
     errors: list[float] = field(default_factory=list)  # [deg] azimuth errors of the head towards the standing person
-    thinking_delay: float = TURN_TIMES.end_to_thinking  # [s] from the end of a turn to the thinking state
+    thinking_delay: float = TURN_TIMES.end_to_thinking  # [s] delay from the end of a turn to the thinking state
 
     def looking_fraction(self, begin: float, end: float) -> float:
         """Return the fraction of a time span spent looking at a person."""

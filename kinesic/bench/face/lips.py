@@ -44,7 +44,7 @@ BAND_EDGES = (
 )  # [Hz] edges of the loudness bands; nasals stay loud from 900 to 1500 Hz, which is not used
 USED_BANDS = (0, 2, 3)  # indices of the BAND_EDGES bands whose loudness is measured
 SPECTRUM_WINDOW = 0.012  # [s] length of a short-time spectrum
-HOP_TIME = 0.001  # [s] between successive spectra
+HOP_TIME = 0.001  # [s] interval between successive spectra
 SILENCE_POWER = 3e-4  # power added to a frequency band, as a fraction of its mean, to avoid log(0)
 MIDDLE_COLUMNS = slice(9, 16)  # columns of lip vertices in the middle of the mouth
 

@@ -28,7 +28,7 @@ DOCUMENT_LENGTHS = (1.0, 3.0, 10.0, 30.0, 60.0, 100.0, 300.0, 600.0)  # [s] dura
 MIN_FIT_LENGTH = 10.0  # [s] shortest document in the exponent fit; shorter blocks have mostly fixed costs
 SHORTER_LENGTH = 60.0  # [s] duration of the shorter of two documents whose memory is compared
 LONGER_LENGTH = 600.0  # [s] duration of the longer of two documents whose memory is compared
-STROKE_INTERVAL = 2.0  # [s] between gesture strokes of a generated document
+STROKE_INTERVAL = 2.0  # [s] interval between gesture strokes of a generated document
 GESTURE_LEXEMES = (
     "beat",
     "flat_surface",

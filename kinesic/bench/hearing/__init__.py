@@ -19,8 +19,8 @@ from kinesic.speech.speaker import FADE_DURATION
 
 TEST_SEEDS = (2, 3)  # seeds of the measured mixtures; thresholds were chosen on seeds 1 and 4
 ROUNDS_PER_SEED = 15  # number of rounds of seven mixtures
-OUTPUT_DELAY = TICK_PERIOD + BUFFER_DURATION + FADE_DURATION  # [s] from the decision to be quiet to silence
-PLANNING_DELAY = 0.09  # [s] from the decision to yield to the first changed command
+OUTPUT_DELAY = TICK_PERIOD + BUFFER_DURATION + FADE_DURATION  # [s] delay from the decision to be quiet to silence
+PLANNING_DELAY = 0.09  # [s] delay from the decision to yield to the first changed command
 FALSE_KINDS = ("short", "cough", "knock", "music", "none")  # kinds of mixtures in which nobody takes the turn
 
 

@@ -41,7 +41,7 @@ class ChainSolution:
     An unreachable target gives a residual, not an error.
     """
 
-    points: Floats  # (n + 1, 3) [m] from base to tip, computed from the rotations
+    points: Floats  # (n + 1, 3) [m] positions of the joints from base to tip, computed from the rotations
     rotations: Floats  # (n, 4) quaternions w, x, y, z of each bone from rest, in its parent's frame
     iterations: int
     residual: float  # distance of the tip from the clamped target / chain length

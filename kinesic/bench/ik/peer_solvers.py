@@ -37,7 +37,7 @@ class WristHinge:
     """Joint that moves the wrist, with the offset from the previous joint."""
 
     hinge: Hinge
-    offset: Floats  # (3,) [m] from the previous joint, in that joint's segment
+    offset: Floats  # (3,) [m] offset from the previous joint, in that joint's segment
 
 
 def list_carriers(chain: Chain) -> tuple[WristHinge, ...]:

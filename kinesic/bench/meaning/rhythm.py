@@ -34,7 +34,7 @@ MIN_HUMAN_RATE = 7.7  # [1/min] 5th percentile of the gesture rate of people who
 MAX_HUMAN_RATE = 34.0  # [1/min] 95th percentile of the gesture rate of people who retell a cartoon
 MAX_STROKE_DELAY = 0.1  # [s] deviation from the requested time above which a stroke counts as late
 RETURN_RATIO = 0.3  # distance from rest / distance at the strokes, below which a hand has returned
-SAMPLE_PERIOD = 0.02  # [s] between samples of the hands' paths
+SAMPLE_PERIOD = 0.02  # [s] interval between samples of the hands' paths
 MAX_LOSSES = 2.0  # goal for the number of dropped gestures in three stories, and for that of late strokes
 MAX_SILENCE = 14.0  # [s] goal for the longest time without strokes
 
@@ -54,7 +54,7 @@ class StoryRhythm:
     """Strokes, dropped gestures and hand returns of one planned story."""
 
     seconds: float  # [s] duration of the speech
-    strokes: tuple[PlannedStroke, ...]  # in time order
+    strokes: tuple[PlannedStroke, ...]  # strokes in time order
     lost: int  # number of dropped gestures
     returns: tuple[bool, ...]  # whether a hand returned to rest, for successive strokes of one hand
 

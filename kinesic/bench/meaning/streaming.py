@@ -18,7 +18,7 @@ from kinesic.bench.metric import Metric
 from kinesic.client import Client
 
 TALK_COUNT = 10  # streamed talks of one phrase each
-WORD_INTERVAL = 0.05  # [s] between streamed words
+WORD_INTERVAL = 0.05  # [s] interval between streamed words
 MESSAGE_TIMEOUT = 10.0  # [s] time limit for the server's next message
 MAX_DELAY = 200.0  # [ms] goal for the 95th percentile from phrase to first command
 STREAMED_PHRASES = (

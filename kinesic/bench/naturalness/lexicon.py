@@ -30,7 +30,7 @@ from kinesic.tasks.engine import current_engine
 from kinesic.tasks.processes import WorkerCrash
 
 STROKE_TIME = 8.0  # [s] requested stroke time, late enough for the slowest preparation
-SAMPLE_PERIOD = 0.01  # [s] between samples of the measured motion
+SAMPLE_PERIOD = 0.01  # [s] interval between samples of the measured motion
 MIN_DYNAMIC_PATH = 0.25  # [arm lengths] shortest hand path of a dynamic stroke; shorter strokes are poses
 
 GestureTask = tuple[str, str]  # gesture id and style name

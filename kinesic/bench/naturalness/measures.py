@@ -13,7 +13,7 @@ from kinesic.metrics.smoothness import spectral_arc_length
 from kinesic.studies.sweep.geometry import length
 
 PROFILE_RATE = 30.0  # [Hz] rate to which captured and planned motion is resampled
-PROFILE_PERIOD = 1.0 / PROFILE_RATE  # [s] between samples of a speed profile
+PROFILE_PERIOD = 1.0 / PROFILE_RATE  # [s] interval between samples of a speed profile
 MIN_PEAK_RATIO = 0.1  # smallest peak speed of a movement unit / largest speed
 MAX_DIP_RATIO = 0.5  # largest ratio of the minimum speed between two movement units to the lower peak
 ONSET_RATIO = 0.05  # speed at which a preparation starts / largest speed before strokeStart

@@ -22,7 +22,7 @@ SPEED_UNIT = "arm lengths/s"
 class Row:
     """Measure of hand motion with its label, unit and preferred direction."""
 
-    words: str  # label
+    words: str  # label in plots and tables
     unit: str
     better: Literal["lower", "higher"]
     value_of: Callable[[GestureMeasures], float | None]

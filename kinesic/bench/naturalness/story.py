@@ -22,7 +22,7 @@ from kinesic.session.setup import set_up
 
 STORY_STYLES = ("neutral", "calm", "joyful")  # styles in which the story is planned
 STORY_SEED = 0  # random seed of the story
-SAMPLE_STEP = 0.02  # [s] between samples of the story's motion
+SAMPLE_STEP = 0.02  # [s] interval between samples of the story's motion
 STILL_TRUNK_SPEED = np.radians(0.1)  # [rad/s] speed below which the trunk counts as still
 STILL_HEAD_SPEED = np.radians(0.5)  # [rad/s] speed below which the head counts as still
 STILL_SPEED = np.radians(0.5)  # [rad/s] speed below which a joint counts as still

@@ -30,7 +30,7 @@ CHROMIUM_FLAGS = (
     "--remote-debugging-port=0",
 )
 BROWSER_TIMEOUT = 60.0  # [s] time limit of a browser start, answer or page condition
-POLL_INTERVAL = 0.02  # [s] between checks of a page condition
+POLL_INTERVAL = 0.02  # [s] interval between checks of a page condition
 
 MouseEvent = Literal["mousePressed", "mouseMoved", "mouseReleased"]
 Value = TypeVar("Value")

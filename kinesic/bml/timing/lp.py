@@ -33,8 +33,8 @@ class _CostWeights:
     repetition_shortening: float = 2.5  # [1/s] cost of a repeated stroke that is shorter than natural
     phase_shortening: float = 3.0  # [1/s] cost of any other shortened phase that is no stroke
     stroke_shortening: float = 20.0  # [1/s] cost of an unrepeated stroke that is shorter than natural
-    behaviour_scaling: float = 10.0  # [1/s] per natural second; spreads shortening evenly over one behaviour
-    overall_scaling: float = 5.0  # [1/s] per natural second; spreads shortening evenly over all behaviours
+    behaviour_scaling: float = 10.0  # [1/s] cost per natural second; spreads shortening evenly over one behaviour
+    overall_scaling: float = 5.0  # [1/s] cost per natural second; spreads shortening evenly over all behaviours
     block_end: float = 0.3  # [1/s] cost of a later block end, or of a block end before 0
     late_start: float = 1e-4  # [1/s] cost of a later behaviour start, so that early starts are preferred
     negative_start: float = 0.6  # [1/s] cost of a start before 0 while the end of the block is free

@@ -49,7 +49,7 @@ class AcclaimSkeleton:
     """Acclaim skeleton: joints, with axes and degrees of freedom of the bones."""
 
     joints: tuple[CapturedJoint, ...]
-    axes: Mapping[str, Rotation]  # from the bone's axes to those of the skeleton
+    axes: Mapping[str, Rotation]  # rotation from the bone's axes to the skeleton's axes
     freedoms: Mapping[str, tuple[str, ...]]  # degrees of freedom in the order of the motion's numbers
 
 

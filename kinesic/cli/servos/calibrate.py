@@ -42,7 +42,7 @@ from kinesic.hardware.tools.calibration import (
 
 PROMPT_LINES = 6  # number of terminal lines of prompt and heading
 DISPLAY_RATE = 8.0  # [Hz] redraws of the table
-POLL_PERIOD = 0.05  # [s] between two snapshots of the servos
+POLL_PERIOD = 0.05  # [s] interval between two snapshots of the servos
 ZERO_POSTURE_PROMPT = (
     "Hold the robot in its zero posture, every hinge at 0 degrees (upper22: arms hang, palms to the thighs, head up)."
 )

@@ -20,7 +20,7 @@ from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.preflight import prepare_servos
 from kinesic.hardware.tools.hand_recording import HandSample, write_recording
 
-RECORDING_PERIOD = 0.02  # [s] between two samples
+RECORDING_PERIOD = 0.02  # [s] interval between two samples
 ENTER_KEYS = {"\n", "\r"}  # characters that the Enter key sends
 
 

@@ -20,7 +20,7 @@ from kinesic.hardware.tools.release import holding_angles, release_servos
 
 FAULT_EXIT_CODE = 3  # exit code if a servo may still have torque
 FOLD_TIMEOUT = 60.0  # [s] time limit for a supervisor to fold the arms and switch torque off
-POLL_PERIOD = 0.05  # [s] between two checks of the supervisor
+POLL_PERIOD = 0.05  # [s] interval between two checks of the supervisor
 
 
 def release_robot(robot: str, ports: tuple[str, ...], yes: bool) -> int:

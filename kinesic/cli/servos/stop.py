@@ -15,7 +15,7 @@ from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.host import STOP_FROM_OUTSIDE
 
 STANDSTILL_TIMEOUT = 3.0  # [s] time limit for all setpoints to become constant
-POLL_PERIOD = 0.02  # [s] between two checks for standstill, several cycles of a supervisor
+POLL_PERIOD = 0.02  # [s] interval between two checks for standstill, several cycles of a supervisor
 POWER_OFF_REMEDY = "switch the power off"
 STATIONARY_STAGES = frozenset(
     {Stage.STOPPED, Stage.LIMP, Stage.CLOSED, Stage.LOST, Stage.IDENTIFY, Stage.ARM, Stage.ADOPT}

@@ -19,7 +19,7 @@ class GestureStudyContent:
 
     gestures: tuple[str, ...]  # ids; empty: `count` gestures drawn at random
     count: int
-    conditions: tuple[str, ...]  # NAME=VALUE
+    conditions: tuple[str, ...]  # compared settings as NAME=VALUE
     pairs: int  # number of gestures compared for each condition
     documents: tuple[Path, ...]
 
@@ -29,5 +29,5 @@ class SpeechStudyContent:
     """Texts of a speech study, the compared settings and the planned size."""
 
     documents: tuple[Path, ...]
-    conditions: tuple[str, ...]  # NAME=VALUE
+    conditions: tuple[str, ...]  # compared settings as NAME=VALUE
     participants: int

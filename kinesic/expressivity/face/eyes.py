@@ -40,8 +40,8 @@ class GazeDirection:
     """Gaze direction in the world, with the time span of the gaze."""
 
     start: float  # [s]
-    left: float  # [rad] in the world, + left
-    up: float  # [rad] + up
+    left: float  # [rad] direction in the world, + left
+    up: float  # [rad] direction in the world, + up
     end: float = np.inf  # [s] end of the gaze
     away: float = np.inf  # [m] distance of the target from the eyes
 

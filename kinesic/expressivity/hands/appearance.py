@@ -30,7 +30,7 @@ class StrokeAppearance:
     Hands that take no part hang.
     """
 
-    positions: Floats  # (2, m, 3) [m] of left and right wrist
+    positions: Floats  # (2, m, 3) [m] positions of left and right wrist
     palms: Floats  # (2, m, 3) unit palm normals
     pointing: Floats  # (2, m, 3) unit directions from wrist to fingers
     shapes: tuple[tuple[str, ...], ...]  # successive hand shapes of the left and the right hand

@@ -18,9 +18,9 @@ LARGEST_SHOULDER_DROP = 10.0  # [deg] largest accepted lowering of the shoulders
 class TurnTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of a head or trunk rotation [deg]."""
 
-    turn: float = 0.0  # [deg] to the left
-    tilt: float = 0.0  # [deg] forward or down
-    roll: float = 0.0  # [deg] to the right
+    turn: float = 0.0  # [deg] rotation to the left
+    tilt: float = 0.0  # [deg] rotation forward or down
+    roll: float = 0.0  # [deg] rotation to the right side
 
 
 class BodyFormTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):

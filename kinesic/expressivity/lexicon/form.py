@@ -61,7 +61,7 @@ class GestureForm(NotebookView):
 
     id: str
     category: str  # beat, deictic, iconic, metaphoric, emblem, rest, ...
-    keys: tuple[StrokeKey, ...]  # in order, from strokeStart to strokeEnd; one key: arrive and hold
+    keys: tuple[StrokeKey, ...]  # keys in order, from strokeStart to strokeEnd; a single key: arrive and hold
     rest: bool = False  # whether the gesture is a posture that is held until the next posture, such as arms crossed
     tempo: Tempo = "neutral"  # sudden or sustained if the meaning of the gesture requires it
     body: BodyForm = NO_BODY  # accompanying body motion

@@ -40,7 +40,7 @@ class HandMotion:
 class GestureMotion:
     """Captured motion of hands, head and trunk in one gesture."""
 
-    times: Floats  # (m,) [s] from 0, increasing
+    times: Floats  # (m,) [s] increasing times of the samples, from 0
     hands: Mapping[Side, HandMotion]
     head: Floats  # (m, 3) [rad] rotation vector in the chest frame: to the right, down, to the left
     trunk: Floats  # (m, 3) [rad] rotation vector from the mean orientation: to the right, forward, to the left

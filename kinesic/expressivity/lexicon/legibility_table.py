@@ -50,7 +50,7 @@ class AlikeTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 class LegibilityTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of requirements on hand positions and distinct gestures."""
 
-    places: Mapping[str, PlaceTable]  # by gesture
+    places: Mapping[str, PlaceTable]  # required position of a hand, by gesture
     shoulders: Mapping[str, float]  # [deg] smallest elevation of the shoulder, by gesture
     alike: tuple[AlikeTable, ...]
 

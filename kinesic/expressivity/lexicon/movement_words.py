@@ -76,7 +76,7 @@ class HeadName:
     """Head movement described by a behaviour name."""
 
     kind: HeadKind
-    words: tuple[str, ...]  # from `movement_words`
+    words: tuple[str, ...]  # standard words of the name, from `movement_words`
     stands_for: str = ""  # reason why the movement only approximates the name
 
 

@@ -41,7 +41,7 @@ class GestureName:
     """Words and hand of a gesture name, possibly with words left out."""
 
     words: tuple[str, ...]  # lower-case, in order, numbers included
-    hand: HandMode = "unspecified"  # from a suffix such as R, Lf, 2H, or from a removed word
+    hand: HandMode = "unspecified"  # hand named by a suffix such as R, Lf, 2H, or by a removed word
     left_out: tuple[str, ...] = ()  # words removed from the name that mean more than the hand
     limbs: frozenset[str] = frozenset()  # words after the letter of a hand, as in `RArm_Offer`
 

@@ -194,7 +194,7 @@ class _Shape:
     """Default parameters of a kind of path."""
 
     amplitude: tuple[float, float, float]  # outward, up, forward [arm lengths]
-    frequency: float  # periods
+    frequency: float  # number of periods
     crossed: bool = False  # whether the second moving axis is a quarter period ahead
     variation: SizeTrend = "none"
 

@@ -66,7 +66,7 @@ def _places(phrase: Sequence[str], words: Sequence[str]) -> set[int]:
 class NamedGesture:
     """Gesture found by its name, with the kind of match."""
 
-    gesture: str  # id
+    gesture: str  # name of the gesture
     kind: MatchKind
     name: GestureName  # matched words, with the hand and the words that the gesture does not show
     of: str = ""  # name of the class that the gesture represents
@@ -78,7 +78,7 @@ class NameTable:
 
     categories: Mapping[str, str]  # category of each gesture, by gesture id
     synonyms: Sequence[tuple[str, str]]  # (name as written, id); the first of equal names counts
-    classes: tuple[GestureClass, ...]  # in order of precedence
+    classes: tuple[GestureClass, ...]  # classes in order of precedence
 
     @cached_property
     def _by_words(self) -> Mapping[tuple[str, ...], tuple[str, MatchKind]]:

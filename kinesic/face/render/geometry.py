@@ -245,7 +245,7 @@ class Geometry:
 class PositionBuffer:
     """Textures with the position and normal of each head pixel."""
 
-    position: Texture  # [m] in the camera's frame; last component: part + 1, 0 on the background
+    position: Texture  # [m] position in the camera's frame; last component: part + 1, 0 on the background
     normal: Texture
     depth: DepthBuffer | None = None
     where: PassRegion = "everywhere"

@@ -23,7 +23,7 @@ PassRegion = Literal["head", "marked", "marking", "everywhere"]
 DEPTH_TESTS: Mapping[PassRegion, str] = MappingProxyType(
     {"head": ">", "marked": "==", "marking": "1", "everywhere": "1"}
 )
-TextureFormat: TypeAlias = Literal["f1", "f2", "f4"]  # of a component: a byte for 0..1, or a float of 2 or 4 bytes
+TextureFormat: TypeAlias = Literal["f1", "f2", "f4"]  # component type: a byte for 0..1, or a float of 2 or 4 bytes
 StoredPixels: TypeAlias = NDArray[np.uint8 | np.float16 | np.float32]
 STORED_TYPES: Mapping[TextureFormat, np.dtype[np.uint8 | np.float16 | np.float32]] = MappingProxyType(
     {"f1": np.dtype("u1"), "f2": np.dtype("f2"), "f4": np.dtype("f4")}

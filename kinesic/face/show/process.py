@@ -24,7 +24,7 @@ from kinesic.face.show.preview_settings import NO_EFFECTS, PreviewSettings
 from kinesic.face.show.shared_command import SharedCommand, ShownFace
 from kinesic.face.show.window import open_window
 
-POLL_INTERVAL = 0.004  # [s] between two reads of the shared command
+POLL_INTERVAL = 0.004  # [s] interval between two reads of the shared command
 MIN_FRAME_INTERVAL = 1 / 60  # [s] smallest time between two pictures
 
 

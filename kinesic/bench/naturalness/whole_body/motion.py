@@ -26,7 +26,7 @@ class BodyMotion:
     times: Floats  # (m,) [s]
     syncs: Mapping[str, float]  # [s] times of sync points; `start` and `end` are always there
     arm: float  # [m] arm length from shoulder to wrist
-    hip_lines: Floats  # (m, 3) from the right to the left hip; the shoulders where hips are missing
+    hip_lines: Floats  # (m, 3) vectors from the right to the left hip; between the shoulders if hips are missing
     chest: Floats  # (m, 3) [m] positions of the chest
     shoulders: Floats  # (2, m, 3) [m]
     elbows: Floats  # (2, m, 3) [m]
