@@ -255,7 +255,7 @@ class _ActiveSet:
         return 0 if behaviour.required else 1 if isinstance(behaviour.action, Speech) else 2
 
     def _remove_block_orders(self, loop: list[Edge]) -> None:
-        """Ignore precedence constraints that order only times of the block itself.
+        """Ignore precedence constraints that order two times of the block itself.
 
         Only these can contradict each other without a behaviour.
         """

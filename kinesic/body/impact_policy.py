@@ -51,7 +51,7 @@ class ImpactFile(Strict):
 
 @dataclass(frozen=True, eq=False)
 class ImpactRows:
-    """Contact quantities to compute, relative to limits.
+    """Contact quantities to compute: forces and root energy, with or without limits.
 
     The value of row r is scales[r] * sqrt(v' (W + I / masses[r])^-1 v), for velocity v and mobility W of a point.
     """

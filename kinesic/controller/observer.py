@@ -44,7 +44,7 @@ from kinesic.controller.observer_step import pack_observer
 from kinesic.motion.recursion import sum_decaying
 
 OBSERVER_BANDWIDTH = 100.0  # [rad/s] frequency of the three observer poles
-REGULARISATION_OFFSET = np.radians(2.0)  # [rad] setpoint offset at which regularisation halves the first load estimate
+REGULARISATION_OFFSET = np.radians(2.0)  # [rad] setpoint offset at which the first load error estimate is halved
 FORGETTING_TIME = 5.0  # [s] time constant of the recursive least squares
 MAX_CORRECTION = np.radians(10.0)  # [rad] largest correction of a setpoint
 SATURATION_MARGIN = 1.2  # factor on the position error of nominally full duty, above which duty counts as saturated

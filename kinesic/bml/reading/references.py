@@ -46,7 +46,7 @@ class Names:
     behaviours: frozenset[str] = frozenset()  # ids of the behaviours in this block
     marks: Mapping[str, str] = field(default_factory=lambda: MappingProxyType({}))  # mark -> first speech with it
     blocks: frozenset[str] = frozenset()  # ids of other blocks
-    speeches: Mapping[str, frozenset[str]] = field(default_factory=lambda: MappingProxyType({}))  # speech -> marks
+    speeches: Mapping[str, frozenset[str]] = field(default_factory=lambda: MappingProxyType({}))  # marks of each speech
     containing_behaviour: str = ""  # behaviour with the reference; may omit its own id
 
     def knows(self, name: str) -> bool:

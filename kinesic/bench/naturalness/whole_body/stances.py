@@ -59,7 +59,7 @@ def group_hanging(clips: Iterable[BodyMotion]) -> StanceGroups:
 
 
 def group_changed(clips: Iterable[BodyMotion], is_counted: Callable[[Floats], bool]) -> StanceGroups:
-    """Return resting stances (k, s) [deg] that left the first, by group.
+    """Return resting stances (k, s) [deg] unlike each clip's first, by group.
 
     `is_counted` selects the stances. Frames in the pose of the first frame are left out. A group has the clips of one
     set whose names agree between `@` and the first `_`. Groups with stances from fewer than `MIN_CLIP_COUNT` clips are
