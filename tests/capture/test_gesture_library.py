@@ -47,6 +47,19 @@ def test_imported_clips_become_gestures_named_after_their_files(folder, tmp_path
     assert (card.name, card.licence, card.source) == ("clips", "Free for all", "a lab")
 
 
+@pytest.mark.parametrize(("name", "shown"), [("\N{GRINNING FACE}", "\N{GRINNING FACE}"), ("b\udcff", r"b\udcff")])
+def test_clips_in_a_folder_with_an_unusual_name_are_written_with_a_readable_source(tmp_path, name, shown):
+    try:
+        (tmp_path / name).mkdir()
+    except OSError as error:
+        pytest.skip(f"this file system refuses the name: {error}")
+    (tmp_path / name / f"{name}.bvh").write_bytes(bvh(reach(120)))
+    write_folder(import_folder(tmp_path / name, HUMAN), tmp_path)
+    (gesture,) = Lexicon.load(tmp_path).captured
+    assert gesture.table.source == f"{shown}/{shown}.bvh"
+    assert read_card(tmp_path).name == shown
+
+
 def test_wrist_path_of_an_imported_clip_is_in_the_gesture_space_of_the_actor(folder):
     write_folder(import_folder(folder, HUMAN), folder)
     motion = next(gesture for gesture in Lexicon.load(folder).captured if gesture.id == "zzqx").motion

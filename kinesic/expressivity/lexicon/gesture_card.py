@@ -7,6 +7,7 @@ import msgspec
 
 from kinesic.body.config import ConfigError, read_toml
 from kinesic.expressivity.lexicon.captured_gesture import CARD_FILE
+from kinesic.files.unicode_text import escape_surrogates
 
 MAX_CARD_TEXT = 300  # [characters] longest text of one entry of a card
 UNKNOWN_LICENCE = "unknown"  # licence of gestures whose author did not state one
@@ -44,5 +45,8 @@ def card_text(card: GestureCard) -> str:
 
 
 def quote(text: str) -> str:
-    """Return a TOML basic string with JSON's escapes."""
-    return json.dumps(text[:MAX_CARD_TEXT]).replace("\x7f", "\\u007f")
+    """Return a TOML basic string.
+
+    Control characters are escaped as in JSON, lone surrogates visibly.
+    """
+    return json.dumps(escape_surrogates(text)[:MAX_CARD_TEXT], ensure_ascii=False).replace("\x7f", "\\u007f")

@@ -10,6 +10,7 @@ import msgspec
 from kinesic.body.robot import SIDE_NAMES, SIDES, Robot, Side
 from kinesic.body.robot_file import robot_from_tables
 from kinesic.body.robot_schema import ImportTable, RobotFile, ServoTable, SourceTable
+from kinesic.files.unicode_text import escape_surrogates
 from kinesic.sim.dynamics import MujocoDynamics
 from kinesic.sim.importer.hand import MappedHand, find_hand
 from kinesic.sim.importer.hand_tables import Hands, with_hands
@@ -80,7 +81,9 @@ def import_humanoid(path: Path, wished: Sequence[str] = ()) -> Mapped:
     file = _add_sources(file, {turn.name: describe_source(turn, joint_names[turn.name]) for turn in turns})
     confidence = _rate_confidence(geometry, hinges)
     file.robot.imported = ImportTable(
-        path.name, round(confidence, 2), [*_review(geometry, hinges, hands), *_review_servos(sources)]
+        escape_surrogates(path.name),
+        round(confidence, 2),
+        [*_review(geometry, hinges, hands), *_review_servos(sources)],
     )
     remarks = {hinge.name: spell_angle(hinge, joint_names[hinge.name]) for hinge in (*hinges, *fingers)}
     return Mapped(file, geometry, hinges, hands, remarks | sources, confidence)

@@ -12,6 +12,7 @@ import numpy as np
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.config import ConfigError
 from kinesic.body.skeleton import Capsule
+from kinesic.files.unicode_text import escape_surrogates
 from kinesic.sim.importer.couplings import UrdfJoint, find_gears, join_gear, read_equalities, to_absolute, urdf_joints
 from kinesic.sim.importer.looks import Looks, load_looks
 from kinesic.sim.importer.model_tree import BASE_INDEX, Follow, Joint, ModelPart, Tree
@@ -86,7 +87,7 @@ def load_robot_tree(path: Path) -> Tree:
     follows = {name: urdf_joint.follows for name, urdf_joint in urdf.items() if urdf_joint.follows} or to_absolute(
         equalities.follows, model
     )
-    tree = _tree(path.stem, model, data, urdf, follows, looks)
+    tree = _tree(escape_surrogates(path.stem), model, data, urdf, follows, looks)
     return replace(tree, left_out=(*repairs, *shapes, *tree.left_out, *equalities.left_out))
 
 

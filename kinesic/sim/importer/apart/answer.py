@@ -10,6 +10,7 @@ import numpy as np
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.body.robot_schema import robot_text
+from kinesic.files.unicode_text import escape_surrogates
 from kinesic.sim.importer.apart.imported import Answer, ImportedRobot, Refusal
 from kinesic.sim.importer.convert import REVIEW_CONFIDENCE, Mapped, import_humanoid
 from kinesic.sim.importer.shell import build_imported_shell
@@ -22,16 +23,18 @@ def answer_import(path: Path, wished: Sequence[str] = ()) -> bytes:
     try:
         answer = _import(path, wished)
     except ConfigError as error:
-        answer = Refusal(str(error))
+        answer = Refusal(escape_surrogates(str(error)))
     except MemoryError:
-        answer = Refusal(f"{path}: its import takes more memory than any robot needs; simplify its meshes")
+        name = escape_surrogates(str(path))
+        answer = Refusal(f"{name}: its import takes more memory than any robot needs; simplify its meshes")
     return msgspec.msgpack.encode(answer)
 
 
 def _import(path: Path, wished: Sequence[str]) -> ImportedRobot:
     mapped = import_humanoid(path, wished)
     doubt = _describe_doubt(mapped) if mapped.doubtful else ""
-    text = robot_text(mapped.file, heading=_write_heading(mapped, path.name, doubt), remarks=mapped.remarks)
+    heading = _write_heading(mapped, escape_surrogates(path.name), doubt)
+    text = robot_text(mapped.file, heading=heading, remarks=mapped.remarks)
     with TemporaryDirectory(dir=".") as folder:
         toml, mesh = Path(folder) / "robot.toml", Path(folder) / "robot.npz"
         toml.write_text(text, encoding="utf-8")

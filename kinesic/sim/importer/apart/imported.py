@@ -12,6 +12,7 @@ from tempfile import TemporaryDirectory
 import msgspec
 
 from kinesic.body.config import ConfigError
+from kinesic.files.unicode_text import escape_surrogates
 
 IMPORT_MODULE = "kinesic.sim.importer.apart.import_process"  # module of the import process
 THREAD_VARIABLES = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
@@ -90,7 +91,7 @@ def import_apart(path: Path, *, wished: Sequence[str] = (), bounds: Bounds = USU
     except msgspec.DecodeError as error:
         raise ConfigError(f"{path}: its import returned an unreadable answer: {error}") from None
     if isinstance(answer, Refusal):
-        raise ConfigError(answer.reason.replace(str(place), str(path)))
+        raise ConfigError(answer.reason.replace(escape_surrogates(str(place)), str(path)))
     return answer
 
 

@@ -218,3 +218,22 @@ def test_import_process_prints_only_its_answer_to_standard_output(monkeypatch):
         assert stream.read() == b"answer for robot.xml with neck=none"
         assert others.read() == b"1000 7;noise of a library"
     assert os.waitpid(child, 0)[1] == 0
+
+
+@pytest.mark.parametrize("text", ["", None])
+def test_robot_file_whose_name_is_not_utf8_is_imported_or_refused_by_a_readable_name(
+    hanging_path: Path, tmp_path: Path, monkeypatch, text: str | None
+):
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / f"b\udcff{hanging_path.suffix}"
+    try:
+        path.write_text(hanging_path.read_text() if text is None else text)
+    except OSError as error:
+        pytest.skip(f"this file system refuses the name: {error}")
+    result = answered(path)
+    if text is None:
+        assert isinstance(result, ImportedRobot)
+        assert rf'from = "b\\udcff{path.suffix}"' in result.text
+    else:
+        assert isinstance(result, Refusal)
+        assert rf"b\udcff{path.suffix}" in result.reason
