@@ -50,10 +50,8 @@ class NativeSheet:
     @property
     def position_range(self) -> tuple[int, int]:
         """Smallest and largest position [ticks]."""
-        table = self.table
-        ends = (table.quantise(Register.GOAL_POSITION, value) for value in (-TICKS_PER_TURN, 2 * TICKS_PER_TURN))
-        lower, upper = ends
-        return max(0, lower), min(TICKS_PER_TURN - 1, upper)
+        lower = max(0, self.table.quantise(Register.GOAL_POSITION, -TICKS_PER_TURN))
+        return lower, min(TICKS_PER_TURN - 1, lower + self.table.turn)
 
     @property
     def initial(self) -> Mapping[Register, int]:
