@@ -1,6 +1,7 @@
 """Cancellation of the robot's own voice."""
 
 import numpy as np
+import pytest
 
 from kinesic.hearing.echo import EchoCanceller
 from kinesic.hearing.own_voice import OwnVoiceGate
@@ -16,15 +17,15 @@ def modulated_noise(seed: int, duration: float) -> np.ndarray:
     return (loudness * np.random.default_rng(seed).normal(size=count)).astype(np.float32)
 
 
-def room_echo(played: np.ndarray, seed: int = 1) -> np.ndarray:
-    """Return the delayed echo of a sound.
+def room_echo(played: np.ndarray, seed: int = 1, *, delay: int = DELAY) -> np.ndarray:
+    """Return the echo of a sound, delayed by a number of samples.
 
     The echo has 60 ms of reverberation.
     """
     tail = 960
     path = np.random.default_rng(seed).normal(size=tail) * np.exp(-np.arange(tail) / 200) * 0.1
     path[0] = 0.8
-    return np.convolve(played, np.concatenate([np.zeros(DELAY), path]))[: len(played)].astype(np.float32)
+    return np.convolve(played, np.concatenate([np.zeros(delay), path]))[: len(played)].astype(np.float32)
 
 
 def run(heard, played):
@@ -48,6 +49,15 @@ def test_echo_of_the_played_sound_is_cancelled_within_a_second():
     cleaned, *_ = run(heard, played)
     late = slice(2 * VOICE_RATE, None)
     assert level(heard[late]) - level(cleaned[late]) > 20.0
+
+
+@pytest.mark.parametrize(("delay", "is_cancelled"), [(0, True), (FRAME_SIZE, True), (2400, True), (4096, False)])
+def test_echo_is_cancelled_from_the_same_frame_up_to_a_quarter_second_later(delay, is_cancelled):
+    played = modulated_noise(2, 4.0)
+    heard = room_echo(played, delay=delay)
+    cleaned, *_ = run(heard, played)
+    late = slice(2 * VOICE_RATE, None)
+    assert (level(heard[late]) - level(cleaned[late]) > 15.0) == is_cancelled
 
 
 def test_echo_cancellation_keeps_the_voice_of_a_person():

@@ -43,3 +43,17 @@ def test_resampling_removes_frequencies_above_half_the_new_rate():
 def test_sample_rate_outside_the_range_of_microphones_is_refused(rate):
     with pytest.raises(ValueError, match="from 4000 to 192000 Hz"):
         StreamResampler(rate, NEW_RATE)
+
+
+@pytest.mark.parametrize("rate", [4_000, 192_000])
+def test_lowest_and_highest_sample_rate_of_microphones_is_resampled(rate):
+    assert 0.98 * NEW_RATE < len(converted(rate, (rate // 10,))) <= NEW_RATE
+
+
+def test_first_piece_of_any_size_is_resampled_like_a_long_one():
+    sound = np.sin(2 * np.pi * TONE * np.arange(4000) / 44_100).astype(np.float32)
+    whole = StreamResampler(44_100, NEW_RATE).feed(sound)
+    for size in range(120):
+        resampler = StreamResampler(44_100, NEW_RATE)
+        pieces = np.concatenate([resampler.feed(sound[:size]), resampler.feed(sound[size:])])
+        np.testing.assert_allclose(pieces, whole, atol=1e-6)
