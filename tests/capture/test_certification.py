@@ -1,13 +1,14 @@
 """Tests that certified motions satisfy all limits and stay near the file."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from kinesic.bench.blocks import find_corpus
 from kinesic.body.arrays import sealed
-from kinesic.capture.certification import HINGE_COSTS, certify_clip, correlate, largest_limit_ratio
+from kinesic.capture.certification import HINGE_COSTS, certify_clip, correlate, largest_limit_ratio, measure_distance
 from kinesic.capture.clear_path import clear_path
 from kinesic.capture.clip import ArmPath, BodyClip, JointClip
 from kinesic.capture.derivatives import compute_time_stretch, differentiate
@@ -244,3 +245,26 @@ def test_clips_of_the_corpus_are_certified(robot, step):
         assert result.is_certified, (path.name, result.clearance, result.torque_ratio)
         assert_within_limits(result.trajectory, setup.limits)
         assert robot == "human" or result.distance.correlation > 0.9, path.name
+
+
+def test_reported_distances_are_those_between_the_paths_of_file_and_robot(known):
+    angles = np.repeat(known.robot.skeleton.rest[None], 50, axis=0)
+    angles[:, known.robot.skeleton.names.index("r_elbow_flexion")] += np.linspace(0.0, 1.0, 50)
+    path = arm_paths(known.robot, angles)["r"]
+    wrist, elbow = np.array(path.wrist), np.array(path.elbow)
+    wrist[:, 1] += 0.02
+    wrist[7, 1] += 0.10
+    elbow[:, 2] *= 1.0 - 1e-9
+    elbow[:25, 2] -= 0.03
+    file = {"r": ArmPath(sealed(elbow), sealed(wrist))}
+    result = measure_distance(file, SimpleNamespace(angles=angles), known)
+    assert result.wrist_max == pytest.approx(0.12)
+    assert result.wrist_rms == pytest.approx(np.sqrt((49 * 0.02**2 + 0.12**2) / 50))
+    assert result.elbow_max == pytest.approx(0.03, abs=1e-6)
+    assert result.elbow_rms == pytest.approx(0.03 * np.sqrt(0.5), abs=1e-6)
+    lengths = np.linalg.norm(path.elbow[0]), np.linalg.norm(elbow[0])
+    turned = np.degrees(np.arccos(path.elbow[0] @ elbow[0] / lengths[0] / lengths[1]))
+    assert result.elbow_direction == pytest.approx(turned, abs=1e-4)
+    assert 0.9 < result.correlation < 1.0
+    still = {"r": ArmPath(path.elbow, sealed(np.repeat(wrist[:1], 50, axis=0)))}
+    assert measure_distance(still, SimpleNamespace(angles=angles), known).correlation == 1.0

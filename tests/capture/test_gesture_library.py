@@ -76,6 +76,16 @@ def test_licence_of_imported_clips_is_unknown_without_a_licence_file(tmp_path):
     assert import_folder(clips, HUMAN, licence="MIT").card.licence == "MIT"
 
 
+def test_licence_file_without_text_is_passed_over_for_the_one_above(tmp_path):
+    clips = tmp_path / "a" / "b"
+    clips.mkdir(parents=True)
+    (clips / "wave.bvh").write_bytes(bvh(reach(60)))
+    (clips / "LICENSE").write_text("\n \n")
+    assert import_folder(clips, HUMAN).card.licence == "unknown"
+    (tmp_path / "a" / "LICENSE").write_text("CC0\n")
+    assert import_folder(clips, HUMAN).card.licence == "CC0"
+
+
 def test_import_of_a_folder_without_readable_clips_is_refused(tmp_path):
     with pytest.raises(ConfigError, match="no such folder"):
         import_folder(tmp_path / "nothing", HUMAN)

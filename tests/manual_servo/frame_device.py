@@ -183,14 +183,15 @@ class FrameLine:
             for address, size, name in spans:
                 replies += [d.status(bytes(d.table[address : address + size])) for d in self._at(name) if not d.silent]
         else:
-            for device in self.devices if target == 0xFE else self._at(target):
+            in_order = sorted(self.devices, key=lambda device: device.id)
+            for device in in_order if target == 0xFE else self._at(target):
                 data = b""
                 if instruction == 2:
                     data = bytes(device.table[parameters[0] : parameters[0] + parameters[1]])
                 reply = device.status(data)
                 if instruction == 3:
                     device.store(parameters[0], parameters[1:])
-                if target != 0xFE and not device.silent:
+                if (target != 0xFE or instruction == 1) and not device.silent:  # all servos answer a ping
                     replies.append(reply)
         for reply in replies:
             clock += REPLY_PAUSE + len(reply) * BYTE_BITS / self.baud

@@ -150,6 +150,16 @@ def test_table_of_an_independent_servo_is_read_in_the_layout_of_the_x_series(nam
     assert len(image) == 147
 
 
+@pytest.mark.parametrize("name", list(LAYOUTS))
+def test_all_servos_on_a_wire_answer_a_broadcast_ping_with_their_models(name: str):
+    layout, volts = LAYOUTS[name]
+    devices = [FrameDevice(layout, SERVO_MODELS[name].number, k, volts=volts) for k in (9, 2, 5)]
+    replies = FrameAccess(FrameLine(devices)).ping_all()
+    assert [reply.id for reply in replies] == [2, 5, 9]
+    assert {reply.name for reply in replies} == {name}
+    assert FrameAccess(FrameLine([])).ping_all() == ()
+
+
 def test_largest_position_of_a_servo_with_1023_counts_is_its_count_1023():
     for name in ("ax12", "ax18", "scs0009"):
         lowest, highest = SERVO_MODELS[name].allowed_range(Register.GOAL_POSITION)

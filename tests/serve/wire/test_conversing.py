@@ -35,6 +35,14 @@ def test_conversation_messages_are_decoded_into_events():
     assert events(do="think") == (Thinking(on=True),)
 
 
+def test_optional_fields_of_a_conversation_have_their_documented_defaults():
+    request = read_control(b'{"do": "converse"}')
+    assert (request.on, request.amount, request.fillers) == (True, 1.0, False)
+    assert read_control(b'{"do": "people", "people": [{"id": "p", "at": [1, 0, 1]}]}').people[0].looks is False
+    heard = read_control(b'{"do": "heard"}')
+    assert (heard.voice, heard.text, heard.final, heard.who) == (None, None, False, None)
+
+
 def test_transcript_event_comes_after_the_start_and_before_the_end_of_its_voice():
     begins, ends = (events(do="heard", voice=voice, text="yes", final=True) for voice in (True, False))
     assert [type(event) for event in begins] == [VoiceActivity, Transcript]
