@@ -4,6 +4,7 @@ import asyncio
 from collections.abc import Callable
 
 from kinesic.conversation.events import Conversing, PeopleSeen, Person, VoiceActivity
+from kinesic.serve.messages import ConversationRequest
 from kinesic.serve.wire.conversing import ConverseRequest, HeardReport, PeopleReport, SeenPerson
 
 from .played_registry import Registry
@@ -52,6 +53,21 @@ def test_planner_request_for_a_conversation_contains_the_client_and_its_wish_for
         stage.planner.become_free()
         request = stage.planner.sent.popleft()
         assert (request.event, request.sender, request.fills) == (Conversing(on=True), 4, True)
+
+    on_stage(act)
+
+
+def test_folding_of_the_robot_ends_its_conversation(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.session.converse(ConverseRequest(), 4)
+        stage.planner.become_free()
+        assert stage.planner.sent.popleft().event == Conversing(on=True)
+        folding = asyncio.create_task(stage.session.fold())
+        await settle()
+        stage.planner.become_free()
+        ended = [request.event for request in stage.planner.sent if isinstance(request, ConversationRequest)]
+        folding.cancel()
+        assert ended == [Conversing(on=False)]
 
     on_stage(act)
 
