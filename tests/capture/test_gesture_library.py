@@ -24,6 +24,8 @@ def folder(tmp_path: Path) -> Path:
     (clips / "LICENSE.txt").write_text("\nFree for all\nand more\n")
     (clips / "Actor@Idle01_OfferRt01.bvh").write_bytes(bvh(reach(120)))
     (clips / "more" / "Actor@Idle01_OfferRt01.bvh").write_bytes(bvh(reach(120, height=50)))
+    (clips / "more" / "deep").mkdir()
+    (clips / "more" / "deep" / "Actor@Idle01_OfferRt01.bvh").write_bytes(bvh(reach(120)))
     (clips / "zzqx.bvh").write_bytes(bvh(reach(120)))
     (clips / "broken.bvh").write_bytes(b"HIERARCHY nothing")
     (clips / "joints.csv").write_bytes(joint_csv())
@@ -35,8 +37,8 @@ def test_imported_clips_become_gestures_named_after_their_files(folder, tmp_path
     write_folder(imported, tmp_path)
     lexicon = Lexicon.load(tmp_path)
     ids = [gesture.id for gesture in lexicon.captured]
-    assert ids == ["idle_01_offer_rt_01", "idle_01_offer_rt_2", "zzqx"]
-    offer, _, unknown = lexicon.captured
+    assert ids == ["idle_01_offer_rt_01", "idle_01_offer_rt_2", "idle_01_offer_rt_3", "zzqx"]
+    offer, _, _, unknown = lexicon.captured
     assert (offer.table.like, offer.table.hand, offer.table.found) == ("offer", "right", True)
     assert lexicon.forms_by_id["idle_01_offer_rt_01"].category == lexicon.forms_by_id["offer"].category
     assert (unknown.table.like, lexicon.forms_by_id["zzqx"].category) == ("", "adaptor")
