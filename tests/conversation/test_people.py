@@ -1,5 +1,6 @@
 """Tracking of people and choice of the attended person."""
 
+from dataclasses import replace
 from itertools import pairwise
 
 import pytest
@@ -137,3 +138,29 @@ def test_robot_ignores_people_who_are_too_close_behind_it_or_far_away():
     people, _ = watch(Company(), [seen(*((name, place, True) for name, place in places.items()))] * 3)
     assert people.focus == "front"
     assert azimuth(LEFT, EYES) == pytest.approx(45.0)
+
+
+def test_delay_before_attention_moves_begins_anew_if_the_other_person_falls_silent_meanwhile():
+    report = seen(("a", LEFT, True), ("b", RIGHT, True))
+    people, time = watch(Company(), [report] * 30, roles=Roles(speaker="a"))
+    assert people.focus == "a"
+    tried = int(0.8 * SWITCH_DELAY / 0.05)
+    people, time = watch(people, [report] * tried, roles=Roles(speaker="b"), since=time + 0.05, period=0.05)
+    people, time = watch(people, [report] * 2, roles=Roles(speaker="a"), since=time + 0.05, period=0.05)
+    assert people.challenger is None
+    people, time = watch(people, [report] * tried, roles=Roles(speaker="b"), since=time + 0.05, period=0.05)
+    assert people.focus == "a"
+    people, _ = watch(people, [report] * 40, roles=Roles(speaker="b"), since=time + 0.05)
+    assert people.focus == "b"
+
+
+def test_next_check_is_the_first_of_absence_switch_and_end_of_a_glance():
+    people = observe(Company(), seen(("a", LEFT, False), ("b", RIGHT, False)), 5.0, eyes=EYES)
+    assert next_check(Company(), 5.0) == float("inf")
+    assert next_check(people, 5.0) == pytest.approx(5.0 + MAX_ABSENCE)
+    challenged = replace(people, challenger="b", challenger_since=5.1, focus_since=0.0)
+    assert next_check(challenged, 5.1) == pytest.approx(min(5.1 + SWITCH_DELAY, 5.0 + MAX_ABSENCE))
+    fresh = replace(challenged, challenger_since=5.0 - SWITCH_DELAY, focus_since=5.3 - MIN_SPELL)
+    assert next_check(fresh, 5.1) == pytest.approx(5.3)
+    glancing = replace(people, glance=("a", 5.2))
+    assert [next_check(glancing, now) for now in (5.1, 5.2)] == pytest.approx([5.2, 5.0 + MAX_ABSENCE])
