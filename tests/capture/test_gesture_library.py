@@ -83,6 +83,7 @@ def test_licence_file_without_text_is_passed_over_for_the_one_above(tmp_path):
     clips.mkdir(parents=True)
     (clips / "wave.bvh").write_bytes(bvh(reach(60)))
     (clips / "LICENSE").write_text("\n \n")
+    (tmp_path / "LICENSE").write_text("licence of something else\n")  # two folders above
     assert import_folder(clips, HUMAN).card.licence == "unknown"
     (tmp_path / "a" / "LICENSE").write_text("CC0\n")
     assert import_folder(clips, HUMAN).card.licence == "CC0"

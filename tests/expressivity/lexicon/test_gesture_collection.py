@@ -7,6 +7,7 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 import pytest
 
 from kinesic.body.config import ConfigError
+from kinesic.expressivity.lexicon import gesture_collection
 from kinesic.expressivity.lexicon.gesture_collection import find_collections, install_collection, remove_collection
 from kinesic.session.setup import set_up
 
@@ -105,3 +106,13 @@ def test_gesture_collection_without_name_licence_or_source_is_refused(folder, tm
     (folder / "card.toml").write_text(card)
     with pytest.raises(ConfigError):
         install_collection(folder, tmp_path / "library")
+
+
+@pytest.mark.parametrize("is_packed", [False, True])
+def test_gesture_collection_with_too_many_files_is_refused(folder, tmp_path, monkeypatch, is_packed):
+    count = len(list(folder.glob("*.[tn]*[lz]")))
+    source = archive(tmp_path / "a.zip", folder) if is_packed else folder
+    monkeypatch.setattr(gesture_collection, "MAX_FILES", count - 1)
+    with pytest.raises(ConfigError, match=f"at most {count - 1} files and"):
+        install_collection(source, tmp_path / "library")
+    assert not (tmp_path / "library").exists()

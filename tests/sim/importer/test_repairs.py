@@ -107,3 +107,21 @@ def test_imported_joint_with_an_infinite_limit_counts_as_unlimited(tmp_path, upp
     path.write_text(f'<robot name="r"><link name="a"/><link name="b"/>{joint.format(limit)}</robot>', encoding="utf-8")
     (found,) = load_robot_tree(path).joints
     assert (found.lower, found.upper) == ends
+
+
+@pytest.mark.parametrize("mass", ["-1", "nan", "inf", "heavy", "1 2", ""])
+def test_mjcf_body_with_an_impossible_mass_gets_another_one_with_a_note(mass):
+    root = ElementTree.fromstring(
+        f'<mujoco><worldbody><body name="b"><inertial mass="{mass}" pos="0 0 0" diaginertia="1 1 1"/></body>'
+        "</worldbody></mujoco>"
+    )
+    (note,) = repair(root)
+    assert note.startswith("the mass of body b is replaced by ")
+    assert float(root.find(".//inertial").get("mass")) > 0.0
+    assert repair(root) == ()
+
+
+def test_inertia_that_is_no_number_is_replaced_with_a_note():
+    root = ElementTree.fromstring(LINK.format("1", 'ixx="one" iyy="1" izz="1"', ""))
+    (note,) = repair(root)
+    assert note.startswith("the inertia of link a is replaced")
