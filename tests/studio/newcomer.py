@@ -12,7 +12,7 @@ from time import sleep
 
 from ..chromium import Page, opened
 
-PATIENT = "planning=60"  # quota of the planning time [s], sufficient on a busy machine
+PATIENT = "planning=600"  # quota of the planning time [s], sufficient on a busy machine
 STATE = "kinesicStudio.state()"
 TEXT = "It is tea versus coffee today."
 MUSEUM_TEXT = (

@@ -51,6 +51,7 @@ export class Display {
   fault(fault: Fault): void {
     this.studio.textPane.mark(fault);
     showFault(fault);
+    this.studio.textMode.failed();
   }
 
   selection(): void {

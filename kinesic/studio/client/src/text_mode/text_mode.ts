@@ -134,6 +134,8 @@ export class TextMode {
     this.isTyped = false;
     [this.chosen, this.isFollowing] = [-1, false];
     this.panel.hide();
+    this.list.show([], -1, false);
+    say(byId("spoken-count"), "planning …"); // until the plan tells its words
     this.tabs.limit(isGesture);
   }
 
@@ -154,6 +156,11 @@ export class TextMode {
     if (this.chosen >= 0) void this.ask(false);
     else this.panel.hide();
     this.enable();
+  }
+
+  /** Show the counts of the former words again, because a document could not be planned. */
+  failed(): void {
+    say(byId("spoken-count"), describeCounts(this.words));
   }
 
   private choose(index: number): void {
@@ -232,6 +239,7 @@ export class TextMode {
     if (!isWritten(former)) this.listener.open(NEW_NAME, this.about.templates[0]?.text ?? "");
     this.chosen = -1;
     this.listener.rewrite(merged);
+    say(byId("spoken-count"), "planning …"); // until the plan tells its words
     this.field.value = later;
     this.isTyped = later !== text;
     this.listener.typed();
