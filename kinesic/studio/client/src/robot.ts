@@ -9,6 +9,7 @@ import { type Answer, Wire } from "./wire.ts";
 
 const REPORT_RATE = 20; // [Hz] rate of reports
 const STATE_LABELS = { connecting: "connecting", open: "connected", locked: "token needed", closed: "no server" };
+const STOPPED_RULE = "rule stopped"; // begins the warning that a block waits for Resume
 const TOKEN_KEY = "token"; // key of the token in the session storage
 
 export class Robot {
@@ -37,6 +38,7 @@ export class Robot {
           const feedback = readFeedback(xml);
           this.live.feedback(feedback, xml);
           if (feedback.kind === "blockProgress") this.isResting = false;
+          if (feedback.text.startsWith(STOPPED_RULE)) this.askState(); // servos may hold without a stop by a person
           this.listener.heard(feedback);
         },
       },

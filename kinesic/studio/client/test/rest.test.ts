@@ -2,8 +2,23 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { Performing } from "../src/performing.ts";
-import { click, load, settle } from "./page.ts";
+import { click, element, load, settle } from "./page.ts";
 import { begin, body } from "./robot_scene.ts";
+
+test("a block that is refused because the servos hold makes Resume appear", () => {
+  const { line } = begin();
+  line.tell({ told: "status", state: "resting" });
+  const warn = (text: string) =>
+    line.tell(`<warningFeedback xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">${text}</warningFeedback>`);
+  line.read();
+  warn("a stroke is late");
+  assert.deepEqual(line.read(), []);
+  warn("rule stopped: the servos hold after an interruption; resume first");
+  assert.deepEqual(line.read(), [{ do: "status" }]);
+  assert.ok(element("resume").hidden);
+  line.tell({ told: "status", state: "stopped" });
+  assert.ok(!element("resume").hidden);
+});
 
 test("the robot rests only if the server said so, nothing has begun since, and no servo has or gets torque", async () => {
   const { window, robot, line, stopLine } = begin();
