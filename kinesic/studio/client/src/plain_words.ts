@@ -19,6 +19,7 @@ const POINTS: Record<string, string> = {
   relax: "way back begins",
 };
 
+const AIMING_TYPES: readonly string[] = ["gaze", "gazeShift", "pointing"]; // types whose label is a target
 const TARGETS: Record<string, string> = {
   audience: "the listener",
   upleft: "up left",
@@ -58,7 +59,7 @@ export const categoryWords = (category: string): string => CATEGORIES[category] 
 /** Return the label of a behaviour in plain words: `raise brows` for RAISE_BROWS, `weigh up` for weigh_up. */
 export function labelWords(type: string, label: string): string {
   if (type === "gesture") return gestureWords(label);
-  if (type.startsWith("gaze") || type === "pointing") return TARGETS[label] ?? label;
+  if (AIMING_TYPES.includes(type)) return TARGETS[label] ?? label;
   return type === "speech" || !/^[A-Z_]+$/.test(label) ? label : label.toLowerCase().replaceAll("_", " ");
 }
 
