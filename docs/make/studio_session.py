@@ -20,7 +20,7 @@ ROOT = Path(__file__).resolve().parents[2]
 sys.path.insert(0, str(ROOT))
 
 from tests import chromium  # noqa: E402 - the film shows the actions of a test
-from tests.studio.newcomer import STATE, before_the_studio, greet_visitors  # noqa: E402
+from tests.studio.newcomer import STATE, opened_studio, write_greeting  # noqa: E402
 
 FILM_FILE = ROOT / "docs" / "pictures" / "studio_session.webp"
 WINDOW = (1280, 807)  # [pixels] size of the browser window, with 87 for its toolbar
@@ -144,13 +144,14 @@ if __name__ == "__main__":
     chromium.MAX_WAIT = MAX_WAIT
     flags = (f"--window-size={WINDOW[0]},{WINDOW[1]}",)
     captions = Captions()
-    with TemporaryDirectory() as folder, before_the_studio(Path(folder), *flags) as person:
+    with TemporaryDirectory() as folder, opened_studio(Path(folder), "--no-sound", flags=flags) as person:
         person.films, person.typing_interval = captions.act, TYPING_INTERVAL
         with recorded(person.page) as recorder:
             sleep(MAX_STILL_TIME)
-            greet_visitors(person)
+            write_greeting(person)
+            person.click("#perform", "Perform")
             person.sees("s.performs")
-            captions.act("simulated servos perform it", None)
+            captions.act("the simulated robot performs it", None)
             duration = person.page.value(f"{STATE}.draft.duration")
             person.page.until("document.querySelector('#performing').textContent.startsWith('Finished')")
     frames, durations = zip(*cut(recorder, captions), strict=True)

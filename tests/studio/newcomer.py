@@ -79,28 +79,33 @@ class Person:
 
 @contextmanager
 def before_the_studio(folder: Path, *flags: str, drawn: bool = True, robot: str | Path = "upper22") -> Iterator[Person]:
-    """Open the studio of a folder in a browser with additional flags."""
-    kinesic = [sys.executable, "-m", "kinesic"]
-    with subprocess.Popen(
-        [*kinesic, "servos", "simulate", "--robot", str(robot), "--folder", str(folder)],
-        stdout=subprocess.PIPE,
-        text=True,
-    ) as servos:
+    """Open the studio of a folder and of simulated servos in a browser with additional flags."""
+    command = [sys.executable, "-m", "kinesic", "servos", "simulate", "--robot", str(robot), "--folder", str(folder)]
+    with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as servos:
         try:
             assert "body" in servos.stdout.readline()
             moved = ("--robot", str(robot), "--on", "servos", "--port", str(folder / "body"))
-            command = [*kinesic, "studio", "--listen", "127.0.0.1:0", "--no-browser", "--rule", PATIENT, *moved]
-            with subprocess.Popen(command, stderr=subprocess.PIPE, text=True, cwd=folder) as studio:
-                try:
-                    url = next(result[1] for line in studio.stderr if (result := re.search(r"the studio: (\S+)", line)))
-                    with opened(url.replace("127.0.0.1", "localhost"), *flags, drawn=drawn) as page:
-                        page.until(f"window.kinesicStudio !== undefined && {STATE}.planned > 0")
-                        yield Person(page)
-                finally:
-                    studio.terminate()
-                    studio.wait(60.0)
+            with opened_studio(folder, *moved, flags=flags, drawn=drawn) as person:
+                yield person
         finally:
             servos.kill()
+
+
+@contextmanager
+def opened_studio(folder: Path, *options: str, flags: tuple[str, ...] = (), drawn: bool = True) -> Iterator[Person]:
+    """Open the studio of a folder with options in a browser with additional flags."""
+    command = [sys.executable, "-m", "kinesic", "studio", "--listen", "127.0.0.1:0", "--no-browser"]
+    with subprocess.Popen(
+        [*command, "--rule", PATIENT, *options], stderr=subprocess.PIPE, text=True, cwd=folder
+    ) as studio:
+        try:
+            url = next(result[1] for line in studio.stderr if (result := re.search(r"the studio: (\S+)", line)))
+            with opened(url.replace("127.0.0.1", "localhost"), *flags, drawn=drawn) as page:
+                page.until(f"window.kinesicStudio !== undefined && {STATE}.planned > 0")
+                yield Person(page)
+        finally:
+            studio.terminate()
+            studio.wait(60.0)
 
 
 def make_and_perform(person: Person) -> None:
@@ -132,8 +137,8 @@ def make_and_perform(person: Person) -> None:
     switch_on_and_perform(person)
 
 
-def greet_visitors(person: Person) -> None:
-    """Perform a greeting of 20 s for a museum: a text, one changed gesture, joyful style."""
+def write_greeting(person: Person) -> None:
+    """Make and save a greeting of 20 s for a museum: a text, one changed gesture, joyful style."""
     person.write("#examples", "template:empty", "open a new document")
     person.sees("s.draft?.block === 'new'")
     person.write("#plain", MUSEUM_TEXT, "type what the robot should say")
@@ -146,7 +151,6 @@ def greet_visitors(person: Person) -> None:
     person.sees("s.text.includes('kinesic:style=\"joyful\"') && s.text === s.plannedText")
     person.save_as("museum", "Save the document")
     person.page.until("document.querySelector('#file').textContent === 'museum.bml'")
-    switch_on_and_perform(person)
 
 
 def choose_gesture(person: Person, word: str, gesture: str) -> None:

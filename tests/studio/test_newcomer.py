@@ -11,7 +11,7 @@ from kinesic.studio.page import EXAMPLE_FOLDER
 
 from ..chromium import binary
 from ..reduced_robots import write_robot
-from .newcomer import STATE, Person, before_the_studio, greet_visitors, make_and_perform
+from .newcomer import STATE, Person, before_the_studio, make_and_perform, switch_on_and_perform, write_greeting
 
 pytestmark = pytest.mark.realtime
 
@@ -62,7 +62,8 @@ def test_first_use_takes_at_most_20_actions_from_every_example(person: Person, e
 
 @pytest.mark.soak
 def test_one_line_brief_becomes_a_finished_performance_of_20_seconds(person: Person, tmp_path: Path):
-    greet_visitors(person)
+    write_greeting(person)
+    switch_on_and_perform(person)
     person.sees("s.performs")
     person.page.until("document.querySelector('#performing').textContent.startsWith('Finished')")
     assert 18.0 < person.page.value(f"{STATE}.draft.duration") < 23.0
