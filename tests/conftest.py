@@ -30,13 +30,12 @@ from .durations import MIN_TESTS, list_slowest_files
 from .machine import Watch, depends_on_time
 from .messages import send_few_messages
 from .nudge import nudge_random_inputs
+from .partition import find_omitted_files
 from .scheduling import (
     CLOCK_WORKERS,
     ClockBesideCalculation,
     begin_elsewhere,
-    is_calculation,
     rank,
-    runs_only_waiting_tests,
     step_back,
 )
 
@@ -116,14 +115,14 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     """Skip files that this process does not run, to save the time of collection."""
     if collection_path.name == "soak" and excludes_soak(config):
         return True
-    only_waiting = getattr(config, "workerinput", {}).get("only_waiting", False)
-    return True if only_waiting and is_calculation(collection_path, config.rootpath) else None
+    omitted = getattr(config, "workerinput", {}).get("omitted_files", ())
+    return True if omitted and collection_path.relative_to(config.rootpath).as_posix() in omitted else None
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_configure_node(node: WorkerController) -> None:
     count = node.workerinput["workercount"]
-    node.workerinput["only_waiting"] = runs_only_waiting_tests(node.config, node.gateway.id, count)
+    node.workerinput["omitted_files"] = frozenset(find_omitted_files(node.config, node.gateway.id, count))
 
 
 def pytest_pycollect_makeitem(collector: pytest.Collector, name: str, obj: object) -> list[pytest.Item] | None:

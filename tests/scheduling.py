@@ -4,15 +4,13 @@
 so they run in these two processes; the others calculate at a lower priority, except on a machine that is busy at the
 start, where low priority would stall the run. Files with pages share one process, which starts the browser once. A
 process stays in a package as long as it has files: they share servers, caches and imported modules. Otherwise large
-files come first, so that all processes end together.
-
-Importing all tests takes ten seconds of a processor. In a run of the whole suite, the processes for waiting tests
-import only these, and end when none are left. After a change, all processes would compile the same file at the same
-time, so each starts with another file and finds compiled files of the others.
+files come first. A process can only run files that it has imported (`tests/partition.py`). It runs files that several
+calculating processes have imported after its other files, so that all processes end together.
 """
 
 import os
-from collections.abc import Collection, Mapping, Sequence
+from collections import Counter
+from collections.abc import Collection, Iterable, Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from typing import Literal
@@ -66,42 +64,32 @@ def package_of(file: str) -> str:
     return "/".join(file.split("/")[:2])
 
 
-def choose_file(files: Collection[str], worker: str, root: Path, packages: Mapping[str, str]) -> str:
+def choose_file(
+    files: Collection[str],
+    worker: str,
+    root: Path,
+    packages: Mapping[str, str],
+    shared: Collection[str] = frozenset(),
+) -> str:
     """Return the next file for a process.
 
-    It has the kind that the process prefers. Files of its last package come first, those of other processes last.
+    It has the kind that the process prefers. Shared files come after the others. Among these, files of its last package
+    come first, those of other processes last.
 
     Args:
         files: files that remain, the largest first.
         worker: name of the process.
         root: root folder of the project.
         packages: last package of each process.
+        shared: files that several calculating processes can run.
     """
     order, last = FILE_ORDER.get(worker, OTHER_ORDER), packages.get(worker)
     kind = next(kind for kind in order if any(kind_of(file, root) == kind for file in files))
     taken = {package for other, package in packages.items() if other != worker}
     return min(
         (file for file in files if kind_of(file, root) == kind),
-        key=lambda file: (package_of(file) != last, package_of(file) in taken),
+        key=lambda file: (file in shared, package_of(file) != last, package_of(file) in taken),
     )
-
-
-def runs_only_waiting_tests(config: pytest.Config, worker: str, count: int) -> bool:
-    """Return whether a process collects only waiting tests, in a run of the whole suite.
-
-    Args:
-        config: configuration of the process that starts the others.
-        worker: name of the process.
-        count: number of processes.
-    """
-    is_whole_suite = config.args_source is pytest.Config.ArgsSource.TESTPATHS
-    return is_whole_suite and worker in CLOCK_WORKERS and count > len(CLOCK_WORKERS)
-
-
-def is_calculation(path: Path, root: Path) -> bool:
-    """Return whether a path is a file of tests that neither wait nor show pages."""
-    is_test = path.name.startswith("test_") and path.suffix == ".py"
-    return is_test and kind_of(path.relative_to(root).as_posix(), root) == "calculation"
 
 
 class IndexedTests(list[str]):
@@ -122,6 +110,7 @@ class ClockBesideCalculation(LoadFileScheduling):
         super().__init__(config, log)
         self._packages: dict[str, str] = {}  # last package of each process
         self._files: dict[WorkerController, set[str]] = {}  # files that each process has collected
+        self._shared: frozenset[str] = frozenset()  # files that several calculating processes have collected
 
     def add_node_collection(self, node: WorkerController, collection: Sequence[str]) -> None:
         super().add_node_collection(node, collection)
@@ -129,17 +118,58 @@ class ClockBesideCalculation(LoadFileScheduling):
         self._files[node] = {self._split_scope(name) for name in collection}
 
     def schedule(self) -> None:
-        """Distribute the tests of the process that has collected most."""
-        if self.collection is None:
-            by_size = sorted(self.registered_collections.items(), key=lambda entry: -len(entry[1]))
-            self.registered_collections = dict(by_size)
-            session = self.config.pluginmanager.get_plugin("dsession")
-            session._session.testscollected = len(by_size[0][1])
-        super().schedule()
+        """Distribute the tests of all processes, the largest files first."""
+        if self.collection is not None:
+            super().schedule()
+        elif self._check_nodes_have_same_collection():
+            files = self._merge_files()
+            self.collection = [name for names in files.values() for name in names]
+            self.workqueue.update({file: dict.fromkeys(names, False) for file, names in files.items()})
+            self.config.pluginmanager.get_plugin("dsession")._session.testscollected = len(self.collection)
+            calculating = [files for node, files in self._files.items() if node.gateway.id not in CLOCK_WORKERS]
+            counts = Counter(file for files in calculating for file in files)
+            self._shared = frozenset(file for file, count in counts.items() if count > 1)
+            for node in [*self.nodes, *self.nodes]:  # twice, because a process must know the test after the current one
+                self._reschedule(node)
+
+    def mark_test_complete(self, node: WorkerController, item_index: int, duration: float = 0) -> None:
+        """Record a completed test, and forget files without pending tests, which xdist would count after each test."""
+        super().mark_test_complete(node, item_index, duration)
+        file, work = self._split_scope(self.registered_collections[node][item_index]), self.assigned_work[node]
+        if all(work.get(file, {"": False}).values()):
+            del work[file]
+
+    def _merge_files(self) -> dict[str, Sequence[str]]:
+        """Return the tests of all files, the largest file first, as a process collects them that collects all."""
+        files: dict[str, dict[str, None]] = {}
+        for names in self.registered_collections.values():
+            files = self._split_files(names) | files
+        root = Path(self.config.rootpath)
+        return {file: list(files[file]) for file in sorted(files, key=lambda file: rank(root / file, root))}
+
+    def _split_files(self, names: Iterable[str]) -> dict[str, dict[str, None]]:
+        """Return the tests of each file, in their order."""
+        files: dict[str, dict[str, None]] = {}
+        for name in names:
+            files.setdefault(self._split_scope(name), {})[name] = None
+        return files
 
     def _check_nodes_have_same_collection(self) -> bool:
-        names = {node.gateway.id: tests for node, tests in self.registered_collections.items()}
-        return is_consistent(names) or super()._check_nodes_have_same_collection()
+        """Return whether all processes collected the same tests of each file, or report a file that differs."""
+        first: dict[str, dict[str, None]] = {}
+        for names in self.registered_collections.values():
+            for file, tests in self._split_files(names).items():
+                if first.setdefault(file, tests).keys() != tests.keys():
+                    self._keep_only(file)
+                    return super()._check_nodes_have_same_collection()
+        return True
+
+    def _keep_only(self, file: str) -> None:
+        """Reduce the collections to those of one file."""
+        for node, names in list(self.registered_collections.items()):
+            self.registered_collections[node] = [name for name in names if self._split_scope(name) == file]
+            if file not in self._files[node]:
+                del self.registered_collections[node]
 
     def _remaining(self, node: WorkerController) -> list[str]:
         """Return the queued test files that a process has collected."""
@@ -154,23 +184,10 @@ class ClockBesideCalculation(LoadFileScheduling):
     def _assign_work_unit(self, node: WorkerController) -> None:
         if files := self._remaining(node):
             worker = node.gateway.id
-            mine = choose_file(files, worker, Path(self.config.rootpath), self._packages)
+            mine = choose_file(files, worker, Path(self.config.rootpath), self._packages, self._shared)
             self._packages[worker] = package_of(mine)
             self.workqueue.move_to_end(mine, last=False)
             super()._assign_work_unit(node)
-
-
-def is_consistent(collections: Mapping[str, Sequence[str]]) -> bool:
-    """Return whether calculating processes collected equal tests, and others subsets.
-
-    Args:
-        collections: tests of each process, by its name.
-    """
-    whole = [tests for worker, tests in collections.items() if worker not in CLOCK_WORKERS]
-    return bool(whole) and all(
-        tests == whole[0] if worker not in CLOCK_WORKERS else set(tests) <= set(whole[0])
-        for worker, tests in collections.items()
-    )
 
 
 def step_back(config: pytest.Config) -> None:

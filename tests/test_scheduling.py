@@ -15,11 +15,9 @@ from .scheduling import (
     IndexedTests,
     begin_elsewhere,
     choose_file,
-    is_calculation,
     kind_of,
     package_of,
     rank,
-    runs_only_waiting_tests,
 )
 
 
@@ -50,9 +48,9 @@ FILE_TEXTS = {  # test files by size, the largest first
 
 @pytest.fixture
 def root(tmp_path: Path) -> Path:
-    for name, text in FILE_TEXTS.items():
+    for size, (name, text) in enumerate(reversed(FILE_TEXTS.items()), 1):
         (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
-        (tmp_path / name).write_text(text)
+        (tmp_path / name).write_text(text.ljust(40 * size))
     return tmp_path
 
 
@@ -129,7 +127,7 @@ def start_scheduler(root: Path, collections: Mapping[str, list[str]]) -> tuple[C
         scheduler.add_node(nodes[worker])
         scheduler.add_node_collection(nodes[worker], tests)
     scheduler.schedule()
-    assert session.testscollected == max(map(len, collections.values()))
+    assert session.testscollected == len({name for tests in collections.values() for name in tests})
     return scheduler, nodes
 
 
@@ -157,23 +155,47 @@ def test_process_for_realtime_tests_ends_after_its_last_file_while_other_process
     assert scheduler.tests_finished
 
 
-def test_test_process_that_collected_other_tests_than_the_first_is_reported(root: Path):
-    tests = ["tests/sum/test_large.py::test_one"]
-    with pytest.raises(pytest.fail.Exception, match="Different tests were collected"):
-        start_scheduler(root, {"gw0": tests, "gw1": ["tests/page/test_page.py::test_two"], "gw2": tests})
+def test_files_with_different_tests_in_two_processes_are_reported(root: Path):
+    tests = ["tests/sum/test_large.py::test_one", "tests/page/test_page.py::test_one"]
+    with pytest.raises(pytest.fail.Exception, match="Different tests were collected") as failure:
+        start_scheduler(root, {"gw0": tests[:1], "gw1": ["tests/page/test_page.py::test_two"], "gw2": tests})
+    assert "test_large" not in str(failure.value)
 
 
-def test_first_two_of_several_test_processes_skip_calculations_when_the_whole_suite_runs():
-    source = pytest.Config.ArgsSource
-    whole, part = (SimpleNamespace(args_source=kind) for kind in (source.TESTPATHS, source.ARGS))
-    assert [runs_only_waiting_tests(whole, f"gw{k}", 4) for k in range(4)] == [True, True, False, False]
-    assert not any(runs_only_waiting_tests(whole, f"gw{k}", 2) for k in range(2))
-    assert not any(runs_only_waiting_tests(part, f"gw{k}", 4) for k in range(4))
+def test_processes_run_shared_files_after_their_own_until_all_tests_are_done(root: Path):
+    shared, *own = "tests/sum/test_large.py", "tests/sum/test_small.py", "tests/face/test_eyes.py"
+    parts = [[f"{file}::test_{k}" for file in (shared, mine) for k in range(3)] for mine in own]
+    scheduler, nodes = start_scheduler(root, {"gw0": [], "gw1": [], "gw2": parts[0], "gw3": parts[1]})
+    assert scheduler.collection == [*parts[0], *parts[1][3:]]
+    done = {worker: finish_sent_tests(scheduler, nodes[worker]) for worker in ("gw3", "gw2")}
+    assert done == {"gw3": 3 * [own[1]] + 3 * [shared], "gw2": 3 * [own[0]]}
+    assert scheduler.tests_finished
+    assert all(node.shutting_down for node in nodes.values())
 
 
-def test_test_files_without_browser_pages_and_realtime_tests_count_as_calculations(root: Path):
-    (root / "tests/sum/conftest.py").write_text("")
-    calculations = {name for name in FILE_TEXTS if is_calculation(root / name, root)}
-    assert calculations == {"tests/sum/test_large.py", "tests/sum/test_small.py", "tests/face/test_eyes.py"}
-    assert not is_calculation(root / "tests/sum/conftest.py", root)
-    assert not is_calculation(root / "tests/sum", root)
+def test_new_process_takes_the_files_of_a_crashed_one_if_it_collects_all_tests(root: Path):
+    tests = [
+        f"{file}::test_{k}" for file in sorted(FILE_TEXTS, key=lambda file: rank(root / file, root)) for k in (0, 1)
+    ]
+    parts = {"gw0": [], "gw1": [], "gw2": tests[:8], "gw3": tests[6:]}
+    scheduler, nodes = start_scheduler(root, parts)
+    scheduler.mark_test_complete(nodes["gw2"], nodes["gw2"].sent[0])
+    crashed = scheduler.remove_node(nodes["gw2"])
+    assert crashed == tests[nodes["gw2"].sent[1]]
+    nodes["gw4"] = StubNode("gw4")
+    scheduler.add_node(nodes["gw4"])
+    scheduler.add_node_collection(nodes["gw4"], tests)
+    scheduler.schedule()
+    assert nodes["gw4"].sent
+    for worker in ("gw3", "gw4"):
+        finish_sent_tests(scheduler, nodes[worker])
+    assert scheduler.tests_finished
+
+
+def test_completed_files_are_not_counted_again_after_each_test(root: Path):
+    tests = [f"{file}::test_{k}" for file in FILE_TEXTS for k in range(3)]
+    scheduler, nodes = start_scheduler(root, {"gw0": [], "gw1": [], "gw2": tests})
+    node = nodes["gw2"]
+    for index in node.sent[:4]:
+        scheduler.mark_test_complete(node, index)
+    assert [len(work) for work in scheduler.assigned_work[node].values()] == [3]
