@@ -14,6 +14,7 @@ from types import ModuleType
 import pytest
 
 from kinesic.body.command import Command, Sink
+from kinesic.body.robot import Robot
 from kinesic.client import Client
 from kinesic.motion.trajectory import stay
 from kinesic.planning.setup import Setup
@@ -35,10 +36,11 @@ from .simulated import Simulation
 from .staged_session import Act, Stage
 
 
-class Witness:
-    """Sink that records all commands with their arrival times."""
+class Witness(RealTwin):
+    """Simulated robot that records all commands with their arrival times."""
 
-    def __init__(self) -> None:
+    def __init__(self, robot: Robot) -> None:
+        super().__init__(robot)
         self.commands: list[tuple[float, Command]] = []
         self.closed = self.held = False
 
@@ -51,12 +53,15 @@ class Witness:
 
     def write(self, command: Command, /) -> None:
         self.commands.append((monotonic(), command))
+        super().write(command)
 
     def close(self) -> None:
         self.closed = True
+        super().close()
 
 
 MAX_WAIT = 30.0  # [s] longest wait for a message or condition
+OPENING_TIME = 60.0  # [s] longest wait for a server to open
 
 
 @dataclass
@@ -87,11 +92,11 @@ def running(
     more: Sequence[Sink] = (),
 ) -> Iterator[Running]:
     """Run a server on a free port, optionally with web files, a folder and sinks."""
-    witness, ready, results = Witness(), threading.Event(), []
+    witness, ready, results = Witness(set_up().robot), threading.Event(), []
 
     async def serve() -> None:
         enough = asyncio.Event()
-        sinks = [RealTimeSink(sink) for sink in (witness, RealTwin(set_up().robot), *more)]
+        sinks = [RealTimeSink(sink) for sink in (witness, *more)]
         address = Address("127.0.0.1", 0)
         async with open_serving(
             make_setup,
@@ -109,12 +114,13 @@ def running(
 
     thread = threading.Thread(target=lambda: asyncio.run(serve()))
     thread.start()
-    assert ready.wait(60), "the server did not open"
-    server, enough = results
     try:
-        yield server
+        assert ready.wait(OPENING_TIME), "the server did not open"
+        yield results[0]
     finally:
-        server.tasks.call_soon_threadsafe(enough.set)
+        if ready.wait(OPENING_TIME):  # a server that opens late would run until the end of all tests
+            server, enough = results
+            server.tasks.call_soon_threadsafe(enough.set)
         thread.join(60)
         assert not thread.is_alive()
 
