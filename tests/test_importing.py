@@ -1,10 +1,14 @@
 import gc
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
+from kinesic import importing
 from kinesic.importing import import_at_once
+
+PACKAGE = Path(importing.__file__).parent
 
 
 @pytest.fixture
@@ -64,3 +68,11 @@ def test_slow_modules_are_not_imported_before_they_are_used(code, late):
     code = f"{code}; import sys; print([name for name in {late.split()} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_scipy_signal_which_takes_half_a_second_is_imported_in_functions_only():
+    """Checked in the sources, because a process that imports captured motion takes more than a second."""
+    texts = {file: file.read_text("utf-8") for file in PACKAGE.rglob("*.py")}
+    lines = [(file.name, line) for file, text in texts.items() for line in text.splitlines() if "scipy.signal" in line]
+    assert [name for name, line in lines if not line.startswith("    from")] == []
+    assert {name for name, _ in lines} >= {"resampling.py", "gesture_markers.py"}

@@ -3,7 +3,6 @@
 from collections.abc import Mapping
 
 import numpy as np
-from scipy.signal import find_peaks
 
 from kinesic.body.arrays import Floats
 from kinesic.capture.clip import BodyClip
@@ -40,6 +39,8 @@ def find_markers(clip: BodyClip) -> Mapping[str, float]:
 
     The stroke is the first velocity minimum after the first large peak.
     """
+    from scipy.signal import find_peaks  # noqa: PLC0415 - slow import, not needed where files have markers
+
     times = resample_times(clip.times)
     velocity = wrist_velocity(clip, times)
     largest = float(velocity.max())

@@ -4,7 +4,6 @@ from functools import cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
-from scipy.signal import butter, sosfiltfilt
 
 from kinesic.body.arrays import Floats
 from kinesic.capture.robot_motion import SAMPLE_RATE
@@ -35,6 +34,8 @@ def low_pass(values: Floats, cutoff: float = CUTOFF_FREQUENCY) -> Floats:
         values: samples.
         cutoff: [Hz] frequency of half power, in each of both directions.
     """
+    from scipy.signal import sosfiltfilt  # noqa: PLC0415 - slow import, not needed to read or judge motion
+
     padding = min(len(values) - 1, round(MAX_PADDING * SAMPLE_RATE))
     filtered: Floats = sosfiltfilt(_design_filter(cutoff), values, axis=0, padlen=padding)
     return filtered
@@ -43,5 +44,7 @@ def low_pass(values: Floats, cutoff: float = CUTOFF_FREQUENCY) -> Floats:
 @cache
 def _design_filter(cutoff: float) -> Floats:
     """Return the second-order sections of a low-pass filter."""
+    from scipy.signal import butter  # noqa: PLC0415 - likewise
+
     sections: Floats = butter(FILTER_ORDER, cutoff, fs=SAMPLE_RATE, output="sos")
     return sections
