@@ -117,7 +117,7 @@ def _author(
         intents, sets or builtin_sets(), MovementBudget(len(intents), STROKE_SPACINGS, {}), seed=seed, agent=agent
     )
     unshown = (
-        *(f"{intention.name}: {intention.why}" for intention in read if isinstance(intention, Unreadable)),
+        *(f"{each.name}, {each.reason}: {each.why}" for each in read if isinstance(each, Unreadable)),
         *_unshown(intents, selection),
     )
     taken = frozenset(element.attributes.get("id", "") for element in _all(bml))

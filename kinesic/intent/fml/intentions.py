@@ -22,6 +22,7 @@ class Unreadable:
     """FML intention without a valid start time."""
 
     name: str
+    reason: str  # element and its place
     why: str
 
 
@@ -52,7 +53,8 @@ def _intention(element: Element, marks: MarkTimes, accents: Sequence[Moment]) ->
     name = f"{element.local}-{attributes.get('type', '').strip() or DEFAULT_TYPE}"
     start = _moment(element, "start", marks)
     if start is None:
-        return Unreadable(name, f"its start {attributes.get('start', '')!r} is not a time of a speech")
+        why = f"its start {attributes.get('start', '')!r} is not a time of a speech"
+        return Unreadable(name, describe_intention(element), why)
     end = _moment(element, "end", marks) or marks.speech_end(attributes.get("end", ""))
     if end is None or end.seconds - start.seconds < MIN_DURATION:
         duration = DEFAULT_DURATION if end is None else MIN_DURATION

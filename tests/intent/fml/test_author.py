@@ -40,7 +40,9 @@ def test_fml_intentions_without_behaviour_set_or_valid_time_are_reported_with_th
         assert of_intention(greeting, name)
     unshown = [notice.text for notice in greeting.notices if notice.text.startswith("not shown")]
     assert any("intent nothing-known has no behaviour set" in item for item in unshown)
-    assert any("emotion-anger" in item and "'s7:tm1' is not a time of a speech" in item for item in unshown)
+    (timeless,) = (item for item in unshown if "'s7:tm1' is not a time of a speech" in item)
+    line = next(k for k, text in enumerate(GREETING_DOCUMENT.splitlines(), 1) if "s7:tm1" in text)
+    assert timeless.startswith(f"not shown: emotion-anger, <emotion> at {line}:")
 
 
 def test_bml_generated_from_fml_contains_the_speech_and_gesture_of_the_document(greeting):
