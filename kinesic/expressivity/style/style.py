@@ -116,7 +116,7 @@ class StyleTable(msgspec.Struct, forbid_unknown_fields=True):
     posture: float = 1.0  # factor on standing posture, face and gaze, 0 .. 2
     effort: float = 1.0  # weight of the profile that gives each phase its duration and force, 0 .. 1
     standing: StandingTable = StandingTable()  # posture, resting hands, facial affect and gaze habit
-    prefers: dict[str, float] = {}  # gesture -> factor on its probability when several gestures fit
+    prefers: dict[str, float] = {}  # factor on the probability of each named gesture when several gestures fit
 
     def expressivity(self, modality: Modality) -> Expressivity:
         """Return the expressivity of one modality."""
