@@ -8,6 +8,7 @@ import os
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from time import monotonic, sleep
 from typing import Literal
 
@@ -70,8 +71,10 @@ def bench_page() -> list[Metric]:
     if find_binary() is None:
         return [Metric(name, None, "ms", goal, "lower", why=BROWSER_MISSING) for name, goal in PAGE_GOALS.items()]
     size = f"--window-size={WINDOW_SIZE[0]},{WINDOW_SIZE[1]}"
-    with open_server("--no-browser", "--no-sound", verb="studio") as server, open_browser(size) as browser:
-        return time_page(browser, f"http://localhost:{server.port}/", PAGE_LOADS, DRAG_SECONDS)
+    with TemporaryDirectory() as folder:  # takes the backups of the edited document
+        options = ("--no-browser", "--no-sound", "--folder", folder)
+        with open_server(*options, verb="studio") as server, open_browser(size) as browser:
+            return time_page(browser, f"http://localhost:{server.port}/", PAGE_LOADS, DRAG_SECONDS)
 
 
 def time_page(browser: Browser, url: str, loads: int, seconds: float) -> list[Metric]:
