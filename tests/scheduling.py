@@ -160,16 +160,21 @@ class ClockBesideCalculation(LoadFileScheduling):
         for names in self.registered_collections.values():
             for file, tests in self._split_files(names).items():
                 if first.setdefault(file, tests).keys() != tests.keys():
-                    self._keep_only(file)
-                    return super()._check_nodes_have_same_collection()
+                    return self._report_difference(file)
         return True
 
-    def _keep_only(self, file: str) -> None:
-        """Reduce the collections to those of one file."""
-        for node, names in list(self.registered_collections.items()):
-            self.registered_collections[node] = [name for name in names if self._split_scope(name) == file]
-            if file not in self._files[node]:
-                del self.registered_collections[node]
+    def _report_difference(self, file: str) -> bool:
+        """Report a file whose tests differ between processes, and return False."""
+        whole = self.registered_collections
+        self.registered_collections = {
+            node: [name for name in names if self._split_scope(name) == file]
+            for node, names in whole.items()
+            if file in self._files[node]
+        }
+        try:
+            return super()._check_nodes_have_same_collection()
+        finally:
+            self.registered_collections = whole  # with fewer collections, xdist would wait for more of them for ever
 
     def _remaining(self, node: WorkerController) -> list[str]:
         """Return the queued test files that a process has collected."""

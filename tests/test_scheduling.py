@@ -111,7 +111,9 @@ class StubNode:
         self.sent += indices
 
 
-def start_scheduler(root: Path, collections: Mapping[str, list[str]]) -> tuple[ClockBesideCalculation, dict]:
+def start_scheduler(
+    root: Path, collections: Mapping[str, list[str]], *, count: int | None = None
+) -> tuple[ClockBesideCalculation, dict]:
     """Return a scheduler that has distributed the first files, and its processes by name."""
     session = SimpleNamespace(testscollected=0)
     config = SimpleNamespace(
@@ -127,7 +129,8 @@ def start_scheduler(root: Path, collections: Mapping[str, list[str]]) -> tuple[C
         scheduler.add_node(nodes[worker])
         scheduler.add_node_collection(nodes[worker], tests)
     scheduler.schedule()
-    assert session.testscollected == len({name for tests in collections.values() for name in tests})
+    names = {name for tests in collections.values() for name in tests}
+    assert session.testscollected == (len(names) if count is None else count)
     return scheduler, nodes
 
 
@@ -160,6 +163,16 @@ def test_files_with_different_tests_in_two_processes_are_reported(root: Path):
     with pytest.raises(pytest.fail.Exception, match="Different tests were collected") as failure:
         start_scheduler(root, {"gw0": tests[:1], "gw1": ["tests/page/test_page.py::test_two"], "gw2": tests})
     assert "test_large" not in str(failure.value)
+
+
+def test_run_ends_without_a_test_if_processes_collected_different_tests(root: Path, monkeypatch: pytest.MonkeyPatch):
+    tests, reports = ["tests/sum/test_large.py::test_one", "tests/page/test_page.py::test_one"], []
+    other = ["tests/page/test_page.py::test_two"]
+    monkeypatch.setattr(pytest, "fail", reports.append)
+    scheduler, nodes = start_scheduler(root, {"gw0": tests[:1], "gw1": other, "gw2": tests}, count=0)
+    assert len(reports) == 1
+    assert scheduler.tests_finished
+    assert not any(node.sent for node in nodes.values())
 
 
 def test_processes_run_shared_files_after_their_own_until_all_tests_are_done(root: Path):
