@@ -76,6 +76,21 @@ def test_torque_ratio_is_the_duty_of_inverse_dynamics_in_windows_of_any_length(k
     assert {item.fraction for item in torques} == {1.0}
 
 
+def test_duty_assumes_the_load_torque_and_the_velocity_of_each_joint(known):
+    name = "r_elbow_flexion"
+    column = known.robot.skeleton.names.index(name)
+    limits = known.limits
+    angles = resting(known, 60)
+    angles[:, column] += 0.2 * np.sin(np.arange(60) * PERIOD * 25.0)
+    velocity = np.diff(angles[:, column]) / PERIOD
+    acceleration = np.diff(velocity) / PERIOD
+    needed = np.abs(limits.inertial[column] * acceleration).max() / limits.duty[column]
+    braked = np.abs(limits.viscous[column] * velocity).max() / limits.duty[column]
+    result = violation(known, angles, "duty", name)
+    assert needed - braked - 0.05 <= result.ratio <= needed + braked + 0.05
+    assert result.ratio > 1.0
+
+
 def test_near_pair_is_reported_once_with_its_worst_time_and_fraction(known):
     required = known.robot.min_clearance
     distances = np.full(50, required)
