@@ -2,6 +2,7 @@
 
 import warnings
 from dataclasses import replace
+from math import ceil
 from pathlib import Path
 from xml.etree import ElementTree
 from xml.parsers.expat import ExpatError
@@ -45,6 +46,8 @@ MAX_GEOMS = 20_000  # largest number of geoms in a robot file
 DEFAULT_BODY_MASS = 1e-3  # [kg] mass of a body without inertial data or geoms, and minimum of all
 DEFAULT_BODY_INERTIA = 1e-6  # [kg m^2] inertia of a body without inertial data or geoms, and minimum of all
 MIN_SHAPE_RADIUS = 0.005  # [m] radius below which a shape is ignored
+MAX_SINGLE_WIDTH_RATIO = 1.25  # largest width / thickness of a box that one capsule approximates
+MAX_BOX_CAPSULES = 3  # largest number of parallel capsules that approximate a box
 
 
 def load_robot_tree(path: Path) -> Tree:
@@ -236,26 +239,35 @@ def _part(model: mujoco.MjModel, data: mujoco.MjData, bodies: list[int], anchor:
     mass = float(masses.sum())
     fallback = np.zeros(3) if anchor is None else anchor
     centre = masses @ centres / mass if mass > 0 else fallback
-    shapes = [_capsule(model, data, g) for g in range(model.ngeom) if int(model.geom_bodyid[g]) in bodies]
-    return ModelPart(mass, sealed(centre), tuple(shape for shape in shapes if shape is not None))
+    geoms = [geom for geom in range(model.ngeom) if int(model.geom_bodyid[geom]) in bodies]
+    shapes = [shape for geom in geoms for shape in _approximate_by_capsules(model, data, geom)]
+    return ModelPart(mass, sealed(centre), tuple(shapes))
 
 
-def _capsule(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> Capsule | None:
-    """Approximate a primitive shape by a capsule, or return None.
+def _approximate_by_capsules(model: mujoco.MjModel, data: mujoco.MjData, geom: int) -> tuple[Capsule, ...]:
+    """Approximate a primitive shape by capsules, a wide box by several.
 
-    None for other shapes and for very small ones.
+    Other shapes and very small ones give none.
     """
     kind, size = int(model.geom_type[geom]), model.geom_size[geom]
     centre, frame = data.geom_xpos[geom], data.geom_xmat[geom].reshape(3, 3)
+    offsets = np.zeros((1, 3))
     if kind == mujoco.mjtGeom.mjGEOM_SPHERE:
         half, radius = np.zeros(3), float(size[0])
     elif kind == mujoco.mjtGeom.mjGEOM_CAPSULE:
         half, radius = frame[:, 2] * size[1], float(size[0])
     elif kind in (mujoco.mjtGeom.mjGEOM_CYLINDER, mujoco.mjtGeom.mjGEOM_BOX, mujoco.mjtGeom.mjGEOM_ELLIPSOID):
         sizes = np.array([size[0], size[0], size[1]]) if kind == mujoco.mjtGeom.mjGEOM_CYLINDER else size
-        longest = int(np.argmax(sizes))
-        radius = float(np.delete(sizes, longest).mean())
-        half = frame[:, longest] * max(float(sizes[longest]) - radius, 0.0)
+        long = int(np.argmax(sizes))
+        thin, wide = sorted({0, 1, 2} - {long}, key=lambda axis: float(sizes[axis]))
+        radius = float(sizes[[thin, wide]].mean())
+        if kind == mujoco.mjtGeom.mjGEOM_BOX and sizes[wide] > MAX_SINGLE_WIDTH_RATIO * sizes[thin]:
+            count = min(ceil(sizes[wide] / sizes[thin]), MAX_BOX_CAPSULES)
+            radius = float(max(sizes[thin], sizes[wide] / count))
+            offsets = np.outer(np.linspace(-1.0, 1.0, count) * (sizes[wide] - radius), frame[:, wide])
+        half = frame[:, long] * max(float(sizes[long]) - radius, 0.0)
     else:
-        return None
-    return Capsule(sealed(centre - half), sealed(centre + half), radius) if radius >= MIN_SHAPE_RADIUS else None
+        return ()
+    if radius < MIN_SHAPE_RADIUS:
+        return ()
+    return tuple(Capsule(sealed(centre + row - half), sealed(centre + row + half), radius) for row in offsets)

@@ -28,6 +28,7 @@ TRUNK_SEGMENT = "vl5"  # name of the trunk segment in robot files
 HEAD_SEGMENT = "skullbase"  # name of the head segment in robot files
 FIXED_HEAD = (0.15, 0.45, 0.14)  # [arm lengths] head without hinges: lower and upper end above the shoulders, radius
 WAIST_DEPTH = 0.9  # [arm lengths] distance of the waist below the shoulders in a trunk without hinges
+MAX_HOUSING_REACH = 0.25  # [upper arms] largest distance of a housing part's mass centre from the shoulder to the elbow
 COORDINATE_DIGITS = 6  # decimal digits of coordinates in robot files
 
 
@@ -115,7 +116,8 @@ def assign_parts(
 ) -> dict[str, list[int]]:
     """Return the indices of the tree's parts that each segment contains.
 
-    Legs are left out. Parts between the first and last shoulder hinges belong to the shoulder's housing.
+    Legs are left out. Parts between the first and last shoulder hinges belong to the shoulder's housing, unless they
+    lie along the upper arm.
     """
     tree = figure.tree
     carried: dict[str, list[int]] = {name: [] for name in layout.parents}
@@ -123,12 +125,21 @@ def assign_parts(
     owner = {hinge.joint: hinge.segment for hinge in hinges}
     for side, arm in figure.arms.items():
         shoulder = arm.joints[figure.split.girdle : figure.split.elbow]
-        owner |= dict.fromkeys(shoulder[:-1], housing(figure, side))
+        housed = [joint for joint in shoulder[:-1] if not _lies_along_upper_arm(figure, side, joint)]
+        owner |= dict.fromkeys(housed, housing(figure, side))
     for k in range(len(tree.joints)):
         carriers = [owner[j] for j in tree.path_from_base(k) if j in owner]
         if carriers:
             carried[carriers[-1]].append(k)
     return carried
+
+
+def _lies_along_upper_arm(figure: HumanoidGeometry, side: Side, joint: int) -> bool:
+    """Return whether the part after a shoulder joint lies along the upper arm."""
+    centres = figure.arms[side].centres
+    upper = centres.elbow - centres.shoulder
+    offset = figure.tree.merge_parts([joint]).centre - centres.shoulder
+    return float(offset @ upper) > MAX_HOUSING_REACH * float(upper @ upper)
 
 
 def _generate_capsules(

@@ -12,7 +12,7 @@ from kinesic.sim.importer import load
 from kinesic.sim.importer.couplings import UrdfJoint, find_gears, read_equalities, to_absolute, urdf_joints
 from kinesic.sim.importer.load import (
     _actuators,
-    _capsule,
+    _approximate_by_capsules,
     _find_effort,
     _find_gain,
     _joint,
@@ -266,7 +266,7 @@ def test_centre_of_mass_of_a_massless_part_is_at_its_hinge(anchor, centre):
         ('type="capsule" size="0.1 0.3"', (0, 0, 0.3, 0.1)),
         ('type="cylinder" size="0.1 0.3"', (0, 0, 0.2, 0.1)),
         ('type="cylinder" size="0.3 0.1"', (0.1, 0, 0, 0.2)),
-        ('type="box" size="0.1 0.5 0.3"', (0, 0.3, 0, 0.2)),
+        ('type="box" size="0.1 0.5 0.125"', (0, 0.3875, 0, 0.1125)),
         ('type="ellipsoid" size="0.5 0.1 0.3"', (0.3, 0, 0, 0.2)),
         ('type="box" size="0.1 0.1 0.1"', (0, 0, 0, 0.1)),
         ('type="plane" size="1 1 1"', None),
@@ -274,15 +274,28 @@ def test_centre_of_mass_of_a_massless_part_is_at_its_hinge(anchor, centre):
 )
 def test_shape_becomes_a_capsule_along_its_longest_side(shape, capsule):
     turned = f'<worldbody><geom {shape} pos="1 2 3" euler="0 0 1.5707963267948966"/></worldbody>'
-    found = _capsule(*compiled(turned), 0)
+    shapes = _approximate_by_capsules(*compiled(turned), 0)
     if capsule is None:
-        assert found is None
+        assert shapes == ()
         return
+    (found,) = shapes
     x, y, z, radius = capsule
     half = np.array([-y, x, z])
     ends = np.array([found.start, found.end]) - (1, 2, 3)
     np.testing.assert_allclose(ends, (-half, half), atol=1e-12)
     assert found.radius == pytest.approx(radius)
+
+
+@pytest.mark.parametrize(
+    ("thickness", "radius", "offsets"),
+    [(0.16, 0.16, (-0.14, 0.14)), (0.1, 0.1, (-0.2, 0.0, 0.2)), (0.05, 0.1, (-0.2, 0.0, 0.2))],
+)
+def test_wide_box_becomes_parallel_capsules_that_together_have_its_width(thickness, radius, offsets):
+    text = f'<worldbody><geom type="box" size="{thickness} 0.3 0.5" pos="1 2 3"/></worldbody>'
+    shapes = _approximate_by_capsules(*compiled(text), 0)
+    assert [shape.radius for shape in shapes] == pytest.approx([radius] * len(offsets))
+    np.testing.assert_allclose([shape.start for shape in shapes], [(1, 2 + y, 2.5 + radius) for y in offsets])
+    np.testing.assert_allclose([shape.end for shape in shapes], [(1, 2 + y, 3.5 - radius) for y in offsets])
 
 
 def test_bodies_belong_to_the_last_hinge_on_their_path_from_the_base():

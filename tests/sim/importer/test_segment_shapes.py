@@ -164,9 +164,21 @@ def test_trunk_and_head_begin_at_the_common_points_of_their_hinges():
     np.testing.assert_allclose(found.origins["skullbase"], (0, 0, 1.5), atol=1e-3)
 
 
+@pytest.mark.parametrize(
+    ("distance", "segment"), [(0.0, "l_acromioclavicular"), (0.07, "l_acromioclavicular"), (0.08, "l_shoulder")]
+)
+def test_part_after_the_first_shoulder_hinge_is_upper_arm_beyond_a_quarter_of_it(distance, segment):
+    part = ModelPart(1.0, SHOULDER - distance * Z, ())
+    tree = SimpleNamespace(joints=range(4), path_from_base=lambda k: tuple(range(k + 1)), merge_parts=lambda _: part)
+    shoulder_hinges = tuple(SimpleNamespace(joint=joint, segment="l_shoulder") for joint in (2, 3))
+    found = assign_parts(figure(tree=tree), layout(carrier_is_trunk=True), shoulder_hinges)
+    assert 2 in found[segment]
+
+
 def test_model_parts_belong_to_the_last_segment_on_their_path_and_legs_to_none():
     paths = {0: (0,), 1: (1,), 2: (1, 2), 3: (1, 2, 3), 4: (1, 2, 3, 4), 5: (1, 5), 6: (0, 6)}
-    tree = SimpleNamespace(joints=range(7), path_from_base=lambda k: paths[k])
+    part = ModelPart(1.0, SHOULDER, ())
+    tree = SimpleNamespace(joints=range(7), path_from_base=lambda k: paths[k], merge_parts=lambda _: part)
     moved = [
         SimpleNamespace(joint=joint, segment=segment)
         for joint, segment in ((1, "vl5"), (3, "l_shoulder"), (4, "l_elbow"))
