@@ -130,7 +130,7 @@ def find_acclaim_skeleton(path: Path) -> Path:
 
 
 def _only(paths: list[Path]) -> list[Path]:
-    """Return the only path of a list, or an empty list."""
+    """Return a list of one path unchanged, any other list empty."""
     return paths if len(paths) == 1 else []
 
 

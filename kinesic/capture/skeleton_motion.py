@@ -47,7 +47,7 @@ class JointFrames:
 
 
 def joint_positions(skeleton: Sequence[CapturedJoint], motion: CapturedMotion) -> Mapping[str, Floats]:
-    """Return joint positions (m, 3) in the file's unit and axes."""
+    """Return each joint's positions (m, 3) in the file's unit and axes."""
     return joint_frames(skeleton, motion).positions
 
 

@@ -12,7 +12,7 @@ EYE_HEIGHT = 1.5  # [m] default height of the robot's eyes
 
 @dataclass(frozen=True)
 class PersonVoice:
-    """Voice of a person."""
+    """Voice activity and recognised words of a person."""
 
     active: bool = False
     who: str | None = None  # id of the person; None: unknown

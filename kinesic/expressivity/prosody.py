@@ -16,7 +16,7 @@ import numpy as np
 from kinesic.bml.timing.syllables import find_accented_vowels
 from kinesic.body.utterance import Phoneme, Script, Utterance
 
-NOD_SPACING = 0.7, 1.1  # [s] range of the random minimum interval after a nod
+NOD_SPACING = 0.7, 1.1  # [s] range of the random minimum interval after a nod on an own accent
 BROW_SPACING = 1.8, 3.6  # [s] range of the random minimum interval after raised brows
 EMPHASIS_SPACING = 0.7  # [s] shortest interval between an emphasised word and another accent with motion
 BROW_PROBABILITY = 0.4  # probability that the brows accompany a nod

@@ -25,7 +25,7 @@ PRIVATE_MODE = 0o700  # permissions of a hidden folder that holds an unfinished 
 PUBLIC_MODE = 0o777  # permissions, before the umask, of a hidden folder that becomes an output folder
 LOCK_FLAGS = (  # flags that open a draft's marker file for a lock
     os.O_RDWR | NO_LINK_FLAG | NO_WAIT_FLAG
-)  # flags that open a draft's marker file, so that the process can lock the file
+)
 
 _swept_folders: set[tuple[int, int]] = set()  # (device, inode) of folders already cleared of abandoned drafts
 

@@ -16,7 +16,7 @@ from kinesic.planning.plan import Plan
 
 SAMPLES_PER_WINDOW = 4096  # knots whose contacts are computed together, which bounds the memory
 CLAMP_GAP = 0.025  # [m] gap between bodies in which a finger is clamped
-CLAMP_RATE = 20  # [Hz] sampling rate of gaps
+CLAMP_RATE = 20  # [Hz] sampling rate of gaps between bodies that may clamp a finger
 MIN_CLOSING = 1e-4  # [m] smallest decrease of a closing gap between two samples
 GAP_STEP = 1e-5  # [rad] step of the finite differences of gaps
 MIN_LEVER = 1e-3  # [m/rad] smallest effect of a hinge on a gap that it closes

@@ -36,7 +36,7 @@ _EasingRows = tuple[tuple[Easing, float, float], ...]  # easing, overshoot and s
 MAX_SWING = 0.05  # [rad] largest overshoot beyond a key without `swing`, within the joint range
 OVERSHOOT_VELOCITY = 5.0  # key velocity * interval duration / overshoot of the quintic beyond the key
 OVERSHOOT_ACCELERATION = 58.0  # key acceleration * interval duration^2 / overshoot of the quintic beyond the key
-HULL_VELOCITY = 2.5  # key velocity * interval duration / overshoot of the quintic's control points
+HULL_VELOCITY = 2.5  # key velocity bound * interval duration / control points' distance to the joint limit
 MONOTONE_VELOCITY = 2.0  # largest key velocity without overshoot / mean velocity of the slower interval
 TURNING_ACCELERATION = 6.0  # largest key acceleration without overshoot * interval duration^2 / rotation
 STEEPNESS_STEP = 0.25  # decrement of an easing's steepness, applied until the eased motion is allowed
@@ -162,9 +162,9 @@ def _adapt_easing(easing: Easing, max_overshoot: float) -> tuple[Easing, float]:
 
 
 def _soften_stepwise(requested: _EasingRows) -> Iterator[Floats]:
-    """Yield the offsets of easing curves, from the steepest to the gentlest.
+    """Yield offsets of easing curves from minimum jerk, steepest first.
 
-    Each has shape (3, h, p), relative to minimum jerk.
+    Each has shape (3, h, p).
     """
     steepest = max(steepness for _, _, steepness in requested)
     for count in range(ceil((steepest - MIN_STEEPNESS) / STEEPNESS_STEP)):

@@ -27,7 +27,7 @@ def timeline(*times: dict[str, float]) -> Timeline:
     return Timeline(Block("b", tuple(behaviours)), timed)
 
 
-def test_timeline_spans_all_sync_points_and_zero():
+def test_timeline_of_a_block_spans_all_sync_points_and_zero():
     both = timeline({"start": -0.5, "end": 1.0}, {"start": 0.2, "end": 3.0})
     assert (both.start, both.end) == (-0.5, 3.0)
     later = timeline({"start": 1.0, "end": 2.0})

@@ -57,7 +57,7 @@ def test_rewritten_batch_journal_contains_only_the_given_records(journal, tmp_pa
     assert [path.name for path in tmp_path.iterdir()] == ["finished.jsonl"]
 
 
-def test_documents_in_a_folder_are_recognised_by_content(tmp_path):
+def test_documents_in_a_folder_are_recognised_by_suffix_or_content(tmp_path):
     texts = {
         "a.bml": "anything",
         "b.xml": "<anything/>",

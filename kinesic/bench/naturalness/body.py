@@ -59,7 +59,7 @@ def measure_body(robot: Robot, angles: Floats) -> BodyMeasures:
 
 
 def body_metrics(part: str, bodies: Sequence[tuple[str, str, BodyMeasures]]) -> list[Metric]:
-    """Return frequency and size of the motions of head, trunk and shoulders.
+    """Measure how often and how far head, trunk and shoulders move.
 
     Args:
         part: prefix of the metric names.

@@ -40,7 +40,7 @@ class Text:
 
     @property
     def plain(self) -> str:
-        """Characters without styles."""
+        """Whole text without its styles."""
         return "".join(text for text, _ in self.pieces)
 
     @property

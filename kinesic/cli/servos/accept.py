@@ -86,7 +86,7 @@ class PerformedReport(msgspec.Struct):
 
 
 class TestedServo(msgspec.Struct, frozen=True):
-    """Servo of the tested robot."""
+    """Servo of the robot in the acceptance test."""
 
     bus: str
     id: int

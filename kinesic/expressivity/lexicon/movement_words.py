@@ -97,7 +97,7 @@ def amplitude_factor(words: tuple[str, ...]) -> float:
 
 
 def read_trunk_name(name: str) -> tuple[str, ...]:
-    """Return the words of a name that describe a trunk movement.
+    """Return a name's words if all describe a trunk movement.
 
     Returns:
         Empty if the name has other words.

@@ -20,7 +20,7 @@ LID_REGION_RADIUS = 1.8  # radius of the skin around an eye, in radii of the eye
 SKIN_CLEARANCE = 0.0004  # [m] minimum distance of skin from the eyeball, unless it is smaller at rest
 BURIED_DEPTH = 0.001  # [m] depth in the eyeball at rest from which skin is never visible
 LID_OVERLAP = 0.02  # overlap of closed lids / travel of the upper lid
-PROTRUSION_WEIGHT = 20.0  # [rad/m] weight of protrusion relative to height in the search for the lid edge
+PROTRUSION_WEIGHT = 20.0  # [rad/m] weight of protrusion against elevation angle in the lid-edge search
 LID_STEPS = 40  # number of steps between sampled lid positions from open to closed
 MIN_BLINK = 5e-4  # [m] lower bound of the lid edge's displacement in a blink, used as a divisor
 

@@ -71,7 +71,7 @@ class Agent:
     qualifiers: Mapping[str, tuple[Modulation, ...]] = field(default_factory=dict)
 
     def manner(self, intent: str, channel: str, strength: float = 1.0) -> Mapping[str, float]:
-        """Return the expressivity of a channel for an intention, -1 to 1.
+        """Return a body channel's expressivity parameters for an intention, -1 to 1.
 
         The keys are the parameter names of kinesic.
 

@@ -18,7 +18,7 @@ _PARTS_PATTERN = re.compile(r"(?:(\d+)[ -]+)?(\d+)[/\u2044](\d+)")
 
 
 def split_fraction(text: str, language: Language, before: Sequence[str], after: str) -> Iterator[tuple[str, str]]:
-    """Yield (preceding signs, word) for each spoken word of a fraction.
+    """Yield each spoken word of a fraction, with the text before it.
 
     Args:
         text: fraction, also after a whole number.

@@ -13,7 +13,7 @@ RATIO_TOLERANCE = 0.001  # accepted excess of a force over its limit, relative t
 
 
 def impact_checks(performance: DryRun) -> list[Check]:
-    """Check energy, force and clamping force of contacts under a policy."""
+    """Check energy, force and clamping force of contacts against their limits."""
     figures = performance.reference.impacts
     if figures is None or figures.policy is None:
         return []

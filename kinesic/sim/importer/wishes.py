@@ -46,7 +46,7 @@ class Wishes:
         return Wishes(images | dict(self.hinges))
 
     def allows(self, split: Split, arm: Sequence[int]) -> bool:
-        """Return whether a division of an arm's hinges fits the requested hinges."""
+        """Return whether requested hinge names agree with an arm's division into joints."""
         ends = {
             "sternoclavicular": (0, split.girdle),
             "shoulder": (split.girdle, split.elbow),

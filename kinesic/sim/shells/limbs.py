@@ -102,7 +102,7 @@ def _envelop(part: ShellPart, axes: Floats, servos: Sequence[ServoBox], length: 
 
 
 def _list_tapered_needs(low: float, high: float, radius: float) -> list[tuple[float, float, Floats]]:
-    """Return intervals along a bar with half widths decreasing towards its end."""
+    """Return intervals along a limb shape with the shell's tapering half widths."""
     edges = np.linspace(low, high, TAPER_STEPS + 1)
     ratios = np.linspace(1.0, TIP_RATIO, TAPER_STEPS)
     return [

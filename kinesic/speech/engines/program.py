@@ -26,7 +26,7 @@ from kinesic.speech.engines.phrase import EngineError, Phrase, SpokenPhrase, Spo
 from kinesic.speech.recording import RecordingError, read_wav
 
 ANSWER_TIMEOUT = 60.0  # [s] time limit for a phrase, including the start of the program
-MAX_HEADER = 1_000_000  # [bytes] longest line of an answer
+MAX_HEADER = 1_000_000  # [bytes] longest header line in a speech program's answer
 MAX_SOUND = 100_000_000  # [bytes] largest accepted sound of a phrase
 MIN_SAMPLE_RATE = 1000  # [Hz] lowest accepted sample rate of a program's sound
 MAX_SAMPLE_RATE = 384_000  # [Hz] highest accepted sample rate of a program's sound

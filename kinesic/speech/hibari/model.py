@@ -33,7 +33,7 @@ MIN_SPEED = 0.5  # smallest factor on the speech rate that the model supports
 MAX_SPEED = 2.0  # largest factor on the speech rate that the model supports
 NOISE_SEED = 0  # seed of the noise in fricatives, the same for every phrase
 PAD_ID = 0  # letter id that the model expects at both ends of a phrase
-SPECTRAL_OUTPUTS = ("lh", "theta", "ln", "lr", "phi")  # spectral outputs of the model, as arguments of the synthesis
+SPECTRAL_OUTPUTS = ("lh", "theta", "ln", "lr", "phi")  # names of the model's spectral outputs, in the synthesis's order
 
 Floats32 = NDArray[np.float32]
 _Array = NDArray[np.generic]

@@ -36,7 +36,7 @@ OPEN_LETTERS = (
     VOWEL_LETTERS | DIPHTHONG_LETTERS | frozenset("ᵊlɹwj")
 )  # letters before which a nasal is released audibly
 CLOSURE_LEAD = 0.010  # [s] from closing lips or tongue to the audible closure of a stop or nasal
-MIN_SILENCE = 0.06  # [s] shortest silence at punctuation between two sounds
+MIN_SILENCE = 0.06  # [s] shortest quiet span that counts as silence
 MIN_SOUND = 0.005  # [s] shortest duration of a placed sound
 
 Span = tuple[float, float]  # begin and end [s]

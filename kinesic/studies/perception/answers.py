@@ -207,7 +207,7 @@ def _mean(points: Points) -> float:
 
 
 def _subtract_means(left: Points, right: Points) -> dict[str, float]:
-    """Return the difference of means of each participant with both sides."""
+    """Return each participant's difference of means between both compared conditions."""
     return {person: fmean(values) - fmean(right[person]) for person, values in left.items() if person in right}
 
 

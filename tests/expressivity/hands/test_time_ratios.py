@@ -45,7 +45,7 @@ def test_gesture_at_half_its_natural_duration_has_time_ratio_one_half(pace, time
     assert time_ratio(pace, timed_gesture("g", 1.0, share=0.5)) == [pytest.approx(0.5, abs=0.05)]
 
 
-def test_overlapping_gestures_have_a_time_ratio_below_one(pace, timed_gesture):
+def test_overlapping_gestures_have_less_time_than_their_natural_duration(pace, timed_gesture):
     first = timed_gesture("a", 0.0)
     far, near = (timed_gesture("b", first.times["strokeEnd"] + gap) for gap in (0.5, -0.3))
     assert time_ratio(pace, first, far) == pytest.approx([1.0, 1.0])

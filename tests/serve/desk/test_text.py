@@ -30,7 +30,7 @@ def test_author_query_returns_the_document_of_the_say_command(upper22_setup: Set
     }
 
 
-def test_style_of_a_written_document_changes_its_gestures(upper22_setup: Setup):
+def test_requested_style_changes_the_gestures_in_bml_written_from_text(upper22_setup: Setup):
     text = f"{TEXT} The waiter opened the door and we went down the road to the big house on the hill."
     lively = answered(AuthorQuestion(text, "joyful"), upper22_setup)["bml"]
     assert lively == write_bml(text, replace(upper22_setup, style=style_preset("joyful")))

@@ -94,7 +94,7 @@ def test_midline_hinges_are_unpaired_and_may_carry_mirror_pairs():
 
 
 @pytest.mark.parametrize(("off", "paired"), [(0.019, True), (0.021, False)])
-def test_paired_hinges_and_their_common_parent_mirror_each_other_within_2_cm(off, paired):
+def test_hinges_more_than_2_cm_from_mirror_symmetry_are_not_paired(off, paired):
     rows = arms(count=1)
     rows[1] = ("r_0", BASE_INDEX, -0.2 * Y + off / 1.1 * Z, X)
     assert _pair_by_symmetry(make_tree(*rows), 1, 0.0) == ({0: 1} if paired else {})

@@ -55,7 +55,7 @@ def separate_samples(ours: Sample, others: Sample, scorer: "Scorer | None" = Non
 
 
 def separate_unseen(ours: Sample, seen: Sample, unseen: Sample, scorer: "Scorer | None" = None) -> Separation:
-    """Return AUC and accuracy of a classifier on unseen negative clips.
+    """Measure how well a classifier separates our clips from unseen clips.
 
     Args:
         ours: clips labelled as positive, cross-validated by performance.
