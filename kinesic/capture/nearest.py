@@ -166,7 +166,7 @@ class _Request:
 
 @dataclass(frozen=True, eq=False)
 class _Trial:
-    """Nearest motion at one time stretch, within the setup's limits."""
+    """Nearest motion within limits for one local time stretch of a clip."""
 
     request: _Request
     nearest: NearestMotion

@@ -162,7 +162,7 @@ def _adapt_easing(easing: Easing, max_overshoot: float) -> tuple[Easing, float]:
 
 
 def _soften_stepwise(requested: _EasingRows) -> Iterator[Floats]:
-    """Yield offsets of easing curves from minimum jerk, steepest first.
+    """Yield differences of ever less steep easing curves from minimum jerk.
 
     Each has shape (3, h, p).
     """

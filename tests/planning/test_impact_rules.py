@@ -61,7 +61,7 @@ def velocity(motion, time):
     return float(np.abs(motion.sample(np.array([time]))[1]).max())
 
 
-def test_limits_stay_if_no_force_exceeds_99_5_percent_of_its_limit(swing):
+def test_velocity_limits_stay_if_no_contact_force_exceeds_99_5_percent_of_its_limit(swing):
     speeds = np.full(HINGES, 9.0)
     setup = near_person({2.0: (0.995, 0, 1)})
     assert slow_hinges(swing, speeds, setup, 0) is None

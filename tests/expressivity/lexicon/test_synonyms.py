@@ -162,7 +162,7 @@ def test_lexemes_with_opposite_words_have_different_gestures():
         assert not ones & others, pair
 
 
-def test_negated_gesture_name_matches_no_gesture():
+def test_negated_gesture_name_does_not_match_the_gesture_it_names():
     denials = {"refuse_sweep", "refuse_push", "no_wag", "crossed_out", "stop", "thumb_down", "doubt_shrug"}
     names = [*SYNONYM_TARGETS.items(), *((gesture, gesture) for gesture in sorted(GESTURE_IDS))]
     for (name, gesture), word in zip(names, cycle(("not", "dont", "no", "never"))):
