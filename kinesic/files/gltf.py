@@ -88,8 +88,8 @@ class GltfFile:
         bounds = (values if len(places) == count else np.vstack([values, np.zeros((1, 3))])).astype("<f4")
         entry: Entry = {
             "componentType": COMPONENT_CODES["f4"],
-            "count": count,  # purpose of a buffer -> glTF buffer target
-            "type": "VEC3",  # number of components -> glTF accessor type
+            "count": count,
+            "type": "VEC3",
             "min": bounds.min(axis=0).tolist(),
             "max": bounds.max(axis=0).tolist(),
         }

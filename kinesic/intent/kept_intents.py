@@ -22,7 +22,7 @@ class KeptIntents:
         return len(self._intents)
 
     def add(self, intent: Intent) -> None:
-        """Add one chosen intent."""
+        """Add an intent to the kept intents and their times."""
         count = len(self._intents)
         if count == self._times.shape[1]:
             self._times = np.hstack([self._times, np.empty_like(self._times)])

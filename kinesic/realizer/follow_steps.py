@@ -108,7 +108,7 @@ def fit_step(chain: TrunkChain, change: Floats, begin: float, running: Sequence[
 
 
 def _is_comfortable(step: FollowStep, others: Sequence[FollowStep], limits: StepLimits) -> bool:
-    """Return whether a step and running steps together keep the limits."""
+    """Return whether overlapping follow rotations keep the velocity and acceleration limits."""
     if not others:
         return True
     times = np.linspace(step.begin, max(item.end for item in (step, *others)), RATE_SAMPLES)

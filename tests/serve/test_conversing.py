@@ -152,7 +152,7 @@ def test_filler_words_are_spoken_only_if_the_client_requests_them(make_planning:
         assert talk.states()[-1] == "thinking"
 
 
-def test_emergency_stop_ends_a_conversation_without_motion(talk: Talk):
+def test_emergency_stop_ends_a_conversation_and_no_motion_follows(talk: Talk):
     talk.until(1.0, Person("p", LEFT))
     held = stay(talk.motion.at(1.0).angles, start=1.0)
     talk.state.handle_stop(Halted(1, 1.0, held))

@@ -100,7 +100,7 @@ class FastQuery(Query):
 
     @cached_property
     def _first(self) -> int:
-        """Contribution of the packet header to the CRC of the first block."""
+        """Contribution of the reply's header to the first servo block's CRC."""
         return crc16(self._head + bytes(CHECKED_SIZE))
 
     @cached_property

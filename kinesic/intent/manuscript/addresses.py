@@ -12,7 +12,7 @@ _CLOSING_SIGNS = ".,;:!?)'\"*_]"  # signs after an address that do not belong to
 
 
 def read_address(state: Manuscript, *, ends: bool) -> Step | None:
-    """Skip a web address or path, or keep an e-mail underscore.
+    """Read the web or e-mail address with which the text continues.
 
     Returns:
         Length 0 without an address, None if it may be incomplete.

@@ -75,7 +75,7 @@ def test_joint_limits_are_rechecked_only_near_reduced_secondary_motion(monkeypat
     assert looked_at[-1] < 1.2 / KNOT_INTERVAL < looked_at[0], "a second of a swell, and not the whole motion"
 
 
-def test_motion_offset_before_the_motion_start_has_no_effect():
+def test_secondary_motion_within_the_first_knot_interval_has_no_effect():
     early, late = swell(0.0, 0.004, 0.008), swell(1.0, 1.5, 2.0)
     alone, both = (Changes(STILL_MOTION, every).added(np.ones(len(every))) for every in ([late], [early, late]))
     np.testing.assert_array_equal(both.controls, alone.controls)
