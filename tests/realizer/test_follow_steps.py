@@ -48,7 +48,7 @@ def test_step_that_would_last_longer_than_three_seconds_is_refused():
     assert fit_step("torso", turn(fastest + 0.1), 0.0, []) is None
 
 
-def test_step_beside_a_running_one_is_longer_by_the_fewest_attempts_that_keep_the_limits():
+def test_new_follow_step_grows_only_until_its_sum_with_running_steps_keeps_limits():
     running = FollowStep("neck", turn(40.0), 0.0, 1.5 * lone_duration("neck", 40.0))
     step = fit_step("neck", turn(30.0), 0.3, [running])
     attempts = np.log((step.end - step.begin) / lone_duration("neck", 30.0)) / np.log(GROWTH)

@@ -12,7 +12,7 @@ from kinesic.intent.meaning.patterns import ANY_NUMBER, ANY_WORD, STEM_SIGN, Pat
 CLASS_SIGN = "@"  # sign before the name of a word class in a cue
 START_CLASS = "@start"  # name in a cue for the start of a clause
 END_CLASS = "@end"  # name in a cue for the end of a clause
-MAX_BARE_FRACTION = 0.6  # fraction of content words above which an optional group is needed for a match
+MAX_BARE_FRACTION = 0.6  # largest fraction of content words in an option that a match of function words may omit
 
 
 @dataclass(frozen=True, eq=False)

@@ -35,7 +35,7 @@ def match_words(words: Sequence[str], spans: Sequence[TimedSpan]) -> list[GivenT
 
 
 def _divide(span: TimedSpan) -> Iterator[tuple[str, GivenTime]]:
-    """Yield each word of a span in plain letters, with its times."""
+    """Yield a span's plain words, with times of the first and last."""
     texts = [plain for text in span.text.split() if (plain := _plain(text))]
     for k, text in enumerate(texts):
         yield text, GivenTime(span.start if k == 0 else None, span.end if k + 1 == len(texts) else None)

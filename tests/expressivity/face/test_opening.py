@@ -35,7 +35,7 @@ def test_mouth_motion_below_all_limits_is_unchanged():
     assert (shown["26"] <= row + 1e-12).all()
 
 
-def test_lips_accelerate_before_reaching_their_maximum_velocity():
+def test_lips_slow_down_gradually_before_they_close():
     shown = {"26": np.ones(200)}
     most = np.full(200, np.inf)
     most[100] = 0.0
