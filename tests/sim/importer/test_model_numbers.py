@@ -286,16 +286,13 @@ def test_shape_becomes_a_capsule_along_its_longest_side(shape, capsule):
     assert found.radius == pytest.approx(radius)
 
 
-@pytest.mark.parametrize(
-    ("thickness", "radius", "offsets"),
-    [(0.16, 0.16, (-0.14, 0.14)), (0.1, 0.1, (-0.2, 0.0, 0.2)), (0.05, 0.1, (-0.2, 0.0, 0.2))],
-)
-def test_wide_box_becomes_parallel_capsules_that_together_have_its_width(thickness, radius, offsets):
+@pytest.mark.parametrize(("thickness", "radius", "count"), [(0.16, 0.16, 2), (0.1, 0.1, 3), (0.05, 0.1, 3)])
+def test_wide_box_becomes_parallel_capsules_that_together_have_its_width(thickness, radius, count):
     text = f'<worldbody><geom type="box" size="{thickness} 0.3 0.5" pos="1 2 3"/></worldbody>'
-    shapes = _approximate_by_capsules(*compiled(text), 0)
-    assert [shape.radius for shape in shapes] == pytest.approx([radius] * len(offsets))
-    np.testing.assert_allclose([shape.start for shape in shapes], [(1, 2 + y, 2.5 + radius) for y in offsets])
-    np.testing.assert_allclose([shape.end for shape in shapes], [(1, 2 + y, 3.5 - radius) for y in offsets])
+    capsules = _approximate_by_capsules(*compiled(text), 0)
+    centres = np.array([1, 2, 3]) + np.outer(np.linspace(radius - 0.3, 0.3 - radius, count), (0, 1, 0))
+    for capsule, centre in zip(capsules, centres, strict=True):
+        assert (*(capsule.end - centre), capsule.radius) == pytest.approx((0, 0, 0.5 - radius, radius))
 
 
 def test_bodies_belong_to_the_last_hinge_on_their_path_from_the_base():
