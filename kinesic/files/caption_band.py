@@ -17,7 +17,6 @@ BAND_PADDING = 0.45  # space between words and edges of the band / font size
 BAND_COLOUR = (16, 20, 28, 190)  # RGBA of the band behind the words
 TEXT_COLOUR = (255, 255, 255, 255)  # RGBA of the words
 MAX_LINES = 2  # Largest number of lines of a caption
-# distance between words and edge of the band / font size
 Spoken = tuple[float, float, str]  # [s] begin, [s] end, and the spoken words
 
 
