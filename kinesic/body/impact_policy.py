@@ -125,7 +125,7 @@ def _check_positive(path: Path, where: str, numbers: Mapping[str, float]) -> Non
 
 
 def find_policy(audience: Audience, path: Path | None = None) -> ImpactPolicy | None:
-    """Return an audience's contact limits, or None for nobody.
+    """Return an audience's contact limits, or None without an audience.
 
     Args:
         audience: people near the robot.

@@ -106,7 +106,7 @@ def stretch_times(
 
 @dataclass(frozen=True, eq=False)
 class _WarpConstraints:
-    """Values that all segments of the time-warp optimisation share."""
+    """Values common to all segments of the time-warp optimisation."""
 
     times: Floats  # (m,) [s] given key times
     limits: Limits

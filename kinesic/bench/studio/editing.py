@@ -1,4 +1,4 @@
-"""Measurement of the time from an edit on the studio page until its new timeline is drawn."""
+"""Delay from an edit on the studio page until its timeline is drawn."""
 
 import json
 

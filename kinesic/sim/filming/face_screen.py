@@ -47,7 +47,7 @@ class ScreenSurface:
     bend: float  # [m] radius around the vertical axis
 
     def place(self, shares: Floats, ahead: float = 0.0) -> tuple[Floats, Floats]:
-        """Return points (n, 3) [m] and normals of the screen at picture positions.
+        """Return screen points (n, 3) [m] and normals at picture positions.
 
         Args:
             shares: (n, 2) fraction of the picture's width from the left and of its height from the top.

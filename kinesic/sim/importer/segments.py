@@ -135,7 +135,7 @@ def assign_parts(
 
 
 def _lies_along_upper_arm(figure: HumanoidGeometry, side: Side, joint: int) -> bool:
-    """Return whether the part after a shoulder joint lies along the upper arm."""
+    """Return whether a shoulder joint's part lies along the upper arm."""
     centres = figure.arms[side].centres
     upper = centres.elbow - centres.shoulder
     offset = figure.tree.merge_parts([joint]).centre - centres.shoulder
