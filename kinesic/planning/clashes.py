@@ -62,7 +62,7 @@ class ClashFinder:
     """
 
     def __init__(self, setup: Setup) -> None:
-        """Create a finder without any timing conflicts.
+        """Create a finder that has found no clashes yet.
 
         Args:
             setup: robot and limits.

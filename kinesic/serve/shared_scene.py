@@ -24,7 +24,7 @@ from kinesic.serve.tracks import Track, Version, changed_tracks
 
 PROPOSAL_MARGIN = 0.015  # [s] between a proposal and its splice time; doubled after each rejection
 MAX_EXPECTED_DURATION = 1.0  # [s] upper bound of the expected time to compute a proposal
-EXPECTATION_DECAY = 0.7  # factor on the expected time after a faster proposal
+EXPECTATION_DECAY = 0.7  # smallest factor on the expected computing time after a quickly computed proposal
 MAX_PROPOSAL_ATTEMPTS = (
     9  # largest number of proposals of a change; the time before it doubles with each, to nearly 4 s
 )

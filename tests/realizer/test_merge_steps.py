@@ -181,7 +181,7 @@ def outcome(nod, rest):
     return of
 
 
-def test_merged_block_has_clock_times_and_its_offsets_from_the_running_motion(outcome, rest, nod):
+def test_merged_block_has_clock_times_and_joint_angles_relative_to_the_running_motion(outcome, rest, nod):
     merged = outcome(neck=[0.0] * 5 + [0.2] * 10 + [0.0] * 20, performed=[use("n", "sign", begin=0.4)])
     assert merged.trajectory.start == merged.layer.start == START
     assert len(merged.trajectory.controls) == 18

@@ -16,7 +16,7 @@ REPLY_TO_ALL = 2  # Value of STATUS_RETURN_LEVEL at which a servo replies to eve
 COLLISION_TRIES = 3  # number of damaged replies from which several servos are assumed to have the same id
 TABLE_SIZE = Register.PRESENT_TEMPERATURE.field.end  # [bytes] size of the span that `read_table` returns
 _VARYING_START = Register.REALTIME_TICK.field.address  # first address of a span that differs between any two servos
-_VARYING_SIZE = 28  # [bytes] size of the span at _VARYING_START, with clock and sensors
+_VARYING_SIZE = 28  # [bytes] size of the clock and sensor registers, which differ between servos
 
 Attempt = Callable[[], tuple[*tuple[list[int], ...], int, int]]  # data, if any, then result and error byte
 

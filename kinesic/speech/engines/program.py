@@ -113,7 +113,7 @@ class EngineProgram:
 
 
 class _Process:
-    """Running program of an engine."""
+    """Process of a speech engine's program, asked line by line."""
 
     def __init__(self, command: Sequence[str]) -> None:
         """Start the program.
