@@ -126,7 +126,7 @@ def test_compiled_shoulder_target_distance_equals_the_python_reference() -> None
         _agree(gap(ARM_LINKAGE, target), arm.gap(target))
 
 
-def test_compiled_numerical_angle_correction_equals_the_python_reference() -> None:
+def test_compiled_damped_least_squares_correction_of_arm_angles_equals_the_python_reference() -> None:
     random, arm = default_rng(7), arm_of(ARM_CHAIN)
     for _ in range(100):
         target, angles, posture = vector(ARM_CHAIN.hand(np.array(_posture(random)))), _posture(random), _posture(random)

@@ -53,7 +53,7 @@ def test_search_prints_and_writes_pareto_optimal_designs(kinesic, tmp_path):
 
 
 @pytest.mark.realtime
-def test_search_of_a_robot_named_with_a_path_writes_only_into_the_output_folder(kinesic, tmp_path):
+def test_design_search_writes_only_into_the_output_folder_if_the_robot_name_contains_a_path(kinesic, tmp_path):
     (tmp_path / "mine_1.toml").write_text("dear")
     (tmp_path / "nod.bml").write_text(NOD)
     (tmp_path / "robot.toml").write_text('[robot]\nname = "../mine"\nextends = "upper22"\n')

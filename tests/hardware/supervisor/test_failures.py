@@ -129,7 +129,7 @@ def clock() -> Clock:
     return made
 
 
-def test_no_interruption_is_reported_at_first_and_a_suspension_after_a_late_first_cycle():
+def test_interruption_watch_reports_nothing_at_first_and_a_suspended_process_after_a_late_cycle():
     watch = InterruptionWatch(MAX_INTERRUPTION)
     assert (watch.interrupted, watch.fault_duration) == (False, 0.0)
     watch.note_commands(0.75, stage=Stage.HOLD, before=False, left=True, fresh=False)

@@ -50,7 +50,7 @@ def test_contacts_with_people_are_reported_without_checks_if_there_are_no_contac
     assert "Not safety-rated" in described["note"]
 
 
-def test_contact_beyond_the_limits_fails_its_check_with_body_region_segment_and_time(done: DryRun):
+def test_contacts_beyond_the_limits_fail_the_force_and_energy_checks_and_name_the_body_region(done: DryRun):
     found = {check.name: check for check in impact_checks(under(done, "child"))}
     assert set(found) == {"safety.energy", "safety.force", "safety.clamp"}
     assert found["safety.force"].status == found["safety.energy"].status == "fail"
