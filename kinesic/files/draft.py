@@ -23,9 +23,7 @@ DRAFT_TEXT = b"kinesic writes this folder, or was killed as it did; then the nex
 DRAFT_NAME = re.compile(r"\..*-[0-9a-f]{12}(\..*)?", re.DOTALL)  # pattern of the hidden names made by `name_beside`
 PRIVATE_MODE = 0o700  # permissions of a hidden folder that holds an unfinished output file
 PUBLIC_MODE = 0o777  # permissions, before the umask, of a hidden folder that becomes an output folder
-LOCK_FLAGS = (  # flags that open a draft's marker file for a lock
-    os.O_RDWR | NO_LINK_FLAG | NO_WAIT_FLAG
-)
+LOCK_FLAGS = os.O_RDWR | NO_LINK_FLAG | NO_WAIT_FLAG  # flags that open a draft's marker file for a lock
 
 _swept_folders: set[tuple[int, int]] = set()  # (device, inode) of folders already cleared of abandoned drafts
 

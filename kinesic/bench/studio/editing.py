@@ -1,4 +1,4 @@
-"""Delay from an edit on the studio page until its timeline is drawn."""
+"""Delay from an edit in the studio until its timeline is drawn."""
 
 import json
 
