@@ -1,8 +1,9 @@
 """Test files that each process imports, in a run of the whole suite.
 
-Importing all tests takes ten seconds of a processor. The processes for waiting tests therefore import only these tests.
-Each calculating process imports files of its own, and a part of the files that all calculating processes share. These
-even out differences: a process that is done with its own files continues with shared ones.
+Importing all tests takes ten seconds of a processor. Two processes (`CLOCK_WORKERS`) run tests that mostly wait, in a
+browser or in real time, and import only these files. The other, calculating processes together import all files: each
+imports files of its own, and the same shared files as the others. It runs its own first, so that the shared ones let
+all processes end together. `scheduling.py` chooses which process runs a file.
 """
 
 from collections.abc import Mapping
@@ -13,7 +14,7 @@ import pytest
 
 from .scheduling import CLOCK_WORKERS, kind_of
 
-OWN_FRACTION = 0.7  # fraction of the test code [bytes] that belongs to one calculating process; the rest is shared
+OWN_FRACTION = 0.7  # fraction of the test code [bytes] that only one calculating process imports
 
 
 def find_omitted_files(config: pytest.Config, worker: str, count: int) -> list[str]:
@@ -22,7 +23,10 @@ def find_omitted_files(config: pytest.Config, worker: str, count: int) -> list[s
     Args:
         config: configuration of the process that starts the others.
         worker: name of the process.
-        count: number of processes.
+        count: number of test processes, including those for waiting tests.
+
+    Returns:
+        Empty for a run of selected files, without calculating processes, or in place of a crashed process.
     """
     calculating = count - len(CLOCK_WORKERS)
     if config.args_source is not pytest.Config.ArgsSource.TESTPATHS or calculating < 1:
@@ -33,7 +37,7 @@ def find_omitted_files(config: pytest.Config, worker: str, count: int) -> list[s
         return [file for file in files if kind_of(file, root) == "calculation"]
     number = int(worker.removeprefix("gw")) - len(CLOCK_WORKERS)
     if number >= calculating:
-        return []  # replaces a crashed process, whose files it does not know
+        return []  # replaces a crashed process, so may need any of its files
     return [file for file, owner in assign_owners(files, calculating).items() if owner not in (number, None)]
 
 
@@ -45,13 +49,14 @@ def list_test_files(root: Path) -> dict[str, int]:
 
 
 def assign_owners(files: Mapping[str, int], count: int) -> dict[str, int | None]:
-    """Assign each file to one of several processes, or to all of them (None).
+    """Assign each file to one calculating process, or to all of them (None).
 
-    The files of a process follow each other, so that it imports few packages.
+    The files are cut into `count` runs of equal size. The beginning of a run belongs to one process, so that it imports
+    few packages, and the end to all.
 
     Args:
         files: sizes [bytes] of the files, in alphabetical order.
-        count: number of processes.
+        count: number of calculating processes.
     """
     owners: dict[str, int | None] = {}
     total, before = sum(files.values()), 0

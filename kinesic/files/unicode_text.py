@@ -10,8 +10,8 @@ def check_encodable(text: str, *, place: str) -> None:
     """Refuse a text that UTF-8 cannot encode.
 
     Args:
-        text: text from outside.
-        place: beginning of the message, such as the name of a file.
+        text: text that is to be written as UTF-8.
+        place: name of the file or value that contains the text; begins the message.
 
     Raises:
         ConfigError: the text contains a lone surrogate.
