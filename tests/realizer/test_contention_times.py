@@ -129,7 +129,7 @@ def test_speech_that_overlaps_other_speech_is_dropped(scene, zero, is_dropped):
         assert "a:s speaks until 5.00 s" in notices[0].text
 
 
-def test_block_does_not_overlap_its_own_speech(scene):
+def test_speech_of_a_block_is_not_dropped_as_overlapping_with_itself(scene):
     own = speaking("b", 4.0)
     coming, notices = drop_overlapping_speech(scene.with_block(own), own)
     assert (list(coming.times), notices) == (["s"], ())

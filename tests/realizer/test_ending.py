@@ -13,7 +13,7 @@ HELLO = '<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'
 TICK_PERIOD = 0.01  # [s] time between two updates of the scene
 
 
-def test_replace_composition_stops_all_blocks(play):
+def test_block_with_replace_composition_interrupts_or_revokes_all_other_blocks(play):
     play.send("a", BEAT + HELLO, sender=1).send("w", NOD, 'composition="APPEND"', sender=2).until(0.8)
     play.send("b", NOD + HELLO, 'composition="REPLACE"', sender=3)
     assert play.state("a") is BlockState.INTERRUPTED
@@ -44,7 +44,7 @@ def test_interrupting_one_block_leaves_others_running(play):
     assert play.scene.motion.controls[-1] == pytest.approx(play.scene.setup.robot.skeleton.rest, abs=1e-6)
 
 
-def test_interrupting_all_blocks_ends_them(play):
+def test_interrupting_all_blocks_ends_them_and_returns_the_robot_to_rest(play):
     play.send("a", BEAT).send("b", NOD).send("c", NOD, 'composition="APPEND"').until(0.5)
     play.take(interrupt(play.scene, play.now)).until(3.0)
     assert [play.state(id) for id in "abc"] == [BlockState.INTERRUPTED, BlockState.INTERRUPTED, BlockState.REVOKED]
@@ -58,7 +58,7 @@ def test_block_with_an_interrupt_attribute_interrupts_its_target_at_its_start(pl
     assert play.state("b") is BlockState.IN_EXEC
 
 
-def test_interrupt_behaviour_acts_at_its_start_time(play):
+def test_interrupt_behaviour_ends_its_target_block_at_its_own_start_time(play):
     play.send("a", '<speech id="s"><text>One two three four five six seven eight nine ten</text></speech>' + BEAT)
     play.send(
         "b", '<bmla:interrupt id="i" target="a" start="1"/><speech id="s" start="i:start"><text>No</text></speech>'

@@ -37,7 +37,7 @@ def test_message_of_an_interrupted_block_has_the_new_time_on_both_clocks():
         TEXT.interrupted_at(1.0)
 
 
-def test_message_keys_differ_by_run_behaviour_and_point_but_not_by_time():
+def test_keys_of_feedback_messages_differ_by_run_behaviour_and_sync_point_but_not_by_time():
     message = passed("stroke", "h")
     assert message.key == passed("stroke", "h", time=99.0).key == (3, "h", "stroke")
     assert message.content.key == ("h", "stroke")
@@ -79,7 +79,7 @@ def test_relax_of_a_block_is_the_last_relax_or_else_end_of_its_behaviours():
     assert block_span({"h": {}}) == (0.0, 0.0, 0.0)
 
 
-def test_scheduled_messages_name_character_and_run():
+def test_scheduled_feedback_messages_contain_character_run_block_and_sync_point():
     messages = schedule_feedback("b", {"h": {"start": 0.5}}, 10.0, sender=5, character="Anna", run=3)
     assert {(item.content.character, item.content.run, item.content.block) for item in messages} == {("Anna", 3, "b")}
     assert [(item.content.behaviour, item.content.point, item.content.time) for item in messages] == [
@@ -93,12 +93,12 @@ def test_scheduled_messages_name_character_and_run():
 
 
 @pytest.mark.parametrize(("after", "kept"), [(-inf, []), (11.9, []), (12.0, ["stroke"]), (13.0, ["stroke", "end"])])
-def test_withdrawal_after_a_time_keeps_the_sync_points_up_to_it(after, kept):
+def test_withdrawing_feedback_after_a_time_keeps_the_sync_points_up_to_this_time(after, kept):
     agenda = (passed("stroke", "h"), passed("end", "h", time=13.0))
     assert [item.content.point for item in withdraw_feedback(agenda, 3, after=after)] == kept
 
 
-def test_withdrawal_keeps_texts_and_feedback_of_other_runs_and_behaviours():
+def test_withdrawing_feedback_of_a_run_keeps_texts_and_feedback_of_other_runs_and_behaviours():
     agenda = (TEXT, passed("end", run=4), passed("end", "h"), passed("end", "g"), passed("end"))
     assert withdraw_feedback(agenda, 3) == agenda[:2]
     assert withdraw_feedback(agenda, 3, frozenset({"h"})) == (*agenda[:2], *agenda[3:])
@@ -122,7 +122,7 @@ def test_pending_sync_points_move_no_earlier_than_the_change_time():
     ]
 
 
-def test_messages_of_equal_times_keep_the_order_of_their_lists():
+def test_merged_feedback_messages_of_equal_times_keep_the_order_of_their_lists():
     first, second, earlier = TEXT, replace(TEXT, content="<y/>"), replace(TEXT, time=1.0)
     assert order_feedback((first,), (earlier, second)) == (earlier, first, second)
     assert order_feedback() == ()

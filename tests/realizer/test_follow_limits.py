@@ -41,14 +41,16 @@ def test_follow_step_is_refused_if_any_hinge_exceeds_a_limit(play, monkeypatch, 
     ("before", "after", "is_moved"),
     [(0.2, MAX_DUTY, True), (0.2, MAX_DUTY + 1e-6, False), (2.0, 2.0, True), (2.0, 2.1, False), (2.0, 1.9, True)],
 )
-def test_trunk_step_is_refused_if_it_overloads_a_drive_more_than_before(play, monkeypatch, before, after, is_moved):
+def test_follow_step_of_the_trunk_is_refused_if_it_overloads_a_drive_more_than_before(
+    play, monkeypatch, before, after, is_moved
+):
     peaks = iter([np.array([0.1, after, 0.1]), np.array([0.1, before, 0.1])])
     monkeypatch.setattr(following, "compute_peak_duties", lambda motion, setup: next(peaks))
     assert moves(play, TRUNK) == is_moved
     assert next(peaks, None) is None, "duties with and without the step are compared"
 
 
-def test_duty_is_not_computed_for_a_step_of_the_neck_alone(play, monkeypatch):
+def test_duties_of_drives_are_not_computed_for_a_follow_step_of_the_neck_alone(play, monkeypatch):
     monkeypatch.setattr(following, "compute_peak_duties", lambda motion, setup: pytest.fail("computed"))
     assert moves(play, NECK)
     assert nod(play.scene, 0.05, 0.0) is not play.scene
@@ -98,7 +100,7 @@ def test_held_gaze_of_a_block_still_replaces_the_followed_one_after_its_end(play
     np.testing.assert_allclose(play.scene.motion.controls[-1][neck], alone.scene.motion.controls[-1][neck], atol=2e-3)
 
 
-def test_scene_remembers_only_steps_that_have_not_ended(play):
+def test_scene_keeps_only_follow_steps_that_have_not_ended(play):
     play.take(follow(play.scene, TRUNK, 0.0))
     first = play.scene.following
     assert {step.chain for step in first} == {"neck", "torso"}

@@ -34,7 +34,7 @@ def peaks(steps, chain):
     ("chain", "angle"), [("neck", 0.5), ("neck", 6.0), ("neck", 60.0), ("torso", 0.5), ("torso", 3.0), ("torso", 12.0)]
 )
 @pytest.mark.parametrize("sign", [1.0, -1.0])
-def test_lone_step_takes_the_least_time_within_velocity_acceleration_and_shortest_duration(chain, angle, sign):
+def test_lone_follow_step_takes_the_least_time_within_velocity_and_acceleration_limits(chain, angle, sign):
     step = fit_step(chain, turn(sign * angle, axis=1), 5.0, [])
     assert step.begin == pytest.approx(5.0 + {"neck": 0.0, "torso": 0.12}[chain])
     assert step.end - step.begin == pytest.approx(lone_duration(chain, angle), rel=1e-12)
@@ -42,7 +42,7 @@ def test_lone_step_takes_the_least_time_within_velocity_acceleration_and_shortes
     assert step.progress(np.array([step.begin, step.end])).tolist() == [0.0, 1.0]
 
 
-def test_step_that_would_last_longer_than_three_seconds_is_refused():
+def test_follow_step_that_would_last_longer_than_three_seconds_is_refused():
     fastest = 3.0 * 25.0 * 8 / 15  # [deg] whose lone step lasts 3 s
     assert fit_step("torso", turn(fastest - 0.1), 0.0, []).end == pytest.approx(3.12, abs=0.02)
     assert fit_step("torso", turn(fastest + 0.1), 0.0, []) is None
@@ -59,7 +59,7 @@ def test_new_follow_step_grows_only_until_its_sum_with_running_steps_keeps_limit
     assert max(peaks([running, faster], "neck")) > 1.0
 
 
-def test_only_running_steps_of_the_same_chain_that_have_not_ended_delay_a_step():
+def test_only_running_follow_steps_of_the_same_chain_that_have_not_ended_delay_a_new_step():
     change, expected = turn(30.0), lone_duration("neck", 30.0)
     ended, ending = (FollowStep("neck", turn(30.0), 0.0, end) for end in (0.3, 1.5))
     opposite = FollowStep("neck", -change, 0.3, 0.3 + expected)
@@ -75,7 +75,7 @@ def test_only_running_steps_of_the_same_chain_that_have_not_ended_delay_a_step()
         (FollowStep("neck", turn(6.0), 0.0, 0.38), 12.0, 1),
     ],
 )
-def test_step_is_longer_if_only_velocity_or_only_acceleration_would_exceed_its_limit(running, angle, exceeded):
+def test_follow_step_is_longer_if_only_velocity_or_only_acceleration_would_exceed_its_limit(running, angle, exceeded):
     lone = FollowStep("neck", turn(angle), 0.0, lone_duration("neck", angle))
     together = peaks([running, lone], "neck")
     assert together[exceeded] > 1.0 > together[1 - exceeded]

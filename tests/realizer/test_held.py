@@ -29,7 +29,7 @@ def look(target: str, id: str = "l", more: str = "") -> str:
     return LOOK.format(id, target, more)
 
 
-def test_final_posture_of_six_gaze_shifts_equals_that_of_the_last_shift(played, end):
+def test_final_posture_after_six_gaze_shifts_equals_that_of_the_last_shift_alone(played, end):
     play = played()
     for number, target in enumerate(("left", "right", "left", "audience", "right", "left")):
         play.send(f"b{number}", look(target)).until(play.now + 2.5)

@@ -166,7 +166,7 @@ def test_warning_of_an_unreached_held_posture_names_the_last_holding_behaviour(k
         assert f"{known.robot.skeleton.names[known.robot.joints('neck')[0]]} would exceed its range" in text
 
 
-def test_block_without_holding_behaviour_gets_no_warning(known, need):
+def test_block_without_holding_behaviour_gets_no_warning_of_an_unreached_posture(known, need):
     assert end_warnings(motion(known, 0.5), [need(None)], [need(0.2)], known.robot) == []
 
 

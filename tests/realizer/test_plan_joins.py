@@ -99,7 +99,7 @@ def test_hand_transition_fails_if_it_deviates_by_0_1_rad_three_knots_after_its_f
     assert len(calls) == failures + 1
 
 
-def test_transition_that_ends_at_the_last_knot_is_accepted(crossings):
+def test_transition_to_a_new_plan_that_ends_at_the_last_knot_is_accepted(crossings):
     goal = np.ones(31)
     assert _join(np.zeros(31), goal, 20, np.array([30.0]), LIMITS, 7) is not None
 

@@ -31,7 +31,7 @@ def switch(nod):
     return partial(switched, nod)
 
 
-def test_times_of_a_transition_count_from_the_start_of_the_running_motion(nod):
+def test_times_of_a_plan_change_count_from_the_start_of_the_running_motion(nod):
     playing = merged(zero=START + 0.7, occupancy=[use("a", "sign", begin=START + 1)])
     running = motion(start=START)
     switch = _PlanSwitch.of(running, START + 0.205, playing, nod, [use("b", "look", begin=START + 2)])
@@ -102,7 +102,9 @@ def test_only_strokes_in_both_plans_decide_whether_strokes_are_kept(switch, nod)
     ("running", "layer", "knot", "offset", "count"),
     [(300, 90, 20, 0, 300), (90, 310, 20, 0, 310), (90, 90, 400, 0, 406), (90, 90, 20, 500, None)],
 )
-def test_transition_covers_all_motions_and_six_knots_after_the_change(switch, nod, running, layer, knot, offset, count):
+def test_plan_change_covers_all_motions_and_six_knots_after_the_change(
+    switch, nod, running, layer, knot, offset, count
+):
     moved = switch(
         running=motion(running),
         playing=merged(layer=motion(layer)),

@@ -150,7 +150,7 @@ def agents(*names):
         (("Bert", None), None),
     ],
 )
-def test_refusal_names_the_agents_of_all_behaviours(scene, steps, names, refusal):
+def test_refusal_of_a_block_for_other_characters_names_the_agents_of_its_behaviours(scene, steps, names, refusal):
     named = replace(scene, setup=replace(scene.setup, character="Anna"))
     found = texts(begin(named, agents(*names), 10.0))
     assert any("performs here" in text for text in found) == (refusal is not None)

@@ -93,7 +93,7 @@ def test_prediction_feedback_of_a_block_states_its_start_and_end():
         (1.0, {"h": {"start": 0.0, "end": 1.0}, "g": {}}, True),
     ],
 )
-def test_times_differ_from_the_prediction_beyond_the_tolerance(zero, times, differs):
+def test_block_differs_from_its_prediction_if_its_times_change_by_more_than_the_tolerance(zero, times, differs):
     block = small_block("b", {"h": {"start": 0.0, "end": 1.0}}, zero=1.0)
     assert block.differs_from_prediction(0.25)
     assert replace(block, predicted=(zero, times)).differs_from_prediction(0.25) is differs

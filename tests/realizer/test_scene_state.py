@@ -136,7 +136,7 @@ def test_earliest_motion_change_is_after_the_sent_commands_and_the_motion_start(
     assert scene.first_change(5.0) == 5.25
 
 
-def test_new_feedback_follows_earlier_feedback(scene):
+def test_new_outgoing_feedback_of_a_scene_is_appended_to_earlier_feedback(scene):
     first, second, third = (ScheduledFeedback(time, "text") for time in (1.0, 2.0, 3.0))
     assert scene.with_feedback(first).with_feedback(second, third).outgoing_feedback == (first, second, third)
 

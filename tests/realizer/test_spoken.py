@@ -41,7 +41,7 @@ def test_words_after_a_pause_are_not_spoken_during_the_pause():
         assert "now" in divide_text(Script("go on  right now"), utterance, elapsed).unsaid
 
 
-def test_estimated_words_agree_with_marks_of_the_voice():
+def test_estimated_spoken_words_are_within_one_word_of_the_marks_of_the_voice():
     """Compare estimated words with a voice's marks before each word.
 
     The estimate does not use the marks.
@@ -55,7 +55,7 @@ def test_estimated_words_agree_with_marks_of_the_voice():
     assert max(map(abs, errors)) <= 1
 
 
-def test_text_of_each_running_block_is_divided_at_the_same_time(known):
+def test_text_of_each_speaking_block_is_divided_into_spoken_and_unspoken_words_at_one_time(known):
     inside = '<speech id="s"><text>one two three four</text></speech>'
     spoken = {"utterances": {"s": Utterance(2.0)}, "inside": inside}
     scene = Scene.of(known).with_block(small_block("a", {"s": {"start": 0.5, "end": 2.5}}, zero=10.0, **spoken))

@@ -15,7 +15,7 @@ HELLO = '<speech id="s"><text>Hello <sync id="m"/>there</text></speech>'
 TICK_PERIOD = 0.01  # [s] time between two updates of the scene
 
 
-def test_merge_composition_adds_to_running_blocks(play):
+def test_block_with_merge_composition_plays_together_with_a_running_block(play):
     play.send("a", BEAT).until(0.3).send("b", NOD).until(5.0)
     assert play.warnings() == []
     assert play.at("a:start") < play.at("b:start") < play.at("b:h:stroke") < play.at("a:end")

@@ -80,7 +80,7 @@ def test_arm_that_is_stopped_near_the_end_of_a_motion_still_stops_within_limits(
     assert max(peak.ratios.max() for peak in check_limits(stopped, known.limits).by_quantity.values()) <= 1.001
 
 
-def test_yielding_is_the_same_on_any_clock(play, known):
+def test_motion_of_a_yielding_block_does_not_depend_on_the_clock_time(play, known):
     play.send("a", GESTURE + '<gaze id="z" target="left" start="0" ready="0.5" relax="6" end="7"/>').until(0.65)
     scene, shift = play.scene, 100.0
     arms = np.zeros(len(known.limits.lower), dtype=np.bool_)

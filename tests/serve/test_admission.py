@@ -116,7 +116,7 @@ def test_browser_requests_get_the_files_of_the_page() -> None:
 
 
 @pytest.mark.parametrize("first", [b"", b" ", b"GET /"])
-def test_clients_without_a_complete_first_message_are_disconnected(first: bytes) -> None:
+def test_clients_without_a_complete_first_message_are_disconnected_after_a_timeout(first: bytes) -> None:
     async def run() -> None:
         async with opened(rules=SHORT_QUOTAS) as door:
             reader, _ = await door.connect(first)

@@ -86,7 +86,7 @@ def test_arrival_delay_is_measured_only_for_a_travel_above_two_degrees(travel, i
     assert lateness == pytest.approx(0.02 if is_judged else np.nan, abs=2e-3, nan_ok=True)
 
 
-def test_measurements_older_than_the_history_are_forgotten():
+def test_arrival_monitor_drops_measurements_older_than_its_history():
     monitor = ArrivalMonitor()
     for time in (0.0, 0.5, 1.0, 1.25):
         monitor.add(time, np.zeros(2))

@@ -130,7 +130,7 @@ def test_client_is_informed_of_the_refusal_of_its_document():
     assert registry.say(registry.join("a"), DOCUMENT) == ["<no/>"]
 
 
-def test_plain_text_is_spoken_only_if_allowed():
+def test_plain_text_of_a_client_is_read_as_words_to_speak_only_if_the_server_allows_texts():
     registry = Registry(Access(texts=True))
     client = registry.join("a")
     registry.say(client, b"Hello there")
@@ -161,7 +161,7 @@ def test_plain_text_is_spoken_only_if_allowed():
         ({"do": "reach", "target": [0, 0, 1]}, ("answer", 1, ReachQuestion((0, 0, 1)))),
     ],
 )
-def test_control_messages_reach_the_session(message: dict, done: tuple):
+def test_control_message_of_a_client_calls_the_matching_method_of_the_session(message: dict, done: tuple):
     registry = Registry()
     assert registry.say(registry.join("a"), message) == []
     assert registry.session.done == [done]
@@ -174,7 +174,7 @@ def test_streamed_words_of_a_client_are_passed_to_the_session_unchanged():
 
 
 @pytest.mark.parametrize(("token", "trusted"), [("open sesame", True), ("open barley", False), (None, False)])
-def test_arm_message_without_the_token_is_refused_by_the_client_registry(token: str | None, trusted: bool):
+def test_client_registry_tells_the_session_whether_an_arm_message_has_the_token(token: str | None, trusted: bool):
     registry = Registry(TOKEN_ACCESS)
     client = registry.join("a", trusted=True)
     registry.say(client, {"do": "arm", "token": token})
@@ -204,7 +204,7 @@ def test_emergency_stop_is_executed_beyond_the_rate_limit(time: Callable):
     assert registry.say(client, {"do": "stop"}) == ['{"told":"stopped"}']
 
 
-def test_message_burst_limit_recovers_with_the_rate_limit(time: Callable):
+def test_messages_beyond_the_burst_limit_are_refused_until_the_rate_limit_allows_more(time: Callable):
     registry = Registry()
     client = registry.join("a")
     taken = ["pong" in registry.say(client, {"do": "ping"})[0] for _ in range(TEST_QUOTAS.burst + 3)]

@@ -30,7 +30,7 @@ def test_server_with_a_token_accepts_no_message_without_the_token(guarded):
         connect(f"ws://127.0.0.1:{guarded.port}", additional_headers={"Authorization": "Bearer guess"})
 
 
-def test_emergency_stop_needs_the_token(guarded):
+def test_emergency_stop_request_without_the_token_is_refused(guarded):
     with Client(port=guarded.port) as client:
         client.stop()
         assert json.loads(client.receive(20))["told"] == "refused"
@@ -45,7 +45,7 @@ def test_client_with_the_token_may_send_blocks_and_pings(guarded):
         assert "pong" in web.recv(20)
 
 
-def test_silent_client_is_disconnected(guarded):
+def test_silent_tcp_client_is_disconnected_by_the_server(guarded):
     with socket.create_connection(("127.0.0.1", guarded.port), 20) as silent:
         assert silent.makefile("rb").read() == b""
 

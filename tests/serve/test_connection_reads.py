@@ -62,7 +62,7 @@ def test_at_most_eight_kibibytes_are_read_from_a_client_without_the_token() -> N
     assert asyncio.run(run()) == 8192
 
 
-def test_closing_waits_a_second_for_the_client_and_discards_data_slowly(monkeypatch) -> None:
+def test_closing_a_connection_waits_one_second_for_the_client_and_discards_its_data_slowly(monkeypatch) -> None:
     times, pauses, sizes = [], [], []
 
     class PlayedTimeout:

@@ -60,7 +60,7 @@ def test_listener_leans_unless_a_block_holds_a_posture(conversation, proposals, 
     assert (after.motion is proposals.scene.motion) == is_held
 
 
-def test_following_is_tried_again_only_while_a_block_determines_the_gaze(conversation, monkeypatch):
+def test_following_a_person_is_retried_only_while_a_block_determines_the_gaze(conversation, monkeypatch):
     for is_elsewhere, retry in ((True, 3.0 + RETRY_PERIOD), (False, float("inf"))):
         monkeypatch.setattr(conversing, "is_looking_elsewhere", lambda scene, now, answer=is_elsewhere: answer)
         conversation._move([Look((1.5, 0.2, 1.4))], 3.0)
@@ -68,7 +68,7 @@ def test_following_is_tried_again_only_while_a_block_determines_the_gaze(convers
         assert conversation.look == Look((1.5, 0.2, 1.4))
 
 
-def test_motion_is_proposed_for_a_wish_or_a_due_retry_only(conversation, proposals, monkeypatch):
+def test_conversation_proposes_motion_only_for_a_new_gaze_or_a_due_retry(conversation, proposals, monkeypatch):
     conversation._move([], 1.0)
     assert not proposals.changes
     monkeypatch.setattr(conversing, "is_looking_elsewhere", lambda scene, now: True)
@@ -79,7 +79,7 @@ def test_motion_is_proposed_for_a_wish_or_a_due_retry_only(conversation, proposa
     assert len(proposals.changes) == 2
 
 
-def test_trunk_turn_of_the_followed_gaze_is_that_of_its_posture(proposals, known):
+def test_trunk_turn_while_following_a_person_is_upright_unless_a_gaze_has_turned_the_trunk(proposals, known):
     scene = proposals.scene
     assert conversing._followed_torso(scene) == UPRIGHT_TURN
     lean = HeldTurns("posture", Turn(), Turn(tilt=np.radians(2.0)))

@@ -26,7 +26,7 @@ def speech(begin: float, end: float, block: str = "b") -> SimpleNamespace:
     return SimpleNamespace(begin=begin, end=end, block=block)
 
 
-def test_own_speech_lasts_until_the_last_of_overlapping_speeches_ends(conversation, scene):
+def test_conversation_learns_the_end_of_the_last_overlapping_speech_of_the_robot_once_per_change(conversation, scene):
     scene.speeches = (speech(1.0, 4.0), speech(2.0, 3.0), speech(9.0, 12.0))
     assert conversation._own_speech(0.9) is None
     assert conversation._own_speech(1.0) == RobotSpeech(active=True, ends_in=3.0)
@@ -39,7 +39,7 @@ def test_own_speech_lasts_until_the_last_of_overlapping_speeches_ends(conversati
     assert conversation._own_speech(5.0) is None
 
 
-def test_filler_is_no_own_speech(conversation, scene):
+def test_filler_word_is_not_reported_to_the_conversation_as_speech_of_the_robot(conversation, scene):
     scene.speeches = (speech(1.0, 4.0, "filler-3"),)
     assert conversation._own_speech(2.0) is None
 

@@ -43,13 +43,13 @@ def chain_error(server, count: int, seed: int) -> float:
     return float(np.abs(loop.motion.controls[-1] - alone)[hinges].max())
 
 
-def test_final_posture_of_eight_gaze_shifts_on_a_server_equals_that_of_the_last_shift(server):
+def test_final_posture_after_eight_gaze_shifts_on_a_server_equals_that_of_the_last_shift_alone(server):
     assert chain_error(server, 8, seed=1) < ANGLE_TOLERANCE
 
 
 @pytest.mark.soak
 @pytest.mark.parametrize("seed", [2, 3])
-def test_final_posture_of_200_gaze_shifts_on_a_server_equals_that_of_the_last_shift(server, seed):
+def test_final_posture_after_200_gaze_shifts_on_a_server_equals_that_of_the_last_shift_alone(server, seed):
     assert chain_error(server, 200, seed) < ANGLE_TOLERANCE
 
 

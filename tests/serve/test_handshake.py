@@ -93,7 +93,7 @@ def test_program_with_token_may_use_any_host_name(guarded):
 
 
 @pytest.mark.parametrize("method", ["POST", "PUT", "OPTIONS", "get", "HEAD", "PRI", "CONNECT", "*", "GET"])
-def test_browser_requests_are_not_read_as_messages(server, reached, method):
+def test_body_of_an_http_request_is_not_read_as_control_messages(server, reached, method):
     body = f'\0{{"do": "stop"}}\0{NOD}\0'
     request = f"{method} / HTTP/1.1\r\nHost: localhost:{server.port}\r\nContent-Length: {len(body)}\r\n\r\n{body}"
     assert not answer(server.port, request.encode()).startswith(b"HTTP/1.1 101")

@@ -48,7 +48,9 @@ def test_mutations_of_hostile_documents_are_deterministic():
         pytest.param(slice(QUICK_COUNT, DOCUMENT_COUNT), id="others", marks=pytest.mark.soak),
     ],
 )
-def test_sampled_hostile_documents_are_answered_during_a_performance(abused, monkeypatch, sample):
+def test_sampled_hostile_documents_neither_kill_the_planner_nor_delay_the_block_of_another_client(
+    abused, monkeypatch, sample
+):
     where = find_corpus()
     files = EXAMPLE_FILES if where is None else documents((where,))
     chance = random.Random(7)

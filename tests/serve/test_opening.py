@@ -122,7 +122,7 @@ def house(monkeypatch: pytest.MonkeyPatch) -> Iterator[House]:
     sys.setswitchinterval(made.interval)
 
 
-def test_server_listens_before_it_starts_and_admits_clients_after(house: House) -> None:
+def test_server_binds_its_address_before_the_session_starts_and_admits_clients_after(house: House) -> None:
     assert house.run() == Address("127.0.0.1", 4711)
     assert house.calls == [
         "heap bound",

@@ -68,7 +68,7 @@ def saying(notices: list[FeedbackNotice]) -> list[dict]:
     return [json.loads(notice.message) for notice in notices if notice.message.startswith("{")]
 
 
-def test_words_are_spoken_by_phrase_and_the_end_is_reported(planning: Planning):
+def test_streamed_words_are_planned_phrase_by_phrase_and_reported_to_their_client(planning: Planning):
     planning.state.execute(DocumentRequest(Words("Hello there. And", 7), 0))
     proposals, _ = planning.said()
     assert proposals[-1].owed == {7}, "its client is owed the rest"

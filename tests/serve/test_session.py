@@ -112,7 +112,7 @@ def test_resume_without_a_stop_releases_held_servos_without_a_planner_request(on
     on_stage(act)
 
 
-def test_stop_without_running_loop_raises_an_error(on_stage: Callable):
+def test_emergency_stop_without_a_running_control_loop_raises_an_error(on_stage: Callable):
     async def act(stage: Stage) -> None:
         stage.loop.alive = False
         with pytest.raises(RuntimeError, match="has ended"):

@@ -74,7 +74,7 @@ def test_websocket_becomes_a_stop_connection_without_losing_a_buffered_stop(serv
             assert loop.stop_count == stops + 2
 
 
-def test_buffered_tcp_stop_is_not_lost(server):
+def test_tcp_stop_sent_together_with_the_stop_connection_request_is_not_lost(server):
     stops = server.open.clients.session.loop.stop_count
     with socket.create_connection(("127.0.0.1", server.port), MAX_WAIT) as client, client.makefile("rb") as answers:
         client.sendall(b'{"do": "stop_line"}\0{"do": "stop"}\0{"do": "st')
@@ -116,7 +116,7 @@ def test_stop_connection_that_floods_the_server_is_disconnected(guarded):
     assert loop.stop_count >= 10
 
 
-def test_stop_connection_needs_the_token(guarded):
+def test_stop_connection_without_the_right_token_is_refused(guarded):
     with pytest.raises(PermissionError, match="token"):
         StopLine(port=guarded.port, token="wrong")
     with pytest.raises(ConnectionError, match="a token is needed"):

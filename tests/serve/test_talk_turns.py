@@ -110,7 +110,7 @@ def test_streamed_phrases_are_blocks_numbered_per_client_and_the_last_is_reporte
     assert list(talks.finished(scene.setup)) == []
 
 
-def test_next_phrase_is_planned_shortly_before_the_last_word(scene: Scene):
+def test_next_streamed_phrase_is_planned_only_shortly_before_the_running_speech_ends(scene: Scene):
     speaking = performed(
         scene,
         '<bml id="a"><speech id="s"><text>One two three four five six seven eight nine ten</text></speech></bml>',

@@ -110,7 +110,7 @@ def test_silenced_blocks_stay_silent_until_their_tracks_are_removed(block, faded
     assert speaker.told[-1] == 3.0
 
 
-def test_mute_for_a_person_ends_on_request_or_at_an_emergency_stop():
+def test_sound_muted_for_a_speaking_person_is_unmuted_on_request_or_at_an_emergency_stop():
     speaker = Recorder()
     effects = TrackEffects(speaker)
     effects.duck(on=True)

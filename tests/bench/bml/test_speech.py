@@ -14,7 +14,7 @@ def _engine() -> None:
         pytest.skip(espeak_fault())
 
 
-def test_word_onsets_are_found_after_silences():
+def test_audible_word_onsets_are_found_only_after_long_silences():
     samples = np.zeros(1000)
     samples[100:300], samples[320:400], samples[700:800] = 0.5, 0.5, -0.5
     assert speech.find_onsets(Sound.of(1000, samples)) == [0.7]  # pauses of 20 ms do not count as silence

@@ -92,7 +92,7 @@ def test_backup_of_a_text_beyond_the_size_limit_is_refused(backups):
         backups.keep("a", "tea.bml", "", "x" * (MAX_TEXT_SIZE + 1))
 
 
-def test_backups_of_documents_need_a_document_folder():
+def test_listing_backups_without_a_document_folder_raises_an_error_naming_the_folder_option():
     with pytest.raises(ConfigError, match="--folder"):
         BackupFolder(None).list()
 

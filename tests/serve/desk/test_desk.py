@@ -55,7 +55,7 @@ def test_plan_query_does_not_move_the_robot(server, becomes):
         assert told(other, "status")["state"] == "resting"
 
 
-def test_export_is_answered_during_a_plan_and_reports_errors(server):
+def test_export_query_sent_with_a_plan_query_is_answered_and_invalid_exports_return_errors(server):
     with server.client() as client:
         client.do("export", bml=NOD, format="csv", id=4)
         client.do("plan", bml=NOD, id=5)
@@ -94,7 +94,7 @@ def test_death_of_the_preview_process_fails_at_most_one_plan_query(server):
         ("_reacher", "reach", {"side": "left", "target": [0.3, 0.2, 0.3]}),
     ],
 )
-def test_blocked_helper_process_does_not_delay_another_client(server, helper, question, settings):
+def test_stopped_helper_process_does_not_delay_the_pong_to_another_client(server, helper, question, settings):
     with server.client() as client, server.client() as other:
         client.do(question, **settings)
         told(client, question)
@@ -131,7 +131,7 @@ def test_style_paths_named_by_clients_are_refused_without_file_contents(server, 
                 assert "password" not in why
 
 
-def test_subscription_sends_body_telemetry_until_its_rate_is_set_to_zero(server):
+def test_telemetry_subscription_sends_body_angles_until_its_rate_is_set_to_zero(server):
     with server.client() as client:
         client.do("watch", rate=50)
         first, second = told(client, "body"), told(client, "body")

@@ -9,7 +9,7 @@ from kinesic.serve.desk.archive import ARCHIVE_NAME
 from kinesic.serve.desk.documents import MAX_DOCUMENT_SIZE, MAX_LISTED_NAMES, DocumentFolder, RevisionError
 
 
-def test_saved_client_document_is_read_back(tmp_path):
+def test_saved_document_is_read_back_byte_for_byte(tmp_path):
     folder = DocumentFolder(tmp_path)
     folder.save("a.bml", "one\r\n  two\n")
     folder.save("a.bml", "three\r\n\n")

@@ -48,7 +48,7 @@ def test_exported_motion_equals_the_plan(planned):
     assert b64decode(export(planned, "bap")).startswith(b"3.2 doc ")
 
 
-def test_exported_voice_has_the_performance_duration(planned):
+def test_exported_wav_has_sound_and_the_duration_of_the_plan(planned):
     with wave.open(io.BytesIO(b64decode(export(planned, "wav")))) as file:
         assert file.getnframes() / file.getframerate() == pytest.approx(planned.duration, abs=0.05)
         assert np.ptp(np.frombuffer(file.readframes(file.getnframes()), "<i2").astype(int)) > 1000
@@ -105,14 +105,16 @@ def test_block_id_cannot_escape_the_export_folder(tmp_path, monkeypatch, upper22
     assert os.listdir(temporary) == [letter.name]
 
 
-def test_export_name_is_derived_from_the_block_id(planned, upper22_setup):
+def test_name_of_an_exported_file_is_derived_from_the_block_id(planned, upper22_setup):
     assert asked("doc", "csv", upper22_setup)["name"] == "doc.csv"
     assert asked("/home/me/my data", "csv", upper22_setup)["name"] == "home_me_my_data.csv"
     assert asked("con", "csv", upper22_setup)["name"] == "con_.csv"
     assert asked("\N{GRINNING FACE}", "bap", upper22_setup)["name"] == "performance.bap"
 
 
-def test_missing_temporary_folder_is_reported(tmp_path, monkeypatch, upper22_setup):
+def test_missing_temporary_folder_is_reported_as_the_error_of_export_and_gesture_queries(
+    tmp_path, monkeypatch, upper22_setup
+):
     monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "gone"))
     assert "cannot write its temporary files" in asked("doc", "csv", upper22_setup)["error"]["text"]
     question = GestureQuestion(toml=GESTURE, id=2)

@@ -24,7 +24,7 @@ def test_gesture_file_may_be_saved_as_new_or_over_another_gesture_file(upper22_s
         GESTURE_FILE + '[synonyms]\nbeat = ["x"]\n',
     ],
 )
-def test_gesture_files_do_not_overwrite_other_files(upper22_setup: Setup, present: str):
+def test_saving_a_gesture_file_over_a_file_with_other_data_is_refused(upper22_setup: Setup, present: str):
     assert "contains other data than gestures" in find_fault(GESTURE_FILE, present, upper22_setup)
 
 
@@ -43,7 +43,7 @@ def test_gesture_file_size_is_limited(upper22_setup: Setup):
     assert fault == f"it has {limit + 1} bytes, at most {limit} are allowed in a gesture file; split it"
 
 
-def test_invalid_toml_error_contains_no_file_name(upper22_setup: Setup):
+def test_error_for_an_invalid_gesture_toml_text_contains_no_file_name(upper22_setup: Setup):
     fault = find_fault("keys = [", None, upper22_setup)
     assert fault
     assert not fault.startswith("the file: ")

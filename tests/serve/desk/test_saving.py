@@ -109,14 +109,14 @@ def test_saved_gesture_can_be_used_by_the_next_block(studio):
             assert "warningFeedback" not in messages, messages
 
 
-def test_documents_are_saved_unchanged(studio):
+def test_incomplete_bml_document_is_saved_unchanged(studio):
     server, folder = studio
     with server.client() as client:
         assert saved(client, "draft.bml", "<bml> half a docum") == ""
     assert (folder / "draft.bml").read_text() == "<bml> half a docum"
 
 
-def test_continuous_saving_does_not_block_the_planner(studio):
+def test_block_is_performed_while_another_client_keeps_saving_gesture_files(studio):
     server, _ = studio
     deaths = server.open.clients.session.planner.deaths
     with server.client() as saver, server.client() as client:

@@ -42,11 +42,11 @@ def test_style_file_may_be_saved_as_new_or_over_another_style(upper22_setup: Set
 
 
 @pytest.mark.parametrize("present", ["", "not = toml =", "[robot]\n", GESTURE])
-def test_style_files_do_not_overwrite_other_files(upper22_setup: Setup, present: str):
+def test_saving_a_style_over_a_file_that_is_no_style_is_refused(upper22_setup: Setup, present: str):
     assert "is no style" in find_fault(STYLE, present, upper22_setup)
 
 
-def test_gesture_files_do_not_overwrite_styles(upper22_setup: Setup):
+def test_saving_a_gesture_file_over_a_style_file_is_refused(upper22_setup: Setup):
     assert "other data than gestures" in find_fault('category = "beat"\n' + GESTURE, STYLE, upper22_setup)
 
 

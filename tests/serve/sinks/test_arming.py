@@ -96,7 +96,7 @@ def guest(armable: Running, limp: Limp) -> Iterator[Guest]:
         yield asking
 
 
-def test_servos_follow_after_confirmation_until_disarmed(guest: Guest, limp: Limp):
+def test_servos_get_commands_from_the_arming_confirmation_until_they_are_disarmed(guest: Guest, limp: Limp):
     limp.commands.clear()
     asked = guest.ask(do="arm", token=TOKEN, id=7)
     assert (asked["told"], asked["id"], asked["servos"]) == ("confirm", 7, 2)

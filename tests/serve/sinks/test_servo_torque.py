@@ -183,7 +183,7 @@ def test_resume_request_is_passed_only_to_held_servos_that_wait_for_it(waits: st
 
 
 @pytest.mark.parametrize("waits", ["", "consent"])
-def test_closing_the_servo_sink_folds_servos_without_confirmation(waits: str):
+def test_closing_the_servo_sink_releases_servos_first_if_they_wait_for_a_resume(waits: str):
     cabinet = Cabinet()
     cabinet.servos.status = Status(Stage.HOLD, 100.0, 5.0, waits=waits)
     cabinet.sink.close()

@@ -196,7 +196,7 @@ def test_closing_connection_reads_and_discards_data_slowly_so_that_no_reset_is_s
 
 
 @pytest.mark.parametrize(("patience", "linger"), [(SHORT_TIMEOUT, LONG_TIMEOUT), (LONG_TIMEOUT, SHORT_TIMEOUT)])
-def test_closing_does_not_wait_long_for_the_client(
+def test_closing_a_connection_waits_for_the_client_only_up_to_a_timeout(
     monkeypatch: pytest.MonkeyPatch, patience: float, linger: float
 ) -> None:
     monkeypatch.setattr(transport, "LINGER_TIMEOUT", linger)

@@ -92,7 +92,7 @@ def test_messages_without_a_control_key_are_documents(text):
     assert read_control(text.encode()) is None
 
 
-def test_deeply_nested_message_is_left_to_the_reader_of_documents():
+def test_deeply_nested_json_message_is_not_decoded_as_a_control_message():
     for start in ('{"do": "interrupt", "block": ', '{"id": '):
         text = start + "[" * 1900 + "]" * 1900 + "}"
         assert read_control(text.encode()) is None
