@@ -23,7 +23,7 @@ def scene(timeline, context):
     return of
 
 
-def test_head_and_torso_motion_use_the_expressivity_of_their_modality(scene, phases):
+def test_head_torso_and_posture_keys_use_the_expressivity_of_their_modality(scene, phases):
     times = phases(0, 1, 1, 2, 2.5, 3, 4)
     here, timed = scene(Head("NOD"), times)
     assert passage_of(TEST_STYLE.head, "stroke") in {

@@ -110,7 +110,7 @@ def test_power_shortens_nod_and_repetition_adds_nods(natural):
     assert more["strokeEnd"] == pytest.approx(usual["strokeEnd"] + 2 * MAX_ADDED_STROKES * usual["stroke"])
 
 
-def test_posture_trunk_uses_torso_expressivity(natural):
+def test_trunk_duration_of_a_posture_depends_on_torso_and_not_on_gesture_expressivity(natural):
     lean = Posture(poses=(("WHOLEBODY", "LEANING_FORWARD"),))
     slow = natural(lean, style=Style(torso=Expressivity(temporal=-1.0)))
     assert slow["ready"] > natural(lean)["ready"]

@@ -81,7 +81,7 @@ def test_body_parts_outside_the_gaze_influence_keep_the_permanent_gaze(perform, 
 @pytest.mark.parametrize(
     ("spare", "lag"), [(-0.3, 0.0), (0.0, 0.0), (0.05, 0.05), (TRUNK_DELAY, TRUNK_DELAY), (1.0, TRUNK_DELAY)]
 )
-def test_trunk_delay_is_limited_by_the_available_time(pace, spare, lag):
+def test_trunk_delay_in_a_gaze_turn_is_limited_by_the_available_time(pace, spare, lag):
     look = Aim(head=Turn(torsion=0.9), torso=Turn(torsion=0.3))
     needed = pace.turn_time("torso", look.torso)
     times = {"start": 1.0, "ready": 1.0 + needed + spare, "relax": 9.0, "end": 11.0}

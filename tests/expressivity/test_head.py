@@ -69,7 +69,7 @@ def test_head_shake_goes_to_both_sides(robot, pace, nod_times):
         ("Neutral", 0, 0, 0),
     ],
 )
-def test_lexeme_words_set_head_direction(robot, lexeme, torsion, tilt, roll):
+def test_words_of_a_head_lexeme_set_the_head_direction(robot, lexeme, torsion, tilt, roll):
     form = head_form(Head(lexeme), robot, Expressivity())
     assert form.substitute == ""
     peak = form.peak
@@ -137,7 +137,7 @@ def test_big_nod_has_1_5_times_the_amplitude_of_a_middle_nod(robot):
     assert big == pytest.approx(1.5 * middle)
 
 
-def test_spatial_extent_widens_head_movements(robot):
+def test_spatial_extent_increases_the_nod_amplitude(robot):
     peaks = [head_form(Head("NOD"), robot, Expressivity(spatial=spatial)).peak.tilt for spatial in (-1.0, 0.0, 1.0)]
     assert peaks == sorted(peaks)
     assert peaks[0] > 0

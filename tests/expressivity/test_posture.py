@@ -18,7 +18,7 @@ def posture_times(*times):
     return dict(zip(GAZE_SYNCS, times, strict=True))
 
 
-def test_standing_posture_needs_no_motion(perform):
+def test_standing_posture_is_realised_without_moving_any_body_part(perform):
     frames = perform(("p", Posture("STANDING"), posture_times(0, 1, 2, 3)))
     assert frames.outcomes["p"].kind == "realised"
     assert frames.uses["p"] == frozenset()
@@ -126,7 +126,7 @@ def test_arm_pose_of_a_posture_overrides_the_arms_of_its_stance(perform):
     assert {frame.hands["r"].touch for frame in frames.frames if 1 <= frame.time <= 2} == {"upper_arm"}
 
 
-def test_arms_hang_again_after_standing_up_from_a_seated_posture(perform):
+def test_permanent_standing_posture_after_a_seated_one_makes_the_hands_hang_again(perform):
     frames = perform(
         ("p", Posture("SITTING", shift=True), dict(zip(SHIFT_SYNCS, (0, 1), strict=True))),
         ("q", Posture("STANDING", shift=True), dict(zip(SHIFT_SYNCS, (2, 3), strict=True))),

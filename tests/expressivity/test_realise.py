@@ -216,7 +216,7 @@ def test_dropped_and_realised_behaviours_both_have_an_outcome(timeline, context,
     assert set(frames.outcomes) == {"g", "h"}
 
 
-def test_behaviours_can_be_excluded_from_a_block_with_a_reason(perform, beat):
+def test_behaviour_excluded_from_a_block_is_reported_as_dropped_with_the_given_reason(perform, beat):
     frames = perform(("g", Gesture("beat"), beat), ("h", Head("NOD"), beat), without={"g": "it would touch the head"})
     assert frames.outcomes["g"].kind == "dropped"
     assert frames.outcomes["g"].why == "it would touch the head"

@@ -30,7 +30,7 @@ from kinesic.expressivity.turns import UPRIGHT_TURN, add_turns, rotation_range, 
         ("Neutral", 0, 0, 0),
     ],
 )
-def test_lexeme_words_set_trunk_lean(robot, lexeme, torsion, tilt, roll):
+def test_words_of_a_trunk_lexeme_set_the_lean_direction(robot, lexeme, torsion, tilt, roll):
     turn = named_lean(Torso(lexeme), robot, 0.0).turn
     assert [degrees(angle) for angle in (turn.torsion, turn.tilt, turn.roll)] == pytest.approx([torsion, tilt, roll])
 
@@ -43,7 +43,7 @@ def test_trunk_leans_at_the_stroke_and_returns_upright(perform, phases):
     assert all(frame.given == {"torso"} for frame in frames.frames)
 
 
-def test_lean_beyond_the_range_is_clipped_with_warning(perform, phases, robot):
+def test_trunk_lean_beyond_the_joint_range_is_clipped_with_a_warning(perform, phases, robot):
     frames = perform(("t", Torso("BodyRecline", amount=1.0), phases(0, 1, 1, 1, 1, 2, 3)))
     assert degrees(frames.frames[1].torso.tilt) == pytest.approx(-15)
     assert any("9.0 deg" in notice.text for notice in frames.notices)
@@ -70,13 +70,13 @@ def torso(frames):
     return np.array([turn_angles(frame.torso) for frame in frames.frames])
 
 
-def test_trunk_stays_upright_without_power_and_openness(perform, calm):
+def test_trunk_stays_upright_during_a_gesture_of_zero_power_and_openness(perform, calm):
     frames = perform(("g", Gesture("beat", "left"), calm), style=styled(power=0.0, spatial=1.0))
     assert not torso(frames).any()
     assert not any("torso" in frame.given for frame in frames.frames)
 
 
-def test_power_increases_trunk_rotation_and_power_of_zero_or_less_gives_none(perform, calm):
+def test_trunk_rotation_with_a_gesture_grows_with_positive_power_and_is_zero_for_other_power(perform, calm):
     turned = [
         np.abs(torso(perform(("g", Gesture("beat", "left"), calm), style=styled(power=power)))).max()
         for power in (-1.0, 0.0, 0.3, 0.6, 1.0)
@@ -102,7 +102,7 @@ def test_trunk_motion_of_left_and_right_hand_is_mirrored(perform, calm):
     assert np.abs(left[:, 0]).max() > 0.0
 
 
-def test_openness_reclines_the_trunk(perform, calm):
+def test_trunk_reclines_during_a_gesture_in_proportion_to_openness(perform, calm):
     tilts = [
         torso(perform(("g", Gesture("beat", "left"), calm), style=styled(openness=openness)))[:, 1].min()
         for openness in (0.5, 1.0)
@@ -110,7 +110,7 @@ def test_openness_reclines_the_trunk(perform, calm):
     assert tilts == pytest.approx([-0.5 * RECLINE_ANGLE, -RECLINE_ANGLE])
 
 
-def test_trunk_motion_fits_the_time_between_hand_keys(perform, phases, pace):
+def test_trunk_motion_with_a_gesture_fits_the_time_between_hand_keys(perform, phases, pace):
     for ready in (0.06, 0.2, 0.5):
         times = phases(0, ready, ready, 2 * ready, 2 * ready, 2.5 * ready, 3 * ready)
         frames = perform(("g", Gesture("beat", "left"), times), style=styled(power=1.0, openness=1.0))
@@ -120,12 +120,12 @@ def test_trunk_motion_fits_the_time_between_hand_keys(perform, phases, pace):
             assert least <= MAX_TIME_FRACTION * (end - begin) * (1 + 1e-9) + 1e-9
 
 
-def test_rest_pose_does_not_move_the_trunk(perform, calm):
+def test_crossed_arms_rest_gesture_does_not_move_the_trunk(perform, calm):
     frames = perform(("g", Gesture("arms_crossed"), calm), style=styled(power=1.0, openness=1.0))
     assert not torso(frames).any()
 
 
-def test_trunk_motion_uses_torso_expressivity(perform, calm):
+def test_trunk_motion_with_a_gesture_uses_the_torso_power_of_the_style(perform, calm):
     style = styled(power=1.0).changed(["torso.power=0"])
     assert not torso(perform(("g", Gesture("beat", "left"), calm), style=style)).any()
 

@@ -65,7 +65,7 @@ def test_head_turns_partly_back_while_a_hand_waits_for_the_next_gesture(gesture,
     assert [turn_at(soon.head, time).torsion for time in (1.6, 2.4, 3.9)] == pytest.approx([radians(20)] * 3)
 
 
-def test_body_motion_is_limited_to_the_available_time(gesture, pace):
+def test_body_motion_accompanying_a_hurried_gesture_is_reduced_to_the_available_time(gesture, pace):
     hurried = gesture(BODY_FORM, 0, 0.05, 0.05, 0.1, 0.1, 0.15, 0.2)
     body_motion = accompany_gestures([hurried], BodyDemands(), pace)
     for layer, chain in ((body_motion.torso, "torso"), (body_motion.head, "neck")):
@@ -89,7 +89,7 @@ def test_accompanying_motion_excludes_rotation_axes_used_by_other_behaviours(ges
     assert later.gave_way == ()
 
 
-def test_head_shakes_to_both_sides_during_the_stroke(gesture, pace):
+def test_head_accompanying_a_gesture_shakes_to_both_sides_during_the_stroke(gesture, pace):
     body_motion = accompany_gestures([gesture(BodyForm(shake=radians(8)))], BodyDemands(), pace)
     turned = [key.turn.torsion for key in body_motion.head]
     assert min(turned) < -radians(4)

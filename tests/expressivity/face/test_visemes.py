@@ -117,7 +117,7 @@ def test_lips_round_before_a_rounded_vowel_and_relax_outside_speech():
     assert mouth_units["18"][silent].max() == 0.0
 
 
-def test_mouth_motion_is_delayed_by_the_start_time_of_the_speech():
+def test_mouth_motion_of_a_later_speech_is_the_same_but_shifted_by_its_start_time():
     phonemes = said("Hello there")
     early, late = visemes(phonemes, SAMPLE_TIMES), visemes(phonemes, SAMPLE_TIMES, start=2.0)
     for channel in early:

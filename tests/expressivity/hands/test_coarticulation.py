@@ -53,7 +53,7 @@ def test_overlapping_stroke_with_fixed_times_is_dropped_with_a_reason(pace, over
     assert "busy with the stroke of g1 until 1.90 s" in arrangement.outcomes["g2"].why
 
 
-def test_stroke_too_close_for_the_servos_is_dropped(pace, phases):
+def test_gesture_stroke_too_soon_for_the_servos_after_another_stroke_is_dropped(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.9, 2.0, 2.6), (right(A, B, C),))
     second = Stroke("g2", phases(0.2, 0.8, 0.8, 1.02, 1.2, 1.4, 2), (right(C, A),))
     assert arrange_hands([first, second], pace, FREE_STROKES).outcomes["g2"].kind == "dropped"
@@ -124,7 +124,7 @@ def crossing(phases):
 
 
 @pytest.mark.parametrize(("ranks", "left"), [((1, 1), "g1"), ((0, 1), "g2"), ((1, 0), "g1"), ((1, 2), "g2")])
-def test_less_important_or_later_stroke_is_dropped(pace, crossing, ranks, left):
+def test_less_important_or_later_of_two_overlapping_gesture_strokes_is_dropped(pace, crossing, ranks, left):
     arrangement = arrange_hands([replace(s, importance=rank) for s, rank in zip(crossing, ranks, strict=True)], pace)
     assert arrangement.sides.keys() == {left}
     (dropped,) = arrangement.outcomes

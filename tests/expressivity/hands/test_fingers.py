@@ -106,7 +106,7 @@ def test_finger_motion_starts_before_the_wrist_if_time_is_short():
     assert keys[1].time - keys[0].time > 0.1
 
 
-def test_pointing_extends_the_index_finger():
+def test_pointing_gesture_takes_the_index_hand_shape():
     (keys,) = keys_of(pointing_poses(np.array([2.0, -0.5, 1.0]), "r", FINGER_ROBOT)).values()
     np.testing.assert_array_equal(keys[1].angles, shape_angles(hand_shapes()["index"], FINGER_ROBOT, "r"))
 

@@ -30,7 +30,7 @@ def gap(found, a, b):
 @pytest.mark.parametrize("robot", FINGER_ROBOTS, ids=lambda robot: robot.name)
 @pytest.mark.parametrize("side", SIDES)
 @pytest.mark.parametrize("name", ["ring", "pinch"])
-def test_thumb_and_index_fingertips_meet(robot, side, name):
+def test_thumb_and_index_fingertips_meet_in_each_hand_shape_with_their_contact(robot, side, name):
     result = tips(robot, side, shape_angles(hand_shapes()[name], robot, side))
     assert gap(result, "index", "thumb") == pytest.approx(TIP_GAP, abs=1e-3)
 

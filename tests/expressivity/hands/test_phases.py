@@ -68,7 +68,7 @@ def test_one_pose_gesture_of_the_lexicon_starts_15_percent_nearer_to_rest(robot,
     np.testing.assert_allclose(near - there, 0.15 * (rest - there), atol=1e-12)
 
 
-def test_hand_does_not_rest_between_gestures_close_in_time(pace, phases):
+def test_hand_does_not_return_to_rest_between_gestures_close_in_time(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 1.8), (work(A, B),))
     second = Stroke("g2", phases(2.2, 2.8, 2.8, 3.2, 3.2, 3.4, 4.0), (work(C, A),))
     keys = arrange_hands([first, second], pace).hands["r"]
@@ -84,7 +84,7 @@ def test_hand_leaves_a_hold_early_enough_for_the_next_gesture(pace, phases):
     assert next(key for key in keys if key.time == 1.8).hand is C
 
 
-def test_hand_rests_between_gestures_distant_in_time(pace, phases):
+def test_hand_returns_to_rest_between_gestures_distant_in_time(pace, phases):
     first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.2, 1.8), (work(A, B),))
     second = Stroke("g2", phases(2.5, 3, 3, 3.2, 3.2, 3.4, 4.0), (work(C, A),))
     keys = arrange_hands([first, second], pace).hands["r"]
@@ -158,7 +158,7 @@ def test_positive_power_makes_the_shoulder_follow_the_arm(robot, lexicon, power,
     assert work.hands["r"][-1].effort == effort
 
 
-def test_repetition_parameter_repeats_the_stroke(robot, lexicon):
+def test_repetition_parameter_performs_the_stroke_of_a_beat_up_to_three_times(robot, lexicon):
     form = lexicon.find("beat", "right").form
     assert [poses(form, robot, Expressivity(repetition=r)).count for r in (-1.0, 0.0, 0.5, 1.0)] == [2, 2, 4, 6]
 
@@ -197,7 +197,7 @@ def test_hand_leaving_rest_starts_at_the_hanging_position(robot):
     assert hand_at(keys, 2.0, rest) is A
 
 
-def test_resting_hands_are_mirrored(robot):
+def test_rest_poses_of_left_and_right_hand_are_mirrored(robot):
     rest = resting_hands(robot)
     assert rest["l"].position == pytest.approx(rest["r"].position * [1, -1, 1])
     assert np.linalg.norm(rest["l"].palm) == pytest.approx(1.0)
@@ -254,7 +254,7 @@ def test_hand_waiting_between_gestures_is_lowered_if_time_allows(pace, phases, s
         assert key.hand.openness > 0.0
 
 
-def test_lowered_hand_stops_only_for_a_long_pause(pace, phases):
+def test_hand_lowered_between_two_gestures_stops_only_in_a_long_pause(pace, phases):
     """Prevent stops of a few hundredths of a second between two gestures."""
     for end, start, stops in [(1.8, 2.29, False), (2.8, 3.2, True)]:
         first = Stroke("g1", phases(0, 0.6, 0.6, 1.0, 1.0, 1.1, end), (work(A, B),))

@@ -206,7 +206,7 @@ def test_gesture_without_a_hand_path_has_no_intermediate_keys(robot, pace, phase
     assert [key.time for key in arrange_hands([stroke], pace).hands["r"]] == pytest.approx([0, 0.6, 1.0, 1.2, 1.8])
 
 
-def test_natural_phase_durations_of_a_repeated_gesture_are_computed_once(robot, pace, monkeypatch):
+def test_natural_phase_durations_of_equal_gestures_are_computed_only_once(robot, pace, monkeypatch):
     measured = []
     monkeypatch.setattr(strokes, "pose_distance", lambda *way: measured.append(way) or pose_distance(*way))
     natural_times(poses(TWO_KEY_FORM, robot, Expressivity(spatial=0.123)), Effort(pace))

@@ -53,14 +53,14 @@ def test_identity_quaternion_of_a_gestuary_gives_a_hanging_hand(read, side, own)
     assert pose.palm == pytest.approx([0, -1, 0])
 
 
-def test_rotation_about_the_lateral_axis_raises_the_hand(read):
+def test_gestuary_rotation_about_the_lateral_axis_points_the_hand_forward(read):
     half = np.sqrt(0.5)
     pose = read(hand(w=half, x=-half)).keys[0].hands["l"]
     assert pose.pointing == pytest.approx([1, 0, 0])
     assert pose.palm == pytest.approx([0, -1, 0])
 
 
-def test_forearm_relative_rotation_of_a_straight_hand_gives_only_a_palm_direction(read):
+def test_forearm_relative_rotation_in_a_gestuary_gives_only_a_palm_direction_to_a_straight_hand(read):
     half = np.sqrt(0.5)
     pose = read(hand(world="false", w=half, y=-half)).keys[0].hands["l"]
     assert pose.pointing is None

@@ -96,7 +96,7 @@ def test_lexicon_hand_positions_are_outside_trunk_and_head(forms):
 
 
 @FORMS_BY_CATEGORY
-def test_every_stroke_is_large_enough_to_be_seen(forms):
+def test_every_gesture_stroke_of_the_lexicon_moves_or_rotates_the_hand_visibly(forms):
     for form in forms:
         if form.rest:
             continue
@@ -108,7 +108,7 @@ def test_every_stroke_is_large_enough_to_be_seen(forms):
 
 
 @FORMS_BY_CATEGORY
-def test_palm_and_pointing_directions_are_unit_vectors_and_not_parallel(forms):
+def test_palm_and_pointing_directions_of_lexicon_gestures_are_unit_vectors_and_not_parallel(forms):
     for form in forms:
         for pose in (pose for key in form.keys for pose in key.hands.values()):
             assert pose.palm is not None, place(form)

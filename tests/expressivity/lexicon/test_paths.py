@@ -15,7 +15,7 @@ def path(kind, **given):
 
 
 @pytest.mark.parametrize("kind", get_args(PathKind))
-def test_path_begins_and_ends_exactly_at_its_keys(kind):
+def test_hand_path_begins_and_ends_exactly_at_its_key_positions(kind):
     ends = path(kind).at(START_POSITION, END_POSITION, np.array([0.0, 1.0]))
     np.testing.assert_allclose(ends, [START_POSITION, END_POSITION], atol=1e-12)
 
@@ -135,7 +135,7 @@ def test_extrema_of_a_wave_path_are_sampled_even_if_its_amplitude_is_below_the_t
     )
 
 
-def test_slowed_path_has_fewer_periods_and_the_same_amplitude():
+def test_slowed_wave_path_has_fewer_periods_and_the_same_amplitude():
     wave = path("wave", frequency=6.0)
     assert wave.slowed(2.0).turns == 2.0
     assert wave.slowed(8.0) is wave

@@ -78,7 +78,7 @@ def test_invalid_hand_path_of_a_gesture_is_refused_with_its_cause(read, keys, sa
 
 
 @pytest.mark.parametrize("tempo", ["sudden", "neutral", "sustained", None])
-def test_gesture_may_have_a_tempo(tmp_path, tempo):
+def test_tempo_of_a_gesture_is_read_from_its_file_and_is_neutral_by_default(tmp_path, tempo):
     path = tmp_path / "own.toml"
     line = f'tempo = "{tempo}"' if tempo else ""
     path.write_text(f'category = "iconic"\n[[gesture]]\nid = "own"\n{line}\nkeys = [{first()}]\n')

@@ -74,7 +74,7 @@ def test_high_power_shortens_movement_durations_and_low_power_lengthens_them():
         assert np.all(np.diff([natural_time(1.0, least, 0.0, power) for power in np.linspace(-1, 0.99, 21)]) <= 0.0)
 
 
-def test_human_duration_is_a_lower_bound_of_natural_time(pace):
+def test_neck_rotation_takes_at_least_the_usual_human_duration(pace):
     small = Turn(tilt=0.01)
     assert pace.turn_time("neck", small, usual=0.4) == 0.4
     assert pace.turn_time("neck", small) == pytest.approx(COMFORT_MARGIN * pace.least_turn_time("neck", small))

@@ -64,7 +64,7 @@ def test_style_preset_of_a_document_replaces_all_parameters_except_explicit_ones
     assert over.sources == {**dict.fromkeys(EXPRESSIVITY_RANGES, "behaviour"), "power": "setting"}
 
 
-def test_unknown_style_preset_raises_an_error():
+def test_error_for_an_unknown_style_preset_of_a_behaviour_suggests_the_nearest_preset():
     with pytest.raises(ConfigError, match=r"no style joyfull; did you mean joyful\?"):
         resolve_numbers(Style(), "head", Block("b", ()), behaviour(manner=Manner(style="joyfull")))
 

@@ -9,7 +9,7 @@ GOAL_RANGE = (900, 3100)  # [ticks] range of the goals of each servo
 
 
 @pytest.mark.parametrize("model", SERVO_MODELS)
-def test_servo_record_with_heat_low_voltage_or_an_angle_slightly_out_of_range_is_within_bounds(model: str):
+def test_hot_or_low_voltage_servo_record_slightly_outside_the_goal_range_is_within_record_bounds(model: str):
     """Accept factory limits, a failing supply, and a joint slightly outside its range."""
     bounds = RecordBounds.of([SERVO_MODELS[model]], [GOAL_RANGE])
     record = np.zeros(1, BLOCK_DTYPE)
@@ -23,7 +23,7 @@ def test_servo_record_with_heat_low_voltage_or_an_angle_slightly_out_of_range_is
 
 @pytest.mark.parametrize("name", ["position", "velocity", "current"])
 @pytest.mark.parametrize("sign", [-1, 1])
-def test_error_names_the_servo_record_value_outside_its_bounds(name: str, sign: int):
+def test_error_for_a_servo_record_names_the_field_and_the_value_outside_its_bounds(name: str, sign: int):
     bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"], SERVO_MODELS["xl430_w250"]], [GOAL_RANGE, GOAL_RANGE])
     records = np.zeros(2, BLOCK_DTYPE)
     records["volts"] = 120
@@ -58,7 +58,9 @@ MODEL_BOUNDS = {
     ("model", "name", "ends"),
     [(model, name, ends) for model in MODEL_BOUNDS for name, ends in MODEL_BOUNDS[model].items()],
 )
-def test_servo_record_values_at_their_bounds_are_accepted(model: str, name: str, ends: tuple[int, int]):
+def test_servo_record_values_at_their_bounds_are_accepted_and_one_count_beyond_rejected(
+    model: str, name: str, ends: tuple[int, int]
+):
     """The second servo is at its own model's bounds, which differ from the first's."""
     bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"], SERVO_MODELS[model]], [GOAL_RANGE, (1000, 2000)])
     for value, beyond in ((ends[0], ends[0] - 1), (ends[1], ends[1] + 1)):
@@ -75,7 +77,7 @@ def test_servo_record_values_at_their_bounds_are_accepted(model: str, name: str,
 
 
 @pytest.mark.parametrize(("torque", "ends"), [(1, (1000 - 512, 2000 + 512)), (0, (-8 * 4096, 8 * 4096))])
-def test_position_bounds_are_the_range_plus_a_margin_with_torque_and_eight_turns_without_torque(
+def test_servo_position_bounds_are_the_range_plus_a_margin_with_torque_and_eight_turns_without(
     torque: int, ends: tuple[int, int]
 ):
     bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"]] * 2, [GOAL_RANGE, (1000, 2000)])
@@ -89,6 +91,6 @@ def test_position_bounds_are_the_range_plus_a_margin_with_torque_and_eight_turns
         assert bounds.reason(1, record[1]) == f"position is {beyond}, must be {ends[0]}..{ends[1]}"
 
 
-def test_velocity_bound_is_twice_the_limit_but_at_least_two_turns_per_second():
+def test_servo_velocity_bound_is_twice_the_velocity_limit_but_at_least_two_turns_per_second():
     bounds = RecordBounds.of([SERVO_MODELS["xm430_w350"], SERVO_MODELS["xm540_w270"]], [GOAL_RANGE, GOAL_RANGE])
     assert bounds.max_velocity == pytest.approx([2 * 350 * 0.229 / 60 * 4096, 2 * 4096])

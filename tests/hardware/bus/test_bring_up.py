@@ -49,13 +49,13 @@ def test_reopening_a_bus_keeps_servo_torque_on():
     assert open_bus(wire, servos).cycle().raw_values("torque").tolist() == [1, 1, 1]
 
 
-def test_bus_without_any_servo_is_reported():
+def test_error_for_a_bus_without_any_answering_servo_names_the_ids_and_the_baud_rate():
     assert refused(host_baud=57_600) == (
         "/dev/ttyUSB0: no servo of ids 1, 2, 3 at 57600 baud; is the power on, is the baud rate right?"
     )
 
 
-def test_error_names_unexpected_servos_on_a_bus():
+def test_error_for_a_bus_with_other_servo_ids_lists_the_servos_that_answer():
     assert "answering: 1 (xm430_w350), 2 (xm430_w350), 3 (xm430_w350)" in refused(ids=(11, 12))
 
 
@@ -65,7 +65,7 @@ def test_error_names_a_servo_that_the_bus_lacks():
     )
 
 
-def test_servo_of_a_wrong_model_is_reported():
+def test_error_for_a_servo_of_a_wrong_model_names_both_models():
     said = refused(PlannedFault("wrong_model", servos=(2,)))
     assert said == "/dev/ttyUSB0: servo 2: is a xl430_w250, must be a xm430_w350; wrong id, or wrong robot?"
 
@@ -75,7 +75,7 @@ def test_firmware_without_watchdog_is_refused():
     assert "servo 2: firmware 36 has no bus watchdog, must be 38 or newer" in said
 
 
-def test_two_servos_with_one_id_are_reported():
+def test_opening_a_bus_with_two_servos_of_one_id_is_refused():
     assert "servo 2:" in refused(PlannedFault("duplicate_id", servos=(2,)))
 
 
@@ -85,7 +85,7 @@ def test_servos_with_low_supply_voltage_are_refused():
     ]
 
 
-def test_each_servo_problem_is_reported_on_one_line():
+def test_error_for_two_faulty_servos_has_one_line_per_servo():
     said = refused(PlannedFault("wrong_model", servos=(1,)), PlannedFault("old_firmware", servos=(3,), value=36))
     assert [line.split(":")[1] for line in said.splitlines()] == [" servo 1", " servo 3"]
 
@@ -98,7 +98,7 @@ def test_opened_bus_uses_fast_reads_only_with_at_least_two_servos(count: int, is
     assert bus.cycle().fresh.all()
 
 
-def test_firmware_without_fast_reads_is_detected():
+def test_bus_with_firmware_without_fast_reads_uses_plain_reads():
     wire, _ = wire_of(FaultPlan((PlannedFault("old_firmware", servos=(2,), value=41),)))
     bus = open_bus(wire, [Servo(servo, MODEL) for servo in (1, 2, 3)])
     assert not bus.fast

@@ -124,7 +124,7 @@ def test_old_firmware_is_queried_without_fast_reads(rig: Make, mixed: bool):
     assert fresh_share(made.run(20, np.full(7, MID_TICKS))) == 1.0
 
 
-def test_servo_bus_may_have_a_single_servo(rig: Make):
+def test_bus_with_a_single_servo_has_a_fresh_record_in_every_cycle(rig: Make):
     assert fresh_share(rig(1).run(10, np.array([MID_TICKS]))) == 1.0
 
 
@@ -138,7 +138,7 @@ def test_servo_bus_may_have_a_single_servo(rig: Make):
     ],
     indirect=["servos"],
 )
-def test_one_damaged_reply_in_a_hundred_is_recovered(rig: Make, kind: str, count: int):
+def test_servo_records_stay_fresh_although_one_reply_in_a_hundred_is_damaged(rig: Make, kind: str, count: int):
     made = rig(count, baud=4_000_000, faults=plan(kind, rate=0.01, start=0.2))
     made.energise()
     cycles = made.run(200, np.full(count, MID_TICKS))
@@ -184,7 +184,7 @@ def test_silent_servo_rejoins_common_queries_after_its_first_reply(rig: Make):
 
 
 @on_kinesic_servos
-def test_silent_servo_is_queried_even_without_spare_time(rig: Make):
+def test_silent_servo_that_answers_again_is_detected_even_without_spare_bus_time(rig: Make):
     made = rig(14, period=0.0055)
     made.plant.servos[4].mute = True
     made.run(100)

@@ -39,7 +39,7 @@ def timer(folder: Path, value: str) -> Path:
     return setting
 
 
-def test_usb_latency_timer_is_read_through_the_stable_port_name(tmp_path: Path):
+def test_long_usb_latency_timer_found_by_the_stable_port_name_is_reported_with_a_remedy(tmp_path: Path):
     _, names = links(tmp_path)
     setting = timer(tmp_path, "16\n")
     name = names / "usb-FTDI_U2D2_FT1-if00-port0"

@@ -281,7 +281,7 @@ def test_replies_of_a_slow_adapter_stay_late_with_constant_age(rig: Make):
 
 
 @pytest.mark.parametrize("late", [(True, False, False), (False, True, True), (True, True, True)])
-def test_one_late_record_suffices_to_wait_longer_for_the_next_missing_reply(rig: Make, late: tuple[bool, ...]):
+def test_one_late_servo_record_makes_the_bus_treat_missing_replies_as_late(rig: Make, late: tuple[bool, ...]):
     made = rig(3)
     made.run(3)
     made.bus._query_missing_servos = lambda: setattr(made.bus._accepted, "late", np.array(late))

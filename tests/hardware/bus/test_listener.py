@@ -137,7 +137,7 @@ def test_truncated_reply_is_parsed_immediately_if_the_cycle_has_no_spare_time():
     assert made.wire.now() < REPLY_END - 0.0005
 
 
-def test_joint_reply_with_a_repeated_servo_block_is_received_to_its_end():
+def test_fast_reply_with_a_repeated_servo_block_is_received_to_its_end():
     at = 8 + 22 * 3
     longer = joint()[: at + 22] + joint()[at:]
     made = listener(
@@ -148,7 +148,7 @@ def test_joint_reply_with_a_repeated_servo_block_is_received_to_its_end():
     assert answer.whole
 
 
-def test_reply_without_its_first_byte_is_complete_and_preceded_by_no_bytes():
+def test_fast_reply_that_lacks_its_first_byte_still_counts_as_complete():
     made = listener((REPLY_END, joint()[1:]))
     answer = made.receive(SENT_QUERY, end=CYCLE_END)
     assert answer is not None

@@ -94,7 +94,7 @@ def test_repeated_position_jump_of_a_servo_with_torque_is_rejected(gate: Plausib
     assert told(gate, blocks(3010, position=2090, torque=1), 3.01) == [True, True]
 
 
-def test_motion_after_rejected_jump_is_also_rejected(gate: PlausibilityFilter):
+def test_servo_motion_that_continues_from_a_rejected_position_jump_is_also_rejected(gate: PlausibilityFilter):
     """The servo moves slowly, but is soon far from the rejected position."""
     told(gate, blocks(1010, torque=1), 1.01)
     for k in range(8):
@@ -147,7 +147,7 @@ def test_implausible_record_repeated_after_a_plausible_record_is_rejected_again(
     assert told(gate, blocks(1030, position=3000), 1.03) == [True, False]
 
 
-def test_large_position_change_is_accepted_after_half_a_second_of_silence(gate: PlausibilityFilter):
+def test_large_servo_position_change_is_accepted_after_half_a_second_of_silence(gate: PlausibilityFilter):
     assert told(gate, blocks(1500, position=3500), 1.5) == [True, True]
 
 
@@ -193,7 +193,7 @@ def test_records_of_a_servo_with_a_stopped_clock_are_rejected(gate: Plausibility
     assert gate.times[1] == 1.0
 
 
-def test_servo_record_one_millisecond_newer_is_compared_like_all_new_records(gate: PlausibilityFilter):
+def test_servo_record_one_millisecond_newer_has_the_position_tolerance_of_a_whole_cycle(gate: PlausibilityFilter):
     assert told(gate, blocks(1001, 2048 + 218 + POSITION_TOLERANCE)) == [True, True]
 
 

@@ -88,32 +88,32 @@ def test_intact_reply_of_several_servos_is_parsed_completely():
     assert not answer.blocks.flags.writeable
 
 
-def test_changed_byte_in_a_reply_loses_only_its_block():
+def test_changed_byte_in_a_fast_reply_loses_only_the_servo_block_that_contains_the_byte():
     for servo in SERVO_IDS:
         raw = bytearray(WHOLE_REPLY)
         raw[HEADER_SIZE + BLOCK_SIZE * (servo - 1) + 7] ^= 0x10
         assert found(bytes(raw)) == without(servo)
 
 
-def test_byte_lost_in_a_reply_of_several_servos_loses_only_that_servos_data():
+def test_lost_byte_in_a_fast_reply_loses_only_the_servo_block_that_contained_the_byte():
     for servo in SERVO_IDS:
         at = HEADER_SIZE + BLOCK_SIZE * (servo - 1) + 7
         assert found(WHOLE_REPLY[:at] + WHOLE_REPLY[at + 1 :]) == without(servo)
 
 
-def test_truncated_block_in_a_reply_loses_at_most_the_next_block():
+def test_truncated_servo_block_in_a_fast_reply_loses_at_most_the_next_block_too():
     at = HEADER_SIZE + BLOCK_SIZE * 4
     for kept in range(BLOCK_SIZE):
         assert found(WHOLE_REPLY[: at + kept] + WHOLE_REPLY[at + BLOCK_SIZE :]) in (without(5), without(5, 6))
 
 
-def test_noise_and_repeated_blocks_in_a_joint_reply_lose_no_other_servo_block():
+def test_noise_and_repeated_blocks_in_a_fast_reply_lose_no_other_servo_block():
     at = HEADER_SIZE + BLOCK_SIZE * 4
     assert found(WHOLE_REPLY[:at] + b"\x11\x22\x33\x44\x55\x66\x77\x88" + WHOLE_REPLY[at:]) == list(SERVO_IDS)
     assert found(WHOLE_REPLY[: at + BLOCK_SIZE] + WHOLE_REPLY[at:]) == list(SERVO_IDS)
 
 
-def test_servo_blocks_before_a_silent_servo_in_a_joint_reply_are_accepted():
+def test_servo_blocks_before_a_silent_servo_in_a_fast_reply_are_accepted():
     assert found(WHOLE_REPLY[: HEADER_SIZE + BLOCK_SIZE * 4]) == [1, 2, 3, 4]
     assert found(WHOLE_REPLY[:5]) == []
     assert found(b"") == []
@@ -124,7 +124,7 @@ def test_noise_bytes_before_a_bus_reply_are_skipped(noise: bytes):
     assert FAST_QUERY.parse(noise + WHOLE_REPLY).whole
 
 
-def test_damaged_header_of_a_joint_reply_loses_no_servo_block():
+def test_damaged_header_of_a_fast_reply_loses_no_servo_block():
     for k in range(HEADER_SIZE):
         raw = bytearray(WHOLE_REPLY)
         raw[k] ^= 0xFF
@@ -159,7 +159,7 @@ def test_end_of_a_damaged_bus_reply_is_predicted():
     assert FAST_QUERY.parse(WHOLE_REPLY[:-1] + b"\0").end == len(WHOLE_REPLY)
 
 
-def test_unqueried_servos_have_no_records():
+def test_block_of_a_fast_reply_with_the_id_of_an_unqueried_servo_is_ignored():
     assert found(WHOLE_REPLY.replace(bytes((0, 3)) + RECORDS[2], bytes((0, 77)) + RECORDS[2])) == without(3)
 
 
@@ -172,7 +172,7 @@ def test_status_packets_of_wrong_length_or_unqueried_servos_are_ignored():
     assert not answer.whole
 
 
-def test_signature_of_a_servo_record_changes_with_the_servo_state():
+def test_signature_of_servo_records_depends_on_errors_torque_and_temperature_but_not_on_motion():
     blocks = np.zeros(3, BLOCK_DTYPE)
     same = signature(blocks)
     for name in ("tick", "current", "velocity", "position", "volts"):

@@ -154,7 +154,7 @@ def test_time_based_profile_of_a_servo_takes_its_duration(bench: Make):
     assert made.device.firmware.profile.place == pytest.approx(3000, abs=2)
 
 
-def test_reverse_mode_inverts_rotation(bench: Make):
+def test_reverse_drive_mode_of_the_reference_servo_inverts_rotation(bench: Make):
     made = bench()
     before = made.device.shaft.angle
     made.write("drive_mode", 1)
@@ -173,7 +173,7 @@ def test_torque_on_reduces_the_position_of_the_reference_servo_to_one_turn(bench
     assert made.read("present_position")[1] == pytest.approx(2048, abs=2)
 
 
-def test_mode_change_resets_gains_and_profiles(bench: Make):
+def test_operating_mode_change_of_the_reference_servo_resets_gains_and_profiles(bench: Make):
     made = bench()
     made.write("position_p", 5)
     made.write("profile_velocity", 9)
@@ -182,7 +182,7 @@ def test_mode_change_resets_gains_and_profiles(bench: Make):
     assert made.read("profile_velocity") == (0, 0)
 
 
-def test_alert_is_in_every_reply_and_the_shutdown_mask_decides_on_torque(bench: Make):
+def test_reference_servo_replies_carry_an_alert_and_the_shutdown_mask_decides_whether_torque_goes_off(bench: Make):
     made = bench()
     made.write("torque", 1)
     made.device.firmware.alert(1)
@@ -197,7 +197,7 @@ def test_alert_is_in_every_reply_and_the_shutdown_mask_decides_on_torque(bench: 
     assert made.write("torque", 1) == 0
 
 
-def test_reboot_resets_ram_and_keeps_eeprom(bench: Make):
+def test_reference_servo_reboot_resets_ram_and_keeps_eeprom(bench: Make):
     made = bench()
     made.write("moving_threshold", 3)
     made.write("profile_velocity", 9)
@@ -208,7 +208,7 @@ def test_reboot_resets_ram_and_keeps_eeprom(bench: Make):
     assert made.read("goal_position")[1] == made.read("present_position")[1]
 
 
-def test_factory_reset_and_backup_restore_registers(bench: Make):
+def test_reference_servo_restores_registers_from_backup_and_by_factory_reset(bench: Make):
     made = bench(4)
     made.write("moving_threshold", 3, servo=4)
     assert made.ask(4, p.BACKUP, b"\1CTRL")[0].parameters == b"\0"
@@ -227,7 +227,7 @@ def test_factory_reset_and_backup_restore_registers(bench: Make):
     assert made.device.baud == 57_600
 
 
-def test_clear_instruction_resets_the_turn_count_of_a_resting_servo(bench: Make):
+def test_clear_instruction_resets_the_turn_count_of_a_reference_servo_only_at_standstill(bench: Make):
     made = bench()
     made.write("operating_mode", 4)
     made.device.shaft.angle += 4 * pi
@@ -238,7 +238,7 @@ def test_clear_instruction_resets_the_turn_count_of_a_resting_servo(bench: Make)
     assert made.ask(1, p.CLEAR, bytes.fromhex("0144584C22"))[0].parameters == bytes([p.RESULT_FAIL])
 
 
-def test_replies_take_the_return_delay_and_transmission_time(bench: Make):
+def test_reference_servo_reply_arrives_after_return_delay_transmission_time_and_latency(bench: Make):
     made = bench()
     made.device.memory["return_delay"] = 254
     asked = p.instruct(1, p.PING)
@@ -247,7 +247,7 @@ def test_replies_take_the_return_delay_and_transmission_time(bench: Make):
     assert made.line.arrives() == pytest.approx(took)
 
 
-def test_realtime_tick_counts_milliseconds(bench: Make):
+def test_reference_servo_tick_register_counts_milliseconds(bench: Make):
     made = bench()
     before = made.read("tick")[1]
     made.rest(0.5 - 0.02)

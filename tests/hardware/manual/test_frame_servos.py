@@ -87,7 +87,7 @@ def test_independently_written_servos_follow_the_goals_sent_by_the_kinesic_bus(n
     assert not any(cycle.events for cycle in cycles)
 
 
-def test_damaged_replies_of_independent_servos_give_no_wrong_position(name: str, moving):
+def test_damaged_replies_of_independently_written_servos_give_no_wrong_position(name: str, moving):
     bus, line = moving
     random = Random(7)
 
@@ -104,7 +104,7 @@ def test_damaged_replies_of_independent_servos_give_no_wrong_position(name: str,
     assert np.mean([cycle.fresh.mean() for cycle in cycles]) > 0.75  # 18 % of all replies are damaged
 
 
-def test_each_fault_of_an_independent_servo_is_reported_and_does_not_affect_other_servos(name: str, moving):
+def test_silent_and_failed_independently_written_servos_are_reported_without_effect_on_others(name: str, moving):
     bus, line = moving
     device = line.devices[1]
     device.silent = True
@@ -126,7 +126,7 @@ def test_each_fault_of_an_independent_servo_is_reported_and_does_not_affect_othe
     assert [event.servo for cycle in cycles for event in cycle.events if event.kind == "error"] == [2]
 
 
-def test_unplugged_port_of_independent_servos_is_reported_and_reopened(name: str, moving):
+def test_unplugged_port_of_independently_written_servos_is_reported_lost_and_reopened(name: str, moving):
     bus, line = moving
     line.plugged = False
     cycles = run(bus, line, name, 10)
@@ -137,7 +137,7 @@ def test_unplugged_port_of_independent_servos_is_reported_and_reopened(name: str
     assert cycles[-1].fresh.all()
 
 
-def test_unsuitable_independent_servos_are_refused_with_their_id_and_fault(name: str):
+def test_error_for_unsuitable_independently_written_servos_names_each_id_and_fault(name: str):
     line = line_of(name)
     line.devices[0].silent = True
     line.devices[1].table[line.devices[1].layout.volts] = 20
@@ -151,7 +151,7 @@ def test_unsuitable_independent_servos_are_refused_with_their_id_and_fault(name:
     assert "servo 3: is a" in lines[2]
 
 
-def test_registers_of_independent_servos_are_read_and_written(name: str):
+def test_registers_of_independently_written_servos_are_read_and_written(name: str):
     line = line_of(name)
     access = FrameAccess(line, SERVO_MODELS[name].native_table)
     assert access.read(1, Register.MODEL_NUMBER) == SERVO_MODELS[name].number

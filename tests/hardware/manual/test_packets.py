@@ -56,7 +56,7 @@ def test_header_inside_of_a_packet_is_stuffed():
     assert packet.parameters == body[1:]
 
 
-def test_fast_read_is_answered_as_the_manual_prints_it(bench: Make):
+def test_reference_servos_answer_a_fast_sync_read_with_the_reply_printed_in_the_manual(bench: Make):
     made = bench(3, 7, 4, model="xc330_t288")
     for device, ticks in zip(made.devices, (166, 2079, 1023), strict=True):
         device.firmware.tampers.append(lambda memory, ticks=ticks: memory.__setitem__("present_position", ticks))

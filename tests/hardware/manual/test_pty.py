@@ -30,7 +30,7 @@ def port() -> Iterator[PortHandler]:
 
 
 @pytest.mark.realtime
-def test_manufacturer_sdk_drives_independent_servos_on_a_pseudo_terminal(port: PortHandler):
+def test_manufacturer_sdk_drives_independently_written_servos_on_a_pseudo_terminal(port: PortHandler):
     sdk = PacketHandler(2.0)
     until(lambda: sdk.ping(port, 1) == (1030, COMM_SUCCESS, 0))
     until(lambda: sdk.ping(port, 2) == (1220, COMM_SUCCESS, 0))

@@ -129,7 +129,7 @@ def test_factory_settings_of_every_model_are_those_of_its_data_sheet():
 
 
 @pytest.mark.parametrize("name", list(LAYOUTS))
-def test_table_of_an_independent_servo_is_read_in_the_layout_of_the_x_series(name: str):
+def test_registers_of_an_independently_written_servo_are_read_in_the_layout_of_the_x_series(name: str):
     layout, volts = LAYOUTS[name]
     device = FrameDevice(layout, SERVO_MODELS[name].number, 3, volts=volts)
     device.table[layout.celsius] = 41

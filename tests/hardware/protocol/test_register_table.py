@@ -31,7 +31,7 @@ EVERY_MODEL = pytest.mark.parametrize("model", X_SERIES.values(), ids=list(X_SER
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_registers_of_a_model_agree_with_the_independent_table(name: str):
+def test_register_sizes_and_values_of_a_servo_model_agree_with_an_independently_written_table(name: str):
     model = SERVO_MODELS[name]
     for label, item in items(MODELS[name], 1, 52).items():
         register = BY_ADDRESS[item.address]
@@ -47,7 +47,7 @@ def test_registers_of_a_model_agree_with_the_independent_table(name: str):
 
 
 @pytest.mark.parametrize("name", MODELS)
-def test_model_has_exactly_the_registers_of_the_independent_table(name: str):
+def test_servo_model_has_exactly_the_registers_of_an_independently_written_table(name: str):
     addresses = {item.address for item in items(MODELS[name], 1, 52).values()}
     assert {register.field.address for register in SERVO_MODELS[name].registers} == addresses
 

@@ -59,7 +59,7 @@ def test_sdk_adapter_adds_and_removes_byte_stuffing_in_place(body: bytes):
     assert made == plain
 
 
-def test_stuffed_packet_data_arrives_unchanged(rig: Make):
+def test_sdk_adapter_writes_data_that_needs_byte_stuffing_unchanged_to_the_registers(rig: Make):
     made = rig(1)
     port, packets = WirePort(made.wire), Packets()
     data = [0xFF, 0xFF, 0xFD, 0xFF, 0xFF, 0xFF]  # goal current -1, goal velocity -3
@@ -68,17 +68,17 @@ def test_stuffed_packet_data_arrives_unchanged(rig: Make):
     assert made.true(Register.GOAL_VELOCITY) == [-3]
 
 
-def test_late_acknowledgement_is_not_taken_as_read_reply():
+def test_sdk_adapter_does_not_take_a_late_acknowledgement_as_a_read_reply():
     wire = Script(status(1, 0) + status(1, 0, bytes((7, 0, 0, 0))))
     assert Packets().read4ByteTxRx(WirePort(wire), 1, 132) == (7, COMM_SUCCESS, 0)
 
 
-def test_late_position_reply_is_not_taken_as_temperature():
+def test_sdk_adapter_does_not_take_a_late_position_reply_as_a_temperature():
     wire = Script(status(1, 0, bytes(4)) + status(1, 0, bytes((41,))))
     assert Packets().read1ByteTxRx(WirePort(wire), 1, 146) == (41, COMM_SUCCESS, 0)
 
 
-def test_answer_of_another_servo_is_ignored():
+def test_sdk_adapter_ignores_the_reply_of_another_servo():
     wire = Script(status(2, 0, bytes((9,))) + status(1, 0, bytes((41,))))
     assert Packets().read1ByteTxRx(WirePort(wire), 1, 146) == (41, COMM_SUCCESS, 0)
 
@@ -137,7 +137,7 @@ def test_clearing_the_sdk_port_discards_bytes_that_were_not_read_yet():
     assert port.getBytesAvailable() == 0
 
 
-def test_late_replies_are_discarded_before_a_slower_attempt():
+def test_sdk_port_discards_late_replies_before_a_slower_attempt():
     wire = Script(b"late")
     port = WirePort(wire)
     wire.write(b"")
@@ -157,7 +157,7 @@ def test_sdk_group_reads_return_the_positions_of_all_servos(rig: Make):
         assert [group.getData(servo, 132, 4) for servo in made.bus.ids] == made.true(Register.PRESENT_POSITION).tolist()
 
 
-def test_broadcast_ping_finds_all_servos(rig: Make):
+def test_sdk_adapter_finds_all_servos_by_broadcast_ping(rig: Make):
     made = rig(5)
     outcome, result = Packets().broadcastPing(WirePort(made.wire))
     assert result == COMM_SUCCESS

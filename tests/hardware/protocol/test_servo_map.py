@@ -40,7 +40,7 @@ def test_servo_map_of_a_tandem_has_two_ids_and_its_belt_reduction():
     assert servos["vl5_tilt"].reduction == 2.0
 
 
-def test_left_and_right_arm_have_equal_ticks_at_rest():
+def test_left_and_right_arm_servos_have_equal_ticks_in_the_rest_pose():
     robot = Robot.load()
     ticks = ServoMap.of(robot).scale.ticks(robot.skeleton.rest)
     left, right = robot.joints("l_arm"), robot.joints("r_arm")

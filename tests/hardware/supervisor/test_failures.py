@@ -34,7 +34,7 @@ def watched(room: Room, manifest: Manifest) -> Watched:
     return made
 
 
-def test_failure_is_reported_once_with_hinge_names(watched: Watched):
+def test_servo_failure_is_reported_once_with_its_hinge_names(watched: Watched):
     watched.room.records["hardware_error"][1] = HardwareError.OVERLOAD.value
     assert watched.err(3, HardwareError.OVERHEATING) == ("failed",)
     assert watched.log == [("failed", "torsion, l_twist: shut down or blocked")]
@@ -61,7 +61,7 @@ def test_later_failure_of_another_servo_is_reported(watched: Watched):
     assert watched.log[1:] == [("failed", "r_flexion: shut down or blocked")]
 
 
-def test_failure_that_recurs_after_recovery_is_reported_again(watched: Watched):
+def test_servo_failure_that_recurs_after_recovery_is_reported_again(watched: Watched):
     watched.err(1, HardwareError.OVERLOAD)
     assert watched.err(1, None) == ("mended",)
     assert watched.look() == ()
@@ -152,7 +152,7 @@ def test_long_servo_fault_counts_as_interruption(clock: Clock):
     assert not clock.cycle(0.25).interrupted
 
 
-def test_three_seconds_of_suspension_count_as_an_interruption(clock: Clock):
+def test_process_suspended_for_three_seconds_counts_as_interrupted(clock: Clock):
     clock.watch.note_commands(clock.time + 3.0, stage=Stage.ACTIVE, before=True, left=True, fresh=False)
     assert clock.watch.interrupted
     assert clock.watch.describe("") == "this process was suspended (3.0 s or more)"
@@ -173,7 +173,7 @@ def test_slow_commands_at_standstill_count_as_interruption(clock: Clock):
     assert clock.take(0.25, Stage.HOLD, before=True).interrupted
 
 
-def test_commands_in_time_do_not_count_as_interruption(clock: Clock):
+def test_commands_before_the_maximum_gap_do_not_count_as_interruption(clock: Clock):
     assert not clock.take(MAX_INTERRUPTION, Stage.HOLD, before=False).interrupted
     assert not clock.cycle(2.0).interrupted
 

@@ -199,7 +199,7 @@ def test_tripped_watchdog_of_a_servo_without_torque_does_not_count_as_a_fault(ro
     assert monitor.trouble() == "servos were stopped by their bus watchdog"
 
 
-def test_temperature_is_read_every_twentieth_of_a_second(room):
+def test_servo_temperature_slows_the_performance_at_updates_every_twentieth_of_a_second(room):
     room.look()
     room.records["temperature"][4] = 75
     scales = [room.look().scale for _ in range(7)]

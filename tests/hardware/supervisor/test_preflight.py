@@ -75,7 +75,7 @@ def test_servo_outside_its_goal_range_is_refused_in_any_turn(manifest, turn):
 
 
 @pytest.mark.parametrize("register", ["DRIVE_MODE", "OPERATING_MODE", "HOMING_OFFSET"])
-def test_position_is_not_checked_before_the_registers_that_define_it_are_set(manifest, register):
+def test_servo_position_is_not_checked_while_a_register_that_defines_it_is_wrong(manifest, register):
     assert find_refusals(table(manifest.members[XM430], PRESENT_POSITION=0, **{register: 1})) == ()
 
 

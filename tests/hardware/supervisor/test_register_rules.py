@@ -310,7 +310,7 @@ def test_servo_whose_secondary_id_equals_another_id_does_not_get_its_position_li
     assert made.true(Register.MAX_POSITION_LIMIT).tolist() == upper.tolist()
 
 
-def test_position_is_checked_after_the_homing_offset_is_reset(pair: Desk):
+def test_servo_outside_its_goal_range_after_the_reset_of_its_homing_offset_is_refused(pair: Desk):
     pair.plant.physics.turn(0, 3500 / 4096 * 2 * np.pi)
     leave(pair, Register.HOMING_OFFSET, -1000)
     pair.plant.advance(0.01)

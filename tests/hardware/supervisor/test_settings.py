@@ -16,7 +16,7 @@ def test_watchdog_register_value_is_the_requested_duration_rounded_up():
     assert [watchdog_counts(seconds) for seconds in (0.1, 0.2, 0.101, 0.02)] == [5, 10, 6, 1]
 
 
-def test_default_emergency_stop_is_quicker_than_other_stops():
+def test_default_emergency_stop_is_shorter_than_the_watchdog_time_and_other_stops():
     settings = DEFAULT_SETTINGS
     assert settings.quick < settings.watchdog  # or servos would stop by themselves
     assert settings.quick < settings.wary < settings.slow < settings.lead

@@ -56,7 +56,7 @@ def test_motor_power_is_full_0_3_seconds_after_torque_on(bench: Bench):
     assert len(rising) * PERIOD == pytest.approx(0.3, abs=0.02)
 
 
-def test_gains_and_profile_are_written_with_the_first_goals(bench: Bench):
+def test_gains_and_profile_registers_of_servos_are_written_with_the_first_goals(bench: Bench):
     members = bench.axes.manifest.members
     for register in members[0].ram_values:
         bench.axes.put_all(register, ALL_PLACES, 1)
@@ -106,7 +106,7 @@ def test_torque_is_enabled_only_on_the_requested_servos(bench: Bench):
     assert bench.true(Register.BUS_WATCHDOG) == [WATCHDOG, 0, WATCHDOG, 0]
 
 
-def test_no_servo_gets_torque_while_one_is_moving(bench: Bench):
+def test_no_servo_gets_torque_if_one_of_them_never_stops_moving(bench: Bench):
     procedure = energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     with pytest.raises(BusError, match=r"servo 2 \(hinge1\).* some of them move.* torque stays off"):
         bench.run(procedure, lambda snapshot, cycle: moved(snapshot, 2.0 * cycle))
@@ -123,7 +123,7 @@ def test_torque_is_switched_on_only_at_standstill(bench: Bench):
     assert bench.seen[first][Register.GOAL_POSITION][1] == start + 90
 
 
-def test_motion_of_one_tick_counts_as_rest(bench: Bench):
+def test_servo_motion_of_one_tick_counts_as_standstill_before_torque_on(bench: Bench):
     procedure = energise(bench.axes, ALL_PLACES, bench.last, bench.power, watchdog=WATCHDOG, steps=3)
     assert bench.run(procedure, lambda snapshot, cycle: moved(snapshot, cycle % 2)) < 15
 

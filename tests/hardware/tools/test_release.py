@@ -25,7 +25,9 @@ def test_release_tool_switches_torque_off_on_all_servos(bench):
 @pytest.mark.parametrize("seed", range(5))
 @pytest.mark.parametrize("kind", ["corrupt", "lost", "drop", "noise"])
 @pytest.mark.parametrize("way", ["reply", "request"])
-def test_wire_faults_leave_no_servo_with_torque_unreported(bench, kind: FaultKind, seed: int, way):
+def test_release_tool_reports_every_servo_that_may_keep_torque_after_wire_faults(
+    bench, kind: FaultKind, seed: int, way
+):
     table = bench(FaultPlan((PlannedFault(kind, rate=0.1, way=way),), seed))
     energise(table)
     doubts = released(table)

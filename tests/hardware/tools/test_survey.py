@@ -55,7 +55,7 @@ def test_bus_scan_reports_an_id_shared_by_several_servos():
     assert [sighting.servo.id for sighting in servos if not sighting.shared] == [1, 7]
 
 
-def test_servo_survey_reads_all_resting_servos(bench):
+def test_servo_survey_of_a_robot_at_rest_reads_all_servos_and_their_differing_position_limits(bench):
     table = bench()
     seen = survey(table.manifest, {"body": table.wire})
     assert [item.member.id for item in seen] == [member.id for member in table.manifest.members]

@@ -72,6 +72,6 @@ def test_motor_velocity_and_gain_come_from_the_servo_of_the_drive():
     assert motor.gain == pytest.approx(drive.gain / drive.reduction)
 
 
-def test_number_of_start_angles_must_match_the_motors():
+def test_motor_simulation_refuses_more_start_angles_than_motors():
     with pytest.raises(ValueError, match="2 angles for 1 motors"):
         FirstOrder([MOTOR], [0.0, 0.0])

@@ -97,7 +97,7 @@ def test_servos_ignore_bytes_at_another_baud_rate(opened: Opens):
     assert len(host.ask(packet.ping(1), 14)) == 14
 
 
-def test_replugged_adapter_has_its_previous_name(opened: Opens):
+def test_replugged_pseudo_terminal_of_virtual_servos_has_its_previous_path(opened: Opens):
     path = opened(wire(PlannedFault("unplug", start=0.2, seconds=0.1), count=1))
     first = Host(path)
     assert len(first.ask(packet.ping(1), 14)) == 14

@@ -125,7 +125,7 @@ def test_broadcast_factory_reset_of_everything_is_ignored(line: Lines):
     assert [servo.id for servo in two.plant.servos] == [1, 2]
 
 
-def test_change_of_mode_resets_gains_profiles_and_the_pwm_goal(line: Lines):
+def test_operating_mode_change_of_a_virtual_servo_resets_gains_profile_and_pwm_goal(line: Lines):
     one = line()
     one.set(Register.POSITION_P_GAIN, 100)
     one.set(Register.PROFILE_VELOCITY, 100)

@@ -27,7 +27,7 @@ def sampled(profile: Profile) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return times, places, speeds
 
 
-def test_profile_shape_depends_on_limits_and_distance():
+def test_servo_profile_shape_depends_on_limits_and_distance():
     assert velocity_profile(0.0, 0.0, 1.0, limit=inf, acceleration=1.0).form == "step"
     assert velocity_profile(0.0, 0.0, 1.0, limit=2.0, acceleration=inf).form == "rectangle"
     assert velocity_profile(0.0, 0.0, 1.0, limit=2.0, acceleration=1.0).form == "triangle"

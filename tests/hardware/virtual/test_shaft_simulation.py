@@ -48,7 +48,7 @@ def test_planned_undervoltage_recovers_but_its_hardware_error_stays():
     assert line.get(Register.HARDWARE_ERROR_STATUS) == HardwareError.VOLTAGE.value
 
 
-def test_reboot_watchdog_trip_and_silence_happen_when_planned():
+def test_planned_reboot_watchdog_trip_and_silence_of_virtual_servos_occur_at_their_times():
     line = struck(
         PlannedFault("reboot", servos=(1,), start=1.0, value=0.5),
         PlannedFault("watchdog", servos=(2,), start=1.0),

@@ -51,7 +51,7 @@ def test_commands_are_written_without_waiting_for_a_suspended_supervisor(rig):
     assert not rig.record().torque[-1].any()
 
 
-def test_port_is_held_by_one_supervisor_only(rig):
+def test_second_supervisor_on_a_port_in_use_is_refused(rig):
     servos = rig.opened()
     with pytest.raises(BusError, match="another program uses this port") as refused:
         rig.opened()

@@ -56,7 +56,7 @@ def struck(make: Make, case: FaultCase, model: str) -> None:
         if case.name not in UNKNOWN_FAULTS
     ],
 )
-def test_performance_of_each_family_survives_each_bus_fault(crowd: Make, model: str, case: FaultCase):
+def test_performance_on_each_servo_family_survives_each_bus_fault(crowd: Make, model: str, case: FaultCase):
     struck(crowd, case, model)
 
 

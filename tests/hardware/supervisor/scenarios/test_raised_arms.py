@@ -121,7 +121,9 @@ SAMPLED_COUNT = 1  # number of faults tested in every run; `make soak` tests all
         for k, (name, strike) in enumerate(FAULTS_UNTIL_REST.items())
     ],
 )
-def test_torque_is_switched_off_only_when_all_energised_servos_rest(arms: Desk, strike: Callable[[Desk], None]):
+def test_torque_of_raised_arms_is_switched_off_only_after_the_arms_have_been_lowered(
+    arms: Desk, strike: Callable[[Desk], None]
+):
     assert {"l_shoulder_flexion", "r_shoulder_flexion"} <= hinges_up(arms)
     strike(arms)
     follow(arms, Stage.RELEASE)
