@@ -49,7 +49,7 @@ def test_synthesised_speech_ends_with_its_last_word_or_requested_pause(espeak: E
     assert len(waiting.sound.samples) == round(waiting.duration * waiting.sound.rate)
 
 
-def test_rate_shortens_and_pitch_raises_speech(espeak: Espeak):
+def test_higher_rate_shortens_espeak_speech_and_higher_pitch_factor_raises_its_pitch(espeak: Espeak):
     script = Script("My two hands can do large gestures")
     durations = [espeak.say(script, rate=rate).duration for rate in (0.7, 1.0, 1.4, 2.0)]
     assert durations == sorted(durations, reverse=True)
@@ -143,7 +143,7 @@ def test_speech_mark_times_are_ordered_within_the_utterance(espeak: Espeak):
 
 @pytest.mark.parametrize("kind", ["rate", "pitch"])
 @pytest.mark.parametrize("value", [0.0, -1.0, float("nan"), float("inf")])
-def test_invalid_rate_or_pitch_is_rejected(kind: str, value: float):
+def test_speech_rate_or_pitch_outside_its_range_is_rejected_by_espeak(kind: str, value: float):
     with pytest.raises(ValueError, match=f"{kind} is"):
         Espeak().say(Script("one"), **{kind: value})
 

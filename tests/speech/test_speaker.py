@@ -72,7 +72,7 @@ def test_sound_requested_too_late_skips_its_beginning():
     assert np.flatnonzero(tape.heard)[-1] == tape.at(99.9) + 499
 
 
-def test_overlapping_sounds_are_mixed():
+def test_speaker_adds_overlapping_sounds_and_clips_the_sum_at_one():
     tape = Tape()
     speaker = Speaker(tape.clock, device=tape, rate=SAMPLE_RATE)
     speaker.play(CLICK_SOUND, 100.2)
@@ -158,7 +158,7 @@ def test_speaker_mix_is_silent_before_and_after_a_sound(begin: float):
     assert mix((PlayedSound(CLICK_SOUND, 1.0),), begin, 16, SAMPLE_RATE).tolist() == [0.0] * 16
 
 
-def test_missing_sound_device_is_reported():
+def test_missing_sound_device_raises_a_speaker_error():
     if not loudspeaker.audio_fault():
         pytest.skip("this machine plays sounds")
     with pytest.raises(SpeakerError):

@@ -89,7 +89,7 @@ def test_lerobot_raises_for_lost_replies_unless_it_retries_reads():
 
 
 @pytest.mark.usefixtures("double")
-def test_servo_of_the_wrong_model_is_reported_in_one_line():
+def test_lerobot_driver_reports_a_servo_of_the_wrong_model_in_one_line():
     assert run_case("wrong model").refused == "check failed servo2: found 1060"
 
 

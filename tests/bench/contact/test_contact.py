@@ -40,7 +40,7 @@ def test_robot_at_rest_has_a_contact_ratio_of_zero(setup: Setup):
     assert MujocoContacts(setup.robot).largest_ratio(trajectory, policy.rows) == pytest.approx(0.0, abs=1e-9)
 
 
-def test_gestures_planned_near_adults_stay_below_the_force_limit_in_mujoco(setup: Setup):
+def test_large_gesture_planned_near_adults_stays_below_the_contact_force_limit_in_mujoco(setup: Setup):
     lexemes = ("large",)
     blocks = [read_block(GESTURE_BLOCK.format(lexeme), setup, source=lexeme) for lexeme in lexemes]
     compared = compare_plans(blocks, setup)

@@ -15,7 +15,7 @@ def setup():
     return set_up("upper36")
 
 
-def test_finger_shape_of_hush_is_complete_at_stroke_start(setup):
+def test_finger_shape_of_the_hush_gesture_is_complete_at_its_stroke_start(setup):
     result = judge_fingers(setup.lexicon.forms_by_id["hush"], setup)
     assert not result.dropped
     assert len(result.shape_errors) == 1

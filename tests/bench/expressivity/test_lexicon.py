@@ -46,7 +46,7 @@ def test_benchmark_task_sample_depends_on_the_seed_and_keeps_lexicon_order():
     assert [ALL_TASKS.index(task) for task in chosen] == sorted(ALL_TASKS.index(task) for task in chosen)
 
 
-def test_hands_that_point_at_each_other_reach_their_positions(known):
+def test_hands_of_the_link_rings_gesture_reach_their_positions(known):
     result = judge_gesture("link_rings", NEUTRAL_STYLE, known)
     assert not result.dropped
     assert 1000 * result.miss <= MAX_POSITION_ERROR

@@ -25,7 +25,7 @@ def test_exponents_of_cost_growth_are_fitted_above_a_minimum_document_length():
     assert metrics == pytest.approx({"plan": 1.5, "run": 1.0, "plan_memory": 0.0, "memory": 0.5}, abs=1e-12)
 
 
-def test_memory_of_a_long_document_is_compared_with_a_shorter_one(monkeypatch):
+def test_growth_benchmark_divides_the_memory_of_a_long_document_by_that_of_a_shorter_one(monkeypatch):
     costs = (DocumentCost(60.0, 1.0, 2.0, 100.0, 150.0), DocumentCost(600.0, 10.0, 20.0, 130.0, 300.0))
     monkeypatch.setattr("kinesic.bench.growth.cost_by_length", lambda: costs)
     monkeypatch.setattr("kinesic.bench.growth.cost_by_joints", lambda: costs)

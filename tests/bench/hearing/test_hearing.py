@@ -37,7 +37,7 @@ def test_hearing_metrics_without_espeak_have_a_reason_instead_of_a_value(monkeyp
     assert {metric.name for metric in metrics} == {metric.name for metric in measured}
 
 
-def test_test_mixtures_of_sound_depend_only_on_their_seed_and_are_finite():
+def test_generated_coughs_knocks_music_and_noise_depend_only_on_their_seed_and_are_finite():
     for make in (make_cough, make_knock, make_music, lambda random: make_noise(random, 4000)):
         first, same, other = (make(np.random.default_rng(seed)) for seed in (1, 1, 2))
         np.testing.assert_array_equal(first, same)

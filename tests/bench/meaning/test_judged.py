@@ -48,7 +48,9 @@ def test_facial_expressions_head_movements_and_rest_poses_of_a_text_are_judged(s
     assert verdict(small_set, 1, ("beat", 1))[0] == "neutral"
 
 
-def test_metrics_are_the_worst_over_random_seeds_in_each_half_of_the_utterances(small_set, monkeypatch, tmp_path):
+def test_gesture_choice_metrics_are_the_worst_over_random_seeds_in_each_half_of_the_utterances(
+    small_set, monkeypatch, tmp_path
+):
     right, wrong = (judge_utterance(small_set.utterances[k], small_set, shown, set(), set()) for k, shown in
                     ((0, [ShownGesture("large", 4)]), (0, [ShownGesture("stop", 0)])))  # fmt: skip
     plain = judge_utterance(small_set.utterances[1], small_set, [], set(), set())

@@ -30,7 +30,7 @@ def folder(tmp_path):
     return tmp_path
 
 
-def test_hand_is_measured_relative_to_the_chest(folder):
+def test_hand_of_a_captured_clip_is_measured_relative_to_the_chest(folder):
     (clip,) = measure_clips(folder)
     hand = clip.hand
     assert hand.duration == pytest.approx(3.0)
@@ -42,7 +42,7 @@ def test_hand_is_measured_relative_to_the_chest(folder):
     assert hand.flow == pytest.approx(0.0, abs=0.15)
 
 
-def test_skeletons_are_found_in_or_next_to_the_folder(folder):
+def test_skeleton_files_of_captured_clips_are_found_in_or_next_to_the_clip_folder(folder):
     assert measure_clips(folder / "set") == measure_clips(folder)
     (folder / "skeletons" / "ChrTest.sk").unlink()
     (clip,) = measure_clips(folder)
@@ -50,7 +50,7 @@ def test_skeletons_are_found_in_or_next_to_the_folder(folder):
     assert clip.why == "no skeleton ChrTest.sk"
 
 
-def test_unreadable_clips_are_counted_with_their_reason(folder):
+def test_unreadable_captured_clips_are_counted_with_their_reason(folder):
     (folder / "set" / "ChrTest@Broken01.skm").write_text("SkMotion\n")
     metrics = {metric.name: metric for metric in captured_metrics(measure_clips(folder))}
     assert metrics["naturalness.captured.clips"].value == 1

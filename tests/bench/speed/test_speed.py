@@ -45,7 +45,7 @@ def test_dry_run_speed_is_over_a_fifth_of_bare_physics_speed(metrics):
 
 
 @pytest.mark.soak
-def test_run_with_other_servo_parameters_takes_less_than_ten_times_bare_physics(metrics):
+def test_dry_run_with_other_servo_parameters_takes_less_than_ten_times_bare_physics(metrics):
     bare = 1000 * 5.3 / metrics["speed.bare"].value  # [ms]
     assert 0.1 * bare < metrics["speed.variant"].value < 10 * bare
     assert metrics["speed.variant"].goal == 20.0

@@ -48,7 +48,7 @@ def test_gesture_memory_drops_gestures_older_than_a_minute_of_speech() -> None:
     assert (later.seconds, later.parts) == (70.5, 3)
 
 
-def test_gestures_that_were_not_performed_are_forgotten() -> None:
+def test_gesture_memory_forgets_gestures_that_were_not_performed() -> None:
     moment = Moment("s:w1", 1.0)
     beat, large = (
         ChosenBehaviour("gesture", lexeme, Intent("rhythm", moment, moment, moment, 0.5, "a test"))

@@ -59,7 +59,7 @@ def test_beat_moves_from_a_weak_accent_to_a_stronger_one_soon_after_it() -> None
     assert times_of(place_beats(accents, [], STEADY_TEMPO)) == [2.4]
 
 
-def test_hands_never_rest_longer_than_the_maximum_despite_many_earlier_strokes() -> None:
+def test_beats_are_placed_no_further_apart_than_the_longest_silence_despite_many_earlier_strokes() -> None:
     accents = [make_accent(0.5 * k) for k in range(30)]
     times = times_of(place_beats(accents, [], STEADY_TEMPO, earlier_strokes=50))
     assert times
@@ -116,7 +116,7 @@ def test_joyful_style_enlarges_no_uncertain_beats_and_repeats_only_strokes_of_fe
     ("text", "gesture"),
     [("The waiter opened the door.", "open_door"), ("The village had a long wall.", "wall")],
 )
-def test_lively_style_illustrates_words_of_matter_of_fact_sentences(text: str, gesture: str) -> None:
+def test_joyful_but_not_neutral_style_illustrates_words_of_matter_of_fact_sentences(text: str, gesture: str) -> None:
     shown = {
         name: {behaviour.lexeme for behaviour in plan_behaviours(text, Lexicon.load(), Style.load(name))[1].behaviours}
         for name in ("neutral", "joyful")
@@ -125,7 +125,7 @@ def test_lively_style_illustrates_words_of_matter_of_fact_sentences(text: str, g
     assert gesture not in shown["neutral"]
 
 
-def test_clause_in_a_lively_style_may_have_two_illustrating_gestures() -> None:
+def test_clause_has_one_illustrating_gesture_in_neutral_style_and_several_in_joyful_style() -> None:
     text = "We walked slowly across the square into a tiny shop behind the old church of the village."
     pictures = {
         name: {

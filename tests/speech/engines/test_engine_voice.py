@@ -120,7 +120,7 @@ def test_word_and_phoneme_times_that_an_engine_omits_are_estimated_from_its_soun
 
 @pytest.mark.parametrize("kind", ["rate", "pitch"])
 @pytest.mark.parametrize("value", [0.0, float("nan")])
-def test_invalid_rate_or_pitch_is_rejected(kind: str, value: float):
+def test_speech_rate_or_pitch_outside_its_range_is_rejected_by_an_engine_voice(kind: str, value: float):
     with pytest.raises(ValueError, match=f"{kind} is"):
         TONE_VOICE.say(Script("one"), **{kind: value})
 

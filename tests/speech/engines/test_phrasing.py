@@ -31,17 +31,17 @@ def test_pause_divides_a_sentence_and_the_part_before_it_ends_with_a_comma():
     assert divide_texts(script) == [("It is,", 0.0), ("large,", 0.4), ("I think.", PHRASE_PAUSE)]
 
 
-def test_pause_inside_a_word_comes_after_it():
+def test_pause_requested_inside_a_word_is_placed_after_the_word():
     assert divide_texts(Script("don't go", pauses=(Pause(4, 0.4),))) == [("don't,", 0.0), ("go", 0.4)]
 
 
-def test_division_returns_the_pauses_before_and_after_the_text():
+def test_dividing_a_text_into_phrases_returns_the_pauses_before_and_after_it():
     placed, trailing = divide(Script(" one ", pauses=(Pause(0, 0.2), Pause(5, 0.3))), rate=1.0, pitch=1.0)
     assert [(place.phrase.text, place.begin, place.silence) for place in placed] == [("one", 1, 0.2)]
     assert trailing == 0.3
 
 
-def test_rate_shortens_silences_of_punctuation_but_not_requested_pauses():
+def test_higher_speech_rate_shortens_silences_of_punctuation_but_not_requested_pauses():
     script = Script("One. Two", pauses=(Pause(0, 0.2),))
     first, second = divide(script, rate=2.0, pitch=1.5)[0]
     assert (first.silence, second.silence) == (0.2, SENTENCE_PAUSE / 2)

@@ -32,7 +32,7 @@ def test_neural_voice_speaks_a_phrase_without_the_network(neural: EngineVoice, m
     assert utterance.sound.duration == utterance.duration > 2.0
 
 
-def test_same_phrase_gives_the_same_samples(neural: EngineVoice):
+def test_neural_voice_gives_the_same_samples_for_the_same_phrase(neural: EngineVoice):
     first = Hibari().speak(Phrase("Hello, my friend."))
     second = Hibari().speak(Phrase("Hello, my friend."))
     assert np.array_equal(first.sound.samples, second.sound.samples)
@@ -112,7 +112,7 @@ def test_accents_of_a_sentence_lie_near_stressed_vowels(neural: EngineVoice):
         assert any(vowel.start - 0.07 < accent < vowel.end + 0.11 for vowel in stressed)
 
 
-def test_unreadable_letters_are_omitted_with_a_remark(neural: EngineVoice):
+def test_neural_voice_omits_unreadable_letters_with_a_remark(neural: EngineVoice):
     utterance = neural.say(Script("one Я two"))
     assert utterance.voice == "hibari"
     assert "Я" in utterance.remarks[0]

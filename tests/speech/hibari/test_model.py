@@ -45,7 +45,7 @@ def test_missing_voice_package_raises_an_error_that_names_the_extra_that_install
 
 
 @pytest.mark.usefixtures("unchecked")
-def test_missing_model_file_is_named_in_the_error(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
+def test_missing_model_file_of_the_neural_voice_is_named_in_the_error(monkeypatch: pytest.MonkeyPatch, tmp_path: Path):
     (tmp_path / "assets").mkdir()
     (tmp_path / "assets" / "hibari.onnx").touch()
     monkeypatch.setattr(model, "find_package", lambda: tmp_path)

@@ -29,7 +29,7 @@ def test_full_stop_is_added_to_a_phrase_without_final_punctuation(neural: Engine
     assert pronounce("see you,", letters).letters.endswith("u,")
 
 
-def test_text_without_letters_has_no_words(neural: EngineVoice):
+def test_text_without_letters_has_no_words_to_pronounce(neural: EngineVoice):
     assert pronounce("...", load_model().letter_ids).words == ()
 
 

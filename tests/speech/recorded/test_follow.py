@@ -49,7 +49,7 @@ def test_aligned_phonemes_lie_outside_long_silences_of_the_recording(espeak: Esp
             assert release <= begin or onset >= end, sound
 
 
-def test_lips_close_at_every_bilabial_of_the_text(espeak: Espeak):
+def test_lips_close_at_the_times_of_the_bilabials_in_a_recording(espeak: Espeak):
     spoken = speak(espeak)
     expected = [sound.start for sound in spoken.phonemes if sound.letters[:1] in ("p", "b", "m")]
     placed = [sound.start for sound in follow(espeak, spoken).phonemes if sound.letters[:1] in ("p", "b", "m")]

@@ -93,7 +93,7 @@ def test_sound_frames_are_averaged_in_groups_of_four():
     np.testing.assert_allclose(_average(rows), [[3.0, 1.0], [15.0, 4.0]])
 
 
-def test_warping_window_never_moves_back_and_includes_first_and_last_column():
+def test_time_warping_window_never_moves_back_and_includes_the_first_and_last_column():
     first, last = _window(np.array([3.2, 5.0, 4.5, 9.0]), 2, 12)
     assert first.tolist() == [0, 2, 2, 7]
     assert last.tolist() == [6, 7, 7, 11]
