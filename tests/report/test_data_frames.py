@@ -63,7 +63,7 @@ def test_error_for_an_unknown_data_frame_suggests_a_similar_name(run: Performanc
         run.to_dataframe("sync")
 
 
-def test_data_frame_of_servos_needs_a_performance_on_servos(run: Performance):
+def test_servo_data_frame_of_a_run_without_servos_raises_an_error(run: Performance):
     with pytest.raises(ConfigError, match="on='servos'"):
         run.to_dataframe("servos")
 

@@ -114,7 +114,7 @@ def test_next_batch_run_reuses_recorded_reports(folder: Path, known):
     assert lost.did == ["nod"]
 
 
-def test_changed_document_or_setting_is_run_again(folder: Path, known):
+def test_batch_runs_a_changed_document_again_and_all_documents_after_a_changed_setting(folder: Path, known):
     run(folder, known)
     (folder / "nod.bml").write_text(NOD.replace("1", "2"))
     run(folder, known, engine=(changed := LocalEngine()))

@@ -75,7 +75,7 @@ def test_film_camera_shows_bent_forearms_with_a_margin():
     assert framings["rest"][0][3] < 1.0
 
 
-def test_wide_motion_is_cropped_so_that_the_head_has_at_least_105_pixels():
+def test_film_of_a_wide_motion_is_cropped_so_that_the_head_has_at_least_105_pixels():
     robot = Robot.load("human")
     raised, wide = robot.skeleton.rest.copy(), robot.skeleton.rest.copy()
     for side in "lr":

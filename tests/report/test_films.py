@@ -111,7 +111,7 @@ def test_reason_of_a_missing_film_names_the_signal_that_killed_its_process(tmp_p
 
 
 @pytest.mark.soak
-def test_interruption_ends_the_film_processes(tmp_path: Path, processes: FilmProcesses):
+def test_keyboard_interrupt_ends_the_film_processes(tmp_path: Path, processes: FilmProcesses):
     def interrupt(share: float) -> None:
         raise KeyboardInterrupt
 

@@ -62,7 +62,7 @@ def page(performance: DryRun, data: dict[str, Json], folder: Path, film: Path | 
     return path.read_text(encoding="utf-8")
 
 
-def test_page_shows_transcript_then_verdict_then_metrics_and_films(text: str, data: dict[str, Json]) -> None:
+def test_report_page_shows_transcript_then_verdict_then_metrics_and_films(text: str, data: dict[str, Json]) -> None:
     places = [
         text.index(mark)
         for mark in ('<p class="transcript"', "<h1>", 'class="tiles"', 'id="stage"', 'class="plot broad"', "<h2>")
@@ -71,7 +71,7 @@ def test_page_shows_transcript_then_verdict_then_metrics_and_films(text: str, da
     assert verdict(data) in "".join(Outline(text).words)
 
 
-def test_strokes_are_listed_under_words_and_link_to_their_time(text: str) -> None:
+def test_report_page_lists_strokes_under_words_with_links_to_their_times(text: str) -> None:
     transcript = text[text.index('<p class="transcript"') : text.index("<h1>")]
     words = Outline(transcript).words
     assert [word for word in words if word in ("Hello", "there,", "welcome")] == ["Hello", "there,", "welcome"]
@@ -147,7 +147,7 @@ def test_report_page_loads_no_other_files(text: str) -> None:
     assert len(text) < 1_500_000
 
 
-def test_player_script_finds_all_its_page_elements(text: str) -> None:
+def test_report_page_has_the_elements_that_its_player_script_looks_up(text: str) -> None:
     script = read_scripts(PAGE_SCRIPTS)
     given = {attributes["data-part"] for _, attributes in Outline(text).tags if "data-part" in attributes}
     assert set(re.findall(r'part\("([^"]+)"\)', script)) == given
@@ -192,14 +192,16 @@ def test_film_is_embedded_in_the_report_page(
         page(hurried, data, media, media / "film.avi")
 
 
-def test_film_with_sound_is_played_in_the_page(hurried: DryRun, data: dict[str, Json], tmp_path: Path) -> None:
+def test_film_with_sound_is_embedded_as_a_video_in_the_report_page(
+    hurried: DryRun, data: dict[str, Json], tmp_path: Path
+) -> None:
     (tmp_path / "film.mp4").write_bytes(b"film")
     outline = Outline(page(hurried, data, tmp_path, tmp_path / "film.mp4"))
     shown = [tag for tag, found in outline.tags if (found.get("src") or "").startswith("data:video/mp4;base64,")]
     assert shown == ["video"]
 
 
-def test_voice_and_face_are_embedded_in_the_page(
+def test_sound_and_face_film_are_embedded_in_the_report_page(
     hurried: DryRun, data: dict[str, Json], media: Path, sources: list[tuple[str, str | None]]
 ) -> None:
     assert ("img", embedded(media / "face.webp", "image/webp")) in sources
@@ -209,7 +211,7 @@ def test_voice_and_face_are_embedded_in_the_page(
         write_page(hurried, data, Recordings(voice=media / "speech.mp3"), path=media / "y.html")
 
 
-def test_page_names_the_voice_and_the_reason_for_a_missing_face_film(text: str, data: dict[str, Json]) -> None:
+def test_report_page_names_the_voice_and_the_reason_for_a_missing_face_film(text: str, data: dict[str, Json]) -> None:
     (spoken,) = data["speech"]
     assert spoken["voice"]
     assert spoken["phonemes"]
@@ -228,7 +230,7 @@ def test_markup_in_behaviour_ids_is_escaped_on_the_report_page(known: Setup, tmp
     assert {mark["behaviour"] for mark in replay["marks"]} == {HOSTILE_TEXT}
 
 
-def test_plot_colours_are_defined_by_the_page(text: str) -> None:
+def test_colour_variables_of_plots_are_defined_by_the_report_page(text: str) -> None:
     used = set(re.findall(r"var\((--\w+)\)", text))
     assert used <= set(re.findall(r"(--\w+):", text))
     figures = "".join(re.findall(r"<svg.*?</svg>", text, flags=re.DOTALL))

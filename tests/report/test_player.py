@@ -103,7 +103,7 @@ def test_face_film_of_the_report_page_follows_the_replay_forwards_and_backwards(
             assert abs(int(str(page.value(rest))) - 30) < 4
 
 
-def test_replay_follows_the_voice_clock_and_stops_the_voice(page: Page):
+def test_replay_of_the_report_page_follows_the_clock_of_the_sound_and_stops_the_sound(page: Page):
     page.call("Runtime.evaluate", expression="window.voice = document.querySelector('audio')")
     clock = "Number(document.querySelector('[data-part=clock]').textContent.split(' ')[0])"
     with page.undrawn():
@@ -146,7 +146,7 @@ def test_space_key_plays_the_replay_without_a_click_on_it(plain: Page):
             plain.until(key_ends)
 
 
-def test_page_without_recordings_has_no_face_and_no_voice(plain: Page):
+def test_report_page_without_recordings_has_no_face_film_and_no_sound(plain: Page):
     assert plain.value("document.querySelector('[data-part=face]').hidden")
     assert plain.value("document.querySelector('audio') === null")
     with plain.undrawn():

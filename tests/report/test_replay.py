@@ -64,7 +64,7 @@ def test_replay_segments_have_the_positions_of_forward_kinematics(hurried: DryRu
     assert {detail["colour"] for detail in data["details"][4:]} <= {"trunk", "limb", "l_hand", "r_hand"}
 
 
-def test_shell_unpacked_from_the_page_equals_the_original(hurried: DryRun) -> None:
+def test_robot_shell_unpacked_from_the_replay_data_equals_the_original(hurried: DryRun) -> None:
     data, robot = replay_data(hurried), hurried.plan.setup.robot
     shell = load_shell(robot)
     assert shell is not None

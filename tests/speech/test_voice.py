@@ -77,7 +77,7 @@ def test_auto_voice_is_silent_without_an_engine_and_warns(monkeypatch: pytest.Mo
     assert "pip install it" in notice.text
 
 
-def test_requested_speech_engine_must_be_installed(monkeypatch: pytest.MonkeyPatch):
+def test_requesting_the_espeak_voice_without_espeak_raises_an_error(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(module, "espeak_fault", lambda: "espeak-ng is not installed: pip install it")
     with pytest.raises(ConfigError, match="pip install it"):
         voice("espeak")
@@ -90,7 +90,7 @@ def test_default_voice_of_the_library_is_silent_without_warnings():
 
 
 @pytest.mark.parametrize("name", ["auto", "durations"])
-def test_voice_can_be_pickled(name: VoiceName):
+def test_pickled_and_restored_voice_gives_the_same_mark_times(name: VoiceName):
     block = parse(SPEECH_DOCUMENT)
     setup, other_setup = set_up(voice=name), set_up()
     object.__setattr__(other_setup, "voice", pickle.loads(pickle.dumps(setup.voice)))

@@ -95,7 +95,7 @@ def test_block_expressivity_applies_to_all_modalities_or_to_a_named_one():
         ('kinesic:style="../styles/sad"', r"<text>:2:1: kinesic:style='../styles/sad' is not a style"),
     ],
 )
-def test_invalid_behaviour_attributes_are_rejected_with_line_and_column(attribute, message):
+def test_invalid_kinesic_attributes_of_a_behaviour_are_rejected_with_line_and_column(attribute, message):
     with pytest.raises(BmlError, match=message):
         parse_block(f'<gesture id="g" lexeme="beat" {attribute}/>')
 
@@ -108,7 +108,7 @@ def test_invalid_behaviour_attributes_are_rejected_with_line_and_column(attribut
         ('kinesic:head.power="3"', r"<text>:1:1: kinesic:head.power='3' is out of range; use -1 to 1"),
     ],
 )
-def test_invalid_block_attributes_are_rejected_with_line_and_column(attribute, message):
+def test_invalid_kinesic_attributes_of_a_block_are_rejected_with_line_and_column(attribute, message):
     with pytest.raises(BmlError, match=message):
         parse_block('<wait id="w"/>', attribute)
 

@@ -25,7 +25,7 @@ def page(calm: DryRun, tmp_path_factory: pytest.TempPathFactory) -> Iterator[Pag
         yield result
 
 
-def test_inline_replay_stops_at_its_end(page: Page):
+def test_replay_in_a_notebook_display_stops_at_its_end(page: Page):
     clock = "Number(document.querySelector('[data-part=clock]').textContent.split(' ')[0])"
     end = page.value("Number(document.querySelector('[data-part=time]').max)")
     with page.undrawn():
@@ -38,7 +38,7 @@ def test_inline_replay_stops_at_its_end(page: Page):
         page.until(f"Math.abs({clock} - {end}) < 0.01 && !document.querySelector('.playing')")
 
 
-def test_playhead_of_the_timeline_follows_the_replay(page: Page):
+def test_playhead_of_the_timeline_in_a_notebook_display_follows_the_replay(page: Page):
     place = "parseFloat(document.querySelector('.plot.broad .playhead').style.left)"
     page.value("document.querySelector('[data-part=time]').value = 0")
     page.value("document.querySelector('[data-part=time]').dispatchEvent(new Event('input'))")

@@ -20,7 +20,7 @@ def test_capsule_mesh_is_closed_and_faces_outward(trimesh: ModuleType, end: tupl
     np.testing.assert_allclose(surface.positions - nearest, 0.05 * surface.normals, atol=1e-12)
 
 
-def test_joined_surfaces_number_their_vertices_consecutively():
+def test_joined_capsule_meshes_number_their_vertices_consecutively():
     one = capsule_mesh(Capsule(np.zeros(3), np.array([0.0, 0.0, 0.1]), 0.05))
     both = join_surfaces([one, one])
     assert both.corners.max() == 2 * len(one.positions) - 1
@@ -34,7 +34,7 @@ def test_triangles_of_a_capsule_run_anticlockwise_seen_from_outside():
     assert (np.einsum("ti,ti->t", across, outward) > 0.0).all()
 
 
-def test_joined_surfaces_keep_the_positions_of_each_triangle():
+def test_joined_capsule_meshes_keep_the_positions_of_each_triangle():
     one = capsule_mesh(Capsule(np.zeros(3), np.array([0.0, 0.0, 0.1]), 0.05))
     other = capsule_mesh(Capsule(np.ones(3), np.array([1.0, 1.2, 1.0]), 0.02))
     both = join_surfaces([one, other])

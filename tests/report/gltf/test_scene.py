@@ -182,7 +182,7 @@ def test_exported_quaternions_have_no_sign_jumps():
     assert (np.einsum("mi,mi->m", result[1:], result[:-1]) > 0.9).all()
 
 
-def test_scene_file_of_a_plan_lasts_as_long_as_the_plan(tmp_path: Path):
+def test_gltf_animation_of_a_plan_lasts_as_long_as_the_plan(tmp_path: Path):
     bml = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><head id="h" lexeme="NOD" stroke="1"/></bml>'
     planned = plan(bml, set_up())
     tables, block = read(save_scene(planned, tmp_path / "nod.glb", force=False))
@@ -200,7 +200,7 @@ def test_gltf_key_frame_times_are_distinct_and_end_with_the_motion(duration: flo
     assert (np.diff(times) < 1.02 / KEY_FRAME_RATE).all()
 
 
-def test_segment_with_an_offset_joint_axis_is_translated(tmp_path: Path):
+def test_gltf_node_of_a_segment_with_an_offset_joint_axis_is_translated(tmp_path: Path):
     robot, tilt = ROBOTS["upper22"], ROBOTS["upper22"].joints("neck")[1]
     hinges = [
         replace(hinge, at=sealed([0.0, 0.0, 0.02])) if k == tilt else hinge
@@ -244,7 +244,7 @@ def test_gltf_nodes_stand_in_the_first_posture_without_the_animation(name: str, 
     assert animation["name"] == "performance"
 
 
-def test_materials_of_the_shell_are_not_metallic_and_have_linear_colours(tmp_path: Path):
+def test_gltf_materials_of_the_shell_are_not_metallic_and_have_linear_colours(tmp_path: Path):
     robot = ROBOTS["upper22"]
     tables, _ = read(written(robot, robot.skeleton.rest[None], tmp_path / "robot.glb"))
     looks = [material["pbrMetallicRoughness"] for material in tables["materials"] if material.get("name") != "face"]

@@ -171,7 +171,7 @@ def test_gltf_texture_of_clothes_is_transparent_beyond_their_border(scene: GltfS
     assert (picture[:, 64 - seam + 1 : 64, :3] == 225).all()
 
 
-def test_clothes_have_the_colours_of_the_figure(scene: GltfScene) -> None:
+def test_gltf_clothes_have_the_colours_of_the_human_figure(scene: GltfScene) -> None:
     for primitive in scene.primitives("hands and clothes", "cloth"):
         own = vertices_of(scene, primitive, "cloth")
         colour = scene.material(primitive)["pbrMetallicRoughness"]["baseColorFactor"]
@@ -232,7 +232,7 @@ def test_iris_is_in_the_middle_of_the_gltf_eye_texture(scene: GltfScene) -> None
     np.testing.assert_allclose((0.5 - across[:, 1]) * 2 * EYE_HALF_WIDTH, chart[:, 1], atol=1e-5)  # from the top
 
 
-def test_texture_coordinates_of_the_skin_are_inside_its_texture(scene: GltfScene) -> None:
+def test_gltf_texture_coordinates_of_the_skin_are_inside_its_texture(scene: GltfScene) -> None:
     for mesh in ("face", "hands and clothes"):
         (primitive,) = scene.primitives(mesh, "skin")
         across = scene.attribute(primitive, "TEXCOORD_0")
@@ -308,7 +308,7 @@ def test_only_files_with_suffix_glb_are_recognised_as_gltf_scenes() -> None:
     assert not is_scene(None)
 
 
-def test_only_clothes_and_hair_are_double_sided(scene: GltfScene) -> None:
+def test_only_gltf_materials_of_clothes_and_hair_are_double_sided(scene: GltfScene) -> None:
     assert {material["name"] for material in scene.tables["materials"] if material.get("doubleSided")} == {
         "cloth",
         "hair",

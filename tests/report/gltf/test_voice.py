@@ -18,7 +18,9 @@ def spoken(monkeypatch: pytest.MonkeyPatch) -> object:
     return speech
 
 
-def test_voice_is_written_beside_the_scene(hurried: DryRun, spoken: object, tmp_path: Path) -> None:
+def test_sound_of_a_plan_is_written_as_a_wav_file_beside_its_gltf_scene(
+    hurried: DryRun, spoken: object, tmp_path: Path
+) -> None:
     path = save_voice(hurried.plan, tmp_path / "hurried.glb", force=False)
     assert path == tmp_path / "hurried.wav"
     assert path.read_text() == "wav True"
@@ -27,13 +29,15 @@ def test_voice_is_written_beside_the_scene(hurried: DryRun, spoken: object, tmp_
     assert save_voice(hurried.plan, tmp_path / "hurried.glb", force=True) == path
 
 
-def test_plan_without_sound_has_no_voice_file(hurried: DryRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_gltf_scene_of_a_plan_without_sound_has_no_wav_file(
+    hurried: DryRun, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     monkeypatch.setattr(scene, "sound", lambda plan: None)
     assert save_voice(hurried.plan, tmp_path / "hurried.glb", force=False) is None
     assert list(tmp_path.iterdir()) == []
 
 
-def test_voice_never_replaces_the_recording_of_the_plan(
+def test_wav_file_beside_a_gltf_scene_never_replaces_the_recording_of_the_plan(
     hurried: DryRun, spoken: object, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(scene, "_list_recordings", lambda plan: {(tmp_path / "said.wav").resolve()})

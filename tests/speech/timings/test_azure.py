@@ -27,20 +27,20 @@ def rename(event: dict[str, object], prefix: str) -> dict[str, object]:
         json.dumps([rename(event, "") for event in WORD_EVENTS]),
     ],
 )
-def test_word_boundaries_in_ticks_are_read_from_lists_and_lines(content: str):
+def test_azure_word_boundaries_in_ticks_are_read_from_lists_and_lines(content: str):
     words = read_timed_words(content.encode()).words
     assert [word.text for word in words] == ["Hello", "friend"]
     for word, expected in zip(words, HELLO_WORDS, strict=True):
         assert (word.start, word.end) == pytest.approx((expected.start, expected.end))
 
 
-def test_word_boundaries_of_batch_synthesis_are_in_milliseconds():
+def test_azure_word_boundaries_of_batch_synthesis_are_read_in_milliseconds():
     events = [{"Text": "the", "AudioOffset": 38, "Duration": 153}, {"Text": "fox", "AudioOffset": 201, "Duration": 326}]
     words = read_timed_words(json.dumps(events).encode()).words
     assert [word.start for word in words] == pytest.approx([0.038, 0.201])
 
 
-def test_viseme_event_becomes_a_phoneme_that_lasts_until_the_next_event():
+def test_azure_viseme_event_becomes_a_phoneme_that_lasts_until_the_next_event():
     events = [{"audioOffset": 1_000_000 * k, "visemeId": n} for k, n in enumerate((0, 21, 2, 0))]
     (closed, opened) = read_timed_words(json.dumps(events).encode()).phonemes
     assert (closed.symbol, closed.start, closed.end) == ("p", pytest.approx(0.1), pytest.approx(0.2))

@@ -25,7 +25,7 @@ def test_whisper_segment_without_words_is_read_as_one_phrase():
     assert timed.words == (TimedSpan("Hello my friend.", 0.5, 2.0),)
 
 
-def test_word_without_times_is_joined_to_the_word_before_it():
+def test_whisper_word_without_times_is_joined_to_the_word_before_it():
     timed = read({"segments": [{"words": [{"word": "in", "start": 0.2, "end": 0.4}, {"word": "1999"}]}]})
     assert timed.words == (TimedSpan("in 1999", 0.2, 0.4),)
 
