@@ -166,7 +166,7 @@ def test_distance_shrinks_by_at_most_hinge_reaches_times_rotation_angles():
     assert nearer.max() > 0.01
 
 
-def test_hinge_reach_is_bounded_by_the_moved_links():
+def test_hinge_reach_is_the_link_length_up_to_the_capsule_end_and_zero_for_unmoved_capsules():
     names = [segment.name for segment in ROBOT.skeleton.segments]
     owner = names.index("l_wrist")
     capsule = ROBOT.skeleton.segments[owner].capsules[0]

@@ -61,7 +61,7 @@ def test_torque_grows_with_inertia_times_acceleration():
         assert more[:, hinge] == pytest.approx(3.0 * inertias[:, hinge], rel=1e-9)
 
 
-def test_inertia_includes_the_armature():
+def test_inertia_of_each_hinge_exceeds_the_armature_of_its_drive():
     assert (DYNAMICS.inertias(RANDOM_POSTURES) > [drive.armature for drive in ROBOT.drives]).all()
 
 

@@ -70,7 +70,7 @@ def read_pictures(path):
 
 
 @draws
-def test_each_picture_shows_the_face_at_its_time(tmp_path):
+def test_each_film_picture_shows_the_face_at_its_time(tmp_path):
     """The head nods while its screen gets brighter with time."""
     times, path = np.linspace(0.0, 0.6, 61), tmp_path / "film.webp"
     nodding = np.repeat(REST_POSTURE[None], len(times), axis=0)

@@ -21,7 +21,7 @@ def test_motion_frames_equal_skeleton_frames_per_posture():
         assert np.abs(frames.origins[..., k] - one.origins).max() < 1e-12
 
 
-def test_frames_equal_mujoco_kinematics():
+def test_segment_frames_equal_those_of_mujoco_kinematics():
     model = build_model(ROBOT)
     data = mujoco.MjData(model)
     ids = [model.body(segment.name).id for segment in ROBOT.skeleton.segments]

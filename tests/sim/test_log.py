@@ -29,7 +29,7 @@ def test_log_of_a_twin_is_written_and_read_back(tmp_path):
         assert np.array_equal(getattr(log, name), getattr(seen, name))
 
 
-def test_log_accepts_hinges_in_any_order(tmp_path):
+def test_servo_log_with_hinges_in_any_order_is_read_in_skeleton_order(tmp_path):
     order = np.random.default_rng(0).permutation(22)
     shuffled = {"names": HINGE_NAMES[order], "goals": LOG_ANGLES[:, order] + 1, "angles": LOG_ANGLES[:, order]}
     np.savez(tmp_path / "log.npz", **{**COMPLETE_ARRAYS, **shuffled})
@@ -76,7 +76,7 @@ def test_log_too_large_when_unpacked_is_rejected_before_unpacking(tmp_path, monk
         read_log(path, ROBOT)
 
 
-def test_array_header_larger_than_its_file_is_rejected(tmp_path):
+def test_servo_log_whose_array_header_is_larger_than_its_file_is_rejected(tmp_path):
     path, header = tmp_path / "lie.npz", io.BytesIO()
     np.lib.format.write_array_header_1_0(header, {"descr": "<f8", "fortran_order": False, "shape": (1 << 50,)})
     with ZipFile(path, "w") as whole:

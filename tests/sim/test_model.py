@@ -89,7 +89,7 @@ def test_loaded_hinge_with_backlash_rests_at_its_backlash_stop():
     assert np.abs(data.qpos[gaps]).max() < 0.55 * play
 
 
-def test_total_mass_is_structure_plus_servos():
+def test_total_mass_of_the_default_robot_is_that_of_segments_plus_servos():
     structure = sum(segment.mass for segment in ROBOT.skeleton.segments)
     servos = sum(drive.count * drive.servo.mass for drive in ROBOT.drives)
     assert MODEL.body_mass.sum() == pytest.approx(structure + servos, abs=1e-9)
@@ -97,7 +97,7 @@ def test_total_mass_is_structure_plus_servos():
     assert build_model(ROBOT, servos=PESSIMISTIC_FACTORS).body_mass.sum() == pytest.approx(1.1 * 5.945, abs=1e-9)
 
 
-def test_segments_weigh_at_least_1_3_times_their_servos():
+def test_default_robot_segments_weigh_at_least_1_3_times_their_servos():
     for segment in ROBOT.skeleton.segments:
         carried = sum(m.drive.count * m.drive.servo.mass for m in ROBOT.mounts if m.segment == segment.name)
         assert MODEL.body(segment.name).mass[0] >= 1.3 * carried, segment.name

@@ -42,7 +42,7 @@ def test_holding_servo_draws_motor_current_times_duty():
     assert half == pytest.approx(whole / 4)
 
 
-def test_regenerated_current_is_not_counted():
+def test_servo_current_excludes_regenerated_current():
     assert taken(make_steady_steps(0.3, -0.2)).peak == pytest.approx([IDLE_CURRENT] * 3)
 
 

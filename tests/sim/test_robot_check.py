@@ -27,6 +27,6 @@ def test_recorded_worst_torque_ratio_is_that_of_the_recorded_worst_posture():
     assert (ROBOT_CHECK.worst_postures <= ROBOT.skeleton.upper + 1e-12).all()
 
 
-def test_closest_pairs_are_checked_segment_pairs():
+def test_closest_segment_pairs_of_the_robot_check_belong_to_the_checked_pairs():
     assert ROBOT_CHECK.rest_gap.pair in ROBOT.counted_pairs
     assert ROBOT_CHECK.zero_gap.pair in ROBOT.counted_pairs

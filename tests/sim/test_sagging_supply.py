@@ -45,7 +45,7 @@ def test_constant_voltage_needs_no_supply_object():
 
 
 @pytest.mark.parametrize("resistance", [0.05, 0.2, 0.6])
-def test_voltage_equals_open_voltage_minus_current_drop_or_the_minimum_voltage(resistance):
+def test_sagging_supply_has_the_open_voltage_minus_current_drop_or_the_minimum_voltage(resistance):
     chance = np.random.default_rng(3)
     for _ in range(50):
         duties, speeds = chance.uniform(-0.6, 0.6, HINGE_COUNT), chance.uniform(-1, 1, HINGE_COUNT) * DRIVES.no_load
@@ -55,7 +55,7 @@ def test_voltage_equals_open_voltage_minus_current_drop_or_the_minimum_voltage(r
         )
 
 
-def test_current_limit_of_three_amperes_is_respected():
+def test_supply_with_a_limit_of_3_a_lowers_its_voltage_until_the_servos_draw_3_a():
     chance, limited = np.random.default_rng(4), 0
     for _ in range(50):
         duties, speeds = chance.uniform(-0.3, 0.3, HINGE_COUNT), chance.uniform(-0.2, 0.2, HINGE_COUNT) * DRIVES.no_load
@@ -65,7 +65,7 @@ def test_current_limit_of_three_amperes_is_respected():
     assert 0 < limited < 50
 
 
-def test_overloaded_supply_stays_at_the_minimum_voltage():
+def test_overloaded_servo_supply_has_the_minimum_voltage():
     assert supply(amps=0.1).voltage_fraction(np.ones(HINGE_COUNT), np.zeros(HINGE_COUNT)) == MIN_VOLTAGE_FRACTION
     assert supply(resistance=4.0).voltage_fraction(np.ones(HINGE_COUNT), np.zeros(HINGE_COUNT)) == MIN_VOLTAGE_FRACTION
 

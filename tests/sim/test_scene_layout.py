@@ -117,7 +117,7 @@ def test_camera_view_scales_with_the_robot_size():
     assert small.middle == pytest.approx(large.middle / 2)
 
 
-def test_rods_connect_all_shapes_of_a_segment_and_its_children():
+def test_drawn_rods_connect_all_shapes_of_a_segment_and_its_children():
     lone = [Capsule(sealed([0.0, 0.0, z]), sealed([0.0, 0.1, z]), 0.02) for z in (0.3, 0.6)]
     root, *others = UPPER22.skeleton.segments
     apart = replace(root, capsules=tuple(lone))

@@ -42,7 +42,7 @@ def test_segments_are_assigned_to_body_parts_for_colouring():
     assert painted[ROBOT.skeleton.segments[0].name] == "trunk"
 
 
-def test_pupils_point_in_the_facing_direction():
+def test_drawn_pupils_point_in_the_facing_direction_of_the_eye_site():
     white, pupil = eyeballs(ROBOT)[:2]
     eyes = ROBOT.sites["eyes"]
     assert (white.dark, pupil.dark) == (False, True)

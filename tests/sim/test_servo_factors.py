@@ -21,7 +21,7 @@ def test_nominal_and_pessimistic_servo_factors_have_the_documented_values():
     assert Factors(stall=0.8, no_load=0.9, friction=1.5, armature=1.3, mass=1.1) == PESSIMISTIC_FACTORS
 
 
-def test_each_servo_factor_scales_only_its_parameter():
+def test_pessimistic_servo_factors_scale_torque_velocity_friction_and_mass_but_not_gain():
     weak = PESSIMISTIC_FACTORS.applied(ROBOT)
     for changed, drive in zip(weak.drives, ROBOT.drives, strict=True):
         assert changed.stall == pytest.approx(0.8 * drive.stall)

@@ -206,7 +206,7 @@ def test_setpoint_moves_the_twin_like_the_nearest_tick():
     assert np.array_equal(one.angles, two.angles)
 
 
-def test_torques_and_duties_follow_the_servo_control_law():
+def test_torques_and_duties_measured_by_the_twin_follow_the_servo_control_law():
     seen = performed(COMMANDS, factors=PESSIMISTIC_FACTORS)
     weak = PESSIMISTIC_FACTORS.applied(ROBOT).drives
     held = [REST_POSTURE, *[command.setpoints for command in COMMANDS[:-1]]]
@@ -237,7 +237,7 @@ def test_measured_hands_are_the_wrist_centres():
             assert seen.hands[side][k] == pytest.approx(wrist, abs=1e-12)
 
 
-def test_clearance_is_the_minimum_over_all_physics_steps():
+def test_clearance_measured_by_the_twin_is_the_minimum_over_all_physics_steps():
     fine = [structs.replace(COMMANDS[0], time=0.0)]
     for command in COMMANDS:  # equal setpoints, recorded at every physics step
         held = command.setpoints if command is COMMANDS[0] else fine[-1].setpoints
@@ -265,7 +265,7 @@ def test_collision_between_two_commands_is_detected():
     assert "l_elbow" in seen.clearance.pairs[1] or "l_wrist" in seen.clearance.pairs[1]
 
 
-def test_measurements_can_be_deleted_during_the_motion():
+def test_deleting_twin_measurements_during_a_motion_keeps_the_later_ones():
     whole = performed(COMMANDS)
     twin = Twin(ROBOT)
     for k, command in enumerate(COMMANDS):

@@ -35,12 +35,12 @@ def test_lip_and_jaw_units_open_the_mouth_and_leave_the_upper_face_unchanged(uni
     assert (shut[:165] == opened[:165]).all()
 
 
-def test_pressed_lips_close_an_open_mouth():
+def test_lip_pressor_unit_closes_the_open_mouth_of_the_drawn_face():
     assert count({"26": 0.8, "24": 1.0}, LINE_COLOUR, MOUTH_ROWS) < count({}, LINE_COLOUR, MOUTH_ROWS)
 
 
 @pytest.mark.parametrize("unit", ["43", "45"])
-def test_eyelid_units_close_both_eyes_or_one(unit: str):
+def test_eyelid_units_close_both_eyes_or_one_eye_of_the_drawn_face(unit: str):
     both, left = paint_face({unit: 1.0}), paint_face({f"L{unit}": 1.0})
     assert len(find_pixels(both, PUPIL_COLOUR, EYE_ROWS)) == 0
     lines = find_pixels(both, LINE_COLOUR, EYE_ROWS)
@@ -51,12 +51,12 @@ def test_eyelid_units_close_both_eyes_or_one(unit: str):
 
 
 @pytest.mark.parametrize(("unit", "axis", "sign"), [("61", 1, 1), ("62", 1, -1), ("63", 0, -1), ("64", 0, 1)])
-def test_pupils_move_in_the_gaze_direction(unit: str, axis: int, sign: int):
+def test_pupils_of_the_drawn_face_move_in_the_gaze_direction(unit: str, axis: int, sign: int):
     ahead, aside = (find_pixels(paint_face(units), PUPIL_COLOUR, EYE_ROWS).mean(axis=0) for units in ({}, {unit: 1.0}))
     assert sign * (aside - ahead)[axis] > 8
 
 
-def test_action_units_raise_and_lower_mouth_corners_and_brows():
+def test_action_units_raise_and_lower_mouth_corners_and_brows_of_the_drawn_face():
     def height(units: dict[str, float], rows: slice) -> float:
         return float(find_pixels(paint_face(units), LINE_COLOUR, rows)[:, 0].min())
 

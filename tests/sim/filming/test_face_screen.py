@@ -73,7 +73,7 @@ def test_narrow_head_has_a_smaller_face_screen(tmp_path: Path):
     assert np.ptp(screen.picture.places[:, 2]) == pytest.approx(0.238 * 0.42 * 3 / 4, abs=1e-3)
 
 
-def test_fixed_head_also_has_a_face_screen():
+def test_robot_without_neck_joints_has_a_face_screen_on_its_head():
     stiff = replace(ROBOT, chains={name: chain for name, chain in ROBOT.chains.items() if name != "neck"})
     screen = build_face_screen(stiff)
     assert screen is not None

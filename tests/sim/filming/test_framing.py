@@ -45,7 +45,9 @@ HINGE_TARGETS: dict[str, tuple[tuple[str, float], ...]] = {
 
 @pytest.mark.parametrize("name", ROBOTS)
 @pytest.mark.parametrize("moved", HINGE_TARGETS.values(), ids=HINGE_TARGETS)
-def test_hands_and_head_fill_the_picture_up_to_the_margin(name: str, moved: tuple[tuple[str, float], ...]):
+def test_hands_and_head_fill_the_camera_view_of_a_motion_up_to_the_margin(
+    name: str, moved: tuple[tuple[str, float], ...]
+):
     robot = ROBOTS[name]
     postures = make_motion(robot, *moved)
     view = find_motion_view(robot, postures, aspect=16 / 9)

@@ -102,7 +102,7 @@ def test_servo_gain_is_identified_only_if_the_duty_saturates():
 
 
 @pytest.mark.soak
-def test_log_without_motion_identifies_no_inertia_or_velocity():
+def test_servo_log_without_motion_identifies_neither_armature_nor_no_load_velocity():
     still = Log(sealed([0.0, 0.05, 0.1]), sealed([SKELETON.rest] * 3), sealed([SKELETON.rest] * 3))
     fit = fit_factors(still, ROBOT, free=("no_load", "armature"))
     assert all(estimate.why == "the log hardly depends on it" for estimate in fit.estimates)

@@ -136,7 +136,7 @@ def test_wrist_centre_is_where_two_hinges_meet_even_if_the_first_twists_the_fore
         ((Z, Y, 0.71 * Z + sqrt(1 - 0.71**2) * X, X, Z), 2),
     ],
 )
-def test_twist_is_the_last_shoulder_hinge_along_the_upper_arm(axes, twist):
+def test_upper_arm_twist_is_the_last_shoulder_hinge_along_the_upper_arm(axes, twist):
     row = limb(*zip([SHOULDER] * 4 + [ELBOW], axes, strict=True))
     assert _find_twist(row, Split(1, 3, 0), SHOULDER) == twist
 
@@ -207,13 +207,13 @@ def test_rotation_of_an_imported_hinge_moves_the_axes_of_all_later_hinges():
     np.testing.assert_allclose(shift, X - Y, atol=1e-12)
 
 
-def test_common_point_is_pulled_weakly_to_the_preferred_point():
+def test_common_point_of_lines_is_pulled_weakly_to_the_preferred_point():
     line = (np.array([0.4 * Y]), np.array([X]))
     np.testing.assert_allclose(find_common_point(*line, 3 * X + Z, pull=0.25), 3 * X + 0.32 * Y + 0.2 * Z)
     np.testing.assert_allclose(find_common_point(*line, 1001 * Z), 0.4 / 1.001 * Y + Z)
 
 
-def test_distance_from_a_line_is_perpendicular_to_it():
+def test_distance_of_a_point_from_a_line_is_measured_perpendicular_to_the_line():
     anchors, axes = np.array([[7.0, 0, 0], [1.0, 2, 0]]), np.array([X, Z])
     np.testing.assert_allclose(distances(np.array([2.0, 3.0, 4.0]), anchors, axes), (5.0, sqrt(2)))
 

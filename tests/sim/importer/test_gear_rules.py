@@ -26,7 +26,7 @@ def test_couplings_in_a_circle_have_no_driver(follows):
     assert _resolve("a", follows) is None
 
 
-def test_missing_range_or_friction_of_a_gear_is_that_of_the_other_joint():
+def test_gear_has_the_narrower_range_and_the_summed_friction_of_its_two_joints():
     assert [_narrower(*ends, max) for ends in ((None, None), (None, 1.0), (2.0, None), (1.0, 2.0))] == [None, 1, 2, 2]
     assert _narrower(1.0, 2.0, min) == 1.0
     assert [_sum(*pair) for pair in ((None, None), (None, 1.0), (2.0, None), (1.0, 2.0))] == [None, 1, 2, 3]

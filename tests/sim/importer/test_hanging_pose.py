@@ -15,7 +15,7 @@ def row(tee):
     return tuple(names.index(f"l_{part}") for part in ("pitch", "roll", "twist", "bend", "turn", "nod", "wag"))
 
 
-def test_t_pose_arm_is_brought_to_hanging(tee, row):
+def test_imported_arm_in_t_pose_is_turned_to_hang_straight_down(tee, row):
     posed = hang_arm(tee, row, ARM_SPLIT, HANGING_ARM, strict=False)
     assert np.degrees(posed.off) < 0.5
     assert np.degrees(posed.angles[1]) == pytest.approx(-90, abs=0.5)
@@ -23,7 +23,7 @@ def test_t_pose_arm_is_brought_to_hanging(tee, row):
     assert at.wrist == pytest.approx(at.shoulder - [0, 0, sum(at.lengths)], abs=0.005)
 
 
-def test_arm_is_brought_to_hanging_within_narrow_joint_ranges(tee, row):
+def test_imported_arm_turned_to_hang_stays_within_its_narrow_joint_range(tee, row):
     roll = tee.joints[row[1]]
     posed = hang_arm(tee, row, ARM_SPLIT, HANGING_ARM, strict=True)
     assert roll.lower - 1e-6 <= posed.angles[1] <= roll.upper + 1e-6

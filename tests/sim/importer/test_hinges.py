@@ -41,7 +41,7 @@ def test_imported_joint_axes_have_the_directions_of_the_default_robot(hinges):
     assert hinges["skullbase_tilt"].axis == pytest.approx([0, 1, 0])
 
 
-def test_left_and_right_hinges_have_equal_ranges(hinges):
+def test_left_and_right_hinges_of_an_imported_robot_have_equal_ranges(hinges):
     for name, hinge in hinges.items():
         if name.startswith("l_"):
             image = hinges[f"r_{name[2:]}"]

@@ -118,11 +118,11 @@ def test_servos_with_assumed_values_are_counted_in_the_review():
         ),
     ],
 )
-def test_review_notes_name_each_doubt(figure, hinges, hands, notes):
+def test_import_review_notes_name_each_doubt(figure, hinges, hands, notes):
     assert _review(figure, hinges, hands) == notes
 
 
-def test_review_names_joints_without_a_hinge_and_a_missing_arm():
+def test_import_review_names_joints_without_a_hinge_and_a_missing_arm():
     one_arm = figure()
     one_arm.arms, one_arm.legs, one_arm.is_doubtful = {"l": one_arm.arms["l"]}, (5, 6), True
     notes = _review(one_arm, (hinge("a", 3),), {})
@@ -138,7 +138,7 @@ def test_small_geometric_errors_of_imported_arms_are_not_listed_for_review(doubt
     assert _review(figure(**doubt), (), BOTH_HANDS)[1:] == [LEGS_NOTE]
 
 
-def test_hands_without_joints_have_no_fingers():
+def test_import_notes_say_that_hands_without_joints_have_no_fingers():
     bare = figure()
     bare.arms["l"].joints, bare.arms["r"].joints = (1, 2), (6, 7)
     assert _describe_fixed_joints(bare, {}) == "hands have no fingers"

@@ -48,7 +48,7 @@ def test_limb_of_an_imported_robot_ends_where_it_branches():
 
 
 @pytest.mark.parametrize(("mass", "limb"), [(0.29, (0,)), (0.31, (0, 1, 2))])
-def test_limb_ends_where_the_rest_is_lighter_than_15_percent_of_its_link(mass, limb):
+def test_limb_of_an_imported_robot_ends_where_the_rest_is_lighter_than_15_percent_of_its_link(mass, limb):
     tree, pairs = limb_tree(("a", -1, 1, 2.0), ("b", 0, 1, mass / 2), ("c", 1, 1, mass / 2))
     assert _find_limb(tree, pairs, 0) == limb
 
@@ -72,7 +72,7 @@ def limbs(hinges=3, arm_height=5.0, leg_height=1.0):
     return rows, pairs
 
 
-def test_arms_are_the_highest_limbs_with_three_hinges():
+def test_arms_of_an_imported_robot_are_the_highest_limbs_with_three_hinges():
     rows, pairs = limbs()
     found = branches(make_tree(*rows), make_sides(pairs=pairs))
     assert (found.left, found.right, found.trunk, found.neck) == ((1, 2, 3), (4, 5, 6), (0,), ())

@@ -82,7 +82,7 @@ def imported(path: Path):
     return result, robot, build_imported_shell(result, robot)
 
 
-def test_mesh_is_at_its_file_position_and_moves_with_its_hinge(folder: Path):
+def test_imported_mesh_is_at_its_file_position_and_belongs_to_the_part_of_its_hinge(folder: Path):
     tree = load_robot_tree(written(folder, mjcf()))
     elbow = [joint.name for joint in tree.joints].index("left_elbow")
     (surface,) = tree.parts[elbow].surfaces
@@ -96,7 +96,9 @@ def test_mesh_is_at_its_file_position_and_moves_with_its_hinge(folder: Path):
 
 
 @pytest.mark.parametrize(("text", "name"), [(mjcf(), "puppet.xml"), (urdf(), "puppet.urdf")])
-def test_shell_has_meshes_and_generated_housings_for_other_segments(folder: Path, text: str, name: str):
+def test_shell_of_an_imported_robot_has_meshes_and_generated_housings_for_other_segments(
+    folder: Path, text: str, name: str
+):
     result, robot, shell = imported(written(folder, text, name))
     assert shell is not None
     assert not result.figure.tree.left_out
@@ -126,13 +128,15 @@ def test_mesh_file_missing_or_outside_the_robot_folder_is_omitted_with_a_note(fo
     assert why in said
 
 
-def test_symbolic_link_out_of_the_folder_is_not_followed(folder: Path):
+def test_mesh_that_is_a_symbolic_link_out_of_the_robot_folder_is_omitted_with_a_note(folder: Path):
     (folder / "meshes" / "ball.stl").unlink()
     (folder / "meshes" / "ball.stl").symlink_to(folder.parent / "outside.stl")
     assert "not in the folder" in load_robot_tree(written(folder, mjcf())).left_out[0]
 
 
-def test_meshes_beyond_the_size_limit_are_not_read(folder: Path, monkeypatch: pytest.MonkeyPatch):
+def test_meshes_of_an_imported_robot_beyond_the_size_limit_are_omitted_with_a_note(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setattr(module, "MAX_MESH_BYTES", 100)
     assert "MB of meshes" in load_robot_tree(written(folder, mjcf())).left_out[0]
 

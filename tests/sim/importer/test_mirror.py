@@ -9,7 +9,7 @@ def names(tree, pairs):
     return {tree.joints[a].name: tree.joints[b].name for a, b in pairs.items()}
 
 
-def test_mirror_pairs_are_found_by_geometry(tee):
+def test_mirror_pairs_of_imported_hinges_are_found_by_geometry(tee):
     result = sides(tee)
     assert len(result.pairs) == 9 + 3
     assert names(tee, result.pairs)["l_bend"] == "r_bend"
@@ -18,7 +18,7 @@ def test_mirror_pairs_are_found_by_geometry(tee):
 
 
 @pytest.mark.parametrize(("turned", "left"), [(0, (0, 1)), (90, (-1, 0)), (180, (0, -1)), (270, (1, 0))])
-def test_forward_direction_is_independent_of_world_orientation(written, puppets, turned, left):
+def test_forward_direction_of_an_imported_robot_is_found_for_any_world_orientation(written, puppets, turned, left):
     tree = load_robot_tree(written("turned.xml", puppets.puppet(turned=turned)))
     result = sides(tree)
     assert result.left == pytest.approx(left, abs=1e-9)
@@ -41,7 +41,7 @@ def test_left_and_right_joints_in_an_asymmetric_pose_are_paired_by_names(hanging
 
 
 @pytest.mark.parametrize(("left", "right"), [("L_", "R_"), ("left_", "right_"), ("Left", "Right"), ("l_", "r_")])
-def test_body_sides_are_recognised_by_words_in_joint_names(written, puppets, left, right):
+def test_side_words_in_joint_names_overrule_the_geometry_of_an_imported_robot(written, puppets, left, right):
     tree = load_robot_tree(
         written("worded.xml", puppets.puppet(left=right, right=left))
     )  # names contradict the geometry and take precedence

@@ -43,7 +43,7 @@ def arms(left="l", right="r", count=3, spread=0.2):
     return rows
 
 
-def test_upright_frame_has_x_forward_and_y_left():
+def test_upright_frame_of_an_imported_robot_has_x_forward_and_y_left():
     upright = Sides({}, (-1.0, 0.0), certain=True, by_names=False).upright
     np.testing.assert_array_equal(upright, (Y, -X, Z))
 

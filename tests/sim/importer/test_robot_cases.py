@@ -166,7 +166,7 @@ def test_robot_file_with_only_one_arm_is_imported():
 
 
 @pytest.mark.parametrize("name", ["robot.urdf.xacro", "robot2.urdf.xacro"])
-def test_xacro_file_is_expanded_or_refused_with_the_command(name):
+def test_xacro_file_is_refused_with_the_expansion_command_or_for_lack_of_movable_joints(name):
     with pytest.raises(ConfigError, match=r"xacro|no movable joint"):
         imported(name)
 

@@ -7,7 +7,7 @@ from kinesic.sim.shells.cross_sections import MonotoneCurve
 
 @pytest.mark.parametrize("count", [2, 3, 4, 33])
 @pytest.mark.parametrize("seed", range(6))
-def test_monotone_curve_matches_scipy(count, seed):
+def test_monotone_curve_matches_the_pchip_interpolator_of_scipy(count, seed):
     random = np.random.default_rng(seed)
     positions, values = np.cumsum(random.uniform(0.1, 1.0, count)), random.normal(size=(count, 2))
     values[1, 0] = values[0, 0]

@@ -45,18 +45,18 @@ def lines_of(found: RobotFiles) -> dict[str, int]:
     return {name: number for number, line in lines for name in "abcdefg" if f'name="{name}"' in line}
 
 
-def test_parsed_elements_keep_their_line_numbers(read):
+def test_parsed_elements_of_a_robot_file_keep_their_line_numbers(read):
     text = '<mujoco>\n<worldbody><body name="a">\n\n<geom name="b"/><geom name="c"/>\n</body>\n\n\n<body name="d"/>'
     assert lines_of(read(f"{text}</worldbody></mujoco>")) == {"a": 2, "b": 4, "c": 4, "d": 8}
 
 
-def test_included_elements_do_not_shift_line_numbers(read):
+def test_included_elements_do_not_shift_line_numbers_of_a_robot_file(read):
     text = '<mujoco><worldbody>\n<body name="a"/><include file="part.xml"/>\n<body name="d"/>\n</worldbody></mujoco>'
     part = '<mujoco>\n\n\n\n<body name="b"/>\n\n\n<body name="c"/></mujoco>'
     assert lines_of(read(text, part=part)) == {"a": 2, "b": 2, "c": 2, "d": 3}
 
 
-def test_include_is_replaced_by_the_contents_of_its_file(read):
+def test_include_element_of_a_robot_file_is_replaced_by_the_contents_of_its_file(read):
     result = read(
         '<mujoco><worldbody><include file="one.xml"/><body/></worldbody><include file="two.xml"/></mujoco>',
         one="<anything><body><geom/></body><site/></anything>",
@@ -69,7 +69,7 @@ def test_include_is_replaced_by_the_contents_of_its_file(read):
     assert (result.path.name, result.models, result.meshes) == ("robot.xml", {}, {})
 
 
-def test_mesh_files_are_replaced_by_tokens_and_mesh_names_are_kept(read):
+def test_mesh_file_names_in_a_robot_file_are_replaced_by_tokens_and_mesh_names_kept(read):
     assets = (
         '<mesh name="arm" file="x/arm.STL" scale="1 1 1" inertia="exact"/><mesh file="x\\leg.v2.obj"/>'
         '<mesh name="hand"/><mesh name="arm2" file="x/arm.STL"/>'
@@ -105,7 +105,7 @@ def test_mesh_files_are_replaced_by_tokens_and_mesh_names_are_kept(read):
         ("", ""),
     ],
 )
-def test_last_meshdir_takes_precedence_over_earlier_ones_and_assetdir(read, compilers: str, below: str):
+def test_last_meshdir_of_a_robot_file_takes_precedence_over_earlier_ones_and_assetdir(read, compilers: str, below: str):
     result = read(f'<mujoco>{compilers}<asset><mesh file="a.stl"/></asset></mujoco>')
     assert [mesh.below for mesh in result.meshes.values()] == [below]
     assert "dir" not in tostring(result.root).decode()
@@ -129,7 +129,7 @@ def test_attached_model_is_read_once_with_separate_mesh_tokens(read):
     assert {token: each.file for token, each in result.meshes.items()} == {"mesh-0.stl": "a.stl", "mesh-1.stl": "b.stl"}
 
 
-def test_unused_elements_are_removed_with_their_children(read):
+def test_unused_elements_of_a_robot_file_are_removed_with_their_children(read):
     result = read(
         '<mujoco><size nkey="1"/><sensor><gyro/></sensor><keyframe><key/></keyframe><custom><text/></custom>'
         "<deformable><skin/></deformable><asset><hfield/><texture/><skin/><material/></asset>"
@@ -144,7 +144,7 @@ def test_unused_elements_are_removed_with_their_children(read):
     assert shape(urdf.root) == ("robot", [("mujoco", ["compiler"]), "link"])
 
 
-def test_includes_inside_removed_elements_are_not_read(read):
+def test_includes_inside_removed_elements_of_a_robot_file_are_not_read(read):
     result = read('<mujoco><sensor><include file="nowhere.xml"/></sensor><worldbody/></mujoco>')
     assert shape(result.root) == ("mujoco", ["worldbody"])
 
@@ -247,7 +247,7 @@ def test_total_size_and_number_of_the_xml_files_of_a_robot_are_limited(read, ref
     assert "robot.xml: more than 0 MB of XML" in refused(text, **files)
 
 
-def test_files_are_searched_in_robot_folder_then_in_referring_folder(read, refused, tmp_path: Path):
+def test_included_files_are_searched_in_the_robot_folder_then_in_the_referring_folder(read, refused, tmp_path: Path):
     (tmp_path / "parts").mkdir()
     (tmp_path / "parts" / "one.xml").write_text('<mujoco><include file="two.xml"/></mujoco>')
     (tmp_path / "parts" / "two.xml").write_text("<mujoco><beside/></mujoco>")
@@ -267,11 +267,11 @@ def test_include_element_must_name_a_file_and_be_empty_and_not_repeat_a_file(ref
 
 
 @pytest.mark.parametrize("tag", screening.REFUSED_TAGS)
-def test_composite_bodies_are_rejected_with_their_line(refused, tag: str):
+def test_robot_file_with_a_composite_body_or_xacro_macro_is_rejected_with_the_line(refused, tag: str):
     assert f"robot.xml:2: holds a <{tag}>" in refused(f"<mujoco><worldbody>\n<{tag}/></worldbody></mujoco>")
     assert "is a macro; expand the file first" in refused("<robot xmlns:xacro='x'><xacro:if/></robot>")
 
 
 @pytest.mark.parametrize("declared", ["mujoco", 'mujoco [<!ENTITY a "aaaa">]', 'mujoco SYSTEM "file:///etc/passwd"'])
-def test_document_types_are_rejected_with_their_line(refused, declared: str):
+def test_robot_file_that_declares_a_document_type_is_rejected_with_its_line(refused, declared: str):
     assert f"robot.xml:2: {model_text.DOCTYPE_REASON}" in refused(f"\n<!DOCTYPE {declared}><mujoco/>")
