@@ -60,7 +60,7 @@ def test_coupled_joint_of_the_imported_file_follows_its_driver(tmp_path):
     np.testing.assert_allclose(joints.joint_rates(angles)[1, [elbow, 22]], [-1.0, -0.5], atol=1e-12)
 
 
-def test_columns_are_found_by_joint_name_before_hinge_name(tmp_path):
+def test_column_of_a_hinge_is_found_by_the_joint_name_of_the_imported_file_before_its_own_name(tmp_path):
     joints = load(tmp_path).source_joints
     elbow = joints.hinges.index("l_elbow_flexion")
     names = ("l_elbow_flexion", "left_elbow", "left_tip", "skullbase_tilt")

@@ -238,7 +238,7 @@ def test_extreme_captured_motion_is_certified_within_limits(known, kind):
 @pytest.mark.skipif(not HAS_CLIPS, reason="no captured clips (KINESIC_CORPUS)")
 @pytest.mark.parametrize("robot", ["upper22", "upper36", "human"])
 @pytest.mark.parametrize("step", [96, pytest.param(1, marks=pytest.mark.soak)])
-def test_clips_of_the_corpus_are_certified(robot, step):
+def test_captured_clips_of_the_corpus_are_certified_within_limits(robot, step):
     setup = set_up(robot)
     for path in sorted([*FOLDER.rglob("*.skm"), *FOLDER.rglob("*.bvh")])[::step]:
         result = certify_clip(read_clip(path), setup, path.name)
@@ -247,7 +247,7 @@ def test_clips_of_the_corpus_are_certified(robot, step):
         assert robot == "human" or result.distance.correlation > 0.9, path.name
 
 
-def test_reported_distances_are_those_between_the_paths_of_file_and_robot(known):
+def test_reported_wrist_and_elbow_distances_are_those_between_captured_and_robot_paths(known):
     angles = np.repeat(known.robot.skeleton.rest[None], 50, axis=0)
     angles[:, known.robot.skeleton.names.index("r_elbow_flexion")] += np.linspace(0.0, 1.0, 50)
     path = arm_paths(known.robot, angles)["r"]

@@ -19,7 +19,7 @@ def test_captured_motion_without_enough_clearance_after_certification_is_refused
         plan_captured(clip_of(reach(20)), known, source="a.bvh")
 
 
-def test_notice_reports_a_stretch_of_more_than_half_a_percent(known):
+def test_notice_of_a_captured_motion_reports_a_time_stretch_above_half_a_percent(known):
     certification = certified_plan.certify_clip(clip_of(reach(60)), known, "a.bvh")
     for total, is_told in ((1.0, False), (1.004, False), (1.006, True), (2.0, True)):
         nearest = SimpleNamespace(**vars(certification.nearest) | {"total_stretch": total})

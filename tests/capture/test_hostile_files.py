@@ -85,7 +85,9 @@ KINDS: dict[str, Callable[[Setup, Rng], bytes]] = {
 
 
 @pytest.mark.soak
-def test_hostile_files_give_a_motion_within_limits_or_a_located_refusal(known: Setup, tmp_path: Path) -> None:
+def test_hostile_motion_capture_files_give_a_motion_within_limits_or_an_error_naming_the_file(
+    known: Setup, tmp_path: Path
+) -> None:
     """Accept the refusal of a motion too near to the body."""
     outcomes: Counter[str] = Counter()
     for seed in range(FILES):

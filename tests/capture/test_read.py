@@ -55,7 +55,7 @@ def test_smartbody_skeleton_is_found_in_a_folder_above(tmp_path):
 
 @with_corpus
 @pytest.mark.parametrize("step", [12, pytest.param(1, marks=pytest.mark.soak)])
-def test_clips_of_the_corpus_are_read_with_plausible_arms(step):
+def test_captured_clips_of_the_corpus_are_read_with_plausible_arm_lengths(step):
     assert len([path for path in CORPUS_CLIPS if path.suffix == ".skm"]) == 136
     assert len([path for path in CORPUS_CLIPS if path.suffix == ".bvh"]) == 9
     for path in CORPUS_CLIPS[::step]:

@@ -76,7 +76,7 @@ def test_torque_ratio_is_the_duty_of_inverse_dynamics_in_windows_of_any_length(k
     assert {item.fraction for item in torques} == {1.0}
 
 
-def test_duty_assumes_the_load_torque_and_the_velocity_of_each_joint(known):
+def test_duty_ratio_of_a_captured_motion_includes_the_load_torque_and_velocity_of_the_joint(known):
     name = "r_elbow_flexion"
     column = known.robot.skeleton.names.index(name)
     limits = known.limits
@@ -91,7 +91,7 @@ def test_duty_assumes_the_load_torque_and_the_velocity_of_each_joint(known):
     assert result.ratio > 1.0
 
 
-def test_near_pair_is_reported_once_with_its_worst_time_and_fraction(known):
+def test_clearance_violation_of_a_body_pair_is_reported_once_with_its_worst_time_and_fraction(known):
     required = known.robot.min_clearance
     distances = np.full(50, required)
     distances[[3, 4, 9]] = required - 0.002, required - 0.005, required - 0.001
@@ -117,7 +117,7 @@ def test_motion_is_certified_only_within_limits_duty_and_clearance(certification
     assert replace(fine, **change).is_certified == is_certified
 
 
-def test_saved_motion_replaces_a_file_only_if_forced(certification, tmp_path):
+def test_saved_certified_motion_replaces_a_file_only_if_forced(certification, tmp_path):
     path = tmp_path / "motion.csv"
     path.write_text("mine")
     with pytest.raises(ConfigError, match="exists already"):

@@ -122,7 +122,7 @@ def test_closing_a_direct_line_closes_its_server_connections():
     assert all(wire.closed for wire in broken.wires)
 
 
-def test_failure_of_the_initial_connection_is_raised():
+def test_failure_to_open_a_connection_to_the_robot_server_is_raised():
     def connect() -> Wire:
         raise ConnectionRefusedError("nobody is there")
 

@@ -62,7 +62,7 @@ def refused(robot: FakeRobot, document: str) -> str:
     return str(result.value)
 
 
-def test_block_id_is_taken_from_the_server_answer():
+def test_perform_tool_takes_the_block_id_from_the_plan_of_the_server():
     document = '<!-- <bml id="old"> --><bml id="new"/>'
     robot = FakeRobot(plan={**PLAN, "block": "new"})
     assert perform(robot, document) == {"block": "new", "seconds": 1.5, "not_as_asked": []}
@@ -86,13 +86,13 @@ def test_perform_tool_passes_the_planned_and_the_written_block_id_with_the_docum
         ('<bml id="\ud800"/>', "UTF-8"),
     ],
 )
-def test_invalid_documents_are_refused_before_planning(document: str, told: str):
+def test_perform_tool_refuses_invalid_documents_before_planning(document: str, told: str):
     robot = FakeRobot()
     assert told in refused(robot, document)
     assert robot.documents.planned == []
 
 
-def test_document_that_cannot_be_encoded_is_refused():
+def test_perform_tool_refuses_a_document_that_cannot_be_encoded():
     def write() -> str:
         raise RecursionError("too deep")
 
@@ -100,7 +100,7 @@ def test_document_that_cannot_be_encoded_is_refused():
         asyncio.run(DocumentPerformer(gate(FakeRobot())).perform(write))
 
 
-def test_parser_errors_are_reported_with_line_and_column():
+def test_perform_tool_reports_parser_errors_with_line_and_column():
     error = {"line": 3, "column": 7, "text": "no such sync point"}
     assert refused(FakeRobot(plan={"told": "plan", "error": error}), "<bml") == "line 3, column 7: no such sync point"
 
@@ -152,14 +152,14 @@ def test_perform_tool_limits_the_number_of_reported_notices():
     assert many == [*few, "and 3 more"]
 
 
-def test_no_document_is_planned_during_an_emergency_stop():
+def test_perform_tool_plans_no_document_during_an_emergency_stop():
     robot = FakeRobot()
     robot.state = "stopped"
     assert refused(robot, "<bml/>") == "an emergency stop holds: resume, then send it again"
     assert robot.documents.planned == []
 
 
-def test_plan_is_discarded_if_another_client_stops_the_robot():
+def test_perform_tool_discards_its_plan_if_another_client_stops_the_robot():
     robot = FakeRobot()
 
     def plan() -> Mapping[str, object]:

@@ -119,7 +119,7 @@ KINDS = ("bvh", "skm", "sk", "csv", "npz", "smpl", "reachy", "acclaim", "glb", "
 
 @pytest.mark.parametrize("kind", [*KINDS, "trajectory", "json", "parquet"])
 @pytest.mark.parametrize("count", [MUTATIONS // 20, pytest.param(MUTATIONS, marks=pytest.mark.soak)])
-def test_mutated_files_raise_only_capture_errors(tmp_path, kind, count):
+def test_mutated_motion_capture_files_raise_only_capture_errors(tmp_path, kind, count):
     read, data = originals(tmp_path)[kind]
     read(data, "a")
     rng = np.random.default_rng(20261130)

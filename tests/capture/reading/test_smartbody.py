@@ -40,7 +40,7 @@ def test_smartbody_motion_file_gives_frames_and_bml_sync_points(tmp_path):
     }
 
 
-def test_arms_of_a_captured_skeleton_hang_at_rest(skeleton, tmp_path):
+def test_arms_of_a_smartbody_skeleton_without_rotations_hang_at_the_sides(skeleton, tmp_path):
     positions = joint_positions(
         skeleton, load(read_motion, write_clip(tmp_path / "a.skm", {"JtRoot XPos": np.zeros((2, 1))}))
     )

@@ -6,7 +6,7 @@ from kinesic.capture.reading import text
 from kinesic.capture.reading.text import CaptureError, split_lines
 
 
-def test_lines_up_to_their_number_and_length_are_returned(monkeypatch):
+def test_motion_text_file_with_too_many_or_too_long_lines_is_refused(monkeypatch):
     monkeypatch.setattr(text, "MAX_LINES", 2)
     monkeypatch.setattr(text, "MAX_LINE_LENGTH", 4)
     assert split_lines(b"\xef\xbb\xbfab\r\n\nabcd", "f") == ["ab", "", "abcd"]

@@ -37,7 +37,7 @@ def test_gesture_name_is_escaped_in_xml():
     assert 'lexeme="a&lt;b"' in write_isolated_gesture("a<b").replace("'", '"')
 
 
-def test_key_postures_cover_the_stroke(waved, known):
+def test_wave_gesture_has_two_to_six_key_postures_and_a_palm_path_of_the_right_hand_only(waved, known):
     assert 2 <= len(waved.postures) <= 6
     assert set(waved.paths) == {"r"}
     palm = waved.paths["r"]

@@ -136,7 +136,7 @@ def test_answer_server_url_must_be_http(url: str, tmp_path: Path):
         write_study_page(tmp_path / "index.html", post_to=url)
 
 
-def test_content_policy_allows_only_the_post_server(tmp_path: Path):
+def test_content_policy_of_a_study_page_allows_connections_only_to_its_answer_server(tmp_path: Path):
     write_study_page(tmp_path / "index.html", post_to="https://example.org:8443/answers?a=';x</script>")
     page = (tmp_path / "index.html").read_text()
     assert 'connect-src blob: https://example.org:8443"' in page
