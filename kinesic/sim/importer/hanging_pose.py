@@ -60,9 +60,8 @@ def find_elbow_sense(limb: HingeRow, split: Split, lower: float, upper: float) -
         upper: [rad] upper limit of the elbow relative to this pose; inf if unknown.
     """
     at, axis = centres(limb, split), limb.axes[split.elbow]
-    fore = at.fore - axis * (axis @ at.fore)
-    upper_arm = at.upper - axis * (axis @ at.upper)
-    straight_angle = float(np.arctan2(axis @ np.cross(fore, upper_arm), fore @ upper_arm))
+    fore = at.fore - axis * (axis @ at.fore)  # perpendicular to the axis, so the upper arm need not be
+    straight_angle = float(np.arctan2(axis @ np.cross(fore, at.upper), fore @ at.upper))
     lower, upper = lower - straight_angle, upper - straight_angle
     if not np.isfinite([lower, upper]).all():
         return 0.0

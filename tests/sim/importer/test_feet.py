@@ -9,10 +9,11 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.body.skeleton import Capsule
 from kinesic.sim.importer.branches import branches
-from kinesic.sim.importer.feet import rate_limb
+from kinesic.sim.importer.feet import Feet, find_bottom, rate_limb
 from kinesic.sim.importer.joint_words import count_leg_words, is_contradiction, list_parts
 from kinesic.sim.importer.mirror import find_named_side, sides
-from kinesic.sim.importer.model_tree import Joint, ModelPart, Tree
+from kinesic.sim.importer.mesh_file import Triangles
+from kinesic.sim.importer.model_tree import Joint, ModelPart, Surface, Tree
 
 X, Y, Z = np.eye(3)
 
@@ -160,3 +161,91 @@ def test_single_limb_on_the_midline_does_not_count_as_an_arm():
 def test_single_right_arm_at_positive_y_means_that_the_robot_faces_backward():
     assert sides(single_arm(0.2, "right_arm")).left == (0.0, -1.0)
     assert sides(single_arm(0.2)).left == (0.0, 1.0)
+
+
+LEG, ARM = Feet(is_leg=True, is_doubtful=False), Feet(is_leg=False, is_doubtful=False)
+UNSURE = Feet(is_leg=False, is_doubtful=True)
+
+
+def stand(*, bottom=0.0, load=2.0, sole=(0.0, 0.0, 0.0), knee=(None, None), axis=Y, zero=0.0, surfaces=()):
+    """Return a robot with a vertical limb 1 m long, and a base on the ground.
+
+    The limb has hinges 1.05, 0.55 and 0.05 m above its lowest point, and ends in a box of a given size.
+    """
+    heights = [bottom + height for height in (1.05, 0.55, 0.05)]
+    joints = [joint(f"j{k}", k - 1, (0, 0, height)) for k, height in enumerate(heights)]
+    joints[1] = Joint("j1", 0, heights[1] * Z, axis, zero, *knee, *(None,) * 6)
+    half = np.array([sole[0], sole[1], 0.0]) / 2
+    bound = [Capsule(bottom * Z - half, bottom * Z + half + sole[2] * Z, 0.0)]
+    parts = [ModelPart(1.0, height * Z, ()) for height in heights[:2]]
+    parts.append(ModelPart(1.0, (bottom + 0.05) * Z, tuple(bound), surfaces))
+    return Tree("r", tuple(joints), tuple(parts), ModelPart(5.0, load * Z, (Capsule(0 * Z, Z, 0.0),)))
+
+
+SOLE, STICK = (0.2, 0.1, 0.1), (0.1, 0.1, 0.1)
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        ({"sole": SOLE}, LEG),
+        ({"sole": SOLE, "bottom": 0.059}, LEG),
+        ({"sole": SOLE, "bottom": 0.061}, ARM),
+        ({"sole": SOLE, "load": 1.11}, LEG),
+        ({"sole": SOLE, "load": 1.09}, UNSURE),
+        ({"sole": (0.141, 0.1, 0.1)}, LEG),
+        ({"sole": (0.1, 0.141, 0.1)}, LEG),
+        ({"sole": (0.139, 0.139, 0.1)}, UNSURE),
+        ({"sole": STICK}, UNSURE),
+        ({"sole": STICK, "load": 1.0}, ARM),
+        ({"sole": STICK, "knee": (0.0, 2.0)}, LEG),
+        ({"sole": STICK, "knee": (0.0, 2.0), "axis": -Y}, UNSURE),
+        ({"sole": STICK, "knee": (-2.0, 0.0), "axis": -Y}, LEG),
+        ({"sole": STICK, "knee": (-0.49, 2.0)}, LEG),
+        ({"sole": STICK, "knee": (-0.51, 2.0)}, UNSURE),
+        ({"sole": STICK, "knee": (-1.0, 1.0), "zero": -0.7}, LEG),
+        ({"sole": STICK, "knee": (-1.0, 1.0), "zero": -0.5}, UNSURE),
+        ({"sole": STICK, "knee": (0.0, 2.0), "axis": np.array([0.7, 0.71, 0])}, LEG),
+        ({"sole": STICK, "knee": (0.0, 2.0), "axis": np.array([0.72, 0.69, 0])}, UNSURE),
+        ({"sole": STICK, "knee": (None, 2.0)}, UNSURE),
+        ({"sole": STICK, "knee": (0.0, None)}, UNSURE),
+        ({"sole": STICK, "knee": (0.5, 0.5)}, UNSURE),
+        ({"sole": SOLE, "knee": (-2.0, 0.0)}, UNSURE),
+    ],
+)
+def test_leg_reaches_the_ground_under_its_load_and_has_a_sole_or_a_knee(options, expected):
+    assert rate_limb(stand(**options), (0, 1, 2), []) == expected
+
+
+def test_first_and_last_hinges_of_a_limb_are_no_knees():
+    tree = stand(sole=STICK)
+    bent = [Joint("j", k - 1, j.anchor, Y, 0.0, 0.0, 2.0, *(None,) * 6) for k, j in enumerate(tree.joints)]
+    ends = Tree("r", (bent[0], tree.joints[1], bent[2]), tree.parts, tree.base)
+    assert rate_limb(ends, (0, 1, 2), []) == UNSURE
+
+
+@pytest.mark.parametrize(("height", "bottom", "is_leg"), [(0.05, 0.0, True), (0.07, 0.0, False), (0.05, 0.1, False)])
+def test_second_limb_at_the_same_height_on_the_ground_shows_legs(height, bottom, is_leg):
+    tree = stand(sole=STICK)
+    other = tuple(joint(f"o{k}", (-1, 3, 4)[k], j.anchor + height * Z) for k, j in enumerate(tree.joints))
+    parts = [*tree.parts[:2], ModelPart(1.0, bottom * Z, (Capsule(bottom * Z, bottom * Z, 0.0),))]
+    pair = Tree("r", (*tree.joints, *other), (*tree.parts, *parts), tree.base)
+    assert rate_limb(pair, (0, 1, 2), [(3, 4, 5)]).is_leg == is_leg
+
+
+def test_bottom_of_a_part_is_the_lowest_point_of_its_shapes_and_meshes():
+    capsule = Capsule(np.array([0, 0, 0.5]), np.array([0, 0, 0.3]), 0.1)
+    mesh = Surface(Triangles(np.array([[0, 0, 0.25], [0, 0, 0.15]]), np.zeros((0, 3), int)), dark=False)
+    assert find_bottom(ModelPart(1.0, 0.7 * Z, ())) == 0.7
+    assert find_bottom(ModelPart(1.0, 0 * Z, (capsule,))) == pytest.approx(0.2)
+    assert find_bottom(ModelPart(1.0, 0 * Z, (capsule,), (mesh,))) == 0.15
+
+
+def test_foot_may_be_a_mesh_instead_of_a_shape():
+    corners = np.array([[x, y, z] for x in (0, 0.2) for y in (0, 0.1) for z in (0, 0.1)])
+    mesh = Surface(Triangles(corners, np.zeros((0, 3), int)), dark=False)
+    bare = stand(sole=STICK)
+    footed = stand(sole=STICK, surfaces=(mesh,))
+    empty = Tree("r", bare.joints, (*bare.parts[:2], ModelPart(1.0, 0 * Z, ())), bare.base)
+    found = [rate_limb(tree, (0, 1, 2), []) for tree in (footed, bare, empty)]
+    assert found == [LEG, UNSURE, UNSURE]
