@@ -11,8 +11,8 @@ from kinesic.body.skeleton import Capsule
 from kinesic.sim.importer.branches import branches
 from kinesic.sim.importer.feet import Feet, find_bottom, rate_limb
 from kinesic.sim.importer.joint_words import count_leg_words, is_contradiction, list_parts
-from kinesic.sim.importer.mirror import find_named_side, sides
 from kinesic.sim.importer.mesh_file import Triangles
+from kinesic.sim.importer.mirror import find_named_side, sides
 from kinesic.sim.importer.model_tree import Joint, ModelPart, Surface, Tree
 
 X, Y, Z = np.eye(3)
@@ -96,6 +96,10 @@ def test_two_pairs_of_limbs_at_equal_height_are_the_legs_of_a_quadruped():
         ("head_lidar_spindle", ["neck", "sensor", "sensor"]),
         ("j1", []),
         ("charm_joint", []),
+        ("rarm_lhand", ["arm", "wrist"]),
+        ("legs_Waist", ["trunk"]),
+        ("LElbowYaw", ["elbow"]),
+        ("lidar_r", ["sensor"]),
     ],
 )
 def test_joint_names_are_split_into_words_of_body_parts(name, parts):
@@ -119,6 +123,15 @@ def test_leg_words_are_counted_against_arm_words():
         ("skullbase_torsion", "neck_yaw", False),
         ("vl5_torsion", "head_pan", True),
         ("l_wrist_pivot", "motor7", False),
+        ("l_wrist_pivot", "left_arm_3", False),
+        ("l_wrist_pivot", "left_shoulder_3", True),
+        ("l_sternoclavicular_abduction", "l_shoulder_pitch", False),
+        ("l_sternoclavicular_abduction", "l_elbow", True),
+        ("vc4_torsion", "head_pan", False),
+        ("vc4_torsion", "torso", True),
+        ("vt1_torsion", "torso_yaw", False),
+        ("r_elbow_flexion", "head_elbow_wrist", False),
+        ("r_elbow_flexion", "elbow_head", True),
     ],
 )
 def test_joint_name_contradicts_a_hinge_of_another_body_part(hinge, joint_name, contradicts):

@@ -124,6 +124,6 @@ def test_coupled_joint_that_carries_only_coupled_joints_needs_no_gear():
 
 
 def test_joint_on_the_same_body_as_its_driver_is_held():
-    two = '<body><joint name="limb"/><joint name="wheel" axis="1 0 0"/><geom size="0.1"/>{}</body>'.format(CARRIED)
+    two = f'<body><joint name="limb"/><joint name="wheel" axis="1 0 0"/><geom size="0.1"/>{CARRIED}</body>'
     model = mujoco.MjModel.from_xml_string(f"<mujoco><worldbody>{two}</worldbody></mujoco>")
     assert find_gears(model, {"limb": Follow("wheel", 1.0, 0.0)}).fixed == {"limb"}

@@ -106,7 +106,7 @@ def test_earliest_arm_pose_within_two_percent_of_the_least_cost_is_refined(monke
     residuals, start, *_ = calls[-1]
     np.testing.assert_allclose(start, [chosen, 0, 0, 0])
     np.testing.assert_array_equal(posed.angles, start)
-    moved = residuals(start + [0, 0, 0.2, 0]) - residuals(start)
+    moved = residuals(start + np.array([0, 0, 0.2, 0])) - residuals(start)
     assert np.abs(moved[9:13]) == pytest.approx([0, 0, 0.05 * 0.2, 0]), "the refinement stays near the chosen pose"
 
 

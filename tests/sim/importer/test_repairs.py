@@ -125,3 +125,113 @@ def test_inertia_that_is_no_number_is_replaced_with_a_note():
     root = ElementTree.fromstring(LINK.format("1", 'ixx="one" iyy="1" izz="1"', ""))
     (note,) = repair(root)
     assert note.startswith("the inertia of link a is replaced")
+
+
+@pytest.mark.parametrize(
+    ("shape", "is_kept"),
+    [
+        ('<capsule radius="0.1" length="0.2"/>', True),
+        ('<capsule radius="0.1" length="-0.2"/>', False),
+        ('<capsule length="0.2"/>', False),
+        ('<cylinder radius="inf" length="0.2"/>', False),
+        ('<sphere radius="wide"/>', False),
+        ('<box size="1 2 3"/>', True),
+        ('<box size="1 2 nan"/>', False),
+        ('<mesh filename="a.stl"/>', True),
+    ],
+)
+@pytest.mark.parametrize("kind", ["visual", "collision"])
+def test_shape_of_a_link_without_a_positive_size_is_removed(kind, shape, is_kept):
+    root = ElementTree.fromstring(f'<robot><link name="a"><{kind}><geometry>{shape}</geometry></{kind}></link></robot>')
+    notes = repair(root)
+    assert (root.find(f"link/{kind}") is not None, len(notes)) == (is_kept, 0 if is_kept else 1)
+    if not is_kept:
+        assert notes[0] == f"a {shape[1:].split()[0]} of link a is left out: its size is not positive"
+
+
+def test_first_of_repeated_elements_of_links_and_joints_is_kept():
+    text = """<robot><link><visual><geometry/><geometry><box size="1 1 1"/></geometry><material name="m"/></visual>
+    <inertial><mass value="1"/><mass value="2"/></inertial></link>
+    <joint name="j"><limit lower="0" upper="1"/><limit lower="3" upper="2"/><axis/><limit/></joint></robot>"""
+    root = ElementTree.fromstring(text)
+    assert repair(root) == (
+        "a <visual> has <geometry> twice; the first is taken",
+        "a <inertial> has <mass> twice; the first is taken",
+        "joint j has <limit> twice; the first is taken",
+        "joint j has <limit> twice; the first is taken",
+    )
+    assert root.find("joint/limit").attrib == {"lower": "0", "upper": "1"}
+    assert [len(root.findall(path)) for path in (".//limit", ".//mass", ".//geometry", ".//axis")] == [1, 1, 1, 1]
+    assert root.find(".//mass").get("value") == "1"
+
+
+@pytest.mark.parametrize(
+    ("inertia", "sphere"),
+    [
+        ("-1 2 4", 3.0),
+        ("0 0 0", 1e-5),
+        ("inf 2 4", 3.0),
+        ("nan 2 -4", 2.0),
+        ("1 2", 1.5),
+        ("1 1 1 1 0 0", 1.0),
+        ("1 1 1 0 1 0", 1.0),
+        ("1 1 1 0 0 -1", 1.0),
+        ("1 1 1 0.9 0 0", None),
+        ("1 1 1 0 0.9 0", None),
+        ("1 1 1 0 0 0.9", None),
+        ("1 1 1 nan 0 0", 1.0),
+    ],
+)
+def test_inertia_matrix_that_is_not_positive_definite_becomes_that_of_a_sphere(inertia, sphere):
+    body = f'<body name="b"><inertial mass="1" fullinertia="{inertia}"/></body>'
+    root = ElementTree.fromstring(f"<mujoco><worldbody>{body}</worldbody></mujoco>")
+    notes = repair(root)
+    inertial = root.find(".//inertial")
+    if sphere is None:
+        assert (notes, inertial.get("fullinertia"), inertial.get("diaginertia")) == ((), inertia, None)
+        return
+    assert notes == ("the inertia of body b is replaced by that of a sphere: it is not positive definite",)
+    assert inertial.get("fullinertia") is None
+    assert [float(value) for value in inertial.get("diaginertia").split()] == [sphere] * 3
+
+
+def test_replaced_inertia_of_a_link_has_no_products():
+    root = ElementTree.fromstring(LINK.format("heavy", 'ixx="1" iyy="2" izz="3" ixy="5" ixz="1" iyz="1"', ""))
+    assert len(repair(root)) == 2
+    assert root.find(".//mass").get("value") == "0.001"
+    inertia = root.find(".//inertia").attrib
+    assert [float(inertia[key]) for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")] == [2, 2, 2, 0, 0, 0]
+
+
+def test_missing_product_of_inertia_counts_as_zero():
+    root = ElementTree.fromstring(LINK.format(1, 'ixx="1" iyy="1" izz="1" iyz="2"', ""))
+    assert len(repair(root)) == 1
+
+
+@pytest.mark.parametrize(
+    ("limit", "ends"),
+    [
+        ('<limit upper="-1"/>', ("-1", "0")),
+        ('<limit lower="1"/>', ("0", "1")),
+        ('<limit lower="1" upper="1"/>', None),
+        ("<limit/>", None),
+        ("<axis/>", None),
+    ],
+)
+def test_missing_joint_limit_counts_as_zero_in_the_order_check(limit, ends):
+    root = ElementTree.fromstring(f'<robot><joint name="j">{limit}</joint></robot>')
+    notes = repair(root)
+    assert len(notes) == (0 if ends is None else 1)
+    if ends is not None:
+        assert (root.find("joint/limit").get("lower"), root.find("joint/limit").get("upper")) == ends
+
+
+def test_limits_of_an_mjcf_joint_are_not_exchanged():
+    root = ElementTree.fromstring('<mujoco><joint name="j"><limit lower="1" upper="0"/></joint></mujoco>')
+    assert repair(root) == ()
+
+
+def test_link_and_body_without_inertial_or_mass_need_no_repair():
+    assert repair(ElementTree.fromstring('<robot><link name="a"><inertial/></link><link name="b"/></robot>')) == ()
+    body = ElementTree.fromstring('<mujoco><worldbody><body name="a"/></worldbody></mujoco>')
+    assert repair(body) == ()

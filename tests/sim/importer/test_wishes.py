@@ -1,14 +1,18 @@
 """Joint mappings that a person requests by `--map`."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
 from kinesic.sim.importer import hanging_pose
+from kinesic.sim.importer.arm import Split
 from kinesic.sim.importer.hinge_names import find_segment, list_hinge_names
 from kinesic.sim.importer.hinges import name_hinges
 from kinesic.sim.importer.load import load_robot_tree
-from kinesic.sim.importer.wishes import read_wishes
+from kinesic.sim.importer.mirror import Sides
+from kinesic.sim.importer.wishes import NO_WISHES, Wishes, read_wishes
 from kinesic.sim.importer.zero_pose import analyse_geometry
 
 
@@ -74,3 +78,65 @@ def test_impossible_joint_mapping_request_is_refused_with_the_reason(text, messa
 def test_hinge_names_belong_to_the_segments_of_imported_robots():
     assert {find_segment(name) for name in list_hinge_names()} >= {"vl5", "skullbase", "l_wrist", "r_sternoclavicular"}
     assert np.unique(list_hinge_names()).size == len(list_hinge_names()) == 46
+
+
+PAIRED = Sides({0: 10, 1: 11, 2: 12}, (0.6, -0.8), certain=False, by_names=True)
+
+
+@pytest.mark.parametrize(
+    ("hinges", "exchanged"),
+    [
+        ({}, False),
+        ({0: "l_elbow_flexion"}, False),
+        ({10: "r_elbow_flexion"}, False),
+        ({0: "r_elbow_flexion"}, True),
+        ({10: "l_elbow_flexion"}, True),
+        ({0: "r_elbow_flexion", 1: "l_elbow_flexion"}, False),
+        ({0: "r_elbow_flexion", 11: "l_elbow_flexion", 2: "l_wrist_pivot"}, True),
+        ({5: "r_elbow_flexion"}, False),
+        ({0: "vl5_torsion", 1: "skullbase_torsion"}, False),
+    ],
+)
+def test_left_and_right_are_exchanged_if_most_requested_hinges_are_on_the_other_side(hinges, exchanged):
+    found = Wishes(hinges).orient(PAIRED)
+    if not exchanged:
+        assert found is PAIRED
+        return
+    assert (found.pairs, found.left) == ({10: 0, 11: 1, 12: 2}, (-0.6, 0.8))
+    assert (found.certain, found.by_names) == (True, True)
+
+
+def test_requested_hinges_are_mirrored_to_joints_without_a_request():
+    hinges = {0: "l_elbow_flexion", 11: "r_wrist_pivot", 2: "l_wrist_flexion", 12: "r_wrist_pivot", 7: "vl5_torsion"}
+    found = Wishes(hinges | {5: "l_shoulder_flexion"}).on_both_sides(PAIRED)
+    assert found.hinges == hinges | {5: "l_shoulder_flexion", 10: "r_elbow_flexion", 1: "l_wrist_pivot"}
+    assert NO_WISHES.on_both_sides(PAIRED).hinges == {}
+
+
+@pytest.mark.parametrize(
+    ("hinge", "places"),
+    [
+        ("l_sternoclavicular_abduction", [0]),
+        ("r_shoulder_flexion", [1, 2, 3]),
+        ("l_elbow_flexion", [4]),
+        ("l_elbow_pivot", [4, 5]),
+        ("l_wrist_flexion", [5, 6]),
+        ("skullbase_torsion", [0, 1, 2, 3, 4, 5, 6]),
+    ],
+)
+def test_requested_hinge_of_an_arm_allows_only_divisions_with_its_joint_there(hinge, places):
+    split, arm = Split(1, 3, 2), range(10, 17)
+    assert [k for k in range(7) if Wishes({10 + k: hinge}).allows(split, arm)] == places
+
+
+def test_one_requested_hinge_out_of_place_forbids_a_division_of_an_arm():
+    wishes = Wishes({0: "l_shoulder_flexion", 1: "l_elbow_flexion", 2: "l_shoulder_twisting"})
+    assert not wishes.allows(Split(0, 2, 0), (0, 1, 2))
+    assert wishes.allows(Split(0, 2, 0), (0, 2, 1))
+
+
+def test_last_of_several_requests_for_one_joint_is_used():
+    joints = (SimpleNamespace(name="a"), SimpleNamespace(name="b=c"))
+    tree = SimpleNamespace(name="r", joints=joints, without=lambda held: SimpleNamespace(joints=joints, held=held))
+    kept, wishes = read_wishes(tree, ["b=c=l_wrist_pivot", "b=c=l_wrist_flexion"])
+    assert (kept.held, wishes.hinges) == (set(), {1: "l_wrist_flexion"})
