@@ -61,7 +61,7 @@ def test_smoothness_cost_sums_squared_acceleration_and_jerk():
     assert x @ form @ x == pytest.approx(squares)
 
 
-def test_range_ratio_of_a_hinge_with_equal_limits_is_finite():
+def test_range_ratio_of_a_hinge_with_equal_lower_and_upper_limit_is_zero():
     stuck = Limits(*(sealed([value]) for value in (0.5, 0.5, 4, 40, 1e3, 0.01, 0.15, 0.7)))
     assert KNOT_GRID.limit_ratios(np.full(23, 0.5), stuck, 0)[0] == pytest.approx(0.0)
 

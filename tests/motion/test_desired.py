@@ -113,7 +113,7 @@ def eased(easing: str, steepness: float = 3.0, to: float = 0.9) -> DesiredMotion
 SAMPLE_TIMES = np.linspace(0.0, 1.0, 501)  # [s]
 
 
-def test_easing_changes_the_path_but_not_its_ends():
+def test_easing_changes_the_desired_motion_but_neither_its_end_angles_nor_end_velocities():
     for easing in ("linear", "out_quart", "out_back", "out_bounce", "out_power"):
         motion = eased(easing, 6.0)
         np.testing.assert_allclose(motion.sample(np.array([0.0, 1.0]))[0][:, 0], [0.0, 0.9], atol=1e-12)
@@ -122,7 +122,7 @@ def test_easing_changes_the_path_but_not_its_ends():
         assert np.abs(np.diff(motion.sample(SAMPLE_TIMES)[2], axis=0)).max() < 2.5
 
 
-def test_easing_steepness_raises_the_peak_velocity():
+def test_steeper_easing_raises_the_peak_velocity_of_the_desired_motion():
     peaks = [float(eased("out_back", k).sample(SAMPLE_TIMES)[1].max()) for k in (1.0, 1.5, 2.0, 3.0)]
     assert np.all(np.diff(peaks) > 0.0)
     assert peaks[-1] > 1.8 * peaks[0]
@@ -164,7 +164,7 @@ def test_motion_through_keys_on_a_smooth_curve_has_the_derivatives_of_the_curve(
     np.testing.assert_allclose(motion.sample(inner)[2][:, 0], 0.3 * np.cos(inner), atol=0.1)
 
 
-def test_negative_tension_overshoots_keys_but_not_the_range():
+def test_negative_tension_makes_the_desired_motion_overshoot_keys_but_not_the_joint_range():
     angles, times = np.array([[0.0], [1.2], [1.9], [1.5], [0.0]]), np.array([0.0, 0.4, 0.8, 1.2, 1.6])
     grid = np.linspace(0.0, 1.6, 801)
     highest = [

@@ -82,7 +82,7 @@ def test_velocities_and_accelerations_at_keys_match_the_formulas_for_three_keys(
     assert not accelerations[[0, -1]].any()
 
 
-def test_mirrored_keys_give_the_mirrored_motion():
+def test_desired_motion_of_mirrored_keys_is_the_mirrored_desired_motion():
     even = replace(JOINT_LIMITS, lower=sealed([-1.5] * 2))
     for seed in range(5):
         times, angles, passages = random_keys(seed)

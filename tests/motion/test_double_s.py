@@ -145,7 +145,7 @@ def test_stop_duration_is_minimal_and_attainable_within_2_percent(speed, acceler
     assert not can_stop(speed, acceleration, 10.0, 250.0, 0.98 * seconds)
 
 
-def test_stop_duration_of_a_resting_hinge_is_zero():
+def test_stop_duration_of_a_hinge_at_standstill_is_zero():
     np.testing.assert_array_equal(least_stop([0.0, 0.0], [0.0, 0.0], 10.0, 250.0), 0.0)
 
 

@@ -43,7 +43,7 @@ def wish(asked: Keys) -> Floats:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_unlimited_motion_of_all_hinges_matches_that_of_single_hinges(seed: int):
+def test_motion_without_limits_equals_the_reference_computed_hinge_by_hinge(seed: int):
     asked = keys(seed)
     ours, beyond = find_free_motion(asked.requested_times, asked, JOINT_LIMITS, wish(asked))
     theirs, expected = reference.find_free_motion(asked.requested_times, asked, JOINT_LIMITS, wish(asked))
@@ -57,7 +57,7 @@ def test_unlimited_motion_of_all_hinges_matches_that_of_single_hinges(seed: int)
         np.testing.assert_array_equal(result.places, other.places)
 
 
-def test_unlimited_motion_through_slow_keys_has_no_segments_beyond_limits():
+def test_motion_without_limits_through_slow_keys_has_no_segments_beyond_limits():
     asked = keys(3)
     slow = replace(asked, requested_times=asked.requested_times * 50.0)
     free, beyond = find_free_motion(slow.requested_times, slow, JOINT_LIMITS, wish(slow))

@@ -66,7 +66,7 @@ def test_slopes_of_a_time_deficit_equal_its_finite_differences():
     assert infeasibility.slopes.sum() == pytest.approx(0.0, abs=1e-9)
 
 
-def test_segment_end_between_two_knots_affects_the_deficit():
+def test_time_deficit_depends_on_a_segment_end_between_two_knots():
     """Test a hinge that rests from the knot before its last key."""
     off = SplineSegment(0, 0, grid(41, KNOT_INTERVAL), 0.0, 1.6, np.array([25.3, 40.4]), np.array([0.8, 1.6]))
     infeasibility = measure_time_deficit(off, JOINT_LIMITS)

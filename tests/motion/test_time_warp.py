@@ -74,7 +74,7 @@ def test_repeated_time_warp_steps_reach_feasible_key_times_at_low_cost():
     assert shift_cost(HURRIED_KEYS, times) == pytest.approx(shift_cost(HURRIED_KEYS, begun_late), rel=0.25, abs=0.05)
 
 
-def test_time_stretching_keeps_feasible_key_times():
+def test_key_times_that_are_already_feasible_are_not_stretched():
     slow = 3.0 * HURRIED_KEYS.requested_times
     np.testing.assert_array_equal(stretch_until_enough(TIME_PROBLEM, slow, JOINT_LIMITS, measure), slow)
 

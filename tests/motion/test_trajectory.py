@@ -94,7 +94,7 @@ def test_weights_of_the_b_spline_sum_to_one(order):
     assert first.max() == 29
 
 
-def test_motion_of_one_posture_stays_still():
+def test_trajectory_of_one_posture_has_constant_angles_and_no_velocity():
     still = stay(np.array([0.1, 0.2]))
     angles, speeds, _ = still.sample(np.array([-1.0, 0.0, 0.05, 9.0]))
     np.testing.assert_allclose(angles, np.tile([0.1, 0.2], (4, 1)))

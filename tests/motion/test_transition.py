@@ -99,7 +99,7 @@ def test_delayed_motion_is_shifted_by_whole_knots():
     assert extend_controls(motion, 4) is motion
 
 
-def test_final_rest_of_a_motion_is_trimmed():
+def test_control_points_of_the_final_rest_of_a_motion_are_trimmed_to_four():
     motion = np.vstack([np.arange(8.0)[:, None], np.full((50, 1), 9.0)])
     np.testing.assert_array_equal(trim_final_rest(motion), motion[:11])
     assert len(trim_final_rest(np.ones((40, 2)))) == 4

@@ -103,7 +103,7 @@ def test_quick_and_full_plans_drop_the_same_conflicting_gestures(known):
 
 
 @pytest.mark.soak
-def test_dropping_few_gestures_stops_small_delays_from_adding_up(planned):
+def test_eight_gestures_0_6_s_apart_drop_one_to_three_so_that_delays_do_not_add_up(planned):
     names = ("offer", "large", "love", "contrast_left_right", "air_quotes", "sorry", "ask_open", "run")
     row = "".join(
         f'<gesture id="g{k}" lexeme="{name}" mode="BOTH_HANDS" stroke="{1 + 0.6 * k:.1f}"/>'

@@ -58,7 +58,7 @@ def measured(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
 
 @pytest.mark.soak
-def test_cutting_planes_of_clash_searches_are_reused(
+def test_reused_cutting_planes_save_a_fifth_of_the_segment_evaluations_of_overlapping_gestures(
     known: Setup, measured: list[int], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     text = write_overlapping_block(84, [form.id for form in known.lexicon.forms])

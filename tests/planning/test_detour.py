@@ -211,7 +211,7 @@ def test_new_detour_key_is_tried_on_the_path_first_and_then_nearer_to_rest():
         np.testing.assert_array_equal(added.angles, start)
 
 
-def test_arms_do_not_move_towards_rest_for_less_than_the_minimum_deficit(monkeypatch):
+def test_detour_search_withdraws_arms_towards_rest_only_for_a_visible_clearance_deficit(monkeypatch):
     tried: list[tuple[float, ...]] = []
     monkeypatch.setattr(detour, "_propose_detours", lambda *given: tried.append(given[-1]) or iter(()))
     near = course(

@@ -56,7 +56,9 @@ def test_plan_without_contact_limits_equals_the_plan_without_a_contact_model(fre
     assert slow_hinges(unlimited.trajectory, free.limits.speed, free, 0) is None
 
 
-def test_plan_near_a_child_keeps_force_and_energy_with_secondary_motion(free: Setup, unlimited: Plan, near_child: Plan):
+def test_plan_near_a_child_keeps_contact_limits_by_a_later_stroke_without_drops(
+    free: Setup, unlimited: Plan, near_child: Plan
+):
     setup = near_child.setup
     assert ratios(unlimited, setup).max() > 2.0
     assert ratios(near_child, setup).max() <= 1.0

@@ -270,7 +270,7 @@ def test_summary_of_a_plan_counts_behaviours_and_notices_above_zero(planned):
     assert summary.endswith(" s, 2 behaviours, 1 dropped behaviour, 1 notice")
 
 
-def test_performance_lasts_until_both_motion_and_speech_have_ended(planned):
+def test_planned_duration_covers_both_motion_and_speech(planned):
     nod, speech = (
         '<head id="h" lexeme="NOD" start="{}"/>',
         '<speech id="s"><text>One, two, three and four.</text></speech>',

@@ -55,7 +55,7 @@ def test_key_postures_begin_and_end_with_the_rest_posture():
         assert all(key.keyed)
 
 
-def test_only_the_hand_of_the_gesture_has_key_postures():
+def test_stroke_posture_of_a_left_handed_gesture_has_keys_for_no_joint_of_the_right_arm():
     stroke = at_sync(solved(Gesture("beat", "left")), "stroke")
     keyed = {name for name, key in zip(ROBOT.skeleton.names, stroke.keyed, strict=True) if key}
     assert {"l_elbow_flexion", "l_wrist_pivot"} <= keyed
@@ -184,7 +184,7 @@ def test_distance_to_an_unreachable_target_is_assigned_to_the_behaviour():
 
 
 @pytest.mark.parametrize(("start", "begins"), [(0.0, False), (0.001, False), (0.5, True)])
-def test_rest_pose_at_start_is_not_duplicated(start, begins):
+def test_rest_posture_at_time_zero_precedes_the_keys_only_if_the_gesture_starts_later(start, begins):
     postures = solved(Gesture("offer", "left"), start=start).postures
     times = [posture.time for posture in postures]
     assert times == sorted(set(times))

@@ -39,7 +39,7 @@ def test_mirrored_stance_swaps_arms_and_inverts_trunk_rotation():
     assert dict(zip(STANCE_FEATURES, mirrored, strict=True)) == expected
 
 
-def test_arm_poses_are_drawn_with_the_probability_of_their_weights():
+def test_standing_arm_poses_are_drawn_at_random_with_the_probability_of_their_weights():
     table = read_stances()
     drawn = [draw_arm_pose(table, np.random.default_rng(seed)) for seed in range(2000)]
     total = table.hanging.weight + sum(pose.weight for pose in table.poses)
@@ -50,7 +50,7 @@ def test_arm_poses_are_drawn_with_the_probability_of_their_weights():
     assert before[one_hand, 0].mean() == pytest.approx(0.5, abs=0.12)  # either hand
 
 
-def test_drawn_arm_poses_have_the_standard_deviation_of_their_components():
+def test_randomly_drawn_arm_poses_have_the_standard_deviation_of_their_components():
     table = read_stances()
     drawn = [draw_arm_pose(table, np.random.default_rng(seed)) for seed in range(2000)]
     both = [pose.deviation for pose in drawn if pose is not None and min(pose.mean[FOREARM_FEATURES]) > 45.0]
@@ -63,7 +63,7 @@ def draw_many(table, count=1000):
     return np.stack([draw_deviation(table, np.random.default_rng(seed)) for seed in range(count)])
 
 
-def test_drawn_stances_have_the_distribution_of_their_table():
+def test_randomly_drawn_stances_have_the_distribution_of_their_table():
     table = read_stances().hanging
     draws = draw_many(table)
     tilt = [row["trunk_tilt"] for part in (table.persons, table.rests) for row in part.symmetric]
@@ -78,7 +78,7 @@ def test_drawn_stances_have_the_distribution_of_their_table():
     assert np.corrcoef(left[:, 0], right[:, 0])[0, 1] > 0.5
 
 
-def test_drawn_stances_have_median_arm_asymmetries_and_head_deviations_in_given_ranges():
+def test_randomly_drawn_stances_have_arm_asymmetries_and_head_deviations_in_given_ranges():
     draws = draw_many(read_stances().hanging)
     left, right = draws[:, -2 * len(ARM_FEATURES) :].reshape(len(draws), 2, -1).transpose(1, 0, 2)
     differences = np.median(np.abs(left - right), axis=0)
@@ -89,7 +89,7 @@ def test_drawn_stances_have_median_arm_asymmetries_and_head_deviations_in_given_
     assert 0.8 < deviations["shoulder_rise"] < 2.0
 
 
-def test_drawn_stance_deviations_have_long_bounded_tails():
+def test_randomly_drawn_stance_deviations_have_long_bounded_tails():
     components = StanceComponents(2.0, [{"hand_forward": 1.0}], [{"head_turn": 1.0}])
     draws = np.stack([draw_components(components, np.random.default_rng(seed)) for seed in range(1000)])
     for name in ("l_hand_forward", "head_turn"):

@@ -193,7 +193,7 @@ def test_standing_trunk_and_head_of_a_seed_are_equal_on_two_robots(seed):
 
 
 @pytest.mark.parametrize("name", ["human", "upper36"])
-def test_height_difference_of_the_shoulders_equals_the_drawn_one(name):
+def test_shoulder_height_difference_of_a_varied_standing_posture_equals_the_random_draw(name):
     elevations, expected = [], []
     for seed in find_seeds(hanging=True, count=6):
         robot = set_up(name, variation=1.0, seed=seed).robot
@@ -265,7 +265,7 @@ def test_ik_of_a_rest_gesture_starts_from_the_rest_posture_with_raised_shoulders
 
 
 @pytest.mark.parametrize("lexeme", ["hush", "heart", "offer"])
-def test_gesture_positions_follow_the_lean_of_the_standing_trunk(lexeme):
+def test_hand_position_of_a_gesture_relative_to_the_trunk_does_not_depend_on_the_standing_lean(lexeme):
     wrists = {}
     for tilt in (0.0, 8.0):
         style = Style.load("neutral")

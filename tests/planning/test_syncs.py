@@ -34,7 +34,9 @@ ORDERED_DOCUMENT = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id=
 </bml>"""
 
 
-def test_only_shifted_sync_points_are_reported(hurried: DryRun, calm: DryRun) -> None:
+def test_notices_name_exactly_the_sync_points_shifted_beyond_the_warning_threshold(
+    hurried: DryRun, calm: DryRun
+) -> None:
     for performance in (hurried, calm):
         plan = performance.plan
         robot = plan.setup.robot
@@ -96,7 +98,7 @@ def test_rushed_circular_gesture_shrinks_instead_of_delaying_its_stroke(lexeme):
     assert [notice.id for notice in made.notices if " % smaller" in notice.text] == ["b:g"]
 
 
-def test_slow_hand_path_is_followed_within_1_cm():
+def test_slow_hand_path_of_a_gesture_is_followed_within_1_cm():
     made = planned("stir", 2.0)
     assert not said(made)
     hand = DEFAULT_SETUP.robot.skeleton.segment("r_wrist")
@@ -165,7 +167,7 @@ def test_unknown_sync_point_error_suggests_points_of_its_behaviour(known) -> Non
         syncs["x:stroke"]
 
 
-def test_sync_points_of_one_behaviour_have_no_precedence_constraint():
+def test_precedence_constraints_link_only_sync_points_of_different_behaviours():
     block = parse(
         BML_TEMPLATE.format(
             '<gesture id="one" lexeme="BEAT" start="0" relax="one:stroke+0.5"/><head id="h" lexeme="NOD" '

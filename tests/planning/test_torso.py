@@ -89,7 +89,7 @@ def test_gesture_space_of_a_bent_torso_scales_about_its_pivot():
     )
 
 
-def test_bent_spine_shrinks_the_gesture_space(tmp_path):
+def test_gesture_space_shrinks_when_a_spine_of_two_joints_bends(tmp_path):
     text = resources.files("kinesic").joinpath("configs/robots/upper22.toml").read_text()
     body = '[[body]]\nname = "vt10"\nparent = "vl5"\npos = [0, 0, 0.15]\nmass = 0.3\ncapsules = []\n\n'
     hinge = (

@@ -35,7 +35,7 @@ def slow_angles(robot: Robot) -> np.ndarray:
     return np.linspace(first, last, 30)
 
 
-def test_bvh_joint_positions_equal_those_of_the_robot(tmp_path: Path):
+def test_joint_positions_in_a_written_bvh_file_equal_those_of_the_robot(tmp_path: Path):
     """Check robots with fingers, coupled joints and offset rotation centres."""
     extended = tmp_path / "robot.toml"
     extended.write_text(f'[robot]\nname = "mine"\nextends = "upper22"\n{OFFSET_CENTRES}', encoding="utf-8")

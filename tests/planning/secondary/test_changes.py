@@ -30,7 +30,7 @@ def test_secondary_motion_is_reduced_where_it_would_exceed_joint_limits():
     assert allowed(STILL_MOTION, [wide, *elsewhere]) == [REDUCED_AMOUNT, 1.0, 1.0]
 
 
-def test_existing_limit_violation_reduces_no_secondary_motion_elsewhere():
+def test_existing_limit_violation_prevents_only_secondary_motion_that_overlaps_it():
     sharp = np.tile(REST_ANGLES, (200, 1))
     sharp[100:, TILT_HINGE] += np.radians(20.0)
     motion = Trajectory(sealed(sharp), 0.0)
@@ -41,7 +41,7 @@ def test_existing_limit_violation_reduces_no_secondary_motion_elsewhere():
     assert allowed(motion, [across]) == [0.0]
 
 
-def test_motion_offset_is_reduced_for_a_violation_just_before_its_start():
+def test_motion_offset_that_would_violate_a_limit_just_before_its_start_is_omitted():
     jerks = 0.999 * LIMITS.jerk[TILT_HINGE] * np.repeat([0.0, 1.0, -0.5, 0.5, 0.0], [100, 2, 8, 4, 100])
     reach = np.tile(REST_ANGLES, (len(jerks) + 3, 1))
     reach[3:, TILT_HINGE] += np.cumsum(np.cumsum(np.cumsum(jerks))) * KNOT_INTERVAL**3

@@ -69,7 +69,7 @@ def test_arms_that_both_perform_gestures_do_not_swing():
     assert not find_swings(both)
 
 
-def test_performance_moves_the_free_arm_only_with_idle_motion(exact):
+def test_free_arm_swings_visibly_in_a_plan_only_with_idle_motion(exact):
     text, setup = BML_TEMPLATE.format(describe("RIGHT", 0.5)), exact.setup
     paths = []
     for amount in (0.0, 1.0):

@@ -71,7 +71,7 @@ def test_rest_posture_of_the_hand_varies_until_the_next_stroke(exact, courses):
     np.testing.assert_allclose(wrists(exact, laid, strokes), wrists(exact, exact.trajectory, strokes), atol=1e-5)
 
 
-def test_rest_posture_stays_exact_if_the_next_stroke_starts_at_rest(exact, courses):
+def test_rest_posture_offset_is_omitted_if_no_time_remains_before_the_next_stroke(exact, courses):
     """An offset without time to end is no smooth motion."""
     (course,) = courses
     until = course.gaps[1].rests[-1][1]

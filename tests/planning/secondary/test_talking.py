@@ -38,7 +38,7 @@ def swells(known, document, amount=1.0, seed=1):
     return planned, results, [{names[k] for k in np.flatnonzero(swell.away)} for swell in results]
 
 
-def test_head_and_trunk_move_during_speech(known):
+def test_head_and_trunk_each_move_for_over_90_percent_of_a_speech(known):
     planned, result, moved = swells(known, SPEECH_ELEMENT)
     begin, end = planned.timeline.timed[0].times["start"], planned.timeline.timed[0].times["end"]
     assert min(swell.begin for swell in result) >= begin - 1e-9
