@@ -74,13 +74,13 @@ def test_gestures_render_writes_a_picture_of_one_gesture(kinesic, tmp_path):
 
 
 @pytest.mark.parametrize("arguments", [(), ("offer", "--all"), ("xyzzy",)])
-def test_invalid_render_arguments_are_refused(kinesic, tmp_path, arguments):
+def test_gestures_render_refuses_invalid_arguments_and_writes_no_file(kinesic, tmp_path, arguments):
     ended = kinesic("gestures", "render", *arguments, "--out", "x.png")
     assert ended.code == 2
     assert not (tmp_path / "x.png").exists()
 
 
-def test_unwritable_picture_is_reported_in_one_line(kinesic):
+def test_gestures_render_reports_an_unwritable_picture_in_one_line(kinesic):
     ended = kinesic("gestures", "render", "offer", "--out", "nowhere/offer.png")
     assert ended.code == 2
     assert ended.err.count("\n") == 1

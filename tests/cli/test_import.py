@@ -53,7 +53,7 @@ def model(tmp_path):
     return path
 
 
-def test_imported_robot_performs_a_document(kinesic, model, tmp_path):
+def test_robot_written_by_the_import_verb_performs_a_document(kinesic, model, tmp_path):
     ended = kinesic("robots", "import", model)
     assert ended.code == 0, ended.err
     assert "l_elbow_flexion" in ended.out
@@ -115,7 +115,7 @@ def test_robot_imported_with_low_confidence_is_written_with_a_review_request(kin
 
 
 @pytest.mark.usefixtures("within")
-def test_file_without_a_robot_is_refused(kinesic, tmp_path):
+def test_robots_import_refuses_a_file_without_a_robot(kinesic, tmp_path):
     (tmp_path / "no.xml").write_text("<mujoco><worldbody><body><joint/><geom size='1'/></body></worldbody></mujoco>")
     for name, message in (("no.xml", "no arms found"), ("nowhere.urdf", "no such file")):
         ended = kinesic("robots", "import", name)

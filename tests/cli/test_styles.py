@@ -30,7 +30,7 @@ def test_style_show_applies_settings_and_prints_json(kinesic):
     assert "joyful" in names
 
 
-def test_unknown_style_is_refused_with_a_similar_name(kinesic):
+def test_styles_show_refuses_an_unknown_style_and_suggests_a_similar_one(kinesic):
     ended = kinesic("styles", "show", "joyfull")
     assert ended.code == 2
     assert "did you mean joyful?" in ended.err

@@ -24,7 +24,7 @@ def test_each_planning_option_changes_the_fingerprint_of_a_validation(tmp_path):
     assert len({fingerprint_inputs(PLANNING, "nominal"), *others}) == 6
 
 
-def test_content_of_a_lexicon_file_changes_the_fingerprint(tmp_path):
+def test_content_of_a_lexicon_file_changes_the_fingerprint_of_a_validation(tmp_path):
     lexicon = tmp_path / "lexicon"
     lexicon.mkdir()
     fingerprints = []

@@ -68,7 +68,7 @@ def test_validate_reports_a_missing_path(kinesic):
     assert ended.err == "kinesic: nowhere: no such file or folder; built-in documents: night, story, welcome\n"
 
 
-def test_robots_are_listed_shown_and_checked(kinesic):
+def test_robots_list_show_and_check_commands_print_robots_joints_and_reached_sectors(kinesic):
     assert "upper22" in kinesic("robots", "list").out
     assert "l_elbow_flexion" in kinesic("robots", "show").out
     checked = kinesic("robots", "check")
@@ -76,7 +76,7 @@ def test_robots_are_listed_shown_and_checked(kinesic):
     assert "66 of 105 sectors" in checked.out
 
 
-def test_gestures_are_listed_and_shown(kinesic):
+def test_gestures_list_and_show_commands_print_gestures_and_refuse_an_unknown_name(kinesic):
     entries = json.loads(kinesic("gestures", "list", "--json").out)
     assert len(entries) >= 40
     assert "offer" in kinesic("gestures", "show", "offer").out

@@ -20,7 +20,7 @@ def perform_hurried(kinesic, folder, *options: str) -> dict:
     return json.loads(ended.out)
 
 
-def test_speech_is_synthesised_and_written_with_espeak(kinesic, tmp_path):
+def test_perform_writes_speech_synthesised_by_espeak_to_a_wav_file(kinesic, tmp_path):
     if espeak_fault():
         pytest.skip(espeak_fault())
     assert [speech["heard"] for speech in perform_hurried(kinesic, tmp_path)["speech"]] == [True]

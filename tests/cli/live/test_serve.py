@@ -57,7 +57,7 @@ def test_server_rule_option_changes_only_the_named_client_quota():
 @pytest.mark.parametrize(
     ("text", "why"), [("rat=5", "did you mean"), ("rate=fast", "fast"), ("depth=0", "above 0"), ("rate", "could not")]
 )
-def test_invalid_server_rules_are_refused(text, why):
+def test_invalid_client_quota_rules_of_the_server_are_refused(text, why):
     with pytest.raises(ConfigError, match=why):
         read_rules((text,))
 
@@ -76,7 +76,7 @@ def test_server_performs_blocks_from_standard_input_and_then_ends():
     assert "reading standard input" in done.stderr
 
 
-def test_say_speaks_all_words_of_standard_input():
+def test_say_command_prints_the_words_of_standard_input_as_spoken():
     say = [sys.executable, "-m", "kinesic", "say", "-", "--voice", "durations"]
     done = subprocess.run(say, input="Hello, my friend! Look", capture_output=True, text=True, check=True)
     assert done.stdout.split() == ["Hello,", "my", "friend!", "Look"]

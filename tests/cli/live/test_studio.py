@@ -72,7 +72,7 @@ def test_studio_snapshot_keeps_robot_style_and_targets_if_their_files_change(sna
     assert len(pickle.dumps(snapshot)) < 64_000  # fits into a pipe's buffer
 
 
-def test_valid_gestures_of_the_folder_are_loaded_and_invalid_files_reported(snapshot):
+def test_valid_gestures_of_the_studio_folder_are_loaded_and_invalid_files_reported(snapshot):
     gesture = 'category = "beat"\n[[gesture]]\nid = "{}"\nkeys = [{{ right = {{ at = [0.5, {}, 0.5] }} }}]\n'
     (snapshot.folder / "good.toml").write_text(gesture.format("good", 0.3))
     (snapshot.folder / "far.toml").write_text(gesture.format("far", "1e308"))

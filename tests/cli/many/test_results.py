@@ -93,7 +93,7 @@ def test_results_query_prints_json_rows_with_an_indent_of_one(store, capsys):
     assert [list(row.values()) for row in json.loads(printed)] == [["1", 12345.678], ["a", None], ["[red]", 7]]
 
 
-def test_results_query_prints_a_table_with_four_digits_and_empty_cells(store, capsys):
+def test_results_query_prints_a_table_with_four_digit_numbers_and_empty_cells(store, capsys):
     assert ask_results("SELECT 1", Path("folder"), False, None, False) == 0
     head, first, second, third = (line.split() for line in capsys.readouterr().out.splitlines())
     assert head[0] == "query"

@@ -80,7 +80,7 @@ def test_invalid_input_of_search_is_reported_in_one_line(kinesic, tmp_path, argu
     assert len(ended.err.splitlines()) == 1
 
 
-def test_printed_table_compares_each_pareto_optimal_design_with_the_base(capsys):
+def test_printed_search_table_compares_each_pareto_optimal_design_with_the_base_robot(capsys):
     documents = (DocumentFigures("nod.bml", 1, 0.5, 0.75, ("limits.speed",)),)
     base = Trial(BASE_DESIGN, body=BODY_FIGURES, documents=documents)
     light = Trial(LIGHT_DESIGN, body=replace(BODY_FIGURES, mass=1.0), documents=documents)

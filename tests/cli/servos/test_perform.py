@@ -34,7 +34,7 @@ def test_invalid_servo_options_are_reported(kinesic, nod: Path, options: tuple[s
     assert message in ended.err.splitlines()[-1]
 
 
-def test_servos_do_not_move_if_a_twin_check_fails(kinesic, served, nod: Path, monkeypatch):
+def test_perform_verb_does_not_move_servos_if_a_twin_check_fails(kinesic, served, nod: Path, monkeypatch):
     monkeypatch.setattr(perform, "report", lambda *given, **named: report(*given, **named) | {"ok": False})
     ended = kinesic("perform", nod, "--on", "servos", "--port", served.port, "--no-film")
     assert ended.code == 1

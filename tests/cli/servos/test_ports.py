@@ -43,6 +43,6 @@ def test_missing_ports_are_reported_with_the_ports_of_this_machine(monkeypatch, 
     assert str(error.value) == f"{remedy} {named}"
 
 
-def test_bus_without_a_port_is_refused():
+def test_port_options_that_leave_a_bus_without_a_port_are_refused():
     with pytest.raises(ConfigError, match=r"^a bus has no port; add --port right=PATH$"):
         read_all_ports(["left=/dev/a"], ["left", "right"])

@@ -78,18 +78,18 @@ def test_perform_refuses_faulty_servos_with_one_line_that_names_the_fault(
         assert message in refused(kinesic, nod, table)
 
 
-def test_servo_limits_narrower_than_the_joint_range_are_refused(kinesic: Callable, nod: Path, served: Table):
+def test_perform_refuses_servo_limits_narrower_than_the_joint_range(kinesic: Callable, nod: Path, served: Table):
     served.set(15, Register.MAX_POSITION_LIMIT, 2100)
     assert "its hinge needs" in refused(kinesic, nod, served)
 
 
-def test_busy_port_is_refused_with_one_line(kinesic: Callable, nod: Path, served: Table):
+def test_perform_refuses_a_busy_servo_port_with_one_line(kinesic: Callable, nod: Path, served: Table):
     wire = SerialWire(served.port, 1_000_000)
     assert "another program uses this port" in refused(kinesic, nod, served)
     wire.close()
 
 
-def test_port_without_permission_is_refused_with_the_remedy(
+def test_release_verb_refuses_a_port_without_permission_and_names_the_remedy(
     kinesic: Callable, monkeypatch: pytest.MonkeyPatch, served: Table
 ):
     def refuse(*_: object, **__: object) -> None:

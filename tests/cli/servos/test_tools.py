@@ -80,7 +80,7 @@ def test_missing_port_is_reported_in_one_line(kinesic, verb: str):
     assert len(ended.err.splitlines()) == 1
 
 
-def test_busy_port_is_reported_by_release(kinesic, served):
+def test_release_verb_reports_a_busy_port(kinesic, served):
     wire = SerialWire(served.port, 1_000_000)
     ended = kinesic("servos", "release", "--yes", "--port", served.port)
     wire.close()
