@@ -43,7 +43,7 @@ def warm_motors(calm):
 
 
 @pytest.mark.parametrize("correction", [True, False])
-def test_compiled_loop_equals_python_loop(calm, in_python, correction):
+def test_dry_run_with_the_compiled_loop_equals_that_with_the_python_loop(calm, in_python, correction):
     twins = (NOMINAL_FACTORS, PESSIMISTIC_FACTORS, LATE_AND_LOOSE)
     fast, slow = (run(calm.plan, twins, correction=correction, watch=False) for run in (dry_runs, in_python))
     for one, other in zip(fast, slow, strict=True):

@@ -116,7 +116,7 @@ def test_servos_late_by_100_ms_get_a_poor_rmse_check_and_a_measured_lag_of_100_m
     assert max(live.lags.values()) == pytest.approx(0.1, abs=0.03)
 
 
-def test_report_contains_twin_and_servo_results(performance: DryRun):
+def test_report_of_a_servo_run_contains_twin_and_servo_results(performance: DryRun):
     live = perform_live(performance, Actor(late=0.02))
     before = report(performance, source="nod")
     result = with_live(before, live)
@@ -134,7 +134,7 @@ def test_report_contains_twin_and_servo_results(performance: DryRun):
     assert all(row["servos_s"] > row["planned_s"] for row in moved)
 
 
-def test_report_warns_of_servos_without_a_bus_watchdog(performance: DryRun):
+def test_report_of_a_servo_run_warns_of_servos_without_a_bus_watchdog(performance: DryRun):
     live = replace(perform_live(performance, Actor()), notes=(Note(0.0, -1, UNWATCHED_KIND, "they hold"),))
     result = with_live(report(performance, source="nod"), live)
     assert result["warnings"][-1] == {"type": "SAFETY", "id": "servos", "text": "they hold"}

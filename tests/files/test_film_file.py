@@ -128,7 +128,7 @@ def test_mp4_encoder_gets_whole_pictures_rate_and_sound(tmp_path: Path):
 
 
 @pytest.mark.usefixtures("encoder")
-def test_encoder_error_message_is_reported(tmp_path: Path):
+def test_error_message_of_the_mp4_encoder_is_reported(tmp_path: Path):
     spoilt = np.frombuffer(b"fail" * (64 * 48 * 3 // 4), dtype=np.uint8).reshape(48, 64, 3)
     with (
         pytest.raises(EncodingError, match=r"x\.mp4: no such codec$"),

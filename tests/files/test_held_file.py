@@ -31,7 +31,7 @@ def test_file_is_synced_before_it_replaces_another(tmp_path, monkeypatch):
     assert seen == [((tmp_path / "a").stat().st_ino, "before"), (tmp_path.stat().st_ino, "after")]
 
 
-def test_failed_write_keeps_the_earlier_file(tmp_path, monkeypatch):
+def test_failed_replacement_of_a_file_keeps_the_earlier_file(tmp_path, monkeypatch):
     (tmp_path / "a").write_text("before")
 
     def fail(_descriptor):

@@ -86,7 +86,7 @@ def test_folder_link_or_pipe_at_the_output_path_is_refused_even_if_forced(
 
 
 @pytest.mark.parametrize("path", ["", ".", "/", ".."])
-def test_path_without_a_file_name_is_refused(path: str):
+def test_output_path_without_a_file_name_is_refused(path: str):
     with pytest.raises(ConfigError, match=r"is a folder|may not be written"):
         check_file(Path(path), force=True)
 

@@ -51,14 +51,16 @@ def test_failed_run_keeps_the_earlier_output_folder(made: Path, error: type[Base
 
 
 @pytest.mark.parametrize("error", [ZeroDivisionError, KeyboardInterrupt])
-def test_created_parent_folders_are_removed_after_a_failure(tmp_path: Path, error: type[BaseException]):
+def test_parent_folders_created_for_an_output_folder_are_removed_after_a_failure(
+    tmp_path: Path, error: type[BaseException]
+):
     (tmp_path / "here").mkdir()
     with pytest.raises(error), new_folder(tmp_path / "here" / "new" / "newer" / "demo"):
         raise error if (tmp_path / "here" / "new" / "newer").is_dir() else AssertionError
     assert os.listdir(tmp_path / "here") == []
 
 
-def test_created_parent_folder_with_other_files_is_kept_after_a_failure(tmp_path: Path):
+def test_parent_folder_created_for_an_output_folder_is_kept_if_it_has_other_files(tmp_path: Path):
     def write_and_fail(folder: Path) -> None:
         with new_folder(folder):
             (tmp_path / "new" / "letter").write_text("dear")
@@ -122,7 +124,7 @@ def test_empty_home_folder_is_never_replaced(tmp_path: Path, monkeypatch: pytest
         check_folder(tmp_path)
 
 
-def test_empty_existing_folder_may_be_written(tmp_path: Path):
+def test_empty_existing_folder_may_become_an_output_folder(tmp_path: Path):
     (tmp_path / "empty").mkdir()
     with new_folder(tmp_path / "empty") as fresh:
         (fresh / "result").write_text("first")
@@ -150,7 +152,7 @@ def test_output_folder_at_or_below_the_path_of_a_file_is_refused(tmp_path: Path)
     assert (tmp_path / "letter").read_text() == "dear"
 
 
-def test_replacing_a_folder_removes_links_but_not_their_targets(made: Path, tmp_path: Path):
+def test_replacing_an_output_folder_removes_links_but_not_their_targets(made: Path, tmp_path: Path):
     (tmp_path / "mine").mkdir()
     (tmp_path / "mine" / "letter").write_text("dear")
     (made / "folder").symlink_to(tmp_path / "mine")
@@ -210,7 +212,9 @@ def test_folder_link_or_file_of_another_program_created_after_the_output_check_i
     assert (made.parent / "away" / "result").read_text() == "first"
 
 
-def test_interruption_after_the_replacement_keeps_the_new_folder(made: Path, monkeypatch: pytest.MonkeyPatch):
+def test_interruption_after_the_replacement_of_an_output_folder_keeps_the_new_folder(
+    made: Path, monkeypatch: pytest.MonkeyPatch
+):
     rename, calls = os.rename, []
 
     def interrupt(*arguments: str, **more: int) -> None:

@@ -58,18 +58,18 @@ def test_schemas_of_the_parameters_state_limits_choices_and_defaults(robot: Robo
     assert schemas["preview"]["document"]["type"] == ["object", "string"]
 
 
-def test_longest_document_has_900_000_characters(robot: Robot) -> None:
+def test_perform_tool_accepts_documents_of_at_most_900_000_characters(robot: Robot) -> None:
     assert not robot.call("perform", document="a" * 900_000)[1]
     text, is_error = robot.call("perform", document="a" * 900_001)
     assert is_error
     assert text.startswith("document has 900001 characters, at most 900000 are accepted")
 
 
-def test_limit_of_texts_performed_as_one_block_is_1500_characters() -> None:
+def test_say_tool_limit_of_texts_performed_as_one_block_is_1500_characters() -> None:
     assert module.LONG_TEXT == 1500
 
 
-def test_choice_parameter_may_be_empty_and_an_unknown_choice_error_lists_all() -> None:
+def test_tool_parameter_with_choices_may_be_empty_and_an_unknown_choice_error_lists_all() -> None:
     check = check_choice(["calm", "shy"])
     assert [check(name) for name in ("", "shy")] == ["", "shy"]
     with pytest.raises(ValueError, match=r"^calm, shy$"):
@@ -93,7 +93,9 @@ def test_choice_parameter_may_be_empty_and_an_unknown_choice_error_lists_all() -
         ),
     ],
 )
-def test_error_of_a_parameter_shows_the_value_and_what_is_expected(error: dict[str, object], sentence: str) -> None:
+def test_error_of_a_tool_parameter_shows_the_value_and_what_is_expected(
+    error: dict[str, object], sentence: str
+) -> None:
     assert describe_errors("say", [error]) == sentence
 
 
@@ -124,14 +126,16 @@ def test_parts_of_a_text_that_are_not_spoken_are_listed_as_warnings() -> None:
         ("perform", {"document": 7}, "document: 7 is not a text or an object"),
     ],
 )
-def test_invalid_argument_is_explained_in_a_sentence(robot: Robot, tool: str, arguments: dict, message: str) -> None:
+def test_invalid_tool_argument_is_explained_in_a_sentence_without_a_call_to_the_robot(
+    robot: Robot, tool: str, arguments: dict, message: str
+) -> None:
     text, is_error = robot.call(tool, **arguments)
     assert is_error
     assert text.startswith(message)
     assert robot.calls == []
 
 
-def test_several_invalid_arguments_get_a_line_each_and_a_near_name_is_suggested(robot: Robot) -> None:
+def test_several_invalid_tool_arguments_get_a_line_each_and_a_near_name_is_suggested(robot: Robot) -> None:
     text, _ = robot.call("say", style="joyfull")
     assert [line.partition(" ")[0] for line in text.splitlines()] == ["say", "style:"]
     assert text.endswith("did you mean joyful?")

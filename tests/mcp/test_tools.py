@@ -222,7 +222,9 @@ class Written:
     memory: object
 
 
-def test_written_speech_is_appended_with_a_unique_id_in_its_style(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_bml_of_the_say_tool_is_appended_with_a_unique_id_and_the_requested_style(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     document = '<bml id="said"><speech id="said"/></bml>'
     monkeypatch.setattr(
         "kinesic.session.documents.write_text", lambda text, setup, memory: Written(document, setup, memory)
@@ -237,7 +239,9 @@ def test_written_speech_is_appended_with_a_unique_id_in_its_style(monkeypatch: p
     assert plain.memory is not None
 
 
-def test_warm_up_imports_the_picture_module_searches_and_plans_once(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_warm_up_of_the_mcp_server_imports_the_picture_module_searches_and_plans_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     calls: list[object] = []
     monkeypatch.setattr(module, "import_at_once", calls.append)
     monkeypatch.setattr(module, "list_gesture_hits", lambda lexicon, *_: calls.append(lexicon))
@@ -248,7 +252,7 @@ def test_warm_up_imports_the_picture_module_searches_and_plans_once(monkeypatch:
     assert calls == ["kinesic.mcp.stroke_picture", "lexicon", "own"]
 
 
-def test_warm_up_searches_a_gesture_and_writes_a_speech_with_usual_arguments(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_warm_up_of_the_mcp_server_searches_a_gesture_and_writes_a_speech(monkeypatch: pytest.MonkeyPatch) -> None:
     asked: list[object] = []
     monkeypatch.setattr(module, "import_at_once", lambda name: None)
     monkeypatch.setattr(module, "list_gesture_hits", lambda *arguments: asked.append(arguments))

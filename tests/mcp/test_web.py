@@ -88,7 +88,7 @@ def test_mcp_http_server_admits_a_client_with_the_token_and_refuses_others(port:
 
 
 @pytest.mark.parametrize("port", [None], indirect=True)
-def test_forty_successive_clients_are_served_during_a_pending_call(port: int):
+def test_forty_successive_http_clients_are_served_during_a_pending_tool_call(port: int):
     async def run() -> tuple[str, int]:
         url, counted = f"http://127.0.0.1:{port}/mcp", 0
         async with AsyncExitStack() as opened:

@@ -81,7 +81,7 @@ def test_spectral_arc_length_needs_motion_and_three_samples():
     assert spectral_arc_length(np.array([0.0, 1.0, 0.0]), period=1 / 30) is not None
 
 
-def test_two_strokes_or_tremor_are_less_smooth():
+def test_path_with_two_strokes_or_tremor_is_less_smooth_than_a_single_reach():
     once = reach()
     twice = np.concatenate([once, once[-1] + once])
     for figure, sign in ((dimensionless_jerk, 1), (measure_arc_length, -1)):

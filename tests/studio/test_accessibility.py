@@ -65,7 +65,7 @@ def show(studio: Studio, view: str) -> None:
             studio.until("s.name.endsWith('.toml') && s.draft?.keys?.length > 0")
 
 
-def test_nine_page_views_have_no_severe_axe_violations_in_light_and_dark(studio: Studio):
+def test_nine_studio_views_have_no_severe_axe_violations_in_light_and_dark(studio: Studio):
     faults = []
     for view in ("words", "source", "manner", "gestures", "robot", "error", "save", "tour", "gesture"):
         show(studio, view)
@@ -81,7 +81,7 @@ def test_axe_reports_a_button_without_an_accessible_name(studio: Studio):
     studio.page.value("document.querySelector('header > button:last-child').remove(); 0")
 
 
-def test_main_controls_are_reached_with_the_tab_key(studio: Studio):
+def test_main_controls_of_the_studio_are_reached_with_the_tab_key(studio: Studio):
     open_template(studio, "greeting")
     page = studio.page
     page.click("#tab-words")
@@ -96,7 +96,7 @@ def test_main_controls_are_reached_with_the_tab_key(studio: Studio):
     assert {"canvas", "mode-robot", "play", "time", "add", "line", "choose-block", "loop"} <= reached
 
 
-def test_tour_has_six_steps_driven_by_keys_and_is_remembered_after_a_reload(studio: Studio):
+def test_studio_tour_has_six_steps_driven_by_keys_and_is_remembered_after_a_reload(studio: Studio):
     open_template(studio, "greeting")
     page = studio.page
     page.value("localStorage.removeItem('tour-seen')")
@@ -122,13 +122,13 @@ def test_tour_has_six_steps_driven_by_keys_and_is_remembered_after_a_reload(stud
 
 
 @pytest.mark.parametrize(("scheme", "is_dark"), [("light", False), ("dark", True)])
-def test_page_follows_the_colour_scheme_of_the_system(studio: Studio, scheme: str, is_dark: bool):
+def test_studio_page_follows_the_colour_scheme_of_the_system(studio: Studio, scheme: str, is_dark: bool):
     with media(studio, prefers_color_scheme=scheme):
         colour = studio.page.value("getComputedStyle(document.body).backgroundColor.match(/\\d+/g).map(Number)")
     assert (max(colour) < 128) == is_dark
 
 
-def test_reduced_motion_setting_disables_automatic_previews_and_css_transitions(studio: Studio):
+def test_reduced_motion_setting_disables_studio_previews_and_css_transitions(studio: Studio):
     with media(studio, prefers_reduced_motion="reduce"):
         reload(studio)
         assert not studio.page.value("document.querySelector('#play-changes').checked")

@@ -13,7 +13,7 @@ CLIENT = Path(page.__file__).parent / "client"
 MAX_PAGE_SIZE = 200_000  # [bytes] all files of the page, compressed
 
 
-def test_script_bundle_of_the_page_is_up_to_date():
+def test_script_bundle_of_the_studio_was_built_from_the_current_sources():
     if not CLIENT.is_dir():
         pytest.skip("an installed package has no sources")
     own = sorted((CLIENT / "src").rglob("*.ts"), key=lambda path: path.relative_to(CLIENT).as_posix())
@@ -23,5 +23,5 @@ def test_script_bundle_of_the_page_is_up_to_date():
     assert first == f"// kinesic studio, made from sources {digest}", "rebuild it with: make studio"
 
 
-def test_compressed_page_size_is_limited():
+def test_compressed_studio_page_has_a_limited_size():
     assert sum(len(gzip.compress(path.read_bytes())) for path in page.PAGE_FOLDER.iterdir()) < MAX_PAGE_SIZE

@@ -27,7 +27,7 @@ def frames_of(gesture: str) -> tuple[np.ndarray, int]:
     return points.astype(float), figure["still"]
 
 
-def test_figure_file_has_a_figure_for_every_gesture_and_a_limited_size():
+def test_studio_figure_file_has_a_figure_for_every_gesture_and_a_limited_size():
     figures = json.loads(FIGURES.read_text(encoding="utf-8"))["figures"]
     missing = {form.id for form in Lexicon.load().forms} - set(figures)
     assert missing == set(), "run docs/make/gesture_figures.py"

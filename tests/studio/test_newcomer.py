@@ -50,7 +50,7 @@ def test_new_gesture_on_a_word_in_shy_style_is_performed_by_servos(person: Perso
 
 @pytest.mark.soak
 @pytest.mark.parametrize("example", EXAMPLES)
-def test_first_use_takes_at_most_20_actions_from_every_example(person: Person, example: str):
+def test_newcomer_needs_at_most_20_studio_actions_for_a_new_gesture_from_every_example(person: Person, example: str):
     person.page.value("document.querySelector('#examples').focus(), 0")
     person.write("#examples", f"example:{example}", f"open {example}")
     person.sees(f"s.name === '{example}.bml' && s.text === s.plannedText")
@@ -61,7 +61,7 @@ def test_first_use_takes_at_most_20_actions_from_every_example(person: Person, e
 
 
 @pytest.mark.soak
-def test_one_line_brief_becomes_a_finished_performance_of_20_seconds(person: Person, tmp_path: Path):
+def test_greeting_of_20_seconds_is_written_and_performed_in_the_studio_in_few_actions(person: Person, tmp_path: Path):
     write_greeting(person)
     switch_on_and_perform(person)
     person.sees("s.performs")

@@ -46,7 +46,7 @@ def status(client: ClientConnection) -> str:
     return message
 
 
-def test_page_opens_with_a_planned_example_document_and_its_words(studio: Studio):
+def test_studio_page_opens_with_a_planned_example_document_and_its_words(studio: Studio):
     studio.until("s.connection === 'open' && s.drawn > 0 && !s.flat")
     rows = "[...document.querySelectorAll('[data-block]')].map(block => block.dataset.block)"
     draft = studio.state("draft")
@@ -56,7 +56,7 @@ def test_page_opens_with_a_planned_example_document_and_its_words(studio: Studio
     assert studio.page.value("document.querySelector('#examples').options.length") > 8
 
 
-def test_document_error_is_shown_with_line_and_column_until_corrected(studio: Studio):
+def test_studio_shows_a_document_error_with_line_and_column_until_it_is_corrected(studio: Studio):
     studio.write(WORDS.replace("<gesture", "\n  <gesture").replace("s:m1", "nowhere:end"))
     fault = studio.page.value("document.querySelector('#fault').textContent")
     assert fault.startswith("2:")
@@ -66,7 +66,7 @@ def test_document_error_is_shown_with_line_and_column_until_corrected(studio: St
     assert studio.page.value("document.querySelector('#fault').hidden")
 
 
-def test_dragging_a_stroke_onto_a_word_synchronises_it_and_can_be_undone(studio: Studio):
+def test_stroke_dragged_onto_a_word_in_the_studio_is_synchronised_with_it_and_can_be_undone(studio: Studio):
     studio.write(WORDS)
     word = studio.page.value("[...document.querySelectorAll('.word')].findIndex(word => word.textContent === 'then')")
     planned, onto = studio.state("planned"), middle(studio, f'[data-word="{word}"]')
@@ -143,7 +143,7 @@ def test_hostile_document_id_writes_only_to_the_downloads(studio: Studio, tmp_pa
     assert sorted(studio.folder.iterdir()) == before
 
 
-def test_expressivity_of_the_selected_behaviour_can_be_set(studio: Studio):
+def test_studio_slider_writes_the_expressivity_of_the_selected_behaviour_into_the_document(studio: Studio):
     studio.write(WORDS)
     studio.page.click('[data-block="g"]')
     planned, slider = studio.state("planned"), "document.querySelector('[name=spatial]')"
@@ -158,7 +158,7 @@ def test_expressivity_of_the_selected_behaviour_can_be_set(studio: Studio):
     assert studio.state("selected") == []
 
 
-def test_expressivity_of_the_whole_block_can_be_set(studio: Studio):
+def test_studio_slider_writes_the_expressivity_of_the_whole_block_into_the_document(studio: Studio):
     words = WORDS.replace('id="g"', 'id="doc"')  # a behaviour may have the id of the block
     studio.write(words)
     studio.page.click("#choose-block")
@@ -170,7 +170,7 @@ def test_expressivity_of_the_whole_block_can_be_set(studio: Studio):
     assert studio.page.value("document.querySelector('#fault').hidden")
 
 
-def test_escape_stops_the_robot_until_resume(studio: Studio):
+def test_escape_key_in_the_studio_stops_the_robot_until_resume(studio: Studio):
     studio.write(WORDS)
     studio.page.click("#perform")
     studio.until("s.report.planned.some((angle, k) => Math.abs(angle - s.report.angles[k]) > 0) && s.mode === 'robot'")
@@ -184,7 +184,7 @@ def test_escape_stops_the_robot_until_resume(studio: Studio):
     studio.until("!s.stopped && !document.querySelector('#perform').disabled")
 
 
-def test_emergency_stop_does_not_wait_for_a_long_plan(studio: Studio):
+def test_emergency_stop_in_the_studio_does_not_wait_for_a_long_plan(studio: Studio):
     beats = "".join(
         f'<gesture id="g{k}" lexeme="BEAT" mode="{("LEFT", "RIGHT")[k % 2]}_HAND" stroke="{2 + 3 * k}"/>'
         for k in range(40)
@@ -211,7 +211,7 @@ def test_studio_shows_motion_that_another_client_requested(studio: Studio):
         studio.page.until(f"kinesicStudio.state().report.planned.some((angle, k) => Math.abs(angle - {rest}[k]) > 0.2)")
 
 
-def test_gesture_is_copied_edited_saved_and_performed(studio: Studio):
+def test_gesture_is_copied_edited_saved_and_performed_in_the_studio(studio: Studio):
     page, search = studio.page, "document.querySelector('#search')"
     page.value("document.querySelector('#lexicon').open = true")
     page.value(f"{search}.value = 'idea bowl', {search}.dispatchEvent(new Event('input'))")
@@ -251,7 +251,7 @@ def test_gesture_is_copied_edited_saved_and_performed(studio: Studio):
     assert not [item for item in results if "warningFeedback" in item]
 
 
-def test_document_is_saved_unchanged_and_listed_among_saved_files(studio: Studio):
+def test_studio_saves_a_document_unchanged_and_lists_it_among_saved_files(studio: Studio):
     studio.write(WORDS)
     studio.save_as("mine")
     studio.page.until("document.querySelector('#file').textContent === 'mine.bml'")
@@ -259,7 +259,7 @@ def test_document_is_saved_unchanged_and_listed_among_saved_files(studio: Studio
     studio.page.until("[...document.querySelectorAll('#saved option')].some(each => each.value === 'file:mine.bml')")
 
 
-def test_heap_grows_by_less_than_4_mb_in_1_5_s_of_looped_playback(studio: Studio):
+def test_javascript_heap_grows_by_less_than_4_mb_in_1_5_s_of_looped_studio_playback(studio: Studio):
     """Run a short form of the soak test in test_long.py."""
     studio.write(WORDS)
     studio.page.click("#loop")

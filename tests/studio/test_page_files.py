@@ -49,7 +49,7 @@ def test_studio_page_data_lists_gestures_styles_examples_and_document(files):
     assert about["robot"] == json.loads(json.dumps(body_data(ROBOT)))
 
 
-def test_body_data_of_the_page_equals_the_robot():
+def test_body_data_of_the_studio_page_equal_limits_and_rest_posture_of_the_robot():
     result = body_data(ROBOT)
     skeleton = ROBOT.skeleton
     for name in ("rest", "lower", "upper"):

@@ -61,7 +61,7 @@ def test_phone_views_have_no_horizontal_scrolling_no_small_targets_and_no_axe_vi
     tap(phone, "#choose-block")
 
 
-def test_stop_and_perform_stay_visible_while_the_page_scrolls(phone: Studio):
+def test_stop_and_perform_buttons_stay_visible_while_the_studio_scrolls_on_a_phone(phone: Studio):
     visible = (
         "['#stop', '#perform'].every(name => { const r = document.querySelector(name).getBoundingClientRect();"
         " return r.top >= 0 && r.bottom <= innerHeight && document.elementFromPoint(r.x + 9, r.y + 9)"
@@ -77,7 +77,7 @@ def test_stop_and_perform_stay_visible_while_the_page_scrolls(phone: Studio):
         tap(phone, "#tour-next")
 
 
-def test_document_is_played_and_the_robot_is_stopped_by_touch(phone: Studio):
+def test_studio_plays_a_document_and_stops_the_robot_by_touch_on_a_phone(phone: Studio):
     tap(phone, "#play")
     phone.until("s.time > 0.2")
     tap(phone, "#play")
@@ -90,7 +90,7 @@ def test_document_is_played_and_the_robot_is_stopped_by_touch(phone: Studio):
     tap(phone, "#mode-plan")
 
 
-def test_gesture_is_found_and_added_by_touch(phone: Studio):
+def test_gesture_is_found_and_added_in_the_studio_by_touch_on_a_phone(phone: Studio):
     tap(phone, "#lexicon summary")
     tap(phone, "#search")
     assert phone.page.value("document.activeElement.id") == "search"
@@ -101,7 +101,7 @@ def test_gesture_is_found_and_added_by_touch(phone: Studio):
     phone.until(f"s.planned > {planned} && s.text.includes('lexeme=\"balance\"')")
 
 
-def test_spoken_line_is_added_by_touch_and_gets_a_style(phone: Studio):
+def test_spoken_line_is_added_in_the_studio_by_touch_and_gets_a_style(phone: Studio):
     tap(phone, "#line")
     phone.page.call("Input.insertText", text="Good morning")
     planned = phone.state("planned")
@@ -114,7 +114,7 @@ def test_spoken_line_is_added_by_touch_and_gets_a_style(phone: Studio):
     phone.until(f"s.planned > {planned} && s.text.includes('kinesic:style=\"shy\"')")
 
 
-def test_hand_on_the_stage_is_dragged_with_a_finger(phone: Studio):
+def test_hand_of_the_drawn_robot_is_dragged_with_a_finger_on_a_phone(phone: Studio):
     phone.page.until("!kinesicStudio.playback.player.playing")  # playback would end the drag
     phone.page.value("document.querySelector('#stage').scrollIntoView({block: 'center'})")
     phone.until("s.left !== null")

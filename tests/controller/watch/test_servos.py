@@ -58,7 +58,7 @@ def cycles(seconds, angle, *, begin=0.0, **changes):
     return [status(begin + k * COMMAND_PERIOD, angle, **changes) for k in range(round(seconds / COMMAND_PERIOD))]
 
 
-def test_servos_that_follow_the_plan_accurately_keep_full_speed():
+def test_servo_watch_keeps_full_speed_for_servos_that_follow_the_plan_accurately():
     seen = watch()
     assert seen.ingest(cycles(0.5, 0.02))
     assert (seen.pace, seen.over) == (1.0, False)
@@ -70,7 +70,7 @@ def test_servo_watch_updates_its_time_scale_once_per_clearance_check_period():
     assert sum(looks) == pytest.approx(1.0 / LOOK_PERIOD, abs=1)
 
 
-def test_tracking_error_slows_time_and_too_small_measured_clearance_ends_the_performance():
+def test_servo_watch_slows_time_at_tracking_errors_and_stops_at_too_small_measured_clearance():
     mild, grave = watch(), watch()
     mild.ingest(cycles(0.2, 0.0335))
     assert CREEP_PACE <= mild.pace < 1.0
@@ -88,7 +88,7 @@ def test_servo_watch_requests_a_stop_after_the_maximum_time_at_minimum_speed():
     assert seen.over
 
 
-def test_position_reading_is_compared_with_the_plan_at_the_time_of_the_reading():
+def test_servo_watch_compares_a_late_position_reading_with_the_plan_at_its_reading_time():
     """The reading arrives two cycles late, when the plan has moved 2 mm."""
     seen = watch(nearing)
     for k in range(50):
