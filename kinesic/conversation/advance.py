@@ -127,13 +127,19 @@ def _take(state: ConversationState, event: ConversationEvent, now: float) -> Con
 
 
 def _hear(voice: PersonVoice, active: bool, who: str | None, time: float) -> PersonVoice:
-    """Return a person's voice after it starts or ends."""
-    if active == voice.active:
+    """Return a person's voice after it starts or ends.
+
+    A detector reports an end later than a start. After a short pause, the report of the end therefore arrives after
+    that of the next start, and is ignored.
+    """
+    if active:
+        voice = replace(voice, resumed=max(time, voice.resumed))
+    if active == voice.active or (not active and time < voice.resumed):
         return replace(voice, who=who or voice.who)
     if not active:
         return replace(voice, active=False, ended=time)
     if time - voice.ended > TURN_GAP or (who is not None and who != voice.who):
-        return PersonVoice(active=True, who=who, began=time)
+        return PersonVoice(active=True, who=who, began=time, resumed=time)
     return replace(voice, active=True, who=who or voice.who, began=time, predicted=None)
 
 

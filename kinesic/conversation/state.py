@@ -17,6 +17,7 @@ class PersonVoice:
     active: bool = False
     who: str | None = None  # id of the person; None: unknown
     began: float = -inf  # [s] start of the current or last stretch of voice
+    resumed: float = -inf  # [s] latest reported start of a voice; an end before it is outdated
     ended: float = -inf  # [s] end of the last stretch; meaningless while active
     text: str = ""  # recognised words of the turn
     clauses: int = 0  # number of recognised clause ends since a nod was last considered

@@ -240,3 +240,16 @@ def test_words_for_stops_and_unfinished_turns_depend_on_the_language():
     assert japanese.is_unfinished("行きたいけど")
     assert turn_words("sw") == NO_TURN_WORDS
     assert all(turn_words(tag).fillers for tag in ("de", "en", "es", "fr", "it", "ja", "nl", "pt"))
+
+
+def test_end_report_that_arrives_after_the_next_start_of_a_voice_is_ignored():
+    late = [(4.08, VoiceActivity(active=True, who="p1", age=0.08)), (4.1, VoiceActivity(active=False, age=0.3))]
+    begun = VoiceActivity(active=True, who="p1")
+    record = converse([*present(9.0), (2.0, begun), *late, (7.0, VoiceActivity(active=False, who="p1"))], 9.0)
+    assert time_of(record, "thinking") == pytest.approx(7.0 + 0.7 + 0.3, abs=0.01)
+
+
+def test_end_report_after_the_latest_start_of_a_voice_ends_the_turn():
+    restarted = [(2.0, VoiceActivity(active=True)), (4.0, VoiceActivity(active=True, age=0.1))]
+    record = converse([*present(9.0), *restarted, (5.0, VoiceActivity(active=False, age=1.0))], 9.0)
+    assert time_of(record, "thinking") == pytest.approx(5.0, abs=0.01)
