@@ -126,7 +126,7 @@ def test_most_severe_checks_are_listed_first_on_the_report_page(text: str) -> No
 def test_report_page_lists_changes_made_to_fit_limits(text: str) -> None:
     story = text[text.index("Changes made to fit limits") : text.index("<h2>Servos")]
     assert "rushed" in story
-    assert re.search(r"hand \d+&#8239;% slower in the stroke", story)
+    assert re.search(r"hand \d+&#8239;% slower stroke", story)
     assert re.search(r"(speed|acceleration|jerk|duty|position) of ", story)
 
 
@@ -211,13 +211,14 @@ def test_sound_and_face_film_are_embedded_in_the_report_page(
         write_page(hurried, data, Recordings(voice=media / "speech.mp3"), path=media / "y.html")
 
 
-def test_report_page_names_the_voice_and_the_reason_for_a_missing_face_film(text: str, data: dict[str, Json]) -> None:
+def test_report_page_names_voice_servo_parameters_and_missing_face_film(text: str, data: dict[str, Json]) -> None:
     (spoken,) = data["speech"]
     assert spoken["voice"]
     assert spoken["phonemes"]
     words = "".join(Outline(text).words)
-    assert f"s is spoken by {spoken['voice']}, not heard" in words
+    assert f"Speech s: voice {spoken['voice']}, without sound" in words
     assert "No film of the face: not recorded" in words
+    assert "Servo parameters assumed for the setpoints: as in the data sheets." in words
 
 
 def test_markup_in_behaviour_ids_is_escaped_on_the_report_page(known: Setup, tmp_path: Path) -> None:
