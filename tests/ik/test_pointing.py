@@ -43,7 +43,7 @@ def test_swivel_search_meets_most_hand_directions_of_random_postures(palm, satis
     assert np.percentile(after, 90) < 0.25 * np.percentile(before, 90)
 
 
-def test_reported_direction_errors_match_the_angles():
+def test_swivel_search_reports_the_direction_errors_of_the_posture_it_found():
     random = default_rng(32)
     for _ in range(20):
         reach = _held(LEFT_ARM, random.uniform(LEFT_ARM.lower, LEFT_ARM.upper), palm=True)

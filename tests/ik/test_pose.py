@@ -159,7 +159,7 @@ def with_hand(chain: Chain, *hinges: Hinge) -> Chain:
     return replace(chain, joints=(*chain.joints[:-1], replace(chain.joints[-1], hinges=hinges)))
 
 
-def test_nearer_of_two_pose_solutions_is_chosen():
+def test_ik_chooses_the_nearer_of_two_solutions_for_a_hand_pose():
     """Use a wrist without limits, which has two solutions for each orientation."""
     bend, tilt = (replace(hinge, **FULL_TURN) for hinge in BARE_ARM.joints[-1].hinges)
     elbow, twist = BARE_ARM.joints[-2].hinges
@@ -267,7 +267,7 @@ def test_hand_pose_accepts_a_rotation_matrix_with_rounding_errors():
         solve_pose(LEFT_ARM, position, rotation * (1.0 - 6e-7), start=LEFT_ARM.rest)
 
 
-def test_pose_jacobian_is_the_derivative_of_the_errors():
+def test_hand_pose_jacobian_is_the_derivative_of_the_pose_errors():
     linkage, random, step = linkage_of(LEFT_ARM), default_rng(28), 1e-6
     for _ in range(10):
         angles = random.uniform(LEFT_ARM.lower, LEFT_ARM.upper)

@@ -101,7 +101,7 @@ def test_collar_bone_stays_at_rest_for_targets_within_easy_reach() -> None:
         )
 
 
-def test_requested_swivel_is_met_within_the_joint_ranges() -> None:
+def test_ik_meets_a_requested_elbow_swivel_within_the_joint_ranges() -> None:
     position, results = np.array([0.25, 0.15, -0.05]), []
     for wished in (-0.5, 0.0, 0.5, 1.0, 1.5, 3.0):
         solution = solve(LEFT_ARM, Reach(position, swivel=wished), start=LEFT_ARM.rest)
@@ -137,7 +137,7 @@ def test_reported_pointing_and_palm_errors_match_the_solved_posture() -> None:
         )
 
 
-def test_wrist_rests_and_reports_no_error_without_requested_directions() -> None:
+def test_ik_without_requested_directions_keeps_the_wrist_at_rest_and_reports_no_errors() -> None:
     solution = solve(LEFT_ARM, Reach(np.array([0.25, 0.15, -0.05])), start=LEFT_ARM.upper)
     assert solution.pointing_error is None
     assert solution.palm_error is None
@@ -168,7 +168,7 @@ def test_ik_solution_of_the_right_arm_mirrors_the_left() -> None:
         assert np.abs(left.angles - right.angles).max() < 1e-9
 
 
-def test_ik_accepts_a_rest_posture_and_joint_mobilities() -> None:
+def test_ik_uses_a_given_rest_posture_and_accepts_a_joint_mobility_of_zero() -> None:
     rest = LEFT_ARM.rest.copy()
     rest[5] = 0.4
     reach = Reach(np.array([0.25, 0.15, -0.05]))

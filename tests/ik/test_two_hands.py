@@ -46,7 +46,7 @@ def test_low_torso_weight_reaches_two_hand_targets_with_less_torso_motion():
     assert travel[0.15] < travel[1.0]
 
 
-def test_torso_stays_still_if_the_arms_reach_the_targets():
+def test_two_hand_ik_does_not_move_the_torso_if_the_arms_reach_the_targets():
     targets = _hands(REST_ANGLES)
     solution = reach_both(DEFAULT_ROBOT, targets, start=REST_ANGLES)
     _check(solution, targets)
@@ -54,7 +54,7 @@ def test_torso_stays_still_if_the_arms_reach_the_targets():
     assert solution.torso_travel == 0.0
 
 
-def test_torso_with_weight_zero_does_not_move_for_far_targets():
+def test_two_hand_ik_with_torso_weight_zero_does_not_move_the_torso_for_far_targets():
     targets = {"l": np.array([0.6, 0.2, 0.9]), "r": np.array([0.6, -0.2, 0.9])}
     stays = reach_both(DEFAULT_ROBOT, targets, start=REST_ANGLES, torso_weight=0.0)
     helps = reach_both(DEFAULT_ROBOT, targets, start=REST_ANGLES, torso_weight=1.0)
@@ -63,7 +63,7 @@ def test_torso_with_weight_zero_does_not_move_for_far_targets():
     assert sum(helps.residuals.values()) < sum(stays.residuals.values())
 
 
-def test_hinges_outside_torso_and_arms_do_not_move():
+def test_two_hand_ik_does_not_move_hinges_outside_torso_and_arms():
     start = REST_ANGLES.copy()
     others = [
         k

@@ -94,7 +94,7 @@ def test_brow_lip_corner_and_jaw_units_move_the_face_up_or_down(mesh: Mesh):
     assert moved(mesh, _27=1.0)[chin, 2] < 1.5 * moved(mesh, _26=1.0)[chin, 2]
 
 
-def test_lip_stretcher_pulls_outward_not_downward(mesh: Mesh):
+def test_lip_stretcher_unit_pulls_the_lip_corner_outward_and_not_downward(mesh: Mesh):
     still = mesh.positions
     lip = np.flatnonzero(
         (mesh.parts == 0) & (np.abs(still[:, 2] - still[mesh.vertices("teeth"), 2].max() + 0.014) < 0.01)
@@ -115,7 +115,7 @@ def test_brow_height_grows_with_action_unit_intensity(mesh: Mesh):
         assert high - low > 3e-3
 
 
-def test_raised_cheek_moves_up_and_outward(mesh: Mesh):
+def test_cheek_raiser_unit_moves_the_cheek_up_and_outward(mesh: Mesh):
     apart = mesh.eyes[0, 1]
     cheek = centre(mesh, 1.15 * apart, -0.8 * apart)
     forward, aside, up = moved(mesh, L6=1.0)[cheek]
@@ -142,7 +142,7 @@ def test_closed_lids_hide_the_eyes_with_gaze_and_other_lid_units(mesh: Mesh, als
         assert "eyes" not in seen(mesh, deform(mesh, {closing: 1.0, **also}), EYE_WINDOW)
 
 
-def test_wink_closes_one_eye(mesh: Mesh):
+def test_wink_of_the_right_eye_hides_the_right_eyeball_and_not_the_left(mesh: Mesh):
     winked = deform(mesh, {"R46": 1.0})
     assert "eyes" in seen(mesh, winked, (0.0, 0.05, -0.012, 0.012))
     assert "eyes" not in seen(mesh, winked, (-0.05, 0.0, -0.012, 0.012))

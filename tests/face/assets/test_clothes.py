@@ -25,7 +25,7 @@ def test_shirt_trousers_and_shoes_end_at_waist_hem_and_ankle():
     assert beyond(elbow + (CUFF_POSITION + 0.05) * (wrist - elbow)) == [True, True, True]
 
 
-def test_garments_overlap_without_gaps():
+def test_shirt_trousers_and_shoes_overlap_without_gaps():
     heights = np.linspace(-0.8, 0.3, 200)
     column = PELVIS_CENTRE + np.stack([np.zeros(200), np.full(200, 0.1), heights], axis=1)
     worn = np.array([garment.beyond < 0.0 for garment in cut_garments(column, JOINT_CENTRES)])

@@ -64,7 +64,7 @@ def test_eye_opening_decreases_with_each_step_of_lid_closure_intensity(mesh: Mes
     assert 0.3 < gone[4] < 0.5
 
 
-def test_lids_do_not_penetrate_the_eyeball(mesh: Mesh, eyes: list[Lids]):
+def test_eyelids_of_random_expressions_do_not_penetrate_the_eyeball(mesh: Mesh, eyes: list[Lids]):
     random = np.random.default_rng(5)
     for _ in range(25):
         shown = {name: float(random.uniform()) for name in random.choice(FACE_CHANNELS, 6, replace=False)}
@@ -78,7 +78,7 @@ def test_lids_do_not_penetrate_the_eyeball(mesh: Mesh, eyes: list[Lids]):
             assert np.all(away[outside] > surface[outside] + 0.8 * SKIN_CLEARANCE), shown
 
 
-def test_lashes_follow_the_lid_edges(mesh: Mesh, eyes: list[Lids]):
+def test_eyelash_roots_stay_within_4_mm_of_the_lid_edges(mesh: Mesh, eyes: list[Lids]):
     roots = mesh.tips < 0.2
     for units in ({}, {"43": 1.0}, {"43": 0.5, "61": 1.0}, {"5": 1.0, "6": 0.7}):
         positions = deform(mesh, units)
@@ -89,7 +89,7 @@ def test_lashes_follow_the_lid_edges(mesh: Mesh, eyes: list[Lids]):
             assert np.linalg.norm(selected[:, None] - edge, axis=2).min(axis=1).max() < 4e-3
 
 
-def test_crossed_eyes_converge_in_front_of_the_face(mesh: Mesh):
+def test_half_crossed_eyes_converge_at_0_15_to_0_4_m_in_front_of_the_face(mesh: Mesh):
     left, right = (compute_gaze_rotation(read_intensities({"66": 0.5}), number)[:, 0] for number in (0, 1))
     assert left[1] < 0.0 < right[1]
     np.testing.assert_allclose(left * (1.0, -1.0, 1.0), right)

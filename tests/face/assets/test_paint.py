@@ -35,7 +35,7 @@ def test_painted_brows_are_dark_and_lips_red(variant: Variant):
 
 
 @pytest.mark.parametrize("variant", FACE_VARIANTS)
-def test_pores_are_darker_and_drier_than_the_skin_around_them(variant: Variant):
+def test_painted_skin_pores_are_darker_and_drier_than_the_skin_around_them(variant: Variant):
     painted = paint_skin(COMPLEXIONS[variant])
     rows, columns = slice(560, 620), slice(600, 700)  # of a cheek
     dryness = painted[rows, columns, 3] - gaussian_filter(painted[rows, columns, 3], 6.0)

@@ -4,7 +4,7 @@ import pytest
 from kinesic.face.assets.pores import OILY_AREAS, paint_creases, paint_oil, paint_pores
 
 
-def test_nose_and_forehead_are_oilier_than_temples_and_jaw():
+def test_painted_nose_and_forehead_are_oilier_than_temples_and_jaw():
     y = np.linspace(-2.0, 1.4, 200)[:, None]
     oil = paint_oil(np.linspace(0.0, 1.6, 100)[None, :], y)
     assert oil.min() >= 0.0
@@ -15,7 +15,7 @@ def test_nose_and_forehead_are_oilier_than_temples_and_jaw():
     assert max(temple, jaw) < 0.15
 
 
-def test_pores_are_separate_and_deeper_on_oily_skin():
+def test_painted_pores_are_separate_and_deeper_on_oily_skin():
     shape = (200, 200)
     dry, oily = (paint_pores(np.full(shape, oil), np.random.default_rng(1)) for oil in (0.0, 1.0))
     assert 0.25 < np.mean(oily > 0.0) < 0.55

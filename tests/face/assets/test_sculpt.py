@@ -55,7 +55,7 @@ def test_only_skin_next_to_the_mouth_is_smoothed_in_smiles():
 
 
 @pytest.mark.parametrize("variant", FACE_VARIANTS)
-def test_raised_cheek_bulges_outward(variant: Variant):
+def test_cheek_raiser_unit_bulges_the_cheek_outward_by_more_than_3_mm(variant: Variant):
     """Expect a mean outward displacement of more than 3 mm."""
     mesh = load_head(variant)
     rest = mesh.positions / (mesh.eyes[0, 1] - mesh.eyes[1, 1])

@@ -118,7 +118,7 @@ def test_upper_arm_stays_round_when_twisted_by_90_degrees():
     assert min((radii(twist) / straight).min() for twist in (-90.0, 90.0)) > 0.85
 
 
-def test_skin_does_not_tear_at_joint_limits_of_the_arms():
+def test_skin_mesh_edges_grow_by_less_than_30_mm_at_joint_limits_of_the_arms():
     """Limit the growth of mesh edges to 30 mm."""
     mesh = DRESSED_FIGURE.mesh
     sides = np.concatenate([mesh.faces[:, [k, (k + 1) % 4]] for k in range(4)])

@@ -81,11 +81,11 @@ def drawn(context: GlContext, tints: object, turn: object = ((1, 0), (0, 1))) ->
     return np.frombuffer(frame.read(), "f4")[-4:].tolist()
 
 
-def test_uniforms_attributes_and_textures_reach_a_pixel(context: GlContext):
+def test_opengl_uniforms_attributes_and_textures_reach_a_drawn_pixel(context: GlContext):
     assert drawn(context, [[9, 9, 9], [0.5, 1.0, 2.0]]) == pytest.approx([0.25, 0.5, 1.0, 0.2])
 
 
-def test_matrix_rows_become_columns_in_the_shader(context: GlContext):
+def test_matrix_rows_become_columns_in_the_opengl_shader(context: GlContext):
     """Rotate a triangle by 180 degrees away from the last pixel."""
     assert drawn(context, np.ones((2, 3)), -np.eye(2)) == pytest.approx([0.5, 0.5, 0.5, 0.2])
     assert drawn(context, np.ones((2, 3)), [[0.1, 0.0], [0.0, 0.1]]) == [0.25, 0.5, 0.75, 1.0]

@@ -41,7 +41,7 @@ def eye(close: Portrait) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return without, with_them, find_part(close, "eyes")
 
 
-def test_tear_film_is_bright_along_the_lower_lid(eye: tuple[np.ndarray, np.ndarray, np.ndarray]):
+def test_drawn_tear_film_is_bright_along_the_lower_lid(eye: tuple[np.ndarray, np.ndarray, np.ndarray]):
     picture, _, ball = eye
     columns = np.flatnonzero(ball.any(axis=0))
     middle = slice(columns[0] + 60, columns[-1] - 60)
@@ -51,7 +51,7 @@ def test_tear_film_is_bright_along_the_lower_lid(eye: tuple[np.ndarray, np.ndarr
     assert bright[lowest[:, middle]].mean() > 1.2 * bright[higher[:, middle]].mean()
 
 
-def test_tear_film_stays_dark_under_dim_light(close: Portrait):
+def test_drawn_tear_film_stays_dark_under_dim_light(close: Portrait):
     lights = close.lights
     close.light(lights.scaled(0.02))
     picture = close.draw({}, LEFT_EYE)
@@ -59,7 +59,7 @@ def test_tear_film_stays_dark_under_dim_light(close: Portrait):
     assert picture[find_part(close, "eyes")].max() < 70
 
 
-def test_inner_corner_of_an_eye_is_red(eye: tuple[np.ndarray, np.ndarray, np.ndarray]):
+def test_drawn_inner_corner_of_an_eye_is_redder_than_the_outer_corner(eye: tuple[np.ndarray, np.ndarray, np.ndarray]):
     picture, _, ball = eye
     columns = np.flatnonzero(ball.any(axis=0))
     redness = picture[..., 0] / picture[..., 1]
@@ -69,7 +69,7 @@ def test_inner_corner_of_an_eye_is_red(eye: tuple[np.ndarray, np.ndarray, np.nda
     assert outer < 1.1
 
 
-def test_lashes_do_not_extend_far_above_the_eye(eye: tuple[np.ndarray, np.ndarray, np.ndarray]):
+def test_drawn_lashes_do_not_extend_over_20_pixels_above_the_eyeball(eye: tuple[np.ndarray, np.ndarray, np.ndarray]):
     """Prevent faint lines beyond the tips, which look like stitches."""
     without, with_them, ball = eye
     changed = np.abs(with_them - without).max(axis=2) > 6.0

@@ -27,7 +27,7 @@ def test_rendering_options_without_effects_keep_the_quality_preset(preset: Prese
     assert Effects().apply_to(preset) == preset
 
 
-def test_occlusion_effects_override_only_given_fields():
+def test_occlusion_options_override_only_the_given_fields_of_a_rendering_preset():
     assert Effects(occlusion="none").apply_to(FULL_PRESET).occlusion is None
     assert Effects(occlusion="exact").apply_to(FULL_PRESET).occlusion == replace(FULL_PRESET.occlusion, exact=True)
     assert Effects(occlusion="one-axis", size=41).apply_to(DRAFT_PRESET).occlusion == Occlusion(size=41, axes=1)
@@ -37,7 +37,7 @@ def test_occlusion_effects_override_only_given_fields():
     assert Effects(tile=3).apply_to(DRAFT_PRESET).occlusion == Occlusion(tile=3)
 
 
-def test_scattering_shadow_and_eyeshade_effects_are_applied():
+def test_scattering_shadow_and_eyeshade_options_change_a_rendering_preset():
     assert Effects(scattering="none", shadow="none").apply_to(NORMAL_PRESET) == replace(
         NORMAL_PRESET, scattering=None, shadow=None
     )

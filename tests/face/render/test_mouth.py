@@ -33,7 +33,7 @@ def brightness(portrait: Portrait, units: dict[str, float], yaw_deg: float = 0.0
 
 
 @pytest.mark.parametrize("units", [ROUNDED_UNITS, {"27": 0.8}], ids=["rounded", "wide open"])
-def test_upper_and_lower_teeth_are_equally_bright(close: Portrait, units: dict[str, float]):
+def test_drawn_upper_and_lower_teeth_are_about_equally_bright(close: Portrait, units: dict[str, float]):
     """Expect no dark cutting edge, where the mesh normals turn over."""
     bright = brightness(close, units)
     teeth = close.pipeline.geometry.parts() == MESH_PARTS.index("teeth") + 1
@@ -42,7 +42,7 @@ def test_upper_and_lower_teeth_are_equally_bright(close: Portrait, units: dict[s
     assert 0.75 < np.median(bright[teeth & upper]) / np.median(bright[teeth & ~upper]) < 1.15
 
 
-def test_inside_of_cheeks_is_darker_than_teeth(close: Portrait):
+def test_drawn_inside_of_cheeks_is_darker_than_teeth(close: Portrait):
     """Prevent specular reflection on cheeks, so that teeth stand out."""
     bright = brightness(close, {"6": 0.8, "12": 0.9, "25": 0.8, "26": 0.5}, yaw_deg=45.0)
     geometry = close.pipeline.geometry
@@ -52,7 +52,7 @@ def test_inside_of_cheeks_is_darker_than_teeth(close: Portrait):
     assert np.percentile(bright[inside], 95) < 0.85 * np.median(bright[parts == MESH_PARTS.index("teeth") + 1])
 
 
-def test_inside_of_the_mouth_darkens_with_depth(close: Portrait):
+def test_drawn_inside_of_the_mouth_darkens_with_depth(close: Portrait):
     bright = brightness(close, {"27": 0.8}, yaw_deg=40.0)
     geometry = close.pipeline.geometry
     depth = -geometry.target.read(1)[..., 2]
@@ -107,7 +107,7 @@ def test_ambient_occlusion_hardly_changes_direct_light(drawable: None):
     assert np.abs(pictures[1] - pictures[0]).mean() < 1.0  # gloss alone is occluded
 
 
-def test_teeth_darken_towards_the_corners_of_the_mouth(close: Portrait):
+def test_drawn_teeth_darken_towards_the_corners_of_the_mouth(close: Portrait):
     """Prevent teeth that look like one white bar."""
     picture = brightness(close, dict(read_emotion("laugh", 1.0)))
     with close.pipeline.geometry.context:

@@ -44,7 +44,7 @@ def changed(one: Picture, other: Picture) -> np.ndarray:
     return np.abs(one.astype(int) - other.astype(int)).max(axis=2) > 6
 
 
-def test_picture_shows_a_face_on_a_plain_background(portrait: Portrait):
+def test_portrait_picture_shows_a_face_on_a_plain_background(portrait: Portrait):
     pixels = portrait.draw({})
     assert pixels.shape == (PICTURE_SIDE, PICTURE_SIDE, 3)
     assert pixels.dtype == np.uint8
@@ -98,7 +98,7 @@ def test_left_and_right_views_of_a_face_are_mirrored(gallery: Gallery):
 
 
 @pytest.mark.soak
-def test_two_portraits_draw_independently(portrait: Portrait):
+def test_drawing_another_portrait_does_not_change_later_pictures_of_the_first(portrait: Portrait):
     previous = portrait.draw({"4": 1.0})
     with Portrait("male", preset=DRAFT_PRESET, size=(64, 48)) as other:
         pixels = other.draw({})

@@ -46,7 +46,7 @@ def test_focused_eyes_stay_sharp_and_the_ear_behind_is_blurred(drawn):
     assert abs(blurred.mean() - plain.mean()) < 2.0
 
 
-def test_sharp_pixels_do_not_bleed_into_the_background(drawn):
+def test_depth_of_field_does_not_blur_the_head_into_the_background(drawn):
     plain, blurred = (drawn(replace(DRAFT_PRESET, focus=focus), FRONT_CAMERA) for focus in (None, Focus(circle=0.12)))
     apart = np.abs(blurred - plain).max(axis=2)
     assert apart[30:200, :30].max() <= 2  # next to the head, within the circle of the shoulders

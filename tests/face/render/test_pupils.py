@@ -30,7 +30,7 @@ def test_pupil_diameter_stays_in_the_human_range_at_any_light(light: float):
     assert MIN_PUPIL_DIAMETER <= compute_settled_diameter(light) <= MAX_PUPIL_DIAMETER
 
 
-def test_pupils_narrow_with_brightness():
+def test_pupil_diameter_decreases_with_brightness():
     actual = [compute_settled_diameter(light) for light in np.geomspace(1e-3, 1e3, 50)]
     assert all(one > other for one, other in pairwise(actual))
     assert compute_settled_diameter(0.1) == pytest.approx(4.9e-3)  # 1 cd/m^2, in Moon and Spencer's formula

@@ -68,7 +68,7 @@ def test_shadow_darkens_the_picture_mainly_on_the_neck_and_brightens_no_pixel(dr
         assert darker[PICTURE_SIZE[1] * 3 // 4 :].sum() > 0.5 * darker.sum()  # under the chin
 
 
-def test_forehead_has_no_self_shadow(drawn):
+def test_drawn_forehead_has_no_self_shadow(drawn):
     one, other = (drawn(preset)[34:46, 50:78] for preset in (DRAFT_PRESET, SHADOW_PRESET))
     assert np.abs(one - other).max() <= 2
 
@@ -108,7 +108,7 @@ def test_light_through_an_eyeshade_is_tinted(reached):
     ).mean()
 
 
-def test_lashes_cast_a_faint_shadow(reached):
+def test_drawn_lashes_cast_a_faint_shadow_on_less_than_5_percent_of_the_head(reached):
     plain, seen = reached(Shadow())
     coloured, _ = reached(Shadow(coloured=True))
     darker = (plain - coloured).max(axis=2) > 0.02

@@ -235,7 +235,7 @@ def test_wrinkles_are_independent_of_camera_distance(bent: Bent):
     np.testing.assert_allclose(strong[0], strong[1], rtol=0.1)
 
 
-def test_picture_contrast_increases_with_wrinkle_intensity(portrait: Portrait):
+def test_picture_difference_due_to_wrinkles_increases_with_brow_raiser_intensity(portrait: Portrait):
     """Compare the forehead's contrast with and without wrinkles."""
     contrasts = []
     for intensity in (0.0, 0.25, 0.5, 0.75, 1.0):

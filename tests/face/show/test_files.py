@@ -102,7 +102,7 @@ def test_action_unit_sheet_has_four_pictures_per_unit(drawable: None):
 
 
 @pytest.mark.parametrize("height", [16, 64])
-def test_film_has_the_width_and_height_of_its_frames(tmp_path: Path, height: int):
+def test_saved_film_has_the_width_and_height_of_its_frames(tmp_path: Path, height: int):
     save_film([np.zeros((height, 32, 3), dtype=np.uint8)], tmp_path / "x.webp", rate=10.0)
     with Image.open(tmp_path / "x.webp") as film:
         assert film.size == (32, height)
@@ -132,7 +132,7 @@ def test_webp_films_have_the_default_quality_and_compression_effort(tmp_path: Pa
     assert asked == [{"quality": 86, "method": 1, "in_parts": False, "once": False}]
 
 
-def test_encoder_error_is_raised_as_a_display_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+def test_film_encoder_error_is_raised_as_a_display_error(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     opened: list[tuple[object, ...]] = []
 
     def fail_to_open(*places: object, **options: object) -> None:

@@ -26,7 +26,7 @@ def opening(seconds: float, angles: np.ndarray = NO_ANGLES) -> list[Command]:
     return [Command(k / 100, angles, angles, angles, angles, {"26": k / count}) for k in range(count)]
 
 
-def test_performance_is_filmed_at_the_frame_rate(drawable: None, tmp_path: Path):
+def test_face_film_of_a_performance_has_the_requested_frame_rate(drawable: None, tmp_path: Path):
     path = tmp_path / "x.webp"
     play(opening(1.0), FaceRecording(path, rate=20.0, look=SMALL_SETTINGS))
     with Image.open(path) as film:

@@ -108,13 +108,13 @@ def test_ik_arm_with_two_parallel_hinges_in_one_joint_raises_an_error():
         accept_chain(_arm("yxz", "zy", "yx"))
 
 
-def test_zero_length_bone_raises_an_error():
+def test_zero_length_bone_of_an_arm_chain_raises_an_error():
     with pytest.raises(ConfigError, match=r"chain l_arm: joint l_elbow: its bone is 0 m long; put hinges"):
         accept_chain(_with(LEFT_ARM, 2, bone=sealed([0.0, 0.0, 0.0])))
     assert accept_chain(_with(LEFT_ARM, 3, bone=sealed([0.0, 0.0, 0.0]))).lengths[-1] == 0.0
 
 
-def test_invalid_arm_chain_raises_an_error():
+def test_invalid_arm_chain_raises_an_error_with_its_fault():
     with pytest.raises(ConfigError, match=r"has 2 joints; an arm has at least shoulder, elbow, wrist"):
         accept_chain(replace(LEFT_ARM, joints=LEFT_ARM.joints[:2]))
     with pytest.raises(ConfigError, match=r"bone of joint l_elbow is .*nan.*three finite numbers"):

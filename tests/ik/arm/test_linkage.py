@@ -69,13 +69,13 @@ def test_joint_angle_out_of_range_becomes_its_equivalent_in_range_or_the_nearest
     assert pivot.bring_into_range(math.radians(-160), 0.0) == pivot.upper
 
 
-def test_chain_without_elbow_raises_an_error(arm: Chain) -> None:
+def test_arm_chain_without_elbow_raises_an_error(arm: Chain) -> None:
     joints: tuple[ChainJoint, ...] = arm.joints[:2]
     with pytest.raises(ValueError, match="2 joints"):
         linkage_of(Chain("stub", arm.base, arm.origin_in_base, joints, arm.indices[:4], arm.palm))
 
 
-def test_zero_length_bone_raises_an_error(arm: Chain) -> None:
+def test_zero_length_bone_of_an_arm_linkage_raises_an_error(arm: Chain) -> None:
     joints = (arm.joints[0], replace(arm.joints[1], bone=sealed([0, 0, 0])), *arm.joints[2:])
     with pytest.raises(ValueError, match=f"joint {arm.joints[1].name}: its bone is 0 m long"):
         linkage_of(replace(arm, joints=joints))

@@ -51,7 +51,7 @@ def test_only_targets_beyond_the_arm_length_are_moved_towards_the_base() -> None
     assert clamp_to_reach((0.0, 0.0, 1.2), (0.0, 0.0, 1.0), 0.5) == (0.0, 0.0, 1.2)
 
 
-def test_settled_chain_shape_is_independent_of_scale() -> None:
+def test_settled_mass_chain_has_the_same_shape_at_a_scale_of_1000() -> None:
     target = (0.25, 0.1, 0.1)
     small = settle_masses(CHAIN_POINTS, BONE_LENGTHS, target)
     scale = 1000.0
@@ -72,12 +72,12 @@ def test_straight_mass_chain_bends_sideways_to_reach_a_near_target(line: Vector)
     assert max(norm(cross(line, point)) for point in settled.points) > 0.05
 
 
-def test_settled_chain_keeps_bone_lengths_for_a_target_at_its_base() -> None:
+def test_settled_mass_chain_keeps_bone_lengths_for_a_target_at_its_base() -> None:
     settled = settle_masses(CHAIN_POINTS, BONE_LENGTHS, CHAIN_POINTS[0])
     assert _stretch(settled.points, BONE_LENGTHS) < 1e-4
 
 
-def test_settled_chain_is_independent_of_its_base_position() -> None:
+def test_settled_mass_chain_has_the_same_shape_at_another_base_position() -> None:
     shift = (0.3, -0.2, 1.0)
     here = settle_masses(CHAIN_POINTS, BONE_LENGTHS, (0.3, 0.1, 0.1))
     there = settle_masses([plus(point, shift) for point in CHAIN_POINTS], BONE_LENGTHS, plus((0.3, 0.1, 0.1), shift))

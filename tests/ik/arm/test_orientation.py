@@ -31,7 +31,7 @@ def test_shortest_rotation_maps_one_orientation_to_the_other(angle: float):
     assert result == pytest.approx([0.1, 0.5, -0.4])
 
 
-def test_half_turns_about_the_axes_are_exact():
+def test_shortest_rotation_between_frames_half_a_turn_apart_is_pi_about_their_common_axis():
     for k in range(3):
         half = np.diag([1.0 if row == k else -1.0 for row in range(3)])
         assert np.abs(shortest_turn(IDENTITY_ROTATION, _turn(half))) == pytest.approx(np.pi * np.eye(3)[k])

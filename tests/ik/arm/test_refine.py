@@ -37,7 +37,7 @@ CROOKED_ROBOT = crooked()  # robot with a left arm whose axes do not intersect
 WRIST_SEGMENT = CROOKED_ROBOT.skeleton.segment("l_wrist")  # index of the wrist's segment
 
 
-def test_refinement_does_not_change_an_arm_with_ideal_axes():
+def test_ik_refinement_does_not_change_the_posture_of_an_arm_with_ideal_axes():
     assert true_arm(DEFAULT_ROBOT, "l").exact
     rest = DEFAULT_ROBOT.skeleton.rest
     assert refine_posture(DEFAULT_ROBOT, "l", Reach(np.zeros(3)), rest, near=rest) is rest
@@ -86,7 +86,7 @@ def test_arm_with_axis_offsets_reaches_targets_that_the_ideal_solution_misses():
     assert np.median(missed) > 0.01
 
 
-def test_refinement_turns_the_palm_towards_a_requested_direction():
+def test_ik_refinement_turns_the_palm_towards_a_requested_direction():
     rest = CROOKED_ROBOT.skeleton.rest
     target = CROOKED_ROBOT.gesture_origin + CROOKED_ROBOT.arm_length * np.array([0.6, 0.3, 0.3])
     plain = refine_posture(CROOKED_ROBOT, "l", Reach(target), rest, near=rest)

@@ -65,7 +65,7 @@ def test_shoulder_target_gap_equals_the_least_distance_of_a_dense_search() -> No
         assert gap(ARM_LINKAGE, target) <= nearest + 1e-12
 
 
-def test_requested_swivel_is_met_within_the_ranges() -> None:
+def test_elbow_bend_meets_a_requested_swivel_within_the_joint_ranges() -> None:
     place = place_shoulder(ARM_LINKAGE, (0.25, 0.15, -0.05), near=REST_ANGLES, rest=REST_ANGLES)
     for wished in (0.0, 0.4, 0.9):
         bend = bend_elbow(ARM_LINKAGE, place, near=REST_ANGLES, swivel=wished)

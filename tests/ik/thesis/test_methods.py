@@ -93,7 +93,7 @@ def test_mass_spring_ik_with_softer_springs_than_recommended_settles_slowly():
     assert soft > 2.0 * tuned
 
 
-def test_spring_energy_threshold_ends_the_iteration():
+def test_mass_spring_chain_stops_below_the_spring_energy_threshold():
     target = np.array([0.4, 0.3, 0.2])
     coarse, fine = (swing_pinned(_task(6, target, effort=Effort(tolerance=0.0, threshold=e))) for e in (1e-2, 1e-6))
     assert 1e-6 < coarse.energy <= 1e-2

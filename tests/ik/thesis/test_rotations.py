@@ -15,7 +15,7 @@ def _turns(seed: int, most: float = 1.2):
     return Rotation.from_rotvec(default_rng(seed).uniform(-most, most, (4, 3))).as_matrix()
 
 
-def test_chain_without_rotations_is_in_its_rest_posture():
+def test_ball_joint_chain_without_rotations_is_in_its_rest_posture():
     stance = stance_of(CURVED_CHAIN, ZERO_ROTATIONS, FIXED_BASE)
     assert stance.points == pytest.approx(CURVED_CHAIN.points)
     assert stance.frames == pytest.approx(CURVED_CHAIN.frames)
@@ -37,7 +37,7 @@ def test_aiming_a_bone_does_not_twist_it():
     assert twists == pytest.approx(np.zeros(4), abs=1e-12)
 
 
-def test_chain_aimed_at_its_current_joint_positions_keeps_its_rotations():
+def test_ball_joint_chain_aimed_at_its_current_joint_positions_keeps_its_rotations():
     rotations = _turns(5)
     stance = aim_bones(CURVED_CHAIN, rotations, stance_of(CURVED_CHAIN, rotations, FIXED_BASE).points, FIXED_BASE)
     assert stance.rotations == pytest.approx(rotations, abs=1e-12)

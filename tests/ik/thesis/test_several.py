@@ -170,24 +170,24 @@ def test_limbs_at_a_common_joint_get_the_same_rotation():
     assert 0.05 < _turn(stances, "l_arm") <= 0.31
 
 
-def test_common_joint_of_differently_weighted_limbs_has_one_rotation():
+def test_differently_weighted_arms_keep_the_distance_between_their_shoulders():
     stances = _postured(0.3, -0.1, {"l_arm": 1.0, "r_arm": 3.0})
     span = [np.linalg.norm(s["l_arm"].points[1] - s["r_arm"].points[1]) for s in (REST_STANCES, stances)]
     assert span[0] == pytest.approx(span[1])
 
 
 @pytest.mark.parametrize(("weight", "sign"), [(9.0, 1.0), (1.0 / 9.0, -1.0)])
-def test_common_joint_follows_the_limb_with_more_weight(weight: float, sign: float):
+def test_common_joint_of_two_limbs_rotates_towards_the_limb_with_more_weight(weight: float, sign: float):
     stances = _postured(0.3, -0.3, {"l_arm": weight, "r_arm": 1.0})
     assert sign * _turn(stances, "l_arm") > 0.05
 
 
-def test_common_joint_does_not_rotate_for_opposite_targets_of_equal_weight():
+def test_common_joint_of_two_limbs_does_not_rotate_for_opposite_targets_of_equal_weight():
     assert _turn(_postured(0.3, -0.3, {"l_arm": 1.0, "r_arm": 1.0}), "l_arm") == pytest.approx(0.0, abs=1e-9)
 
 
 @pytest.mark.parametrize(("first", "sign"), [("l_arm", 1.0), ("r_arm", -1.0)])
-def test_common_joint_follows_the_limb_with_priority_alone(first: str, sign: float):
+def test_common_joint_of_two_limbs_follows_only_the_limb_with_priority(first: str, sign: float):
     pulls = {"l_arm": 1.0, "r_arm": 1.0}
     stances = _postured(0.3, -0.3, pulls, priority=(first,))
     alone = _postured(sign * 0.3, sign * 0.3, pulls, priority=(first,))

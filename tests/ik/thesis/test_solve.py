@@ -72,7 +72,7 @@ def test_ball_joint_chain_reaches_a_target_at_its_base(method):
 
 
 @pytest.mark.parametrize("method", METHOD_NAMES)
-def test_chain_of_one_bone_points_at_its_target(method):
+def test_ball_joint_chain_of_one_bone_points_at_its_target(method):
     relaxed = solve_ball_chain(
         BallChain.of([(0.0, 0.0, 0.0), (0.5, 0.0, 0.0)]), np.array([0.0, 0.3, 0.4]), method=method
     )
@@ -80,7 +80,7 @@ def test_chain_of_one_bone_points_at_its_target(method):
 
 
 @pytest.mark.parametrize("method", METHOD_NAMES)
-def test_chain_solved_again_from_its_solution_needs_no_iterations(method):
+def test_ball_joint_chain_solved_again_from_its_solution_needs_no_iterations(method):
     target = np.array([0.3, 0.4, 0.2])
     first = solve_ball_chain(_chain(6), target, method=method)
     again = solve_ball_chain(_chain(6), target, method=method, start=ChainStart(first.rotations))
@@ -90,7 +90,7 @@ def test_chain_solved_again_from_its_solution_needs_no_iterations(method):
     assert near.iterations < first.iterations
 
 
-def test_solved_chain_bends_towards_the_up_vector():
+def test_ball_joint_chain_bends_towards_the_up_vector():
     target = np.array([0.5, 0.0, 0.0])
     for up in ([0.0, 1.0, 0.0], [0.0, 0.0, -1.0]):
         relaxed = solve_ball_chain(_chain(4), target, up=np.array(up))
@@ -99,7 +99,7 @@ def test_solved_chain_bends_towards_the_up_vector():
         assert middle @ np.array(up) == pytest.approx(np.linalg.norm(middle[1:]), rel=1e-3)
 
 
-def test_chain_on_a_moved_and_rotated_base_has_the_same_joint_rotations():
+def test_ball_joint_chain_on_a_moved_and_rotated_base_has_the_same_joint_rotations():
     quarter = np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
     shift, target = np.array([1.0, 2.0, 3.0]), np.array([0.3, 0.4, 0.2])
     here = solve_ball_chain(_chain(6), target)
@@ -108,7 +108,7 @@ def test_chain_on_a_moved_and_rotated_base_has_the_same_joint_rotations():
     assert there.rotations == pytest.approx(here.rotations, abs=1e-9)
 
 
-def test_solved_chain_keeps_joint_limits_with_every_method():
+def test_ball_joint_chain_keeps_joint_limits_with_every_method():
     rest = _chain(6)
     box = np.radians([10.0, 40.0, 40.0])
     chain = BallChain.of(rest.points, limits=EulerBoxes.of(-box, box, joints=6))

@@ -24,7 +24,7 @@ def test_stiffer_springs_and_lighter_masses_need_shorter_time_steps():
     assert _row(6, masses=np.full(7, 4.0)).pace == pytest.approx((step * 2.0, loss))
 
 
-def test_forces_are_the_negative_gradient_of_spring_energy():
+def test_spring_forces_are_the_negative_gradient_of_spring_energy():
     random = default_rng(2)
     springs = _row(5, stiffness=random.uniform(0.5, 2.0, 5), rests=random.uniform(0.1, 0.3, 5))
     points = random.normal(size=(6, 3))
