@@ -52,7 +52,7 @@ def test_imports_follow_the_layers_of_the_architecture():
     assert done.returncode == 0, done.stdout + done.stderr
 
 
-def test_files_do_not_exceed_the_line_limit():
+def test_source_files_do_not_exceed_the_line_limit():
     long = {str(path.relative_to(ROOT)): len(path.read_text(encoding="utf-8").splitlines()) for path in sources()}
     assert {name: lines for name, lines in long.items() if lines > MAX_FILE_LINES} == {}
 

@@ -91,7 +91,9 @@ def test_process_list_shows_the_child_name():
 
 
 @pytest.mark.parametrize(("version", "method"), [((3, 11, 0), "spawn"), ((3, 11, 1), "forkserver")])
-def test_fork_server_is_used_only_from_python_3_11_1(monkeypatch, version: tuple[int, ...], method: str):
+def test_child_processes_use_the_fork_server_only_from_python_3_11_1(
+    monkeypatch, version: tuple[int, ...], method: str
+):
     if "forkserver" not in multiprocessing.get_all_start_methods():
         pytest.skip("children are no forks here")
     monkeypatch.setattr(sys, "version_info", version)

@@ -78,7 +78,7 @@ def test_refused_block_ends_a_client_perform_call(server):
     assert "PARSING_FAILURE" in results[-1]
 
 
-def test_block_refused_by_a_stopped_server_ends_perform(server):
+def test_block_refused_by_a_stopped_server_ends_the_perform_call_of_the_client(server):
     with Client(port=server.port) as client:
         client.stop()
         results = list(client.perform('<bml id="late"><head id="h" lexeme="NOD" start="0"/></bml>'))

@@ -89,7 +89,7 @@ def test_architecture_page_lists_packages_in_layer_order():
     assert duties == [package for layer in layers for package in layer.split(" | ")], f"edit {ARCHITECTURE}"
 
 
-def test_layer_diagram_is_up_to_date(tmp_path: Path):
+def test_package_layer_picture_of_the_documentation_contains_the_current_packages_in_order(tmp_path: Path):
     generator = runpy.run_path(str(ROOT / "docs" / "make" / "layers.py"))
     generator["draw"](generator["read_layers"]())
     drawn = [name for layer in generator["read_layers"]() for name in layer]
@@ -115,7 +115,7 @@ def test_readme_has_at_most_85_lines_and_one_small_film():
     assert (ROOT / film).stat().st_size < 3e5
 
 
-def test_gesture_page_example_is_a_valid_lexicon(tmp_path: Path):
+def test_example_on_the_documentation_page_on_writing_gestures_is_a_valid_lexicon(tmp_path: Path):
     page = (GUIDES / "write-a-gesture.md").read_text(encoding="utf-8")
     file = tmp_path / "mine.toml"
     file.write_text(re.findall(r"```toml\n(.*?)```", page, re.DOTALL)[0], encoding="utf-8")
@@ -128,7 +128,7 @@ def test_gesture_page_example_is_a_valid_lexicon(tmp_path: Path):
     assert lift.form.keys[1].hands["l"].fixed == (True, False, False)
 
 
-def test_gesture_table_matches_the_lexicon():
+def test_gesture_table_of_the_documentation_matches_the_lexicon():
     script = runpy.run_path(str(ROOT / "docs" / "make" / "gestures.py"))
     known = set_up()
     written = (REFERENCE / "gestures.md").read_text(encoding="utf-8")
@@ -176,7 +176,7 @@ def test_hand_shape_page_rates_only_gestures_that_need_fingers_and_counts_them()
         assert f"| {body} | {' | '.join(map(str, counts))} |" in page
 
 
-def test_robot_page_lists_upper22_servos_and_ids():
+def test_documentation_page_on_building_a_robot_lists_upper22_servos_and_ids():
     page = (GUIDES / "build-a-robot.md").read_text(encoding="utf-8")
     robot = Robot.load()
     pieces = Counter[str]()
@@ -192,7 +192,7 @@ def test_robot_page_lists_upper22_servos_and_ids():
         assert line
 
 
-def test_buses_on_the_robot_page_are_valid(tmp_path: Path):
+def test_servo_buses_in_the_example_of_the_robot_page_are_valid(tmp_path: Path):
     page = (GUIDES / "build-a-robot.md").read_text(encoding="utf-8")
     (buses,) = re.findall(r"```toml\n(.*?)```", page, re.DOTALL)
     text = Robot.load().path.read_text(encoding="utf-8")

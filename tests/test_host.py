@@ -75,7 +75,7 @@ def ended(tmp_path_factory) -> dict[tuple[str, ...], tuple[int, str, str]]:
     return {line: tuple(end) for line, end in zip(lines, answer["ended"], strict=True)}
 
 
-def test_every_verb_shows_its_help_on_simulated_windows(ended):
+def test_every_kinesic_verb_shows_its_help_on_simulated_windows(ended):
     assert [line for line in help_lines(kinesic) if ended[line][0] != 0] == []
 
 

@@ -63,7 +63,7 @@ BLOCK = '<bml id="b"><gesture id="g" lexeme="beat" stroke="1"/></bml>'
     ],
     ids=["a performer that plans", "a server that begins", "a portrait", "simulated servos", "tools of a model"],
 )
-def test_slow_modules_are_not_imported_before_they_are_used(code, late):
+def test_slowly_imported_modules_are_not_loaded_by_code_that_does_not_need_them(code, late):
     """Checked in a separate process; each import takes longer than planning a gesture."""
     code = f"{code}; import sys; print([name for name in {late.split()} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)

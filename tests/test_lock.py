@@ -53,13 +53,13 @@ def test_locked_versions_satisfy_the_project_requirements():
 
 
 @pytest.mark.parametrize("extra", LOCK_FILES)
-def test_locked_files_have_hashes_and_no_urls(extra: str):
+def test_requirement_lock_files_contain_only_pins_with_hashes(extra: str):
     text = LOCK_FILES[extra].read_text(encoding="utf-8")
     assert PIN_PATTERN.sub("", text) == ""
     assert "kinesic" not in pins(extra)
 
 
-def test_lock_files_have_equal_versions():
+def test_requirement_lock_files_have_equal_versions_of_the_same_package():
     everything: dict[str, str] = {}
     for extra in LOCK_FILES:
         for name, version in pins(extra).items():
@@ -82,7 +82,7 @@ def test_mujoco_is_installed_without_the_mujoco_studio_package():
     assert not any(re.search(r"mujoco[. ](?:import )?studio", text) for text in sources)
 
 
-def test_make_install_checks_hashes():
+def test_make_install_checks_hashes_of_locked_requirements():
     makefile = (ROOT / "Makefile").read_text(encoding="utf-8")
     assert "TESTED = $(INSTALL) --require-hashes --requirement" in makefile
     assert makefile.count("$(call TESTED,requirements") == 6

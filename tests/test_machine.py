@@ -31,7 +31,7 @@ def test_timing_check_of_the_machine_is_repeated_after_a_disturbance_and_its_suc
     assert looks == []
 
 
-def test_machine_that_stays_too_slow_is_reported(monkeypatch: pytest.MonkeyPatch):
+def test_timing_check_reports_how_late_a_machine_wakes_that_stays_too_slow(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(f"{Watch.__module__}.PATIENCE_TIME", 0.0)
     monkeypatch.setattr(f"{Watch.__module__}.look", lambda: Look(0.1, 1.0, 0.002))
     assert Watch().complaint() == "it wakes 100 ms late (at most 20)"
@@ -78,19 +78,19 @@ def test_perturbed_test_inputs_differ_by_a_few_ulps_deterministically():
 
 
 @pytest.mark.parametrize("wrong", [AttributeError, FileNotFoundError, NameError, TypeError])
-def test_programming_errors_do_not_count_as_timing_failures(wrong: type[Exception]):
+def test_programming_errors_in_a_test_do_not_count_as_timing_failures(wrong: type[Exception]):
     with pytest.raises(wrong) as failure:
         raise wrong("setpoints")
     assert not depends_on_time(failure)
 
 
-def test_unexpected_error_message_does_not_count_as_a_timing_failure():
+def test_unexpected_error_message_in_a_test_does_not_count_as_a_timing_failure():
     with pytest.raises(AssertionError) as failure, pytest.raises(ValueError, match="token"):
         raise ValueError("bytes")
     assert not depends_on_time(failure)
 
 
-def test_timeout_counts_as_a_possible_timing_failure():
+def test_timeout_error_in_a_test_counts_as_a_possible_timing_failure():
     with pytest.raises(TimeoutError) as failure:
         raise TimeoutError("no answer within 1 s")
     assert depends_on_time(failure)

@@ -20,27 +20,27 @@ def report(when: str, outcome: str) -> dict[str, object]:
 
 
 @pytest.mark.parametrize("when", ["setup", "call", "teardown"])
-def test_workers_send_reports_of_failed_and_skipped_test_phases(when):
+def test_parallel_test_workers_send_reports_of_failed_skipped_and_rerun_test_phases(when):
     assert all(is_needed("testreport", report(when, outcome)) for outcome in ("failed", "skipped", "rerun"))
 
 
-def test_workers_send_only_the_call_report_of_a_passed_test():
+def test_parallel_test_workers_send_only_the_call_report_of_a_passed_test():
     needed = {when: is_needed("testreport", report(when, "passed")) for when in ("setup", "call", "teardown")}
     assert needed == {"setup": False, "call": True, "teardown": False}
 
 
-def test_workers_send_messages_that_schedule_tests():
+def test_parallel_test_workers_send_messages_that_schedule_tests():
     names = ("collectionfinish", "runtest_protocol_complete", "warning_recorded", "workerfinished")
     assert all(is_needed(name, {}) for name in names)
 
 
-def test_short_output_is_used_unless_verbose_durations_or_xml_are_requested(pytestconfig):
+def test_test_run_uses_short_output_unless_verbose_durations_or_xml_are_requested(pytestconfig):
     assert uses_short_output(pytestconfig) == (
         pytestconfig.option.verbose <= 0 and not pytestconfig.option.durations and not pytestconfig.option.xmlpath
     )
 
 
-def test_worker_with_verbose_output_counts_attempts_without_a_connection():
+def test_test_worker_with_verbose_output_closes_the_socket_that_counts_reruns():
     closed = []
     connected = SimpleNamespace(sock=SimpleNamespace(close=lambda: closed.append("socket")))
     option = SimpleNamespace(verbose=1, durations=None, xmlpath=None)

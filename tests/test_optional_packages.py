@@ -85,7 +85,7 @@ def test_plan_performance_report_and_scene_need_no_optional_package(package, tmp
         ("PIL", ("gestures", "render", "hello", "--out", "hello.webp"), "film"),
     ],
 )
-def test_missing_package_is_reported_in_one_line_with_its_extra(package, command, extra, tmp_path):
+def test_missing_optional_package_is_reported_in_one_line_with_its_extra(package, command, extra, tmp_path):
     ended = run_without(package, tmp_path, command)
     assert ended.returncode != 0
     assert ended.stderr.count("\n") == 1

@@ -27,7 +27,7 @@ def listed() -> Counter[Function]:
     )
 
 
-def test_each_string_to_path_conversion_is_listed():
+def test_each_string_to_path_conversion_in_the_sources_is_listed_with_its_function():
     places, known, wrong = find_places(PACKAGE), listed(), []
     counts = Counter((place.module, place.function) for place in places)
     for module, function in sorted(counts.keys() | known.keys()):

@@ -20,7 +20,7 @@ def collected(worker: str, count: int) -> set[str]:
 
 
 @pytest.mark.parametrize("count", [3, 4, 10])
-def test_calculating_processes_import_all_test_files_together_and_few_alone(count: int):
+def test_calculating_test_processes_import_all_test_files_together_and_each_only_its_own(count: int):
     parts = [collected(f"gw{k}", count) for k in range(2, count)]
     assert set().union(*parts) == set(list_test_files(ROOT))
     times = Counter(file for part in parts for file in part)
@@ -30,7 +30,7 @@ def test_calculating_processes_import_all_test_files_together_and_few_alone(coun
     assert own == pytest.approx(OWN_FRACTION if count > 3 else 1.0, abs=0.02)
 
 
-def test_two_processes_import_only_waiting_tests_in_the_whole_suite():
+def test_first_two_test_processes_import_only_browser_and_realtime_tests():
     waiting = [collected(f"gw{k}", 4) for k in (0, 1)]
     assert waiting[0] == waiting[1]
     assert {"tests/studio/test_page.py", "tests/mcp/test_stop.py"} <= waiting[0]
@@ -38,14 +38,14 @@ def test_two_processes_import_only_waiting_tests_in_the_whole_suite():
 
 
 @pytest.mark.parametrize(("worker", "count"), [("gw4", 4), ("gw9", 4), ("gw0", 2), ("gw1", 2)])
-def test_successors_of_crashed_processes_and_both_of_two_processes_import_all_files(worker: str, count: int):
+def test_test_processes_that_replace_crashed_ones_or_are_only_two_import_all_test_files(worker: str, count: int):
     assert find_omitted_files(WHOLE, worker, count) == []
 
 
-def test_all_processes_import_the_files_that_are_named_in_the_command():
+def test_all_test_processes_import_the_test_files_named_in_the_command():
     assert not any(find_omitted_files(PART, f"gw{k}", 4) for k in range(4))
 
 
-def test_each_process_owns_successive_files():
+def test_each_test_process_owns_successive_test_files():
     owners = assign_owners({f"test_{k}": 1 for k in range(20)}, 2)
     assert list(owners.values()) == [*[0] * 7, *[None] * 3, *[1] * 7, *[None] * 3]

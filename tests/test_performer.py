@@ -49,7 +49,7 @@ def run(performer, plan) -> kinesic.Performance:
     return performer.perform(plan)
 
 
-def test_printed_representation_of_a_plan_is_one_line(plan):
+def test_str_and_repr_of_a_plan_are_one_line_with_duration_and_counts_of_behaviours(plan):
     line = f"plan of block b on upper22 (joyful): {plan.duration:.2f} s, 2 behaviours, 1 dropped behaviour, 1 notice"
     assert str(plan) == line
     assert repr(plan) == f"<{line}>"
@@ -78,7 +78,7 @@ def test_unknown_sync_point_error_suggests_similar_names(plan, name, said):
 
 
 @pytest.mark.parametrize("which", ["plan", "run"])
-def test_motion_is_saved_in_three_formats(which, request, performer, tmp_path: Path):
+def test_motion_of_a_plan_or_performance_is_saved_as_npz_csv_and_bap(which, request, performer, tmp_path: Path):
     motion = request.getfixturevalue(which)
     with np.load(motion.save(tmp_path / "motion.npz")) as file:
         times, angles = file["times"], file["angles"]
@@ -93,7 +93,7 @@ def test_motion_is_saved_in_three_formats(which, request, performer, tmp_path: P
         motion.save(tmp_path / "motion.txt")
 
 
-def test_saved_motion_can_be_planned_again(performer, plan, tmp_path: Path):
+def test_plan_saved_as_a_bap_file_can_be_planned_again(performer, plan, tmp_path: Path):
     again = performer.plan(plan.save(tmp_path / "nod.bap"))
     assert again.timeline.block.source == str(tmp_path / "nod.bap")
     assert again.duration > 0.5 * plan.duration
@@ -148,7 +148,7 @@ def test_performer_reports_a_document_in_one_call(performer, tmp_path: Path):
     assert (tmp_path / "nod" / "report.html").exists()
 
 
-def test_sinks_of_the_user_get_each_command_and_are_closed_at_the_end(performer, plan):
+def test_sinks_given_to_the_performer_get_each_command_and_are_closed_once(performer, plan):
     first, second = Mine(), Mine()
     run = performer.perform(plan, sinks=[first, second])
     assert [command.time for command in first.commands] == plan.command_times.tolist()
@@ -163,7 +163,7 @@ def test_sink_without_write_is_refused_before_planning(performer):
         performer.perform("nowhere.bml", sinks=[[]])
 
 
-def test_report_contains_the_results_of_all_requested_twins(performer, plan):
+def test_performance_in_both_twins_returns_data_of_both(performer, plan):
     run = performer.perform(plan, twin="both")
     assert {*run.data["twins"]} == {"nominal", "pessimistic"}
 
@@ -194,14 +194,14 @@ def test_saved_motion_replaces_user_files_only_with_force_and_follows_no_symlink
     assert path.read_text() == whole
 
 
-def test_report_does_not_replace_foreign_folders(run, tmp_path: Path):
+def test_performance_report_is_refused_in_a_folder_with_a_report_file_of_the_user(run, tmp_path: Path):
     (tmp_path / "report.json").write_text("dear")
     with pytest.raises(kinesic.ConfigError, match="not marked as kinesic's own"):
         run.report(tmp_path, film=False)
     assert (tmp_path / "report.json").read_text() == "dear"
 
 
-def test_report_into_a_link_is_refused_without_naming_the_files_behind_it(run, tmp_path: Path):
+def test_performance_report_into_a_symlink_is_refused_without_naming_the_files_behind_it(run, tmp_path: Path):
     (tmp_path / "outside").mkdir()
     (tmp_path / "outside" / "letter.txt").write_text("dear")
     (tmp_path / "nod").symlink_to(tmp_path / "outside")
@@ -210,7 +210,7 @@ def test_report_into_a_link_is_refused_without_naming_the_files_behind_it(run, t
     assert "letter" not in str(refusal.value)
 
 
-def test_report_into_a_folder_that_vanishes_during_the_check_is_written_anew(run, tmp_path: Path, monkeypatch):
+def test_performance_report_into_a_folder_that_vanishes_during_the_check_is_written(run, tmp_path: Path, monkeypatch):
     folder = tmp_path / "nod"
     folder.mkdir()
     is_dir = Path.is_dir
@@ -234,7 +234,7 @@ def servo_runs(monkeypatch) -> list[kinesic.Performance]:
     return performed
 
 
-def test_servos_do_not_move_after_a_failed_twin_check(performer, servo_runs):
+def test_performer_does_not_run_servos_after_a_failed_check_in_the_twin(performer, servo_runs):
     wave = '<bml id="b"><gesture id="g" lexeme="greet_wave" mode="RIGHT_HAND" stroke="1.5"/></bml>'
     failed = performer.perform(wave, on="servos", twin=Factors(stall=0.02, gain=0.02))
     assert not failed.ok
@@ -242,7 +242,7 @@ def test_servos_do_not_move_after_a_failed_twin_check(performer, servo_runs):
     assert failed.servos is None
 
 
-def test_servos_perform_once_after_a_successful_twin_run(performer, plan, servo_runs):
+def test_performer_runs_servos_once_and_only_if_requested_after_a_successful_twin_run(performer, plan, servo_runs):
     run = performer.perform(plan, on="servos")
     assert run.ok
     assert [servo_run.plan for servo_run in servo_runs] == [plan]

@@ -136,7 +136,7 @@ def test_speech_of_other_characters_is_skipped_without_sound_but_with_a_duration
     ]
 
 
-def test_text_is_parsed_as_a_document_only_if_it_begins_like_a_document(performer):
+def test_performer_takes_a_string_as_a_path_unless_it_begins_like_a_document(performer):
     for text in (NOD, "\ufeff \n" + NOD, NOD.encode()):
         assert performer.plan(text).timeline.block.source == "<text>"
     with pytest.raises(kinesic.BmlError, match="give a path"):

@@ -53,7 +53,7 @@ def test_difference_of_smoke_test_results_is_their_largest_numeric_difference():
     assert smoke.difference([1.0], [float("nan")]) == float("inf")
 
 
-def test_first_report_timing_lists_steps_their_sum_and_the_sizes(tmp_path):
+def test_timing_of_the_first_report_after_installation_lists_steps_sum_and_sizes(tmp_path):
     import first_report  # noqa: PLC0415 - no part of the package
 
     (tmp_path / "in").mkdir()

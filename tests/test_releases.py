@@ -23,7 +23,7 @@ def test_release_index_begins_with_the_current_version():
     assert listed == sorted((page.stem for page in RELEASES.glob("[0-9]*.[0-9].md")), reverse=True)
 
 
-def test_breaking_changes_come_first_on_release_pages():
+def test_breaking_changes_are_the_first_section_of_a_release_page_or_absent():
     for page in RELEASES.glob("[0-9]*.[0-9].md"):
         headings = re.findall(r"^## (.*)$", page.read_text(encoding="utf-8"), re.M)
         assert "Breaking changes" not in headings[1:], page.name

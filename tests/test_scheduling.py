@@ -21,7 +21,7 @@ from .scheduling import (
 )
 
 
-def test_each_test_process_collects_all_files_in_another_order():
+def test_test_processes_collect_the_same_files_beginning_at_different_positions():
     nodes = list(range(10))
     turned = [begin_elsewhere(nodes, f"gw{k}", 3) for k in range(3)]
     assert all(sorted(own) == nodes for own in turned)
@@ -90,7 +90,7 @@ def test_package_of_a_test_is_its_folder_below_tests_or_its_file():
     assert package_of("tests/test_lock.py") == "tests/test_lock.py"
 
 
-def test_indexed_list_of_tests_returns_the_same_positions_as_a_plain_list():
+def test_index_list_of_the_test_scheduler_gives_the_same_positions_as_a_plain_list():
     names = ["b", "a", "c"]
     assert [IndexedTests(names).index(name) for name in names] == [0, 1, 2]
     assert IndexedTests(names) == names
@@ -158,14 +158,16 @@ def test_process_for_realtime_tests_ends_after_its_last_file_while_other_process
     assert scheduler.tests_finished
 
 
-def test_files_with_different_tests_in_two_processes_are_reported(root: Path):
+def test_test_file_collected_differently_by_two_test_processes_is_reported(root: Path):
     tests = ["tests/sum/test_large.py::test_one", "tests/page/test_page.py::test_one"]
     with pytest.raises(pytest.fail.Exception, match="Different tests were collected") as failure:
         start_scheduler(root, {"gw0": tests[:1], "gw1": ["tests/page/test_page.py::test_two"], "gw2": tests})
     assert "test_large" not in str(failure.value)
 
 
-def test_run_ends_without_a_test_if_processes_collected_different_tests(root: Path, monkeypatch: pytest.MonkeyPatch):
+def test_test_run_ends_without_a_test_if_test_processes_collected_different_tests(
+    root: Path, monkeypatch: pytest.MonkeyPatch
+):
     tests, reports = ["tests/sum/test_large.py::test_one", "tests/page/test_page.py::test_one"], []
     other = ["tests/page/test_page.py::test_two"]
     monkeypatch.setattr(pytest, "fail", reports.append)
@@ -175,7 +177,7 @@ def test_run_ends_without_a_test_if_processes_collected_different_tests(root: Pa
     assert not any(node.sent for node in nodes.values())
 
 
-def test_processes_run_shared_files_after_their_own_until_all_tests_are_done(root: Path):
+def test_test_processes_run_shared_test_files_after_their_own(root: Path):
     shared, *own = "tests/sum/test_large.py", "tests/sum/test_small.py", "tests/face/test_eyes.py"
     parts = [[f"{file}::test_{k}" for file in (shared, mine) for k in range(3)] for mine in own]
     scheduler, nodes = start_scheduler(root, {"gw0": [], "gw1": [], "gw2": parts[0], "gw3": parts[1]})
@@ -186,7 +188,7 @@ def test_processes_run_shared_files_after_their_own_until_all_tests_are_done(roo
     assert all(node.shutting_down for node in nodes.values())
 
 
-def test_new_process_takes_the_files_of_a_crashed_one_if_it_collects_all_tests(root: Path):
+def test_new_test_process_takes_the_test_files_of_a_crashed_one(root: Path):
     tests = [
         f"{file}::test_{k}" for file in sorted(FILE_TEXTS, key=lambda file: rank(root / file, root)) for k in (0, 1)
     ]
@@ -205,7 +207,7 @@ def test_new_process_takes_the_files_of_a_crashed_one_if_it_collects_all_tests(r
     assert scheduler.tests_finished
 
 
-def test_completed_files_are_not_counted_again_after_each_test(root: Path):
+def test_test_scheduler_drops_completed_files_from_the_assigned_work_of_a_process(root: Path):
     tests = [f"{file}::test_{k}" for file in FILE_TEXTS for k in range(3)]
     scheduler, nodes = start_scheduler(root, {"gw0": [], "gw1": [], "gw2": tests})
     node = nodes["gw2"]

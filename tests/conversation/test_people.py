@@ -86,7 +86,7 @@ def test_new_person_with_a_reused_tracker_id_gets_a_new_key():
     assert [(person.key, person.id) for person in both.tracked] == [("a", "b"), ("a-2", "a")]
 
 
-def test_person_without_reports_leaves_after_a_second():
+def test_tracked_person_without_reports_is_dropped_after_a_second():
     people, time = watch(Company(), [seen(("a", FRONT, False))] * 2)
     assert people.focus == "a"
     gone = observe(people, seen(), time + MAX_ABSENCE + 0.01, eyes=EYES)
@@ -154,7 +154,7 @@ def test_delay_before_attention_moves_begins_anew_if_the_other_person_falls_sile
     assert people.focus == "b"
 
 
-def test_next_check_is_the_first_of_absence_switch_and_end_of_a_glance():
+def test_next_check_of_tracked_people_is_the_first_of_absence_attention_switch_and_end_of_a_glance():
     people = observe(Company(), seen(("a", LEFT, False), ("b", RIGHT, False)), 5.0, eyes=EYES)
     assert next_check(Company(), 5.0) == float("inf")
     assert next_check(people, 5.0) == pytest.approx(5.0 + MAX_ABSENCE)

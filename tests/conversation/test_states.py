@@ -94,7 +94,7 @@ def test_voice_that_ended_before_the_robot_speaks_does_not_interrupt_its_speech(
     assert converse(events, 7.0).of(Yield) == []
 
 
-def test_fractions_of_gaze_at_the_person_match_human_conversation():
+def test_fractions_of_time_the_robot_looks_at_the_person_lie_in_ranges_of_human_conversation():
     fractions = []
     for seed in range(24):
         duration = 7.0 + seed % 8
@@ -203,7 +203,7 @@ def test_robot_looks_at_the_speaker_among_several_people():
     assert all(place == pytest.approx(LEFT) for place in met)
 
 
-def test_end_of_a_conversation_restores_the_posture_and_forgets_all_people():
+def test_conversation_switched_off_has_mode_off_and_forgets_all_people():
     record = converse([*present(3.0), (3.0, Conversing(on=False)), *present(5.0, begin=3.1)], 6.0)
     assert record.modes()[-1] == (3.0, "off")
     assert record.states[-1][1].company.tracked == ()
@@ -230,7 +230,7 @@ def test_additional_time_steps_between_events_do_not_change_the_conversation():
     assert [want for time, want in often if time <= 14.0] == [want for _, want in record.wants]
 
 
-def test_words_for_stops_and_unfinished_turns_depend_on_the_language():
+def test_stop_words_and_words_of_unfinished_turns_are_detected_in_english_and_japanese():
     english, japanese = turn_words("en-GB"), turn_words("ja")
     assert english.has_stop_word("Okay, hold on a second")
     assert not english.has_stop_word("nobody stopped")

@@ -18,13 +18,13 @@ LISTENING = ConversationState(
 )
 
 
-def test_person_leaves_exactly_one_absence_after_the_last_report():
+def test_tracked_person_is_dropped_exactly_at_the_maximum_absence_after_the_last_report():
     people = Company((TrackedPerson("a", "a", (1.0, 0.0, 1.5), False, 2.0),))
     assert expire(people, 2.0 + MAX_ABSENCE - 1e-6) is people
     assert expire(people, 2.0 + MAX_ABSENCE).tracked == ()
 
 
-def test_direction_change_is_the_larger_one_of_azimuth_and_elevation():
+def test_gaze_direction_change_is_the_larger_one_of_azimuth_and_elevation_change():
     eyes = (1.0, 2.0, 1.5)
     ahead, up, left = (2.0, 3.0, 1.5), (2.0, 3.0, 2.5), (0.0, 3.0, 1.5)
     assert direction_change(ahead, up, eyes) == pytest.approx(degrees(atan(1 / sqrt(2))))
@@ -55,11 +55,11 @@ def test_state_of_a_conversation_that_has_not_begun_changes_at_no_time():
         ),
     ],
 )
-def test_next_transition_is_the_first_time_at_which_the_state_may_change(change, now, expected):
+def test_next_transition_time_of_a_conversation_is_the_first_at_which_its_mode_may_change(change, now, expected):
     assert turns.next_transition(replace(LISTENING, **change), now, WORDS) == pytest.approx(expected)
 
 
-def test_client_that_thinks_is_waited_for_without_a_limit():
+def test_robot_keeps_thinking_without_a_time_limit_while_a_client_reports_that_it_thinks():
     asked = replace(LISTENING, mode="thinking", since=9.0, listened=False, thinks=True)
     limit = 9.0 + TURN_TIMES.longest_unasked_thinking
     assert turns.next_transition(asked, 10.0, WORDS) != pytest.approx(limit)
@@ -67,14 +67,14 @@ def test_client_that_thinks_is_waited_for_without_a_limit():
     assert turns.next_mode(replace(asked, thinks=False), limit + 1.0, WORDS)[0].mode != "thinking"
 
 
-def test_interruption_ends_the_own_speech_and_the_turn_belongs_to_the_person():
+def test_interrupted_robot_stops_its_speech_and_the_turn_belongs_to_the_person():
     speaking = replace(LISTENING, mode="speaking", listened=False, speech=OwnSpeech(active=True, began=8.0))
     state = turns.interrupted(speaking, 11.0)
     assert (state.mode, state.since, state.speech.active, state.listened) == ("interrupted", 11.0, False, True)
     assert turns.interrupted(replace(state, since=10.5), 11.0).since == 10.5
 
 
-def test_random_numbers_are_uniform_repeatable_and_differ_between_seeds():
+def test_random_numbers_of_a_conversation_are_uniform_and_repeatable_and_differ_between_seeds():
     def numbers(seed: int) -> list[float]:
         state, drawn = ConversationState(seed=seed), []
         for _ in range(1500):
@@ -93,7 +93,7 @@ def test_random_numbers_are_uniform_repeatable_and_differ_between_seeds():
     assert 2.48 < max(values) < 2.5
 
 
-def test_looks_away_go_to_a_side_down_and_up_as_often_as_the_rhythm_says():
+def test_averted_gazes_go_sideways_down_and_up_with_the_frequencies_of_the_thinking_gaze_rhythm():
     rhythm, angle = GAZE_RHYTHMS["thinking"], MOVEMENT_SETTINGS.averted_angle
     spells = [gaze._avert(ConversationState(draws=3 * k), rhythm, 7.0).gaze for k in range(800)]
     assert all(spell.averted and spell.until == 7.0 for spell in spells)
@@ -106,7 +106,7 @@ def test_looks_away_go_to_a_side_down_and_up_as_often_as_the_rhythm_says():
     assert sum(spell.head_fraction > 0 for spell in spells) / len(spells) == pytest.approx(0.4, abs=0.06)
 
 
-def test_nod_waits_for_a_pause_and_keeps_its_interval_and_number():
+def test_listening_robot_nods_only_after_a_pause_and_within_the_limits_of_interval_and_number():
     due = 10.0 + MOVEMENT_SETTINGS.pause_before_nod
     assert next_nod_time(LISTENING, 10.0) == pytest.approx(due)
     for other in (

@@ -61,6 +61,6 @@ def test_fuzzer_keeps_only_inputs_with_a_new_outcome():
     assert mutate(b"", Random(3), [b""]) is not None
 
 
-def test_mutations_of_one_seed_are_the_same_in_every_run():
+def test_fuzzer_draws_the_same_mutated_inputs_for_the_same_random_seed():
     first, second = (Pool((b"<a b='1'/>",), Random(5)) for _ in range(2))
     assert [first.draw() for _ in range(50)] == [second.draw() for _ in range(50)]

@@ -52,7 +52,7 @@ def test_echo_of_the_played_sound_is_cancelled_within_a_second():
 
 
 @pytest.mark.parametrize(("delay", "is_cancelled"), [(0, True), (FRAME_SIZE, True), (2400, True), (4096, False)])
-def test_echo_is_cancelled_from_the_same_frame_up_to_a_quarter_second_later(delay, is_cancelled):
+def test_only_an_echo_of_the_same_frame_or_up_to_a_quarter_second_later_is_cancelled(delay, is_cancelled):
     played = modulated_noise(2, 4.0)
     heard = room_echo(played, delay=delay)
     cleaned, *_ = run(heard, played)

@@ -50,7 +50,7 @@ def test_lowest_and_highest_sample_rate_of_microphones_is_resampled(rate):
     assert 0.98 * NEW_RATE < len(converted(rate, (rate // 10,))) <= NEW_RATE
 
 
-def test_first_piece_of_any_size_is_resampled_like_a_long_one():
+def test_first_piece_of_a_sound_is_resampled_equally_for_any_size():
     sound = np.sin(2 * np.pi * TONE * np.arange(4000) / 44_100).astype(np.float32)
     whole = StreamResampler(44_100, NEW_RATE).feed(sound)
     for size in range(120):

@@ -125,7 +125,7 @@ def test_mutation_changes_no_other_bytes_of_the_source():
     assert last == 2
 
 
-def test_target_modules_and_their_tests_exist():
+def test_modules_listed_for_mutation_tests_and_their_tests_exist():
     assert [module for module in MODULES if not (TREE / module).is_file()] == []
     assert [tests for module in MODULES for tests in MODULES[module] if not (TREE / tests).is_file()] == []
 
@@ -133,7 +133,7 @@ def test_target_modules_and_their_tests_exist():
 @pytest.mark.parametrize(
     "module", [pytest.param(name, marks=[pytest.mark.soak] * (k % 8 > 0)) for k, name in enumerate(MODULES)]
 )
-def test_mutants_of_target_modules_are_valid_python(module: str):
+def test_mutants_of_modules_listed_for_mutation_tests_are_valid_python(module: str):
     source = (TREE / module).read_bytes()
     sites = find_sites(source)
     assert sites

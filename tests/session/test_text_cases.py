@@ -48,7 +48,7 @@ def spoken(plan: Plan) -> list[str]:
     return [each.action.script.text for each in plan.timeline.block.behaviours if isinstance(each.action, Speech)]
 
 
-def test_stage_directions_are_performed_and_not_spoken():
+def test_stage_directions_in_a_text_are_performed_and_not_spoken():
     text = read("05_stage.txt")
     assert words(text) == ["Hi", "there", "That", "is", "funny", "Yes"]
     shown = lexemes(text)
@@ -56,7 +56,7 @@ def test_stage_directions_are_performed_and_not_spoken():
     assert words("He said *no* to me.") == ["He", "said", "no", "to", "me"]
 
 
-def test_animation_tags_are_performed_and_not_spoken():
+def test_animation_tags_of_a_nao_text_are_performed_and_not_spoken():
     text = read("07_nao.txt")
     assert words(text) == ["Hello", "Nice", "to", "meet", "you"]
     assert "greet_wave" in lexemes(text)

@@ -12,7 +12,7 @@ BLOCK_COUNT = 50  # number of blocks whose key times must change
 pytestmark = pytest.mark.soak
 
 
-def test_shifted_key_times_are_close_to_the_optimum():
+def test_time_shifts_of_overlapping_blocks_are_close_to_the_optimum():
     known = set_up()
     lexemes = [form.id for form in known.lexicon.forms]
     plans = [plan(write_overlapping_block(seed, lexemes), known) for seed in range(BLOCK_COUNT)]

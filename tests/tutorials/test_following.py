@@ -87,18 +87,18 @@ def test_commands_in_a_second_terminal_run_until_the_end_of_the_tutorial(tmp_pat
         ("id mcp-...: done", "id mcp-31f: done", True),
     ],
 )
-def test_outputs_are_compared_word_by_word_with_a_tolerance(shown: str, printed: str, same: bool):
+def test_outputs_of_tutorial_commands_are_compared_word_by_word_with_a_tolerance(shown: str, printed: str, same: bool):
     assert matches(shown, printed) is same
 
 
-def test_measured_output_allows_other_decimal_numbers_but_not_other_integers(tmp_path: Path):
+def test_tutorial_output_marked_measured_may_have_other_decimal_numbers_but_not_other_integers(tmp_path: Path):
     assert not matches("1.20 s 3", "7.5 s 4", is_measured=True)
     assert not matches("1.20 s", "7 s", is_measured=True)
     mark, shown = "<!-- measured: next -->\n", block("text", "1.20 s")
     follow(block("bash", "echo 1.21 s") + shown + block("bash", "echo 7.5 s") + mark + shown, tmp_path)
 
 
-def test_measured_mark_applies_only_to_the_next_output(tmp_path: Path):
+def test_measured_mark_in_a_tutorial_applies_only_to_the_next_output(tmp_path: Path):
     text = "<!-- measured: next -->\n" + block("text", "1.20") + block("bash", "echo 8.5") + block("text", "1.20")
     with pytest.raises(TutorialError, match="but the page shows"):
         follow(block("bash", "echo 7.5") + text, tmp_path)

@@ -22,7 +22,7 @@ def sources(name: str, language: str) -> list[str]:
     return [str(lexeme["source"]) for lexeme in lexemes if lexeme.get("language") == language]
 
 
-def test_three_tutorials_have_pages():
+def test_documentation_has_pages_of_exactly_three_tutorials():
     assert TUTORIALS == ["agent", "maker", "researcher"]
 
 
