@@ -246,6 +246,13 @@ def test_second_limb_at_the_same_height_on_the_ground_shows_legs(height, bottom,
     assert rate_limb(pair, (0, 1, 2), [(3, 4, 5)]).is_leg == is_leg
 
 
+def test_load_of_a_leg_excludes_all_links_of_the_limbs():
+    tree = stand(sole=SOLE, load=1.09)
+    high = [ModelPart(50.0, 9 * Z, part.shapes) for part in tree.parts]
+    length_kept = Tree("r", tree.joints, (*high[:2], tree.parts[2]), tree.base)
+    assert rate_limb(length_kept, (0, 1, 2), []) == UNSURE
+
+
 def test_bottom_of_a_part_is_the_lowest_point_of_its_shapes_and_meshes():
     capsule = Capsule(np.array([0, 0, 0.5]), np.array([0, 0, 0.3]), 0.1)
     mesh = Surface(Triangles(np.array([[0, 0, 0.25], [0, 0, 0.15]]), np.zeros((0, 3), int)), dark=False)
