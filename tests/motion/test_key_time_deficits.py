@@ -45,7 +45,7 @@ def test_time_deficit_of_a_segment_with_unchanged_key_times_is_measured_once(mon
 
 
 @pytest.mark.parametrize(("amount", "is_exact"), [(0.2, True), (-0.1, False), (-0.2, False)])
-def test_time_deficit_above_its_target_is_exact(monkeypatch, amount, is_exact):
+def test_time_deficit_measured_above_its_target_is_reused_as_exact(monkeypatch, amount, is_exact):
     search = search_of()
     asked = fake_measure(monkeypatch, lambda segment: deficit_of(segment, amount))
     search._measure(first_segment(search), -0.1)

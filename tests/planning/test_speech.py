@@ -81,7 +81,7 @@ def test_pause_notice_names_word_and_gesture(waiting: Plan):
     assert len(warnings) == len(pauses(waiting))
 
 
-def test_prediction_feedback_includes_pauses(waiting: Plan):
+def test_mark_times_in_prediction_feedback_include_speech_pauses(waiting: Plan):
     prediction = next(iter(feedback(waiting)))
     said = waiting.utterances["s"]
     start = next(t.times["start"] for t in waiting.timeline.timed if t.behaviour.id == "s")

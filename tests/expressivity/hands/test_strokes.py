@@ -62,7 +62,7 @@ def test_hand_path_is_sampled_as_keys_between_the_stroke_keys(robot, done):
     assert len(keys) >= 9
 
 
-def test_hands_rotate_along_their_path(robot, done):
+def test_palm_direction_changes_steadily_along_a_hand_path(robot, done):
     turned = form(FIRST_POSITION, SECOND_POSITION, path=shape_path("arc"))
     last = turned.keys[1].hands["r"]
     turned = replace(turned, keys=(turned.keys[0], StrokeKey({"r": replace(last, palm=sealed([0, 0, -1.0]))})))

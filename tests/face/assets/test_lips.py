@@ -43,7 +43,7 @@ def test_lip_edge_heights_in_vertical_strips_match_a_brute_force_reference(mouth
         np.testing.assert_allclose(end, expected, atol=1e-12)
 
 
-def test_lips_touch_at_rest(mesh: Mesh, mouth: Lips):
+def test_lips_of_the_neutral_face_touch_along_their_whole_width(mesh: Mesh, mouth: Lips):
     actual = overlap(mouth, mesh.positions)
     assert actual.min() > 0.0
     assert np.median(actual) < 0.8
@@ -58,7 +58,7 @@ def test_smile_of_tiny_intensity_moves_no_vertex_noticeably(mesh: Mesh, subdivid
 
 
 @pytest.mark.parametrize("jaw", [0.0, 0.4, 1.0])
-def test_pressed_lips_touch_without_penetration(mesh: Mesh, mouth: Lips, jaw: float):
+def test_pressed_lips_touch_and_overlap_by_less_than_2_5_mm(mesh: Mesh, mouth: Lips, jaw: float):
     actual = overlap(mouth, deform(mesh, {"24": 1.0, "25": 1.0, "26": jaw}))
     assert actual.min() > 0.0
     assert actual.max() < 2.5

@@ -103,7 +103,7 @@ def listener(*arrivals: tuple[float, bytes]) -> Listener:
 REPLY_END = 28e-5 + SENT_QUERY.length * 1e-5  # [s] time at which the last byte of the reply has been transmitted
 
 
-def test_reply_in_time_is_returned_on_arrival():
+def test_whole_bus_reply_is_returned_when_its_last_byte_arrives():
     made = listener((REPLY_END - 0.002, joint()[:186]), (REPLY_END + 0.001, joint()[186:]))
     answer = made.receive(SENT_QUERY, end=CYCLE_END)
     assert answer is not None

@@ -113,7 +113,7 @@ def test_emergency_stop_persists_after_a_port_loss():
 RAISED_OBSERVATION = replace(HEALTHY_OBSERVATION, raised=True, ended=True)  # commands have ended, limb raised
 
 
-def test_raised_limb_is_held_until_confirmation():
+def test_raised_limb_is_held_until_it_is_lowered_or_the_user_confirms():
     state = at(Stage.HOLD, folded=True, faulty=True)
     assert step(state, "tick", RAISED_OBSERVATION) == (state, ())
     state, actions = step(state, "tick", replace(RAISED_OBSERVATION, idle=True))

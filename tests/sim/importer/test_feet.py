@@ -106,7 +106,7 @@ def test_joint_names_are_split_into_words_of_body_parts(name, parts):
     assert list_parts(name) == parts
 
 
-def test_leg_words_are_counted_against_arm_words():
+def test_leg_word_count_of_joint_names_subtracts_arm_words():
     assert count_leg_words(["l_hip", "l_knee", "l_arm_x"]) == 1
     assert count_leg_words(["a", "elbow", "wrist_roll"]) == -2
 

@@ -111,7 +111,7 @@ def test_shell_of_an_imported_robot_has_meshes_and_generated_housings_for_other_
     assert len(shell.segments["l_shoulder"].triangles) > 100
 
 
-def test_dark_imported_meshes_stay_dark(folder: Path):
+def test_dark_mesh_of_an_imported_robot_is_drawn_as_joint_and_not_as_shell(folder: Path):
     _, _, shell = imported(written(folder, mjcf(rgba="0.1 0.1 0.1")))
     assert shell is not None
     assert not len(shell.segments["l_elbow"].shell)

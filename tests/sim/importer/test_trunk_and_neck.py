@@ -73,7 +73,7 @@ def test_limb_of_which_one_hinge_is_requested_as_an_arm_is_the_arm(requested):
     assert (found.left, found.right, found.legs) == ((6, 7, 8), (9, 10, 11), ())
 
 
-def test_requested_arms_are_not_doubtful():
+def test_arms_with_explicitly_given_joints_are_not_marked_as_doubtful():
     joints, pairs = arms(name="j")
     base = ModelPart(9.0, 2 * Z, ())
     assert find(joints, pairs, base=base).is_doubtful
