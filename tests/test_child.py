@@ -83,7 +83,7 @@ def test_garbage_collection_in_a_child_copies_few_shared_memory_pages():
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="names of processes are for Linux only")
-def test_process_list_shows_the_child_name():
+def test_process_list_of_the_system_shows_the_name_of_a_child_process():
     ours, theirs = CONTEXT.Pipe()
     child = Child(CONTEXT, tell_name, theirs, name="drafter of many words")
     assert ours.recv() == "drafter of many\n"  # length shown by the system

@@ -29,7 +29,7 @@ def robot() -> Recorder:
     return Recorder()
 
 
-def test_conversation_methods_send_valid_messages_with_all_their_values(robot: Recorder) -> None:
+def test_conversation_methods_of_the_client_send_valid_messages_with_all_their_values(robot: Recorder) -> None:
     robot.converse(amount=0.5, fillers=True)
     robot.people({"a": (1.0, 0.5, 1.5), "b": (2.0, 0.0, 1.0)}, looking=("b",), age=0.1)
     robot.heard(voice=True, who="a", age=0.2)
@@ -53,7 +53,7 @@ def test_conversation_methods_send_valid_messages_with_all_their_values(robot: R
     ]
 
 
-def test_conversation_methods_without_arguments_begin_and_can_end(robot: Recorder) -> None:
+def test_conversation_methods_of_the_client_send_begin_by_default_and_end_on_request(robot: Recorder) -> None:
     robot.converse()
     robot.converse(on=False)
     robot.think()

@@ -250,7 +250,7 @@ def test_emergency_stop_connection_sends_one_stop_and_accepts_the_acknowledgemen
 @pytest.mark.parametrize(
     ("answer", "why"), [('{"told":"failed","why":"use the switch"}', "use the switch"), ('{"told":"x"}', "answers")]
 )
-def test_emergency_stop_refused_or_answered_wrongly_raises_an_error(
+def test_emergency_stop_of_a_client_that_is_refused_or_answered_wrongly_raises_an_error(
     server: Server, line: Callable[[], StopLine], answer: str, why: str
 ):
     stopping = line()

@@ -28,7 +28,7 @@ def test_test_processes_collect_the_same_files_beginning_at_different_positions(
     assert [own[0] for own in turned] == [0, 3, 6]
 
 
-def test_larger_test_files_come_first_and_files_of_equal_size_in_order_of_name(tmp_path: Path):
+def test_test_files_are_ranked_by_size_and_then_by_name(tmp_path: Path):
     files = [tmp_path / name for name in ("test_b.py", "test_a.py", "test_large.py")]
     for file, size in zip(files, (3, 3, 9), strict=True):
         file.write_text("#" * size)

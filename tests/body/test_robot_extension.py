@@ -114,12 +114,12 @@ def test_pipe_in_place_of_a_robot_or_calibration_file_is_refused(tmp_path: Path)
 
 
 @pytest.mark.parametrize("name", ['["x"]', "[]", '{ x = "y" }', "1"])
-def test_hinge_name_must_be_a_string(extended, name: str):
+def test_hinge_name_in_a_robot_file_must_be_a_string(extended, name: str):
     with pytest.raises(ConfigError, match=r"Expected `str`, got"):
         extended(f"[[hinge]]\nname = {name}\n")
 
 
 @pytest.mark.parametrize("axis", ["[1e300, 1e300, 0]", "[1e-200, 0, 0]"])
-def test_axis_with_huge_or_tiny_length_is_refused(extended, axis: str):
+def test_hinge_axis_in_a_robot_file_with_huge_or_tiny_length_is_refused(extended, axis: str):
     with pytest.raises(ConfigError, match="must be a direction such as"):
         extended(f'[[hinge]]\nname = "l_elbow_flexion"\naxis = {axis}\n')

@@ -88,7 +88,7 @@ def test_left_joints_of_upper22_exactly_mirror_right_joints(robot: Robot):
         np.testing.assert_array_equal(robot.mounts[k].position, robot.mounts[j].position * MIRROR_SIGNS)
 
 
-def test_midline_segments_have_zero_lateral_offset(robot: Robot):
+def test_midline_segments_of_upper22_have_zero_lateral_offset(robot: Robot):
     for segment in robot.skeleton.segments:
         if segment.name[:2] not in ("l_", "r_"):
             assert segment.origin_in_parent[1] == 0.0, segment.name

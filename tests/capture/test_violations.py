@@ -112,7 +112,7 @@ def test_clearance_violation_of_a_body_pair_is_reported_once_with_its_worst_time
         ({"clearance": 0.010}, True),
     ],
 )
-def test_motion_is_certified_only_within_limits_duty_and_clearance(certification, change, is_certified):
+def test_captured_motion_is_certified_only_within_limits_duty_and_clearance(certification, change, is_certified):
     fine = replace(certification, limit_ratio=0.9, torque_ratio=0.9, clearance=0.02)
     assert replace(fine, **change).is_certified == is_certified
 

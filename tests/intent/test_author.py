@@ -55,7 +55,7 @@ def test_same_text_style_and_seed_give_the_same_bml(lexicon):
     )
 
 
-def test_emotion_sets_the_style_only_in_neutral_style(lexicon):
+def test_emotion_of_a_text_sets_the_style_of_its_bml_only_in_neutral_style(lexicon):
     text = "I am so happy, this is a wonderful day for all of us! My heart jumps with joy."
     assert 'kinesic:style="joyful"' in author(text, lexicon, Style.load("neutral"))
     assert "kinesic:style" not in author(text, lexicon, Style.load("sad"))

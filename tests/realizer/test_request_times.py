@@ -41,7 +41,7 @@ def block(inside: str = "", attributes: str = ""):
     return parse(BML.format(attributes, inside))
 
 
-def test_default_context_is_at_time_zero_without_blocks():
+def test_default_scene_context_of_a_request_is_at_time_zero_without_blocks():
     empty = SceneContext()
     assert (empty.now, empty.states, empty.relaxes, empty.ends, empty.times) == (0.0, {}, {}, {}, {})
     assert empty.expected_start(block()) == 0.0

@@ -38,7 +38,9 @@ def moving_time(motion: Trajectory, hinge: int, begin: float) -> float:
 
 
 @pytest.mark.parametrize("refusals", [0, 1, 2, 4])
-def test_deceleration_is_30_percent_longer_after_each_infeasible_attempt(play, known, monkeypatch, refusals):
+def test_deceleration_of_a_yielding_arm_is_30_percent_longer_after_each_infeasible_attempt(
+    play, known, monkeypatch, refusals
+):
     """Attempts last 0.2, 0.26, 0.338, 0.4394 and 0.57122 s, each rounded up to whole knots."""
     real, left = yielding.join_columns, [refusals]
 

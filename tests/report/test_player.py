@@ -218,7 +218,7 @@ def brightest_change(page: Page) -> float:
     return float(str(page.value(f"new Promise(done => {{ {seek} {drawn} }})")))
 
 
-def test_page_script_paints_the_same_face_as_the_robot_film(plain: Page):
+def test_report_page_paints_the_same_face_as_the_robot_film(plain: Page):
     faces = (
         {},
         {"26": 0.8, "18": 0.6},

@@ -41,7 +41,7 @@ def test_key_postures_of_a_gesture_exclude_keys_that_move_only_fingers():
     assert all(np.abs(angles[arms] - rest).max() > 0.3 for angles in show.postures)
 
 
-def test_sphere_and_fixed_base_are_drawn_as_visible_lines():
+def test_sphere_and_fixed_base_of_a_robot_are_visible_in_a_line_drawing():
     robot = Robot.load("upper22")
     skeleton = robot.skeleton
     sphere = Capsule(np.zeros(3), np.zeros(3), 0.1)

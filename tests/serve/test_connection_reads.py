@@ -38,7 +38,7 @@ class PlayedLine:
         ([], b""),
     ],
 )
-def test_first_bytes_are_read_until_the_protocol_is_known(chunks, first):
+def test_first_bytes_of_a_connection_are_read_until_its_protocol_is_known(chunks, first):
     line = PlayedLine(*chunks)
     assert asyncio.run(reception._read_first(line)) == first
     assert set(line.hurries) == {True}

@@ -86,7 +86,7 @@ class Conversation:
         return self
 
 
-def test_messages_are_processed_in_order_and_answers_are_sent() -> None:
+def test_messages_of_a_client_are_processed_in_order_and_pings_answered() -> None:
     wire = PlayedWire(b'{"do": "ping", "id": "1"}', DOCUMENT, b'{"do": "ping", "id": "2"}')
     held = Conversation(wire).hold()
     assert [json.loads(item)["id"] for item in wire.sent] == ["1", "2"]
@@ -172,7 +172,7 @@ def test_incomplete_message_is_reported_and_not_performed() -> None:
     assert not held.registry.session.performed
 
 
-def test_conversation_leaves_a_stop_connection_open_and_stops_reading_from_it() -> None:
+def test_client_that_becomes_a_stop_connection_is_no_longer_read_but_stays_connected() -> None:
     wire = PlayedWire(b'{"do": "stop_line"}', b'{"do": "stop"}', stays_open=True)
     held = Conversation(wire, unfinished=10**9).hold()
     assert held.client.stops_only

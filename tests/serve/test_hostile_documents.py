@@ -29,7 +29,7 @@ RECORDING_BML = (
 
 @pytest.mark.parametrize("mutation", ALL_MUTATIONS)
 @pytest.mark.parametrize("document", [b"", b"<", b'<bml id="a" b="c"/>', EXAMPLE_FILES[0].read_bytes()])
-def test_each_document_mutation_returns_bytes(mutation, document):
+def test_each_mutation_of_a_hostile_document_returns_bytes(mutation, document):
     made = {mutation(document, random.Random(seed)) for seed in range(20)}
     assert all(isinstance(item, bytes) for item in made)
 

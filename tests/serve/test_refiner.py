@@ -175,7 +175,7 @@ def test_background_replanner_returns_no_plan_if_planning_fails(
     assert (found.block, found.plan) == ("b", None)
 
 
-def test_unexpected_pickled_objects_are_rejected(known: Setup):
+def test_pickled_object_of_an_unexpected_type_is_rejected_by_the_background_replanner(known: Setup):
     with pytest.raises(pickle.UnpicklingError, match="unexpected dict"):
         unpack(pickle.dumps({}), known)
 

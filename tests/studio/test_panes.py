@@ -29,7 +29,7 @@ def reload(studio: Studio) -> None:
     studio.page.until(OPENED)
 
 
-def test_dragged_pane_sizes_survive_a_reload(studio: Studio):
+def test_dragged_pane_sizes_of_the_studio_survive_a_reload(studio: Studio):
     x, y = middle(studio, ".border.timeline")
     studio.page.drag((x, y), (x, y - 50), (x, y - 100))
     _, height = studio.page.value(SIZE % "timeline")
@@ -43,7 +43,7 @@ def test_dragged_pane_sizes_survive_a_reload(studio: Studio):
     assert studio.page.value(SIZE % "document")[0] == pytest.approx(width, abs=2)
 
 
-def test_pane_borders_move_by_arrow_keys_within_their_limits(studio: Studio):
+def test_pane_borders_of_the_studio_move_by_arrow_keys_within_their_limits(studio: Studio):
     for name, smaller in (("document", "ArrowLeft"), ("details", "ArrowRight"), ("timeline", "ArrowDown")):
         border = f"document.querySelector('.border.{name}')"
         studio.page.value(f"{border}.focus()")

@@ -50,7 +50,7 @@ def crash(studio: Studio) -> None:
     wait_for_studio(studio)
 
 
-def test_unsaved_changes_are_marked_and_backed_up_until_they_are_saved(studio: Studio):
+def test_studio_marks_and_backs_up_unsaved_changes_until_they_are_saved(studio: Studio):
     studio.write(EMPTY.format(GESTURE.format(1)))
     studio.page.until("document.title.startsWith('•')")
     studio.until("s.place === 'folder'")
@@ -64,7 +64,7 @@ def test_unsaved_changes_are_marked_and_backed_up_until_they_are_saved(studio: S
         sleep(0.02)
 
 
-def test_existing_document_is_replaced_only_after_confirmation_and_kept_as_a_version(studio: Studio):
+def test_studio_replaces_an_existing_document_only_after_confirmation_and_keeps_it_as_a_version(studio: Studio):
     (studio.folder / "other.bml").write_text("theirs")
     studio.write(EMPTY.format(GESTURE.format(2)))
     studio.save_as("other")

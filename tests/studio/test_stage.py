@@ -46,7 +46,7 @@ def test_dragged_hand_shows_its_reach_sector_and_whether_it_reaches_the_pointer(
     assert len(studio.state("latencies")) >= 2
 
 
-def test_drag_reacts_to_pointer_events_between_frames_and_hides_the_unused_handles(studio: Studio):
+def test_drag_of_the_drawn_hand_reacts_between_frames_and_hides_the_unused_handles(studio: Studio):
     studio.write(WORDS)
     studio.page.click("#mode-plan")
     seen = "[...document.querySelectorAll('#handles i')].filter(dot => getComputedStyle(dot).visibility === 'visible')"
@@ -93,7 +93,7 @@ def test_elbow_trunk_and_gaze_can_be_dragged_and_show_their_limits(
     studio.page.click("#view-free")
 
 
-def test_still_posture_is_drawn_once_at_high_resolution_and_motion_at_low_resolution(studio: Studio):
+def test_studio_draws_a_still_posture_once_at_high_resolution_and_motion_at_low_resolution(studio: Studio):
     share = "(c => c.width / c.clientWidth)(document.querySelector('#canvas'))"
     studio.write(WORDS)
     studio.page.click("#mode-plan")
@@ -187,7 +187,7 @@ def test_drag_sends_at_most_50_reach_requests_per_second(studio: Studio):
 
 
 @pytest.mark.soak
-def test_page_benchmark_measures_drag_latency_and_first_paint(studio: Studio):
+def test_studio_page_benchmark_measures_edit_and_drag_latency_and_first_paint(studio: Studio):
     metrics = time_page(browser(), f"http://localhost:{studio.server.port}/", loads=1, seconds=0.5)
     assert [metric.name for metric in metrics] == list(PAGE_GOALS)
     edit, drag, paint, robot = (metric.value or 0.0 for metric in metrics)

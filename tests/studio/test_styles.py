@@ -138,7 +138,7 @@ def test_user_style_is_saved_listed_and_written_into_the_document_as_numbers(stu
     assert studio.state("text") == WORDS
 
 
-def test_existing_style_file_is_replaced_only_after_confirmation(studio: Studio):
+def test_studio_replaces_an_existing_style_file_only_after_confirmation(studio: Studio):
     begin(studio)
     assert "Saved" in save_style(studio, "twice")
     first = (studio.folder / "twice.toml").read_text()

@@ -28,7 +28,7 @@ def perform(studio: Studio) -> None:
     studio.until("s.report.planned.every(angle => Math.abs(angle) < 0.6)")
 
 
-def test_recorded_posture_and_values_are_shown_until_return_to_live_telemetry(studio: Studio):
+def test_studio_shows_recorded_posture_and_values_until_return_to_live_telemetry(studio: Studio):
     perform(studio)
     page = studio.page
     highest = (

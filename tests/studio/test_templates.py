@@ -23,7 +23,7 @@ def performer(request: pytest.FixtureRequest) -> Performer:
 
 
 @pytest.mark.parametrize("path", TEMPLATES, ids=lambda path: path.stem)
-def test_template_is_planned_without_warnings_and_with_strokes_on_time(performer: Performer, path: Path):
+def test_studio_template_is_planned_without_warnings_and_with_strokes_on_time(performer: Performer, path: Path):
     plan = performer.plan(path.read_text(encoding="utf-8"))
     assert plan.notices == ()
     assert {outcome.kind for outcome in plan.keyframes.outcomes.values()} <= {"realised"}
@@ -32,7 +32,7 @@ def test_template_is_planned_without_warnings_and_with_strokes_on_time(performer
     assert (len(errors) >= 3) == (path.stem != "0_empty")
 
 
-def test_new_document_starts_from_each_template(studio: Studio):
+def test_new_document_in_the_studio_may_start_from_each_template(studio: Studio):
     options = "[...document.querySelectorAll('#new option')].map(each => each.value)"
     assert studio.page.value(options) == [f"template:{name}" for name in NAMES]
     menu = "document.querySelector('#examples')"

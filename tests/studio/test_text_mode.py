@@ -138,7 +138,7 @@ def test_picked_gesture_and_added_nod_stay_on_their_words_when_the_text_changes(
     assert "The gesture that you picked stays. The movement that you added yourself stays." in status
 
 
-def test_text_without_words_is_refused_and_changes_nothing(studio: Studio):
+def test_text_without_words_typed_in_the_studio_is_refused_and_changes_nothing(studio: Studio):
     perform(studio, TEXT)
     before = studio.state("text")
     studio.page.value(

@@ -86,7 +86,7 @@ def onto(studio: Studio, selector: str, by: float) -> tuple[tuple[float, float],
     return (x, y), (x + by / studio.page.value("kinesicStudio.timeline.pixel"), y)
 
 
-def test_each_body_part_has_a_track_with_lexemes_and_phases(studio: Studio):
+def test_studio_shows_a_track_with_lexemes_and_phases_for_each_body_part(studio: Studio):
     show(studio, PARTS)
     tracks = "[...document.querySelectorAll('[data-track]')].map(row => [row.dataset.track, row.textContent])"
     assert dict(studio.page.value(tracks)) == {
@@ -124,7 +124,7 @@ def test_overlapping_behaviours_in_a_track_do_not_cover_each_other(studio: Studi
     assert second - first > 20
 
 
-def test_playhead_follows_the_performance_of_the_robot(studio: Studio):
+def test_playhead_of_the_studio_follows_the_performance_of_the_robot(studio: Studio):
     """Compare the playhead with each stroke's planned time at the stroke's feedback."""
     early = '<gesture id="early" lexeme="welcome" mode="LEFT_HAND" stroke="0"/>'
     show(studio, f'{BML.replace("parts", "shown")}{early}<head id="late" lexeme="NOD" stroke="3"/></bml>')
@@ -276,7 +276,7 @@ def drop(studio: Studio, source: str, place: tuple[float, float]) -> None:
     studio.page.drag((x, y), (x + 8, y + 8), ((x + place[0]) / 2, (y + place[1]) / 2), place)
 
 
-def test_palette_entry_may_be_dropped_onto_a_word_or_onto_a_time(studio: Studio):
+def test_palette_entry_of_the_studio_may_be_dropped_onto_a_word_or_onto_a_time(studio: Studio):
     show(studio, WORDS)
     studio.page.click("#show-palette")
     word = studio.page.value("[...document.querySelectorAll('.word')].findIndex(word => word.textContent === 'then')")

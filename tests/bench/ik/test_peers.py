@@ -92,7 +92,7 @@ def test_ik_success_is_recorded_per_target_while_solvers_alternate(monkeypatch, 
 
 
 @pytest.mark.usefixtures("few_targets")
-def test_missing_library_gives_null_metrics_with_a_remedy(monkeypatch):
+def test_missing_ik_library_gives_null_metrics_with_a_remedy(monkeypatch):
     monkeypatch.setattr(peers, "find_spec", lambda name: None)
     metrics = {metric.name: metric for metric in peers.bench()}
     for peer in PEER_LIBRARIES:

@@ -13,14 +13,14 @@ def test_xml_elements_have_line_and_column_of_their_start_tags() -> None:
     assert b.content[0] == "text"
 
 
-def test_namespaces_are_inherited_and_undeclared_prefixes_kept() -> None:
+def test_xml_namespaces_are_inherited_and_undeclared_prefixes_kept() -> None:
     root = read_tree('<a xmlns="u" xmlns:p="v"><p:b q:c="1"/><d xmlns=""/></a>', source="x")
     b, d = root.children
     assert (b.local, b.scope["p"], b.attributes["q:c"]) == ("b", "v", "1")
     assert (d.scope[""], root.scope[""]) == ("", "u")
 
 
-def test_declared_encoding_is_used_for_bytes_and_ignored_for_text() -> None:
+def test_encoding_declared_in_xml_is_used_for_bytes_and_ignored_for_text() -> None:
     latin = '<?xml version="1.0" encoding="ISO-8859-1"?><a>é</a>'
     assert read_tree(latin.encode("latin-1"), source="x").text == "é"
     assert read_tree(latin, source="x").text == "é"
@@ -58,12 +58,12 @@ def test_invalid_xml_is_rejected_with_line_and_column(text: str | bytes) -> None
 
 
 @pytest.mark.parametrize("encoding", ["no-such", "utf-7", "shift_jis", "idna"])
-def test_unsupported_encodings_are_rejected(encoding: str) -> None:
+def test_unsupported_xml_encodings_are_rejected(encoding: str) -> None:
     with pytest.raises(BmlError, match=r"^x:\d+:\d+: .*; "):
         read_tree(f'<?xml version="1.0" encoding="{encoding}"?><a>é</a>'.encode("latin-1"), source="x")
 
 
-def test_document_size_is_checked_before_parsing() -> None:
+def test_size_of_an_xml_document_is_checked_before_parsing() -> None:
     with pytest.raises(BmlError, match="100000000 characters; the limit is 4000000"):
         read_tree(b"<" * 100_000_000, source="x")
 

@@ -173,7 +173,7 @@ def test_mcap_triangles_are_those_of_the_shell(hurried: DryRun, performed: Messa
     np.testing.assert_allclose(points[np.array(triangles.indices)], part.vertices[rows.ravel()], atol=1e-9)
 
 
-def test_capsules_of_limbs_are_exported_in_a_light_colour(hurried: DryRun, tmp_path: Path):
+def test_mcap_capsules_of_limbs_are_light_and_others_dark(hurried: DryRun, tmp_path: Path):
     robot = replace(hurried.plan.setup.robot, path=tmp_path / "robot.toml")
     capsules = {surface.segment: surface.colour for surface in surfaces(robot)}
     assert set(capsules) == {segment.name for segment in robot.skeleton.segments if segment.capsules}
@@ -182,7 +182,7 @@ def test_capsules_of_limbs_are_exported_in_a_light_colour(hurried: DryRun, tmp_p
     assert {capsules[name] for name in capsules if name not in limbs} == {(0.18, 0.20, 0.24)}
 
 
-def test_exported_words_and_sync_points_have_the_times_of_the_plan(hurried: DryRun):
+def test_words_and_sync_points_exported_to_mcap_have_the_times_of_the_plan(hurried: DryRun):
     motion, plan = ExportedMotion.of_plan(hurried.plan), hurried.plan
     zero = plan.trajectory.zero
     assert [text.time for text in motion.syncs] == sorted(zero + sync.planned for sync in plan.syncs)

@@ -46,7 +46,7 @@ def unpacked(data: dict) -> dict:
     return {"shapes": data["shapes"], "weights": weights.tolist(), "gaze": gaze.tolist()}
 
 
-def test_page_data_contain_only_blend_shapes_that_the_face_uses():
+def test_face_data_of_the_report_page_contain_only_blend_shapes_that_the_motion_uses():
     assert face_data(ACTION_UNITS[:1])["shapes"] == []
     assert 0 < len(face_data(ACTION_UNITS)["shapes"]) < len(FIGURE.mesh.shapes) / 2
     every = [{channel: 1.0} for channel in FACE_CHANNELS]
@@ -56,7 +56,7 @@ def test_page_data_contain_only_blend_shapes_that_the_face_uses():
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
-def test_page_script_moves_vertices_and_eyes_like_the_renderer():
+def test_face_script_of_the_report_page_moves_vertices_and_eyes_like_the_renderer():
     stand = HUMAN.skeleton.frames(HUMAN.skeleton.rest)
     placed = np.tile(np.eye(4), (len(stand.origins), 1, 1))
     placed[:, :3, :3], placed[:, :3, 3] = stand.rotations, stand.origins

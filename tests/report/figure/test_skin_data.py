@@ -44,7 +44,7 @@ def rows() -> np.ndarray:
     return np.frombuffer(b64decode(str(skin_data(HUMAN)["vertices"])), dtype=VERTEX_TYPE)
 
 
-def test_skin_vertices_packed_for_the_page_equal_those_of_the_human_figure():
+def test_skin_vertices_packed_for_the_report_page_equal_those_of_the_human_figure():
     whole = rows()
     packed, locks = whole[: len(FIGURE.mesh.positions)], whole[len(FIGURE.mesh.positions) :]
     assert np.abs(locks["place"][:, :3] * POSITION_STEP - FIGURE.locks.positions).max() <= POSITION_STEP
@@ -69,14 +69,14 @@ def test_skin_vertices_packed_for_the_page_equal_those_of_the_human_figure():
     assert np.array_equal(triangles, np.concatenate([FIGURE.mesh.triangles, len(packed) + FIGURE.locks.triangles]))
 
 
-def test_page_data_contain_a_small_skin_for_the_human_and_none_for_a_robot_without_skin():
+def test_report_page_data_have_a_small_skin_for_the_human_and_none_for_a_robot_without_skin():
     assert len(json.dumps(skin_data(HUMAN))) + len(read_scripts(("skin.js",))) < MAX_PAGE_GROWTH
     assert "skin" not in scene_data(Robot.load("upper36"))
     assert "skin" in scene_data(HUMAN)
 
 
 @pytest.mark.skipif(shutil.which("node") is None, reason="node is not installed")
-def test_page_script_moves_the_skin_like_the_renderer():
+def test_skin_script_of_the_report_page_moves_the_skin_like_the_renderer():
     lower, upper = HUMAN.skeleton.lower, HUMAN.skeleton.upper
     angles = np.array(
         [HUMAN.skeleton.rest, lower, upper, *np.random.default_rng(2).uniform(lower, upper, (3, len(lower)))]
@@ -102,7 +102,7 @@ def test_page_script_moves_the_skin_like_the_renderer():
 
 
 @pytest.mark.skipif(binary() is None, reason="no Chromium: apt-get install chromium")
-def test_page_draws_skin_clothes_highlight_servo_duty_face_and_plan_overlay(tmp_path: Path):
+def test_report_page_draws_skin_clothes_highlight_servo_duty_face_and_plan_overlay(tmp_path: Path):
     data = {**scene_data(HUMAN), "features": face_data([{"26": 1.0}])}
     text = PAGE_TEMPLATE.replace("SIDE", str(PICTURE_SIDE)).replace("SCRIPTS", read_scripts(SCENE_SCRIPTS))
     (tmp_path / "page.html").write_text(text.replace("DATA", json.dumps(data)), encoding="utf-8")

@@ -175,7 +175,7 @@ def test_gltf_face_has_morph_targets(tmp_path: Path):
     assert {name for name, weight in zip(names, shown, strict=True) if weight} == {"jawOpen"}
 
 
-def test_exported_quaternions_have_no_sign_jumps():
+def test_quaternions_exported_to_gltf_have_no_sign_jumps():
     turns = np.linspace(0.0, 4 * np.pi, 50)
     rotations = np.array([[[np.cos(t), -np.sin(t), 0], [np.sin(t), np.cos(t), 0], [0, 0, 1]] for t in turns])
     result = smooth_quaternions(rotations)
@@ -257,7 +257,7 @@ def test_gltf_materials_of_the_shell_are_not_metallic_and_have_linear_colours(tm
         np.testing.assert_allclose(colour, [*expected[:3], screen[3]], atol=1e-9)
 
 
-def test_capsules_of_limbs_are_light_and_of_the_trunk_dark(tmp_path: Path):
+def test_gltf_capsules_of_limbs_are_light_and_of_the_trunk_dark(tmp_path: Path):
     robot = replace(ROBOTS["upper22"], path=tmp_path / "robot.toml")
     tables, block = read(written(robot, robot.skeleton.rest[None], tmp_path / "robot.glb"))
     meshes = {

@@ -109,7 +109,7 @@ def test_linear_colours_of_gltf_textures_are_converted_to_srgb() -> None:
     np.testing.assert_allclose(screen_colours(linear), expected, atol=2e-5)
 
 
-def test_face_and_body_meshes_are_added_next_to_the_skeleton(scene: GltfScene) -> None:
+def test_gltf_scene_of_the_human_has_face_body_and_hair_nodes_beside_the_skeleton(scene: GltfScene) -> None:
     shown = [scene.tables["nodes"][node] for node in scene.tables["scenes"][0]["nodes"]]
     assert [node["name"] for node in shown] == ["human", "face", "body", "hair"]
     assert all("skin" in node for node in shown[1:])
@@ -193,7 +193,7 @@ def test_gltf_locks_of_hair_follow_the_head(scene: GltfScene) -> None:
     assert colours[roots].mean() < 0.7 * colours[~roots].mean()
 
 
-def test_jaw_blend_shape_turns_normals_of_the_skin_but_not_of_the_eyes(scene: GltfScene) -> None:
+def test_gltf_jaw_blend_shape_turns_normals_of_the_skin_but_not_of_the_eyes(scene: GltfScene) -> None:
     (primitive,) = scene.primitives("face", "skin")
     own, shape = vertices_of(scene, primitive, "skin"), MESH.shapes.index("jawOpen")
     moves = MESH.deltas[:, [shape]].toarray().reshape(-1, 3)
@@ -205,7 +205,7 @@ def test_jaw_blend_shape_turns_normals_of_the_skin_but_not_of_the_eyes(scene: Gl
     assert all(not scene.values(target["NORMAL"]).any() for target in eyes["targets"])
 
 
-def test_hair_colour_of_the_skin_begins_at_the_hairline(scene: GltfScene) -> None:
+def test_hair_colour_of_the_gltf_skin_begins_at_the_hairline(scene: GltfScene) -> None:
     (primitive,) = scene.primitives("face", "skin")
     own = vertices_of(scene, primitive, "skin")
     height = compute_vertex_chart(MESH)[own, 3]
@@ -242,7 +242,7 @@ def test_gltf_texture_coordinates_of_the_skin_are_inside_its_texture(scene: Gltf
     assert scene.attribute(primitive, "TEXCOORD_0").std(axis=0).min() > 0.05
 
 
-def test_morph_targets_move_only_vertices_of_their_blend_shape(scene: GltfScene) -> None:
+def test_gltf_morph_targets_move_only_vertices_of_their_blend_shape(scene: GltfScene) -> None:
     (face,) = [mesh for mesh in scene.tables["meshes"] if mesh["name"] == "face"]
     deltas = MESH.deltas.tocsc()
     for part in ("skin", "teeth", "tongue"):

@@ -22,7 +22,7 @@ def test_tone_is_loudest_in_the_band_of_its_frequency():
     assert int(compute_band_powers(tone(3000.0, rate=44_100))[20].argmax()) == high
 
 
-def test_level_rises_by_twenty_decibels_with_ten_times_the_amplitude():
+def test_sound_level_rises_by_twenty_decibels_with_ten_times_the_amplitude():
     quiet, loud = (compute_levels(compute_band_powers(tone(500.0, a)))[20] for a in (0.05, 0.5))
     assert loud - quiet == pytest.approx(20.0, abs=0.1)
 
@@ -88,7 +88,7 @@ def test_level_of_silence_is_120_decibels_below_unit_power():
 
 
 @pytest.mark.parametrize("has_speech", [True, False])
-def test_features_are_cepstra_above_the_noise_and_their_regression_slopes(has_speech: bool):
+def test_spectral_features_of_a_sound_are_cepstra_above_the_noise_and_their_regression_slopes(has_speech: bool):
     powers = np.random.default_rng(5).gamma(0.5, 1.0, (60, BAND_COUNT))
     is_speech = (np.arange(60) >= 20) & has_speech
     noise = 2.0 * np.percentile(powers, 5, axis=0)

@@ -129,7 +129,7 @@ def test_fully_separated_ratings_are_significant():
     assert isnan(compare_sides(answers, "strength", ("high", "low")).cells["6", "EXP"].p)
 
 
-def test_label_with_the_same_rating_as_another_is_not_the_first_choice():
+def test_label_of_a_face_with_the_same_rating_as_another_label_is_not_the_first_choice():
     conditions = {"strength": "high", "wrinkles": "with", "presentation": "image"}
     opinions = {"naturalness": 3, "realism": 3}
     assert not FaceRating("4", conditions, {"4": 4, "1+2": 4, "1+4": 1}, opinions).first_choice
@@ -187,7 +187,9 @@ def test_participant_without_both_conditions_is_excluded_from_the_paired_test():
     assert isnan(nowhere.corrected_paired_p)
 
 
-def test_p_values_of_single_actions_and_of_all_actions_are_corrected_separately(answers: tuple[FaceRating, ...]):
+def test_p_values_of_single_facial_actions_and_of_all_together_are_corrected_separately(
+    answers: tuple[FaceRating, ...],
+):
     cells = compare_sides(answers, "presentation", ("animation", "image")).cells
     for family in ([a for a in cells if a[0] != ALL_ACTIONS], [a for a in cells if a[0] == ALL_ACTIONS]):
         smallest = min(family, key=lambda cell: cells[cell].p)

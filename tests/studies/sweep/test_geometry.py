@@ -58,7 +58,7 @@ def test_mean_curvature_of_a_circular_path_is_one_over_its_radius(radius):
     assert curvature(circle(radius, 3)) == pytest.approx(1 / radius, rel=0.03)
 
 
-def test_curvature_is_independent_of_speed_and_stops():
+def test_curvature_of_a_hand_path_is_independent_of_speed_and_stops():
     path = circle(0.2)
     waiting = np.concatenate([path[:70], np.repeat(path[70:71], 300, axis=0), path[70:]])
     uneven = circle(0.2)[np.unique((np.linspace(0, 1, 200) ** 2 * (len(TIMES) - 1)).astype(int))]
@@ -72,7 +72,7 @@ def test_straight_hand_path_has_no_curvature_and_each_reversal_adds_pi():
     assert curvature(along((0, 0, 0), (0.5, 0, 0), (0.5, 0.5, 0))) == pytest.approx(np.pi / 2, rel=0.05)
 
 
-def test_curvature_of_short_reversals_is_independent_of_the_path_start():
+def test_curvature_of_short_reversals_of_a_hand_path_hardly_depends_on_the_path_start():
     results = [
         curvature(along((-offset, 0, 0), (0.2, 0, 0), (0.193, 0, 0), (0.193, 0.1, 0)))
         for offset in np.arange(0.0, 0.01, 0.001)

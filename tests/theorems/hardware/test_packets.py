@@ -37,7 +37,7 @@ def test_byte_unstuffing_inverts_byte_stuffing(body: bytes):
 
 
 @given(st.lists(st.tuples(SERVO_IDS, INSTRUCTION_KINDS, PACKET_BODIES), max_size=6), st.data())
-def test_packets_are_decoded_for_any_split_of_the_stream(
+def test_servo_packets_are_decoded_for_any_split_of_the_byte_stream(
     asked: list[tuple[int, Instruction, bytes]], data: st.DataObject
 ):
     stream = b"".join(packet(*one) for one in asked)
@@ -140,10 +140,10 @@ def _round_trips(count: int) -> None:
         assert list(reader.feed(noise + packet(servo, Instruction.WRITE, body))) == [Packet(servo, 3, body)]
 
 
-def test_random_packets_are_decoded():
+def test_encoded_random_servo_packets_are_decoded_unchanged():
     _round_trips(SAMPLE_SIZE)
 
 
 @pytest.mark.soak
-def test_100000_random_packets_are_decoded():
+def test_100000_encoded_random_servo_packets_are_decoded_unchanged():
     _round_trips(SOAK_SIZE)

@@ -13,14 +13,14 @@ ZERO_TICKS = st.integers(0, 4095)  # [ticks] servo position at hinge angle 0
 
 
 @given(ZERO_TICKS, TURN_SCALES, st.floats(-np.pi, np.pi))
-def test_angle_error_is_at_most_half_a_tick(zero: int, turns: float, angle: float):
+def test_angle_converted_to_servo_ticks_and_back_differs_by_at_most_half_a_tick(zero: int, turns: float, angle: float):
     line = Scale(np.array([float(zero)]), np.array([turns]))
     back = line.angles(line.ticks(np.array([angle])))
     assert abs(back[0] - angle) <= 0.5 / (abs(turns) * TICKS_PER_RADIAN) + 1e-12
 
 
 @given(ZERO_TICKS, TURN_SCALES)
-def test_ticks_converted_to_angles_and_back_are_unchanged(zero: int, turns: float):
+def test_servo_ticks_converted_to_angles_and_back_are_unchanged(zero: int, turns: float):
     line = Scale(np.array([float(zero)]), np.array([turns]))
     every = np.arange(4096)[:, None]
     assert (line.ticks(line.angles(every)) == every).all()
