@@ -57,8 +57,9 @@ class Performer:
             robot: name of the robot, or path of its TOML file.
             style: name of the style, or path of its TOML file.
             options: settings, lexicon, dialect, gather, idle, variation, seed, voice, pause, targets, character; see
-                `kinesic.session.options.PlanningOptions`. By default, the robot idles and gestures vary, and the
-                voice is the silent `durations`; that of the command line is `auto`, whose times differ.
+                `kinesic.session.options.PlanningOptions`. The defaults are those of the command line: the robot
+                idles, gestures vary, and the voice is `auto`. The silent voice `durations` has the same times on
+                every machine.
 
         Raises:
             ConfigError: a file is missing or a value is invalid; the message names valid values.

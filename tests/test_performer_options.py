@@ -10,6 +10,7 @@ import kinesic
 from kinesic.body.config import CONFIGS
 from kinesic.expressivity.idle import Idling
 from kinesic.expressivity.variation import Variation
+from kinesic.session.options import INTERACTIVE_DEFAULTS, PlanningOptions
 
 NOD = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b">'
@@ -25,6 +26,12 @@ def performer() -> kinesic.Performer:
 @pytest.fixture(scope="module")
 def plan(performer) -> kinesic.Plan:
     return performer.plan(NOD)
+
+
+def test_performer_has_the_defaults_of_the_command_line():
+    options = PlanningOptions.__annotations__
+    assert {name: options[name].__metadata__[0].default for name in INTERACTIVE_DEFAULTS} == INTERACTIVE_DEFAULTS
+    assert INTERACTIVE_DEFAULTS["voice"] == "auto"
 
 
 def test_public_names_of_the_package_exist_and_are_listed_by_dir():

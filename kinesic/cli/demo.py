@@ -23,7 +23,7 @@ def perform_demo(out: Path | None, robot: str, style: str, film: bool, force: bo
     """
     folder = out or DEMO_FOLDER
     options = PerformOptions(
-        Planning(robot, style, {**INTERACTIVE_DEFAULTS, "voice": "auto"}),
+        Planning(robot, style, INTERACTIVE_DEFAULTS),
         Performers(frozenset({"twin"}), ()),
         TwinOptions(twin=None, learn=None, feedforward="full", correction=True),
         Output(folder, force or out is None, as_json=False),

@@ -94,7 +94,8 @@ def gesture_move(timed: TimedBehaviour, action: Gesture, context: BlockContext) 
     place = None if action.target is None or target_warnings else context.find_target(action.target)
     if action.target is not None and place is not None:
         if not is_captured(form):
-            return pointing_move(timed, Pointing(action.target, action.mode, action.shape), context)
+            shape = action.shape or (POINTING_SHAPE if lacking_shapes(form.shapes, context.robot) else "")
+            return pointing_move(timed, Pointing(action.target, action.mode, shape), context)
         form = _aim_form(form, action.mode, place, context.robot)
     manner = context.manner(timed.behaviour)
     form = replace(form, body=_scale_body(form.body, timed, context))
@@ -151,10 +152,12 @@ def _match_outcome(
 ) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:
     """Return the outcome and warnings of a lexicon match.
 
-    The outcome is realised, substituted, or partial if the robot lacks fingers for the hand shapes or one is unknown.
+    The outcome is realised, substituted, or partial if a hand shape is unknown or the robot lacks fingers for the hand
+    shapes or the finger motion.
     """
     synonym_text = f"a synonym of {match.form.id}" if match.kind == "synonym" and not match.substitute else ""
-    lacking_text, unknown_text = _lacking_fingers(match.form.shapes, robot), unknown_shape(shape)
+    lacking_text = _lacking_fingers(match.form.shapes, robot) or _lacking_motion(match.form, robot)
+    unknown_text = unknown_shape(shape)
     reasons = (match.substitute, present.swapped, present.reduced, lacking_text, unknown_text, synonym_text)
     why = "; ".join(filter(None, reasons))
     if match.substitute or present.swapped:
@@ -176,6 +179,12 @@ def _lacking_fingers(requested_shapes: Sequence[str], robot: Robot) -> str:
     return f"hand shape{plural} {' and '.join(shapes)} need{singular} fingers" if shapes else ""
 
 
+def _lacking_motion(form: GestureForm, robot: Robot) -> str:
+    """Return a message about a finger motion on a robot without fingers, or an empty text."""
+    has_fingers = any(robot.arm(side).fingers for side in robot.sides)
+    return "" if form.fingers is None or has_fingers else f'finger motion "{form.fingers.name}" needs fingers'
+
+
 def _target_warnings(action: Gesture, form: GestureForm, context: BlockContext) -> tuple[BehaviourWarning, ...]:
     """Return warnings about a gesture target that is unknown or unsupported."""
     if action.target is None:
@@ -192,6 +201,7 @@ def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext
     """Convert a pointing behaviour to hand strokes.
 
     By default, the hand on the target's side points. A behaviour with an unknown target is dropped with a warning.
+    Without a requested hand shape, a robot without fingers points with the whole hand.
     """
     place = context.find_target(action.target)
     if place is None:
@@ -209,7 +219,8 @@ def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext
     target_warnings = unknown_shape(action.shape) or (_lacking_fingers((shape,), robot) if action.shape else "")
     target_warnings = "; ".join(filter(None, (describe_missing_arm(action.mode, robot), target_warnings)))
     outcome, warnings = _partly(target_warnings) if target_warnings else (REALISED_OUTCOME, ())
-    return Move(outcome, strokes=(stroke,), warnings=warnings, shapes=(shape,))
+    requested_shapes = (shape,) if action.shape or not lacking_shapes((shape,), robot) else ()
+    return Move(outcome, strokes=(stroke,), warnings=warnings, shapes=requested_shapes)
 
 
 def _order_pointing(work: Mapping[Side, Poses], mode: HandMode, place: Floats, body: BodyForm) -> tuple[Poses, ...]:

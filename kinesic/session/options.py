@@ -104,7 +104,8 @@ class PlanningOptions(TypedDict, total=False):
     mapping: Annotated[MappingTrust, CliOption(MAPPING_HELP, "checked", show_default=True)]
 
 
-INTERACTIVE_DEFAULTS: PlanningOptions = {"idle": 1.0, "variation": 1.0}  # for `Performer` and CLI; `set_up` uses 0
+# Defaults of `Performer` and of the command line; `set_up` has no variation, no idle motion and a silent voice.
+INTERACTIVE_DEFAULTS: PlanningOptions = {"idle": 1.0, "variation": 1.0, "voice": "auto"}
 
 OPTION_CHOICES: Mapping[str, tuple[str, ...]] = {
     "dialect": ("auto", *get_args(Dialect)),

@@ -112,6 +112,11 @@ def test_hand_shape_that_needs_fingers_is_reported_on_a_robot_without_fingers(pe
     assert [notice.text for notice in frames.notices] == ([said] if said else [])
 
 
+def test_finger_motion_that_needs_fingers_is_reported_on_a_robot_without_fingers(perform, beat):
+    outcome = perform(("g", Gesture("piano"), beat)).outcomes["g"]
+    assert outcome == Outcome("partly", 'finger motion "typing" needs fingers')
+
+
 def test_unknown_gesture_is_dropped_and_named(perform, beat):
     frames = perform(("g", Gesture("xyzzy"), beat))
     assert frames.outcomes["g"].kind == "dropped"
@@ -275,6 +280,22 @@ def test_deictic_gesture_with_target_points_at_it(perform, beat):
     hands = [next(f for f in item.frames if ("g", "stroke") in f.syncs).hands["l"] for item in (pointed, aimed)]
     np.testing.assert_array_equal(hands[0].reach.position, hands[1].reach.position)
     assert hands[1].aim is not None
+
+
+@pytest.mark.parametrize(
+    ("action", "outcome", "shapes"),
+    [
+        (Gesture("this_index", target="left"), Outcome("partly", 'hand shape "index" needs fingers'), ("index",)),
+        (Gesture("you", target="left"), Outcome("realised"), ()),
+        (Pointing("left"), Outcome("realised"), ()),
+    ],
+)
+def test_robot_without_fingers_points_partly_only_if_the_index_finger_is_requested(
+    perform, beat, action, outcome, shapes
+):
+    frames = perform(("g", action, beat))
+    assert frames.outcomes["g"] == outcome
+    assert frames.shapes.get("g", ()) == shapes
 
 
 @pytest.mark.parametrize(

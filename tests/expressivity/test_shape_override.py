@@ -62,6 +62,15 @@ def test_hand_without_fingers_reports_an_impossible_hand_shape(element: str, wri
     assert (f"hand shape '{written}' is unknown" in outcome.why) == (written == "tentacle")
 
 
+@pytest.mark.parametrize("lexeme", ["piano", "air_quotes"])
+def test_hand_with_fingers_realises_a_finger_motion(lexeme: str):
+    assert planned(f'<gesture id="g" lexeme="{lexeme}" stroke="2"/>').keyframes.outcomes["g"].kind == "realised"
+
+
+def test_pointing_hand_with_fingers_reports_its_index_finger():
+    assert planned('<pointing id="g" target="user" stroke="2"/>').keyframes.shapes["g"] == ("index",)
+
+
 def test_second_requested_hand_shape_is_ignored_with_a_warning():
     made = planned('<gesture id="g" lexeme="beat" handShape="fist" handshape="index" stroke="2"/>')
     assert made.keyframes.shapes["g"] == ("fist",)

@@ -9,7 +9,7 @@ from kinesic.bench.metric import Metric
 RUN_REPETITIONS = 5  # number of timed process starts
 MAX_READY_TIME = 0.6  # [s] CPU time goal for making a performer, imports included
 MAX_PLANNER_MEMORY = 150.0  # [MB] memory goal of a planning process
-PERFORMER_CODE = "import kinesic; kinesic.Performer('upper22')"
+PERFORMER_CODE = "import kinesic; kinesic.Performer('upper22', voice='durations')"
 PLANNER_CODE = "from kinesic.session.plan import plan; from kinesic.session.setup import set_up; plan(TEXT, set_up())"
 PROGRAM_TEMPLATE = """
 import json, time

@@ -17,7 +17,7 @@ from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.report.report import Json
 from kinesic.report.scene import pack_rows
-from kinesic.session.options import INTERACTIVE_DEFAULTS, check_options
+from kinesic.session.options import check_options
 from kinesic.session.plan import plan
 from kinesic.studies.gesture_perception.design import StimulusVersion
 from kinesic.studies.gestures.isolated import write_isolated_gesture
@@ -99,7 +99,7 @@ def changed_setup(setup: Setup, condition: str) -> Setup:
         ConfigError: the setting does not exist, or its value is out of range.
     """
     name, _, value = condition.partition("=")
-    if name not in INTERACTIVE_DEFAULTS:
+    if name not in ("idle", "variation"):
         return replace(setup, style=setup.style.changed((condition,)))
     try:
         amount = float(value)
