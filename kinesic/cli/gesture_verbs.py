@@ -13,7 +13,7 @@ lexicon_option = click.option(
     "--lexicon", type=click.Path(path_type=Path), help="Gestures: TOML, a folder of TOML, or Greta's XML."
 )
 gesture_robot_option = click.option(
-    "--robot", type=ROBOT_NAME, default="upper22", help="Robot that performs the gestures."
+    "--robot", type=ROBOT_NAME, default="upper22", show_default=True, help="Robot that performs the gestures."
 )
 
 
