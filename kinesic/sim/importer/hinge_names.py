@@ -1,7 +1,11 @@
 """Hinge names of imported robots without fingers."""
 
 SPINE_TURNS = ("roll", "tilt", "torsion")  # name suffixes of trunk and head hinges, by their nearest axis x, y, z
-VERTEBRA_NAMES = {"vl5": ("vl5", "vt10", "vt6", "vt1"), "skullbase": ("skullbase", "vc4", "vc7", "vc2")}
+VERTEBRA_NAMES = {  # segment -> vertebrae that its hinges may have, best first
+    "vl5": ("vl5", "vt10", "vt6", "vt1"),
+    "skullbase": ("skullbase", "vc4", "vc7", "vc2"),
+}
+VERTEBRAE_UPWARDS = ("vl5", "vt10", "vt6", "vt1", "vc7", "vc4", "vc2", "skullbase")  # from the pelvis to the head
 ARM_TURNS = {  # part of an arm -> name suffixes of its hinges
     "sternoclavicular": ("abduct", "rotate", "twisting"),
     "shoulder": ("flexion", "abduct", "twisting"),

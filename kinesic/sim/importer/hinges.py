@@ -15,7 +15,7 @@ from kinesic.body.robot import Side
 from kinesic.body.robot_schema import SourceTable
 from kinesic.sim.importer.arm import MIN_TWIST_COSINE
 from kinesic.sim.importer.hanging_pose import find_elbow_sense
-from kinesic.sim.importer.hinge_names import SPINE_TURNS, VERTEBRA_NAMES, find_segment
+from kinesic.sim.importer.hinge_names import SPINE_TURNS, VERTEBRA_NAMES, VERTEBRAE_UPWARDS, find_segment
 from kinesic.sim.importer.zero_pose import MIRROR_SIGNS, HumanoidGeometry
 
 ZERO_DIGITS = 6  # decimal digits of joint zeros [deg] in robot files
@@ -102,13 +102,15 @@ def _name_again(figure: HumanoidGeometry, hinge: MappedHinge, name: str) -> Mapp
 
 
 def _spine(figure: HumanoidGeometry, segment: str, joints: Sequence[int]) -> Iterator[MappedHinge]:
-    used_names: set[str] = set()
-    for k in joints:
-        axis = figure.tree.joints[k].axis
-        lateral = int(np.argmax(np.abs(axis)))
-        names = [f"{vertebra}_{SPINE_TURNS[lateral]}" for vertebra in VERTEBRA_NAMES[segment]]
-        name = next(name for name in names if name not in used_names)
-        used_names.add(name)
+    """Name the hinges of trunk or neck, hinges about one axis from the lowest vertebra up."""
+    axes = [figure.tree.joints[k].axis for k in joints]
+    laterals = [int(np.argmax(np.abs(axis))) for axis in axes]
+    names = {
+        lateral: iter(sorted(VERTEBRA_NAMES[segment][: laterals.count(lateral)], key=VERTEBRAE_UPWARDS.index))
+        for lateral in laterals
+    }
+    for k, axis, lateral in zip(joints, axes, laterals, strict=True):
+        name = f"{next(names[lateral])}_{SPINE_TURNS[lateral]}"
         yield _map_hinge(figure, k, name, segment, float(np.sign(axis[lateral])))
 
 

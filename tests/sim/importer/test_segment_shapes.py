@@ -300,7 +300,7 @@ def test_hinges_of_the_spine_are_named_from_the_base_upwards_by_their_nearest_ax
         ("vl5_tilt", 1.0),
         ("vt10_torsion", -1.0),
     ]
-    assert [hinge.name for hinge in _spine(shape, "skullbase", (2, 4))] == ["skullbase_tilt", "vc4_tilt"]
+    assert [hinge.name for hinge in _spine(shape, "skullbase", (2, 4))] == ["vc4_tilt", "skullbase_tilt"]
 
 
 @pytest.mark.parametrize(("sign", "text"), [(1.0, "j = angle +90.0000 deg"), (-1.0, "j = -angle +90.0000 deg")])
