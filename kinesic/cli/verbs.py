@@ -240,9 +240,10 @@ def _assess_robot() -> None:
 @force_option
 @implemented_by("robots:import_robot")
 def _import_robot() -> None:
-    """Convert an MJCF or URDF robot to a robot file.
+    """Convert an MJCF, URDF or xacro robot to a robot file.
 
-    --map corrects the hinge of a joint, and of its partner on the other side, such as --map left_yaw=l_elbow_twisting.
+    The picture NAME.mapping.png shows the robot from the front with the names of its joints (extra plots). --map
+    corrects the hinge of a joint, and of its partner on the other side, such as --map left_yaw=l_elbow_twisting.
     """
 
 

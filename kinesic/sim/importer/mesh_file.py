@@ -1,4 +1,4 @@
-"""Reader of triangle meshes (binary STL, OBJ) that simplifies them."""
+"""Reader of triangle meshes (STL, OBJ, COLLADA) that simplifies them."""
 
 from dataclasses import dataclass
 from pathlib import Path
@@ -8,11 +8,13 @@ import numpy as np
 from kinesic.body.arrays import Flags, Floats, Indices, sealed
 from kinesic.body.config import ConfigError
 from kinesic.files.input_file import read_inside
+from kinesic.sim.importer.collada import parse_collada
 from kinesic.sim.importer.reading.file_kinds import refuse_pointer
 
 MAX_MESH_SIZE = 20_000_000  # [bytes] largest mesh file
-MESH_SUFFIXES = (".stl", ".obj")  # supported mesh formats
+MESH_SUFFIXES = (".stl", ".obj", ".dae")  # supported mesh formats
 STL_HEADER_SIZE = 84  # [bytes] size of the header of a binary STL file
+STL_TEXT_START = b"solid"  # first word of an STL file in text form
 STL_TRIANGLE_SIZE = 50  # [bytes] size of each triangle in a binary STL file
 MAX_VERTEX_COORDINATE = 100.0  # [m] largest accepted coordinate; farther triangles are removed
 CELL_BISECTIONS = 14  # bisection steps for the cell size of simplification
@@ -28,7 +30,7 @@ class Triangles:
 
 
 def read_mesh(path: Path, *, folder: Path) -> Triangles:
-    """Read a triangle mesh from a binary STL or an OBJ file.
+    """Read a triangle mesh from an STL, OBJ or COLLADA file.
 
     Args:
         path: Mesh file.
@@ -40,11 +42,11 @@ def read_mesh(path: Path, *, folder: Path) -> Triangles:
     """
     kind = path.suffix.lower()
     if kind not in MESH_SUFFIXES:
-        raise ConfigError(f"{path.name}: only {' and '.join(MESH_SUFFIXES)} are read; convert it to one of them")
+        raise ConfigError(f"{path.name}: only {', '.join(MESH_SUFFIXES)} are read; convert it to one of them")
     data = read_inside(folder, path, max_size=MAX_MESH_SIZE)
     refuse_pointer(path.name, data)
     try:
-        mesh = _parse_stl(data) if kind == ".stl" else _parse_obj(data.decode("utf-8", errors="replace"))
+        mesh = _parse(kind, data)
     except (ValueError, IndexError, OverflowError) as error:
         raise ConfigError(f"{path.name}: not a readable {kind[1:].upper()} file: {error}") from None
     if not len(mesh.corners) or not np.isfinite(mesh.vertices).all():
@@ -52,12 +54,35 @@ def read_mesh(path: Path, *, folder: Path) -> Triangles:
     return mesh
 
 
+def _parse(kind: str, data: bytes) -> Triangles:
+    """Parse the contents of a mesh file by its suffix."""
+    if kind == ".dae":
+        vertices, corners = parse_collada(data)
+        return Triangles(sealed(vertices), corners)
+    return _parse_stl(data) if kind == ".stl" else _parse_obj(data.decode("utf-8", errors="replace"))
+
+
 def _parse_stl(data: bytes) -> Triangles:
+    """Parse an STL file, as text if it begins like one and has no binary size."""
     count = int.from_bytes(data[STL_HEADER_SIZE - 4 : STL_HEADER_SIZE], "little")
     if len(data) != STL_HEADER_SIZE + count * STL_TRIANGLE_SIZE:
-        raise ValueError(f"{len(data)} bytes are not {count} triangles; it must be a binary STL")
+        if not data.lstrip().startswith(STL_TEXT_START):
+            raise ValueError(f"{len(data)} bytes are not {count} triangles of a binary STL, and it is no text either")
+        return _parse_stl_text(data.decode("utf-8", errors="replace"))
     rows = np.frombuffer(data, dtype=np.uint8, offset=STL_HEADER_SIZE).reshape(count, STL_TRIANGLE_SIZE)
-    corners = rows[:, 12:48].copy().view("<f4").reshape(-1, 3)
+    return _join_corners(rows[:, 12:48].copy().view("<f4").reshape(-1, 3))
+
+
+def _parse_stl_text(text: str) -> Triangles:
+    rows = [line.split()[1:] for line in text.splitlines() if line.split()[:1] == ["vertex"]]
+    corners = np.array(rows, dtype=float).reshape(-1, 3)
+    if len(corners) % 3:
+        raise ValueError(f"{len(corners)} vertices are not three for each triangle")
+    return _join_corners(corners)
+
+
+def _join_corners(corners: Floats) -> Triangles:
+    """Return the mesh of triangle corners (3 t, 3), with equal vertices merged."""
     vertices, placed = np.unique(corners, axis=0, return_inverse=True)
     return Triangles(sealed(vertices), placed.reshape(-1, 3))
 

@@ -42,9 +42,7 @@ class MeshReader:
 
     def _read(self, reference: MeshReference, mesh: mujoco.MjsMesh) -> Triangles:
         if not reference.file:
-            raise ConfigError(
-                f"mesh {reference.name}: without a file; only {' and '.join(MESH_SUFFIXES)} files are drawn"
-            )
+            raise ConfigError(f"mesh {reference.name}: without a file; only {', '.join(MESH_SUFFIXES)} files are drawn")
         if len(self._cache) >= MAX_MESH_FILES:
             raise ConfigError(f"{reference.file}: more than {MAX_MESH_FILES} mesh files")
         path, home = self._find(reference)

@@ -41,6 +41,21 @@ def test_stl_is_read_with_merged_vertices(tmp_path: Path):
     assert len(result.vertices) < 0.3 * 3 * len(result.corners)
 
 
+def test_stl_in_text_form_has_the_triangles_of_the_binary_form(tmp_path: Path):
+    mesh = ball(6)
+    facets = [
+        "facet normal 0 0 0\nouter loop\n"
+        + "".join(f"vertex {' '.join(f'{value:.9g}' for value in mesh.vertices[k])}\n" for k in triangle)
+        + "endloop\nendfacet\n"
+        for triangle in mesh.corners
+    ]
+    (tmp_path / "text.stl").write_text("  solid ball\n" + "".join(facets) + "endsolid ball\n")
+    (tmp_path / "binary.stl").write_bytes(b"solid".ljust(80) + stl(mesh)[80:])
+    text, binary = (read_mesh(tmp_path / name, folder=tmp_path) for name in ("text.stl", "binary.stl"))
+    np.testing.assert_allclose(text.vertices[text.corners], mesh.vertices[mesh.corners], atol=1e-8)
+    np.testing.assert_allclose(binary.vertices[binary.corners], mesh.vertices[mesh.corners], atol=1e-6)
+
+
 def test_obj_faces_may_have_any_number_of_corners(tmp_path: Path):
     path = tmp_path / "plate.obj"
     path.write_text("# a plate\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1 4//1\nf -4 -3 -2\n")
@@ -51,9 +66,13 @@ def test_obj_faces_may_have_any_number_of_corners(tmp_path: Path):
 @pytest.mark.parametrize(
     ("name", "data", "why"),
     [
-        ("a.dae", b"<xml/>", "only .stl and .obj are read"),
-        ("a.stl", b"solid ascii\n" + bytes(100), "must be a binary STL"),
-        ("a.stl", bytes(80) + struct.pack("<I", 4_000_000_000), "must be a binary STL"),
+        ("a.ply", b"ply", "only .stl, .obj, .dae are read"),
+        ("a.dae", b"<xml/>", "no triangles"),
+        ("a.dae", b"<COLLADA>", "not a readable DAE"),
+        ("a.stl", b"solid ascii\n" + bytes(100), "no triangles"),
+        ("a.stl", b"solid a\nvertex 0 0 0\nvertex 1 0 0\n" + bytes(80), "not three for each triangle"),
+        ("a.stl", b"solid a\nvertex 0 0\nvertex 1 0 0\nvertex 1 0 0\n" + bytes(80), "not a readable STL"),
+        ("a.stl", bytes(80) + struct.pack("<I", 4_000_000_000), "and it is no text either"),
         ("a.stl", bytes(84), "no triangles"),
         ("a.obj", b"v 0 0 0\nf 1 2 3\n", "an invalid vertex index"),
         ("a.obj", b"v 0 0 nan\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "not finite"),

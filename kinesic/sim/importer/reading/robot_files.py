@@ -14,6 +14,7 @@ from kinesic.body.config import ConfigError
 from kinesic.files.input_file import open_regular, read_inside
 from kinesic.sim.importer.reading.file_kinds import refuse_other_kinds, refuse_other_roots
 from kinesic.sim.importer.reading.model_text import Attached, MeshReference, ModelText
+from kinesic.sim.importer.reading.xacro_file import expand_xacro, is_xacro
 
 MAX_MODEL_SIZE = 20_000_000  # [bytes] largest total size of a robot's XML files
 MAX_FILES = 500  # largest number of XML files of one robot
@@ -37,6 +38,8 @@ class RobotFiles:
 def read_robot_files(path: Path) -> RobotFiles:
     """Read a robot's file, includes and attached models, but no meshes.
 
+    A file with xacro macros is expanded first.
+
     Raises:
         ConfigError: a file is outside the robot's folder or missing, or the files exceed the limits.
         xml.parsers.expat.ExpatError: a file is not well-formed.
@@ -47,6 +50,9 @@ def read_robot_files(path: Path) -> RobotFiles:
         data = file.read(MAX_MODEL_SIZE + 1)
     refuse_other_kinds(str(path), path.suffix, data)
     reader.count_file(path, len(data))
+    if is_xacro(data):
+        data = expand_xacro(path)
+        reader.count_file(path, len(data))
     root, _ = reader.parse(path, data)
     refuse_other_roots(str(path), root.tag)
     return RobotFiles(path, root, reader.models, reader.meshes)

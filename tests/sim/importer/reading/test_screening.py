@@ -132,8 +132,8 @@ def test_included_pipe_folder_or_huge_file_is_rejected(robot: Path, part: str):
     assert "not a regular file" in said or "Is a directory" in said or "at most 20000000" in said
 
 
-def test_xacro_file_is_rejected_with_the_expansion_command(robot: Path):
-    text = '<robot name="r" xmlns:xacro="http://ros.org/xacro"><xacro:include filename="/etc/hostname"/></robot>'
+def test_macro_without_the_xacro_namespace_is_rejected_with_the_expansion_command(robot: Path):
+    text = '<robot name="r"><xacro:include filename="/etc/hostname"/></robot>'
     assert "expand the file first: xacro FILE > robot.urdf" in refused(robot, text)
 
 
