@@ -91,7 +91,7 @@ def test_example_of_the_certificate_page_gives_the_shown_warning():
 
 @pytest.mark.soak
 @pytest.mark.parametrize("page", PROGRAM_PAGES)
-def test_python_examples_of_a_page_run_in_an_empty_folder(page: str, tmp_path: Path):
+def test_python_examples_of_a_documentation_page_run_in_an_empty_folder(page: str, tmp_path: Path):
     blocks = re.findall(r"```python\n(.*?)```", (ROOT / "docs" / page).read_text(encoding="utf-8"), re.DOTALL)
     (tmp_path / "example.py").write_text("\n".join(blocks), encoding="utf-8")
     ended = subprocess.run([sys.executable, "example.py"], cwd=tmp_path, capture_output=True, text=True, check=False)

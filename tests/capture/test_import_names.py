@@ -125,7 +125,7 @@ def test_moderate_rotation_of_head_or_trunk_belongs_to_an_imported_gesture(known
     assert found.splitlines() == ([*lines, "nod = 0.0"] if lines else [])
 
 
-def test_licence_and_origin_of_a_clip_are_those_of_its_folder(known_clips, tmp_path):
+def test_licence_and_origin_of_an_imported_clip_are_those_of_its_folder(known_clips, tmp_path):
     clips = tmp_path / "clips"
     (clips / "lab").mkdir(parents=True)
     (clips / "licence.md").write_text("# MIT\n")
@@ -143,7 +143,7 @@ def test_licence_and_origin_of_a_clip_are_those_of_its_folder(known_clips, tmp_p
     assert (given.card.licence, given.card.source) == ("GPL", "a lab")
 
 
-def test_licence_is_a_line_among_the_first_twenty(known_clips, tmp_path):
+def test_licence_of_imported_clips_is_read_from_the_first_twenty_lines_of_the_file(known_clips, tmp_path):
     clips = tmp_path / "clips"
     clips.mkdir()
     (clips / "LICENSE").write_text("\n" * 19 + "MIT\n")
@@ -159,13 +159,13 @@ def test_clips_are_imported_in_the_order_of_their_names_with_progress(known_clip
     assert imported.card.description == "3 captured gestures"
 
 
-def test_robot_data_and_folders_are_no_clips(known_clips, tmp_path):
+def test_robot_data_files_and_folders_are_not_imported_as_gesture_clips(known_clips, tmp_path):
     (tmp_path / "c" / "folder.bvh").mkdir(parents=True)
     imported = import_names(tmp_path / "c", "a.bvh", "b.csv", "c.json", "d.mcap", "e.parquet", "f.txt")
     assert [clip.id for clip in imported.clips] == ["a"]
 
 
-def test_joint_angles_of_one_robot_are_no_gesture(known_clips, tmp_path):
+def test_joint_angles_of_one_robot_are_not_imported_as_a_gesture(known_clips, tmp_path):
     known_clips.clip = JointClip(np.zeros(2), ("a",), np.zeros((2, 1)))
     with pytest.raises(ConfigError, match=r"first problem: .*a.npz: joint angles of one robot are no gesture"):
         import_names(tmp_path / "c", "a.npz", "b.npz")
@@ -188,7 +188,7 @@ def test_imported_gestures_and_their_card_are_written_beside_each_other(known_cl
         assert (written[f"{clip.id}.toml"].decode(), written[f"{clip.id}.npz"]) == (clip.text, clip.motion)
 
 
-def test_file_system_root_as_a_folder_of_clips_has_a_collection_name(known_clips, monkeypatch):
+def test_collection_imported_from_the_file_system_root_is_named_gestures(known_clips, monkeypatch):
     folder = SimpleNamespace(is_dir=lambda: True, rglob=lambda pattern: [Path("/a.bvh")], name="", parent=Path("/"))
     monkeypatch.setattr(Path, "is_file", lambda self: self.suffix == ".bvh")
     imported = import_folder(folder, None, licence="CC0", source="a disk")

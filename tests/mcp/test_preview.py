@@ -65,7 +65,7 @@ def preview(robot: PlayedRobot) -> tuple[Mapping[str, object], bytes | None]:
     return made.answer, made.picture
 
 
-def test_preview_has_times_and_a_picture_even_while_the_robot_is_stopped():
+def test_preview_tool_gives_times_and_a_picture_even_while_the_robot_is_stopped():
     answer, picture = preview(PlayedRobot(planned(2, speech=True)))
     assert answer == {
         "seconds": 2.0,
@@ -81,7 +81,7 @@ def test_preview_has_times_and_a_picture_even_while_the_robot_is_stopped():
     assert picture.startswith(b"\x89PNG")
 
 
-def test_preview_gives_the_reason_of_a_dropped_behaviour():
+def test_preview_tool_gives_the_reason_of_a_dropped_behaviour():
     plan = planned(1)
     plan["behaviours"] = [{"id": "g0", "type": "gesture", "outcome": "dropped", "why": "too close"}]
     assert summarise_plan(plan)["behaviours"] == [
@@ -89,7 +89,7 @@ def test_preview_gives_the_reason_of_a_dropped_behaviour():
     ]
 
 
-def test_preview_figures_show_postures_at_strokes_with_the_spoken_words():
+def test_figures_of_the_preview_tool_show_postures_at_strokes_with_the_spoken_words():
     figures, total = choose_figures(planned(3, speech=True), HINGES)
     assert [(figure.title, figure.note) for figure in figures] == [
         ("g0  0.00 s", ""),
@@ -100,7 +100,7 @@ def test_preview_figures_show_postures_at_strokes_with_the_spoken_words():
     assert [float(figure.angles[0]) for figure in figures] == pytest.approx([0.0, 1.0, 2.0])
 
 
-def test_preview_of_20_strokes_shows_eight_figures_including_the_first_and_the_last():
+def test_preview_tool_shows_eight_figures_of_20_strokes_including_the_first_and_the_last():
     figures, total = choose_figures(planned(20), HINGES)
     assert total == 20
     assert len(figures) == MAX_FIGURES
@@ -108,24 +108,24 @@ def test_preview_of_20_strokes_shows_eight_figures_including_the_first_and_the_l
     assert preview(PlayedRobot(planned(20)))[0]["picture"] == "8 of 20 strokes"
 
 
-def test_preview_shows_a_head_stroke_and_has_no_picture_without_any_stroke():
+def test_preview_tool_shows_a_head_stroke_and_has_no_picture_without_any_stroke():
     assert choose_figures(planned(1, type_="head"), HINGES)[1] == 1
     answer, picture = preview(PlayedRobot(planned(0, speech=True)))
     assert (answer["picture"], picture) == ("no picture: no behaviour has a stroke", None)
 
 
-def test_preview_has_no_picture_if_the_server_uses_another_robot():
+def test_preview_tool_gives_no_picture_if_the_server_uses_another_robot():
     answer, picture = preview(PlayedRobot(planned(1), robot="upper36"))
     assert (answer["picture"], picture) == ("no picture: the server performs with another robot", None)
 
 
-def test_preview_of_an_invalid_document_is_refused():
+def test_preview_tool_refuses_an_invalid_document():
     error = {"told": "plan", "error": {"line": 1, "column": 1, "text": "not BML"}}
     with pytest.raises(RefusedError, match=r"^line 1, column 1: not BML$"):
         preview(PlayedRobot(error))
 
 
-def test_preview_picture_has_a_figure_for_each_posture():
+def test_picture_of_the_preview_tool_has_a_figure_for_each_posture():
     raised = ROBOT.skeleton.rest.copy()
     raised[[name.startswith("l_shoulder") for name in ROBOT.skeleton.names]] -= 1.0
     one, five = (draw_strokes(ROBOT, [StrokeFigure(raised, "g", "w" * 200)] * count) for count in (1, 5))
@@ -140,7 +140,7 @@ def test_preview_picture_has_a_figure_for_each_posture():
     assert len(one) < 60_000
 
 
-def test_all_values_in_the_tool_schema_are_performed_without_substitution():
+def test_all_values_in_the_document_schema_of_the_mcp_tools_are_performed_without_substitution():
     heads = [{"type": "head", "id": f"h{k}", "lexeme": name} for k, name in enumerate(HEAD_MOVEMENTS)]
     faces = [{"type": "face", "id": f"f{k}", "lexeme": name} for k, name in enumerate(FACE_LEXEMES)]
     looks = [{"type": "gaze", "id": f"l{k}", "target": name} for k, name in enumerate(GAZE_TARGETS)]

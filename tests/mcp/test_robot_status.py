@@ -53,7 +53,7 @@ def wait(robot: PlayedRobot, block: str, timeout: float = 5.0) -> Mapping[str, o
     return asyncio.run(wait_for_end(RobotGate.of(cast(RobotLine, robot), cast(Setup, None)), block, timeout))
 
 
-def test_status_lists_playing_and_next_blocks_with_the_seconds_left():
+def test_status_tool_lists_playing_and_next_blocks_with_the_seconds_left():
     status = {"told": "status", "robot": "upper22", "state": "playing", "servos": None, "late": 0, "waiting": 3}
     assert summarise({**status, "blocks": [PLAYING, NEXT]}, ["g: moved"]) == {
         "robot": "upper22",
@@ -65,7 +65,7 @@ def test_status_lists_playing_and_next_blocks_with_the_seconds_left():
     }
 
 
-def test_status_names_an_accepted_block_that_is_being_planned():
+def test_status_tool_names_an_accepted_block_that_is_being_planned():
     status = {"robot": "upper22", "state": "resting", "waiting": 0, "planning": True, "blocks": []}
     answer = summarise(status, [], ["b", "a"])
     assert answer["documents_not_planned_yet"] == 1
@@ -74,7 +74,7 @@ def test_status_names_an_accepted_block_that_is_being_planned():
     assert summarise({**status, "state": "stopped"}, [])["state"] == "stopped"
 
 
-def test_status_after_the_last_block_is_settling_until_the_robot_rests():
+def test_status_tool_reports_settling_after_the_last_block_until_the_robot_rests():
     status = {"robot": "upper22", "state": "playing", "waiting": 0, "blocks": []}
     assert summarise(status, []) == {"robot": "upper22", "state": "settling", "playing": []}
     assert summarise({**status, "waiting": 1}, [])["state"] == "starting"
@@ -82,19 +82,19 @@ def test_status_after_the_last_block_is_settling_until_the_robot_rests():
     assert summarise({**status, "state": "stopped", "waiting": 1}, [])["state"] == "stopped"
 
 
-def test_status_names_each_accepted_block_once():
+def test_status_tool_names_each_accepted_block_once():
     status = {"robot": "upper22", "state": "resting", "waiting": 0, "blocks": [NEXT]}
     assert summarise(status, [], ["b"])["next"] == [{"block": "b", "seconds_left": 4.0, "starts_in": 2.3}]
     assert summarise({**status, "planning": True}, [], ["b"])["next"] == summarise(status, [])["next"]
     assert summarise(status, [])["state"] == "starting"
 
 
-def test_status_omits_an_accepted_block_that_has_just_ended():
+def test_status_tool_omits_an_accepted_block_that_has_just_ended():
     resting = summarise({"robot": "upper22", "state": "resting", "waiting": 0, "blocks": []}, [], ["a"])
     assert resting == {"robot": "upper22", "state": "resting", "playing": []}
 
 
-def test_status_explains_that_stopped_servos_have_torque():
+def test_status_tool_explains_that_stopped_servos_have_torque():
     status = {"robot": "upper22", "state": "stopped", "servos": "armed", "waiting": 0, "blocks": []}
     assert "torque on" in str(summarise(status, [])["note"])
     assert "note" not in summarise({**status, "servos": "limp"}, [])
@@ -142,7 +142,7 @@ def test_refusal_of_an_unknown_block_states_which_blocks_play_or_wait(blocks: li
         wait(PlayedRobot([blocks]), "c")
 
 
-def test_status_summary_contains_the_state_of_a_conversation_only_during_a_conversation():
+def test_status_tool_gives_the_state_of_a_conversation_only_during_a_conversation():
     status = {"robot": "r", "state": "resting", "blocks": [], "waiting": 0}
     assert "conversation" not in summarise(status, [])
     assert summarise(status, [], conversation="listening")["conversation"] == "listening"

@@ -148,7 +148,7 @@ def read_backups(folder: Path) -> list[str]:
     return [path.read_text() for path in (folder / ARCHIVE_NAME).glob("backup_*.txt")]
 
 
-def test_random_crashes_and_reloads_lose_at_most_two_seconds_of_edits(machine: Machine):
+def test_random_browser_crashes_and_reloads_lose_at_most_two_seconds_of_studio_edits(machine: Machine):
     """Write the loss of each failure."""
     chance = random.Random(49)
     losses: dict[str, list[float]] = {kind: [] for kind in KINDS}

@@ -9,7 +9,7 @@ WAVE = """<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="doc">
 </bml>"""
 
 
-def test_escape_in_the_save_dialog_stops_the_robot_only_while_it_moves(studio: Studio):
+def test_escape_key_in_the_save_dialog_of_the_studio_stops_the_robot_only_while_it_moves(studio: Studio):
     studio.write(WAVE)
     dialog = "document.querySelector('#saving').open"
     studio.until("!s.performs && !s.stopped")

@@ -34,7 +34,7 @@ def test_studio_figure_file_has_a_figure_for_every_gesture_and_a_limited_size():
     assert FIGURES.stat().st_size < MAX_SIZE
 
 
-def test_figure_of_a_wave_raises_the_right_hand_to_the_shoulder_and_lowers_it():
+def test_studio_figure_of_a_wave_raises_the_right_hand_to_the_shoulder_and_lowers_it():
     points, still = frames_of("greet_wave")
     shoulder, _, wrist = points[:, RIGHT_ARM : RIGHT_ARM + 3].swapaxes(0, 1)
     assert wrist[still, 1] < shoulder[still, 1] + 25, "the waving hand is about as high as the shoulder"
@@ -44,7 +44,7 @@ def test_figure_of_a_wave_raises_the_right_hand_to_the_shoulder_and_lowers_it():
 
 
 @pytest.mark.realtime
-def test_gesture_in_the_list_has_a_figure_that_moves_under_the_pointer(studio: Studio):
+def test_gesture_in_the_studio_list_has_a_figure_that_moves_under_the_pointer(studio: Studio):
     studio.page.value("document.querySelector('#lexicon').open = true")
     search = "document.querySelector('#search')"
     studio.page.value(f"{search}.value = 'greet_wave', {search}.dispatchEvent(new Event('input'))")
@@ -63,7 +63,7 @@ def test_gesture_in_the_list_has_a_figure_that_moves_under_the_pointer(studio: S
 
 
 @pytest.mark.realtime
-def test_gesture_on_the_timeline_has_a_figure_and_a_nod_has_none(studio: Studio):
+def test_gesture_on_the_studio_timeline_has_a_figure_and_a_nod_has_none(studio: Studio):
     show(studio, PARTS)
     studio.page.until("document.querySelector('[data-block=give] .figure') !== null")
     assert studio.page.value("document.querySelector('[data-block=nod] .figure') === null")

@@ -33,7 +33,7 @@ def keys(studio: Studio) -> list[dict[str, object]]:
     return tomllib.loads(studio.state("text"))["gesture"][0]["keys"]
 
 
-def test_key_pose_of_a_gesture_dragged_past_another_on_the_timeline_changes_their_order(edited: Studio):
+def test_key_pose_dragged_past_another_on_the_studio_timeline_changes_their_order(edited: Studio):
     before = keys(edited)
     assert edited.page.value("document.querySelectorAll('.pose').length") == len(before)
     place = f"(r => [r.x + r.width / 2, r.y + r.height / 2])({POSE}.getBoundingClientRect())"
@@ -49,7 +49,7 @@ def test_key_pose_of_a_gesture_dragged_past_another_on_the_timeline_changes_thei
     assert keys(edited) == before
 
 
-def test_clicked_key_pose_is_shown_at_its_time(edited: Studio):
+def test_studio_shows_a_clicked_key_pose_of_a_gesture_at_its_time(edited: Studio):
     edited.until("s.draft.keys !== undefined")
     last = len(keys(edited)) - 1
     edited.page.value(f"{POSE.format(last)}.click()")
@@ -58,7 +58,7 @@ def test_clicked_key_pose_is_shown_at_its_time(edited: Studio):
     assert edited.page.value(pressed) == f"Pose {last + 1}"
 
 
-def test_robot_motion_guided_by_hand_is_recorded_as_a_gesture(studio: Studio):
+def test_studio_records_robot_motion_guided_by_hand_as_a_gesture(studio: Studio):
     skeleton = Robot.load().skeleton
     rest, raised = skeleton.rest.tolist(), skeleton.rest.tolist()
     raised[skeleton.joint("r_elbow_flexion")] += 1.2
@@ -78,7 +78,7 @@ def test_robot_motion_guided_by_hand_is_recorded_as_a_gesture(studio: Studio):
     assert up[1] > up[0] + 0.2 == pytest.approx(up[2] + 0.2)
 
 
-def test_hand_of_the_drawn_robot_dragged_with_the_mouse_is_recorded_as_a_gesture(studio: Studio):
+def test_studio_records_the_drawn_hand_dragged_with_the_mouse_as_a_gesture(studio: Studio):
     studio.page.value("kinesicStudio.files.choose('example', 'welcome'); document.querySelector('#view-front').click()")
     studio.until("s.name === 'welcome.bml' && s.text === s.plannedText && s.left !== null && s.drawn > 0")
     studio.page.value("document.querySelector('#record-gesture').click()")

@@ -30,7 +30,7 @@ def person(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator
 
 
 @pytest.mark.soak
-def test_new_gesture_on_a_word_in_shy_style_is_performed_by_servos(person: Person, tmp_path: Path):
+def test_new_gesture_on_a_word_in_the_studio_is_performed_by_servos_within_few_actions(person: Person, tmp_path: Path):
     make_and_perform(person)
     person.sees(
         "s.mode === 'robot' && s.report.hottest !== null && s.report.angles.some((a, k) => Math.abs(a - "

@@ -83,7 +83,7 @@ def test_stroke_dragged_onto_a_word_in_the_studio_is_synchronised_with_it_and_ca
     assert studio.state("text") == marked
 
 
-def test_speech_waveform_is_shown_and_playback_follows_the_clock_of_the_speech(studio: Studio):
+def test_studio_shows_the_speech_waveform_and_plays_by_the_clock_of_the_speech(studio: Studio):
     studio.write(WORDS)
     if not studio.page.value("document.querySelector('.sound svg') !== null"):
         pytest.skip("no voice is heard here: espeak is not installed")
@@ -126,7 +126,7 @@ def test_studio_exports_a_performance_as_a_download(studio: Studio, tmp_path: Pa
     assert float(rows[-1].split(",")[0]) == pytest.approx(studio.state("draft")["duration"], abs=0.5), "it ends at rest"
 
 
-def test_hostile_document_id_writes_only_to_the_downloads(studio: Studio, tmp_path: Path):
+def test_studio_export_of_a_hostile_document_id_writes_only_to_the_downloads(studio: Studio, tmp_path: Path):
     """Use ids that are paths of other files, or of links."""
     letter = tmp_path / "mine" / "dear.csv"
     letter.parent.mkdir()
@@ -271,7 +271,7 @@ def test_javascript_heap_grows_by_less_than_4_mb_in_1_5_s_of_looped_studio_playb
     studio.page.click("#loop")
 
 
-def test_hostile_names_and_texts_never_run_as_code_and_broken_server_answers_are_ignored(studio: Studio):
+def test_studio_runs_no_code_in_hostile_names_and_ignores_broken_server_answers(studio: Studio):
     evil = '<img src="x" onerror="hacked = true"><script>hacked = true</script>'
     escaped = evil.replace("&", "&amp;").replace("<", "&lt;").replace('"', "&quot;")
     studio.write(WORDS.replace("another", escaped).replace('lexeme="offer"', f'lexeme="{escaped}"'))
@@ -302,7 +302,7 @@ def test_hostile_names_and_texts_never_run_as_code_and_broken_server_answers_are
     assert studio.page.value("document.querySelector('#fault').hidden")
 
 
-def test_every_behaviour_added_from_the_palette_is_performed(studio: Studio):
+def test_every_behaviour_added_from_the_studio_palette_is_performed(studio: Studio):
     studio.write('<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="new"></bml>')
     page, line = studio.page, "document.querySelector('#line')"
     page.value(f"{line}.value = 'Hello & welcome.'; document.querySelector('#say-line').requestSubmit(); 0")

@@ -58,7 +58,7 @@ def test_pane_borders_of_the_studio_move_by_arrow_keys_within_their_limits(studi
         studio.page.value(f"{border}.dispatchEvent(new MouseEvent('dblclick'))")
 
 
-def test_timeline_scale_set_by_zoom_buttons_and_wheel_survives_a_reload(studio: Studio):
+def test_studio_timeline_scale_set_by_zoom_buttons_and_wheel_survives_a_reload(studio: Studio):
     pixel = studio.page.value("kinesicStudio.timeline.pixel")
     for _ in range(3):
         studio.page.click("#zoom-in")

@@ -17,7 +17,7 @@ def add_pause(studio: Studio, label: str, time: float) -> None:
     studio.until(f"s.planned > {planned}")
 
 
-def test_pause_added_within_a_speech_delays_the_next_words(studio: Studio):
+def test_pause_added_within_a_speech_in_the_studio_lengthens_the_speech(studio: Studio):
     studio.write(SPEECH)
     before = studio.state("draft")["duration"]
     (words,) = studio.state("draft")["words"]
@@ -27,7 +27,7 @@ def test_pause_added_within_a_speech_delays_the_next_words(studio: Studio):
     assert 1.8 < studio.state("draft")["duration"] - before < 2.6
 
 
-def test_pause_added_after_the_speech_becomes_a_wait_and_the_log_explains_it(studio: Studio):
+def test_pause_added_after_the_speech_in_the_studio_becomes_a_wait_and_the_log_explains_it(studio: Studio):
     studio.write(SPEECH)
     add_pause(studio, "1 second", studio.state("draft")["duration"])
     assert "<wait" in studio.state("text")

@@ -91,7 +91,7 @@ def test_reloaded_studio_page_shows_the_unsaved_text_again(studio: Studio):
     assert studio.state("unsaved")
 
 
-def test_document_of_an_open_tab_is_not_listed_for_recovery(studio: Studio):
+def test_document_of_an_open_studio_tab_is_not_listed_for_recovery(studio: Studio):
     type_text(studio, EMPTY.format(GESTURE.format(4)))
     studio.until("s.place === 'folder'")
     with_tab = "navigator.locks.query().then(({held}) => held.map(({name}) => name))"
@@ -104,7 +104,7 @@ def test_document_of_an_open_tab_is_not_listed_for_recovery(studio: Studio):
     assert studio.page.value("document.querySelectorAll('#unsaved option').length") == 0
 
 
-def test_another_browser_recovers_the_unsaved_text_from_the_backup_in_the_folder(studio: Studio):
+def test_another_browser_recovers_unsaved_studio_text_from_the_backup_in_the_folder(studio: Studio):
     text = EMPTY.format(GESTURE.format(5))
     type_text(studio, text)
     studio.until("s.place === 'folder'")
@@ -115,7 +115,7 @@ def test_another_browser_recovers_the_unsaved_text_from_the_backup_in_the_folder
 
 
 @pytest.mark.parametrize("count", [4, pytest.param(200, marks=pytest.mark.soak)])
-def test_browser_crash_and_page_reload_lose_no_edit(studio: Studio, count: int):
+def test_browser_crash_and_page_reload_lose_no_studio_edit(studio: Studio, count: int):
     """Expect edits older than two seconds after crashes, all after reloads."""
     chance = random.Random(1)
     for number in range(count):

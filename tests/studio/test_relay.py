@@ -45,7 +45,7 @@ async def ask(socket: ClientConnection, **message: object) -> dict:
     return json.loads(await socket.recv())
 
 
-def test_relayed_page_needs_the_token_of_the_robot_and_gets_a_stop_connection(robot: Running):
+def test_studio_page_behind_a_relay_needs_the_token_of_the_robot_and_gets_a_stop_connection(robot: Running):
     async def act(door: Address) -> None:
         async with connect(f"ws://{door}/") as page:
             assert (await ask(page, do="status"))["told"] == "refused"
@@ -62,7 +62,7 @@ def test_relayed_page_needs_the_token_of_the_robot_and_gets_a_stop_connection(ro
     relayed(robot.port, act)
 
 
-def test_relay_serves_the_page_and_rejects_other_origins(robot: Running):
+def test_studio_relay_serves_the_page_and_rejects_other_origins(robot: Running):
     async def act(door: Address) -> None:
         shown = await asyncio.to_thread(lambda: urlopen(f"http://{door}/").read())
         assert shown == b"<p>the page</p>"
@@ -75,7 +75,7 @@ def test_relay_serves_the_page_and_rejects_other_origins(robot: Running):
     relayed(robot.port, act)
 
 
-def test_relay_closes_the_page_with_reason_if_the_robot_is_unreachable():
+def test_studio_relay_closes_the_page_connection_with_a_reason_if_the_robot_is_unreachable():
     async def act(door: Address) -> None:
         async with connect(f"ws://{door}/") as page:
             with pytest.raises(ConnectionClosed) as closed:

@@ -50,7 +50,7 @@ def relayed(deed: Callable[[Address, Robot], Awaitable[None]]) -> None:
     asyncio.run(act())
 
 
-def test_relay_passes_text_and_binary_messages_unchanged():
+def test_studio_relay_passes_text_and_binary_messages_unchanged():
     async def act(door: Address, _robot: Robot) -> None:
         async with connect(f"ws://{door}/", max_size=LONG) as page:
             for message in ("text \N{GRINNING FACE}", b"\0bytes", "x" * (LONG - 1)):
@@ -60,7 +60,7 @@ def test_relay_passes_text_and_binary_messages_unchanged():
     relayed(act)
 
 
-def test_relay_gives_each_page_its_own_robot_connection():
+def test_studio_relay_gives_each_page_its_own_robot_connection():
     async def act(door: Address, robot: Robot) -> None:
         async with connect(f"ws://{door}/") as one, connect(f"ws://{door}/") as other:
             for page in (one, other):
@@ -76,7 +76,7 @@ def test_relay_gives_each_page_its_own_robot_connection():
     relayed(act)
 
 
-def test_relay_closes_the_page_when_the_robot_disconnects():
+def test_studio_relay_closes_the_page_connection_when_the_robot_disconnects():
     async def act(door: Address, _robot: Robot) -> None:
         async with connect(f"ws://{door}/") as page:
             await page.send("go")
@@ -86,7 +86,7 @@ def test_relay_closes_the_page_when_the_robot_disconnects():
     relayed(act)
 
 
-def test_relay_connects_to_the_robot_without_origin_and_extension_headers():
+def test_studio_relay_connects_to_the_robot_without_origin_and_extension_headers():
     async def act(door: Address, robot: Robot) -> None:
         async with connect(f"ws://{door}/", origin=f"http://{door}") as page:
             await page.send("hello")
@@ -98,7 +98,7 @@ def test_relay_connects_to_the_robot_without_origin_and_extension_headers():
 
 
 @pytest.mark.parametrize("origin", ["http://elsewhere.example", "null"])
-def test_relay_rejects_foreign_origins_without_contacting_the_robot(origin: str):
+def test_studio_relay_rejects_foreign_origins_without_contacting_the_robot(origin: str):
     async def act(door: Address, robot: Robot) -> None:
         with pytest.raises(InvalidStatus) as caught:
             await connect(f"ws://{door}/", origin=origin)
@@ -108,7 +108,7 @@ def test_relay_rejects_foreign_origins_without_contacting_the_robot(origin: str)
     relayed(act)
 
 
-def test_relay_serves_only_files_of_the_page():
+def test_studio_relay_serves_only_files_of_the_page():
     async def ask(door: Address, path: str) -> bytes:
         reader, writer = await asyncio.open_connection(door.host, door.port)
         writer.write(f"GET {path} HTTP/1.1\r\nHost: {door}\r\n\r\n".encode())
@@ -126,7 +126,7 @@ def test_relay_serves_only_files_of_the_page():
     relayed(act)
 
 
-def test_relay_asks_the_page_to_retry_if_the_robot_is_unreachable():
+def test_studio_relay_asks_the_page_to_retry_if_the_robot_is_unreachable():
     async def act() -> None:
         with socket.socket() as nobody:
             nobody.bind(("127.0.0.1", 0))
@@ -141,7 +141,7 @@ def test_relay_asks_the_page_to_retry_if_the_robot_is_unreachable():
     asyncio.run(act())
 
 
-def test_occupied_relay_address_is_an_error_with_hint():
+def test_occupied_address_of_a_studio_relay_is_an_error_with_a_hint():
     async def act(door: Address, _robot: Robot) -> None:
         assert door.host == "127.0.0.1"
         with pytest.raises(ConfigError, match=rf"{door}: .*; select another address with --listen"):
@@ -151,7 +151,7 @@ def test_occupied_relay_address_is_an_error_with_hint():
     relayed(act)
 
 
-def test_too_long_relayed_message_closes_the_connection(monkeypatch):
+def test_message_above_the_size_limit_of_the_studio_relay_closes_the_connection(monkeypatch):
     monkeypatch.setattr(relay, "MAX_MESSAGE_SIZE", 1000)
 
     async def act(door: Address, _robot: Robot) -> None:

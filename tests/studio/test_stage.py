@@ -15,7 +15,7 @@ from .test_page import WORDS
 pytestmark = pytest.mark.realtime
 
 
-def test_dragged_hand_shows_its_reach_sector_and_whether_it_reaches_the_pointer(studio: Studio):
+def test_hand_dragged_in_the_studio_shows_its_reach_sector_and_whether_it_reaches_the_pointer(studio: Studio):
     studio.write(WORDS)
     hand = studio.state("right")
     begin, far = (hand["x"], hand["y"]), (hand["x"] - 120, hand["y"] - 150)
@@ -73,7 +73,7 @@ def test_drag_of_the_drawn_hand_reacts_between_frames_and_hides_the_unused_handl
         ("elbow", (0, 0), (0, 1), "the elbow can swing there", ""),
     ],
 )
-def test_elbow_trunk_and_gaze_can_be_dragged_and_show_their_limits(
+def test_elbow_trunk_and_gaze_can_be_dragged_in_the_studio_and_show_their_limits(
     studio: Studio, part: str, way: tuple[float, float], far: tuple[float, float], free: str, stops: str
 ):
     studio.write(WORDS)
@@ -155,7 +155,7 @@ SKETCHED = """(() => {
 })()"""
 
 
-def test_robot_drawn_without_webgl_looks_like_the_webgl_drawing(studio: Studio):
+def test_robot_drawn_by_the_studio_without_webgl_looks_like_the_webgl_drawing(studio: Studio):
     """Compare silhouettes, lit colours, highlights, strain, floor and ghost."""
     studio.write(WORDS)
     studio.page.click("#mode-plan")
@@ -166,7 +166,7 @@ def test_robot_drawn_without_webgl_looks_like_the_webgl_drawing(studio: Studio):
     assert max(floor, floor_with_ghost) < 16
 
 
-def test_drag_sends_at_most_50_reach_requests_per_second(studio: Studio):
+def test_drag_in_the_studio_sends_at_most_50_reach_requests_per_second(studio: Studio):
     """Expect at most one request per read cycle of the server."""
     studio.write(WORDS)
     studio.page.click("#mode-plan")
@@ -196,7 +196,7 @@ def test_studio_page_benchmark_measures_edit_and_drag_latency_and_first_paint(st
     assert robot > paint > 1.0
 
 
-def test_lost_server_connection_is_shown_during_a_drag_until_it_returns(studio: Studio):
+def test_studio_shows_a_lost_server_connection_during_a_drag_until_it_returns(studio: Studio):
     way = ExitStack()
     door = way.enter_context(relay(studio.server.port, studio.files))
     with way, opened(f"http://{door}/", drawn=False) as page:

@@ -77,7 +77,7 @@ def test_studio_sliders_show_the_style_and_mark_values_that_differ_from_neutral(
     select(studio, "")
 
 
-def test_expressivity_of_the_block_is_inherited_by_its_behaviours(studio: Studio):
+def test_studio_sliders_show_the_expressivity_that_a_behaviour_inherits_from_its_block(studio: Studio):
     begin(studio)
     declared = 'id="doc" xmlns:kinesic="urn:kinesic" kinesic:style="calm" kinesic:power="0.75"'
     studio.write(WORDS.replace('id="doc"', declared))
@@ -87,7 +87,7 @@ def test_expressivity_of_the_block_is_inherited_by_its_behaviours(studio: Studio
     assert not marked(studio, "set")
 
 
-def test_style_of_several_selected_behaviours_is_written_to_each(studio: Studio):
+def test_style_chosen_in_the_studio_for_several_selected_behaviours_is_written_to_each(studio: Studio):
     begin(studio)
     two = WORDS.replace("</bml>", '<gesture id="h" lexeme="beat" mode="LEFT_HAND" stroke="s:m2"/></bml>')
     studio.write(two)
@@ -102,7 +102,7 @@ def test_style_of_several_selected_behaviours_is_written_to_each(studio: Studio)
     assert studio.state("text") == two
 
 
-def test_style_chosen_without_a_selection_applies_to_the_whole_performance(studio: Studio):
+def test_style_chosen_in_the_studio_without_a_selection_applies_to_the_whole_performance(studio: Studio):
     begin(studio)
     usual = "document.querySelector('#usual-style').checkVisibility()"
     assert not studio.page.value(usual)
@@ -115,7 +115,7 @@ def test_style_chosen_without_a_selection_applies_to_the_whole_performance(studi
     assert studio.state("text") == WORDS
 
 
-def test_user_style_is_saved_listed_and_written_into_the_document_as_numbers(studio: Studio):
+def test_user_style_of_the_studio_is_saved_listed_and_written_into_the_document_as_numbers(studio: Studio):
     begin(studio)
     select(studio, "joyful")
     slide(studio, "power", -0.5)
@@ -151,7 +151,7 @@ def test_studio_replaces_an_existing_style_file_only_after_confirmation(studio: 
     assert "built-in" in save_style(studio, "joyful")
 
 
-def test_expressivity_change_is_previewed_over_the_time_of_the_selected_behaviour(studio: Studio):
+def test_studio_previews_an_expressivity_change_over_the_time_of_the_selected_behaviour(studio: Studio):
     begin(studio)
     studio.page.value("document.querySelector('#play-changes').checked = true")
     studio.page.value("kinesicStudio.playback.player.seek(0); 0")

@@ -52,7 +52,7 @@ def test_studio_shows_recorded_posture_and_values_until_return_to_live_telemetry
     assert page.value(angles) != raised
 
 
-def test_telemetry_chart_is_drawn_and_its_time_is_chosen_with_the_pointer(studio: Studio):
+def test_time_of_the_studio_telemetry_chart_is_chosen_with_the_pointer(studio: Studio):
     page = studio.page
     page.value("document.querySelector('#measure').value = 'tracking'; 0")
     page.value("document.querySelector('#history-chart').scrollIntoView({block: 'center'})")
@@ -69,7 +69,7 @@ def test_telemetry_chart_is_drawn_and_its_time_is_chosen_with_the_pointer(studio
     page.click("#history-live")
 
 
-def test_telemetry_recording_is_exported_as_a_csv_file(studio: Studio, tmp_path: Path):
+def test_studio_exports_a_telemetry_recording_as_a_csv_file(studio: Studio, tmp_path: Path):
     studio.page.call(
         "Browser.setDownloadBehavior",
         behavior="allow",

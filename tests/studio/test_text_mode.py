@@ -57,7 +57,7 @@ def test_text_typed_in_the_studio_becomes_the_document_of_the_say_command(studio
     assert studio.page.value("document.querySelector('#spoken-count').textContent") == "18 words, 2 gestures"
 
 
-def test_gesture_of_a_word_has_a_reason_and_ranked_alternatives(studio: Studio):
+def test_studio_shows_the_reason_and_ranked_alternatives_of_the_gesture_of_a_word(studio: Studio):
     perform(studio, TEXT)
     alternatives = choose(studio, "No,")
     (reason,) = re.search(
@@ -91,7 +91,7 @@ def test_gesture_of_a_word_has_a_reason_and_ranked_alternatives(studio: Studio):
     studio.page.until(f"!{chosen}.startsWith('No,')")  # the word of the block that is selected in the timeline
 
 
-def test_gesture_is_added_to_a_word_without_one_and_removed_again(studio: Studio):
+def test_gesture_is_added_to_a_word_in_the_studio_and_removed_again(studio: Studio):
     perform(studio, TEXT)
     before = studio.state("text")
     assert choose(studio, "coffee")
@@ -108,7 +108,7 @@ def test_gesture_is_added_to_a_word_without_one_and_removed_again(studio: Studio
     assert studio.state("text").count("<gesture") == before.count("<gesture")
 
 
-def test_style_of_a_text_is_written_into_its_document(studio: Studio):
+def test_style_of_a_text_is_written_into_its_document_by_the_studio(studio: Studio):
     styled = (
         '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" xmlns:kinesic="urn:kinesic" kinesic:style="joyful" '
     )
@@ -116,7 +116,7 @@ def test_style_of_a_text_is_written_into_its_document(studio: Studio):
     assert 'kinesic:style="joyful"' in studio.state("text").partition(">")[0]
 
 
-def test_picked_gesture_and_added_nod_stay_on_their_words_when_the_text_changes(studio: Studio):
+def test_gesture_and_nod_added_in_the_studio_stay_on_their_words_when_the_text_changes(studio: Studio):
     perform(studio, TEXT)
     studio.page.click("[data-spoken='17']")
     planned, menu = studio.state("planned"), "document.querySelector('#add')"
@@ -149,7 +149,7 @@ def test_text_without_words_typed_in_the_studio_is_refused_and_changes_nothing(s
     assert studio.state("text") == before
 
 
-def test_spoken_words_and_bml_source_are_two_tabs_reached_by_arrow_keys(studio: Studio):
+def test_spoken_words_and_bml_source_are_two_studio_tabs_reached_by_arrow_keys(studio: Studio):
     perform(studio, TEXT)
     page = studio.page
     assert not page.value("document.querySelector('#pane-source').checkVisibility()")

@@ -114,7 +114,7 @@ def test_studio_shows_a_track_with_lexemes_and_phases_for_each_body_part(studio:
     assert re.fullmatch(r"gesture offer, give, \d+\.\d\d to \d+\.\d\d s", label)
 
 
-def test_overlapping_behaviours_in_a_track_do_not_cover_each_other(studio: Studio):
+def test_overlapping_behaviours_in_a_studio_track_do_not_cover_each_other(studio: Studio):
     show(
         studio,
         PARTS.replace("smile", "joy").replace("</bml>", '<faceLexeme id="b" lexeme="smile" start="2" end="4"/></bml>'),
@@ -147,7 +147,7 @@ def test_playhead_of_the_studio_follows_the_performance_of_the_robot(studio: Stu
     assert share == pytest.approx(studio.state("time") / draft["duration"], abs=0.02)
 
 
-def test_behaviour_dragged_in_time_moves_and_snaps_to_the_stroke_of_another_behaviour(studio: Studio):
+def test_behaviour_dragged_in_the_studio_moves_and_snaps_to_the_stroke_of_another_behaviour(studio: Studio):
     show(studio, THREE)
     begin, end = onto(studio, "[data-block=two]", 0.5)
     studio.page.drag(begin, ((begin[0] + end[0]) / 2, end[1]), end)
@@ -159,7 +159,7 @@ def test_behaviour_dragged_in_time_moves_and_snaps_to_the_stroke_of_another_beha
     assert changed(studio, text) == text.replace('start="5"', 'stroke="two:stroke"')
 
 
-def test_stroke_dragged_to_an_accent_is_written_as_an_offset_from_its_word(studio: Studio):
+def test_stroke_dragged_to_an_accent_in_the_studio_is_written_as_an_offset_from_its_word(studio: Studio):
     show(studio, WORDS)
     accents = studio.state("draft")["accents"]
     if not accents:
@@ -175,7 +175,7 @@ def test_stroke_dragged_to_an_accent_is_written_as_an_offset_from_its_word(studi
     assert offset == pytest.approx(time - piece["start"], abs=2e-3)
 
 
-def test_behaviour_dragged_with_the_alt_key_does_not_snap_to_strokes(studio: Studio):
+def test_behaviour_dragged_in_the_studio_with_the_alt_key_does_not_snap_to_strokes(studio: Studio):
     show(studio, THREE)
     syncs = {(s["behaviour"], s["sync"]): s["planned"] for s in studio.state("draft")["syncs"]}
     begin, end = onto(studio, "[data-block=three]", syncs["two", "stroke"] - syncs["three", "stroke"] + 0.03)
@@ -185,7 +185,7 @@ def test_behaviour_dragged_with_the_alt_key_does_not_snap_to_strokes(studio: Stu
     assert "two:stroke" not in changed(studio, THREE)
 
 
-def test_shift_click_and_rectangle_select_several_behaviours_which_move_together(studio: Studio):
+def test_shift_click_and_rectangle_select_several_studio_behaviours_which_move_together(studio: Studio):
     show(studio, THREE)
     studio.page.click("[data-block=one]")
     click(studio, middle(studio, "[data-block=two]"), modifiers=SHIFT)
@@ -206,7 +206,7 @@ def test_shift_click_and_rectangle_select_several_behaviours_which_move_together
     assert studio.state("time") > 5.0, "a click seeks"
 
 
-def test_keyboard_moves_copies_pastes_duplicates_and_deletes_behaviours_with_undo(studio: Studio):
+def test_keyboard_moves_copies_pastes_duplicates_and_deletes_studio_behaviours_with_undo(studio: Studio):
     show(studio, THREE)
     studio.page.click("[data-block=one]")
     studio.page.value("document.querySelector('[data-block=one]').focus()")
@@ -236,7 +236,7 @@ def test_keyboard_moves_copies_pastes_duplicates_and_deletes_behaviours_with_und
     assert studio.state("text") == THREE
 
 
-def test_right_click_opens_a_track_menu_that_arrow_keys_navigate(studio: Studio):
+def test_right_click_in_the_studio_opens_a_track_menu_that_arrow_keys_navigate(studio: Studio):
     show(studio, THREE)
     click(studio, onto(studio, "[data-block=three]", 0.0)[0], button="right")
     studio.page.until("document.querySelector('#track-menu') !== null")
@@ -253,7 +253,7 @@ def test_right_click_opens_a_track_menu_that_arrow_keys_navigate(studio: Studio)
     assert studio.page.value("document.querySelector('#track-menu') === null")
 
 
-def test_dragged_edge_of_a_phase_changes_the_phase_and_keeps_the_stroke(studio: Studio):
+def test_dragged_edge_of_a_gesture_phase_in_the_studio_changes_the_phase_and_keeps_the_stroke(studio: Studio):
     show(studio, THREE)
     studio.page.click("[data-block=three]")
     before = {s["sync"]: s["planned"] for s in studio.state("draft")["syncs"] if s["behaviour"] == "three"}
@@ -299,7 +299,7 @@ def test_palette_entry_of_the_studio_may_be_dropped_onto_a_word_or_onto_a_time(s
     assert studio.page.value("document.querySelector('#palette').hidden")
 
 
-def test_listed_gesture_dropped_onto_a_word_gets_its_stroke_there(studio: Studio):
+def test_listed_gesture_dropped_onto_a_word_in_the_studio_gets_its_stroke_there(studio: Studio):
     show(studio, WORDS)
     studio.page.value("document.querySelector('#lexicon').open = true")
     search = "document.querySelector('#search')"

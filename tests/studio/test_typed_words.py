@@ -60,7 +60,7 @@ def test_perform_button_of_the_studio_first_chooses_gestures_for_newly_typed_wor
     assert content(studio, "plain-pending") == ""
 
 
-def test_stop_button_cancels_a_performance_that_still_waits_for_its_gestures(studio: Studio):
+def test_stop_button_of_the_studio_cancels_a_performance_that_still_waits_for_its_gestures(studio: Studio):
     show_first(studio, "withdrawn")
     studio.until("!s.performs")
     type_words(studio, SECOND)
@@ -83,7 +83,7 @@ def test_save_button_of_the_studio_first_chooses_gestures_for_newly_typed_words(
     assert "boxes" in (studio.folder / "typed.bml").read_text()
 
 
-def test_typed_words_are_recovered_from_the_backup_after_another_document_was_opened(studio: Studio):
+def test_words_typed_in_the_studio_are_recovered_from_the_backup_after_another_document_was_opened(studio: Studio):
     show_first(studio, "left")
     studio.save_as("left")
     studio.until("!s.unsaved && s.name === 'left.bml'")
@@ -97,7 +97,7 @@ def test_typed_words_are_recovered_from_the_backup_after_another_document_was_op
     assert "coffee" in studio.state("text")
 
 
-def test_click_on_a_word_scrolls_to_its_list_of_gestures(studio: Studio):
+def test_click_on_a_word_in_the_studio_scrolls_to_its_list_of_gestures(studio: Studio):
     show_first(studio, "scrolled")
     pane = "document.querySelector('#pane-words')"
     studio.page.value(f"document.querySelector('#document').style.height = '330px'; {pane}.scrollTop = 0")

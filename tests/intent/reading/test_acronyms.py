@@ -24,7 +24,7 @@ def test_word_in_capitals_is_an_acronym_or_stressed(text: str, words: str, stres
     assert " ".join(word.text for word in result if word.emphatic) == stressed
 
 
-def test_german_acronyms_and_abbreviations_are_recognised():
+def test_german_acronyms_and_abbreviations_are_not_emphasised_and_end_no_sentence():
     passage = read_text("Die EU hat z.B. Dr. Brandt, d.h. Nr. 5.", load_language("de"))
     assert len(passage.kinds) == 1
     assert not [word.text for word in passage.words if word.emphatic]
