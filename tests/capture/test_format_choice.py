@@ -54,7 +54,7 @@ def test_table_in_a_parquet_file_is_read_by_its_path(tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize("guess", ["second", ""])
-def test_npz_with_smpl_poses_is_a_body_motion_with_its_guess(tmp_path, monkeypatch, guess):
+def test_npz_file_with_smpl_poses_is_read_as_a_body_motion_with_its_guess(tmp_path, monkeypatch, guess):
     (tmp_path / "a.npz").write_bytes(b"x")
     readers = {
         "read_npz": {},
@@ -68,7 +68,7 @@ def test_npz_with_smpl_poses_is_a_body_motion_with_its_guess(tmp_path, monkeypat
     assert recorded.calls[2:] == [("read_smpl", ({}, source)), ("clip_of_skeleton", ("bones", "motion", source))]
 
 
-def test_npz_without_smpl_poses_has_joint_angles(tmp_path, monkeypatch):
+def test_npz_file_without_smpl_poses_is_read_as_joint_angles(tmp_path, monkeypatch):
     (tmp_path / "a.npz").write_bytes(b"x")
     recorded = RecordedReaders(monkeypatch, is_smpl=False, read_npz={"b": 1}, read_joint_npz=CLIP, read_smpl=None)
     assert read_clip(tmp_path / "a.npz") is CLIP

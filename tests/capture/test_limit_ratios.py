@@ -59,7 +59,9 @@ def bump(size, column=1, count=9):
         (bump(0.01), {"duty": row(9, 0.5), "viscous": row(0, 1)}, "duty", 2.0, 0.04),
     ],
 )
-def test_violated_limit_is_reported_with_its_joint_time_and_ratio(angles, changes, limit, ratio, time):
+def test_limit_violated_by_a_captured_motion_is_reported_with_its_joint_time_and_ratio(
+    angles, changes, limit, ratio, time
+):
     (found,) = find_violations(angles, make_setup(**changes))
     assert (found.limit, found.part) == (limit, NAMES[int(np.ptp(angles, axis=0).argmax())])
     assert found.ratio == pytest.approx(ratio)
@@ -67,11 +69,11 @@ def test_violated_limit_is_reported_with_its_joint_time_and_ratio(angles, change
 
 
 @pytest.mark.parametrize(("ratio", "count"), [(1.0009, 0), (1.0011, 1)])
-def test_limit_is_violated_beyond_a_thousandth_above_it(ratio, count):
+def test_captured_motion_violates_a_limit_only_if_it_exceeds_it_by_over_a_thousandth(ratio, count):
     assert len(find_violations(bump(2.0 * ratio, 0), make_setup())) == count
 
 
-def test_fraction_of_a_violation_counts_only_samples_beyond_the_limit():
+def test_fraction_of_a_limit_violation_of_a_clip_counts_only_samples_beyond_the_limit():
     angles = np.tile(row(1, 0), (10, 1))
     angles[3:6, 0] += (2.1, 2.5, 2.0)
     (found,) = [item for item in find_violations(angles, make_setup()) if item.limit == "position"]
@@ -101,7 +103,7 @@ def test_drive_duties_do_not_depend_on_the_number_of_samples_computed_together(m
     assert (max(shapes), sum(shapes)) == (min(window, 9), 9)
 
 
-def test_body_pairs_that_come_too_close_are_reported_each_with_its_worst_time():
+def test_body_pairs_too_close_in_a_captured_motion_are_reported_each_with_its_worst_time():
     distances = row(0.01, 0.009, 0.005, 0.02, -0.01, 0.0099, 0.5, 0.5, 0.5)
     pairs = [("arm", "hip"), ("arm", "hip"), ("arm", "hip"), *[("hand", "head")] * 3, *[("arm", "hip")] * 3]
     found = find_violations(bump(0), make_setup(distances=SimpleNamespace(distances=distances, pairs=pairs)))
@@ -157,7 +159,7 @@ def test_largest_limit_ratio_of_a_trajectory_is_the_largest_of_all_limits(trajec
     assert largest_limit_ratio(trajectory, make_setup(**changes)) == pytest.approx(ratio, abs=1e-6)
 
 
-def test_trajectory_is_sampled_four_times_per_knot_interval_from_its_start():
+def test_largest_limit_ratio_is_searched_at_four_samples_per_knot_interval():
     trajectory = Still()
     largest_limit_ratio(trajectory, make_setup())
     for times in trajectory.times:
@@ -173,7 +175,7 @@ def test_angle_between_vectors_of_any_length_is_zero_to_half_a_turn(first, secon
     assert np.degrees(angles_between(row(*first)[None], row(*second)[None])) == pytest.approx([angle])
 
 
-def test_motion_of_a_file_is_judged_before_it_is_fitted_to_the_joint_ranges(monkeypatch):
+def test_captured_motion_is_judged_before_it_is_fitted_to_the_joint_ranges(monkeypatch):
     motion = SimpleNamespace(requested="requested")
     monkeypatch.setattr(certification, "retarget", lambda *inputs: (motion, inputs)[0])
     monkeypatch.setattr(certification, "find_violations", lambda angles, setup: (angles, setup))
@@ -215,19 +217,19 @@ def search_clear(monkeypatch, clearances):
     return calls, stretches, (found.motion.trajectory, clearance)
 
 
-def test_first_motion_with_enough_clearance_is_taken(monkeypatch):
+def test_clearance_search_takes_the_first_captured_motion_with_enough_clearance(monkeypatch):
     calls, stretches, found = search_clear(monkeypatch, [0.01])
     assert (calls, stretches, found) == ([(0.011, 0.1)], [None], ("wave 1", 0.01))
 
 
-def test_each_clearance_round_requires_the_missing_clearance_and_a_margin(monkeypatch):
+def test_each_round_of_the_clearance_search_requires_the_missing_clearance_and_a_margin(monkeypatch):
     calls, stretches, found = search_clear(monkeypatch, [0.006, 0.0099, 0.0101])
     np.testing.assert_allclose(calls, [(0.011, 0.1), (0.017, 0.1), (0.0191, 0.1)])
     assert stretches == [None, "stretch of wave 1", "stretch of wave 2"]
     assert found == ("wave 3", 0.0101)
 
 
-def test_motion_with_the_largest_clearance_is_taken_after_three_rounds_of_both_costs(monkeypatch):
+def test_clearance_search_takes_the_motion_with_most_clearance_after_three_rounds_of_both_costs(monkeypatch):
     calls, stretches, found = search_clear(monkeypatch, [-0.01, 0.004, 0.002, -0.02, 0.004, 0.003])
     assert [cost for _, cost in calls] == [0.1] * 3 + [10.0] * 3
     assert calls[3][0] == calls[0][0]
@@ -269,6 +271,6 @@ def test_refusal_of_a_captured_motion_gives_its_clearance_ratio_and_duty(monkeyp
         plan_captured("clip", make_setup(), source="a.bvh")
 
 
-def test_violation_is_described_in_one_line():
+def test_limit_violation_of_a_captured_motion_is_described_in_one_line():
     text = str(Violation("jerk", "nod", 1.234, 2.345, 0.1234))
     assert text == "jerk of nod: 2.35 times the limit at 1.23 s, 12.3 % of the time"

@@ -62,12 +62,12 @@ def test_motion_file_is_decoded_without_byte_order_mark_and_carriage_returns(dat
     assert decode(data, "f") == expected
 
 
-def test_limits_of_motion_files_admit_an_hour_at_50_hertz():
+def test_motion_files_have_at_most_200_000_frames_2_million_lines_and_1000_joints():
     assert (text.MAX_FRAMES, text.MAX_LINES, text.MAX_LINE_LENGTH, text.MAX_JOINTS) == (200_000, 2 * 10**6, 10**6, 1000)
 
 
 @pytest.mark.parametrize("word", ["0", "7", " 3 "])
-def test_count_up_to_its_maximum_is_parsed(word):
+def test_number_of_frames_or_joints_in_a_motion_file_is_parsed_up_to_its_maximum(word):
     assert parse_count(word, "f:2", most=7) == int(word)
 
 
@@ -80,7 +80,7 @@ def test_count_up_to_its_maximum_is_parsed(word):
         ("many" * 9, "'manymanymanymanymany' must be a whole number"),
     ],
 )
-def test_count_outside_its_range_is_refused_with_its_place(word, problem):
+def test_count_in_a_motion_file_outside_its_range_is_refused_with_its_line(word, problem):
     with pytest.raises(CaptureError, match=f"f:2: {problem}"):
         parse_count(word, "f:2", most=7)
 
@@ -97,7 +97,7 @@ def test_count_outside_its_range_is_refused_with_its_place(word, problem):
         ([0, 1, 2, 3], None),
     ],
 )
-def test_two_or_more_frame_times_must_increase(monkeypatch, times, problem):
+def test_frame_times_of_a_motion_file_are_at_least_two_and_increase(monkeypatch, times, problem):
     monkeypatch.setattr(text, "MAX_FRAMES", 4)
     if problem is None:
         check_times(np.array(times, float), "f")
@@ -107,6 +107,6 @@ def test_two_or_more_frame_times_must_increase(monkeypatch, times, problem):
 
 
 @pytest.mark.parametrize("words", [["1e308", "1e308"], ["-1e308", "-1e308"], ["1" * 400], ["1e13", "-1e13"]])
-def test_numbers_whose_sum_overflows_or_cancels_are_refused(words):
+def test_numbers_in_a_motion_file_whose_sum_overflows_or_cancels_are_refused(words):
     with pytest.raises(CaptureError, match="f:1: a number"):
         parse_numbers(words, "f:1")

@@ -43,7 +43,7 @@ def saved(client, name: str, text: str) -> str:
 
 
 @pytest.mark.parametrize("surrogate", [rb"\udcff", b"\xed\xb3\xbf", b"\xff"])
-def test_lone_surrogates_and_invalid_bytes_in_any_request_are_refused_without_files(studio, surrogate):
+def test_lone_surrogates_and_invalid_bytes_in_any_request_are_refused_and_write_no_file(studio, surrogate):
     server, folder = studio
     before = set(folder.rglob("*"))
     messages = [

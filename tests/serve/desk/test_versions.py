@@ -45,7 +45,7 @@ def test_missing_document_version_is_refused_with_the_existing_version_numbers(v
         versions.read("tea.bml", 2)
 
 
-def test_symlink_in_the_archive_is_not_read_as_a_version(versions, tmp_path):
+def test_symlink_in_the_archive_is_not_read_as_a_version_of_a_document(versions, tmp_path):
     versions.keep("tea.bml", b"x")
     (tmp_path / "secret").write_text("secret")
     (tmp_path / ARCHIVE_NAME / "tea.0002.bml").symlink_to(tmp_path / "secret")
