@@ -86,7 +86,6 @@ def split_lines(data: bytes, source: str) -> list[str]:
     Raises:
         CaptureError: the file is too large, or has too many or too long lines.
     """
-    check_size(data, source)
     if data.count(b"\n") > MAX_LINES:
         raise CaptureError(f"{source}: more than {MAX_LINES} lines")
     lines = decode(data, source).split("\n")
