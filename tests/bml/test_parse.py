@@ -75,13 +75,13 @@ def parse_block(content: str, attributes: str = 'id="b"') -> Block:
         ('<undeclared:gesture id="x" lexeme="BEAT"/>', Custom("undeclared:gesture")),
     ],
 )
-def test_behaviour_elements_become_actions(xml: str, action: object) -> None:
+def test_bml_behaviour_elements_become_actions(xml: str, action: object) -> None:
     (behaviour,) = parse_block(xml).behaviours
     assert behaviour.action == action
     assert behaviour.id == "x"
 
 
-def test_speech_marks_are_read() -> None:
+def test_sync_marks_within_a_speech_are_read_with_their_text_positions() -> None:
     text = "<text>  Hey <sync id='a'/> punk,\n what<sync id='b'/> do<sync id='c'/></text>"
     (speech,) = parse_block(f'<speech id="s">{text}</speech>').behaviours
     assert speech.action == Speech(script=speech.action.script)
@@ -201,7 +201,7 @@ GRETA_DOCUMENT = """<?xml version="1.0" encoding="ISO-8859-1"?>
 </bml><fml/></fml-apml>"""
 
 
-def test_greta_document_is_read() -> None:
+def test_bml_of_a_greta_document_is_read_as_speech_gaze_gesture_and_torso_actions() -> None:
     block = parse(GRETA_DOCUMENT.encode("latin-1"))
     speech, gaze, gesture, torso, shoulder = block.behaviours
     assert (block.dialect, block.composition) == ("fml-apml", Composition.APPEND)

@@ -34,7 +34,7 @@ def test_sparse_matrix_product_negation_and_row_selection_match_the_dense_matrix
 
 
 @pytest.mark.parametrize("seed", range(8))
-def test_compressed_columns_match_scipy(seed: int):
+def test_compressed_columns_of_a_sparse_matrix_match_scipy(seed: int):
     scipy = pytest.importorskip("scipy", reason="SciPy, the oracle of this test, is not installed")
     matrix = random_matrix(seed)
     starts, rows, values = matrix.compress()

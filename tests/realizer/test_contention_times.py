@@ -55,7 +55,7 @@ def test_earliest_of_two_interruptions_of_a_behaviour_is_planned(scene):
     assert planned_interruptions(scene, stopping("c", "a", 3.0, zero=10.0)) == {("a", "g"): 12.0, ("a", "h"): 12.0}
 
 
-def test_interrupt_stops_nothing_if_it_is_waiting_or_dropped_or_its_target_is_unknown(scene):
+def test_interrupt_command_that_waits_or_was_dropped_or_has_no_target_stops_no_behaviour(scene):
     scene = scene.with_block(small_block("a", {"g": {}}))
     waiting = scene.with_block(stopping("w", "a", 1.0, state=BlockState.LURKING))
     dropped = small_block("d", {}, inside=STOP.format("a") + '<head id="h" lexeme="NOD"/>')

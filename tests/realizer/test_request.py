@@ -58,7 +58,7 @@ def test_time_zero_of_a_block_is_delayed_if_a_behaviour_starts_before_it(known: 
     ("attributes", "zero"),
     [("", 10.0), ('composition="APPEND"', 13.0), ('bmla:chunkAfter="a"', 12.0), ('composition="REPLACE"', 10.0)],
 )
-def test_expected_start_depends_on_composition(known: Setup, attributes: str, zero: float) -> None:
+def test_expected_start_of_a_block_depends_on_its_composition(known: Setup, attributes: str, zero: float) -> None:
     assert read_request(message("", attributes), known, context=CONTEXT).zero == zero
 
 
@@ -128,7 +128,7 @@ def test_document_in_a_markdown_fence_and_fml_document_are_read(known: Setup) ->
     assert [each.type for each in read_request(fml, known).block.behaviours] == ["faceLexeme", "gesture"]
 
 
-def test_expected_start_ignores_references_to_missing_blocks() -> None:
+def test_expected_start_of_a_block_ignores_references_to_missing_blocks() -> None:
     block = replace(parse(BML.format("", "")), composition=Composition.APPEND, order=BlockOrder(after=("gone",)))
     assert CONTEXT.expected_start(block) == 10.0
 

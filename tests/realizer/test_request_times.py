@@ -59,7 +59,7 @@ def test_default_scene_context_of_a_request_is_at_time_zero_without_blocks():
         ('bmla:chunkAfter="w"', "", 10.0),
     ],
 )
-def test_expected_start_is_after_planning_of_references_and_after_dependencies(attributes, inside, start):
+def test_expected_start_of_a_block_is_after_planning_of_references_and_after_dependencies(attributes, inside, start):
     assert CONTEXT.expected_start(block(inside, attributes)) == pytest.approx(start)
 
 

@@ -79,7 +79,7 @@ def test_block_beyond_the_duration_quota_is_refused(guarded):
 
 
 @pytest.mark.parametrize("ends", [True, False])
-def test_incomplete_message_is_refused(guarded, ends):
+def test_incomplete_message_of_a_tcp_client_is_refused(guarded, ends):
     with socket.create_connection(("127.0.0.1", guarded.port), 20) as plain:
         plain.sendall(b'{"do": "hello", "token": "open sesame"}\0<bml id="b">')
         if ends:

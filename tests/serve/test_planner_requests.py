@@ -54,7 +54,7 @@ def test_overlong_document_is_refused_with_its_duration(planning: Planning):
     assert notice.sender == 7
 
 
-def test_invalid_document_is_refused(planning: Planning):
+def test_planner_refuses_an_invalid_document(planning: Planning):
     planning.document("b", "<head")
     proposals, (notice,) = planning.said()
     assert not proposals
@@ -168,7 +168,7 @@ def test_interruption_without_yielding_reports_no_heard_text(planning: Planning)
     assert not any("yielded" in notice.message for notice in planning.said()[1])
 
 
-def test_expected_planning_time_decays_after_one_slow_plan(planning: Planning):
+def test_planning_time_expected_by_the_planner_decays_after_one_slow_plan(planning: Planning):
     shared = planning.state._shared
     leads: list[float] = []
     for seconds in (0.5, 0.0, 0.0, 0.0, 9.0, 0.0):

@@ -49,7 +49,7 @@ def resumed(server: Running, becomes) -> Iterator[None]:
     assert becomes(lambda: not server.open.clients.session.loop.is_stopped)
 
 
-def test_emergency_stop_works_while_the_client_thread_is_blocked(server, becomes):
+def test_emergency_stop_is_executed_while_the_thread_of_other_clients_is_blocked(server, becomes):
     loop = server.open.clients.session.loop
     stops = loop.stop_count
     with StopLine(port=server.port) as line, held_up(server.tasks):

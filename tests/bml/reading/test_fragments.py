@@ -76,12 +76,12 @@ def test_smartbody_posture_shift_ends_at_ready_unless_ready_is_0() -> None:
     assert {sync: ref.offset for sync, ref in two.syncs.items()} == {"end": 2.0}
 
 
-def test_unsupported_attributes_give_a_notice_with_their_name() -> None:
+def test_unsupported_attributes_of_a_smartbody_fragment_give_a_notice_with_their_name() -> None:
     block = parse('<gaze target="t" sbm:joint-speed="800"/><head type="NOD" velocity="2"/>')
     assert [notice.text.split()[2] for notice in block.notices] == ["sbm:joint-speed", "velocity"]
 
 
-def test_smartbody_fragment_errors_give_line_and_column_of_the_document() -> None:
+def test_behaviours_and_errors_of_a_smartbody_fragment_have_line_and_column_of_the_document() -> None:
     one, two = parse('<head type="NOD"/>\n  <gaze target="t"/>').behaviours
     assert [(block.place.line, block.place.column) for block in (one, two)] == [(1, 1), (2, 3)]
     with pytest.raises(BmlError, match=r"^f:1:11: not XML: mismatched tag; "):

@@ -38,7 +38,9 @@ def ways(hurried: DryRun) -> str:
     return hands(hurried)
 
 
-def test_plots_are_valid_xml_and_show_moving_joints(hurried: DryRun, moves: list[str], acts: str, ways: str) -> None:
+def test_report_plots_are_valid_xml_and_show_only_moving_joints(
+    hurried: DryRun, moves: list[str], acts: str, ways: str
+) -> None:
     drawn = set().union(*(words_of(figure) for figure in moves))
     names = set(hurried.plan.setup.robot.skeleton.names)
     assert "skullbase_tilt" in drawn

@@ -42,7 +42,7 @@ def test_end_of_the_console_input_ends_the_last_message(type_text: Callable[[byt
     assert asyncio.run(run()) == [b"<one/>", b"<two/>", b"<three/>"]
 
 
-def test_input_after_the_event_loop_is_closed_is_ignored(type_text: Callable[[bytes], None]) -> None:
+def test_console_input_after_the_event_loop_is_closed_is_ignored(type_text: Callable[[bytes], None]) -> None:
     async def start() -> None:
         Console(Quotas())
 

@@ -124,7 +124,7 @@ def test_gesture_pictures_are_reproducible(waved, known, tmp_path):
     assert one == two
 
 
-def test_vocabulary_describes_every_gesture(known):
+def test_vocabulary_lists_every_gesture_sorted_with_a_short_description_and_meanings(known):
     entries = list_vocabulary(known.lexicon, known.pace)
     assert [(entry.category, entry.id) for entry in entries] == sorted((entry.category, entry.id) for entry in entries)
     assert len({entry.says for entry in entries}) == len(entries) >= 150

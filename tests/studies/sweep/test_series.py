@@ -100,7 +100,7 @@ def test_sweep_values_cover_the_whole_parameter_range_by_default(known, monkeypa
     assert [one.value for one in sweep_parameter("beat", "openness", known).played] == [0.0, 1.0]
 
 
-def test_style_presets_are_performed_by_name(known, monkeypatch, tmp_path):
+def test_sweep_of_style_presets_performs_each_style_file_by_name(known, monkeypatch, tmp_path):
     (tmp_path / "styles").mkdir()
     (tmp_path / "styles" / "sad.toml").touch()
     monkeypatch.setattr("kinesic.studies.sweep.series.CONFIGS", tmp_path)

@@ -73,7 +73,7 @@ def test_arm_chain_agrees_with_the_skeleton(angles: Floats):
 
 
 @given(RANDOM_POSTURES)
-def test_segment_orientations_are_rotations(angles: Floats):
+def test_segment_orientations_in_every_posture_are_rotation_matrices(angles: Floats):
     for rotation in ROBOT_SKELETON.frames(angles).rotations:
         np.testing.assert_allclose(rotation @ rotation.T, np.eye(3), atol=1e-12)
         assert np.linalg.det(rotation) == pytest.approx(1.0)
