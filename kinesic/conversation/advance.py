@@ -6,6 +6,7 @@ It maps a state and an event to the next state and requests to the robot's body.
 from dataclasses import replace
 from math import inf
 
+from kinesic.conversation.bearing import mode_bearing
 from kinesic.conversation.events import (
     BargeIn,
     ConversationEvent,
@@ -24,17 +25,11 @@ from kinesic.conversation.settings import MOVEMENT_SETTINGS
 from kinesic.conversation.state import ConversationState, OwnSpeech, PersonVoice
 from kinesic.conversation.turn_words import NO_TURN_WORDS, TurnWords
 from kinesic.conversation.turns import interrupted, next_mode, next_transition
-from kinesic.conversation.wants import BodyLean, BriefExpression, Filler, ModeNotice, Want, Yield
+from kinesic.conversation.wants import Filler, ModeNotice, Want, Yield
 
 ROUNDING_TOLERANCE = 1e-6  # [s] delay added to a next time, so that rounding never makes it too early
 TURN_GAP = 2.0  # [s] silence of a person after which a voice begins a new turn
 CLAUSE_MARKS = (",", ";", ":", ".", "!", "?", "、", "。")  # punctuation at which a listener may nod
-GREETING_SMILE = (("6", 0.3), ("12", 0.5))  # action units of a greeting smile, with intensities 0..1
-RAISED_BROWS = (("1", 0.5), ("2", 0.5))  # action units of surprise, with intensities 0..1
-PENSIVE_BROWS = (("1", 0.25), ("4", 0.3))  # action units of thinking, with intensities 0..1
-SMILE_DURATION = 1.0  # [s] duration of a greeting smile
-BROWS_DURATION = 0.8  # [s] duration of raised brows
-PENSIVE_DURATION = 2.5  # [s] duration of the pensive expression
 
 
 def advance_conversation(
@@ -73,7 +68,7 @@ def advance_conversation(
         wants.append(ModeNotice(state.mode, None if partner is None else partner.id))
     if state.mode != before.mode:
         state = begin_gaze(state, now)
-        wants += _mode_wants(state, before)
+        wants += mode_bearing(state, before.mode)
     state = continue_gaze(state, now)
     state, look = request_look(state, now)
     state, nod = consider_nod(state, now)
@@ -149,25 +144,6 @@ def _end(before: ConversationState, state: ConversationState, now: float) -> tup
         return state, ()
     ended = replace(state, mode="off", since=now, company=Company())
     return ended, (ModeNotice("off"),)
-
-
-def _mode_wants(state: ConversationState, before: ConversationState) -> list[Want]:
-    """Return the posture and expression requested when a mode starts."""
-    listens, amount = state.mode == "listening", state.amount
-    wants: list[Want] = []
-    if listens or before.mode == "listening":
-        side = 1.0 if state.draws % 2 else -1.0
-        lean, tilt = (MOVEMENT_SETTINGS.lean, side * MOVEMENT_SETTINGS.tilt) if listens else (0.0, 0.0)
-        wants.append(BodyLean(amount * lean, amount * tilt, state.mode))
-    faces = {
-        "attending": (GREETING_SMILE, SMILE_DURATION),
-        "interrupted": (RAISED_BROWS, BROWS_DURATION),
-        "thinking": (PENSIVE_BROWS, PENSIVE_DURATION),
-    }
-    if state.mode in faces and not (state.mode == "attending" and before.mode not in ("off", "idle")):
-        units, duration = faces[state.mode]
-        wants.append(BriefExpression(tuple((unit, amount * value) for unit, value in units), duration, state.mode))
-    return wants
 
 
 def _fill(state: ConversationState, now: float) -> tuple[ConversationState, Filler | None]:

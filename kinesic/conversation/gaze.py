@@ -8,6 +8,7 @@ from kinesic.conversation.settings import GAZE_RHYTHMS, MOVEMENT_SETTINGS, Rhyth
 from kinesic.conversation.state import ConversationState, GazeSpell
 from kinesic.conversation.wants import STRAIGHT_DIRECTION, Direction, Look
 
+AVERTED_HEAD_FRACTION = 0.6  # fraction of a look away that the head performs, if it takes part
 SHORTEST_LAST_LOOK = 0.6  # [s] shortest duration of the look that ends a speech
 UNLIMITED_LOOK = GazeSpell()  # gaze at the person without a time limit
 
@@ -98,14 +99,14 @@ def _avert(state: ConversationState, rhythm: Rhythm, until: float) -> Conversati
     number, state = state.draw()
     side, state = state.draw()
     head, state = state.draw()
-    angle, sign = MOVEMENT_SETTINGS.averted_angle, 1.0 if side < 0.5 else -1.0
+    angle, sign = rhythm.angle, 1.0 if side < 0.5 else -1.0
     to_side, down, _ = rhythm.directions
     away: Direction = (sign * angle, 0.0)
     if to_side <= number < to_side + down:
         away = (0.3 * sign * angle, -angle)
     elif number >= to_side + down:
         away = (0.6 * sign * angle, angle)
-    fraction = 0.6 if head < rhythm.head_probability else 0.0
+    fraction = AVERTED_HEAD_FRACTION if head < rhythm.head_probability else 0.0
     return replace(state, gaze=GazeSpell(averted=True, away=away, head_fraction=fraction, until=until))
 
 

@@ -7,6 +7,7 @@ from kinesic.conversation.events import Place
 
 Mode = Literal["off", "idle", "attending", "listening", "thinking", "speaking", "interrupted"]
 Direction = tuple[float, float]  # [deg] left and up
+ActionUnits = tuple[tuple[str, float], ...]  # action units with intensities 0..1
 
 STRAIGHT_DIRECTION: Direction = (0.0, 0.0)  # [deg] straight at the position
 
@@ -45,8 +46,16 @@ class Nod:
 class BriefExpression:
     """Brief facial expression."""
 
-    units: tuple[tuple[str, float], ...]  # action units with intensities 0..1
+    units: ActionUnits
     duration: float  # [s]
+    reason: str = ""
+
+
+@dataclass(frozen=True)
+class HeldExpression:
+    """Facial expression that is held until the next request."""
+
+    units: ActionUnits
     reason: str = ""
 
 
@@ -73,4 +82,4 @@ class ModeNotice:
     who: str | None = None  # id of the attended person
 
 
-Want = Look | BodyLean | Nod | BriefExpression | Filler | Yield | ModeNotice
+Want = Look | BodyLean | Nod | BriefExpression | HeldExpression | Filler | Yield | ModeNotice

@@ -4,7 +4,7 @@ The face accompanies them.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
@@ -20,6 +20,8 @@ PEAK_VELOCITY_RATIO = 1.875  # peak / mean velocity of a minimum-jerk step
 PEAK_ACCELERATION_RATIO = 10.0 / 3.0**0.5  # peak acceleration of a minimum-jerk step * duration^2 / angle
 MAX_STEP_DURATION = 3.0  # [s] longest step that is tried
 STEP_GROWTH_FACTOR = 1.2  # duration of a step / duration of the previous, too fast attempt
+ONSET_FRACTION = 0.25  # fraction of the duration of a brief expression in which it appears, and in which it vanishes
+MAX_ONSET = 0.5  # [s] longest time in which an expression appears or vanishes
 RATE_SAMPLES = 25  # number of times at which the limits of a step are checked
 
 
@@ -63,11 +65,21 @@ class FollowStep:
 
 @dataclass(frozen=True, eq=False)
 class Glimpse:
-    """Brief expression of the face."""
+    """Expression of the face for some time."""
 
     units: tuple[tuple[str, float], ...] = ()  # action units with intensities 0..1
     begin: float = 0.0  # [s] global time
-    end: float = 0.0  # [s] global time
+    end: float = 0.0  # [s] global time; infinity: it is held
+    onset: float = MAX_ONSET  # [s] time in which it appears, and in which it vanishes
+
+    @classmethod
+    def brief(cls, units: tuple[tuple[str, float], ...], begin: float, duration: float) -> "Glimpse":
+        """Return an expression that appears and vanishes within a duration [s]."""
+        return cls(units, begin, begin + duration, min(MAX_ONSET, ONSET_FRACTION * duration))
+
+    def ended(self, time: float) -> "Glimpse":
+        """Return the expression as it vanishes smoothly from a time [s] on."""
+        return replace(self, end=min(self.end, max(time, self.begin + self.onset) + self.onset))
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +90,8 @@ class FollowedFace:
     before: Turn = field(default_factory=Turn)  # direction before `begin`
     begin: float = 0.0  # [s] global time of the shift of the eyes
     expression: Glimpse = field(default_factory=Glimpse)
+    held: Glimpse = field(default_factory=Glimpse)  # expression of the conversational state
+    faded: Glimpse = field(default_factory=Glimpse)  # expression of the previous state
 
 
 def fit_step(chain: TrunkChain, change: Floats, begin: float, running: Sequence[FollowStep]) -> FollowStep | None:

@@ -8,12 +8,11 @@ from kinesic.body.command import COMMAND_RATE
 from kinesic.expressivity.face.eyes import gaze_units
 from kinesic.motion.easing import minimum_jerk
 from kinesic.planning.torso import compute_torso_turn
-from kinesic.realizer.follow_steps import TRUNK_CHAINS, FollowedFace
+from kinesic.realizer.follow_steps import TRUNK_CHAINS, FollowedFace, Glimpse
 from kinesic.realizer.scene import Scene
 
 FACE_ROWS = 4 * COMMAND_RATE  # number of samples computed in advance; the last one is held
 SACCADE_DURATION = 0.06  # [s] duration of a shift of the eyes
-ONSET_FRACTION = 0.25  # fraction of the duration of an expression in which it appears, and in which it vanishes
 
 
 def followed_action_units(scene: Scene, face: FollowedFace, begin: float) -> dict[str, Floats]:
@@ -34,10 +33,18 @@ def followed_action_units(scene: Scene, face: FollowedFace, begin: float) -> dic
                 blocked |= (times >= entry.begin) & (times < entry.end)
     for values in units.values():
         values[blocked] = np.nan
-    shown = face.expression
-    onset = ONSET_FRACTION * max(shown.end - shown.begin, 1.0 / COMMAND_RATE)
-    strength = minimum_jerk((times - shown.begin) / onset) - minimum_jerk((times - shown.end + onset) / onset)
-    return units | {key: value * strength for unit, value in shown.units for key in face_keys(unit)}
+    for shown in (face.expression, face.held, face.faded):
+        strength = _strength(shown, times)
+        for unit, value in shown.units:
+            for key in face_keys(unit):
+                units[key] = np.maximum(units.get(key, 0.0), value * strength)
+    return units
+
+
+def _strength(shown: Glimpse, times: Floats) -> Floats:
+    """Return the visible fraction (m,) of an expression at times (m,) [s]."""
+    appeared = minimum_jerk((times - shown.begin) / shown.onset)
+    return np.asarray(appeared - minimum_jerk((times - shown.end + shown.onset) / shown.onset))
 
 
 def _head_directions(scene: Scene, times: Floats) -> Floats:

@@ -12,7 +12,17 @@ from kinesic.conversation.advance import advance_conversation, next_time
 from kinesic.conversation.events import ConversationEvent, Conversing, Place, RobotSpeech
 from kinesic.conversation.state import ConversationState
 from kinesic.conversation.turn_words import turn_words
-from kinesic.conversation.wants import BodyLean, BriefExpression, Filler, Look, ModeNotice, Nod, Want, Yield
+from kinesic.conversation.wants import (
+    BodyLean,
+    BriefExpression,
+    Filler,
+    HeldExpression,
+    Look,
+    ModeNotice,
+    Nod,
+    Want,
+    Yield,
+)
 from kinesic.expressivity.gaze import eye_place, towards
 from kinesic.expressivity.keyframes import HeldTurns, Turn
 from kinesic.expressivity.turns import UPRIGHT_TURN, add_turns, clip_turn, rotation_range, scale_turn
@@ -29,8 +39,10 @@ MAX_HEAD_ANGLE = radians(30.0)  # [rad] horizontal gaze angle above which the tr
 MIN_HEAD_FRACTION = 0.5  # smallest fraction of a look away that the head of a robot without visible eyes performs
 RETRY_PERIOD = 0.25  # [s] time between attempts to follow while a block determines the gaze
 SPATIAL_GAIN = 0.5  # factor from the `spatial` parameter of a style to the relative change of amplitudes
+MAX_SPEECH_GAP = 1.0  # [s] longest pause between two phrases that does not end the robot's speech
 SPEECH_END_TOLERANCE = 0.05  # [s] smallest change of the expected end of speech that is reported
 FILLER_BLOCK = "filler"  # prefix of the ids of blocks with fillers
+MovingWant = Look | BodyLean | Nod | BriefExpression | HeldExpression  # requests that move the body
 
 
 class ChangeableScene(Protocol):
@@ -115,7 +127,7 @@ class Conversation:
             self._state, requested = advance_conversation(self._state, event, now, words=words)
             wants += requested
         self._tell(tuple(wants))
-        self._move([want for want in wants if isinstance(want, Look | BodyLean | Nod | BriefExpression)], now)
+        self._move([want for want in wants if isinstance(want, MovingWant)], now)
         return tuple(want for want in wants if isinstance(want, Yield) or (self._fills and isinstance(want, Filler)))
 
     def _own_speech(self, now: float) -> RobotSpeech | None:
@@ -123,13 +135,15 @@ class Conversation:
 
         Without a change, it is None.
         """
-        playing = [
-            item
+        before = self._speech
+        latest_begin = now + (MAX_SPEECH_GAP if before[0] else 0.0)
+        ends = [
+            item.end
             for item in self._shared.scene.speeches
-            if item.begin <= now < item.end and not item.block.startswith(FILLER_BLOCK)
+            if item.begin <= latest_begin and now < item.end and not item.block.startswith(FILLER_BLOCK)
         ]
-        active, end = bool(playing), max((item.end for item in playing), default=inf)
-        before, self._speech = self._speech, (active, end)
+        active, end = bool(ends), max(ends, default=inf)
+        self._speech = active, end
         if active and (not before[0] or abs(end - before[1]) > SPEECH_END_TOLERANCE):
             return RobotSpeech(active=True, ends_in=end - now)
         return RobotSpeech(active=False) if before[0] and not active else None
@@ -143,7 +157,7 @@ class Conversation:
             elif isinstance(want, Nod):
                 self._shared.tell(json_answer("backchannel", sign="nod", reason=want.reason), self.owner)
 
-    def _move(self, wants: list[Look | BodyLean | Nod | BriefExpression], now: float) -> None:
+    def _move(self, wants: list[MovingWant], now: float) -> None:
         """Propose the motion of head, trunk and face."""
         looks = [want for want in wants if isinstance(want, Look)]
         self.look = looks[-1] if looks else self.look
@@ -167,16 +181,18 @@ class Conversation:
         self._shared.propose(change)
 
     def _face(self, scene: Scene, wants: Sequence[Want], time: float) -> FollowedFace:
-        """Return the gaze of the eyes and the last brief expression."""
-        before, base = scene.followed_face or FollowedFace(), self._direction(scene)
+        """Return the gaze of the eyes and the current expressions."""
+        shown, base = scene.followed_face or FollowedFace(), self._direction(scene)
         away = Turn(torsion=radians(self.look.away[0]), tilt=-radians(self.look.away[1]))
-        gaze, expression = add_turns(base, away), before.expression
+        gaze = add_turns(base, away)
         for want in wants:
             if isinstance(want, BriefExpression):
-                expression = Glimpse(want.units, time, time + want.duration)
-        if gaze == before.gaze:
-            return replace(before, expression=expression)
-        return FollowedFace(gaze, before.gaze, time, expression)
+                shown = replace(shown, expression=Glimpse.brief(want.units, time, want.duration))
+            elif isinstance(want, HeldExpression):
+                shown = replace(shown, held=Glimpse(want.units, time, inf), faded=shown.held.ended(time))
+        if gaze == shown.gaze:
+            return shown
+        return replace(shown, gaze=gaze, before=shown.gaze, begin=time)
 
     def _direction(self, scene: Scene) -> Turn:
         """Return the direction of the person, or straight ahead."""

@@ -17,10 +17,10 @@ from kinesic.conversation.events import (
     TurnPrediction,
     VoiceActivity,
 )
-from kinesic.conversation.settings import MOVEMENT_SETTINGS, TURN_TIMES
+from kinesic.conversation.settings import BEARINGS, MOVEMENT_SETTINGS, TURN_TIMES
 from kinesic.conversation.state import ConversationState
 from kinesic.conversation.turn_words import NO_TURN_WORDS, turn_words
-from kinesic.conversation.wants import BodyLean, BriefExpression, Filler, Look, ModeNotice, Nod, Yield
+from kinesic.conversation.wants import BodyLean, BriefExpression, Filler, HeldExpression, Look, ModeNotice, Nod, Yield
 from tests.conversation.dialogues import ENGLISH, FRONT, converse, present, says
 
 LEFT = (1.0, 1.0, 1.5)
@@ -167,8 +167,23 @@ def test_thinking_that_no_client_requested_ends_after_a_maximum_time():
 def test_listening_robot_leans_forward_and_returns_upright_afterwards():
     record = converse([*present(8.0), *says(2.0, 4.0)], 8.0, amount=0.5)
     lean, upright = (want for _, want in record.of(BodyLean))
-    assert (lean.lean, abs(lean.tilt)) == (0.5 * MOVEMENT_SETTINGS.lean, 0.5 * MOVEMENT_SETTINGS.tilt)
-    assert (upright.lean, upright.tilt) == (0.0, 0.0)
+    assert (lean.lean, abs(lean.tilt)) == (0.5 * BEARINGS["listening"].lean, 0.5 * BEARINGS["listening"].tilt)
+    assert (upright.lean, upright.tilt) == (0.5 * BEARINGS["thinking"].lean, 0.0)
+
+
+def test_each_change_of_state_requests_the_expression_of_the_new_state_once():
+    record = converse([*present(9.0), *says(2.0, 4.0), (5.2, RobotSpeech(active=True, ends_in=2.0))], 8.0, amount=0.5)
+    held = [(want.reason, want.units) for _, want in record.of(HeldExpression)]
+    assert [reason for reason, _ in held] == ["attending", "listening", "thinking", "speaking"]
+    assert held[1][1] == tuple((unit, 0.5 * value) for unit, value in BEARINGS["listening"].face)
+    assert held[3][1] == ()
+
+
+def test_idle_robot_looks_around_with_its_head():
+    looks = [want for time, want in converse([], 30.0).of(Look) if time > 12.0]
+    away = [look for look in looks if look.away != (0.0, 0.0)]
+    assert len(away) >= 3
+    assert all(look.place is None and look.head_fraction > 0.0 for look in away)
 
 
 def test_conversation_without_people_becomes_idle_after_a_while():

@@ -8,7 +8,7 @@ import pytest
 from kinesic.conversation import gaze, turns
 from kinesic.conversation.nods import consider_nod, next_nod_time
 from kinesic.conversation.people import MAX_ABSENCE, Company, TrackedPerson, direction_change, expire
-from kinesic.conversation.settings import GAZE_RHYTHMS, MOVEMENT_SETTINGS, TURN_TIMES
+from kinesic.conversation.settings import MOVEMENT_SETTINGS, TURN_TIMES, Rhythm
 from kinesic.conversation.state import ConversationState, OwnSpeech, PersonVoice
 from kinesic.conversation.turn_words import turn_words
 
@@ -93,8 +93,9 @@ def test_random_numbers_of_a_conversation_are_uniform_and_repeatable_and_differ_
     assert 2.48 < max(values) < 2.5
 
 
-def test_averted_gazes_go_sideways_down_and_up_with_the_frequencies_of_the_thinking_gaze_rhythm():
-    rhythm, angle = GAZE_RHYTHMS["thinking"], MOVEMENT_SETTINGS.averted_angle
+def test_averted_gazes_go_sideways_down_and_up_with_the_frequencies_of_their_gaze_rhythm():
+    rhythm = Rhythm((1.0, 0.2), (3.0, 0.5), (0.1, 0.2, 0.7), 0.4, angle=20.0)
+    angle = rhythm.angle
     spells = [gaze._avert(ConversationState(draws=3 * k), rhythm, 7.0).gaze for k in range(800)]
     assert all(spell.averted and spell.until == 7.0 for spell in spells)
     kinds = {(angle, 0.0): 0.1, (0.3 * angle, -angle): 0.2, (0.6 * angle, angle): 0.7}

@@ -15,6 +15,7 @@ from kinesic.conversation.events import (
     Transcript,
     VoiceActivity,
 )
+from kinesic.conversation.settings import BEARINGS
 from kinesic.expressivity.gaze import towards
 from kinesic.motion.trajectory import stay
 from kinesic.planning.setup import Setup
@@ -193,15 +194,16 @@ def test_eyes_reach_a_person_before_the_head_and_stay_on_the_person(make_plannin
     assert effects.face(begin + 60.0)["61"] == effects.face(begin + 10.0)["61"]
 
 
-def test_robot_smiles_briefly_when_it_greets_a_person(make_planning: Callable[..., Planning]):
+def test_robot_smiles_more_for_a_moment_when_it_greets_a_person(make_planning: Callable[..., Planning]):
     talk = Talk(make_planning(accompaniment=SoundAndFace(face=True))).send(Conversing(on=True))
     effects = TrackEffects(face=True)
     talk.until(0.2, Person("p", FRONT))
     for proposal in talk.proposals:
         effects.take(proposal.tracks)
-    smiles = [effects.face(time).get("L12", 0.0) for time in (0.55, 1.6)]
-    assert smiles[0] > 0.4
-    assert smiles[1] == pytest.approx(0.0, abs=0.01)
+    smiles = [effects.face(time).get("L12", 0.0) for time in (0.6, 1.6, 3.6)]
+    held = dict(BEARINGS["attending"].face)["12"]
+    assert smiles[0] > held + 0.1
+    assert smiles[1:] == pytest.approx([held, held], abs=0.01)
 
 
 def test_gaze_of_a_block_also_moves_the_eyes_during_a_conversation(make_planning: Callable[..., Planning]):
@@ -217,3 +219,17 @@ def test_gaze_of_a_block_also_moves_the_eyes_during_a_conversation(make_planning
     assert effects.face(2.5)["62"] > 0.5
     talk.send(Conversing(on=False))
     assert talk.proposals[-1].tracks == {FOLLOWED_FACE: None}
+
+
+def test_expression_of_a_state_fades_smoothly_into_that_of_the_next_state(make_planning: Callable[..., Planning]):
+    talk = Talk(make_planning(accompaniment=SoundAndFace(face=True))).send(Conversing(on=True))
+    effects = TrackEffects(face=True)
+    talk.until(3.0, Person("p", FRONT)).send(Thinking(on=True))
+    for proposal in talk.proposals:
+        effects.take(proposal.tracks)
+    faces = [effects.face(talk.planning.time + time) for time in np.arange(0.005, 1.2, 0.01)]
+    for unit, mode, row in (("L12", "attending", 0), ("L4", "thinking", -1)):
+        values = [face.get(unit, 0.0) for face in faces]
+        assert values[row] == pytest.approx(dict(BEARINGS[mode].face)[unit[1:]], abs=0.01)
+        assert values[-1 - row] == pytest.approx(0.0, abs=0.01)
+        assert np.abs(np.diff(values)).max() < 0.03

@@ -39,6 +39,14 @@ def test_conversation_learns_the_end_of_the_last_overlapping_speech_of_the_robot
     assert conversation._own_speech(5.0) is None
 
 
+def test_short_pause_between_two_phrases_does_not_end_the_speech_of_the_robot(conversation, scene):
+    scene.speeches = (speech(1.0, 4.0), speech(4.9, 6.0), speech(7.5, 9.0))
+    assert conversation._own_speech(0.5) is None, "the robot has not begun to speak"
+    assert conversation._own_speech(2.0) == RobotSpeech(active=True, ends_in=2.0)
+    assert conversation._own_speech(4.0) == RobotSpeech(active=True, ends_in=2.0)
+    assert conversation._own_speech(6.0) == RobotSpeech(active=False)
+
+
 def test_filler_word_is_not_reported_to_the_conversation_as_speech_of_the_robot(conversation, scene):
     scene.speeches = (speech(1.0, 4.0, "filler-3"),)
     assert conversation._own_speech(2.0) is None
