@@ -6,7 +6,8 @@ import click
 
 from kinesic.cli.browser import open_in_browser
 from kinesic.cli.options import Output, Performers, Planning, TwinOptions
-from kinesic.cli.perform import PerformOptions, perform_file
+from kinesic.cli.perform import perform_file
+from kinesic.cli.perform_options import PerformOptions
 from kinesic.files.film_settings import FilmSettings
 from kinesic.report.output import PAGE_FILE
 from kinesic.session.options import INTERACTIVE_DEFAULTS

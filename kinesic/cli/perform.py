@@ -11,8 +11,9 @@ from kinesic.body.config import ConfigError
 from kinesic.cli.ending_signals import INTERRUPTED_EXIT_CODE
 from kinesic.cli.option_values import SpokenInput
 from kinesic.cli.options import FAULT_EXIT_CODE, Output, Performers, Planning, TwinOptions, read_input
+from kinesic.cli.perform_options import PerformOptions
 from kinesic.cli.plain_words import printable
-from kinesic.cli.plan import document_name, plan_input, print_written
+from kinesic.cli.plan import divide_input, document_name, plan_input, print_written
 from kinesic.cli.playback import follow_servos, perform_on_servos, play_whole, preview_window, write_servo_run
 from kinesic.cli.progress import Stage, show_stages, stage_progress
 from kinesic.cli.servos.memory import ServoMemory
@@ -20,6 +21,7 @@ from kinesic.cli.servos.ports import read_all_ports
 from kinesic.cli.servos.summary import print_learned_factors
 from kinesic.cli.summary import MAX_PRINTED_WARNINGS, print_checks, print_notices, print_tracking_errors
 from kinesic.cli.terminal import console
+from kinesic.cli.text_parts import perform_parts
 from kinesic.controller.dry_run import dry_runs
 from kinesic.controller.learned_gains import Identification, identify_servos
 from kinesic.files.film_file import explain_missing_encoder, find_encoder
@@ -28,6 +30,7 @@ from kinesic.files.output_file import check_file
 from kinesic.files.output_folder import check_folder
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.host import LIVE_SERVER, SERVO_DRIVER
+from kinesic.intent.manuscript.pieces import SpokenText
 from kinesic.metrics.dry_run import DryRun
 from kinesic.metrics.servo_run import ServoRun
 from kinesic.planning.plan import Plan
@@ -40,21 +43,10 @@ from kinesic.report.report import Json, report
 from kinesic.report.servo_estimate import add_identification
 from kinesic.report.servo_report import live_checks, live_log
 from kinesic.report.verdict import verdict
-from kinesic.session.documents import write_text
+from kinesic.session.documents import divide_long, write_text
 from kinesic.session.plan import plan_plain_text, plan_recording
 from kinesic.session.recorded import SpokenRecording, write_recording
 from kinesic.sim.log import make_log
-
-
-@dataclass(frozen=True)
-class PerformOptions:
-    """Options of one performance: planning, outputs, twin, report folder and film."""
-
-    planning: Planning
-    performers: Performers
-    twin: TwinOptions
-    output: Output
-    film: FilmSettings | None
 
 
 @dataclass(frozen=True)
@@ -73,6 +65,12 @@ class _Content:
             return plan_plain_text(self.text, setup, source=self.file)
         return plan_input(self.file, setup)
 
+    def divide(self, planning: Planning) -> tuple[SpokenText, ...]:
+        """Return the parts of a text that is too long for one plan, or nothing."""
+        if self.recording is not None:
+            return ()
+        return divide_input(self.file, planning) if self.text is None else divide_long(self.text, planning.options)
+
 
 def perform_file(
     file: str, options: PerformOptions, *, text: str | None = None, recording: SpokenRecording | None = None
@@ -81,12 +79,14 @@ def perform_file(
 
     Servos move only if no check of the twin failed. If the output path ends in .glb, the performance is written as a
     glTF scene with its voice beside it, and no report folder. A plain text or a recording, if given, is performed, and
-    `file` is its name.
+    `file` is its name. A text too long for one plan is performed part by part.
     """
     performers, output, film = options.performers, options.output, options.film
     if "servos" in performers.sinks:
         SERVO_DRIVER.require()
     source, content = document_name(file), _Content(file, text, recording)
+    if parts := content.divide(options.planning):
+        return perform_parts(parts, options, source=source)
     memory = ServoMemory.of(options.twin)
     if is_scene(output.out):
         return _perform_scene(content, options)

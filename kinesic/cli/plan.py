@@ -22,6 +22,7 @@ from kinesic.cli.terminal import console, error_console, quote_text
 from kinesic.files.output_file import check_file
 from kinesic.intent.author import AuthoredText
 from kinesic.intent.fml.author import is_fml
+from kinesic.intent.manuscript.pieces import SpokenText
 from kinesic.metrics.synchrony import StrokeLag, compute_median_lag, measure_planned_lags
 from kinesic.planning.certify import certify
 from kinesic.planning.clearance import Conditioner
@@ -32,8 +33,8 @@ from kinesic.planning.syncs import SHIFT_TO_WARN, SyncTime
 from kinesic.report.gltf.scene import SCENE_SUFFIX as SCENE
 from kinesic.report.gltf.scene import is_scene, save_scene, save_voice
 from kinesic.report.labels import label
-from kinesic.session.documents import is_spoken_file, write_fml, write_text
-from kinesic.session.plan import is_motion_file, plan, plan_motion_file, plan_plain_text
+from kinesic.session.documents import TEXT_SUFFIXES, divide_long, is_spoken_file, write_fml, write_text
+from kinesic.session.plan import is_motion_file, plan, plan_motion_file, plan_parts, plan_plain_text
 
 COLUMN_SYNCS = ("start", "end")  # sync points with their own column in the timeline
 MAX_SPEECH_LENGTH = 30  # [characters] speech shown in the timeline
@@ -60,6 +61,8 @@ def plan_file(file: str, planning: Planning, out: Path | None, force: bool, to: 
     if out is not None:
         check_motion_file(out, also=SCENE)
         check_file(out, force=force)
+    if parts := divide_input(file, planning):
+        return _print_parts(parts, file, planning, out)
     with show_stages() as stage:
         stage("planning")
         setup = planning.set_up()
@@ -81,6 +84,30 @@ def plan_file(file: str, planning: Planning, out: Path | None, force: bool, to: 
     if voice is not None:
         click.echo(f"voice: {voice}")
     click.echo("nothing written; --out motion.npz (.csv, .bap) writes the motion" if out is None else f"motion: {out}")
+    return 0
+
+
+def divide_input(file: str, planning: Planning) -> tuple[SpokenText, ...]:
+    """Return the parts of a text file that is too long for one plan, or nothing."""
+    is_text = Path(file).suffix.lower() in TEXT_SUFFIXES
+    return divide_long(read_input(file), planning.options) if is_text else ()
+
+
+def _print_parts(parts: Sequence[SpokenText], file: str, planning: Planning, out: Path | None) -> int:
+    """Print the timeline of every part of a long text.
+
+    Raises:
+        ConfigError: a motion file is requested, which holds one plan.
+    """
+    if out is not None:
+        raise ConfigError(f"{out}: a motion holds one part of a text, not {len(parts)}: divide {document_name(file)}")
+    with show_stages() as stage:
+        stage("planning part 1")
+        for number, planned in enumerate(plan_parts(parts, planning.set_up(), source=document_name(file)), 1):
+            click.echo(f"part {number} of {len(parts)}, {planned.duration:.2f} s")
+            print_timeline(planned, measure_planned_lags(planned), console())
+            print_notices(planned, error_console())
+            stage(f"planning part {number + 1}")
     return 0
 
 

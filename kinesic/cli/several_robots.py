@@ -11,7 +11,8 @@ import numpy as np
 from kinesic.body.arrays import Picture
 from kinesic.body.config import ConfigError, locate_config
 from kinesic.cli.options import Output, Performers, Planning, TwinOptions
-from kinesic.cli.perform import PerformOptions, perform_file
+from kinesic.cli.perform import perform_file
+from kinesic.cli.perform_options import PerformOptions
 from kinesic.cli.plan import document_name
 from kinesic.cli.progress import show_stages
 from kinesic.cli.servos.memory import check_single_robot

@@ -175,7 +175,7 @@ def _perform() -> None:
 
     FILE may be the name of a built-in document: night, story or welcome. FILE - is BML on standard input. With servos,
     FILE is first performed in the twin, and on the servos only if no check failed. With --robot A,B several robots
-    perform FILE, and are filmed side by side.
+    perform FILE, and are filmed side by side. A text of more than 4000 words is performed in parts, with a report each.
     """
 
 

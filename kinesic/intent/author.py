@@ -13,6 +13,7 @@ from kinesic.intent.budget import budget_of
 from kinesic.intent.choosing import choose_behaviours
 from kinesic.intent.directed import DIRECTION_INTENT, find_directed
 from kinesic.intent.intents import Intent
+from kinesic.intent.manuscript.pieces import SpokenText
 from kinesic.intent.manuscript.reading import read_manuscript
 from kinesic.intent.meaning.reader import read_meanings
 from kinesic.intent.pacing.accents import find_accents, follow_accents
@@ -77,7 +78,7 @@ def author(
 
 
 def author_text(
-    text: str,
+    text: str | SpokenText,
     lexicon: Lexicon,
     style: Style,
     *,
@@ -96,7 +97,7 @@ def author_text(
     See `author`.
 
     Args:
-        text: as people write it.
+        text: as people write it, or a part of a long text.
         lexicon: gestures that may illustrate its words.
         style: of the performance.
         language: its tag.
@@ -128,7 +129,7 @@ def author_text(
 
 
 def plan_behaviours(
-    text: str,
+    text: str | SpokenText,
     lexicon: Lexicon,
     style: Style,
     *,
@@ -146,8 +147,8 @@ def plan_behaviours(
     """
     rules = load_language(language)
     lacking = (rules.warning,) if rules.warning else ()
-    spoken, warnings = read_manuscript(text, character=character)
-    passage = read_text(spoken, rules)
+    spoken = text if isinstance(text, SpokenText) else SpokenText(*read_manuscript(text, character=character))
+    passage = read_text(spoken.text, rules)
     passage = passage if recorded is None else recorded.hear(passage)
     directed = find_directed(passage, lexicon)
     asked = tuple(reach_directed(behaviour, slowness=slowness_of(style)) for behaviour in directed.behaviours)
@@ -166,7 +167,7 @@ def plan_behaviours(
         reachable=partial(reachable, slowness=slowness_of(style)),
     )
     behaviours = merge_directed(selection.behaviours, asked)
-    return passage, replace(selection, behaviours=behaviours, warnings=(*lacking, *warnings, *directed.warnings))
+    return passage, replace(selection, behaviours=behaviours, warnings=(*lacking, *spoken.warnings, *directed.warnings))
 
 
 def add_accents(intents: Sequence[Intent], passage: Passage) -> tuple[Intent, ...]:

@@ -8,7 +8,7 @@ from pydantic import AfterValidator, Field, WithJsonSchema
 from kinesic.body.config import names_of
 from kinesic.mcp.document_schema import BML_SCHEMA
 
-MAX_TEXT_LENGTH = 20_000  # [characters] longest text of a call
+MAX_TEXT_LENGTH = 200_000  # [characters] longest text of a call, about 35 000 words
 MAX_DOCUMENT_LENGTH = 900_000  # [characters] longest document of a call
 MAX_QUERY_LENGTH = 200  # [characters] longest query of a gesture search
 MAX_NAME_LENGTH = 64  # [characters] longest block id in a call

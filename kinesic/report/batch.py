@@ -17,7 +17,7 @@ from kinesic.files.plain_name import cut_name
 from kinesic.files.unicode_text import escape_surrogates
 from kinesic.metrics.dry_run import DryRun
 from kinesic.planning.setup import Setup
-from kinesic.report.checks import Check, checks
+from kinesic.report.checks import Check, checks, grade
 from kinesic.report.report import Json, report
 from kinesic.session.builtin_documents import locate_document, suggest_document
 from kinesic.session.plan import plan
@@ -194,11 +194,23 @@ def judge_document(
     except OSError as error:
         return DocumentVerdict(name, "refused", 2, error=f"{name}: {error.strerror}"), {}
     data = report(performance, source=name, other_runs=other_runs)
-    outcomes = performance.plan.keyframes.outcomes
-    behaviours = tuple((b.type, outcomes[b.id].kind) for b in performance.plan.timeline.block.behaviours)
-    if behaviours and all(outcome == "dropped" for _, outcome in behaviours):
-        return DocumentVerdict(name, "refused", 0, behaviours, error=_nothing_left(name, performance)), data
-    return DocumentVerdict(name, "performed", 0 if data["ok"] else 1, behaviours, checks(performance)), data
+    verdict = judge_performance(name, performance)
+    if verdict.behaviours and all(outcome == "dropped" for _, outcome in verdict.behaviours):
+        problem = _nothing_left(name, performance)
+        return DocumentVerdict(name, "refused", 0, verdict.behaviours, error=problem), data
+    return verdict, data
+
+
+def judge_performance(name: str, performance: DryRun) -> DocumentVerdict:
+    """Return behaviours and checks of a performance as a verdict.
+
+    Args:
+        name: of the document or of its part.
+        performance: in the twin.
+    """
+    outcomes, results = performance.plan.keyframes.outcomes, checks(performance)
+    behaviours = tuple((each.type, outcomes[each.id].kind) for each in performance.plan.timeline.block.behaviours)
+    return DocumentVerdict(name, "performed", int(grade(results) == "fail"), behaviours, results)
 
 
 def _nothing_left(name: str, performance: DryRun) -> str:

@@ -49,7 +49,12 @@ def totals(verdicts: list[DocumentVerdict]) -> dict[str, Json]:
             **counts(here),
             "types": {kind: _shares([o for v in here for k, o in v.behaviours if k == kind]) for kind in types},
         }
-    return {**counts(verdicts), "folders": folders, "checks": {tally.name: _json(tally) for tally in tallies(verdicts)}}
+    return {**counts(verdicts), "folders": folders, "checks": worst_checks(verdicts)}
+
+
+def worst_checks(verdicts: Iterable[DocumentVerdict]) -> dict[str, Json]:
+    """Return counts and worst value of every check, by its name."""
+    return {tally.name: _json(tally) for tally in tallies(verdicts)}
 
 
 def counts(verdicts: list[DocumentVerdict]) -> dict[str, Json]:

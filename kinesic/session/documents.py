@@ -1,10 +1,7 @@
 """Reader of documents (BML, FML-APML or plain text) as planning blocks."""
 
-import re
-from bisect import bisect_left
 from dataclasses import replace
 from functools import partial
-from itertools import accumulate
 
 from kinesic.bml.block import Block, BmlError, DocumentBounds, Notice, NoticeType
 from kinesic.bml.parse import parse
@@ -16,15 +13,16 @@ from kinesic.intent.fml.author import author_fml, is_fml, parse_fml
 from kinesic.intent.greta.agent import Agent, read_agent
 from kinesic.intent.greta.lexicon import read_lexicon
 from kinesic.intent.manuscript.decoding import decode_text
+from kinesic.intent.manuscript.pieces import SpokenText
 from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory, Revision
 from kinesic.intent.recorded import RecordedAudio
+from kinesic.intent.text_parts import MAX_TEXT_WORDS, divide_text
 from kinesic.planning.setup import Setup
+from kinesic.session.options import PlanningOptions
 
-MAX_TEXT_WORDS = 4000  # largest number of spoken words of one plan, about 27 minutes
 MAX_TEXT_DURATION = 2400.0  # [s] maximum duration of the plan of a text
 # Limits of the BML written for a text: size [bytes], numbers of elements and behaviours.
 TEXT_BOUNDS = DocumentBounds(size=40_000_000, elements=200_000, behaviours=50_000)
-_WORD_PATTERN = re.compile(r"\w+(?:['\u2019.,-]\w+)*")  # spoken word, with inner apostrophes and hyphens
 TEXT_SUFFIXES = (".txt", ".md", ".markdown", ".srt", ".vtt", ".ssml")  # suffixes of files with text to be spoken
 
 
@@ -88,22 +86,37 @@ def read_plain_text(text: str | bytes, setup: Setup, *, source: str) -> Block:
     """
     written = write_text(text, setup)
     if written.words > MAX_TEXT_WORDS:
-        raise BmlError(_describe_length(text if isinstance(text, str) else decode_text(text)[0], written.words, source))
+        remedy = "`kinesic perform FILE` divides it into parts, and `kinesic say - < FILE` streams it without a report"
+        raise BmlError(f"{source}: {written.words} words; one plan holds {MAX_TEXT_WORDS}: {remedy}")
+    return make_block(written, setup, source=source)
+
+
+def make_block(written: AuthoredText, setup: Setup, *, source: str) -> Block:
+    """Read the BML of a text, with a notice for each omitted part.
+
+    Args:
+        written: BML of the text.
+        setup: dialect and character.
+        source: name of the text in messages and reports.
+    """
     block = parse(written.bml, source=source, dialect=setup.dialect, performer=setup.character, bounds=TEXT_BOUNDS)
     notices = tuple(Notice(NoticeType.CANNOT_CREATE_BEHAVIOR, block.id, warning) for warning in written.warnings)
     return replace(block, notices=(*block.notices, *notices), max_duration=MAX_TEXT_DURATION)
 
 
-def _describe_length(text: str, words: int, source: str) -> str:
-    """Return the error message for a text too long for one plan.
+def divide_long(text: str | bytes, options: PlanningOptions) -> tuple[SpokenText, ...]:
+    """Divide a text that is too long for one plan.
 
-    It names the line up to which the text would fit.
+    Args:
+        text: to be spoken, or the content of its file.
+        options: with language and character.
+
+    Returns:
+        Its parts; nothing if it fits into one plan.
     """
-    counts = list(accumulate(len(_WORD_PATTERN.findall(line)) for line in text.splitlines()))
-    line = bisect_left(counts, counts[-1] * MAX_TEXT_WORDS / words) + 1
-    place = "" if len(counts) == 1 else f", up to about line {line}"
-    remedy = "divide the text, or stream it with `kinesic say - < FILE`, without a report"
-    return f"{source}: {words} words; a plan holds {MAX_TEXT_WORDS}{place}: {remedy}"
+    written, warnings = (text, ()) if isinstance(text, str) else decode_text(text)
+    parts = divide_text(written, language=options.get("language", "en"), character=options.get("character") or "")
+    return (SpokenText(parts[0].text, (*warnings, *parts[0].warnings)), *parts[1:]) if len(parts) > 1 else ()
 
 
 def write_fml(text: str | bytes, setup: Setup, *, source: str = "<text>") -> tuple[str, tuple[str, ...]]:
@@ -140,12 +153,12 @@ def write_text(text: str | bytes, setup: Setup, memory: ChoiceMemory = NO_MEMORY
 
 
 def author_with_setup(
-    text: str, setup: Setup, *, memory: ChoiceMemory = NO_MEMORY, recorded: RecordedAudio | None = None
+    text: str | SpokenText, setup: Setup, *, memory: ChoiceMemory = NO_MEMORY, recorded: RecordedAudio | None = None
 ) -> AuthoredText:
     """Write BML for a text with the options of a setup.
 
     Args:
-        text: to be spoken.
+        text: to be spoken, or a part of a long text.
         setup: lexicon, style, language, grammar, intentions, seed and character.
         memory: gestures of earlier texts, which are not repeated for a minute of speech.
         recorded: recording that speaks the text; None: the voice of the setup.

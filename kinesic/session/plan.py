@@ -1,12 +1,15 @@
 """Planning of documents and motion files without moving the robot."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 
 from kinesic.bml.block import Block, BmlError
 from kinesic.bml.reading.wrapping import is_wrapped
+from kinesic.intent.manuscript.pieces import SpokenText
+from kinesic.intent.pacing.memory import NO_MEMORY
 from kinesic.planning.certify import certify
 from kinesic.planning.clearance import Conditioner
 from kinesic.planning.files.bap import BAP_SUFFIX, read_bap
@@ -15,7 +18,7 @@ from kinesic.planning.plan import Plan
 from kinesic.planning.setup import Setup
 from kinesic.planning.standing_plan import plan_standing_block
 from kinesic.session.builtin_documents import locate_document, suggest_document
-from kinesic.session.documents import TEXT_SUFFIXES, read_block, read_plain_text
+from kinesic.session.documents import TEXT_SUFFIXES, author_with_setup, make_block, read_block, read_plain_text
 from kinesic.session.recorded import SpokenRecording, read_recording
 from kinesic.session.setup import set_up
 
@@ -62,6 +65,23 @@ def plan_plain_text(text: str | bytes, setup: Setup, *, source: str, conditioned
         conditioned: turns desired motions into motions within the limits.
     """
     return _plan_read(lambda: read_plain_text(text, setup, source=source), setup, conditioned)
+
+
+def plan_parts(parts: Sequence[SpokenText], setup: Setup, *, source: str) -> Iterator[Plan]:
+    """Plan a long text part by part.
+
+    Only the current plan is in memory. No gesture is repeated for a minute of speech, also across parts.
+
+    Args:
+        parts: of the text, as `kinesic.session.documents.divide_long` returns them.
+        setup: robot, style and options.
+        source: name of the text in messages and reports.
+    """
+    memory = NO_MEMORY
+    for number, part in enumerate(parts, 1):
+        written = author_with_setup(part, setup, memory=memory)
+        memory, name = written.memory, f"{source}, part {number} of {len(parts)}"
+        yield _plan_read(partial(make_block, written, setup, source=name), setup, certify)
 
 
 def plan_recording(

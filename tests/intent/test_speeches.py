@@ -72,8 +72,10 @@ def test_plain_text_may_have_more_behaviours_than_a_bml_document():
     assert block.max_duration == documents.MAX_TEXT_DURATION
 
 
-def test_error_of_a_too_long_text_counts_words_and_names_the_line(monkeypatch):
+def test_error_of_a_too_long_text_counts_words_and_names_the_verbs_for_long_texts(monkeypatch):
     monkeypatch.setattr(documents, "MAX_TEXT_WORDS", 30)
     text = "\n".join(["The garden needs water today."] * 10)
-    with pytest.raises(BmlError, match=r"long.txt: 50 words; a plan holds 30, up to about line 6: .*say - < FILE"):
+    with pytest.raises(
+        BmlError, match=r"long.txt: 50 words; one plan holds 30: .*perform FILE.* divides .*say - < FILE"
+    ):
         documents.read_plain_text(text, set_up(), source="long.txt")

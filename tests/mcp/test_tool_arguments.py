@@ -41,7 +41,7 @@ def test_schemas_of_the_parameters_state_limits_choices_and_defaults(robot: Robo
             schemas[tool.name] = tool.input_schema.get("properties", {})
 
     robot.run(act)
-    assert schemas["say"]["text"]["maxLength"] == 20_000
+    assert schemas["say"]["text"]["maxLength"] == 200_000
     assert schemas["say"]["style"]["enum"] == [*names_of("style")]
     assert (schemas["say"]["style"]["type"], schemas["say"]["style"]["default"]) == ("string", "")
     assert schemas["find_gesture"]["query"]["maxLength"] == 200

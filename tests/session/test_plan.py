@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from kinesic.bml.block import BmlError, Speech
-from kinesic.session.plan import plan, plan_document, plan_plain_text
+from kinesic.intent.manuscript.pieces import SpokenText
+from kinesic.session.plan import plan, plan_document, plan_parts, plan_plain_text
 
 NOD = '<bml id="b"><head id="nod" lexeme="NOD" stroke="1"/></bml>'
 
@@ -44,6 +45,16 @@ def test_plan_of_plain_text_contains_speech_and_records_the_source_name(known):
     planned = plan_plain_text("Hello there.", known, source="hello.txt")
     assert {behaviour.type for behaviour in planned.timeline.block.behaviours} >= {"speech"}
     assert planned.timeline.block.source == "hello.txt"
+
+
+def test_gestures_of_a_long_text_do_not_repeat_in_the_next_part(known):
+    parts = [SpokenText("No, I did not say that."), SpokenText("No, I did not do that.")]
+    blocks = [planned.timeline.block for planned in plan_parts(parts, known, source="a.txt")]
+    first, second = ([b.action.lexeme for b in block.behaviours if b.type == "gesture"] for block in blocks)
+    assert first
+    assert second
+    assert not set(first) & set(second)
+    assert [block.source for block in blocks] == ["a.txt, part 1 of 2", "a.txt, part 2 of 2"]
 
 
 @pytest.mark.parametrize(

@@ -58,6 +58,14 @@ class Manuscript:
 
 
 @dataclass(frozen=True, eq=False)
+class SpokenText:
+    """Spoken text with tags for pauses and directions, without other markup."""
+
+    text: str
+    warnings: tuple[str, ...] = ()  # one for each part of the written text that is not spoken
+
+
+@dataclass(frozen=True, eq=False)
 class Step:
     """Result of reading one word or markup: spoken text and state change."""
 

@@ -5,10 +5,11 @@ from dataclasses import asdict, replace
 from kinesic.bml.block import BmlError
 from kinesic.expressivity.style.style import style_preset
 from kinesic.intent.alternatives import rank_alternatives
+from kinesic.intent.text_parts import MAX_TEXT_WORDS
 from kinesic.planning.setup import Setup
 from kinesic.serve.desk.draft import Json
 from kinesic.serve.wire.questions import AlternativesQuestion, AuthorQuestion
-from kinesic.session.documents import MAX_TEXT_WORDS, intention_sets, write_text
+from kinesic.session.documents import intention_sets, write_text
 
 
 def write_document(question: AuthorQuestion, setup: Setup) -> dict[str, Json]:

@@ -6,11 +6,12 @@ from dataclasses import replace
 import pytest
 
 from kinesic.expressivity.style.style import style_preset
+from kinesic.intent.text_parts import MAX_TEXT_WORDS
 from kinesic.planning.setup import Setup
 from kinesic.serve.desk.drafter import answer_draft
 from kinesic.serve.wire.questions import AlternativesQuestion, AuthorQuestion
 from kinesic.serve.wire.quotas import Quotas
-from kinesic.session.documents import MAX_TEXT_WORDS, write_bml
+from kinesic.session.documents import write_bml
 
 TEXT = "No, I did not say that! There were three big boxes."
 
