@@ -24,11 +24,23 @@ from kinesic.hardware.supervisor.transitions import (
 
 HEAD = """# State machine of the supervisor
 
-`docs/make/reference` writes this page from the transition table in `kinesic/hardware/supervisor/transitions.py`, which
-the [supervisor](../explanation/servos.md#the-supervisor) executes. In each cycle, the supervisor passes its events and
-its observation of the servos to this table. A test checks [every reachable state with every event and every
+The [supervisor](../explanation/servos.md#the-supervisor) drives the servos. This page lists exactly what it does in
+each situation. Read it if you want to know, for example, when torque is switched off.
+
+In each cycle, the supervisor looks up one row of the [transition table](#transitions). The row depends on three things:
+the current *stage*, the *event* of this cycle, and *conditions*. A condition is an input (an observation of the servos
+or of the planner), a flag (which the supervisor remembers), or a combination of these. The row names the next stage,
+the actions that begin, and the flags that change.
+
+The page is generated from `kinesic/hardware/supervisor/transitions.py`, which the supervisor executes. A test checks
+[every reachable state with every event and every
 observation](../benchmarks/proof.md#state-machine-of-the-supervisor).
 """
+FLAG_RULE_TEXT = "An event can change flags before a transition is chosen. The rules apply from top to bottom:"
+TRANSITION_TEXT = (
+    "Next, the supervisor searches this table from top to bottom. It executes the first row whose stage, event and "
+    "conditions match. If no row matches, nothing changes."
+)
 SETS = {ALL_STAGES: "any", POWERED_STAGES: "any with torque"}  # names of sets of stages
 
 
@@ -48,13 +60,13 @@ def write_page() -> str:
     lines += _meaning_table("Actions", "action", _comments("Action =", get_args(Action)))
     lines += ["", "## Combined conditions", "", "| condition | holds if |", "|---|---|"]
     lines += [f"| {name} | {_any_of(parts)} |" for name, parts in COMBINED_CONDITIONS.items()]
-    lines += ["", "## Changes of flags", "", "Each event first changes flags, in the order of this table.", ""]
+    lines += ["", "## Changes of flags", "", FLAG_RULE_TEXT, ""]
     lines += ["| stage | event | if | flags |", "|---|---|---|---|"]
     lines += [
         f"| {_stages(rule)} | {_events(rule)} | {_all_of(rule.when)} | {_flags(rule.sets)} |" for rule in FLAG_RULES
     ]
     lines += ["", "## Transitions", ""]
-    lines += ["Then the first row applies whose stage, event and conditions match. Without one, nothing changes.", ""]
+    lines += [TRANSITION_TEXT, ""]
     lines += ["| stage | event | if | next stage | actions | flags |", "|---|---|---|---|---|---|"]
     lines += map(_transition, TRANSITION_TABLE)
     return "\n".join(lines) + "\n"
