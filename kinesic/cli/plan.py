@@ -134,10 +134,10 @@ def _print_bml(file: str, setup: Setup) -> int:
     if is_spoken_file(file, content):
         print_written(lambda known: write_text(content, known), lambda: setup)
     elif is_fml(content):
-        bml, unshown = write_fml(content, setup, source=document_name(file))
+        bml, warnings = write_fml(content, setup, source=document_name(file))
         click.echo(printable_xml(bml), nl=False)
-        for element in unshown:
-            click.echo(f"not shown: {printable(element)}", err=True)
+        for warning in warnings:
+            click.echo(printable(warning), err=True)
     else:
         raise BmlError(
             f"{document_name(file)}: the document is BML already, or a motion; --to bml is for FML and plain text"

@@ -107,6 +107,11 @@ class BehaviourSets:
         behaviour_set = self._find(name)
         return self.fallback.find(name) if behaviour_set is None and self.fallback is not None else behaviour_set
 
+    @property
+    def names(self) -> frozenset[str]:
+        """Names of all behaviour sets, also those of the fallback."""
+        return frozenset(self.sets) | (self.fallback.names if self.fallback is not None else frozenset())
+
     def _find(self, name: str) -> BehaviourSet | None:
         lowered = name.lower()
         parts = lowered.split("-", self._longest + 1)

@@ -123,7 +123,7 @@ def write_fml(text: str | bytes, setup: Setup, *, source: str = "<text>") -> tup
     """Convert an FML-APML document to BML.
 
     Returns:
-        BML, and a line for each intention that no behaviour shows; see `author_fml`.
+        BML, and a warning for each intention that is unknown or not shown; see `author_fml`.
     """
     sets, agent = _read_intention_files(setup)
     return author_fml(text, source=source, sets=sets, agent=agent, seed=setup.idling.seed, revise=find_revision(setup))

@@ -16,6 +16,7 @@ from kinesic.intent.budget import STROKE_SPACINGS, MovementBudget
 from kinesic.intent.choosing import choose_behaviours
 from kinesic.intent.fml.intentions import SPEECH_INTENTIONS, Unreadable, describe_intention, read_intentions
 from kinesic.intent.fml.mark_times import estimate_mark_times
+from kinesic.intent.fml.names import explain_unknown
 from kinesic.intent.greta.agent import Agent
 from kinesic.intent.intents import Intent
 from kinesic.intent.markup import escape, quote
@@ -38,7 +39,7 @@ class _Authored:
     behaviours: tuple[ChosenBehaviour, ...]
     lines: tuple[str, ...]  # chosen behaviours as BML elements
     places: Mapping[str, Place]  # places of the intentions in the document, by reason
-    unshown: tuple[str, ...]  # intentions without a behaviour, with the reason
+    warnings: tuple[str, ...]  # unknown intentions, and those without a behaviour, with the reason
 
 
 def author_fml(
@@ -64,7 +65,7 @@ def author_fml(
         revise: replaces gestures of the chosen behaviours; None: they stay.
 
     Returns:
-        The BML, and the name and reason of each intention without a behaviour.
+        The BML, and a warning for each intention that is unknown or has no behaviour.
 
     Raises:
         BmlError: the document is refused.
@@ -73,7 +74,7 @@ def author_fml(
     bml = authored.document.bml
     inside = "".join(f"  {line}\n" for line in authored.lines)
     start = _tag(bml.name, _start_attributes(authored.document.root, bml))
-    return f"{start}>{_write_content(bml.content).rstrip()}\n{inside}</{bml.name}>\n", authored.unshown
+    return f"{start}>{_write_content(bml.content).rstrip()}\n{inside}</{bml.name}>\n", authored.warnings
 
 
 def parse_fml(
@@ -90,8 +91,8 @@ def parse_fml(
 ) -> Block:
     """Read an FML-APML document with behaviours for its intentions.
 
-    Its notices list intentions without a behaviour, with the reason. Places are those in the document; a generated
-    behaviour has the place of its intention.
+    Its notices list intentions that are unknown or have no behaviour, with the reason. Places are those in the
+    document; a generated behaviour has the place of its intention.
 
     Raises:
         BmlError: the document is refused.
@@ -99,8 +100,7 @@ def parse_fml(
     authored = _author(read_document(text, source=source, bounds=bounds), sets, agent, seed, revise)
     document = replace(authored.document, root=(bml := _merge(authored)), bml=bml, dialect="fml-apml")
     block = parse_document(document, source=source, dialect="fml-apml", performer=performer, known_blocks=known_blocks)
-    notices = (f"not shown: {problem}" for problem in authored.unshown)
-    added = tuple(Notice(NoticeType.CANNOT_CREATE_BEHAVIOR, block.id, notice) for notice in notices)
+    added = tuple(Notice(NoticeType.CANNOT_CREATE_BEHAVIOR, block.id, warning) for warning in authored.warnings)
     return replace(block, notices=(*block.notices, *added))
 
 
@@ -113,18 +113,20 @@ def _author(
     speeches = [child for child in bml.children if child.local == "speech"]
     read = list(read_intentions(roots, speeches, marks))
     intents = [intention for intention in read if isinstance(intention, Intent)]
+    sets = sets or builtin_sets()
     selection = choose_behaviours(
-        intents, sets or builtin_sets(), MovementBudget(len(intents), STROKE_SPACINGS, {}), seed=seed, agent=agent
+        intents, sets, MovementBudget(len(intents), STROKE_SPACINGS, {}), seed=seed, agent=agent
     )
-    unshown = (
-        *(f"{each.name}, {each.reason}: {each.why}" for each in read if isinstance(each, Unreadable)),
-        *_unshown(intents, selection),
+    unreadable = (f"{each.name}, {each.reason}: {each.why}" for each in read if isinstance(each, Unreadable))
+    warnings = (
+        *_unknown(intents, sets),
+        *(f"not shown: {problem}" for problem in (*unreadable, *_unshown(intents, selection, sets))),
     )
     taken = frozenset(element.attributes.get("id", "") for element in _all(bml))
     behaviours = selection.behaviours if revise is None else revise(selection.behaviours, ())
     lines = tuple(write_behaviours(behaviours, taken))
     places = {describe_intention(element): element.place for element in _all(document.root)}
-    return _Authored(document, tuple(selection.behaviours), lines, places, unshown)
+    return _Authored(document, tuple(selection.behaviours), lines, places, warnings)
 
 
 def _merge(authored: _Authored) -> Element:
@@ -157,15 +159,24 @@ def _without_intentions(content: Sequence[Element | str]) -> Iterator[Element | 
             yield replace(piece, content=tuple(_without_intentions(piece.content)))
 
 
-def _unshown(intents: Sequence[Intent], selection: Selection) -> Iterator[str]:
+def _unknown(intents: Sequence[Intent], sets: BehaviourSets) -> Iterator[str]:
+    """Warn of intentions whose type is unknown, and which show that of any type."""
+    for intent in intents:
+        if sets.find(intent.name) is not None and (why := explain_unknown(intent.name, sets)):
+            yield f"taken as any {intent.name.partition('-')[0]}: {intent.name}, {intent.reason}: {why}"
+
+
+def _unshown(intents: Sequence[Intent], selection: Selection, sets: BehaviourSets) -> Iterator[str]:
+    """Yield each intention without a behaviour, with the reasons."""
     shown = {behaviour.intent.reason for behaviour in selection.behaviours}
     whys: dict[str, dict[str, None]] = {}
     for omission in selection.omissions:
         whys.setdefault(omission.intent.reason, {})[omission.why] = None
     for intent in intents:
         if intent.reason not in shown:
-            reasons = whys.get(intent.reason, {})
-            yield f"{intent.name}, {intent.reason}: {'; '.join(reasons) or 'its choice is to show nothing'}"
+            reasons = "; ".join(whys.get(intent.reason, {})) or "its choice is to show nothing"
+            unknown = explain_unknown(intent.name, sets) if sets.find(intent.name) is None else ""
+            yield f"{intent.name}, {intent.reason}: {unknown or reasons}"
 
 
 def _all(element: Element) -> Iterator[Element]:
