@@ -29,6 +29,7 @@ CHROMIUM_FLAGS = (
     "--ignore-gpu-blocklist",
     "--remote-debugging-port=0",
 )
+PORT_FILE = "DevToolsActivePort"  # file in the profile with the port and name of the running browser
 BROWSER_TIMEOUT = 60.0  # [s] time limit of a browser start, answer or page condition
 POLL_INTERVAL = 0.02  # [s] interval between checks of a page condition
 
@@ -123,13 +124,20 @@ class Page:
 class Browser(subprocess.Popen[bytes]):
     """Chromium process with additional flags that runs until `end`."""
 
-    def __init__(self, *flags: str) -> None:
+    def __init__(self, *flags: str, profile: Path | None = None) -> None:
+        """Start the browser.
+
+        Args:
+            flags: further command-line flags.
+            profile: folder of the user's profile, kept afterwards; None for a temporary one.
+        """
         self._profile = TemporaryDirectory(prefix="kinesic-chromium-", ignore_cleanup_errors=True)
-        folder = Path(self._profile.name)
+        folder = Path(self._profile.name) if profile is None else profile
+        (folder / PORT_FILE).unlink(missing_ok=True)  # of a browser that was killed
         command = [str(find_binary()), *CHROMIUM_FLAGS, f"--user-data-dir={folder}", *flags, "about:blank"]
         super().__init__(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         end = monotonic() + BROWSER_TIMEOUT
-        while not (port_lines := _read_words(folder / "DevToolsActivePort"))[1:]:
+        while not (port_lines := _read_words(folder / PORT_FILE))[1:]:
             if monotonic() > end:
                 raise RuntimeError(f"{command[0]} does not open")
             sleep(POLL_INTERVAL)

@@ -7,7 +7,7 @@ time; the text of the document follows unchanged. The key of a client is compare
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
-from time import time
+from time import time as unix_time
 
 import msgspec
 
@@ -29,7 +29,7 @@ class Header(msgspec.Struct, frozen=True):
     key: str  # key of the edited document, chosen by its client
     name: str  # name of the document
     revision: str  # revision of the saved file that was edited; empty without a saved file
-    time: float  # [s] Unix time of the backup
+    time: float  # [s] Unix time of the text, by the clock of the client if it has sent a time
 
 
 @dataclass(frozen=True)
@@ -50,10 +50,17 @@ class BackupFolder:
         """
         self._folder = folder
 
-    def keep(self, key: str, name: str, revision: str, text: str) -> None:
+    def keep(self, key: str, name: str, revision: str, text: str, *, time: float | None = None) -> None:
         """Store an unsaved document durably, and replace its earlier backup.
 
         A new key replaces the oldest of `MAX_BACKUPS` backups.
+
+        Args:
+            key: key of the edited document, chosen by its client.
+            name: name of the document.
+            revision: revision of the saved file that was edited.
+            text: text of the document.
+            time: Unix time [s] of the text, by the client's clock; None for the present time.
 
         Raises:
             ConfigError: the backup is not stored.
@@ -63,7 +70,7 @@ class BackupFolder:
         content = text.encode("utf-8")
         if len(content) > MAX_TEXT_SIZE:
             raise ConfigError(f"{name}: more than {MAX_TEXT_SIZE} bytes, the limit for backups; save it elsewhere")
-        header = msgspec.json.encode(Header(key, name, revision, time()))
+        header = msgspec.json.encode(Header(key, name, revision, unix_time() if time is None else time))
         with hold_archive(self._folder) as archive:
             replace_held(archive, _choose_file(dict(_headers(archive)), key), header + b"\n" + content)
 

@@ -177,7 +177,7 @@ class DocumentKeeper:
         if request.text is None:
             self._backups.discard(request.key)
         else:
-            self._backups.keep(request.key, request.name, request.revision, request.text)
+            self._backups.keep(request.key, request.name, request.revision, request.text, time=request.time)
         return json_answer("backed_up", id=request.id, key=request.key)
 
     def _open_backup(self, request: BackupsRequest) -> str:

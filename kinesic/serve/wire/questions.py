@@ -11,6 +11,7 @@ Format = Literal["npz", "csv", "bap", "wav", "glb"]  # file format of a motion, 
 BackupKey = Annotated[str, Meta(pattern="^[a-z0-9]{8,32}$")]
 BackupName = Annotated[str, Meta(max_length=100)]
 Revision = Annotated[str, Meta(max_length=64)]
+UnixTime = Annotated[float, Meta(ge=0.0, le=1e11)]  # [s]
 LONG_VERBS = frozenset(
     {"plan", "export", "gesture", "author", "alternatives", "save", "backup", "words"}
 )  # `do` values of messages that may be as long as a document
@@ -119,6 +120,7 @@ class BackupRequest(Struct, tag="backup", tag_field="do", forbid_unknown_fields=
     name: BackupName = ""  # name of the document
     text: str | None = None  # text of the document; None discards the backup
     revision: Revision = ""  # revision of the saved file that was edited; empty without a saved file
+    time: UnixTime | None = None  # time of the text by the client's clock; None: the server's time
     id: int = 0  # repeated in the answer; 0: no id
 
 

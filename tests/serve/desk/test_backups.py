@@ -14,7 +14,7 @@ from kinesic.serve.desk.backups import BACKUP_FILES, MAX_BACKUPS, MAX_TEXT_SIZE,
 @pytest.fixture
 def backups(tmp_path, monkeypatch):
     times = iter(range(1000))
-    monkeypatch.setattr(module, "time", lambda: float(next(times)))
+    monkeypatch.setattr(module, "unix_time", lambda: float(next(times)))
     return BackupFolder(tmp_path)
 
 
@@ -23,6 +23,11 @@ def test_backup_keeps_the_exact_text_with_key_file_name_revision_and_time(backup
         backups.keep("a", "tea.bml", "r1", text)
         assert backups.read("a").text == text
     assert backups.read("a").header == Header("a", "tea.bml", "r1", 3.0)
+
+
+def test_backup_has_the_time_that_its_client_sent(backups):
+    backups.keep("a", "tea.bml", "r1", "x", time=12.5)
+    assert [header.time for header in backups.list()] == [12.5]
 
 
 def test_later_backup_of_the_same_document_replaces_the_earlier_one(backups, tmp_path):

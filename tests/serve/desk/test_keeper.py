@@ -272,14 +272,12 @@ def test_earlier_versions_of_a_replaced_document_are_listed_and_read(work: Calla
 
 def test_backup_is_stored_listed_read_and_discarded(work: Callable):
     async def act(office: Office) -> None:
-        office.take(BackupRequest("k" * 8, "a.bml", "text", "r1", id=1))
+        office.take(BackupRequest("k" * 8, "a.bml", "text", "r1", time=12.5, id=1))
         assert await office.finish(1) == [{"told": "backed_up", "id": 1, "key": "k" * 8}]
         office.take(BackupsRequest(id=2))
         office.take(BackupsRequest("k" * 8, id=3))
         _, listed, read = await office.finish(3)
-        assert [(item["key"], item["name"], item["revision"]) for item in listed["backups"]] == [
-            ("k" * 8, "a.bml", "r1")
-        ]
+        assert listed["backups"] == [{"key": "k" * 8, "name": "a.bml", "revision": "r1", "time": 12.5}]
         assert (read["told"], read["text"], read["revision"], read["id"]) == ("backup", "text", "r1", 3)
         office.take(BackupRequest("k" * 8))
         await office.finish(4)

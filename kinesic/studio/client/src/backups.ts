@@ -65,7 +65,8 @@ export class Backups {
   /** Store in the server's folder; false if that is not possible. */
   async keepThere(document: Unsaved): Promise<boolean> {
     const { key, name, revision } = document;
-    const answer = await this.wire.ask("backup", { key, name, revision, text: writeTyped(document) });
+    const time = Date.now() / 1000; // of this clock, as the answer may be late and the server's clock may differ
+    const answer = await this.wire.ask("backup", { key, name, revision, text: writeTyped(document), time });
     return answer?.told === "backed_up";
   }
 
@@ -84,16 +85,17 @@ export class Backups {
     const here = Object.keys(this.storage ?? {})
       .filter((key) => key.startsWith(PREFIX))
       .flatMap((key) => this.readHere(key.slice(PREFIX.length)) ?? []);
-    const all = new Map([...there, ...here].map((each) => [each.key, each]));
-    return [...all.values()].sort((a, b) => b.time - a.time);
+    const all = [...here, ...there].sort((a, b) => b.time - a.time);
+    return all.filter(({ key }, at) => all.findIndex((each) => each.key === key) === at);
   }
 
-  /** Read a backup; the browser's is never older than the server's. */
+  /** Read the newer backup of a document; the browser's is old if the browser was killed before it wrote to the disk. */
   async read(key: string): Promise<Unsaved | null> {
     const here = this.readHere(key);
-    if (here) return here;
     const answer = await this.wire.ask("backups", { key });
-    return answer?.told === "backup" ? { ...(answer as unknown as Unsaved), ...readTyped(String(answer.text)) } : null;
+    if (answer?.told !== "backup") return here;
+    const there = { ...(answer as unknown as Unsaved), ...readTyped(String(answer.text)) };
+    return here && here.time >= 1000 * Number(answer.time) ? here : there;
   }
 
   readHere(key: string): (Unsaved & Backup) | null {

@@ -14,12 +14,14 @@ test("a change is marked, and backed up in the browser and in the folder; undoin
   desk.edit("<bml>1</bml>");
   assert.equal(name(), "• greeting.bml");
   assert.ok(window.document.title.startsWith("• greeting.bml"));
+  const before = Date.now() / 1000;
   mock.timers.tick(200);
   assert.equal(JSON.parse(window.localStorage.getItem(backups(window)[0]!)!).text, "<bml>1</bml>");
   assert.equal(desk.files.saving.place, "browser");
   mock.timers.tick(300);
   const request = await desk.answer("backup", { told: "backed_up" });
   assert.deepEqual([request.name, request.text, request.revision], ["greeting.bml", "<bml>1</bml>", ""]);
+  assert.ok(Number(request.time) >= before);
   assert.equal(desk.files.saving.place, "folder");
   desk.edit(EXAMPLE);
   assert.equal(name(), "greeting.bml");
@@ -63,7 +65,7 @@ test("typed words without gestures are unsaved, kept when another document opens
   assert.equal(desk.typed, "");
   assert.equal(name(), "greeting.bml");
   desk.files.choose("backup", String(key));
-  await settle();
+  await desk.answer("backups", { told: "refused", why: "the server's folder is full" });
   assert.deepEqual([desk.text, desk.typed], [EXAMPLE, typed]);
   assert.equal(name(), "• greeting.bml");
   window.localStorage.clear(); // as in another browser
@@ -123,9 +125,33 @@ test("after a crash the changes are offered, restored with their file, or discar
     assert.match(element("recovered").textContent ?? "", /^Unsaved changes of greeting.bml are left from /);
     click(again.window, choice);
     await settle();
+    if (choice === "recover") await again.desk.answer("backups", { told: "refused", why: "no backup" });
     assert.ok(element("recovery").hidden);
     assert.equal(again.desk.text, choice === "recover" ? "<bml>1</bml>" : EXAMPLE);
     assert.equal(backups(again.window).length, choice === "recover-discard" ? 0 : 1);
+  }
+});
+
+test("of two backups of a document the newer one is listed and restored", async () => {
+  for (const [age, restored] of [
+    [-1, "<bml>of the folder</bml>"],
+    [1, "<bml>of the browser</bml>"],
+  ] as const) {
+    const { window, desk } = open();
+    desk.edit("<bml>of the browser</bml>");
+    mock.timers.tick(200);
+    const { key } = desk.files.saving;
+    const time = Date.now() / 1000 - age;
+    const again = open(undefined, { local: window });
+    void again.desk.files.connected();
+    await settle();
+    const header = { key, name: "greeting.bml", revision: "", time };
+    await again.desk.answer("backups", { told: "backups", backups: [header] });
+    assert.ok(!element("recovered").textContent?.includes("more"), "both are one document");
+    click(again.window, "recover");
+    await settle();
+    await again.desk.answer("backups", { told: "backup", ...header, text: "<bml>of the folder</bml>" });
+    assert.equal(again.desk.text, restored);
   }
 });
 
