@@ -78,7 +78,7 @@ class PlanningOptions(TypedDict, total=False):
     prosody: Annotated[float | None, CliOption(PROSODY_HELP, None, float, most=2.0)]
     variation: Annotated[float, CliOption(VARIATION_HELP, 1.0, float, show_default=True, most=2.0)]
     seed: Annotated[int, CliOption("Seed of all random numbers.", 0, int, show_default=True)]
-    voice: Annotated[VoiceName, CliOption(VOICE_HELP, "auto")]  # "durations" in Python, equal on every machine
+    voice: Annotated[VoiceName, CliOption(VOICE_HELP, "auto", show_default=True)]  # `set_up` uses "durations"
     # own engine that speaks in place of the voice, or the command that runs it
     engine: Annotated["SpeechEngine | str | None", CliOption(ENGINE_HELP, metavar="COMMAND")]
     pause: Annotated[float, CliOption(PAUSE_HELP, 0.0, float, metavar="SECONDS", most=60.0)]  # [s]

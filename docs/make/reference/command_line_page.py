@@ -10,14 +10,22 @@ from kinesic.cli.help_pages import VERBS_BY_TASK, SharedOption
 
 HEAD = """# Command line
 
-`docs/make/reference` writes this page from the declarations of all verbs. `kinesic VERB -h` prints the same.
+This page lists all commands of kinesic, grouped by task, with their options. `kinesic -h` prints the same list, and
+`kinesic VERB -h` the options of one command. The page is generated from the program.
 
-Exit codes: 0 success, 1 a check or a metric failed, 2 invalid input or configuration, 3 a robot or servo fault, 130
-interrupted.
+Scripts can check the exit code of a command:
+
+| exit code | meaning |
+|---|---|
+| 0 | success |
+| 1 | a check or a metric failed |
+| 2 | invalid input or configuration |
+| 3 | a robot or servo failed |
+| 130 | the command was interrupted |
 """
 OPTION_HEAD = ("| option | value | effect | default |", "|---|---|---|---|")
 SHARED_SECTION = "Planning options"
-SHARED_TEXT = "These options of planning are the same for all verbs that plan."
+SHARED_TEXT = "All commands that plan a motion have these options, in addition to their own."
 
 
 def write_page() -> str:

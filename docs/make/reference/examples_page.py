@@ -6,7 +6,8 @@ from pathlib import Path
 EXAMPLE_FOLDER = Path(__file__).resolve().parents[3] / "examples"
 HEAD = """# Examples
 
-`docs/make/reference` writes this page from the programs in the folder `examples`. The tests run them.
+These programs show how to use kinesic from Python. They are in the folder `examples` of the checkout, and tests run
+them.
 
 | program | purpose |
 |---|---|

@@ -11,11 +11,12 @@ from kinesic.serve.wire.questions import LONG_VERBS
 
 HEAD = f"""# Messages of the server
 
-`docs/make/reference` writes this page from the types that `kinesic serve` decodes and encodes. The
-[wire protocol](wire-protocol.md) explains their use, the answers and the order of messages.
+A program controls a running `kinesic serve` by sending messages. This page lists all messages with their keys. The
+[wire protocol](wire-protocol.md) explains when to send them, and what the server answers. The page is generated from
+the types that the server decodes.
 
 A message is a JSON object with the key `do`. It has at most {MAX_CONTROL_SIZE} bytes; {{long}} may be as
-long as a document. An unknown key or value is refused with its place.
+long as a document. If a key or value is unknown, the server refuses the message and names the place.
 
 """
 

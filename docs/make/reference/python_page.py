@@ -16,10 +16,13 @@ TITLES = {
 }
 HEAD = """# Python
 
-`docs/make/reference` writes this page from the public names of `kinesic`, `kinesic.ik`, `kinesic.motion` and
-`kinesic.client`. Angles are in radians, lengths in metres, times in seconds, unless a docstring says otherwise.
-Arguments after the obvious ones are keywords. Errors about documents are `kinesic.BmlError`, about files and options
-`kinesic.ConfigError`, about servos `kinesic.BusError`.
+This page lists the public names of `kinesic`, `kinesic.ik`, `kinesic.motion` and `kinesic.client`.
+[Use kinesic from Python](../how-to/use-from-python.md) shows the first steps.
+
+- **Units**: angles are in radians, lengths in metres and times in seconds, unless a docstring says otherwise.
+- **Arguments** after the obvious ones are keywords.
+- **Errors** about documents are `kinesic.BmlError`, those about files and options `kinesic.ConfigError`, and those
+  about servos `kinesic.BusError`.
 
 """
 

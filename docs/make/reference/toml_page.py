@@ -17,9 +17,11 @@ from kinesic.sim.servo_factors import Factors
 
 HEAD = """# TOML files
 
-`docs/make/reference` writes this page from the schemas that kinesic reads. An unknown key, a wrong type or a number
-that is not finite is an error, which names the file, the place and a valid key. A key marked as required has no
-default.
+Styles, gestures, robots and several other inputs of kinesic are TOML files. This page lists all keys of each kind of
+file, with their types, defaults and meanings. A key without a default is marked as required.
+
+If a file contains an unknown key, a wrong type or a number that is not finite, kinesic refuses it. The error names the
+file, the place and a valid key. The page is generated from the schemas that kinesic reads.
 """
 
 

@@ -15,7 +15,7 @@ from kinesic.planning.setup import Setup
 
 HEAD = """# MCP tools
 
-`docs/make/reference` writes this page from the tools of `kinesic mcp`, with the texts that a language model reads.
+`kinesic mcp` gives these tools to a language model. Their descriptions are the texts that the model reads.
 [Connect a language model](../how-to/connect-a-language-model.md) shows how to use them.
 
 An error is an answer with `isError`. Its text names the parameter or the place in the document, such as
