@@ -20,7 +20,7 @@ def collected(worker: str, count: int) -> set[str]:
 
 
 @pytest.mark.parametrize("count", [3, 4, 10])
-def test_calculating_test_processes_import_all_test_files_together_and_each_only_its_own(count: int):
+def test_calculating_test_processes_together_import_all_files_and_share_a_third_of_the_code(count: int):
     parts = [collected(f"gw{k}", count) for k in range(2, count)]
     assert set().union(*parts) == set(list_test_files(ROOT))
     times = Counter(file for part in parts for file in part)

@@ -16,7 +16,7 @@ SACCADE_DURATION = 0.06  # [s] duration of a shift of the eyes
 
 
 def followed_action_units(scene: Scene, face: FollowedFace, begin: float) -> dict[str, Floats]:
-    """Return intensities (m,) of action units from a time [s] on.
+    """Return action units of a robot that follows people, (m,) each.
 
     They are sampled at 100 Hz. The eyes keep their target while the head moves. Eye units are NaN while a block
     determines the gaze.

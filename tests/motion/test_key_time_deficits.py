@@ -53,7 +53,7 @@ def test_time_deficit_measured_above_its_target_is_reused_as_exact(monkeypatch, 
     assert len(asked) == (1 if is_exact else 2)
 
 
-def test_unknown_time_deficit_costs_one_spline_program_and_is_cached(monkeypatch):
+def test_time_deficit_that_cannot_be_measured_costs_one_spline_program_and_is_cached(monkeypatch):
     search = search_of()
     asked = fake_measure(monkeypatch, lambda segment: None)
     segment = first_segment(search)

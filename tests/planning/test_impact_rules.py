@@ -77,7 +77,7 @@ def test_early_rounds_scale_the_peak_velocity_of_hinges_that_contribute_more_tha
         np.testing.assert_allclose(slowed, [0.5 * peak, 0.5 * peak, 9.0, 9.0], rtol=1e-3)
 
 
-def test_late_rounds_scale_the_velocity_at_the_excess_of_hinges_that_contribute_more_than_three_tenths(swing):
+def test_late_rounds_slow_hinges_with_over_three_tenths_of_the_largest_contribution_to_the_excess(swing):
     setup = near_person({1.0: (1.94, 0, 1)}, weights=(1.0, 0.31, 0.29, 0.0))
     slowed = slow_hinges(swing, np.full(HINGES, 9.0), setup, 4)
     moving = velocity(swing, 1.0)

@@ -1,4 +1,4 @@
-"""Elbow errors that the proportions of actor and robot do not explain.
+"""Upper arm direction errors, and the least that body proportions allow.
 
 If a robot's wrist is where the actor's is, in arm lengths, then shoulder, elbow and wrist form a triangle with given
 sides. Its angle at the shoulder differs from the actor's if the upper arm is another fraction of the arm.

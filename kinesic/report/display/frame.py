@@ -73,7 +73,7 @@ def _render(content: FrameContent, voice: str | None) -> str:
 
 @cache
 def _template() -> Template:
-    """Return the cached template of a frame's page."""
+    """Return the cached HTML template of an inline notebook frame."""
     environment = Environment(
         loader=FileSystemLoader(TEMPLATES_FOLDER),
         autoescape=True,

@@ -66,7 +66,7 @@ def test_action_units_raise_and_lower_mouth_corners_and_brows_of_the_drawn_face(
     assert height({"1": 1.0, "2": 1.0}, BROW_ROWS) < height({}, BROW_ROWS) - 10 < height({"4": 1.0}, BROW_ROWS)
 
 
-def test_brow_lowerer_lowers_inner_lid_ends_and_inner_brow_raiser_lowers_outer_ones():
+def test_brow_lowerer_slants_upper_lids_down_inward_and_inner_brow_raiser_slants_them_outward():
     """Measure the slant of the upper lid in the picture's left half."""
 
     def slant(units: dict[str, float]) -> float:

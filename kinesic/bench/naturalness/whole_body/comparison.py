@@ -24,7 +24,7 @@ from kinesic.body.arrays import Floats
 METRIC_PREFIX = "naturalness.people"
 # Captured sets to which constants were fitted.
 TUNED_SETS = frozenset(("Gestures", "Gestures2", "MaleGestures", "FemaleGestures"))
-ADULT_ARM = 540.0  # [mm] arm length of the captured actors
+ADULT_ARM = 540.0  # [mm] arm length of an adult; converts shoulder displacements in arm lengths to mm
 MIN_TRUNK_ROTATION = 0.5  # [deg] trunk rotation below which a trunk counts as still
 BREATH_SPEED = 2.5  # [deg/s] largest rotation speed of the trunk from breath and sway alone
 MIN_FREE_ARM_RATIO = 0.02  # path of the free arm / path of the main arm, below which the free arm counts as still
