@@ -82,6 +82,26 @@ class BargeIn:
     cause: Literal["voice", "words", "client"] = "voice"
 
 
+@dataclass(frozen=True, eq=False)
+class SoundPiece:
+    """Part of a speech sound that a client supplies for the robot."""
+
+    id: str  # id of the sound
+    rate: int  # [Hz] sample rate
+    data: bytes  # 16-bit little-endian samples of one channel
+    ends: bool = False  # whether this is the last part
+    plays: bool = True  # whether the robot plays the sound; otherwise the client plays it
+
+
+@dataclass(frozen=True)
+class SoundPosition:
+    """Position in a sound that a client plays itself."""
+
+    id: str  # id of the sound
+    at: float  # [s] time since the start of the sound
+
+
+SoundEvent = SoundPiece | SoundPosition
 ConversationEvent = (
     Conversing | PeopleSeen | VoiceActivity | Transcript | TurnPrediction | Thinking | RobotSpeech | BargeIn
 )

@@ -148,7 +148,7 @@ def interrupt(scene: Scene, now: float, block: str | None = None, *, yields: boo
     for running in before.blocks:
         if block in (None, running.id):
             scene = stop_block(scene, running, now, "it was interrupted", yields=yields)
-    scene = scene if block is not None else end_idle(scene, now)
+    scene = scene if block is not None else replace(end_idle(scene, now), foreign_sound=None)
     return restore_pointing(before, scene, now)
 
 
@@ -164,7 +164,7 @@ def stop_all_blocks(scene: Scene, time: float, motion: Trajectory) -> Scene:
     for running in scene.blocks:
         scene = end_block(scene, running, time, "it was interrupted")
     texts = tuple(message for message in scene.agenda if message.block is None)
-    return replace(scene, agenda=texts, motion=motion, idle=None, followed_face=None)
+    return replace(scene, agenda=texts, motion=motion, idle=None, followed_face=None, foreign_sound=None)
 
 
 def _follow_up(scene: Scene, message: ScheduledFeedback, now: float) -> Scene:

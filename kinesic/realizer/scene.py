@@ -13,6 +13,7 @@ from kinesic.motion.trajectory import Trajectory, stay
 from kinesic.planning.setup import Setup
 from kinesic.realizer.feedback import ScheduledFeedback
 from kinesic.realizer.follow_steps import FOLLOWING_PREFIX, FollowedFace, FollowStep
+from kinesic.realizer.foreign_sound import ForeignSound
 from kinesic.realizer.occupancy import Occupancy, settle_occupancy
 from kinesic.realizer.request import SceneContext, TimedRequest
 from kinesic.realizer.running_block import EndedBlock, PlayingSpeech, RunningBlock
@@ -42,6 +43,7 @@ class Scene:
     idle: RunningBlock | None = None  # idle motion since the last block ended
     following: tuple[FollowStep, ...] = ()  # steps of gaze following that may not have ended
     followed_face: FollowedFace | None = None  # eyes and expression of a robot that follows people
+    foreign_sound: ForeignSound | None = None  # speech sound of a client, which the robot performs
     runs: int = 0  # number of the block added last; blocks are numbered from 1
 
     @classmethod

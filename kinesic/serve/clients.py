@@ -16,6 +16,8 @@ from kinesic.serve.wire.conversing import (
     ConverseRequest,
     HeardReport,
     PeopleReport,
+    PlayedReport,
+    SoundPart,
     ThinkRequest,
     TurnReport,
 )
@@ -251,10 +253,12 @@ class ClientRegistry:
                 self.session.restyle(Restyling(style, changes, amount, block, client.number))
             case SpokenWords(text, ends, instead, style):
                 self._submit(client, Words(text, client.number, ends=ends, instead=instead, style=style))
-            case ConverseRequest() | PeopleReport() | HeardReport() | TurnReport() | ThinkRequest():
+            case ConverseRequest():
                 obstacle = self.session.converse(request, client.number)
-                if obstacle and isinstance(request, ConverseRequest):
+                if obstacle:
                     client.send(json_answer("refused", do="converse", why=obstacle))
+            case PeopleReport() | HeardReport() | TurnReport() | ThinkRequest() | SoundPart() | PlayedReport():
+                self.session.converse(request, client.number)
             case Arm(token):
                 trusted = self.access.token is None or self.is_token(token)
                 self.session.arming.arm(client, request, trusted=trusted)

@@ -1,15 +1,14 @@
 """Conversation of a client, performed beneath the blocks of a scene."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import copysign, inf, radians
-from typing import Protocol
 
 import numpy as np
 
 from kinesic.body.robot import Robot
 from kinesic.conversation.advance import advance_conversation, next_time
-from kinesic.conversation.events import ConversationEvent, Conversing, Place, RobotSpeech
+from kinesic.conversation.events import ConversationEvent, Conversing, Place, RobotSpeech, SoundPiece, SoundPosition
 from kinesic.conversation.state import ConversationState
 from kinesic.conversation.turn_words import turn_words
 from kinesic.conversation.wants import (
@@ -30,9 +29,12 @@ from kinesic.planning.setup import Setup
 from kinesic.planning.torso import compute_torso_turn
 from kinesic.realizer.follow_steps import FOLLOWING_PREFIX, FollowedFace, Glimpse
 from kinesic.realizer.following import follow, is_looking_elsewhere, nod
+from kinesic.realizer.foreign_sound import ForeignSound
 from kinesic.realizer.realizer import Scene, advance
+from kinesic.serve.changeable_scene import ChangeableScene
+from kinesic.serve.conversation_blocks import FILLER_BLOCK, ConversationBlock, filler_block
 from kinesic.serve.messages import ConversationRequest
-from kinesic.serve.shared_scene import Change
+from kinesic.serve.sound_performance import SoundPerformance
 from kinesic.serve.wire.protocol import json_answer
 
 MAX_HEAD_ANGLE = radians(30.0)  # [rad] horizontal gaze angle above which the trunk turns, too
@@ -41,20 +43,8 @@ RETRY_PERIOD = 0.25  # [s] time between attempts to follow while a block determi
 SPATIAL_GAIN = 0.5  # factor from the `spatial` parameter of a style to the relative change of amplitudes
 MAX_SPEECH_GAP = 1.0  # [s] longest pause between two phrases that does not end the robot's speech
 SPEECH_END_TOLERANCE = 0.05  # [s] smallest change of the expected end of speech that is reported
-FILLER_BLOCK = "filler"  # prefix of the ids of blocks with fillers
 MovingWant = Look | BodyLean | Nod | BriefExpression | HeldExpression  # requests that move the body
-
-
-class ChangeableScene(Protocol):
-    """Scene that is changed by proposals."""
-
-    scene: Scene
-
-    def propose(self, change: Change, /) -> object:
-        """Propose a change of the scene."""
-
-    def tell(self, message: str, client: int, /) -> None:
-        """Send a message to a client."""
+PlannerWant = Yield | ConversationBlock  # requests that the planner performs
 
 
 class Conversation:
@@ -69,6 +59,8 @@ class Conversation:
         """
         self._shared, self._shows_eyes = shared, shows_eyes
         self._state = ConversationState(eyes=_eyes(shared.scene.setup.robot))
+        self._sound = SoundPerformance(shared)
+        self._filler_count = 0  # number of spoken fillers, for the ids of their blocks
         self.owner = 0  # client that began the conversation
         self._fills = False  # whether the robot says fillers
         self.look = Look(None)  # current gaze
@@ -90,22 +82,30 @@ class Conversation:
         speeches = self._shared.scene.speeches
         edges = [time for item in speeches for time in (item.begin, item.end) if time > now]
         words = turn_words(self._shared.scene.setup.language)
-        return min([next_time(self._state, now, words=words), self._retry, *edges])
+        return min([next_time(self._state, now, words=words), self._retry, self._sound.next_time(), *edges])
 
-    def take(self, request: ConversationRequest, now: float) -> tuple[Want, ...]:
+    def take(self, request: ConversationRequest, now: float) -> tuple[PlannerWant, ...]:
         """Apply a client's event, and return the requests for the planner."""
-        if isinstance(request.event, Conversing):
+        event = request.event
+        if isinstance(event, SoundPiece | SoundPosition):
+            if not self.is_on:
+                answer = json_answer("refused", do="sound", why='no conversation runs; send {"do": "converse"} first')
+                self._shared.tell(answer, request.sender)
+                return ()
+            self._sound.take(event, request.sender, now)
+            return self._advance([], now)
+        if isinstance(event, Conversing):
             self._fills, was_on = request.fills, self.is_on
-            self.owner = request.sender if request.event.on else self.owner
-            if was_on and not request.event.on:
+            self.owner = request.sender if event.on else self.owner
+            if was_on and not event.on:
                 return self.end(now)
-        return self._advance([request.event], now)
+        return self._advance([event], now)
 
-    def advance(self, now: float) -> tuple[Want, ...]:
+    def advance(self, now: float) -> tuple[PlannerWant, ...]:
         """Advance to a time [s], and return the requests for the planner."""
         return self._advance([], now) if self.is_on else ()
 
-    def end(self, now: float, *, moves: bool = True) -> tuple[Want, ...]:
+    def end(self, now: float, *, moves: bool = True) -> tuple[PlannerWant, ...]:
         """End the conversation, and return the head to rest.
 
         Args:
@@ -114,12 +114,17 @@ class Conversation:
         """
         self._state, wants = advance_conversation(self._state, Conversing(on=False), now)
         self._retry, self._speech = inf, (False, inf)
+        self._sound.end()
         self._tell(wants)
         if moves:
             self._shared.propose(lambda scene, time: _rest(advance(scene, time), time))
         return ()
 
-    def _advance(self, events: list[ConversationEvent], now: float) -> tuple[Want, ...]:
+    def report_yielded(self, sound: ForeignSound, time: float) -> None:
+        """Tell the client how much of its sound was heard until a time [s]."""
+        self._shared.tell(json_answer("yielded", sound=sound.id, at=sound.position(time)), self.owner)
+
+    def _advance(self, events: list[ConversationEvent], now: float) -> tuple[PlannerWant, ...]:
         """Apply events and own speech, move, and return requests for the planner."""
         words, wants = turn_words(self._shared.scene.setup.language), list[Want]()
         speech = self._own_speech(now)
@@ -128,7 +133,18 @@ class Conversation:
             wants += requested
         self._tell(tuple(wants))
         self._move([want for want in wants if isinstance(want, MovingWant)], now)
-        return tuple(want for want in wants if isinstance(want, Yield) or (self._fills and isinstance(want, Filler)))
+        beats = self._sound.advance(now, _amplitude(self._shared.scene.setup))
+        yields = [want for want in wants if isinstance(want, Yield)]
+        blocks = [ConversationBlock(bml, "<beat>") for bml in beats]
+        return (*yields, *blocks, *self._fill([want for want in wants if isinstance(want, Filler)]))
+
+    def _fill(self, wants: Sequence[Filler]) -> Iterator[ConversationBlock]:
+        """Yield the blocks of requested fillers, if the client wants fillers."""
+        for want in wants if self._fills else ():
+            self._filler_count += 1
+            bml = filler_block(want, self._shared.scene.setup.language, self._filler_count)
+            if bml:
+                yield ConversationBlock(bml, "<filler>")
 
     def _own_speech(self, now: float) -> RobotSpeech | None:
         """Return the start, end or new expected end of own speech.
@@ -137,15 +153,17 @@ class Conversation:
         """
         before = self._speech
         latest_begin = now + (MAX_SPEECH_GAP if before[0] else 0.0)
-        ends = [
-            item.end
-            for item in self._shared.scene.speeches
-            if item.begin <= latest_begin and now < item.end and not item.block.startswith(FILLER_BLOCK)
+        spans = [
+            (item.begin, item.end) for item in self._shared.scene.speeches if not item.block.startswith(FILLER_BLOCK)
         ]
+        sound = self._shared.scene.foreign_sound
+        if sound is not None:
+            spans.append((sound.begin, sound.end if sound.is_complete else inf))
+        ends = [end for begin, end in spans if begin <= latest_begin and now < end]
         active, end = bool(ends), max(ends, default=inf)
         self._speech = active, end
-        if active and (not before[0] or abs(end - before[1]) > SPEECH_END_TOLERANCE):
-            return RobotSpeech(active=True, ends_in=end - now)
+        if active and (not before[0] or (end != before[1] and abs(end - before[1]) > SPEECH_END_TOLERANCE)):
+            return RobotSpeech(active=True, ends_in=end - now if end < inf else None)
         return RobotSpeech(active=False) if before[0] and not active else None
 
     def _tell(self, wants: tuple[Want, ...]) -> None:
@@ -214,26 +232,9 @@ class Conversation:
         return HeldTurns("look", add_turns(torso, neck), torso)
 
 
-def filler_block(want: Filler, language: str, count: int) -> str:
-    """Return the BML block of a filler.
-
-    It is empty in a language without fillers.
-
-    Args:
-        want: requested filler.
-        language: language tag.
-        count: number of all fillers so far, for the block's id.
-    """
-    fillers = turn_words(language).fillers
-    if not fillers:
-        return ""
-    text = fillers[(want.number - 1) % len(fillers)]
-    return f'<bml id="{FILLER_BLOCK}{count}"><speech id="s"><text>{text}</text></speech></bml>'
-
-
 def _rest(scene: Scene, now: float) -> Scene:
     """Return head, trunk and eyes smoothly to rest."""
-    return replace(follow(scene, None, now), followed_face=None)
+    return replace(follow(scene, None, now), followed_face=None, foreign_sound=None)
 
 
 def _eyes(robot: Robot) -> Place:

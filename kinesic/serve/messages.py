@@ -10,7 +10,7 @@ from typing import Literal
 from msgspec import Struct
 
 from kinesic.body.arrays import Flags, Floats
-from kinesic.conversation.events import ConversationEvent
+from kinesic.conversation.events import ConversationEvent, SoundEvent
 from kinesic.motion.trajectory import Trajectory
 from kinesic.realizer.realizer import ScheduledFeedback
 from kinesic.realizer.request import Message
@@ -167,7 +167,7 @@ class Restyling:
 class ConversationRequest:
     """Request to the planner: an event of a conversation."""
 
-    event: ConversationEvent
+    event: ConversationEvent | SoundEvent
     sender: int
     fills: bool = False  # whether the robot says fillers, if the event begins the conversation
 

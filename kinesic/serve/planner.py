@@ -13,7 +13,7 @@ from multiprocessing.connection import wait
 from kinesic.bml.block import BmlError, DocumentBounds
 from kinesic.body.config import ConfigError
 from kinesic.child import PipeEnd
-from kinesic.conversation.wants import Filler, Want, Yield
+from kinesic.conversation.wants import Yield
 from kinesic.expressivity.style.style import Style, style_preset
 from kinesic.heap import freeze_heap
 from kinesic.planning.setup import Setup
@@ -31,7 +31,7 @@ from kinesic.realizer.realizer import (
 from kinesic.realizer.release import release_motion
 from kinesic.realizer.request import Message, block_id, read_request, refusal_feedback
 from kinesic.realizer.spoken import divide_speeches
-from kinesic.serve.conversing import Conversation, filler_block
+from kinesic.serve.conversing import Conversation, PlannerWant
 from kinesic.serve.idling import IdleScheduler
 from kinesic.serve.messages import (
     ClientRequest,
@@ -57,9 +57,7 @@ from kinesic.serve.warm_up import warm_up
 from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.quotas import Quotas, quota_feedback
 
-TEXT_TABLES_MODULE = (
-    "kinesic.intent.read_ahead"  # module with the tables for texts, imported once and shared by all planners
-)
+TEXT_TABLES_MODULE = "kinesic.intent.read_ahead"  # module with the tables for texts, imported once for all planners
 MIN_POLL_PERIOD = 0.05  # [s] smallest time between two checks for due events
 
 
@@ -129,7 +127,6 @@ class PlannerState:
         self._renewed, self._renewals = renewed, 0  # lexicon reload, and number of reloads
         self._refining = False  # whether the refiner has a job
         self._idling, self._talks = IdleScheduler(), Talks(setup.character)
-        self._fillers = 0  # number of spoken fillers, for the ids of their blocks
         self._shared = SharedScene(
             setup,
             loop,
@@ -193,7 +190,10 @@ class PlannerState:
             self._cancel_pending()
         texts = divide_speeches(self._scene, request.silenced, request.block)
         senders = {running.id: running.sender for running in self._scene.playing}
+        sound = self._scene.foreign_sound
         self._shared.propose(lambda scene, now: interrupt(scene, now, request.block, yields=request.yields))
+        if sound is not None and request.yields and request.block is None:
+            self._conversation.report_yielded(sound, request.silenced)
         for block, text in texts.items() if request.yields else ():
             if self._scene.find(block) is None:
                 answer = json_answer("yielded", block=block, said=text.said, unsaid=text.unsaid)
@@ -201,16 +201,14 @@ class PlannerState:
                     if client is not None:
                         self._tell(answer, client)
 
-    def _perform_wants(self, wants: Iterable[Want]) -> None:
-        """Stop own speech for a person's turn, or say a filler."""
+    def _perform_wants(self, wants: Iterable[PlannerWant]) -> None:
+        """Stop own speech for a person's turn, or plan a filler or a beat."""
         for want in wants:
             if isinstance(want, Yield):
                 self._interrupt(Interruption(None, True, self._clock.now(), self._conversation.owner))
-            elif isinstance(want, Filler):
-                self._fillers += 1
-                bml = filler_block(want, self._scene.setup.language, self._fillers)
-                if bml:
-                    self._plan(DocumentRequest(Message(bml, self._conversation.owner, "<filler>"), self._shared.stops))
+            else:
+                message = Message(want.bml, self._conversation.owner, want.source)
+                self._plan(DocumentRequest(message, self._shared.stops))
 
     def plan_phrases(self) -> None:
         """Plan the next complete phrases of streamed texts in turn."""

@@ -25,6 +25,7 @@ class SoundAndFace:
     sound: bool = False  # whether speech is audible
 
 
+FOREIGN_SOUND = "conversation:sound"  # key of the track of a client's speech sound
 FOLLOWED_FACE = "conversation:face"  # key of the face track of a robot that follows people
 EYE_UNITS = ("61", "62", "63", "64")  # action units of the gaze
 NO_ACCOMPANIMENT = SoundAndFace()  # default: neither a face nor sound is output
@@ -92,9 +93,15 @@ def changed_tracks(
     face = scene.followed_face if accompaniment.face else None
     if face is not None:
         versions[FOLLOWED_FACE] = (id(scene.motion), face.begin, face.expression.begin, id(face))
+    sound = scene.foreign_sound
+    if sound is not None:
+        versions[FOREIGN_SOUND] = (id(sound), sound.begin, sound.duration, len(sound.pieces))
     ended: dict[str, Track | None] = dict.fromkeys(old_versions.keys() - versions.keys())
     changed = [id for id, version in versions.items() if old_versions.get(id) != version]
-    tracks = {id: make_track(playing[id], accompaniment) for id in changed if id != FOLLOWED_FACE}
+    tracks = {id: make_track(playing[id], accompaniment) for id in changed if id in playing}
+    if sound is not None and FOREIGN_SOUND in changed:
+        units, pieces = sound.face if accompaniment.face else {}, sound.pieces if accompaniment.sound else ()
+        tracks[FOREIGN_SOUND] = Track(sound.face_begin, units, pieces)
     if face is not None and FOLLOWED_FACE in changed:
         tracks[FOLLOWED_FACE] = Track(now, followed_action_units(scene, face, now), (), is_held=True)
     return versions, ended | tracks

@@ -14,7 +14,7 @@ from tests.serve.planning_bench import Planning
 
 @pytest.fixture
 def scene(known: Setup) -> SimpleNamespace:
-    return SimpleNamespace(speeches=(), setup=known)
+    return SimpleNamespace(speeches=(), setup=known, foreign_sound=None)
 
 
 @pytest.fixture

@@ -164,12 +164,14 @@ def test_only_changed_face_tracks_are_computed_and_ended_ones_removed(monkeypatc
         return SimpleNamespace(id=name, zero=zero, end=end, times=times, prepared=SimpleNamespace(plan="plan"))
 
     outputs = SoundAndFace(sound=True)
-    scene = SimpleNamespace(idle=None, followed_face=None, playing=[block("a", 1.0), block("b", 2.0)])
+    scene = SimpleNamespace(
+        idle=None, followed_face=None, foreign_sound=None, playing=[block("a", 1.0), block("b", 2.0)]
+    )
     versions, changes = changed_tracks(scene, {}, outputs)
     assert changes == {"a": ("a", outputs), "b": ("b", outputs)}
     assert changed_tracks(scene, versions, outputs) == (versions, {})
     for changed in (block("b", 2.5), block("b", 2.0, end=6.0), block("b", 2.0, times=("s",))):
-        later = SimpleNamespace(idle=block("idle", 0.0), playing=[changed])
+        later = SimpleNamespace(idle=block("idle", 0.0), foreign_sound=None, playing=[changed])
         found, changes = changed_tracks(later, versions, outputs)
         assert list(found) == ["idle", "b"]
         assert changes == {"a": None, "idle": ("idle", outputs), "b": ("b", outputs)}

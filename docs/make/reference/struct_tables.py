@@ -10,8 +10,9 @@ from typing import Annotated, Literal, Union, get_args, get_origin, get_type_hin
 
 import msgspec
 
-PLAIN_TYPES = {str: "text", float: "number", int: "whole number", bool: "true or false", object: "any"}
+PLAIN_TYPES = {str: "text", float: "number", int: "whole number", bool: "true or false", bytes: "base64", object: "any"}
 PLURALS: dict[object, str] = {str: "texts", float: "numbers", int: "whole numbers"}
+UNITS: dict[object, str] = {bytes: "bytes"}
 NO_KINDS: Mapping[str, str] = {}
 
 
@@ -78,7 +79,7 @@ def describe_type(hint: object) -> str:
     if origin is Annotated:
         (limits,) = [part for part in parts[1:] if isinstance(part, msgspec.Meta)]
         if limits.max_length is not None:
-            unit = "elements" if get_origin(parts[0]) in (list, tuple) else "characters"
+            unit = "elements" if get_origin(parts[0]) in (list, tuple) else UNITS.get(parts[0], "characters")
             return f"{describe_type(parts[0])}, at most {limits.max_length} {unit}"
         if limits.pattern is not None:
             return f"{describe_type(parts[0])} matching `{limits.pattern}`"

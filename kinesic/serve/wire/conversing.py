@@ -9,6 +9,9 @@ from kinesic.conversation.events import (
     Conversing,
     PeopleSeen,
     Person,
+    SoundEvent,
+    SoundPiece,
+    SoundPosition,
     Thinking,
     Transcript,
     TurnPrediction,
@@ -16,7 +19,8 @@ from kinesic.conversation.events import (
 )
 
 MAX_PEOPLE = 32  # largest number of people in one report
-CONVERSATION_VERBS = frozenset({"people", "heard"})  # `do` values of messages with many people or long texts
+MAX_SOUND_SIZE = 48_000  # [bytes] largest part of a sound: 0.5 s at 48 kHz
+CONVERSATION_VERBS = frozenset({"people", "heard", "sound"})  # `do` values of messages with lists, texts or sounds
 
 PersonId = Annotated[str, Meta(min_length=1, max_length=64)]
 Coordinate = Annotated[float, Meta(ge=-50.0, le=50.0)]  # [m]
@@ -67,16 +71,35 @@ class TurnReport(Struct, tag="turn", tag_field="do", forbid_unknown_fields=True)
     yours: Fraction  # probability that the turn passes to the robot
 
 
+class SoundPart(Struct, tag="sound", tag_field="do", forbid_unknown_fields=True):
+    """Part of a speech sound that the robot performs as its own."""
+
+    id: PersonId  # the same id for all parts of a sound
+    data: Annotated[bytes, Meta(max_length=MAX_SOUND_SIZE)]  # 16-bit little-endian samples of one channel, as base64
+    rate: Annotated[int, Meta(ge=8000, le=48_000)] = 24_000  # [Hz] sample rate
+    ends: bool = False  # whether this is the last part
+    play: bool = True  # whether the robot plays the sound; otherwise the client plays it
+
+
+class PlayedReport(Struct, tag="played", tag_field="do", forbid_unknown_fields=True):
+    """Report of the position in a sound that the client plays itself."""
+
+    id: PersonId  # id of the sound
+    at: Annotated[float, Meta(ge=0.0, le=3600.0)]  # [s] time since the start of the sound
+
+
 class ThinkRequest(Struct, tag="think", tag_field="do", forbid_unknown_fields=True):
     """Report that a client prepares an answer, or no longer does."""
 
     on: bool = True  # whether an answer is being prepared
 
 
-ConversationMessage = ConverseRequest | PeopleReport | HeardReport | TurnReport | ThinkRequest
+ConversationMessage = (
+    ConverseRequest | PeopleReport | HeardReport | TurnReport | ThinkRequest | SoundPart | PlayedReport
+)
 
 
-def conversation_events(message: ConversationMessage) -> tuple[ConversationEvent, ...]:
+def conversation_events(message: ConversationMessage) -> tuple[ConversationEvent | SoundEvent, ...]:
     """Convert a message to the events of a conversation."""
     match message:
         case ConverseRequest(on, amount):
@@ -91,3 +114,7 @@ def conversation_events(message: ConversationMessage) -> tuple[ConversationEvent
             return (TurnPrediction(yours),)
         case ThinkRequest(on):
             return (Thinking(on),)
+        case SoundPart(id, data, rate, ends, play):
+            return (SoundPiece(id, rate, data, ends, play),)
+        case PlayedReport(id, at):
+            return (SoundPosition(id, at),)

@@ -61,6 +61,8 @@ def test_conversation_message_with_a_value_outside_its_limits_is_refused():
         {"do": "heard", "volume": 3},
         {"do": "turn", "yours": 1.5},
         {"do": "converse", "amount": 2},
+        {"do": "sound", "id": "a", "data": "A" * 64_004},
+        {"do": "sound", "id": "a", "data": "AAAA", "rate": 4000},
     ]
     for message in refused:
         with pytest.raises(ValueError, match="control messages"):
