@@ -73,15 +73,18 @@ class Sandbox:
         return "timeout" if code is None else "killed" if code else "survived"
 
     def time_tests(self, tests: Sequence[str]) -> float:
-        """Measure the duration [s] of tests, which must pass."""
+        """Measure the duration [s] of tests, which must pass.
+
+        Their compiled modules are kept for the mutants.
+        """
         began = time.monotonic()
-        if self._run(tests, 600.0) != 0:
+        if self._run(tests, 600.0, keeps_compiled=True) != 0:
             raise SystemExit(f"without any mutant, these fail: {' '.join(tests)}")
         return time.monotonic() - began
 
-    def _run(self, tests: Sequence[str], limit: float) -> int | None:
+    def _run(self, tests: Sequence[str], limit: float, *, keeps_compiled: bool = False) -> int | None:
         """Return the exit code of pytest, None after a timeout."""
-        running = FORK_CONTEXT.Process(target=run_tests, args=(self.root, tests))
+        running = FORK_CONTEXT.Process(target=run_tests, args=(self.root, tests, keeps_compiled))
         running.start()
         running.join(limit)
         code = running.exitcode
@@ -92,7 +95,7 @@ class Sandbox:
         return code
 
 
-def run_tests(root: Path, tests: Sequence[str]) -> None:
+def run_tests(root: Path, tests: Sequence[str], keeps_compiled: bool) -> None:
     """Run the tests of a source tree in a process, and exit with their code."""
     os.setsid()
     resource.setrlimit(resource.RLIMIT_AS, (MAX_MEMORY, MAX_MEMORY))
@@ -101,7 +104,7 @@ def run_tests(root: Path, tests: Sequence[str]) -> None:
     spec = find_spec("kinesic")
     if spec is None or spec.origin != str(root / "kinesic" / "__init__.py"):
         sys.exit(f"tests would run {spec}, not the copy in {root}")
-    sys.dont_write_bytecode = True  # a mutant's would pass for another's
+    sys.dont_write_bytecode = not keeps_compiled  # a mutant's would pass for another's
     os.environ["PYTHONPATH"] = str(root)  # for what tests start
     silence = os.open(os.devnull, os.O_RDWR)
     for stream in (0, 1, 2):
