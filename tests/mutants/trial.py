@@ -29,7 +29,7 @@ FORK_CONTEXT = multiprocessing.get_context(
     "forkserver"
 )  # process context in which each trial begins with the heavy libraries loaded
 # MuJoCo is not preloaded, because kinesic selects its OpenGL backend before the import.
-FORK_CONTEXT.set_forkserver_preload(["trial", "numpy", "scipy.optimize", "scipy.sparse", "casadi", "msgspec"])
+FORK_CONTEXT.set_forkserver_preload(["trial", "pytest", "numpy", "scipy.optimize", "scipy.sparse", "casadi", "msgspec"])
 os.environ |= {"PYTHONHASHSEED": "0", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1"}  # of the trials
 
 Outcome = Literal["killed", "timeout", "survived"]
