@@ -287,7 +287,7 @@ def test_planning_budget_is_proportional_to_the_duration_of_a_long_speech(planne
     assert seconds > 2.0 * plan_module.BUDGETED_SPEECH
     expected = plan_module.WORK_BUDGET * seconds / plan_module.BUDGETED_SPEECH
     assert plan_module._allowed_work(utterances) == pytest.approx(expected)
-    assert plan_module._allowed_work({}) == plan_module.WORK_BUDGET
+    assert plan_module._allowed_work({}) == plan_module.WORK_BUDGET == 300_000
 
 
 def test_style_parameters_are_resolved_for_each_behaviour_that_moves_the_body(planned):

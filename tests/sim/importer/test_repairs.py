@@ -203,6 +203,13 @@ def test_replaced_inertia_of_a_link_has_no_products():
     assert [float(inertia[key]) for key in ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")] == [2, 2, 2, 0, 0, 0]
 
 
+def test_mass_element_of_a_link_without_a_value_gets_a_mass():
+    root = ElementTree.fromstring('<robot><link name="a"><inertial><mass/></inertial></link></robot>')
+    (note,) = repair(root)
+    assert note.startswith("the mass of link a is replaced by 0.001 kg")
+    assert root.find(".//mass").get("value") == "0.001"
+
+
 def test_missing_product_of_inertia_counts_as_zero():
     root = ElementTree.fromstring(LINK.format(1, 'ixx="1" iyy="1" izz="1" iyz="2"', ""))
     assert len(repair(root)) == 1
