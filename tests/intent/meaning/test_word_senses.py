@@ -72,6 +72,21 @@ def test_pattern_without_its_optional_content_words_does_not_match_function_word
     assert "that_low" in pictures("And there he stood.")
 
 
+def test_key_and_point_as_things_get_no_gesture_of_importance():
+    importance = {"focus", "beat_ring"}
+    assert pictures("The key to all this is patience.") & importance
+    assert pictures("The main point is that we are late.") & importance
+    assert pictures("That is the whole point.") & importance
+    assert not pictures("You get the key at reception.") & importance
+    assert not pictures("The point of the needle is blunt.") & importance
+
+
+def test_sea_that_is_only_a_destination_or_place_is_not_drawn():
+    assert "sea" in pictures("The ocean was rough.")
+    assert "sea" not in pictures("You change at Crewe for the coast.")
+    assert "sea" not in pictures("The house is by the sea.")
+
+
 def test_short_echo_question_gets_an_asking_gesture():
     assert pictures("Like what?") == {"ask_open"}
     assert "ask_open" not in pictures("I know what.")
