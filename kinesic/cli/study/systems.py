@@ -32,7 +32,7 @@ def print_ratings(result: RatingResult, screen: Console) -> None:
         )
     screen.print(table)
     if not result.is_bounded:
-        screen.print("a system always won or lost: half an answer is added to each side of its pairs")
+        screen.print("a system always won or lost: its pairs get half an answer on each side, and no interval")
     if not result.is_connected:
         screen.print("not all systems were compared directly or indirectly: compare ratings only within a group")
 

@@ -30,7 +30,7 @@ class Rating:
     """Rating of one system, with its confidence interval."""
 
     points: float  # mean of all systems: `MEAN_RATING`
-    interval: tuple[float, float]  # [points] from resampled participants; NaN with fewer than two participants
+    interval: tuple[float, float]  # [points] from resampled participants; NaN with one participant, or a prior
     wins: int  # number of answers that preferred the system
     answers: int  # number of answers that compared the system
 
@@ -66,7 +66,9 @@ def rate_systems(choices: Sequence[PairChoice], confidence: float, *, seed: int 
         wins[people[choice.participant], index[choice.preferred], index[choice.rejected]] += 1.0
     total: Floats = wins.sum(axis=0)
     points = MEAN_RATING + POINTS_PER_UNIT * fit_strengths(total)
-    spread = _resample(wins, seed) if len(people) > 1 else np.full((1, len(names)), np.nan)
+    is_bounded = bool(_is_bounded(total))
+    is_resampled = len(people) > 1 and is_bounded  # otherwise resampling shows the prior's rating without any spread
+    spread = _resample(wins, seed) if is_resampled else np.full((1, len(names)), np.nan)
     tail = 50.0 * (1.0 - confidence)
     low, high = np.percentile(spread, [tail, 100.0 - tail], axis=0)
     ratings = {
@@ -81,7 +83,7 @@ def rate_systems(choices: Sequence[PairChoice], confidence: float, *, seed: int 
         for other in ratings
         if one != other
     }
-    return RatingResult(ratings, probabilities, bool(_is_bounded(total)), _is_connected(total))
+    return RatingResult(ratings, probabilities, is_bounded, _is_connected(total))
 
 
 def preference_probability(points: float) -> float:

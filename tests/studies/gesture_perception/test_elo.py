@@ -68,6 +68,7 @@ def test_elo_ratings_stay_finite_if_one_system_always_wins():
     assert result is not None
     assert not result.is_bounded
     assert 1000.0 < result.ratings["one"].points < 1400.0
+    assert np.isnan(result.ratings["one"].interval).all(), "unanimous answers set no upper bound"
     alone = rate_systems(choices[:1], 0.95)
     assert alone is not None
     assert np.isnan(alone.ratings["one"].interval).all()
