@@ -31,6 +31,7 @@ from kinesic.expressivity.lexicon.form import GestureForm, Match
 from kinesic.expressivity.lexicon.lexicon import in_mode, mirror_form
 from kinesic.expressivity.lexicon.names import shorten_name
 from kinesic.expressivity.lexicon.shape_override import unknown_shape, with_shape
+from kinesic.expressivity.missing_fingers import describe_missing_fingers, describe_missing_shapes
 from kinesic.expressivity.present_arms import PresentForm, describe_missing_arm, fit_form, select_present
 from kinesic.expressivity.turns import UPRIGHT_TURN, Layer, layers_of_holds, set_passages
 
@@ -156,7 +157,7 @@ def _match_outcome(
     shapes or the finger motion.
     """
     synonym_text = f"a synonym of {match.form.id}" if match.kind == "synonym" and not match.substitute else ""
-    lacking_text = _lacking_fingers(match.form.shapes, robot) or _lacking_motion(match.form, robot)
+    lacking_text = describe_missing_fingers(match.form, robot)
     unknown_text = unknown_shape(shape)
     reasons = (match.substitute, present.swapped, present.reduced, lacking_text, unknown_text, synonym_text)
     why = "; ".join(filter(None, reasons))
@@ -167,22 +168,6 @@ def _match_outcome(
 
 def _partly(why: str) -> tuple[Outcome, tuple[BehaviourWarning, ...]]:
     return Outcome("partly", why), (BehaviourWarning(NoticeType.CANNOT_CREATE_BEHAVIOR, f"partly: {why}"),)
-
-
-def _lacking_fingers(requested_shapes: Sequence[str], robot: Robot) -> str:
-    """Return a message about hand shapes that the robot cannot make.
-
-    It is empty when the robot can make all of them.
-    """
-    shapes = [f'"{shape}"' for shape in lacking_shapes(requested_shapes, robot)]
-    plural, singular = "s" * (len(shapes) > 1), "s" * (len(shapes) == 1)
-    return f"hand shape{plural} {' and '.join(shapes)} need{singular} fingers" if shapes else ""
-
-
-def _lacking_motion(form: GestureForm, robot: Robot) -> str:
-    """Return a message about a finger motion on a robot without fingers, or an empty text."""
-    has_fingers = any(robot.arm(side).fingers for side in robot.sides)
-    return "" if form.fingers is None or has_fingers else f'finger motion "{form.fingers.name}" needs fingers'
 
 
 def _target_warnings(action: Gesture, form: GestureForm, context: BlockContext) -> tuple[BehaviourWarning, ...]:
@@ -216,7 +201,7 @@ def pointing_move(timed: TimedBehaviour, action: Pointing, context: BlockContext
     importance = 2 if timed.behaviour.required else 1
     pose_options = tuple(option.with_effort(weight) for option in options)
     stroke = Stroke(timed.behaviour.id, timed.times, pose_options, manner=manner, importance=importance)
-    target_warnings = unknown_shape(action.shape) or (_lacking_fingers((shape,), robot) if action.shape else "")
+    target_warnings = unknown_shape(action.shape) or (describe_missing_shapes((shape,), robot) if action.shape else "")
     target_warnings = "; ".join(filter(None, (describe_missing_arm(action.mode, robot), target_warnings)))
     outcome, warnings = _partly(target_warnings) if target_warnings else (REALISED_OUTCOME, ())
     requested_shapes = (shape,) if action.shape or not lacking_shapes((shape,), robot) else ()

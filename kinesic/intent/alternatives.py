@@ -4,10 +4,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
 
+from kinesic.body.robot import Robot
 from kinesic.expressivity.lexicon.entries import builtin_gestures
+from kinesic.expressivity.lexicon.form import GestureForm
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.lexicon.query_words import is_function_word
 from kinesic.expressivity.lexicon.search import find_gestures
+from kinesic.expressivity.missing_fingers import describe_missing_fingers
 from kinesic.intent.behaviour_sets import NO_SIGNAL, BehaviourSets
 from kinesic.intent.meaning.reader import list_pictures
 from kinesic.intent.pacing.accents import RHYTHM_INTENT
@@ -24,6 +27,16 @@ BEAT_REASON = "stresses the word"  # reason for a beat, which fits every word
 
 
 @dataclass(frozen=True)
+class QueriedWord:
+    """Word of a text, for which gestures are wanted."""
+
+    text: str  # spoken text, without markup
+    at: int  # position [characters] of the word in the text
+    intent: str = ""  # intent of the gesture that the word has now; empty: unknown
+    language: str = "en"  # tag of the language of the text
+
+
+@dataclass(frozen=True)
 class Alternative:
     """Gesture that could be shown at a word."""
 
@@ -32,29 +45,23 @@ class Alternative:
     says: str  # movement and meaning in one line
     why: str  # reason why the gesture fits the word
     intent: str  # intent that the gesture shows; empty: found by a search for the word
+    lacks: str = ""  # what the robot lacks for it; empty: the robot can show all of it
 
 
 def rank_alternatives(
-    text: str,
-    at: int,
-    lexicon: Lexicon,
-    sets: BehaviourSets,
-    *,
-    intent: str = "",
-    language: str = "en",
+    word: QueriedWord, lexicon: Lexicon, sets: BehaviourSets, robot: Robot
 ) -> tuple[str, tuple[Alternative, ...]]:
     """Rank the possible gestures at a word, the most suitable first.
 
     First come the candidates of the text at this word, by their scores. Then follow the other gestures of the intent,
-    the results of `find_gestures` for the word, gestures of the user, and beats.
+    the results of `find_gestures` for the word, gestures of the user, and beats. Of gestures with the same reason,
+    those that need fingers which the robot lacks come last. A gesture with a fallback is replaced by it.
 
     Args:
-        text: spoken text, without markup.
-        at: position [characters] of the word in the text.
+        word: word for which gestures are wanted.
         lexicon: gestures.
         sets: behaviours of each intent.
-        intent: intent of the gesture that the word has now; empty: unknown.
-        language: tag of the language of the text.
+        robot: robot that shows the gestures.
 
     Returns:
         The word, and its alternatives; an empty word and none for a text without words.
@@ -62,18 +69,28 @@ def rank_alternatives(
     Raises:
         ConfigError: the language is not a language tag.
     """
-    passage = read_text(text, load_language(language))
+    passage = read_text(word.text, load_language(word.language))
     if not passage.words:
         return "", ()
-    word = next((k for k, each in enumerate(passage.words) if each.end > at), len(passage.words) - 1)
-    ranked: dict[str, Alternative] = {}
-    for lexeme, why, shown in _propose(passage, word, lexicon, sets, intent):
-        match = lexicon.find(lexeme)
-        if match is None or match.form.id in ranked:
+    number = next((k for k, each in enumerate(passage.words) if each.end > word.at), len(passage.words) - 1)
+    listed: dict[str, Alternative] = {}
+    for lexeme, why, shown in _propose(passage, number, lexicon, sets, word.intent):
+        form = _find_form(lexicon, lexeme, robot)
+        if form is None or form.id in listed:
             continue
-        form = match.form
-        ranked[form.id] = Alternative(form.id, form.category, lexicon.sense(form).says, why, shown)
-    return passage.words[word].text, tuple(ranked.values())[:MAX_ALTERNATIVES]
+        lacks = describe_missing_fingers(form, robot)
+        listed[form.id] = Alternative(form.id, form.category, lexicon.sense(form).says, why, shown, lacks)
+    reasons = list(dict.fromkeys(each.why for each in listed.values()))
+    ranked = sorted(listed.values(), key=lambda each: (reasons.index(each.why), bool(each.lacks)))
+    return passage.words[number].text, tuple(ranked)[:MAX_ALTERNATIVES]
+
+
+def _find_form(lexicon: Lexicon, lexeme: str, robot: Robot) -> GestureForm | None:
+    """Return the form of a gesture, or of its fallback if the robot lacks fingers for it."""
+    match = lexicon.find(lexeme)
+    if match is not None and match.form.fallback and describe_missing_fingers(match.form, robot):
+        match = lexicon.find(match.form.fallback)
+    return None if match is None else match.form
 
 
 def _propose(

@@ -6,6 +6,7 @@ import socket
 import sys
 from contextlib import ExitStack, suppress
 from dataclasses import dataclass, field
+from multiprocessing import forkserver
 from multiprocessing.process import BaseProcess
 from pathlib import Path
 from time import monotonic, sleep
@@ -30,6 +31,8 @@ PRELOADED_MODULES = (__name__, "kinesic.serve.planner", "kinesic.session.setup",
 def run_server(folder: Path, port: int) -> None:
     """Run `kinesic studio` in this process."""
     os.chdir(folder)
+    server = forkserver._forkserver  # the planner comes from it, too: another one would import all modules again
+    forkserver.ensure_running = server.ensure_running = lambda: None
     sys.argv = ["kinesic", "studio", "--listen", f"127.0.0.1:{port}", "--no-browser", "--no-sound"]
     main()
 

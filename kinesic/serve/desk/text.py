@@ -4,7 +4,7 @@ from dataclasses import asdict, replace
 
 from kinesic.bml.block import BmlError
 from kinesic.expressivity.style.style import style_preset
-from kinesic.intent.alternatives import rank_alternatives
+from kinesic.intent.alternatives import QueriedWord, rank_alternatives
 from kinesic.intent.text_parts import MAX_TEXT_WORDS
 from kinesic.planning.setup import Setup
 from kinesic.serve.desk.draft import Json
@@ -34,12 +34,6 @@ def list_alternatives(question: AlternativesQuestion, setup: Setup) -> dict[str,
     Raises:
         ConfigError: the lexicon of intentions is invalid.
     """
-    word, alternatives = rank_alternatives(
-        question.text,
-        question.at,
-        setup.lexicon,
-        intention_sets(setup),
-        intent=question.intent,
-        language=setup.language,
-    )
+    queried = QueriedWord(question.text, question.at, question.intent, setup.language)
+    word, alternatives = rank_alternatives(queried, setup.lexicon, intention_sets(setup), setup.robot)
     return {"word": word, "gestures": [asdict(each) for each in alternatives]}

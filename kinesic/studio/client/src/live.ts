@@ -1,6 +1,7 @@
 // Live state of the robot and messages of the server.
 import { byId, make, say } from "./dom.ts";
 import type { Feedback } from "./feedback.ts";
+import { progressWords } from "./plain_words.ts";
 import { Strips } from "./telemetry.ts";
 import type { Body, BodyReport, ServoPlace, ServoReport } from "./types.ts";
 
@@ -43,8 +44,8 @@ export class Live {
 
   /** Log BML feedback in short form, with its XML as the title. */
   feedback({ kind, about, time, text }: Feedback, xml: string): void {
-    const words = kind === "warningFeedback" ? `${about}: ${text}` : about.replace(":", ": ");
-    this.say(`${words || kind}${time === null ? "" : ` at ${time.toFixed(2)} s`}`, xml);
+    const words = kind === "warningFeedback" ? `${about}: ${text}` : progressWords(kind, about);
+    this.say(`${words}${time === null ? "" : ` at ${time.toFixed(2)} s`}`, xml);
   }
 
   say(text: string, title = ""): void {

@@ -19,6 +19,8 @@ const POINTS: Record<string, string> = {
   relax: "way back begins",
 };
 
+const PROGRESS: Record<string, string> = { start: "begins", stroke: "stroke", end: "ends" }; // in messages
+
 const AIMING_TYPES: readonly string[] = ["gaze", "gazeShift", "pointing"]; // types whose label is a target
 const TARGETS: Record<string, string> = {
   audience: "the listener",
@@ -70,6 +72,16 @@ export const outcomeWords = ({ outcome, why }: { outcome: string; why: string })
 /** Write the gesture ids of a text in words: `tiny low needs fingers` for `tiny_low needs fingers`. */
 export const withGestureWords = (text: string, isGesture: (id: string) => boolean): string =>
   text.replace(/\b[a-z0-9]+(?:_[a-z0-9]+)+\b/g, (id) => (isGesture(id) ? gestureWords(id) : id));
+
+/** Return the progress of a block or a behaviour in words: `story, wave: stroke ends` for story:wave:strokeEnd. */
+export function progressWords(kind: string, about: string): string {
+  if (kind === "predictionFeedback") return "the times of the performance are planned";
+  const at = about.lastIndexOf(":");
+  const point = about.slice(at + 1);
+  return at < 0
+    ? about || kind
+    : `${about.slice(0, at).replaceAll(":", ", ")}: ${PROGRESS[point] ?? pointWords(point)}`;
+}
 
 export const typeWords = (type: string): string => TYPES[type] ?? type;
 

@@ -129,4 +129,4 @@ function fill(bar: HTMLElement, fraction: number): void {
 }
 
 const degrees = (angle: number | undefined): string =>
-  angle == null ? "–" : `${((angle * 180) / Math.PI).toFixed(0)}°`;
+  angle == null ? "–" : `${Math.round((angle * 180) / Math.PI) || 0}°`; // not -0

@@ -2,7 +2,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 import { showNotices } from "../src/panels.ts";
-import { gestureId, gestureWords, isBeat, labelWords } from "../src/plain_words.ts";
+import { gestureId, gestureWords, isBeat, labelWords, progressWords } from "../src/plain_words.ts";
 import { AlternativesPanel } from "../src/text_mode/alternatives.ts";
 import { describeCounts, type SpokenWord } from "../src/text_mode/spoken.ts";
 import type { Draft } from "../src/types.ts";
@@ -51,6 +51,27 @@ test("a notice names its behaviour and gestures in words, and leaves other ident
     "gesture tiny low tiny low needs fingers; narrow low is performed instead of l_thumb",
     "other late",
   ]);
+});
+
+test("messages tell the progress of a performance in words", () => {
+  const told = ["story:start", "story:far:relax", "story:s:laughed", "story:big:end"].map((about) =>
+    progressWords("syncPointProgress", about),
+  );
+  assert.deepEqual(told, ["story: begins", "story, far: way back begins", "story, s: laughed", "story, big: ends"]);
+  assert.equal(progressWords("predictionFeedback", ""), "the times of the performance are planned");
+  assert.equal(progressWords("unknownFeedback", ""), "unknownFeedback");
+});
+
+test("a gesture for which the robot lacks fingers is listed with this reason", () => {
+  load();
+  const panel = new AlternativesPanel({ choose: () => {}, remove: () => {}, picture: () => null });
+  const pinch = { id: "small_pinch", category: "", says: "", why: "'tiny' is small", intent: "" };
+  panel.show("tiny", null, [
+    { ...pinch, lacks: 'hand shape "gap" needs fingers' },
+    { ...pinch, id: "narrow_low" },
+  ]);
+  const reasons = [...element("alternatives-list").querySelectorAll(".why")].map((each) => each.textContent);
+  assert.deepEqual(reasons, ["'tiny' is small; hand shape \"gap\" needs fingers", "'tiny' is small"]);
 });
 
 test("beats are folded after the other gestures for a word, unless the word shows one", () => {

@@ -8,6 +8,8 @@ import type { ShownGesture } from "./spoken.ts";
 export interface Alternative extends Choice {
   category: string;
   says: string;
+  /** What the robot lacks for the gesture; empty or missing: nothing. */
+  lacks?: string;
 }
 
 const SCORE = / \([\d.]+\)$/; // how well a gesture fits; the order of the list shows it
@@ -47,7 +49,7 @@ export class AlternativesPanel {
   ): void {
     this.place.hidden = false;
     say(byId("alternatives-title"), present ? `“${word}”: ${gestureWords(present.name)}` : `“${word}”: no gesture`);
-    say(byId("alternatives-reason"), present ? present.reason || "without a reason" : "Choose one below.");
+    say(byId("alternatives-reason"), present ? present.reason || "the document gives no reason" : "Choose one below.");
     say(byId("alternatives-choice"), reasons.filter(Boolean).join(" "));
     byId("alternatives-remove").hidden = present === null;
     const none = alternatives ? "nothing fits this word" : "looking for gestures …";
@@ -97,7 +99,7 @@ export class AlternativesPanel {
         {},
         make("b", {}, gestureWords(each.id)),
         ` ${categoryWords(each.category)}`,
-        make("span", { class: "why" }, each.why),
+        make("span", { class: "why" }, [each.why, each.lacks].filter(Boolean).join("; ")),
       ),
     );
     button.addEventListener("click", () => this.listener.choose(each));
