@@ -3,6 +3,7 @@
 import gc
 import subprocess
 import sys
+from types import SimpleNamespace
 
 import pytest
 
@@ -47,3 +48,13 @@ def test_freezing_the_heap_excludes_nine_tenths_of_the_objects_from_collection()
     count = gc.get_freeze_count()
     assert count > MIN_FROZEN_OBJECTS
     assert len(gc.get_objects()) < count / 10
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only glibc is configured")
+def test_glibc_gets_two_heaps_and_fixed_limits_of_kept_memory(monkeypatch: pytest.MonkeyPatch) -> None:
+    settings: dict[int, int] = {}
+    library = SimpleNamespace(mallopt=lambda name, value: settings.update({name: value}))
+    monkeypatch.setattr(heap.ctypes, "CDLL", lambda name: library)
+    monkeypatch.setattr(heap, "_start_trimming", lambda: None)
+    heap.bound_heap()
+    assert settings == {-8: 2, -3: 128 * 1024, -1: 1024 * 1024}  # numbers of <malloc.h>
