@@ -194,9 +194,10 @@ def keep_watchdogs(axes: Axes, snapshot: Snapshot, watchdog: int) -> None:
 
 
 def _put_ram_values(axes: Axes, places: Sequence[int]) -> None:
-    members = axes.manifest.members
-    for register in members[places[0]].ram_values if places else ():
-        axes.put(register, {k: members[k].ram_values[register] for k in places})
+    """Queue the required RAM values of some servos, of each register that a servo has."""
+    chosen = {k: axes.manifest.members[k].ram_values for k in places}
+    for register in dict.fromkeys(register for values in chosen.values() for register in values):
+        axes.put(register, {k: values[register] for k, values in chosen.items() if register in values})
 
 
 def _has_taken(axes: Axes, place: int, goal: float | None = None) -> bool:
