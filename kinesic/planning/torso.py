@@ -129,7 +129,8 @@ def find_gesture_volume(robot: Robot, turn: Turn) -> GestureVolume | None:
     girdle = robot.skeleton.segment(robot.arms["l"].base)
     moved, upright = robot.body_frames(angles), robot.skeleton.rest_frames
     now, before = (float(np.linalg.norm(f.origins[girdle] - f.origins[first])) for f in (moved, upright))
-    return GestureVolume(moved.origins[first], moved.rotations[last], now / before)
+    scale = now / before if before > 0.0 else 1.0  # arms may begin at the origin of the torso
+    return GestureVolume(moved.origins[first], moved.rotations[last], scale)
 
 
 def turn_reach(reach: Reach, rotation: Floats, pivot: Floats, moved: Floats, scale: float = 1.0) -> Reach:

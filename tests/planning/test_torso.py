@@ -79,6 +79,10 @@ def test_gesture_space_keeps_its_size_if_the_trunk_is_rigid(turn):
     assert find_gesture_volume(UNCHANGED_ROBOT, turn).scale == pytest.approx(1.0, abs=1e-12)
 
 
+def test_gesture_volume_keeps_its_size_if_arms_begin_at_the_origin_of_the_torso():
+    assert find_gesture_volume(Robot.load("poppy_torso"), Turn(tilt=0.3)).scale == 1.0
+
+
 def test_gesture_space_of_a_bent_torso_scales_about_its_pivot():
     box = find_gesture_volume(UNCHANGED_ROBOT, Turn(tilt=0.3))
     half = type(box)(box.pivot, box.rotation, 0.5)
