@@ -54,8 +54,6 @@ def _open(path: Path) -> Iterator[BinaryIO]:
             yield file
     except OSError as error:
         raise CaptureError(f"{path}: {error.strerror}") from None
-    except CaptureError:
-        raise
     except ConfigError as error:
         raise CaptureError(str(error)) from None
 
