@@ -23,24 +23,24 @@ KINDS = {
 }
 HEAD = """# Gestures
 
-This page shows all {count} gestures of the lexicon, so that you find the lexeme for a document.
-`kinesic gestures find big box` searches them by words. `docs/make/gestures.py` writes this page from
-`kinesic/configs/gestures/`.
-[Write a gesture](../how-to/write-a-gesture.md) shows how to add one.
+A document requests a gesture by its name, the lexeme. This page shows all {count} gestures of the lexicon with their
+names and meanings. To search them by words, run `kinesic gestures find big box`. To add one, read
+[Write a gesture](../how-to/write-a-gesture.md).
 
-No two gestures are alike. Two count as different if, at neutral expressivity, the paths of their hands differ by
-5 cm RMS over both hands, if their orientations differ by 30 deg RMS, or if their hand shapes differ.
+The picture shows each gesture at its stroke, from the front. The shadow is the posture of the arms at the start, and
+the line is the path of the palm in the stroke. The robot has no fingers. They are drawn to show the hand shape.
 
-The picture shows each gesture at its stroke, from the front. The shadow is the posture of the arms at the start, the
-line the path of the palm in the stroke. The robot has no fingers; they are drawn to show the hand shape.
-`kinesic gestures render NAME --out NAME.png` draws one gesture as key postures. `--turntable --out NAME.webp` films it
-from all around, and `--robot` chooses the robot ([write a gesture](../how-to/write-a-gesture.md)).
+To see one gesture, run `kinesic gestures render NAME --out NAME.png`, which draws its key postures. The option
+`--turntable` with `--out NAME.webp` films it from all sides, and `--robot` chooses another robot.
 
 ![Every gesture at its stroke](../pictures/gestures.png)
 
-`kinesic gestures list --json` prints the same as a vocabulary for a planner or a language model: a list of
-`{{id, category, says, meanings, hands, shapes, stroke_s, whole_s, synonyms, tempo, body}}`. Keys may be added, but are
-never renamed.
+No two gestures are alike. At neutral expressivity, two gestures differ in at least one of three ways: the paths of
+their hands by 5 cm RMS over both hands, their orientations by 30 deg RMS, or their hand shapes.
+
+`kinesic gestures list --json` prints the same list for a program or a language model. Each gesture has the keys
+`id`, `category`, `says`, `meanings`, `hands`, `shapes`, `stroke_s`, `whole_s`, `synonyms`, `tempo` and `body`. Later
+versions may add keys, but never rename them.
 
 | key | content |
 |---|---|

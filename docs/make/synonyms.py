@@ -8,23 +8,24 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 PAGE = Path(__file__).parents[1] / "reference/synonyms.md"
 HEAD = """# Names of gestures
 
-`docs/make/synonyms.py` writes this page from `kinesic/configs/gestures/synonyms.toml`: {count} additional names of
-{gestures} gestures. The names come from the lexicons of Greta, SmartBody, EMBR, Asap, NAO and Reachy, from BML's
-gesture types and McNeill's classes, and from everyday English. A name belongs to one gesture only, on which all
-speakers of the language should agree.
-[Gesture files](gesture-files.md#how-a-lexeme-finds-a-gesture) explains the search for a lexeme, and
-[Write a gesture](../how-to/write-a-gesture.md#names-of-your-own) how to add names.
+A document may also request a gesture by another name than its own, such as `hello` for `greet_wave`. This page lists
+{count} additional names of {gestures} gestures. They come from the lexicons of Greta, SmartBody, EMBR, Asap, NAO and
+Reachy, from BML's gesture types and McNeill's classes, and from everyday English. Each name belongs to one gesture
+only, on which all speakers of the language should agree.
 
-`kinesic gestures show LEXEME` prints the result for any lexeme.
+To see which gesture a name finds, run `kinesic gestures show LEXEME`.
+[Gesture files](gesture-files.md#how-a-lexeme-finds-a-gesture) explains the search, and
+[Write a gesture](../how-to/write-a-gesture.md#names-of-your-own) shows how to add names. The list is in
+`kinesic/configs/gestures/synonyms.toml`.
 
 ## Classes
 
-A lexeme that is no name, but contains a word of a class, selects a gesture of this class. The other words of the lexeme
-choose the gesture: in `point_left`, `point` is the class, and `left` chooses. If they fit no gesture, the default
-gesture of the class in the second column is made, and the report lists the behaviour as `substituted`.
+If a lexeme is not in the list, but contains a word of a class, it selects a gesture of this class. The other words of
+the lexeme choose the gesture: in `point_left`, `point` is the class, and `left` chooses. If they fit no gesture, the
+robot makes the default gesture of the class (second column), and the report lists the behaviour as `substituted`.
 
 Some phrases contain a word of a class in another sense. They do not select the class, and the last column lists them.
-An unknown word before `point`, as in `match_point`, does not select the class either.
+Neither does `point` after an unknown word, as in `match_point`.
 
 | class | gesture | words | but not in |
 |---|---|---|---|
