@@ -82,3 +82,16 @@ def test_reactions_to_voices_do_not_depend_on_the_number_of_samples_per_call(voi
 def test_playback_and_microphone_of_different_lengths_are_refused():
     with pytest.raises(ValueError, match="10 samples played and 20 heard"):
         list(Ear().hear(np.zeros(20, np.float32), np.zeros(10, np.float32)))
+
+
+def test_voices_are_heard_at_the_rate_of_the_microphone(voices):
+    question = np.concatenate([np.zeros(VOICE_RATE, np.float32), voices[1], np.zeros(VOICE_RATE, np.float32)])
+    usual, triple = changes(question), changes(np.repeat(question, 3), rate=3 * VOICE_RATE)
+    assert [change.decision for change in triple] == [change.decision for change in usual]
+    assert [change.time for change in triple] == pytest.approx([change.time for change in usual], abs=0.07)
+
+
+def test_own_voice_is_recognised_at_the_rate_of_the_microphone(voices):
+    heard, played = (np.repeat(sound, 3) for sound in with_event(voices[0], voices[2][:0]))
+    found = changes(heard, played, rate=3 * VOICE_RATE)
+    assert BargeInDecision.YIELD not in [change.decision for change in found]

@@ -93,3 +93,39 @@ def test_echo_canceller_learns_a_changed_echo_path_within_four_seconds():
     heard = np.concatenate([room_echo(played)[:half], room_echo(played, seed=9)[half:]])
     cleaned, *_ = run(heard, played)
     assert level(heard[-VOICE_RATE:]) - level(cleaned[-VOICE_RATE:]) > 8.0
+
+
+class WrittenOutFilter:
+    """Kalman filter of the echo path, one partition of 512 samples after the other."""
+
+    def __init__(self) -> None:
+        self.played = [np.zeros(513, complex)] * 8
+        self.path, self.variance = np.zeros((8, 513), complex), np.ones((8, 513))
+        self.noise, self.last = np.zeros(513), np.zeros(512)
+
+    def echo(self) -> np.ndarray:
+        return np.fft.irfft(sum(self.path[k] * self.played[k] for k in range(8)))[512:]
+
+    def cancel(self, heard: np.ndarray, played: np.ndarray) -> np.ndarray:
+        self.played = [np.fft.rfft(np.concatenate([self.last, played])), *self.played[:7]]
+        self.last = played
+        error = np.fft.rfft(np.concatenate([np.zeros(512), heard - self.echo()]))
+        self.noise = 0.7 * self.noise + 0.3 * np.abs(error) ** 2
+        spread = sum(0.5 * np.abs(self.played[k]) ** 2 * self.variance[k] for k in range(8)) + self.noise + 1e-9
+        for k in range(8):
+            gain = 0.5 * self.variance[k] / spread
+            change = np.fft.irfft(gain * np.conj(self.played[k]) * error)[:512]
+            self.path[k] = 0.998 * (self.path[k] + np.fft.rfft(change, 1024))
+            kept = (1.0 - 0.5 * gain * np.abs(self.played[k]) ** 2) * self.variance[k]
+            self.variance[k] = 0.998**2 * kept + (1.0 - 0.998**2) * np.abs(self.path[k]) ** 2
+        return heard - self.echo()
+
+
+def test_echo_canceller_equals_a_written_out_kalman_filter():
+    played = modulated_noise(6, 1.5).astype(np.float64)
+    heard = room_echo(played) + 0.001 * np.random.default_rng(7).normal(size=len(played))
+    canceller, reference = EchoCanceller(), WrittenOutFilter()
+    for k in range(0, len(played), FRAME_SIZE):
+        rows = slice(k, k + FRAME_SIZE)
+        cleaned, _ = canceller.cancel(heard[rows], played[rows])
+        np.testing.assert_allclose(cleaned, reference.cancel(heard[rows], played[rows]), atol=1e-6)
