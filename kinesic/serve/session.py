@@ -70,13 +70,13 @@ class Session:
         self._asyncio: AbstractEventLoop = get_running_loop()
         self._send_feedback, self._rules, self._sinks = send_feedback, rules, sinks
         self._documents, self._requests = FairQueue(rules.waiting), deque[ClientRequest]()
-        self._is_stopped = False
-        self._converses = False  # whether a client has begun a conversation
+        self._is_stopped = self._converses = False  # whether an emergency stop holds; whether a conversation has begun
         self._warm = Event()
         self._renewal: Task[None] | None = None  # requests the next lexicon reload
         self._renewed = -RENEWAL_PERIOD  # [s] monotonic clock time of the last requested reload
         self.clock = Clock()
-        effects = TrackEffects(Speaker(self.clock.now) if accompaniment.sound else None, face=accompaniment.face)
+        self.speaker = Speaker(self.clock.now) if accompaniment.sound else None
+        effects = TrackEffects(self.speaker, face=accompaniment.face)
         setup = make_setup()
         self.loop = Loop(
             setup, sinks, self.clock, effects=effects, send_feedback=self._pass_on, notify_server=self._pass_news

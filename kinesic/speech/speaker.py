@@ -1,6 +1,7 @@
 """Playback of sounds on a loudspeaker at times on a clock."""
 
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from math import inf
 
@@ -52,6 +53,7 @@ class Speaker:
         self._next = float("-inf")  # time on the clock at which the next sample is heard
         self._playing: tuple[PlayedSound, ...] = ()
         self._muted_until, self._gain = -inf, 1.0  # [s] on the clock; gain of the last sample
+        self.monitor: Callable[[Samples], None] | None = None  # called with all samples that the device gets
         self._device.open(rate, self._mix_next)
 
     @property
@@ -105,7 +107,10 @@ class Speaker:
         """
         begin = self._next if abs(at - self._next) < MAX_TIME_JITTER else at
         self._next = begin + count / self._rate
-        return mix(self._playing, begin, count, self._rate) * self._gains(begin, count)
+        mixed = mix(self._playing, begin, count, self._rate) * self._gains(begin, count)
+        if self.monitor is not None:
+            self.monitor(mixed)
+        return mixed
 
     def _gains(self, begin: float, count: int) -> Samples:
         """Return the gains (count,) of the next samples, which change within `FADE_DURATION`."""

@@ -222,3 +222,13 @@ def test_port_audio_playback_time_includes_the_output_latency(monkeypatch: pytes
     assert device._stream.buffers[0].tolist() == [[0.5]] * 4
     device.close()
     assert device._stream.buffers == []
+
+
+def test_monitor_of_a_speaker_gets_the_samples_that_the_device_gets():
+    tape, copies = Tape(), []
+    speaker = Speaker(tape.clock, device=tape, rate=SAMPLE_RATE)
+    speaker.monitor = copies.append
+    speaker.play(CLICK_SOUND, tape.now + 0.1)
+    tape.turn(4)
+    np.testing.assert_array_equal(np.concatenate(copies), tape.heard)
+    assert tape.heard.max() == 1.0

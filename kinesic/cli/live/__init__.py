@@ -14,6 +14,7 @@ from kinesic.serve.wire.quotas import DEFAULT_QUOTAS, Quotas
 
 DEFAULT_QUOTA_LIST = ", ".join(f"{field.name}={getattr(DEFAULT_QUOTAS, field.name):g}" for field in fields(Quotas))
 RULE_HELP = f"Limit for clients. Defaults: {DEFAULT_QUOTA_LIST}."
+HEAR_HELP = "Attend to people heard by a microphone (`default`, or a part of its name) or in a pipe (16 kHz, 16 bits)."
 CONNECT_HELP = "Show the page of a robot that a running `kinesic serve` drives; the token is that server's."
 FOLDER_HELP = "Folder in which documents are opened and saved (default: that of FILE, or this one)."
 
@@ -26,6 +27,7 @@ FOLDER_HELP = "Folder in which documents are opened and saved (default: that of 
 @click.option("--sound/--no-sound", default=None, help="Play the speech (default: if audio works).")
 @click.option("--rule", "rules", multiple=True, metavar="NAME=VALUE", help=RULE_HELP)
 @click.option("--end-with-input", is_flag=True, help="End when standard input ends, even if clients may connect.")
+@click.option("--hear", metavar="MICROPHONE|PIPE", help=HEAR_HELP)
 @implemented_by("live.serve:serve_blocks", needs=LIVE_SERVER)
 def serve_verb() -> None:
     """Perform BML blocks as they arrive, and answer with BML feedback.

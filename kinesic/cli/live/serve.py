@@ -26,10 +26,12 @@ from kinesic.controller.servo_performance import BUS_DELAY
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.heap import freeze_heap
+from kinesic.hearing.microphone import MicrophoneError, SampleSource, open_source
 from kinesic.host import ENDING_SIGNALS
 from kinesic.planning.plan import Plan
 from kinesic.serve.address import Address
 from kinesic.serve.desk.export import Writers
+from kinesic.serve.listening import hear_people
 from kinesic.serve.server import Serving, open_serving, serve_until_done
 from kinesic.serve.sinks.learner import ServoLearner
 from kinesic.serve.sinks.real_time import SERVO_LOOKAHEAD, RealTimeSink, RealTwin
@@ -41,6 +43,7 @@ from kinesic.serve.wire.quotas import DEFAULT_QUOTAS, Quotas
 from kinesic.serve.wire.transport import Console
 from kinesic.sim.distances import CapsuleDistances
 from kinesic.speech.loudspeaker import audio_fault
+from kinesic.speech.speaker import SAMPLE_RATE
 
 SERVO_POLL_PERIOD = 1.0  # [s] period of checks for servo events and learned factors
 
@@ -53,11 +56,12 @@ def serve_blocks(
     sound: bool | None,
     rules: tuple[str, ...],
     end_with_input: bool,
+    hear: str | None,
 ) -> int:
     """Perform blocks from TCP, WebSocket and standard input until the end."""
     memory, snapshot = ServoMemory.of(servos), FrozenPlanning.of(planning)
     return open_and_serve(
-        snapshot, access_options, performers, sound, rules, memory=memory, ends_with_input=end_with_input
+        snapshot, access_options, performers, sound, rules, memory=memory, ends_with_input=end_with_input, hear=hear
     )
 
 
@@ -75,6 +79,7 @@ def open_and_serve(
     announce: Callable[[Address], None] = lambda _address: None,
     console: Callable[[Quotas], Console] | None = None,
     ends_with_input: bool = False,
+    hear: str | None = None,
 ) -> int:
     """Open a server and block until it ends.
 
@@ -91,7 +96,9 @@ def open_and_serve(
         announce: called with the address once clients can connect.
         console: makes the reader of standard input, terminals included; None: read messages unless it is a terminal.
         ends_with_input: whether the end of standard input ends a server that also listens.
+        hear: microphone or pipe in which people are heard; None: none.
     """
+    source = None if hear is None else _open_source(hear)
     audio_problem = audio_fault() if sound is not False else "not requested"
     if sound and audio_problem:
         raise ConfigError(f"--sound: {audio_problem}")
@@ -111,7 +118,14 @@ def open_and_serve(
         folder=folder,
         writers=EXPORT_WRITERS,
     )
-    return asyncio.run(_serve(server, sinks, memory, announce, console, ends_with_input=ends_with_input))
+    return asyncio.run(_serve(server, sinks, memory, announce, console, ends_with_input=ends_with_input, source=source))
+
+
+def _open_source(name: str) -> SampleSource:
+    try:
+        return open_source(name, SAMPLE_RATE)
+    except MicrophoneError as error:
+        raise ConfigError(f"--hear: {error}") from None
 
 
 def _write_scene(planned: Plan, path: Path) -> None:
@@ -176,6 +190,7 @@ async def _serve(
     console: Callable[[Quotas], Console] | None,
     *,
     ends_with_input: bool,
+    source: SampleSource | None,
 ) -> int:
     end_requested = asyncio.Event()
 
@@ -192,10 +207,11 @@ async def _serve(
             freeze_heap()
         for number in (number for number in ENDING_SIGNALS if signal.getsignal(number) is not signal.SIG_IGN):
             asyncio.get_running_loop().add_signal_handler(number, end)
-        source = f"listening at {serving.address}" if serving.address is not None else "reading standard input"
-        click.echo(f"{source}; Ctrl-C folds to rest and ends", err=True)
+        place = f"listening at {serving.address}" if serving.address is not None else "reading standard input"
+        click.echo(f"{place}; Ctrl-C folds to rest and ends", err=True)
         if serving.address is not None:
             announce(serving.address)
+        listener = None if source is None else hear_people(serving.clients.session, source)
         report_task = asyncio.create_task(_report_servos(sinks, memory))
         is_read = console is not None or not sys.stdin.isatty()
         await serve_until_done(
@@ -206,6 +222,8 @@ async def _serve(
             make_console=console or Console,
         )
         report_task.cancel()
+        if listener is not None:
+            listener.end()
     session = serving.clients.session
     if session.loop.error is not None:
         click.echo(f"kinesic: {session.loop.error}", err=True)
