@@ -3,9 +3,12 @@
 from dataclasses import replace
 from math import atan, degrees, inf, sqrt
 
+import numpy as np
 import pytest
 
 from kinesic.conversation import gaze, turns
+from kinesic.conversation.advance import advance_conversation
+from kinesic.conversation.events import Conversing
 from kinesic.conversation.nods import consider_nod, next_nod_time
 from kinesic.conversation.people import MAX_ABSENCE, Company, TrackedPerson, direction_change, expire
 from kinesic.conversation.settings import MOVEMENT_SETTINGS, TURN_TIMES, Rhythm
@@ -132,3 +135,35 @@ def test_listening_robot_nods_only_after_a_pause_and_within_the_limits_of_interv
     ):
         _, nod = consider_nod(replace(LISTENING, draws=nodding, nods=times), due)
         assert (nod is not None) == is_nodded, times
+
+
+def test_amount_of_a_running_conversation_changes_without_a_restart():
+    state, wants = advance_conversation(LISTENING, Conversing(on=True, amount=0.25), 10.1)
+    assert (state.on, state.amount, state.mode, state.since) == (True, 0.25, "listening", 9.0)
+    assert state.voice == LISTENING.voice
+    assert not [want for want in wants if type(want).__name__ == "ModeNotice"]
+
+
+@pytest.mark.parametrize(("now", "begins"), [(11.999, False), (12.0, True)])
+def test_next_look_of_a_conversation_begins_exactly_at_the_end_of_the_last_one(now, begins):
+    away = gaze.GazeSpell(averted=True, away=(10.0, 0.0), until=12.0)
+    listening = replace(LISTENING, voice=PersonVoice(active=True, began=5.0), gaze=away)
+    found = gaze.continue_gaze(listening, now)
+    assert (found.gaze != away) == begins
+    assert found.gaze.averted == (not begins)
+
+
+def test_fillers_of_a_conversation_are_counted_anew_after_thinking():
+    thought = replace(LISTENING, mode="speaking", fillers=2, speech=OwnSpeech(active=True, began=9.0, ends=20.0))
+    assert advance_conversation(thought, None, 10.1)[0].fillers == 0
+
+
+@pytest.mark.parametrize(("seed", "count"), [(0, 0), (0, 1), (7, 3), (123_456, 99)])
+def test_random_numbers_of_a_conversation_are_mixed_as_in_splitmix64(seed, count):
+    mixed = np.array([seed + 1], np.uint64) * np.uint64(0x9E3779B97F4A7C15) * np.uint64(count + 1) + np.uint64(count)
+    for shift, factor in ((30, 0xBF58476D1CE4E5B9), (27, 0x94D049BB133111EB)):
+        mixed = (mixed ^ (mixed >> np.uint64(shift))) * np.uint64(factor)
+    mixed ^= mixed >> np.uint64(31)
+    number, after = ConversationState(seed=seed, draws=count).draw()
+    assert number == (int(mixed[0]) >> 11) / 2**53
+    assert after.draws == count + 1
