@@ -162,6 +162,17 @@ def test_real_time_twin_returns_measured_angles_and_supervisor_cycles(known: Set
     twin.close()
 
 
+def test_real_time_twin_is_measured_at_rest_before_its_first_command_and_closed_with_its_sink(known, monkeypatch):
+    twin, closed = RealTwin(known.robot), []
+    time, angles = twin.measurement()
+    assert time == 0.0
+    assert angles == pytest.approx(known.robot.skeleton.rest, abs=2e-3)  # a servo tick is 1.5 mrad
+    close = twin._twin.close
+    monkeypatch.setattr(twin._twin, "close", lambda: closed.append(close()))
+    RealTimeSink(twin).close()
+    assert closed == [None]
+
+
 def test_real_time_twin_drops_old_measurements(known: Setup, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(real_time, "LOG_CAPACITY", 10)
     twin, forgotten = RealTwin(known.robot), []
