@@ -92,7 +92,7 @@ def test_fitted_servo_factors_improve_tracking_and_are_reported(kinesic, perform
     assert fitted["learned"] is None
     assert fitted["tracking"]["rmse_deg"] < 0.6 * unfitted["tracking"]["rmse_deg"]
     page = (tmp_path / "there" / "report.html").read_text()
-    assert "Setpoints are computed for servos with P gain x" in page
+    assert "Servo parameters assumed for the setpoints: P gain x" in page
 
 
 def test_learned_servo_factors_improve_the_next_performance(perform, tmp_path):

@@ -25,18 +25,20 @@ __all__ = [
 ]
 
 
+CHECK_FUNCTIONS = (  # functions of a performance, in the order of the report
+    limit_checks,
+    distance_checks,
+    impact_checks,
+    watch_checks,
+    content_checks,
+    timing_checks,
+    tracking_checks,
+    servo_checks,
+    power_checks,
+    motion_checks,
+)
+
+
 def checks(performance: DryRun) -> tuple[Check, ...]:
     """Return the results of all checks of one performance."""
-    parts = (
-        limit_checks,
-        distance_checks,
-        impact_checks,
-        watch_checks,
-        content_checks,
-        timing_checks,
-        tracking_checks,
-        servo_checks,
-        power_checks,
-        motion_checks,
-    )
-    return tuple(check for part in parts for check in part(performance))
+    return tuple(check for function in CHECK_FUNCTIONS for check in function(performance))

@@ -142,6 +142,8 @@ def test_negative_register_values_are_twos_complement():
 def test_model_numbers_match_the_manual_and_are_unique():
     numbers = {name: model.number for name, model in SERVO_MODELS.items()}
     assert {name: numbers[name] for name in MODEL_NUMBERS} == MODEL_NUMBERS
+    unlisted = {name for name, model in SERVO_MODELS.items() if model.table is None} - set(MODEL_NUMBERS)
+    assert not unlisted, f"add {unlisted} to MODEL_NUMBERS above, from the manual"
     versions = {"sts3215_12v"}  # of one model for another supply voltage
     names = {model.name for model in MODELS_BY_NUMBER.values()}
     assert names == set(SERVO_MODELS) - versions, "two models have the same number"

@@ -2,6 +2,9 @@
 
 import json
 from dataclasses import replace
+from importlib import import_module
+from inspect import getmembers, isfunction
+from pkgutil import iter_modules
 
 import numpy as np
 import pytest
@@ -12,6 +15,7 @@ from kinesic.body.description import Supply
 from kinesic.body.dynamics import Clearance
 from kinesic.controller.dry_run import dry_run
 from kinesic.metrics.dry_run import DryRun
+from kinesic.report import checks as package
 from kinesic.report.checks import Check, checks, grade
 from kinesic.report.checks.twin import INVISIBLE_JERK
 from kinesic.report.report import report
@@ -52,6 +56,14 @@ def with_measured(performance, **changes):
 def with_setup(performance, **changes):
     plan = replace(performance.plan, setup=replace(performance.plan.setup, **changes))
     return replace(performance, reference=replace(performance.reference, plan=plan))
+
+
+def test_report_calls_every_check_function_of_the_package():
+    modules = [import_module(f"{package.__name__}.{module.name}") for module in iter_modules(package.__path__)]
+    for module in modules:
+        for name, function in getmembers(module, isfunction):
+            if name.endswith("_checks") and function.__module__ == module.__name__:
+                assert function in package.CHECK_FUNCTIONS, f"add {name} to kinesic/report/checks/__init__.py"
 
 
 def test_unhurried_gesture_passes_every_check(done):
@@ -227,9 +239,9 @@ def test_hands_of_the_twin_that_tremble_at_5_hz_get_the_status_warn_or_poor(done
 
 def test_empty_block_is_checked_only_for_limits_collision_servos_power_and_shifts(known):
     verdicts = found(dry_run(plan('<bml id="b"/>', known)))
-    assert NAMES & set(verdicts) == {
-        name for name in NAMES if name.split(".")[0] in ("limits", "collision", "servo", "power")
-    } | {"timing.shift"}
+    groups = ("limits", "collision", "servo", "power")
+    expected = {name for name in NAMES if name.split(".")[0] in groups} | {"timing.shift"}
+    assert NAMES & set(verdicts) == expected, "NAMES above lists the checks of every performance"
     assert all(check.status == "pass" for check in verdicts.values())
 
 
