@@ -1,0 +1,1 @@
+"""Reachy Mini: expressive motion of head, body and antennas through its daemon."""
