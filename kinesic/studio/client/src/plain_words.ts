@@ -61,7 +61,8 @@ export const categoryWords = (category: string): string => CATEGORIES[category] 
 /** Return the label of a behaviour in plain words: `raise brows` for RAISE_BROWS, `weigh up` for weigh_up. */
 export function labelWords(type: string, label: string): string {
   if (type === "gesture") return gestureWords(label);
-  if (AIMING_TYPES.includes(type)) return TARGETS[label] ?? label;
+  if (AIMING_TYPES.includes(type))
+    return TARGETS[label.toLowerCase()] ?? (/^[A-Z]+$/.test(label) ? label.toLowerCase() : label);
   return type === "speech" || !/^[A-Z_]+$/.test(label) ? label : label.toLowerCase().replaceAll("_", " ");
 }
 

@@ -150,7 +150,9 @@ export class Studio {
     });
     this.gestures = new GestureEditing(about, this.robot.wire, {
       ...{ text, edit, open, seek, say: log },
-      insert: (id) => this.insertion.gesture(id),
+      insert: (id) => {
+        if (!this.textMode.place(id)) this.insertion.gesture(id);
+      },
       hand: (side) => this.view.stage.handPosition(side),
       picture: (gesture) => this.figures.draw(gesture),
     });

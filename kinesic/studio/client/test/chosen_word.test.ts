@@ -66,6 +66,18 @@ test("a chosen gesture is marked at once, and its plan ends the mark", async () 
   assert.deepEqual([title(), pressed("alternatives-list")], ["“three”: conduct", ["conduct"]]);
 });
 
+test("a gesture of the whole list goes to the word that a person has chosen, else nowhere", async () => {
+  const { mode, press, page } = open();
+  assert.ok(!mode.place("balance"));
+  mode.follow("g1");
+  assert.ok(!mode.place("balance"), "a selection in the timeline is no chosen word");
+  assert.equal(page.edits, 0);
+  await press("[data-spoken='1']");
+  assert.ok(mode.place("balance"));
+  assert.match(page.text, /<gesture id="g2" lexeme="balance" stroke="s:w1"/);
+  assert.equal(title(), "“boxes”: balance, planning …");
+});
+
 test("a removed gesture is shown as removed at once", async () => {
   const { window, press } = open();
   await press("[data-spoken='0']");

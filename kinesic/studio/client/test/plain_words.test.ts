@@ -21,6 +21,8 @@ test("a gesture that is typed in words has the id of these words", () => {
 test("targets of the eyes and of pointing hands are named in words, and spoken text is left as it is", () => {
   assert.equal(labelWords("gaze", "downright"), "down right");
   assert.equal(labelWords("pointing", "audience"), "the listener");
+  assert.equal(labelWords("gaze", "DOWNLEFT"), "down left");
+  assert.equal(labelWords("gaze", "UP"), "up");
   assert.equal(labelWords("gaze", "lamp"), "lamp");
   assert.equal(labelWords("speech", "upright"), "upright");
 });

@@ -49,7 +49,10 @@ export class AlternativesPanel {
   ): void {
     this.place.hidden = false;
     say(byId("alternatives-title"), present ? `“${word}”: ${gestureWords(present.name)}` : `“${word}”: no gesture`);
-    say(byId("alternatives-reason"), present ? present.reason || "the document gives no reason" : "Choose one below.");
+    say(
+      byId("alternatives-reason"),
+      present ? present.reason || "the document gives no reason" : "Choose one below, or Add one from Gestures.",
+    );
     say(byId("alternatives-choice"), reasons.filter(Boolean).join(" "));
     byId("alternatives-remove").hidden = present === null;
     const none = alternatives ? "nothing fits this word" : "looking for gestures …";

@@ -86,6 +86,13 @@ export class TextMode {
     return (this.isFollowing ? undefined : this.words[this.chosen]) ?? wordAt(this.words, time);
   }
 
+  /** Show a gesture at the word that a person has chosen; false if none is chosen. */
+  place(gesture: string): boolean {
+    const isPlaced = this.chosen >= 0 && !this.isFollowing;
+    if (isPlaced) this.replace({ id: gesture, why: "from the list of all gestures" });
+    return isPlaced;
+  }
+
   /** Choose the word of a behaviour that is selected in the timeline; null: none or several are selected. */
   follow(id: string | null): void {
     const index = this.words.findIndex(({ gestures }) => gestures.some((each) => each.id === id));
