@@ -109,7 +109,8 @@ def at(distance: float, angle: float = 0.0) -> tuple[float, float, float]:
     ("place", "visible", "near"),
     [
         (at(0.39), False, False),
-        (at(0.41), True, True),
+        (at(0.4), True, True),
+        (at(3.0), True, True),
         (at(2.99), True, True),
         (at(3.01), True, False),
         (at(1.0, 109.9), True, True),

@@ -32,6 +32,8 @@ def test_gaze_direction_change_is_the_larger_one_of_azimuth_and_elevation_change
     ahead, up, left = (2.0, 3.0, 1.5), (2.0, 3.0, 2.5), (0.0, 3.0, 1.5)
     assert direction_change(ahead, up, eyes) == pytest.approx(degrees(atan(1 / sqrt(2))))
     assert direction_change(ahead, left, eyes) == pytest.approx(90.0)
+    high, higher = (2.0, 2.0, 2.5), (2.0, 2.0, 1.5 + sqrt(3))
+    assert direction_change(high, higher, eyes) == direction_change(higher, high, eyes) == pytest.approx(15.0)
     assert direction_change((0.0, 2.1, 1.5), (0.0, 1.9, 1.5), eyes) == pytest.approx(2 * degrees(atan(0.1)))
 
 
