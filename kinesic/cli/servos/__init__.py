@@ -57,11 +57,12 @@ def _accept_robot() -> None:
 @robot_and_port_options
 @click.option("--yes", is_flag=True, help="Do not ask; the robot is in its zero posture now.")
 @click.option("--seconds", type=click.FloatRange(min=0.0), help="Maximum duration in s (default: until Enter).")
+@click.option("--lerobot", multiple=True, metavar="NAME=FILE", help="Convert lerobot's JSON file of a bus. Repeatable.")
 @implemented_by("servos.calibrate:calibrate_robot", needs=SERVO_DRIVER)
 def _calibrate_robot() -> None:
     """Write ROBOT.calibration.toml while you move every hinge by hand.
 
-    No servo gets torque.
+    No servo gets torque. With --lerobot, the calibration comes from files of lerobot, and no servo is needed.
     """
 
 

@@ -20,13 +20,13 @@ from kinesic.cli.screen.live import LiveLines
 from kinesic.cli.screen.table import Table
 from kinesic.cli.screen.text import Text
 from kinesic.cli.servos.hand_motion import poll_servos, require_torque_off
-from kinesic.cli.servos.ports import open_ports, read_all_ports
+from kinesic.cli.servos.ports import open_ports, read_all_ports, read_bus_paths
 from kinesic.cli.terminal import console, pressed_keys, quote_text
 from kinesic.files.held_folder import name_failures
 from kinesic.files.output_file import check_file, write_text
 from kinesic.hardware.protocol.device import RegisterChange
 from kinesic.hardware.protocol.registers import Register
-from kinesic.hardware.protocol.servo_map import load_robot
+from kinesic.hardware.protocol.servo_map import ServoMap, load_robot
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
 from kinesic.hardware.supervisor.manifest import Manifest
@@ -39,6 +39,7 @@ from kinesic.hardware.tools.calibration import (
     describe_positive_direction,
     measure_hinges,
 )
+from kinesic.hardware.tools.lerobot_calibration import convert_lerobot
 
 PROMPT_LINES = 6  # number of terminal lines of prompt and heading
 DISPLAY_RATE = 8.0  # [Hz] redraws of the table
@@ -51,12 +52,16 @@ WHOLE_TURN_LIMITS = {Register.MIN_POSITION_LIMIT: 0, Register.MAX_POSITION_LIMIT
 ENTER_KEYS = {"\n", "\r"}  # characters that the Enter key sends
 
 
-def calibrate_robot(robot: str, ports: tuple[str, ...], yes: bool, seconds: float | None) -> int:
-    """Measure and write a robot's calibration while it is moved by hand.
+def calibrate_robot(
+    robot: str, ports: tuple[str, ...], yes: bool, seconds: float | None, lerobot: tuple[str, ...]
+) -> int:
+    """Write a robot's calibration, measured while it is moved by hand or converted from lerobot's files.
 
     No servo gets torque.
     """
     uncalibrated = Robot.load(robot, calibrated=False)
+    if lerobot:
+        return _convert_files(robot, uncalibrated, lerobot)
     manifest = Manifest.of(uncalibrated)
     paths = read_all_ports(ports, manifest.bauds)
     is_interactive = not yes or seconds is None
@@ -76,6 +81,18 @@ def calibrate_robot(robot: str, ports: tuple[str, ...], yes: bool, seconds: floa
     path = _write_calibration(measured, uncalibrated)
     load_robot(robot)
     _print_limits(measured, measure_hinges(travel, manifest, uncalibrated))
+    click.echo(f"calibration: {path}")
+    return 0
+
+
+def _convert_files(robot: str, uncalibrated: Robot, texts: tuple[str, ...]) -> int:
+    """Write the calibration of lerobot's files, which needs no servos."""
+    files = read_bus_paths(texts, [bus.name for bus in ServoMap.of(uncalibrated).buses], option="--lerobot")
+    _prepare_folder(calibration_path(uncalibrated.path))
+    earlier = read_calibration(uncalibrated.path, uncalibrated.name)
+    converted = convert_lerobot(files, uncalibrated, earlier)
+    path = _write_calibration(converted, uncalibrated)
+    load_robot(robot)
     click.echo(f"calibration: {path}")
     return 0
 

@@ -21,21 +21,32 @@ def read_ports(texts: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
     Raises:
         ConfigError: a bus is unknown or named twice, or no port is given.
     """
-    bus_names, ports = list(buses), dict[str, Path]()
-    for text in texts:
-        name, separator, path = text.partition("=")
-        if not separator and len(bus_names) == 1:
-            name, path = bus_names[0], text
-        if name not in bus_names:
-            raise ConfigError(f"--port {text}: no bus {name}{suggestion(name, bus_names)}; give NAME=PATH")
-        if name in ports or not path:
-            raise ConfigError(f"--port {text}: give one path for bus {name}")
-        ports[name] = Path(path)
+    bus_names = list(buses)
+    ports = read_bus_paths(texts, bus_names, option="--port")
     if not ports:
         here = ", ".join(str(path) for path in ports_here()) or "none on USB"
         remedy = " ".join(f"--port {name}=PATH" for name in bus_names)
         raise ConfigError(f"no port given; add {remedy}; serial ports here: {here}")
     return ports
+
+
+def read_bus_paths(texts: Iterable[str], buses: Iterable[str], *, option: str) -> dict[str, Path]:
+    """Parse the path given for each servo bus, NAME=PATH, or PATH alone if there is only one bus.
+
+    Raises:
+        ConfigError: a bus is unknown or named twice.
+    """
+    bus_names, paths = list(buses), dict[str, Path]()
+    for text in texts:
+        name, separator, path = text.partition("=")
+        if not separator and len(bus_names) == 1:
+            name, path = bus_names[0], text
+        if name not in bus_names:
+            raise ConfigError(f"{option} {text}: no bus {name}{suggestion(name, bus_names)}; give NAME=PATH")
+        if name in paths or not path:
+            raise ConfigError(f"{option} {text}: give one path for bus {name}")
+        paths[name] = Path(path)
+    return paths
 
 
 def read_all_ports(texts: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:

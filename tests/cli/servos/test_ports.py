@@ -1,5 +1,7 @@
 """Ports of a robot's buses from the options of the command line."""
 
+import json
+import tomllib
 from pathlib import Path
 
 import pytest
@@ -46,3 +48,16 @@ def test_missing_ports_are_reported_with_the_ports_of_this_machine(monkeypatch, 
 def test_port_options_that_leave_a_bus_without_a_port_are_refused():
     with pytest.raises(ConfigError, match=r"^a bus has no port; add --port right=PATH$"):
         read_all_ports(["left=/dev/a"], ["left", "right"])
+
+
+def test_calibration_files_of_lerobot_are_converted_without_servos(kinesic, tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    motors = {f"m{k}": {"id": k, "homing_offset": 10, "range_min": 100, "range_max": 4000} for k in range(1, 7)}
+    (tmp_path / "arm.json").write_text(json.dumps(motors))
+    options = [text for bus in ("left", "right") for text in ("--lerobot", f"{bus}={tmp_path}/arm.json")]
+    ended = kinesic("servos", "calibrate", "--robot", "so101_pair", *options)
+    assert ended.code == 0, ended.err
+    written = tomllib.loads((tmp_path / "kinesic" / "so101_pair.calibration.toml").read_text())
+    assert (written["zero_ticks"]["l_elbow_flexion"], written["zero_ticks"]["r_elbow_flexion"]) == (1218, 1218)
+    wrong = kinesic("servos", "calibrate", "--robot", "so101_pair", "--lerobot", "arm=a.json")
+    assert "--lerobot arm=a.json: no bus arm" in wrong.err
