@@ -20,7 +20,7 @@ def content_checks(performance: DryRun) -> list[Check]:
         where = f"dropped: {', '.join(dropped)}" if dropped else ""
         results.append(Check.of("meaning.performed", 1.0 - len(dropped) / total, 1.0, where))
     losses = [
-        (loss.fraction, f"{loss.part} in {label_with_id(changed.behaviour, block)}")
+        (loss.fraction, f"{loss.part} in {label_with_id(changed.behaviour, block)}, smaller for lack of time")
         for changed in performance.reference.changes
         for loss in changed.losses
         if loss.asked - loss.planned > MIN_VISIBLE_LOSSES.get(loss.unit, inf)

@@ -175,4 +175,4 @@ def test_only_visible_shortening_of_a_stroke_path_counts(calm: DryRun, unit: str
     performance.reference.__dict__["changes"] = (change,)
     path = {check.name: check for check in content_checks(performance)}["amplitude.path"]
     assert path.value == (0.1 if seen else 0.0)
-    assert path.where == ("r_hand in offer (offering)" if seen else "")
+    assert path.where == ("r_hand in offer (offering), smaller for lack of time" if seen else "")

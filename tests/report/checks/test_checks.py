@@ -298,7 +298,7 @@ def test_report_names_dropped_behaviours_and_shortened_strokes(hurried, known):
         found(dry_run(plan(f'<bml id="b">{circle.format(end)}</bml>', known)))["amplitude.path"] for end in (0.9, 1.2)
     )
     assert hasty.value > 0.25
-    assert (hasty.status, hasty.where) == ("poor", "r_hand in circle (round)")
+    assert (hasty.status, hasty.where) == ("poor", "r_hand in circle (round), smaller for lack of time")
     assert (leisurely.status, leisurely.where) == ("pass", "")
 
 
