@@ -9,6 +9,9 @@ from kinesic.body.servo import TICKS_PER_TURN
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.tools.calibration import (
+    MIN_RANGE_FRACTION,
+    STOP_TOLERANCE,
+    HingeCalibration,
     Travel,
     calibration,
     calibration_text,
@@ -138,3 +141,40 @@ def test_calibrated_range_that_excludes_the_rest_angle_is_refused():
 )
 def test_positive_direction_of_a_hinge_is_described_for_calibration(hinge: str, words: str):
     assert describe_positive_direction(DEFAULT_ROBOT, DEFAULT_ROBOT.skeleton.joint(hinge)) == words
+
+
+SHORT = float(np.degrees(STOP_TOLERANCE))
+
+
+def turned(lowest: float, highest: float, *, direction: int = 1) -> HingeCalibration:
+    """Return the measurements of a hinge with a configured range of -30 to 90 degrees."""
+    return HingeCalibration("h", (1,), 2048, direction, 0.0, lowest, highest, -30.0, 90.0)
+
+
+@pytest.mark.parametrize(
+    ("hinge", "is_whole"),
+    [
+        (turned(-30.0 + SHORT, 90.0 - SHORT), True),
+        (turned(-30.0 + SHORT + 0.01, 90.0), False),
+        (turned(-30.0, 90.0 - SHORT - 0.01), False),
+        (turned(-30.0, 90.0, direction=-1), True),
+        (turned(-30.0, 90.0, direction=0), False),
+    ],
+)
+def test_hinge_counts_as_turned_through_its_range_if_it_almost_reached_both_limits(hinge, is_whole):
+    assert hinge.is_whole == is_whole
+    assert not is_whole or hinge.range is None
+
+
+@pytest.mark.parametrize(
+    ("hinge", "measured"),
+    [
+        (turned(0.0, MIN_RANGE_FRACTION * 120.0 - 0.1), None),
+        (turned(0.0, MIN_RANGE_FRACTION * 120.0 + 0.1), (0.0, round(MIN_RANGE_FRACTION * 120.0 + 0.1, 1))),
+        (turned(-30.0 + SHORT, 70.04), (-30.0, 70.0)),
+        (turned(-20.06, 90.0 - SHORT), (-20.1, 90.0)),
+        (turned(-20.0, 70.0, direction=0), None),
+    ],
+)
+def test_narrower_range_of_a_hinge_is_measured_only_if_enough_of_it_was_seen(hinge, measured):
+    assert hinge.range == measured

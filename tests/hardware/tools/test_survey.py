@@ -1,9 +1,20 @@
+from types import SimpleNamespace
+
 import pytest
 
 from kinesic.hardware.protocol.device import PingReply
 from kinesic.hardware.protocol.registers import HardwareError, Register
+from kinesic.hardware.protocol.tables import FAMILY_TABLES
 from kinesic.hardware.protocol.wire import Wire
-from kinesic.hardware.tools.survey import FoundServo, find_unexpected_servos, open_slow_access, scan_bus, survey
+from kinesic.hardware.tools.survey import (
+    CountingWire,
+    FoundServo,
+    _frame_protocol,
+    find_unexpected_servos,
+    open_slow_access,
+    scan_bus,
+    survey,
+)
 from kinesic.hardware.virtual.faults import NO_FAULTS, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.memory_wire import MemoryWire
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, build_bus
@@ -97,3 +108,22 @@ def test_servo_survey_reports_unexpected_servos(bench):
 def test_hardware_error_bits_of_a_servo_are_reported_by_name():
     assert HardwareError.names(HardwareError.OVERLOAD.value | HardwareError.VOLTAGE.value) == ("voltage", "overload")
     assert HardwareError.names(0) == ()
+
+
+@pytest.mark.parametrize(
+    ("family", "protocol"), [("sts", "Feetech"), ("scs", "Feetech"), ("ax", "Protocol 1.0"), (None, "Protocol 1.0")]
+)
+def test_protocol_of_a_servo_with_frames_is_that_of_its_maker(family: str | None, protocol: str):
+    model = None if family is None else SimpleNamespace(table=FAMILY_TABLES[family])
+    assert _frame_protocol(SimpleNamespace(model=model)) == protocol
+    assert _frame_protocol(SimpleNamespace(model=SimpleNamespace(table=None))) == "Protocol 1.0"
+
+
+@pytest.mark.parametrize("is_back", [True, False])
+def test_counting_wire_reopens_and_closes_the_wire_that_it_counts(is_back: bool):
+    calls: list[str] = []
+    wire = SimpleNamespace(reopen=lambda: calls.append("reopen") or is_back, close=lambda: calls.append("close"))
+    counting = CountingWire(wire)
+    assert counting.reopen() == is_back
+    counting.close()
+    assert calls == ["reopen", "close"]
