@@ -55,9 +55,9 @@ ENTER_KEYS = {"\n", "\r"}  # characters that the Enter key sends
 def calibrate_robot(
     robot: str, ports: tuple[str, ...], yes: bool, seconds: float | None, lerobot: tuple[str, ...]
 ) -> int:
-    """Write a robot's calibration, measured while it is moved by hand or converted from lerobot's files.
+    """Write a robot's calibration.
 
-    No servo gets torque.
+    It is measured while the robot is moved by hand, or converted from files of lerobot. No servo gets torque.
     """
     uncalibrated = Robot.load(robot, calibrated=False)
     if lerobot:

@@ -31,7 +31,9 @@ def read_ports(texts: Iterable[str], buses: Iterable[str]) -> dict[str, Path]:
 
 
 def read_bus_paths(texts: Iterable[str], buses: Iterable[str], *, option: str) -> dict[str, Path]:
-    """Parse the path given for each servo bus, NAME=PATH, or PATH alone if there is only one bus.
+    """Parse the path given for each servo bus.
+
+    A text is NAME=PATH, or PATH alone if there is only one bus.
 
     Raises:
         ConfigError: a bus is unknown or named twice.

@@ -1,4 +1,7 @@
-"""Sink that performs on a Reachy Mini through the HTTP and WebSocket interface of its daemon."""
+"""Sink that performs on a Reachy Mini through its daemon.
+
+The daemon has an HTTP and a WebSocket interface.
+"""
 
 import json
 import time
@@ -37,7 +40,9 @@ class ReachyMini:
         now: Callable[[], float] = time.monotonic,
         sleep: Callable[[float], None] = time.sleep,
     ) -> None:
-        """Connect to the daemon, switch the motors on, and move to the rest posture.
+        """Connect to the daemon and move to the rest posture.
+
+        The motors are switched on.
 
         Args:
             robot: Humanoid whose commands are shown.
@@ -59,7 +64,10 @@ class ReachyMini:
         self._socket = self._connect()
 
     def write(self, command: Command, /) -> None:
-        """Send the target of a command at its time, at most 50 per second."""
+        """Send the target of a command at its time.
+
+        At most 50 targets are sent per second.
+        """
         if command.time < self._due - TIME_TOLERANCE:
             return
         now = self._now()

@@ -37,7 +37,7 @@ class Target:
 
 
 class Puppet:
-    """Conversion of a humanoid's angles to targets within the limits of a Reachy Mini."""
+    """Conversion of a humanoid's angles to targets within limits."""
 
     def __init__(self, robot: Robot) -> None:
         """Prepare for a humanoid, with or without neck, trunk and arms."""
@@ -78,7 +78,10 @@ class Puppet:
 
 
 def _split(rotation: Floats) -> tuple[float, float, float]:
-    """Return roll, pitch and yaw [rad] of a rotation matrix (3, 3): first roll, then pitch, then yaw."""
+    """Return roll, pitch and yaw [rad] of a rotation matrix (3, 3).
+
+    The rotation is first roll, then pitch, then yaw, about fixed axes.
+    """
     pitch = asin(float(np.clip(-rotation[2, 0], -1.0, 1.0)))
     yaw = atan2(rotation[1, 0], rotation[0, 0])
     across = np.array([-sin(yaw), cos(yaw), 0.0])

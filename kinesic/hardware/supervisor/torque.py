@@ -194,7 +194,10 @@ def keep_watchdogs(axes: Axes, snapshot: Snapshot, watchdog: int) -> None:
 
 
 def _put_ram_values(axes: Axes, places: Sequence[int]) -> None:
-    """Queue the required RAM values of some servos, of each register that a servo has."""
+    """Queue the required RAM values of some servos.
+
+    Servos of different families have different registers.
+    """
     chosen = {k: axes.manifest.members[k].ram_values for k in places}
     for register in dict.fromkeys(register for values in chosen.values() for register in values):
         axes.put(register, {k: values[register] for k, values in chosen.items() if register in values})

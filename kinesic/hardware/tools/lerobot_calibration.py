@@ -81,7 +81,7 @@ def convert_lerobot(files: Mapping[str, Path], robot: Robot, before: Calibration
 
 
 def _find_offset_sign(robot: Robot, wired: HingeServos) -> int:
-    """Return the sign with which a homing offset moves the zero of its servo.
+    """Return the sign of a homing offset in the zero of a servo.
 
     Feetech servos subtract the offset from their position, Dynamixel X servos add it.
     """
@@ -92,7 +92,7 @@ def _find_offset_sign(robot: Robot, wired: HingeServos) -> int:
 def _find_range(
     motor: LerobotMotor, wired: HingeServos, robot: Robot, path: Path, *, inverted: bool
 ) -> tuple[float, float]:
-    """Return the range [deg] of a hinge within that of the robot's file."""
+    """Return the measured range [deg] within that of the robot's file."""
     per_degree = wired.reduction * (-1.0 if inverted else 1.0) * TICKS_PER_TURN / 360.0
     low, high = sorted((ticks - wired.zero_ticks) / per_degree for ticks in (motor.range_min, motor.range_max))
     hinge = robot.skeleton.hinges[robot.skeleton.joint(wired.hinge)]

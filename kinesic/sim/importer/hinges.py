@@ -102,7 +102,10 @@ def _name_again(figure: HumanoidGeometry, hinge: MappedHinge, name: str) -> Mapp
 
 
 def _spine(figure: HumanoidGeometry, segment: str, joints: Sequence[int]) -> Iterator[MappedHinge]:
-    """Name the hinges of trunk or neck, hinges about one axis from the lowest vertebra up."""
+    """Name the hinges of trunk or neck.
+
+    Hinges about one axis get vertebrae from the lowest up.
+    """
     axes = [figure.tree.joints[k].axis for k in joints]
     laterals = [int(np.argmax(np.abs(axis))) for axis in axes]
     names = {

@@ -63,7 +63,7 @@ def _parse(kind: str, data: bytes) -> Triangles:
 
 
 def _parse_stl(data: bytes) -> Triangles:
-    """Parse an STL file, as text if it begins like one and has no binary size."""
+    """Parse an STL file in binary or text form."""
     count = int.from_bytes(data[STL_HEADER_SIZE - 4 : STL_HEADER_SIZE], "little")
     if len(data) != STL_HEADER_SIZE + count * STL_TRIANGLE_SIZE:
         if not data.lstrip().startswith(STL_TEXT_START):
@@ -82,7 +82,7 @@ def _parse_stl_text(text: str) -> Triangles:
 
 
 def _join_corners(corners: Floats) -> Triangles:
-    """Return the mesh of triangle corners (3 t, 3), with equal vertices merged."""
+    """Merge equal corners (3 t, 3) of triangles into a mesh."""
     vertices, placed = np.unique(corners, axis=0, return_inverse=True)
     return Triangles(sealed(vertices), placed.reshape(-1, 3))
 

@@ -59,7 +59,7 @@ def _is_for_reading(arguments: tuple[object, ...]) -> bool:
 
 
 def list_packages(home: Path) -> dict[str, str]:
-    """Return the folders of the ROS packages at or below a folder, by name."""
+    """Return the folders of ROS packages below a folder, by name."""
     folders = [home]
     for depth in range(1, XACRO_PACKAGE_DEPTH + 1):
         folders += [path for path in sorted(home.glob("/".join("*" * depth))) if path.is_dir()]
@@ -89,7 +89,10 @@ def expand(file: Path, home: Path) -> str:
 
 
 def main(file: str, home: str) -> None:
-    """Write the expanded file to standard output, or the reason for a refusal to standard error."""
+    """Write the expanded file to standard output.
+
+    Standard error gets the reason for a refusal.
+    """
     sys.excepthook = _print_reason
     with os.fdopen(os.dup(1), "wb") as stream:
         os.dup2(2, 1)  # messages of xacro must not mix with the URDF
