@@ -7,13 +7,22 @@ from pathlib import Path
 
 import pytest
 
+import kinesic
 from kinesic.studio.page import EXAMPLE_FOLDER
 
 from ..chromium import binary
 from ..reduced_robots import write_robot
-from .newcomer import STATE, Person, before_the_studio, make_and_perform, switch_on_and_perform, write_greeting
+from .newcomer import (
+    STATE,
+    Person,
+    before_the_studio,
+    make_and_perform,
+    opened_studio,
+    switch_on_and_perform,
+    write_greeting,
+)
 
-pytestmark = pytest.mark.realtime
+pytestmark = pytest.mark.soak
 
 MAX_ACTIONS = 20
 EXAMPLES = ("welcome", *sorted(path.stem.partition("_")[2] for path in EXAMPLE_FOLDER.glob("*.bml")))
@@ -29,7 +38,7 @@ def person(tmp_path: Path, tmp_path_factory: pytest.TempPathFactory) -> Iterator
         yield result
 
 
-@pytest.mark.soak
+@pytest.mark.realtime
 def test_new_gesture_on_a_word_in_the_studio_is_performed_by_servos_within_few_actions(person: Person, tmp_path: Path):
     make_and_perform(person)
     person.sees(
@@ -48,7 +57,7 @@ def test_new_gesture_on_a_word_in_the_studio_is_performed_by_servos_within_few_a
     person.sees("s.report.servos.state === 'limp' && s.report.servos.torque.every(each => each === 0)")
 
 
-@pytest.mark.soak
+@pytest.mark.realtime
 @pytest.mark.parametrize("example", EXAMPLES)
 def test_newcomer_needs_at_most_20_studio_actions_for_a_new_gesture_from_every_example(person: Person, example: str):
     person.page.value("document.querySelector('#examples').focus(), 0")
@@ -60,7 +69,20 @@ def test_newcomer_needs_at_most_20_studio_actions_for_a_new_gesture_from_every_e
     assert len(person.actions) <= MAX_ACTIONS, person.actions
 
 
-@pytest.mark.soak
+def test_greeting_of_20_seconds_is_written_and_saved_in_the_studio_in_few_actions_on_a_slow_machine(tmp_path: Path):
+    """Perform the saved greeting in simulation, in virtual time."""
+    if binary() is None:
+        pytest.skip("no Chromium: apt-get install chromium")
+    with opened_studio(tmp_path, "--no-sound", drawn=False) as person:
+        write_greeting(person)
+    assert len(person.actions) < MAX_ACTIONS, person.actions
+    performer = kinesic.Performer("upper22", voice="auto")
+    run = performer.perform(performer.plan(tmp_path / "museum.bml"))
+    assert run.ok
+    assert 18.0 < run.plan.duration < 23.0
+
+
+@pytest.mark.realtime
 def test_greeting_of_20_seconds_is_written_and_performed_in_the_studio_in_few_actions(person: Person, tmp_path: Path):
     write_greeting(person)
     switch_on_and_perform(person)
