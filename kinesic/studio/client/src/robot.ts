@@ -27,7 +27,13 @@ export class Robot {
 
   constructor(
     private readonly body: Body,
-    private readonly listener: { opened(): void; changed(): void; moved(): void; heard(feedback: Feedback): void },
+    private readonly listener: {
+      opened(): void;
+      changed(): void;
+      moved(): void;
+      heard(feedback: Feedback): void;
+      told(answer: Answer): void;
+    },
   ) {
     this.live = new Live(body);
     this.wire = new Wire(
@@ -128,6 +134,7 @@ export class Robot {
   }
 
   private told(answer: Answer): void {
+    this.listener.told(answer);
     if (answer.told === "body") {
       const report = readReport(answer, this.body.hinges.length);
       if (!report) return;

@@ -33,6 +33,7 @@ import { Figures } from "./tracks/figures.ts";
 import { openTimeline } from "./tracks/panel.ts";
 import type { About } from "./types.ts";
 import { StageView } from "./view.ts";
+import { WizardPanel } from "./wizard/wizard_panel.ts";
 
 const GESTURE_ID = "g"; // id of the behaviour that performs a gesture under edit
 
@@ -63,6 +64,7 @@ export class Studio {
   readonly styles: StylesPanel;
   readonly recording: RecordingPanel;
   readonly recorder: GestureRecorder;
+  readonly wizard: WizardPanel;
 
   constructor(readonly about: About) {
     const text = () => this.document.text;
@@ -114,6 +116,7 @@ export class Studio {
         this.view.follow();
       },
       heard: (feedback) => this.performing.hear(feedback),
+      told: (answer) => this.wizard?.hear(answer),
     });
     const exports = new Exports(this.robot.wire, log);
     exports.listen(text);
@@ -191,6 +194,7 @@ export class Studio {
       isMovedByHand: () => this.robot.isTorqueOff,
       show: (mode) => this.view.setMode(mode),
     });
+    this.wizard = new WizardPanel(this.robot.wire, log);
     listen(listActions(this));
     new Tour(() => this.textMode.tabs.choose("words"));
     listenToPalette(

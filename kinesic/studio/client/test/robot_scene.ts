@@ -28,6 +28,7 @@ export function begin(): Scene {
     changed: () => calls.push("changed"),
     moved: () => calls.push("moved"),
     heard: () => {},
+    told: () => {},
   };
   const robot = new Robot(BODY, listener);
   const [line, stopLine] = sockets as [Socket, Socket];

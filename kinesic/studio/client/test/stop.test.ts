@@ -145,7 +145,7 @@ test("a stored token is sent to the server and with the arming request", () => {
   const { window } = begin();
   window.sessionStorage.setItem("token", "kept");
   sockets.length = 0;
-  new Robot(BODY, { opened: () => {}, changed: () => {}, moved: () => {} });
+  new Robot(BODY, { opened: () => {}, changed: () => {}, moved: () => {}, told: () => {} });
   const line = sockets[0]!;
   line.open();
   assert.deepEqual(line.read(), [{ do: "hello", token: "kept" }]);
