@@ -27,7 +27,7 @@ HEAD = """# State machine of the supervisor
 The [supervisor](../explanation/servos.md#the-supervisor) drives the servos. This page lists exactly what it does in
 each situation. Read it if you want to know, for example, when torque is switched off.
 
-In each cycle, the supervisor looks up one row of the [transition table](#transitions). The row depends on three things:
+In each cycle, the supervisor selects one row of the [transition table](#transitions). The row depends on three things:
 the current *stage*, the *event* of this cycle, and *conditions*. A condition is an input (an observation of the servos
 or of the planner), a flag (which the supervisor remembers), or a combination of these. The row names the next stage,
 the actions that begin, and the flags that change.
@@ -38,8 +38,8 @@ observation](../benchmarks/proof.md#state-machine-of-the-supervisor).
 """
 FLAG_RULE_TEXT = "An event can change flags before a transition is chosen. The rules apply from top to bottom:"
 TRANSITION_TEXT = (
-    "Next, the supervisor searches this table from top to bottom. It executes the first row whose stage, event and "
-    "conditions match. If no row matches, nothing changes."
+    "After the flags have changed, the supervisor searches this table from top to bottom. It executes the first row "
+    "whose stage, event and conditions match. If no row matches, nothing changes."
 )
 SETS = {ALL_STAGES: "any", POWERED_STAGES: "any with torque"}  # names of sets of stages
 

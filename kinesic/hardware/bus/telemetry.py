@@ -19,7 +19,7 @@ def _no_servos() -> Floats:
 class Telemetry:
     """Temperature, load, voltage, errors and torque switch of all servos.
 
-    Servos are in manifest order. NaN for a servo that has not answered lately.
+    Servos are in manifest order. NaN for a servo that has not answered recently.
     """
 
     clock: float = 0.0  # [s] time by the machine's monotonic clock; 0: no telemetry yet
@@ -38,7 +38,7 @@ class Telemetry:
         Args:
             clock: [s] current time.
             records: (m,) last records.
-            answered: (m,) whether the servo has answered lately.
+            answered: (m,) whether the servo has answered recently.
             full: (m,) raw current at the limit of each servo.
             turns: (m,) signed servo revolutions per hinge revolution.
         """

@@ -66,7 +66,7 @@ class Status:
     energised: int = 0  # number of servos with torque
     hottest: float = 0.0  # [C] temperature of the hottest servo
     volts: float = 0.0  # [V] lowest supply voltage of all servos
-    silent: int = 0  # number of servos that have not answered lately
+    silent: int = 0  # number of servos that have not answered recently
     late: int = 0  # number of cycles that began more than a period late
     faulty: bool = False
     waits: Awaited = "nothing"  # input that the supervisor waits for

@@ -143,9 +143,9 @@ class CommunicationMonitor:
         self.taken: Floats = self.present  # (m,) [s] times of these positions
         self.scale = 0.0  # time scale, 0..1, allowed by load and heat of all servos
         self.lost = False  # whether a port is gone
-        self.answering = False  # whether all servos have answered lately and all ports are open
-        self.all_answered = False  # whether all servos have answered lately
-        self.answered: Flags = no_member  # (m,) servos that have answered lately
+        self.answering = False  # whether all servos have answered recently and all ports are open
+        self.all_answered = False  # whether all servos have answered recently
+        self.answered: Flags = no_member  # (m,) servos that have answered recently
         self.energised: Flags = no_member  # (m,) servos with torque in the last record
         self.stuck: Flags = no_member  # (m,) servos that were blocked since torque came on
         self.failed: Flags = no_member  # (m,) servos with a hardware error, or stuck

@@ -18,7 +18,7 @@ class Stage(Enum):
     ACTIVE = "active"  # performance time runs
     DEGRADED = "degraded"  # performance time decelerates to a stop
     FOLD = "fold"  # the robot moves to the rest posture
-    WAITING = "waiting"  # a raised limb cannot move to rest and is held until a person confirms or it can move again
+    WAITING = "waiting"  # a raised limb cannot move to rest, and is held until it can, or until a person lets it fall
     RELEASE = "release"  # torque is switched off
     STOPPED = "stopped"  # emergency stop: the robot holds until a person resumes or ends the performance
     LOST = "lost"  # a port is gone; its servos stop by themselves
@@ -33,16 +33,16 @@ class Stage(Enum):
 
 Event = Literal[
     "tick",  # no event besides the observation
-    "open",  # request to open the ports
+    "open",  # opening the ports was requested
     "done",  # the procedure of the stage has succeeded
     "refused",  # the procedure of the stage has failed
-    "estop",  # request of an emergency stop
+    "estop",  # an emergency stop was requested
     "lost",  # a port is gone
     "back",  # all ports are open again
     "tripped",  # a bus watchdog has stopped servos
     "failed",  # a servo has shut down or is blocked
-    "mended",  # a failed or silent servo is well again
-    "resumed",  # a person or client requests to continue
+    "mended",  # a servo that failed or was silent works again
+    "resumed",  # a person or client has requested to continue
 ]
 
 Action = Literal[
@@ -74,10 +74,10 @@ class SupervisorState:
     stopped: bool = False  # an emergency stop is active
     paused: bool = False  # after an emergency stop or long interruption, the motion continues only on a resume request
     faulty: bool = False  # a servo has failed, and the performance has ended
-    refused: bool = False  # torque did not come on, and is not tried again until a servo recovers
-    careful: bool = False  # hold for a while before the move to rest, since a blocked limb may be free again
-    folded: bool = False  # at rest since the last performance
-    approaching: bool = False  # DEGRADED began in APPROACH
+    refused: bool = False  # torque could not be switched on; the supervisor does not try again until a servo recovers
+    careful: bool = False  # the supervisor holds before it moves to rest, because a blocked limb may come free
+    folded: bool = False  # the robot has moved to rest since the last performance
+    approaching: bool = False  # the stage `degraded` began during `approach`
 
 
 POWERED_STAGES = frozenset(Stage) - {Stage.CLOSED, Stage.PROBE, Stage.CONFIGURE, Stage.LIMP, Stage.RELEASE}

@@ -126,7 +126,7 @@ def awaited_input(state: SupervisorState, *, well: bool) -> Awaited:
 
     Args:
         state: current state.
-        well: whether every servo has torque, answers, and may continue.
+        well: whether every servo answers, has torque, and neither a fault nor overload stops it.
     """
     if state.stage is Stage.WAITING:
         return "confirmation"
