@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from kinesic.conversation.events import Conversing, PeopleSeen, Person, SoundPiece, SoundPosition, VoiceActivity
+from kinesic.motion.trajectory import stay
 from kinesic.serve.foreign_voice import START_DELAY
-from kinesic.serve.messages import Interruption, Proposal
+from kinesic.serve.messages import Halted, Interruption, Proposal, Resumption
 from kinesic.serve.tracks import FOREIGN_SOUND, SoundAndFace, TrackEffects
 
 from .planning_bench import Planning
@@ -129,3 +130,30 @@ def test_end_of_a_conversation_ends_its_sound(talk: Talk):
     talk.send(Conversing(on=False)).send(PeopleSeen(()))
     assert talk.state._scene.foreign_sound is None
     assert any(isinstance(item, Proposal) for item in talk.proposals)
+
+
+def test_first_emergency_stop_ends_a_sound_and_a_conversation_that_may_begin_again_after_resume(talk: Talk):
+    begin = stream(talk, ends=False)
+    talk.until(begin + 1.0)
+    held = stay(talk.motion.at(talk.planning.time).angles, start=talk.planning.time)
+    talk.state.handle_stop(Halted(1, talk.planning.time, held))
+    assert talk.collect().states()[-1] == "off"
+    assert talk.state._scene.foreign_sound is None
+    assert talk.proposals[-1].tracks[FOREIGN_SOUND] is None
+    talk.send(SoundPiece("a", RATE, syllables(0.5)))
+    assert talk.state._scene.foreign_sound is None, "the conversation has ended"
+    talk.state.execute(Resumption(1))
+    talk.send(Conversing(on=True)).until(talk.planning.time + 1.0, Person("p", FRONT))
+    talk.send(SoundPiece("b", RATE, syllables(0.5)))
+    assert talk.state._scene.foreign_sound.id == "b"
+
+
+def test_new_planner_after_a_crash_converses_when_a_client_begins_again(
+    make_planning: Callable[..., Planning], talk: Talk
+):
+    stream(talk)
+    fresh = Talk(make_planning(accompaniment=SoundAndFace(face=True, sound=True)))
+    fresh.send(SoundPiece("a", RATE, syllables(0.5)))
+    assert fresh.told[-1][2]["told"] == "refused"
+    fresh.send(Conversing(on=True)).send(SoundPiece("a", RATE, syllables(0.5))).until(1.0)
+    assert states(fresh)[-1] == "speaking"
