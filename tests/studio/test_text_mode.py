@@ -65,7 +65,7 @@ def test_studio_shows_the_reason_and_ranked_alternatives_of_the_gesture_of_a_wor
     ).groups()
     assert studio.page.value("document.querySelector('#alternatives-reason').textContent") == reason
     assert alternatives[0] == ["no low", reason], "without the score"
-    assert ["no wag", "shows the same intent: negation"] in alternatives
+    assert ["refuse push", "shows the same intent: negation"] in alternatives
     drawn = sum(why != "your own gesture" for _, why in alternatives)  # other tests save gestures on the same page
     studio.page.until(f"document.querySelectorAll('#alternatives-list .figure').length === {drawn}")
     hover = "new PointerEvent('pointerover', {bubbles: true})"
@@ -75,10 +75,12 @@ def test_studio_shows_the_reason_and_ranked_alternatives_of_the_gesture_of_a_wor
         studio.page.value("document.querySelector('#alternatives-list [aria-pressed=true] b').textContent") == "no low"
     )
     planned = studio.state("planned")
-    wag = "[...document.querySelectorAll('#alternatives-list button')].find(e => e.textContent.startsWith('no wag'))"
-    studio.page.value(f"{wag}.click()")
+    push = (
+        "[...document.querySelectorAll('#alternatives-list button')].find(e => e.textContent.startsWith('refuse push'))"
+    )
+    studio.page.value(f"{push}.click()")
     studio.until(f"s.planned > {planned}")
-    assert shown(studio)["No,"] == "no wag"
+    assert shown(studio)["No,"] == "refuse push"
     assert "chosen: shows the same intent: negation" in studio.state("text")
     assert {item["outcome"] for item in studio.state("draft")["behaviours"] if item["type"] == "head"} == {"realised"}
     studio.page.click("#undo")
