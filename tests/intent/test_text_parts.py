@@ -78,6 +78,17 @@ def test_voice_of_a_long_passage_is_kept_in_the_next_part():
     assert layers != {NO_LAYERS}
 
 
+def test_voice_that_changes_between_two_parts_is_that_of_the_whole_text():
+    slow = f'<prosody rate="slow">{SENTENCE} {SENTENCE}</prosody>'
+    text = f"<speak>{SENTENCE} {SENTENCE} {slow} {SENTENCE} {SENTENCE} {slow}</speak>"
+    english, parts = load_language("en"), divide_text(text)
+    whole = read_text(read_manuscript(text)[0], english).words
+    assert len(parts) == 4
+    assert [word.prosody for part in parts for word in read_text(part.text, english).words] == [
+        word.prosody for word in whole
+    ]
+
+
 def test_unspaced_language_is_divided_between_sentences():
     sentence = "\u53e4\u3044\u8239\u306f\u7802\u306e\u4e0a\u306b\u3042\u3063\u305f\u3002"
     parts = divide_text(sentence * 12, language="ja")
