@@ -66,7 +66,7 @@ class _Content:
         return plan_input(self.file, setup)
 
     def divide(self, planning: Planning) -> tuple[SpokenText, ...]:
-        """Return the parts of a text that is too long for one plan, or nothing."""
+        """Return the parts of a text too long for one plan, if any."""
         if self.recording is not None:
             return ()
         return divide_input(self.file, planning) if self.text is None else divide_long(self.text, planning.options)

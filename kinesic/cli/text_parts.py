@@ -1,4 +1,4 @@
-"""Performance of a long text part by part, with a report for each part."""
+"""Performance of a long text in parts, each with a report."""
 
 import json
 from collections.abc import Sequence

@@ -21,7 +21,7 @@ class Rhythm:
 
 @dataclass(frozen=True)
 class Bearing:
-    """Posture and facial expression that are held in one state, at amount 1."""
+    """Posture and facial expression held in one state, at amount 1."""
 
     lean: float = 0.0  # [deg] forward lean of the trunk
     tilt: float = 0.0  # [deg] tilt of the head to a random side

@@ -8,7 +8,7 @@ from kinesic.expressivity.lexicon.form import GestureForm
 
 
 def describe_missing_fingers(form: GestureForm, robot: Robot) -> str:
-    """Return a message about the fingers that a gesture needs, or an empty text."""
+    """Return a message about fingers that a gesture lacks, or an empty text."""
     return describe_missing_shapes(form.shapes, robot) or _describe_missing_motion(form, robot)
 
 
@@ -23,6 +23,6 @@ def describe_missing_shapes(requested_shapes: Sequence[str], robot: Robot) -> st
 
 
 def _describe_missing_motion(form: GestureForm, robot: Robot) -> str:
-    """Return a message about a finger motion on a robot without fingers, or an empty text."""
+    """Return a message if a finger motion needs fingers that a robot lacks."""
     has_fingers = any(robot.arm(side).fingers for side in robot.sides)
     return "" if form.fingers is None or has_fingers else f'finger motion "{form.fingers.name}" needs fingers'

@@ -1,4 +1,4 @@
-"""Sources of streamed sound: a microphone, or a file or pipe with samples."""
+"""Sources of streamed sound, such as a microphone or a pipe."""
 
 import importlib
 from pathlib import Path
@@ -28,19 +28,21 @@ class SampleSource(Protocol):
     rate: int  # [Hz]
 
     def read(self, count: int) -> Samples:
-        """Wait for samples (count,) in -1..1; fewer at the end of the stream."""
+        """Wait for samples (count,) in -1..1, or fewer at the end."""
 
     def close(self) -> None:
         """Close the source."""
 
 
 class SampleFile:
-    """File or pipe with 16-bit little-endian samples of one channel at 16 kHz."""
+    """File or pipe of 16-bit little-endian mono samples at 16 kHz."""
 
     rate = VOICE_RATE
 
     def __init__(self, path: Path) -> None:
-        """Create the source; the first `read` opens it, and waits until a program writes into a pipe.
+        """Create the source, which the first `read` opens.
+
+        Opening a pipe waits until a program writes into it.
 
         Raises:
             MicrophoneError: the file does not exist.
@@ -51,7 +53,7 @@ class SampleFile:
         self._file: BinaryIO | None = None
 
     def read(self, count: int) -> Samples:
-        """Read samples (count,); fewer at the end of the file."""
+        """Read samples (count,), or fewer at the end of the file."""
         if self._file is None:
             self._file = self._path.open("rb")
         data = self._file.read(SAMPLE_SIZE * count)
@@ -99,7 +101,7 @@ class Microphone:
 
 
 def open_source(name: str, rate: int) -> SampleSource:
-    """Open a file or pipe if `name` contains a slash or exists, else a microphone.
+    """Open a file or pipe if `name` is a path, else a microphone.
 
     Args:
         name: path, `default`, or a part of the name of a microphone.

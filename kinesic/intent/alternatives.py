@@ -86,7 +86,7 @@ def rank_alternatives(
 
 
 def _find_form(lexicon: Lexicon, lexeme: str, robot: Robot) -> GestureForm | None:
-    """Return the form of a gesture, or of its fallback if the robot lacks fingers for it."""
+    """Return the form of a gesture, or of its fallback without fingers."""
     match = lexicon.find(lexeme)
     if match is not None and match.form.fallback and describe_missing_fingers(match.form, robot):
         match = lexicon.find(match.form.fallback)

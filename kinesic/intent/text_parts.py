@@ -16,7 +16,7 @@ MIN_PART_WORDS = 300  # smallest number of words of a part before the last one
 _PUNCTUATION = re.compile(r"[^\w\s<]*")  # pattern of the signs directly behind a word
 
 
-def divide_text(text: str, *, language: str = "en", character: str = "") -> tuple[SpokenText, ...]:
+def divide_long_text(text: str, *, language: str = "en", character: str = "") -> tuple[SpokenText, ...]:
     """Divide a long text into parts between paragraphs or sentences.
 
     A text of at most `MAX_TEXT_WORDS` words has one part. All warnings about omitted text are in the first part.
@@ -37,7 +37,7 @@ def divide_text(text: str, *, language: str = "en", character: str = "") -> tupl
 
 
 def _part_starts(words: Sequence[Word]) -> Iterator[int]:
-    """Yield the indices of the first words of all parts but the first."""
+    """Yield the indices of first words of the second and later parts."""
     start = 0
     while len(words) - start > MAX_PART_WORDS:
         candidates = range(start + MIN_PART_WORDS, start + MAX_PART_WORDS + 1)

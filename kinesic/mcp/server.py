@@ -81,7 +81,7 @@ def make_server(
     return server
 
 
-def warm_up(setup: "Setup") -> "Setup":
+def warm_up_tools(setup: "Setup") -> "Setup":
     """Import and run slow code of the tools before the first call.
 
     A slow first call would delay a stop.

@@ -14,14 +14,14 @@ MIN_WORD_FRACTION = 0.5  # fraction of a word's duration after which it counts a
 
 
 @dataclass(frozen=True)
-class SpokenText:
+class HeardText:
     """Text of a speech, divided at a time."""
 
     said: str  # words that were heard
     unsaid: str  # words that were not heard
 
 
-def divide_text(script: Script, utterance: Utterance, elapsed: float) -> SpokenText:
+def divide_text(script: Script, utterance: Utterance, elapsed: float) -> HeardText:
     """Divide a text into spoken and unspoken words.
 
     Word times between two marks are estimated from the letters of the words and the durations of the phonemes.
@@ -34,10 +34,10 @@ def divide_text(script: Script, utterance: Utterance, elapsed: float) -> SpokenT
     words = list(WORD_PATTERN.finditer(script.text))
     times = [_time_at(word.start() + MIN_WORD_FRACTION * len(word[0]), script, utterance) for word in words]
     said = [word[0] for word, time in zip(words, times, strict=True) if time <= elapsed]
-    return SpokenText(" ".join(said), " ".join(word[0] for word in words[len(said) :]))
+    return HeardText(" ".join(said), " ".join(word[0] for word in words[len(said) :]))
 
 
-def divide_speeches(scene: Scene, time: float, block: str | None = None) -> dict[str, SpokenText]:
+def divide_speeches(scene: Scene, time: float, block: str | None = None) -> dict[str, HeardText]:
     """Divide each running block's text into spoken and unspoken words.
 
     A block without speech has empty texts.
@@ -59,9 +59,9 @@ def divide_speeches(scene: Scene, time: float, block: str | None = None) -> dict
     }
 
 
-def _joined(parts: Iterator[SpokenText]) -> SpokenText:
+def _joined(parts: Iterator[HeardText]) -> HeardText:
     texts = list(parts)
-    return SpokenText(" ".join(text.said for text in texts).strip(), " ".join(text.unsaid for text in texts).strip())
+    return HeardText(" ".join(text.said for text in texts).strip(), " ".join(text.unsaid for text in texts).strip())
 
 
 def _time_at(position: float, script: Script, utterance: Utterance) -> float:

@@ -121,7 +121,7 @@ class Conversation:
         return ()
 
     def report_yielded(self, sound: ForeignSound, time: float) -> None:
-        """Tell the client how much of its sound was heard until a time [s]."""
+        """Report to the client the duration of its sound until a time [s]."""
         self._shared.tell(json_answer("yielded", sound=sound.id, at=sound.position(time)), self.owner)
 
     def _advance(self, events: list[ConversationEvent], now: float) -> tuple[PlannerWant, ...]:

@@ -1,4 +1,4 @@
-"""Speech sound of a client: its mouth, and nods and beats on its stressed syllables."""
+"""Mouth motion, nods and beats for a client's speech sound."""
 
 from dataclasses import dataclass, replace
 from math import inf
@@ -11,7 +11,7 @@ from kinesic.expressivity.face.loud_mouth import mouth_units
 from kinesic.hearing.resampling import StreamResampler
 from kinesic.realizer.following import NOD_DOWN_DURATION
 from kinesic.realizer.foreign_sound import ForeignSound
-from kinesic.speech.loudness import LOUDNESS_RATE, LoudnessMeter, find_peaks
+from kinesic.speech.loudness import LOUDNESS_RATE, LoudnessMeter, find_stressed_syllables
 from kinesic.speech.speaker import SAMPLE_RATE
 
 START_DELAY = 0.2  # [s] time from the first part of a sound to its start, so that late parts cause no gap
@@ -77,7 +77,7 @@ class ForeignVoice:
             self._beats = [replace(stress, time=stress.time + change) for stress in self._beats]
 
     def sound(self, now: float) -> ForeignSound | None:
-        """Return the sound from a time [s] on, or None after its end."""
+        """Return the rest of the sound at a time [s], if any."""
         if now >= self._begin + self._duration + (0.0 if self._is_complete else MAX_STARVATION):
             return None
         self._pieces = [
@@ -90,7 +90,7 @@ class ForeignVoice:
         return ForeignSound(self.id, self._begin, self._duration, self._is_complete, tuple(self._pieces), begin, face)
 
     def next_time(self) -> float:
-        """Return the next time [s] of a nod, a beat or the end of the sound."""
+        """Return the next time [s] of a nod, beat or sound end."""
         nods = [stress.time - NOD_DOWN_DURATION for stress in self._nods[:1]]
         beats = [stress.time - BEAT_LEAD for stress in self._beats[:1]]
         return min([*nods, *beats, self._begin + self._duration + (0.0 if self._is_complete else MAX_STARVATION)])
@@ -110,7 +110,7 @@ class ForeignVoice:
     def _find_stresses(self) -> None:
         """Find stressed syllables in the parts received last."""
         levels = self._meter.levels
-        for index in find_peaks(levels, self._searched):
+        for index in find_stressed_syllables(levels, self._searched):
             time, self._searched = self._begin + index / LOUDNESS_RATE, index + 1
             if time - self._last_nod < NOD_INTERVAL:
                 continue

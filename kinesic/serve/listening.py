@@ -18,8 +18,8 @@ NO_CLIENT = 0  # number of the sender of the server's own reports; no client has
 MAX_PLAYED_DURATION = 0.3  # [s] longest part of played sound that waits for the microphone
 
 
-class PlayedSound:
-    """Samples that the loudspeaker got, in the order in which the microphone hears them."""
+class PlayedSamples:
+    """Samples sent to the loudspeaker, in order of sound."""
 
     def __init__(self, rate: int) -> None:
         """Create an empty queue for a rate [Hz]."""
@@ -37,23 +37,25 @@ class PlayedSound:
         return np.concatenate([taken, np.zeros(count - len(taken), np.float32)])
 
 
-def hear_people(session: Session, source: SampleSource) -> "Listener":
-    """Begin a conversation in a session, and start to hear people for it.
+def hear_people(session: Session, source: SampleSource) -> "HearingThread":
+    """Begin a conversation that hears people, in a session.
 
     The robot's own voice is removed from a source with the rate of the loudspeaker.
     """
     session.converse(ConverseRequest(), NO_CLIENT)
     played = None
     if session.speaker is not None and source.rate == SAMPLE_RATE:
-        played = PlayedSound(source.rate)
+        played = PlayedSamples(source.rate)
         session.speaker.monitor = played.add
-    listener = Listener(source, get_running_loop(), lambda report: session.converse(report, NO_CLIENT), played=played)
+    listener = HearingThread(
+        source, get_running_loop(), lambda report: session.converse(report, NO_CLIENT), played=played
+    )
     listener.start()
     return listener
 
 
-class Listener(Thread):
-    """Thread that hears people in a stream of samples, and reports their voices."""
+class HearingThread(Thread):
+    """Thread that reports the voices in a stream of samples."""
 
     def __init__(
         self,
@@ -61,7 +63,7 @@ class Listener(Thread):
         loop: AbstractEventLoop,
         report: Callable[[HeardReport], object],
         *,
-        played: PlayedSound | None = None,
+        played: PlayedSamples | None = None,
     ) -> None:
         """Create a listener that has not started.
 
@@ -92,7 +94,7 @@ class Listener(Thread):
 
 
 def heard_report(change: HeardChange) -> HeardReport | None:
-    """Return the message for a change of a voice, or None for one that no message tells.
+    """Return the message for a change of a voice, if any.
 
     The conversation itself decides whether a lasting voice takes the turn.
     """

@@ -202,7 +202,7 @@ class PlannerState:
                         self._tell(answer, client)
 
     def _perform_wants(self, wants: Iterable[PlannerWant]) -> None:
-        """Stop own speech for a person's turn, or plan a filler or a beat."""
+        """Stop own speech for a person's turn, or plan a filler."""
         for want in wants:
             if isinstance(want, Yield):
                 self._interrupt(Interruption(None, True, self._clock.now(), self._conversation.owner))

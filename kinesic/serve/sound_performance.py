@@ -1,4 +1,4 @@
-"""Performance of a client's speech sound in the scene: mouth, nods and beats."""
+"""Performance of a client's speech sound by mouth, nods and beats."""
 
 from dataclasses import replace
 from math import inf, radians
@@ -47,7 +47,7 @@ class SoundPerformance:
         self._show(now)
 
     def advance(self, now: float, amplitude: float) -> list[str]:
-        """Nod at stressed syllables, and return the BML of beats to be planned.
+        """Nod at stressed syllables, and return the BML of planned beats.
 
         Args:
             now: current time [s].

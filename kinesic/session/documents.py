@@ -16,7 +16,7 @@ from kinesic.intent.manuscript.decoding import decode_text
 from kinesic.intent.manuscript.pieces import SpokenText
 from kinesic.intent.pacing.memory import NO_MEMORY, ChoiceMemory, Revision
 from kinesic.intent.recorded import RecordedAudio
-from kinesic.intent.text_parts import MAX_TEXT_WORDS, divide_text
+from kinesic.intent.text_parts import MAX_TEXT_WORDS, divide_long_text
 from kinesic.planning.setup import Setup
 from kinesic.session.options import PlanningOptions
 
@@ -92,7 +92,7 @@ def read_plain_text(text: str | bytes, setup: Setup, *, source: str) -> Block:
 
 
 def make_block(written: AuthoredText, setup: Setup, *, source: str) -> Block:
-    """Read the BML of a text, with a notice for each omitted part.
+    """Read the BML of a text, with notices of omitted parts.
 
     Args:
         written: BML of the text.
@@ -115,7 +115,7 @@ def divide_long(text: str | bytes, options: PlanningOptions) -> tuple[SpokenText
         Its parts; nothing if it fits into one plan.
     """
     written, warnings = (text, ()) if isinstance(text, str) else decode_text(text)
-    parts = divide_text(written, language=options.get("language", "en"), character=options.get("character") or "")
+    parts = divide_long_text(written, language=options.get("language", "en"), character=options.get("character") or "")
     return (SpokenText(parts[0].text, (*warnings, *parts[0].warnings)), *parts[1:]) if len(parts) > 1 else ()
 
 

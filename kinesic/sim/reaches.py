@@ -8,7 +8,7 @@ from kinesic._kernel import sim as kernel
 from kinesic.body.arrays import Floats, Indices
 from kinesic.body.skeleton import Capsule, Segment, Skeleton
 
-MIN_REACH = 1e-9  # [m/rad] lower bound of the reach of every hinge that moves a capsule
+MIN_REACH = 1e-9  # [m/rad] smallest reach of a hinge that moves a capsule; 0 marks hinges that do not move it
 
 
 def compute_capsule_reach(skeleton: Skeleton, owner: int, capsule: Capsule) -> Floats:

@@ -39,8 +39,8 @@ class LoudnessMeter:
         self.levels = np.concatenate([self.levels, np.sqrt(power.sum(axis=1)) / self._shape.sum()])
 
 
-def find_peaks(levels: Floats, first: int) -> list[int]:
-    """Return the indices of stressed syllables among levels (m,) from an index on.
+def find_stressed_syllables(levels: Floats, first: int) -> list[int]:
+    """Return the indices of stressed syllables in levels (m,) after an index.
 
     A syllable whose surroundings are incomplete is not returned.
     """

@@ -47,7 +47,7 @@ def server() -> Iterator[Running]:
 
 @cache
 def warm_setup() -> Setup:
-    return import_module("kinesic.mcp.server").warm_up(set_up())
+    return import_module("kinesic.mcp.server").warm_up_tools(set_up())
 
 
 def within(server: Running, act: Act, *, resumes: bool = True) -> object:
@@ -166,7 +166,7 @@ def test_all_tools_and_tool_parameters_have_descriptions(server: Running):
         ),
         ("say", {"text": "hi", "style": "../../etc/passwd"}, "is not one of angry, calm, joyful"),
         ("say", {"text": "hi", "style": "joyfull"}, "did you mean joyful?"),
-        ("say", {"text": "x" * 30_000}, "text has 30000 characters, at most 20000"),
+        ("say", {"text": "x" * 300_000}, "text has 300000 characters, at most 200000"),
         ("look", {"at": "LEF"}, "did you mean LEFT?"),
         ("find_gesture", {"query": "x" * 300}, "query has 300 characters, at most 200"),
         ("find_gesture", {"query": "x", "category": "emblems"}, "did you mean emblem?"),

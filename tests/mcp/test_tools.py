@@ -248,7 +248,7 @@ def test_warm_up_of_the_mcp_server_imports_the_picture_module_searches_and_plans
     monkeypatch.setattr(module, "check_document", lambda write: calls.append(write()))
     monkeypatch.setattr(module, "write_speech", lambda text, style, setup: SimpleNamespace(bml=setup.style))
     kit = Kit()
-    assert module.warm_up(kit) is kit
+    assert module.warm_up_tools(kit) is kit
     assert calls == ["kinesic.mcp.stroke_picture", "lexicon", "own"]
 
 
@@ -258,5 +258,5 @@ def test_warm_up_of_the_mcp_server_searches_a_gesture_and_writes_a_speech(monkey
     monkeypatch.setattr(module, "list_gesture_hits", lambda *arguments: asked.append(arguments))
     monkeypatch.setattr(module, "check_document", lambda write: write())
     monkeypatch.setattr(module, "write_speech", lambda *arguments: asked.append(arguments) or SimpleNamespace(bml=""))
-    module.warm_up(Kit())
+    module.warm_up_tools(Kit())
     assert asked == [("lexicon", "large", "", 8), ("Hello.", "", Kit())]

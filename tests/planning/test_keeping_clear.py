@@ -55,7 +55,7 @@ def blamed(made, gaps: dict[float, float]) -> dict[str, str]:
     return find_colliding_behaviours(made.keyframes, made.motion, np.array([*gaps]) + zero, close, made.setup.robot)
 
 
-def test_behaviour_is_dropped_only_if_clearance_is_below_the_minimum_reserve(beats):
+def test_behaviour_is_dropped_only_if_its_reserve_above_the_required_clearance_is_too_small(beats):
     assert blamed(beats, {1.0: 1.01 * MIN_LAG_RESERVE}) == {}
     assert blamed(beats, {1.0: 0.99 * MIN_LAG_RESERVE}).keys() == {"g0"}
 

@@ -77,7 +77,9 @@ class Meshes:
 @pytest.mark.soak
 @pytest.mark.parametrize(("name", "gaps"), [("human", SKIN_GAPS), ("upper36", SHELL_GAPS)])
 @pytest.mark.parametrize("gesture", ["prayer", "please", "applause", "plead", "hands_together"])
-def test_drawn_palms_are_within_their_contact_distance_without_penetration(name, gaps, gesture, trimesh):
+def test_visible_palms_of_joined_hands_are_within_contact_distance_and_overlap_at_most_3_mm(
+    name, gaps, gesture, trimesh
+):
     setup = set_up(name)
     meshes, plan = Meshes(setup.robot, trimesh), plan_gesture(setup.lexicon.forms_by_id[gesture], setup)
     stroke = next(sync.planned for sync in plan.syncs if (sync.behaviour, sync.sync) == (BEHAVIOUR_ID, "stroke"))

@@ -32,6 +32,6 @@ def test_report_states_the_time_between_a_word_and_the_fastest_hand_motion(
     assert {row["word"] for id, row in rows.items() if id != "b:g:stroke"} == {None}
     assert data["synchrony"] == {"strokes": 1, "median_s": abs(stroke.lag)}
     written = page(performed, tmp_path)
-    assert f"hands are fastest {1000 * abs(stroke.lag):.0f}&#8239;ms from their times on words" in written
+    assert f"peak hand speed {1000 * abs(stroke.lag):.0f}&#8239;ms from the word (median)" in written
     assert f'{format_shift(stroke.lag)} <span class="faint">s:m</span>' in written
-    assert "fastest" not in page(calm, tmp_path)
+    assert "peak hand speed" not in page(calm, tmp_path)

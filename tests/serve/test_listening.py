@@ -10,7 +10,7 @@ import pytest
 from kinesic.hearing.barge_in import BargeInDecision
 from kinesic.hearing.ear import HeardChange
 from kinesic.serve import listening
-from kinesic.serve.listening import MAX_PLAYED_DURATION, NO_CLIENT, PlayedSound, hear_people, heard_report
+from kinesic.serve.listening import MAX_PLAYED_DURATION, NO_CLIENT, PlayedSamples, hear_people, heard_report
 from kinesic.serve.wire.conversing import ConverseRequest, HeardReport
 from kinesic.speech.speaker import SAMPLE_RATE, Speaker
 
@@ -80,7 +80,7 @@ def test_listener_compares_the_microphone_with_the_sound_of_the_loudspeaker(monk
 
 
 def test_played_sound_is_taken_in_its_order_and_followed_by_silence():
-    queue = PlayedSound(100)
+    queue = PlayedSamples(100)
     queue.add(np.array([1.0, 2.0], np.float32))
     queue.add(np.array([3.0], np.float32))
     np.testing.assert_array_equal(queue.take(2), [1.0, 2.0])
@@ -88,7 +88,7 @@ def test_played_sound_is_taken_in_its_order_and_followed_by_silence():
 
 
 def test_played_sound_that_waits_too_long_is_dropped():
-    queue = PlayedSound(100)
+    queue = PlayedSamples(100)
     queue.add(np.arange(100, dtype=np.float32))
     assert queue.take(1)[0] == 100 - round(100 * MAX_PLAYED_DURATION)
 

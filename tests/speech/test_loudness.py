@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from kinesic.speech.loudness import LoudnessMeter, find_peaks
+from kinesic.speech.loudness import LoudnessMeter, find_stressed_syllables
 
 RATE = 44_100
 
@@ -42,15 +42,15 @@ def test_levels_do_not_depend_on_the_division_of_a_stream():
 
 def test_peaks_are_the_loudest_syllables_of_their_surroundings():
     levels = bumps(0.5, 0.7, 1.5, 2.5, heights=(0.1, 0.06, 0.08, 0.02))
-    assert find_peaks(levels, 0) == [50, 150]
-    assert find_peaks(levels, 51) == [150]
+    assert find_stressed_syllables(levels, 0) == [50, 150]
+    assert find_stressed_syllables(levels, 51) == [150]
 
 
 def test_peak_is_found_only_after_its_surroundings_are_complete():
     levels = bumps(1.0, duration=1.5)
-    assert find_peaks(levels[:125], 0) == []
-    assert find_peaks(levels[:135], 0) == [100]
+    assert find_stressed_syllables(levels[:125], 0) == []
+    assert find_stressed_syllables(levels[:135], 0) == [100]
 
 
 def test_soft_noise_has_no_peaks():
-    assert find_peaks(bumps(1.0, heights=(0.001,)), 0) == []
+    assert find_stressed_syllables(bumps(1.0, heights=(0.001,)), 0) == []

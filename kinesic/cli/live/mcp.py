@@ -92,11 +92,11 @@ def load_setup(planning: Planning, opened: "Future[RobotLine]") -> "Setup":
     Raises:
         ConfigError: the server does not start, or an option is invalid.
     """
-    from kinesic.mcp.server import warm_up  # noqa: PLC0415 - slow to import
+    from kinesic.mcp.server import warm_up_tools  # noqa: PLC0415 - slow to import
 
     if (error := opened.exception()) is not None:
         raise ConfigError(str(error))
-    setup = warm_up(planning.set_up())
+    setup = warm_up_tools(planning.set_up())
     freeze_heap()
     return setup
 

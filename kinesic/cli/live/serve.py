@@ -5,7 +5,7 @@ import signal
 import sys
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import AbstractAsyncContextManager, AsyncExitStack
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 from functools import partial
 from pathlib import Path
 
@@ -46,6 +46,14 @@ from kinesic.speech.loudspeaker import audio_fault
 from kinesic.speech.speaker import SAMPLE_RATE
 
 SERVO_POLL_PERIOD = 1.0  # [s] period of checks for servo events and learned factors
+
+
+@dataclass(frozen=True, eq=False)
+class StandardInput:
+    """Use of the standard input of a server."""
+
+    console: Callable[[Quotas], Console] | None  # makes the reader, for terminals too; None: read messages from a pipe
+    ends_server: bool  # whether its end ends a server that also listens
 
 
 def serve_blocks(
@@ -118,7 +126,8 @@ def open_and_serve(
         folder=folder,
         writers=EXPORT_WRITERS,
     )
-    return asyncio.run(_serve(server, sinks, memory, announce, console, ends_with_input=ends_with_input, source=source))
+    standard_input = StandardInput(console, ends_with_input)
+    return asyncio.run(_serve(server, sinks, memory, announce, standard_input, source=source))
 
 
 def _open_source(name: str) -> SampleSource:
@@ -187,9 +196,8 @@ async def _serve(
     sinks: Sequence[RealTimeSink],
     memory: ServoMemory,
     announce: Callable[[Address], None],
-    console: Callable[[Quotas], Console] | None,
+    standard_input: StandardInput,
     *,
-    ends_with_input: bool,
     source: SampleSource | None,
 ) -> int:
     end_requested = asyncio.Event()
@@ -213,13 +221,13 @@ async def _serve(
             announce(serving.address)
         listener = None if source is None else hear_people(serving.clients.session, source)
         report_task = asyncio.create_task(_report_servos(sinks, memory))
-        is_read = console is not None or not sys.stdin.isatty()
+        is_read = standard_input.console is not None or not sys.stdin.isatty()
         await serve_until_done(
             serving,
             end_requested,
             console=is_read,
-            ends_with_input=ends_with_input,
-            make_console=console or Console,
+            ends_with_input=standard_input.ends_server,
+            make_console=standard_input.console or Console,
         )
         report_task.cancel()
         if listener is not None:

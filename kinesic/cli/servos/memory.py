@@ -24,7 +24,7 @@ class ServoMemory:
 
     @classmethod
     def of(cls, options: ServoOptions) -> "ServoMemory":
-        """Load the files that the servo options name.
+        """Read the servo factors that --twin and --learn name.
 
         The feed-forward uses the factors of --learn; otherwise those of a file of --twin, which is the twin of this
         very robot; otherwise the data sheets. Unless --twin is given, the twin uses the same factors.

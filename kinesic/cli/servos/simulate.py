@@ -51,7 +51,6 @@ def simulate_servos(
         _, buses = build_bus(wires, hands or _body_physics(shafts, robot_model, wires))
     except ValueError as error:
         raise ConfigError(f"--physics twin: {error}") from None
-    request_real_time(REAL_TIME_PRIORITY)
     stopped = _make_stop_event()
     with tempfile.TemporaryDirectory(prefix="kinesic-servos-") as temporary:
         port_folder = Path(temporary) if folder is None else folder
@@ -65,6 +64,7 @@ def simulate_servos(
         if hands is not None:
             click.echo("The robot is in its zero posture. Enter turns every hinge by hand for 7 s.", err=True)
         click.echo("Ctrl-C stops.", err=True)
+        request_real_time(REAL_TIME_PRIORITY)
         serve_wires(ports, _turned_by_enter(hands, stopped) if hands else lambda: not stopped.is_set())
     return 0
 

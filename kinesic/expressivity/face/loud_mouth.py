@@ -1,4 +1,4 @@
-"""Mouth of a robot that speaks with a sound of which only the loudness is known."""
+"""Mouth motion from the loudness of a speech sound."""
 
 from math import inf
 
@@ -14,7 +14,7 @@ MOUTH_UNITS = {"25": 0.7, "26": 0.45}  # action units of a fully opened mouth, w
 
 
 def mouth_units(levels: Floats, highest: float, *, step: float) -> dict[str, Floats]:
-    """Return the action units (m,) of a mouth that speaks with levels (m,).
+    """Return the mouth action units (m,) for loudness levels (m,).
 
     Args:
         levels: levels of the sound.

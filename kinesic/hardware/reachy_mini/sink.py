@@ -16,7 +16,7 @@ from websockets.sync.client import ClientConnection, connect
 from kinesic.body.command import Command
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
-from kinesic.hardware.reachy_mini.targets import Puppet, Target
+from kinesic.hardware.reachy_mini.targets import Puppet, ReachyTarget
 
 DEFAULT_ADDRESS = "http://localhost:8000"  # address of the daemon of a Reachy Mini Lite
 TARGET_PERIOD = 0.02  # [s] between targets, as the daemon's motors are updated at 50 Hz
@@ -77,11 +77,11 @@ class ReachyMini:
         self._send(self._puppet.target(command.angles))
 
     def close(self) -> None:
-        """Collect the last refusals and disconnect; the robot holds its last target."""
+        """Collect the last refusals and disconnect."""
         self._collect_refusals(timeout=TARGET_PERIOD)
         self._socket.close()
 
-    def _send(self, target: Target) -> None:
+    def _send(self, target: ReachyTarget) -> None:
         try:
             self._socket.send(json.dumps(target.as_message()))
         except (OSError, WebSocketException) as error:
@@ -98,7 +98,7 @@ class ReachyMini:
         except (TimeoutError, WebSocketException, ValueError):
             return
 
-    def _approach(self, target: Target) -> None:
+    def _approach(self, target: ReachyTarget) -> None:
         """Move to the first target and wait until the motion has ended."""
         message = target.as_message()
         goto = {

@@ -21,7 +21,7 @@ ANTENNA_GAIN = 0.8  # [rad] outward angle per height of the hand in arm lengths
 
 
 @dataclass(frozen=True)
-class Target:
+class ReachyTarget:
     """Pose of head, body and antennas [rad]."""
 
     roll: float  # positive: leans right
@@ -45,7 +45,7 @@ class Puppet:
         self._head, self._trunk = (self._find_end(robot, chain) for chain in ("neck", "torso"))
         self._rest = {side: self._raise(robot.skeleton.rest_frames, side) for side in robot.sides}
 
-    def target(self, angles: Floats) -> Target:
+    def target(self, angles: Floats) -> ReachyTarget:
         """Return the target for joint angles (n,) [rad]."""
         frames = self._robot.body_frames(angles)
         body_yaw = 0.0 if self._trunk is None else _split(frames.rotations[self._trunk])[2]
@@ -57,7 +57,7 @@ class Puppet:
         body_yaw = float(np.clip(body_yaw, yaw - MAX_YAW_DIFFERENCE, yaw + MAX_YAW_DIFFERENCE))
         body_yaw = float(np.clip(body_yaw, -MAX_BODY_YAW, MAX_BODY_YAW))
         right, left = (self._antenna(frames, side) for side in reversed(SIDES))
-        return Target(ratio * roll, ratio * pitch, yaw, body_yaw, (-right, left))
+        return ReachyTarget(ratio * roll, ratio * pitch, yaw, body_yaw, (-right, left))
 
     def _antenna(self, frames: Frames, side: Side) -> float:
         """Return the outward angle [rad] of an antenna."""

@@ -81,7 +81,7 @@ def convert_lerobot(files: Mapping[str, Path], robot: Robot, before: Calibration
 
 
 def _find_offset_sign(robot: Robot, wired: HingeServos) -> int:
-    """Return the sign of a homing offset in the zero of a servo.
+    """Return the sign of the homing offset of a servo family.
 
     Feetech servos subtract the offset from their position, Dynamixel X servos add it.
     """

@@ -160,7 +160,7 @@ def _without_intentions(content: Sequence[Element | str]) -> Iterator[Element | 
 
 
 def _unknown(intents: Sequence[Intent], sets: BehaviourSets) -> Iterator[str]:
-    """Warn of intentions whose type is unknown, and which show that of any type."""
+    """Warn of intentions of unknown type, which show a general intention."""
     for intent in intents:
         if sets.find(intent.name) is not None and (why := explain_unknown(intent.name, sets)):
             yield f"taken as any {intent.name.partition('-')[0]}: {intent.name}, {intent.reason}: {why}"

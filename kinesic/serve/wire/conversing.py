@@ -26,7 +26,7 @@ PersonId = Annotated[str, Meta(min_length=1, max_length=64)]
 Coordinate = Annotated[float, Meta(ge=-50.0, le=50.0)]  # [m]
 Age = Annotated[float, Meta(ge=0.0, le=5.0)]  # [s]
 Fraction = Annotated[float, Meta(ge=0.0, le=1.0)]
-SpokenText = Annotated[str, Meta(max_length=2000)]
+HeardText = Annotated[str, Meta(max_length=2000)]
 
 
 class ConverseRequest(Struct, tag="converse", tag_field="do", forbid_unknown_fields=True):
@@ -59,7 +59,7 @@ class HeardReport(Struct, tag="heard", tag_field="do", forbid_unknown_fields=Tru
     """Report of a voice's start or end, or of recognised words."""
 
     voice: bool | None = None  # whether a voice began or ended; without it only words are reported
-    text: SpokenText | None = None  # all recognised words of the turn
+    text: HeardText | None = None  # all recognised words of the turn
     final: bool = False  # whether the recogniser will not change these words
     who: PersonId | None = None  # id of the person; without it unknown
     age: Age = 0.0  # [s] time since the voice began or ended

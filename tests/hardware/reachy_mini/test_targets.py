@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.robot import Robot
-from kinesic.hardware.reachy_mini.targets import Puppet, Target
+from kinesic.hardware.reachy_mini.targets import Puppet, ReachyTarget
 from kinesic.session.plan import plan_document
 from kinesic.session.setup import set_up
 
@@ -17,7 +17,7 @@ ROBOT = Robot.load("upper22")
 PUPPET = Puppet(ROBOT)
 
 
-def target(**degrees: float) -> Target:
+def target(**degrees: float) -> ReachyTarget:
     """Return the target of the rest posture with some hinges at other angles [deg]."""
     angles = np.array(ROBOT.skeleton.rest)
     for name, angle in degrees.items():

@@ -144,7 +144,7 @@ def test_performance_time_restarts_at_the_first_command_of_a_new_performance():
         assert player.time_scale.time == begin
 
 
-def test_command_with_an_earlier_time_starts_no_new_performance_half_a_second_before_the_end():
+def test_command_with_an_earlier_time_is_refused_and_starts_no_new_performance_before_the_end():
     player = player_with(np.arange(0.0, 2.0, TIME_STEP))
     player.follow()
     play(player, 1.5)

@@ -66,7 +66,7 @@ def list_packages(home: Path) -> dict[str, str]:
     return {folder.name: str(folder) for folder in reversed(folders) if is_package(folder)}
 
 
-def expand(file: Path, home: Path) -> str:
+def expand_xacro(file: Path, home: Path) -> str:
     """Return the URDF of a xacro file.
 
     Exceptions of any type are raised if xacro refuses the file.
@@ -96,7 +96,7 @@ def main(file: str, home: str) -> None:
     sys.excepthook = _print_reason
     with os.fdopen(os.dup(1), "wb") as stream:
         os.dup2(2, 1)  # messages of xacro must not mix with the URDF
-        stream.write(expand(Path(file), Path(home)).encode())
+        stream.write(expand_xacro(Path(file), Path(home)).encode())
 
 
 def _print_reason(kind: type[BaseException], error: BaseException, _trace: TracebackType | None) -> None:
