@@ -11,7 +11,7 @@ from kinesic.cli.help_pages import VERBS_BY_TASK, SharedOption
 HEAD = """# Command line
 
 This page lists all commands of kinesic, grouped by task, with their options. `kinesic -h` prints the same list, and
-`kinesic VERB -h` the options of one command. The page is generated from the program.
+`kinesic VERB -h` prints the options of one command. The page is generated from the program.
 
 Scripts can check the exit code of a command:
 

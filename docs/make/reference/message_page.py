@@ -12,10 +12,10 @@ from kinesic.serve.wire.questions import LONG_VERBS
 HEAD = f"""# Messages of the server
 
 A program controls a running `kinesic serve` by sending messages. This page lists all messages with their keys. The
-[wire protocol](wire-protocol.md) explains when to send them, and what the server answers. The page is generated from
+[wire protocol](wire-protocol.md) explains when to send them and what the server answers. The page is generated from
 the types that the server decodes.
 
-A message is a JSON object with the key `do`. It has at most {MAX_CONTROL_SIZE} bytes; {{long}} may be as
+A message is a JSON object with the key `do`. It has at most {MAX_CONTROL_SIZE} bytes, but {{long}} may be as
 long as a document. If a key or value is unknown, the server refuses the message and names the place.
 
 """
@@ -44,7 +44,12 @@ def write_page() -> str:
         )
         for table in list(nested_tables(message))[1:]:
             lines += ["", f"### {title_of(table)}", "", _about(table), "", *key_table(table)]
-    lines += ["", "## Reports", "", "A client that sent `watch` receives `body` reports; `servos` answers with places."]
+    lines += [
+        "",
+        "## Reports",
+        "",
+        "A client that has sent `watch` receives `body` reports. The answer to `servos` lists servo places.",
+    ]
     for report in (BodyReport, ServoReport, ServoPlace):
         title = report.__name__.replace("Report", " report").replace("Place", " place").capitalize()
         lines += ["", f"### {title}", "", _about(report), "", *key_table(report)]

@@ -21,8 +21,8 @@ This page lists the public names of `kinesic`, `kinesic.ik`, `kinesic.motion` an
 
 - **Units**: angles are in radians, lengths in metres and times in seconds, unless a docstring says otherwise.
 - **Arguments** after the obvious ones are keywords.
-- **Errors** about documents are `kinesic.BmlError`, those about files and options `kinesic.ConfigError`, and those
-  about servos `kinesic.BusError`.
+- **Errors** about documents are `kinesic.BmlError`, errors about files and options are `kinesic.ConfigError`, and
+  errors about servos are `kinesic.BusError`.
 
 """
 

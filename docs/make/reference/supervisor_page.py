@@ -24,8 +24,8 @@ from kinesic.hardware.supervisor.transitions import (
 
 HEAD = """# State machine of the supervisor
 
-The [supervisor](../explanation/servos.md#the-supervisor) drives the servos. This page lists exactly what it does in
-each situation. Read it if you want to know, for example, when torque is switched off.
+The [supervisor](../explanation/servos.md#the-supervisor) drives the servos. This page lists exactly what the supervisor
+does in each situation, for example when it switches torque off.
 
 In each cycle, the supervisor selects one row of the [transition table](#transitions). The row depends on three things:
 the current *stage*, the *event* of this cycle, and *conditions*. A condition is an input (an observation of the servos

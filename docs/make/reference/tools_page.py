@@ -23,32 +23,33 @@ An error is an answer with `isError`. Its text names the parameter or the place 
 """
 
 TAIL = """
-The list of common gestures has less than 1 kB, the list of all names less than 4 kB.
+The list of common gestures has less than 1 kB, and the list of all names has less than 4 kB.
 
 ## Answers
 
 - The document of `perform` needs a new id: an id that already plays or waits is refused. A refusal names the wrong
   value by its path in JSON (`behaviours[1].stroke`), or by line and column in XML.
 - `preview` also works while the robot is stopped. It shows 8 strokes at most, and no picture if the server of
-  `--connect` performs with another robot than `--robot`.
-- The tools answer while the robot's server is still starting; a call that moves the robot waits for it. If that
-  server does not start, each call reports the reason, and the command ends with exit code 2.
+  `--connect` performs with a robot other than `--robot`.
+- The tools answer while the robot's server is still starting; a call that moves the robot waits for it. If the
+  server does not start, each call reports the reason, and the command exits with code 2.
 - Each tool call waits at most 15 s for an answer from the robot's server. Only `wait` may take longer.
 
 ## Pending calls and stops
 
 `perform`, `say` and `look` are executed one after the other, in the order of their arrival. At most 64 calls are
-pending. A further call is refused at once, with their number and the remedy. A call is removed if its client cancels
-it or disconnects.
+pending. One more call is refused at once, and the refusal gives the number of pending calls and the remedy. A pending
+call is removed if its client cancels it or disconnects.
 
 `stop`, `status` and `preview` have their own connections and threads. A stop discards all pending calls: none of them
-moves the robot afterwards, and each is answered by a refusal. This also holds for a stop by another source, such as a
-person at the studio. A plan made before the stop is not performed, even after `resume`.
+moves the robot afterwards, and each is answered with a refusal. A stop from another source, such as a person
+at the studio, has the same effect. A plan made before the stop is not performed, even after `resume`.
 
 ## HTTP sessions
 
-With `--http`, the server keeps 16 sessions. A new session replaces the one that has been idle longest, but never one
-with a pending call. The client of the replaced session receives 404 and opens a new one, as the protocol requires.
+With `--http`, the server keeps 16 sessions. A new session replaces the session that has been idle longest, but never a
+session with a pending call. The client of the replaced session receives 404 and opens a new one, as the protocol
+requires.
 """
 
 RESUME_NOTE = "Only in the twin: on servos, and with `--connect`, a person has to resume."
