@@ -31,7 +31,9 @@ def help_of(*words: str) -> str:
 
 def test_help_groups_every_verb_by_task():
     named = [name for names in VERBS_BY_TASK.values() for name in names]
-    assert sorted(named) == sorted(command_line.commands)
+    differing = set(named) ^ set(command_line.commands)
+    assert not differing, "VERBS_BY_TASK in kinesic/cli/help_pages.py lists each verb of kinesic/cli/verbs.py"
+    assert len(named) == len(set(named))
     text = help_of()
     assert f"{OTHER_TASK}:" not in text
     headings = [line.rstrip(":") for line in text.splitlines() if line.endswith(":") and not line.startswith(" ")]
@@ -52,7 +54,8 @@ def test_help_lists_options_of_the_verb_before_shared_options():
 
 
 def test_every_verb_ends_its_help_with_examples():
-    assert sorted(VERB_EXAMPLES) == sorted(path for path, _ in verbs(command_line))
+    differing = set(VERB_EXAMPLES) ^ {path for path, _ in verbs(command_line)}
+    assert not differing, "VERB_EXAMPLES in kinesic/cli/examples.py has an example of each verb"
     for path in VERB_EXAMPLES:
         text = help_of(*path.split())
         assert text.rstrip().endswith(f"  {VERB_EXAMPLES[path][-1]}"), path

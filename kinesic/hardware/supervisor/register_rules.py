@@ -34,41 +34,43 @@ def _rule(treatment: Treatment, *registers: Register, detail: str = "", why: str
 
 EEPROM_RULES = (
     _rule(
-        "refused", Register.MODEL_NUMBER, detail="another model", why="ranges, gains and units are those of the model"
+        "refused", Register.MODEL_NUMBER, detail="a different model", why="ranges, gains and units depend on the model"
     ),
-    _rule("left", Register.MODEL_INFORMATION, why="read-only, without information"),
-    _rule("refused", Register.FIRMWARE_VERSION, detail="below 38", why="older ones have no bus watchdog"),
+    _rule("left", Register.MODEL_INFORMATION, why="the register is read-only and contains no information"),
+    _rule("refused", Register.FIRMWARE_VERSION, detail="below 38", why="older versions have no bus watchdog"),
     _rule(
         "refused",
         Register.ID,
         detail="missing, or shared",
         why="two servos with one id move together, and their replies collide",
     ),
-    _rule("left", Register.BAUD_RATE, Register.PROTOCOL_TYPE, why="a servo that answers uses the same ones"),
-    _rule("set", Register.RETURN_DELAY_TIME, detail="0", why="it delays every reply"),
+    _rule(
+        "left", Register.BAUD_RATE, Register.PROTOCOL_TYPE, why="a servo that answers uses the same values as kinesic"
+    ),
+    _rule("set", Register.RETURN_DELAY_TIME, detail="0", why="any other value delays every reply"),
     _rule(
         "set",
         Register.DRIVE_MODE,
         detail="0",
-        why="no reverse mode, no slave mode, no time-based profile, no torque by a goal",
+        why="this disables reverse mode, slave mode, time-based profiles and torque by a goal",
     ),
     _rule(
         "set",
         Register.OPERATING_MODE,
         detail="3",
-        why="goals are positions; set first, because it resets gains and profile",
+        why="goals are positions; kinesic sets this register first, because it resets gains and profile",
     ),
     _rule(
         "set",
         Register.SECONDARY_ID,
-        detail="255, of all servos first",
+        detail="255, on all servos before other registers",
         why="a servo with an alias obeys commands to another servo",
     ),
     _rule(
         "set",
         Register.HOMING_OFFSET,
         detail="0",
-        why="the host applies zeros; with torque on, an offset may move the servo",
+        why="kinesic applies the calibrated zeros itself; with torque on, an offset may move the servo",
     ),
     _rule(
         "set",
@@ -90,7 +92,7 @@ EEPROM_RULES = (
         detail="factory values",
         why="the supply voltage lies between them",
     ),
-    _rule("refused", Register.PWM_LIMIT, detail="below 73 %", why="plans need this power; 0 is an arm without power"),
+    _rule("refused", Register.PWM_LIMIT, detail="below 73 %", why="plans need this power; with 0, an arm has no power"),
     _rule(
         "refused",
         Register.CURRENT_LIMIT,
@@ -117,12 +119,12 @@ EEPROM_RULES = (
         Register.EXTERNAL_PORT_DATA_3,
         why="connected devices are not part of the robot",
     ),
-    _rule("set", Register.STARTUP_CONFIGURATION, detail="0", why="no torque and no old goals at power-on"),
+    _rule("set", Register.STARTUP_CONFIGURATION, detail="0", why="a servo has no torque and no old goals at power-on"),
     _rule(
         "set",
         Register.SHUTDOWN,
         detail="52",
-        why="electrical shock, overload, overheating; not voltage, which drops in motion",
+        why="the servo shuts down on electrical shock, overload or overheating, but not on low voltage",
     ),
 )
 
@@ -135,7 +137,11 @@ RAM_RULES = (
         detail="2, on all servos of the wire",
         why="a silent servo cannot be checked",
     ),
-    _rule("left", Register.REGISTERED_INSTRUCTION, why="only an ACTION executes it, which is never sent"),
+    _rule(
+        "left",
+        Register.REGISTERED_INSTRUCTION,
+        why="only the instruction ACTION executes it, and kinesic never sends ACTION",
+    ),
     _rule(
         "refused",
         Register.HARDWARE_ERROR_STATUS,
@@ -147,23 +153,37 @@ RAM_RULES = (
         "set",
         Register.POSITION_P_GAIN,
         Register.POSITION_D_GAIN,
-        detail="the model's",
+        detail="the model's gain",
         why="plans assume this stiffness",
     ),
-    _rule("set", Register.POSITION_I_GAIN, detail="0", why="it winds up under load, which plans do not model"),
+    _rule(
+        "set",
+        Register.POSITION_I_GAIN,
+        detail="0",
+        why="an integral part winds up under load, which plans do not model",
+    ),
     _rule(
         "set",
         Register.FEEDFORWARD_1ST_GAIN,
         Register.FEEDFORWARD_2ND_GAIN,
         detail="0",
-        why="setpoints already contain the feed-forward; applied twice, it overshoots",
+        why="setpoints already contain the feed-forward; if it were applied twice, the servo would overshoot",
     ),
-    _rule("driven", Register.BUS_WATCHDOG, why="on while torque is on"),
-    _rule("driven", Register.GOAL_PWM, why="ramped from 10 % to PWM_LIMIT when torque is switched on"),
+    _rule("driven", Register.BUS_WATCHDOG, why="the watchdog is on while torque is on"),
+    _rule("driven", Register.GOAL_PWM, why="kinesic ramps it from 10 % to PWM_LIMIT when it switches torque on"),
     _rule("left", Register.GOAL_CURRENT, Register.GOAL_VELOCITY, why="position mode does not use them"),
-    _rule("set", Register.PROFILE_ACCELERATION, detail="0", why="it would brake at every goal of a stream"),
+    _rule(
+        "set",
+        Register.PROFILE_ACCELERATION,
+        detail="0",
+        why="with a profile, the servo would brake at every goal of a stream",
+    ),
     _rule("set", Register.PROFILE_VELOCITY, detail="the no-load velocity", why="a late goal causes no jump"),
-    _rule("driven", Register.GOAL_POSITION, why="the present position before torque is switched on, then the motion"),
+    _rule(
+        "driven",
+        Register.GOAL_POSITION,
+        why="kinesic writes the present position before it switches torque on, and then the motion",
+    ),
     _rule(
         "driven",
         Register.REALTIME_TICK,
@@ -172,7 +192,7 @@ RAM_RULES = (
         Register.PRESENT_POSITION,
         Register.PRESENT_INPUT_VOLTAGE,
         Register.PRESENT_TEMPERATURE,
-        why="read in every cycle, and accepted within bounds",
+        why="kinesic reads them in every cycle and accepts values within bounds",
     ),
     _rule(
         "left",
@@ -181,9 +201,9 @@ RAM_RULES = (
         Register.PRESENT_PWM,
         Register.VELOCITY_TRAJECTORY,
         Register.POSITION_TRAJECTORY,
-        why="read-only, and not needed",
+        why="these registers are read-only and not needed",
     ),
-    _rule("left", Register.BACKUP_READY, why="a backup is restored by STARTUP_CONFIGURATION only, which is 0"),
+    _rule("left", Register.BACKUP_READY, why="only STARTUP_CONFIGURATION restores a backup, and it is 0"),
 )
 
 REGISTER_RULES = (*EEPROM_RULES, *RAM_RULES)  # rules of all registers

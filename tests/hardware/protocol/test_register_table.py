@@ -65,7 +65,9 @@ def test_operating_modes_indirect_cells_and_current_unit_agree_with_the_independ
 
 @EVERY_MODEL
 def test_factory_temperature_limit_is_that_of_the_servo_series(model: Model):
-    assert model.factory_value(Register.TEMPERATURE_LIMIT) == SERIES_TEMPERATURES[model.name.removeprefix("2")[:5]]
+    series = model.name.removeprefix("2")[:5]
+    assert series in SERIES_TEMPERATURES, f"add {series} to SERIES_TEMPERATURES and SERIES_VOLTAGES above"
+    assert model.factory_value(Register.TEMPERATURE_LIMIT) == SERIES_TEMPERATURES[series]
 
 
 @EVERY_MODEL

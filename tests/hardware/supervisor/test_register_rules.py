@@ -22,7 +22,7 @@ from kinesic.hardware.virtual.wiring import Cable, ServoFitting
 from .conftest import Desk, manifest_of
 
 DOCS = Path(__file__).parents[3] / "docs" / "reference" / "servos.md"
-TABLE_HEAD = ("| register | what is done | why |", "|---|---|---|")
+TABLE_HEAD = ("| register | treatment | reason |", "|---|---|---|")
 RULE_OF_REGISTER = {register: rule for rule in REGISTER_RULES for register in rule.registers}
 MOTION_DURATION = 0.6  # [s] duration of the compared motion
 MOTION_AMPLITUDE = 0.25  # [rad] amplitude of the compared motion
