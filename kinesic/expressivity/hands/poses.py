@@ -142,25 +142,17 @@ class _InWorld:
     count: int  # number of keys of the stroke, at least two
     stroke_count: int  # number of strokes in the gesture form
     back: int  # 1 if the stroke ends at its start position, otherwise 0
-    travels: bool  # whether a hand moves farther than `_DYNAMIC_DISTANCE` at spatial extent 0
+    travels: bool  # whether a hand moves farther than `_DYNAMIC_DISTANCE`
 
 
-@lru_cache(maxsize=128)  # looked up for durations and for hands, which differ only in the body motion
+@lru_cache(maxsize=64)  # looked up for durations and for hands, which differ only in the body motion
 def _convert_keys(form_keys: tuple[StrokeKey, ...], robot: Robot, manner: Expressivity) -> _InWorld:
-    """Convert the keys of one stroke to hand poses and paths.
-
-    The spatial extent does not make a stroke dynamic or static, so that durations change steadily with it.
-    """
     once, stroke_count = _find_repetition(form_keys)
     keys = [widen_key(key, manner.spatial, robot) for key in form_keys[:once]]
     sides = frozenset(side for key in form_keys for side in key.hands)
     hands = {side: _hands_of(keys, side, robot, manner) for side in sides}
     paths = {side: paths_in_world(form_keys[:once], row, side, robot, manner.spatial) for side, row in hands.items()}
-    travels = (
-        _convert_keys(form_keys, robot, replace(manner, spatial=0.0)).travels
-        if manner.spatial
-        else _is_dynamic(hands, paths, robot, stroke_count)
-    )
+    travels = _is_dynamic(hands, paths, robot, stroke_count)
     if once == 1:
         hands = {side: (withdrawn(hand, robot, side), hand) for side, (hand,) in hands.items()}
         paths = {side: (None, *row) for side, row in paths.items()}

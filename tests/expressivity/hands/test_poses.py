@@ -112,13 +112,6 @@ def test_gesture_is_dynamic_if_the_stroke_exceeds_a_quarter_arm_length(robot, sp
     assert work.traits.dynamic is travels
 
 
-@pytest.mark.parametrize(("spread", "travels"), [(0.2, False), (0.3, True)])
-@pytest.mark.parametrize("spatial", [-1.0, 1.0])
-def test_spatial_extent_makes_no_gesture_dynamic_or_static(robot, spread, travels, spatial):
-    work = poses(form({"r": A}, {"r": (A[0], A[1] + spread, A[2])}), robot, Expressivity(spatial=spatial))
-    assert work.traits.dynamic is travels
-
-
 @pytest.mark.parametrize(("touch", "travels"), [(None, True), ("head", False)])
 def test_repetitions_of_a_small_stroke_count_as_travel_unless_the_hand_touches_something(robot, touch, travels):
     near, far = (HandPose(sealed((A[0], A[1] + offset, A[2])), touch=touch) for offset in (0.0, 0.15))
