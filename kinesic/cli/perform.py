@@ -66,7 +66,10 @@ class _Content:
         return plan_input(self.file, setup)
 
     def divide(self, planning: Planning) -> tuple[SpokenText, ...]:
-        """Return the parts of a text too long for one plan, if any."""
+        """Divide a text that is too long for one plan.
+
+        Return no parts for a shorter text.
+        """
         if self.recording is not None:
             return ()
         return divide_input(self.file, planning) if self.text is None else divide_long(self.text, planning.options)

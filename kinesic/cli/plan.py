@@ -88,7 +88,10 @@ def plan_file(file: str, planning: Planning, out: Path | None, force: bool, to: 
 
 
 def divide_input(file: str, planning: Planning) -> tuple[SpokenText, ...]:
-    """Return the parts of a text file too long for one plan, if any."""
+    """Divide a text file that is too long for one plan.
+
+    Return no parts for a shorter text, or another kind of file.
+    """
     is_text = Path(file).suffix.lower() in TEXT_SUFFIXES
     return divide_long(read_input(file), planning.options) if is_text else ()
 

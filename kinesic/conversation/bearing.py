@@ -1,6 +1,6 @@
 """Posture and facial expression of each conversational state."""
 
-from kinesic.conversation.settings import BEARINGS, RELAXED_BEARING
+from kinesic.conversation.settings import MODE_BEARINGS, RELAXED_BEARING
 from kinesic.conversation.state import ConversationState
 from kinesic.conversation.wants import ActionUnits, BodyLean, BriefExpression, HeldExpression, Mode, Want
 
@@ -17,7 +17,7 @@ def mode_bearing(state: ConversationState, before: Mode) -> list[Want]:
         state: state with the new mode.
         before: previous mode.
     """
-    bearing, earlier = (BEARINGS.get(mode, RELAXED_BEARING) for mode in (state.mode, before))
+    bearing, earlier = (MODE_BEARINGS.get(mode, RELAXED_BEARING) for mode in (state.mode, before))
     wants: list[Want] = []
     if (bearing.lean, bearing.tilt) != (earlier.lean, earlier.tilt):
         side = 1.0 if state.draws % 2 else -1.0

@@ -79,7 +79,7 @@ GAZE_RHYTHMS: dict[Mode, Rhythm] = {
 }  # gaze rhythm by mode; in all other modes, the robot never looks away from the person
 
 RELAXED_BEARING = Bearing()  # upright posture with a neutral face
-BEARINGS: dict[Mode, Bearing] = {
+MODE_BEARINGS: dict[Mode, Bearing] = {
     "attending": Bearing(face=(("6", 0.4), ("12", 0.7))),
     "listening": Bearing(lean=4.0, tilt=7.0, face=(("1", 0.2), ("2", 0.35), ("12", 0.25))),
     "thinking": Bearing(lean=-2.0, face=(("1", 0.2), ("4", 0.5), ("18", 0.35))),

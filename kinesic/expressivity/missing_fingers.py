@@ -8,7 +8,10 @@ from kinesic.expressivity.lexicon.form import GestureForm
 
 
 def describe_missing_fingers(form: GestureForm, robot: Robot) -> str:
-    """Return a message about fingers that a gesture lacks, or an empty text."""
+    """Describe the hand shapes or finger motion that a robot cannot make.
+
+    The text is empty if the robot can make all of them.
+    """
     return describe_missing_shapes(form.shapes, robot) or _describe_missing_motion(form, robot)
 
 
@@ -23,6 +26,9 @@ def describe_missing_shapes(requested_shapes: Sequence[str], robot: Robot) -> st
 
 
 def _describe_missing_motion(form: GestureForm, robot: Robot) -> str:
-    """Return a message if a finger motion needs fingers that a robot lacks."""
+    """Describe a finger motion that the robot cannot make.
+
+    The text is empty if the robot has fingers, or the gesture has no finger motion.
+    """
     has_fingers = any(robot.arm(side).fingers for side in robot.sides)
     return "" if form.fingers is None or has_fingers else f'finger motion "{form.fingers.name}" needs fingers'

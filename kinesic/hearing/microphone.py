@@ -101,7 +101,7 @@ class Microphone:
 
 
 def open_source(name: str, rate: int) -> SampleSource:
-    """Open a file or pipe if `name` is a path, else a microphone.
+    """Open a microphone by name, or a file or pipe by path.
 
     Args:
         name: path, `default`, or a part of the name of a microphone.

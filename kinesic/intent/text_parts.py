@@ -13,7 +13,7 @@ from kinesic.intent.reading.words import read_text
 MAX_TEXT_WORDS = 4000  # largest number of spoken words of one plan, about 27 minutes
 MAX_PART_WORDS = 600  # largest number of spoken words of a part of a longer text, about 4 minutes
 MIN_PART_WORDS = 300  # smallest number of words of a part before the last one
-_PUNCTUATION = re.compile(r"[^\w\s<]*")  # pattern of the signs directly behind a word
+_PUNCTUATION_PATTERN = re.compile(r"[^\w\s<]*")  # pattern of the signs directly behind a word
 
 
 def divide_long_text(text: str, *, language: str = "en", character: str = "") -> tuple[SpokenText, ...]:
@@ -59,5 +59,5 @@ def _rank_boundary(before: Word, after: Word) -> int:
 
 def _find_cut(spoken: str, last: Word) -> int:
     """Return the position behind a part's last word and its punctuation."""
-    punctuation = _PUNCTUATION.match(spoken, last.end)
+    punctuation = _PUNCTUATION_PATTERN.match(spoken, last.end)
     return punctuation.end() if punctuation else last.end

@@ -46,7 +46,7 @@ class PerformedPart:
 def write_parts(
     folder: Path, done: Sequence[PerformedPart], setup: Setup, *, source: str, count: int
 ) -> dict[str, Json]:
-    """Write and return the summary of all parts performed so far.
+    """Write the summary of all parts performed so far.
 
     Args:
         folder: output folder with a folder for each part.
@@ -54,6 +54,9 @@ def write_parts(
         setup: robot, style and seed.
         source: name of the text.
         count: number of all parts.
+
+    Returns:
+        The written summary.
     """
     verdicts = [part.verdict for part in done]
     grades = [grade(verdict.checks) for verdict in verdicts]

@@ -17,7 +17,7 @@ from kinesic.conversation.events import (
     TurnPrediction,
     VoiceActivity,
 )
-from kinesic.conversation.settings import BEARINGS, MOVEMENT_SETTINGS, TURN_TIMES
+from kinesic.conversation.settings import MODE_BEARINGS, MOVEMENT_SETTINGS, TURN_TIMES
 from kinesic.conversation.state import ConversationState
 from kinesic.conversation.turn_words import NO_TURN_WORDS, turn_words
 from kinesic.conversation.wants import BodyLean, BriefExpression, Filler, HeldExpression, Look, ModeNotice, Nod, Yield
@@ -167,15 +167,15 @@ def test_thinking_that_no_client_requested_ends_after_a_maximum_time():
 def test_listening_robot_leans_forward_and_returns_upright_afterwards():
     record = converse([*present(8.0), *says(2.0, 4.0)], 8.0, amount=0.5)
     lean, upright = (want for _, want in record.of(BodyLean))
-    assert (lean.lean, abs(lean.tilt)) == (0.5 * BEARINGS["listening"].lean, 0.5 * BEARINGS["listening"].tilt)
-    assert (upright.lean, upright.tilt) == (0.5 * BEARINGS["thinking"].lean, 0.0)
+    assert (lean.lean, abs(lean.tilt)) == (0.5 * MODE_BEARINGS["listening"].lean, 0.5 * MODE_BEARINGS["listening"].tilt)
+    assert (upright.lean, upright.tilt) == (0.5 * MODE_BEARINGS["thinking"].lean, 0.0)
 
 
 def test_each_change_of_state_requests_the_expression_of_the_new_state_once():
     record = converse([*present(9.0), *says(2.0, 4.0), (5.2, RobotSpeech(active=True, ends_in=2.0))], 8.0, amount=0.5)
     held = [(want.reason, want.units) for _, want in record.of(HeldExpression)]
     assert [reason for reason, _ in held] == ["attending", "listening", "thinking", "speaking"]
-    assert held[1][1] == tuple((unit, 0.5 * value) for unit, value in BEARINGS["listening"].face)
+    assert held[1][1] == tuple((unit, 0.5 * value) for unit, value in MODE_BEARINGS["listening"].face)
     assert held[3][1] == ()
 
 

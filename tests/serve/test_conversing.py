@@ -15,7 +15,7 @@ from kinesic.conversation.events import (
     Transcript,
     VoiceActivity,
 )
-from kinesic.conversation.settings import BEARINGS
+from kinesic.conversation.settings import MODE_BEARINGS
 from kinesic.expressivity.gaze import towards
 from kinesic.motion.trajectory import stay
 from kinesic.planning.setup import Setup
@@ -201,7 +201,7 @@ def test_robot_smiles_more_for_a_moment_when_it_greets_a_person(make_planning: C
     for proposal in talk.proposals:
         effects.take(proposal.tracks)
     smiles = [effects.face(time).get("L12", 0.0) for time in (0.6, 1.6, 3.6)]
-    held = dict(BEARINGS["attending"].face)["12"]
+    held = dict(MODE_BEARINGS["attending"].face)["12"]
     assert smiles[0] > held + 0.1
     assert smiles[1:] == pytest.approx([held, held], abs=0.01)
 
@@ -230,6 +230,6 @@ def test_expression_of_a_state_fades_smoothly_into_that_of_the_next_state(make_p
     faces = [effects.face(talk.planning.time + time) for time in np.arange(0.005, 1.2, 0.01)]
     for unit, mode, row in (("L12", "attending", 0), ("L4", "thinking", -1)):
         values = [face.get(unit, 0.0) for face in faces]
-        assert values[row] == pytest.approx(dict(BEARINGS[mode].face)[unit[1:]], abs=0.01)
+        assert values[row] == pytest.approx(dict(MODE_BEARINGS[mode].face)[unit[1:]], abs=0.01)
         assert values[-1 - row] == pytest.approx(0.0, abs=0.01)
         assert np.abs(np.diff(values)).max() < 0.03

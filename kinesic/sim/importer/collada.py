@@ -110,7 +110,7 @@ def _read_frame(node: Element) -> Floats:
 
 
 def _rotation(axis_and_angle: Floats) -> Floats:
-    """Return the rotation matrix (3, 3) about an axis by an angle [deg]."""
+    """Convert an axis and an angle [deg] to a rotation matrix (3, 3)."""
     x, y, z = axis_and_angle[:3] / np.linalg.norm(axis_and_angle[:3])
     angle = np.radians(axis_and_angle[3])
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])
