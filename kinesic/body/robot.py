@@ -177,7 +177,7 @@ class Robot(Description, NotebookView):
         return self.skeleton.frames(angles, without=self.finger_segments)
 
     def finger_tips(self, side: Side) -> Mapping[str, FingerTip]:
-        """Return the finger tips of a hand, by finger name.
+        """Return the fingertips of a hand, by finger name.
 
         The names are those in the hinge names of the fingers.
         """

@@ -128,7 +128,7 @@ class ExclusionTable(Strict):
     """
 
     pair: tuple[str, str]  # names of two bodies
-    why: str  # reason, for people
+    why: str  # reason, for human readers
 
 
 class CollisionTable(Strict):

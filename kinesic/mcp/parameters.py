@@ -52,7 +52,7 @@ Query = Annotated[
     str,
     Field(
         max_length=MAX_QUERY_LENGTH,
-        description="What the gesture shall mean, in a few English words, such as 'weigh two things' or 'very big'.",
+        description="Meaning of the gesture in a few English words, such as 'weigh two things' or 'very big'.",
     ),
 ]
 Count = Annotated[int, Field(ge=1, le=MAX_RESULTS, description="Largest number of gestures in the answer.")]
@@ -79,7 +79,7 @@ BlockName = Annotated[
 ]
 Seconds = Annotated[
     float,
-    Field(ge=0.0, le=MAX_WAIT, description="Longest time to wait [s]. The answer comes earlier if it ends earlier."),
+    Field(ge=0.0, le=MAX_WAIT, description="Longest time to wait [s], unless the performance ends earlier."),
 ]
 Conversing = Annotated[bool, Field(description="true begins the conversation or changes its options, false ends it.")]
 Amount = Annotated[float, Field(ge=0.0, le=1.0, description="Amount of movement while the robot attends to people.")]

@@ -24,11 +24,11 @@ if TYPE_CHECKING:
     from kinesic.speech.engines.phrase import SpeechEngine
 
 SET_HELP = (
-    "One style parameter, which also overrides documents, -1 to 1: power=0.8 of all modalities, head.power=0.8 of one; "
-    f"of {', '.join(EXPRESSIVITY_RANGES)} (openness 0 to 1). Repeat for more."
+    "Style parameter, -1 to 1, which also overrides documents: power=0.8 for all modalities, head.power=0.8 for one. "
+    f"Parameters: {', '.join(EXPRESSIVITY_RANGES)} (openness 0 to 1). Repeat the option to set several."
 )
 LIBRARY_HELP = "Folder of imported or installed gestures, in addition to --lexicon."
-PREFER_HELP = "Gestures of beats, offers and deictics of a text: those of the lexicon, or captured ones."
+PREFER_HELP = "Source of the beats, offers and deictics for a text: the lexicon or captured gestures."
 VOICE_HELP = "Voice: hibari and espeak are audible, durations is silent; auto: hibari for English, else espeak."
 ENGINE_HELP = "Program that speaks in place of the voice, on standard input and output: 'python my_voice.py'."
 RECORDINGS_HELP = "Folder with the recordings of documents that are not files, such as those sent to `serve`."

@@ -49,7 +49,7 @@ class Factors(DriveFactors, frozen=True, forbid_unknown_fields=True):
     amps: float = inf  # [A] current limit of the supply; its voltage drops until the servos draw no more
     latency: float = 0.0  # [s] from a command until its setpoints reach the servos
     play: float = 0.0  # [rad] backlash of the gears; the servo measures the angle of the hinge
-    servos: dict[str, DriveFactors] = {}  # factors of single servo models, used instead of those above
+    servos: dict[str, DriveFactors] = {}  # factors of individual servo models, used instead of those above
 
     def __post_init__(self) -> None:
         """Reject factors, latency, backlash and supply values out of range.

@@ -130,7 +130,7 @@ DOCUMENTS = (
     ),
     Document(
         "Cards of gesture folders",
-        "The file `card.toml` in a folder of gestures that is shared. `kinesic capture import` writes it, and "
+        "The file `card.toml` of a shared gesture folder. `kinesic capture import` writes it, and "
         "`kinesic gestures install` reads it.",
         (GestureCard,),
     ),
@@ -152,7 +152,7 @@ DOCUMENTS = (
         "Limits of contacts",
         "Read by `[audience] limits` of a robot's file; the built-in one is `kinesic/configs/impacts.toml`. It "
         "describes parts of a person's body, and a policy for each audience. [Limit contacts with people]"
-        "(../how-to/limit-contacts.md) shows the use.",
+        "(../how-to/limit-contacts.md) shows how to use it.",
         (ImpactFile,),
     ),
     Document(

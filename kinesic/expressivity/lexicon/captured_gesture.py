@@ -24,7 +24,7 @@ class MotionTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     file: str  # name of the .npz beside the TOML file
     hand: HandName  # hands that take part
     markers: dict[str, float]  # [s] times of start, ready, strokeStart, stroke, strokeEnd, relax and end
-    found: bool = False  # whether the markers were found in the motion, and not in the file of the capture
+    found: bool = False  # true: the markers were estimated from the motion, not read from the capture file
     like: str = ""  # gesture of kinesic with the same meaning; empty: unknown
     source: str = ""  # origin of the capture
     licence: str = ""  # licence of the capture

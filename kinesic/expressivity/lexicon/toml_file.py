@@ -41,7 +41,7 @@ class PathTable(StrictTable):
     """
 
     kind: PathKind  # shape of the path
-    amplitude: float | tuple[float, float, float] | None = None  # [arm lengths] by axis, or one
+    amplitude: float | tuple[float, float, float] | None = None  # [arm lengths] along each axis, or one for all
     frequency: float | tuple[float, float, float] | None = None  # periods over the whole path
     shift: float | tuple[float, float, float] | None = None  # phase in periods
     amplitude_variation: SizeTrend | None = None  # change of the amplitude along the path
@@ -99,8 +99,8 @@ class GestureFile(StrictTable):
     """TOML file of gestures of one category, with names and body motion."""
 
     category: Category | None = None  # category of all gestures of the file
-    gesture: list[GestureTable] = []  # one `[[gesture]]` each
-    synonyms: dict[str, list[str]] = {}  # further names of a gesture
+    gesture: list[GestureTable] = []  # gestures, one `[[gesture]]` each
+    synonyms: dict[str, list[str]] = {}  # additional names of a gesture
     classes: dict[str, ClassTable] = {}  # words that name a class of gestures
     bodies: dict[Category, BodyFormTable] = {}  # body motion of all gestures of a category
 

@@ -19,9 +19,9 @@ UPRIGHT_TURN = Turn()  # zero rotation of head and trunk
 class StandingTurnTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of a rotation of head or trunk."""
 
-    torsion: float = 0.0  # [deg] + left
-    tilt: float = 0.0  # [deg] + down, forward
-    roll: float = 0.0  # [deg] + to the right
+    torsion: float = 0.0  # [deg] positive to the left
+    tilt: float = 0.0  # [deg] positive downward or forward
+    roll: float = 0.0  # [deg] positive to the right side
 
     @property
     def turn(self) -> Turn:

@@ -98,7 +98,7 @@ class PartTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
 
 
 class StyleTable(msgspec.Struct, forbid_unknown_fields=True):
-    """TOML file of a style: common parameters and those of single modalities."""
+    """TOML file of a style: common parameters, and exceptions for each modality."""
 
     spatial: float  # -1 tight .. 1 wide
     temporal: float  # -1 slow .. 1 fast
@@ -108,10 +108,10 @@ class StyleTable(msgspec.Struct, forbid_unknown_fields=True):
     repetition: float  # -1 single .. 1 repeated strokes
     activation: float  # -1 passive .. 1 animated
     openness: float  # 0 elbows at the body .. 1 elbows away from it
-    gesture: PartTable = PartTable()  # other values of the parameters above, for gestures
-    head: PartTable = PartTable()  # other values for the head
-    torso: PartTable = PartTable()  # other values for the torso
-    face: PartTable = PartTable()  # other values for the face
+    gesture: PartTable = PartTable()  # parameters that have other values for gestures
+    head: PartTable = PartTable()  # parameters that have other values for the head
+    torso: PartTable = PartTable()  # parameters that have other values for the torso
+    face: PartTable = PartTable()  # parameters that have other values for the face
     whole_body: float = 1.0  # factor on accompanying motion of head, trunk, shoulders and face, 0 .. 2
     posture: float = 1.0  # factor on standing posture, face and gaze, 0 .. 2
     effort: float = 1.0  # weight of the profile that gives each phase its duration and force, 0 .. 1

@@ -122,9 +122,9 @@ class FaultTable(msgspec.Struct, forbid_unknown_fields=True):
     kind: FaultKind  # kind of the fault
     servos: list[int] = []  # ids of affected servos; empty: all
     rate: float = 1.0  # probability 0..1 per message, for wire faults only
-    start: float = 0.0  # [s] time of its beginning
+    start: float = 0.0  # [s] start time
     seconds: float | None = None  # [s] duration; default: to the end
-    value: float | None = None  # strength: s, bytes, bits, K/s, V or a number, as the kind requires
+    value: float | None = None  # strength, in the unit that the table of kinds states
     way: Direction = "reply"  # affected direction, for wire faults only
 
     def fault(self) -> PlannedFault:
