@@ -12,14 +12,14 @@ from kinesic.studies.gestures.vocabulary import VocabularyEntry, list_vocabulary
 DOCS = Path(__file__).parents[1]
 PAGE = DOCS / "reference/gestures.md"
 KINDS = {
-    "adaptor": "Movements of the hands on the body and on things, in addition to speech.",
-    "beat": "The rhythm of speech: stress without a picture.",
+    "adaptor": "Movements in which the hands touch the body or handle things.",
+    "beat": "Small movements in the rhythm of speech, which stress words and show nothing else.",
     "deictic": "Pointing at things, places, people and times.",
-    "emblem": "Conventional signs that need no words; performatives.",
+    "emblem": "Conventional signs that can replace words.",
     "emotion": "Feelings, shown by hands and arms.",
-    "iconic": "A picture of a thing, or of its use.",
-    "metaphoric": "Abstract things as if they had a shape: image schemas.",
-    "rest": "Postures that stay until the next one.",
+    "iconic": "Gestures that draw a thing, or show how it is used.",
+    "metaphoric": "Gestures that show abstract things as if they had a shape.",
+    "rest": "Postures that the robot holds until the next gesture.",
 }
 HEAD = """# Gestures
 
@@ -28,7 +28,7 @@ names and meanings. To search them by words, run `kinesic gestures find big box`
 [Write a gesture](../how-to/write-a-gesture.md).
 
 The picture shows each gesture at its stroke, from the front. The shadow is the posture of the arms at the start, and
-the line is the path of the palm in the stroke. The robot has no fingers. They are drawn to show the hand shape.
+the line is the path of the palm in the stroke. The robot has no fingers; the drawn ones show the hand shape.
 
 To see one gesture, run `kinesic gestures render NAME --out NAME.png`, which draws its key postures. The option
 `--turntable` with `--out NAME.webp` films it from all sides, and `--robot` chooses another robot.

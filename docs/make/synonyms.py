@@ -8,7 +8,7 @@ from kinesic.expressivity.lexicon.lexicon import Lexicon
 PAGE = Path(__file__).parents[1] / "reference/synonyms.md"
 HEAD = """# Names of gestures
 
-A document may also request a gesture by another name than its own, such as `hello` for `greet_wave`. This page lists
+A document may also request a gesture by a name other than its own, such as `hello` for `greet_wave`. This page lists
 {count} additional names of {gestures} gestures. They come from the lexicons of Greta, SmartBody, EMBR, Asap, NAO and
 Reachy, from BML's gesture types and McNeill's classes, and from everyday English. Each name belongs to one gesture
 only, on which all speakers of the language should agree.

@@ -34,7 +34,14 @@ class FaceView:
     """Variant, quality, camera angle, size and light of the rendered face."""
 
     variant: Annotated[
-        Variant, click.option("--variant", type=click.Choice(get_args(Variant)), default="female", show_default=True)
+        Variant,
+        click.option(
+            "--variant",
+            type=click.Choice(get_args(Variant)),
+            default="female",
+            show_default=True,
+            help="Head to draw.",
+        ),
     ]
     preset: Annotated[
         str,

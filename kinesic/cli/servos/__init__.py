@@ -18,8 +18,10 @@ from kinesic.host import SERVO_DRIVER, VIRTUAL_PORTS
 PORT_OPTION = click.option(
     "--port", type=click.Path(path_type=Path, dir_okay=False), required=True, help="Port of the servo."
 )
-ID_OPTION = click.option("--id", "servo", type=click.IntRange(0, MAX_ID), default=1, show_default=True, help="Id.")
-BAUD_OPTION = click.option("--baud", type=int, default=57_600, show_default=True, help="Present baud rate.")
+ID_OPTION = click.option(
+    "--id", "servo", type=click.IntRange(0, MAX_ID), default=1, show_default=True, help="Id of the servo."
+)
+BAUD_OPTION = click.option("--baud", type=int, default=57_600, show_default=True, help="Current baud rate.")
 ROBOT_HELP = "Robot whose hinges are listed with the ids: name or TOML file."
 PHYSICS_HELP = "Physics of the shafts: each servo's motor alone, or the robot's twin."
 
@@ -49,7 +51,7 @@ def servo_verbs() -> None:
 def _accept_robot() -> None:
     """Compare a robot with its model by an acceptance test near people.
 
-    You measure masses, forces and distances. Not safety-rated, no risk assessment.
+    You measure masses, forces and distances. The test is not safety-rated and replaces no risk assessment.
     """
 
 

@@ -33,7 +33,9 @@ def study_verbs() -> None:
     show_default=True,
     help="Side length of the pictures in pixels.",
 )
-@click.option("--preset", type=click.Choice(list(QUALITY_PRESETS)), default="normal", show_default=True)
+@click.option(
+    "--preset", type=click.Choice(list(QUALITY_PRESETS)), default="normal", show_default=True, help="Rendering quality."
+)
 @click.option("--post-to", default="", metavar="URL", help="URL that also receives the answers, as CSV.")
 @implemented_by("study.face:make_study")
 def _make_study() -> None:
