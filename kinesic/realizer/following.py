@@ -85,6 +85,18 @@ def nod(scene: Scene, angle: float, now: float) -> Scene:
     return scene if added is None else replace(scene, motion=added)
 
 
+def find_final_posture(motion: Trajectory, robot: Robot) -> tuple[Occupancy, ...]:
+    """Return the posture of head and trunk that a motion of unknown blocks holds.
+
+    It counts as a followed gaze, so that the next gaze replaces it instead of adding to it.
+    """
+    hinges = trunk_hinges(robot)
+    offset = np.where(hinges, motion.controls[-1] - robot.skeleton.rest, 0.0)
+    if np.abs(offset).max() < UNCHANGED_ANGLE:
+        return ()
+    return (Occupancy(_name("look"), frozenset({"look"}), hinges, *(4 * (motion.start,)), sealed(offset)),)
+
+
 def is_looking_elsewhere(scene: Scene, now: float) -> bool:
     """Return whether a block determines the gaze at a time [s]."""
     return _uses(scene, "look", now)

@@ -6,13 +6,26 @@ from kinesic.conversation.events import Conversing, PeopleSeen
 from kinesic.serve.messages import ClientRequest, ConversationRequest
 from kinesic.serve.wire.conversing import ConversationMessage, ConverseRequest, conversation_events
 
-END_OF_CONVERSATION = ConversationRequest(Conversing(on=False), 0)
 
+def conversation_requests(message: ConversationMessage, sender: int, stops: int) -> tuple[ConversationRequest, ...]:
+    """Convert a message of a client to requests, one for each event.
 
-def conversation_requests(message: ConversationMessage, sender: int) -> tuple[ConversationRequest, ...]:
-    """Convert a message of a client to requests, one for each event."""
+    Args:
+        message: message of a client.
+        sender: number of the client.
+        stops: count of emergency stops at present.
+    """
     fills = isinstance(message, ConverseRequest) and message.fillers
-    return tuple(ConversationRequest(event, sender, fills) for event in conversation_events(message))
+    return tuple(ConversationRequest(event, sender, stops, fills) for event in conversation_events(message))
+
+
+def end_of_conversation(stops: int) -> ConversationRequest:
+    """Return the request of the server itself to end the conversation.
+
+    Args:
+        stops: count of emergency stops at present.
+    """
+    return ConversationRequest(Conversing(on=False), 0, stops)
 
 
 def drop_outdated(waiting: deque[ClientRequest], request: ConversationRequest) -> None:

@@ -169,6 +169,7 @@ class ConversationRequest:
 
     event: ConversationEvent | SoundEvent
     sender: int
+    stops: int = 0  # count of emergency stops at the time of the request; a later stop cancels the request
     fills: bool = False  # whether the robot says fillers, if the event begins the conversation
 
 

@@ -164,7 +164,7 @@ class PlannerState:
 
     def execute(self, request: ClientRequest) -> None:
         """Execute a client request, after the stops that preceded it."""
-        if isinstance(request, DocumentRequest | Resumption):
+        if isinstance(request, DocumentRequest | ConversationRequest | Resumption):
             self._shared.wait_for_stops(request.stops)
         match request:
             case DocumentRequest(message):
@@ -174,7 +174,7 @@ class PlannerState:
                 self._interrupt(request)
             case Restyling():
                 self._restyle(request)
-            case ConversationRequest():
+            case ConversationRequest(stops=stops) if stops == self._shared.stops:
                 self._perform_wants(self._conversation.take(request, self._clock.now()))
                 if self._conversation.is_on:
                     self._idling.allow(self._clock.now())

@@ -10,9 +10,10 @@ from typing import Literal
 
 from kinesic.planning.setup import Setup
 from kinesic.realizer.request import Message, block_id
-from kinesic.serve.conversation_requests import END_OF_CONVERSATION, conversation_requests, drop_outdated
+from kinesic.serve.conversation_requests import conversation_requests, drop_outdated, end_of_conversation
 from kinesic.serve.desk.desk import Desk
 from kinesic.serve.desk.export import NO_WRITERS, Writers
+from kinesic.serve.kept_conversation import KeptConversation
 from kinesic.serve.loop import Loop
 from kinesic.serve.messages import (
     ClientRequest,
@@ -30,7 +31,8 @@ from kinesic.serve.queues import FairQueue
 from kinesic.serve.sinks.arming import Arming
 from kinesic.serve.sinks.real_time import RealTimeSink
 from kinesic.serve.tracks import NO_ACCOMPANIMENT, SoundAndFace, TrackEffects
-from kinesic.serve.wire.conversing import ConversationMessage, ConverseRequest
+from kinesic.serve.wire.conversing import ConversationMessage
+from kinesic.serve.wire.protocol import json_answer
 from kinesic.serve.wire.quotas import Quotas, quota_feedback
 from kinesic.speech.speaker import Speaker
 from kinesic.speech.voice import table_modules
@@ -70,7 +72,7 @@ class Session:
         self._asyncio: AbstractEventLoop = get_running_loop()
         self._send_feedback, self._rules, self._sinks = send_feedback, rules, sinks
         self._documents, self._requests = FairQueue(rules.waiting), deque[ClientRequest]()
-        self._is_stopped = self._converses = False  # whether an emergency stop holds; whether a conversation has begun
+        self._is_stopped, self._conversation = False, KeptConversation()  # whether an emergency stop holds
         self._warm = Event()
         self._renewal: Task[None] | None = None  # requests the next lexicon reload
         self._renewed = -RENEWAL_PERIOD  # [s] monotonic clock time of the last requested reload
@@ -135,6 +137,7 @@ class Session:
             raise RuntimeError("the control loop has ended")
         self.loop.emergency_stop()
         self._is_stopped = True
+        self._conversation.forget()
         self._asyncio.call_soon_threadsafe(self._refuse_all)
 
     def resume(self) -> None:
@@ -167,8 +170,8 @@ class Session:
         """Forward a conversation message, or return the reason against a conversation."""
         obstacle = self._find_obstacle()
         if obstacle is None:
-            self._converses |= isinstance(message, ConverseRequest)
-            for request in conversation_requests(message, sender):
+            for request in conversation_requests(message, sender, self.loop.stop_count):
+                self._conversation.keep(request, self.clock.now())
                 drop_outdated(self._requests, request)
                 self._request(request)
         return "" if obstacle is None else obstacle[1]
@@ -192,7 +195,7 @@ class Session:
         return {
             "robot": self.loop.robot,
             "state": self._state,
-            "blocks": self._list_blocks(),
+            "blocks": [block.status(self.clock.now()) for block in self.loop.pending_blocks()],
             "stops": self.loop.stop_count,
             "idles": self.loop.is_idling and self._state != "stopped",
             "servos": None if self.loop.servos is None else self.loop.servos.state,
@@ -204,18 +207,6 @@ class Session:
             "deaths": self.planner.deaths,
             "learned": [str(sink.lesson) for sink in self._sinks if sink.lesson is not None],
         }
-
-    def _list_blocks(self) -> list[dict[str, object]]:
-        """Return all unfinished blocks with the seconds until start and end."""
-        now = self.clock.now()
-        return [
-            {
-                "block": block.name,
-                "starts_in": round(max(0.0, block.start - now), 3),
-                "ends_in": round(max(0.0, block.end - now), 3),
-            }
-            for block in self.loop.pending_blocks()
-        ]
 
     @property
     def _state(self) -> Literal["stopped", "resting", "playing"]:
@@ -239,8 +230,8 @@ class Session:
 
     async def fold(self) -> None:
         """End blocks and conversation, and wait until the robot is at rest."""
-        if self._converses:
-            self._request(END_OF_CONVERSATION)
+        if self._conversation.owner is not None:
+            self._request(end_of_conversation(self.loop.stop_count))
         self.interrupt(None)
         while self.loop.is_alive() and (self._requests or not self.planner.is_free or not self.loop.is_settled()):
             await sleep(SETTLE_POLL_PERIOD)
@@ -291,8 +282,12 @@ class Session:
     def _refuse_lost(self, request: ClientRequest | None) -> None:
         """Refuse a document whose planning ended with the planner process.
 
-        If no planner can be started, the loop ends.
+        The next planner continues a conversation. If no planner can be started, the loop ends.
         """
+        owner, requests = self._conversation.owner, self._conversation.restore(request, self.clock.now())
+        self._requests.extendleft(reversed(requests))
+        if owner is not None and not requests:
+            self._send_feedback(json_answer("conversing", state="off"), owner)
         if self.planner.has_failed:
             self._warm.set()
             self.loop.shut_down()

@@ -10,6 +10,7 @@ from math import inf
 
 from kinesic.child import PipeEnd
 from kinesic.planning.setup import Setup
+from kinesic.realizer.following import find_final_posture
 from kinesic.realizer.realizer import Scene, stop_all_blocks
 from kinesic.realizer.request import TimedRequest
 from kinesic.serve.messages import (
@@ -70,7 +71,9 @@ class SharedScene:
         self._versions = dict[str, Version]()  # versions of the loop's tracks
         self.stops = beginning.stops
         self._stopped_at = inf  # [s] first emergency stop whose interruptions the loop has not accepted yet
-        self.scene = replace(Scene.of(setup), motion=beginning.motion, agenda=beginning.agenda, runs=beginning.runs)
+        lasting = find_final_posture(beginning.motion, setup.robot)
+        motion, agenda, runs = beginning.motion, beginning.agenda, beginning.runs
+        self.scene = replace(Scene.of(setup), motion=motion, agenda=agenda, runs=runs, lasting=lasting)
 
     def tell(self, message: str, client: int) -> None:
         """Send feedback to a client immediately."""

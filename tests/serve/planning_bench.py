@@ -4,7 +4,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from kinesic.motion.trajectory import stay
+from kinesic.motion.trajectory import Trajectory, stay
 from kinesic.planning.setup import Setup
 from kinesic.realizer.request import Message
 from kinesic.serve.messages import (
@@ -53,11 +53,13 @@ class Line:
 class Planning:
     """Planner with its clock and a record of its messages."""
 
-    def __init__(self, setup: Setup, *, accompaniment: SoundAndFace = NO_ACCOMPANIMENT) -> None:
+    def __init__(
+        self, setup: Setup, *, accompaniment: SoundAndFace = NO_ACCOMPANIMENT, motion: Trajectory | None = None
+    ) -> None:
         self.time, self.loop, self.refiner, self.renewed = 0.0, Line(), Line(), 0
         self.clock = Clock()
         self.setup = setup
-        beginning = LoopStart(stay(setup.robot.skeleton.rest, start=0.0), 0, ())
+        beginning = LoopStart(motion or stay(setup.robot.skeleton.rest, start=0.0), 0, ())
         self.state = PlannerState(
             setup,
             self.renew,

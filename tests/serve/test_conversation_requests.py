@@ -72,6 +72,53 @@ def test_folding_of_the_robot_ends_its_conversation(on_stage: Callable):
     on_stage(act)
 
 
+def test_next_planner_continues_a_conversation_before_it_gets_waiting_requests(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.session.converse(ConverseRequest(amount=0.5), 4)
+        stage.session.converse(HeardReport(voice=True), 4)
+        assert stage.planned() == ["ConversationRequest", "ConversationRequest"]
+        stage.planner.busy = True
+        stage.session.interrupt(None)
+        stage.planner.lost(None)
+        stage.planner.become_free()
+        first = stage.planner.sent.popleft()
+        assert first.event == Conversing(on=True, amount=0.5)
+        assert stage.planned() == ["ConversationRequest", "Interruption"]
+        assert stage.told == []
+
+    on_stage(act)
+
+
+def test_client_is_told_that_its_conversation_ended_with_the_planner(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.session.converse(ConverseRequest(), 4)
+        stage.planner.become_free()
+        stage.planner.lost(stage.planner.sent.popleft())
+        assert stage.told == [('{"told":"conversing","state":"off"}', 4)]
+        assert stage.planned() == []
+        stage.planner.lost(None)
+        assert len(stage.told) == 1
+
+    on_stage(act)
+
+
+def test_conversation_that_an_emergency_stop_has_ended_is_not_continued(on_stage: Callable):
+    async def act(stage: Stage) -> None:
+        stage.session.converse(ConverseRequest(), 4)
+        assert stage.planned() == ["ConversationRequest"]
+        stage.session.emergency_stop()
+        stage.planner.lost(None)
+        assert stage.planned() == []
+        stage.session.resume()
+        stage.session.converse(ConverseRequest(), 4)
+        stage.planned()
+        stage.planner.lost(None)
+        stage.planner.become_free()
+        assert stage.planner.sent.popleft().stops == 1
+
+    on_stage(act)
+
+
 def test_refusal_of_a_conversation_contains_the_reason():
     registry = Registry()
     client = registry.join("a")

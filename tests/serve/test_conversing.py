@@ -19,7 +19,7 @@ from kinesic.conversation.settings import MODE_BEARINGS
 from kinesic.expressivity.gaze import towards
 from kinesic.motion.trajectory import stay
 from kinesic.planning.setup import Setup
-from kinesic.serve.messages import ConversationRequest, FeedbackNotice, Halted, Proposal
+from kinesic.serve.messages import ConversationRequest, FeedbackNotice, Halted, Proposal, Resumption
 from kinesic.serve.tracks import FOLLOWED_FACE, SoundAndFace, TrackEffects
 
 from .planning_bench import Planning
@@ -43,8 +43,10 @@ class Talk:
     def motion(self):
         return self.state._scene.motion
 
-    def send(self, event, *, sender: int = OWNER, fills: bool = False) -> "Talk":
-        self.state.execute(ConversationRequest(event, sender, fills))
+    def send(self, event, *, sender: int = OWNER, fills: bool = False, stops: int | None = None) -> "Talk":
+        """Send an event after all emergency stops, or after the first `stops` only."""
+        count = self.state._shared.stops if stops is None else stops
+        self.state.execute(ConversationRequest(event, sender, count, fills))
         return self.collect()
 
     def collect(self) -> "Talk":
@@ -165,6 +167,31 @@ def test_emergency_stop_ends_a_conversation_and_no_motion_follows(talk: Talk):
     motions = [proposal.motion for proposal in talk.proposals if proposal.motion is not None]
     assert all(np.ptp(motion.controls, axis=0).max() == 0.0 for motion in motions)
     np.testing.assert_array_equal(talk.motion.controls[-1], held.controls[-1])
+
+
+@pytest.mark.parametrize("event", [Conversing(on=True), PeopleSeen((Person("p", FRONT),))])
+def test_conversation_request_from_before_an_emergency_stop_moves_nothing(talk: Talk, event):
+    talk.until(1.0, Person("p", LEFT))
+    talk.state.handle_stop(Halted(1, 1.0, stay(talk.motion.at(1.0).angles, start=1.0)))
+    talk.collect().proposals.clear()
+    talk.send(event, stops=0).until(2.0)
+    assert talk.states()[-1] == "off"
+    assert [proposal for proposal in talk.proposals if proposal.motion is not None] == []
+    talk.state.execute(Resumption(1))
+    talk.send(Conversing(on=True))
+    assert talk.states()[-1] == "attending"
+
+
+def test_next_planner_turns_the_head_to_a_person_from_the_posture_of_the_previous_planner(
+    talk: Talk, make_planning: Callable[..., Planning]
+):
+    goal = np.degrees(towards(np.array(LEFT), talk.planning.setup.robot).torsion)
+    talk.until(3.0, Person("p", LEFT))
+    heir = Talk(make_planning(motion=talk.motion)).send(Conversing(on=True))
+    heir.until(2.0, Person("p", LEFT))
+    assert heir.head(heir.motion.end) == pytest.approx(goal, abs=3.0)
+    heir.send(Conversing(on=False)).until(6.0)
+    assert heir.head(heir.motion.end) == pytest.approx(0.0, abs=0.01)
 
 
 def test_idle_motion_continues_while_the_head_follows_a_person(make_planning: Callable[..., Planning], lively: Setup):

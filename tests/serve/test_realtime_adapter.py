@@ -70,7 +70,7 @@ def play(talk: Talk, adapter, events: list[tuple[float, dict[str, object]]], unt
         if message is None:
             continue
         talk.until(time)
-        for request in conversation_requests(read_control(json.dumps(message).encode()), OWNER):
+        for request in conversation_requests(read_control(json.dumps(message).encode()), OWNER, 0):
             talk.state.execute(request)
         talk.collect()
     talk.until(until)
