@@ -130,7 +130,7 @@ def find_acclaim_skeleton(path: Path) -> Path:
 
 
 def _only(paths: list[Path]) -> list[Path]:
-    """Return a list of one path unchanged, any other list empty."""
+    """Return the paths if there is exactly one, otherwise an empty list."""
     return paths if len(paths) == 1 else []
 
 

@@ -155,7 +155,7 @@ def test_next_look_of_a_conversation_begins_exactly_at_the_end_of_the_last_one(n
     assert found.gaze.averted == (not begins)
 
 
-def test_fillers_of_a_conversation_are_counted_anew_after_thinking():
+def test_filler_count_is_reset_when_the_robot_stops_thinking():
     thought = replace(LISTENING, mode="speaking", fillers=2, speech=OwnSpeech(active=True, began=9.0, ends=20.0))
     assert advance_conversation(thought, None, 10.1)[0].fillers == 0
 

@@ -110,7 +110,7 @@ def test_timing_conflict_search_spans_the_nearest_exact_keys(moving: str, exact_
     assert clashes._around(Neighbours(("a", "b"), (2, 4), (0,)), postures, own) == around
 
 
-def test_key_posture_can_be_reduced_to_the_joints_of_one_hand():
+def test_key_posture_can_be_reduced_to_given_joints():
     whole = KeyPosture(1.5, sealed([0.1, 0.2, 0.3]), (True, False, False), (("a", "stroke"),), (), is_exact=False)
     part = clashes._part(whole, np.array([2, 0]), whole=False)
     assert (part.time, part.angles.tolist(), part.keyed) == (1.5, [0.3, 0.1], (False, True))

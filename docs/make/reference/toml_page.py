@@ -157,7 +157,7 @@ DOCUMENTS = (
     ),
     Document(
         "Calibrations",
-        "Written by `kinesic servos calibrate` beside the robot's file, as `NAME.calibration.toml`. For a "
+        "Written by `kinesic servos calibrate` next to the robot's file, as `NAME.calibration.toml`. For a "
         "built-in robot it is in the user's configuration folder, `~/.config/kinesic`.",
         (Calibration,),
         CALIBRATION_EXAMPLE,

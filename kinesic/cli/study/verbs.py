@@ -117,7 +117,7 @@ def _make_gesture_study() -> None:
         "conditions",
         multiple=True,
         metavar="NAME=VALUE",
-        help="Setting of a further system, as for --set, or idle=0, variation=0. Repeatable.",
+        help="Setting of an additional system, as for --set, or idle=0, variation=0. Repeatable.",
     ),
     click.option(
         "--participants",

@@ -21,7 +21,7 @@ HAND_SIDES: Mapping[HandName, tuple[Side, ...]] = {"left": ("l",), "right": ("r"
 class MotionTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of a captured motion."""
 
-    file: str  # name of the .npz beside the TOML file
+    file: str  # name of the .npz file next to the TOML file
     hand: HandName  # hands that take part
     markers: dict[str, float]  # [s] times of start, ready, strokeStart, stroke, strokeEnd, relax and end
     found: bool = False  # true: the markers were estimated from the motion, not read from the capture file

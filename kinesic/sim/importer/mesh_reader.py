@@ -23,7 +23,7 @@ class MeshReader:
     """Reader of one robot's meshes, with notes on unreadable ones."""
 
     def __init__(self, path: Path) -> None:
-        """Prepare for the meshes of a robot file."""
+        """Create a reader for the meshes of a robot file."""
         self.notes: list[str] = []
         self._folder, self._bytes = path.parent.resolve(), 0
         self._cache: dict[tuple[MeshReference, Sequence[float]], Triangles | None] = {}

@@ -25,7 +25,7 @@ class Wishes:
         return frozenset(k for k, hinge in self.hinges.items() if hinge.startswith(ARM_PREFIXES))
 
     def orient(self, sides: Sides) -> Sides:
-        """Exchange left and right if most hinges that the user requested contradict."""
+        """Exchange left and right if most requested hinges contradict the sides."""
         partners = {right: left for left, right in sides.pairs.items()}
         votes = 0
         for k in self.arm_joints:

@@ -187,7 +187,7 @@ def test_gesture_collection_without_a_card_or_gestures_is_refused(folder, tmp_pa
     assert not (tmp_path / "library").exists()
 
 
-def test_licences_are_installed_and_other_files_left(folder, tmp_path):
+def test_installed_collection_contains_gestures_and_licences_but_no_other_files(folder, tmp_path):
     names = ["LICENSE", "LICENCE.txt", "NOTICE.md", "README"]
     for name in (*names, "licence", ".hidden.toml", "a b.toml", "x" * 81 + ".toml"):
         (folder / name).write_text("free")
