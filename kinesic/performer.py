@@ -217,11 +217,12 @@ def _perform_on_servos(run: "Performance", ports: Mapping[str, str | Path]) -> "
     Ctrl-C ends it.
     """
     from kinesic.controller.servo_performance import catch_interrupts, perform_live  # noqa: PLC0415 - as above
+    from kinesic.controller.slow_moves import settings_near_people  # noqa: PLC0415
     from kinesic.controller.soundtrack import speak_along  # noqa: PLC0415
     from kinesic.hardware.servos import Servos  # noqa: PLC0415
 
     with speak_along(run.plan, _warn) as playback:
-        servos = Servos(run.plan.setup.robot, ports)
+        servos = Servos(run.plan.setup.robot, ports, settings=settings_near_people(run.plan.setup))
         with catch_interrupts() as stopped:
             return perform_live(run, servos, requested=lambda: "end" if stopped() else "go on", shown=playback)
 

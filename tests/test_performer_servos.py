@@ -50,7 +50,7 @@ def servos(monkeypatch) -> Hardware:
         return before, requested()
 
     monkeypatch.setattr(hardware, "check_ports", lambda robot, manifest, ports: result.checked.append((robot, ports)))
-    monkeypatch.setattr(hardware, "Servos", lambda robot, ports: (robot, ports))
+    monkeypatch.setattr(hardware, "Servos", lambda robot, ports, *, settings: (robot, ports))
     monkeypatch.setattr(servo_performance, "catch_interrupts", catch_interrupts)
     monkeypatch.setattr(servo_performance, "perform_live", perform_live)
     monkeypatch.setattr(soundtrack, "speak_along", speak_along)

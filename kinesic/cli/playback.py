@@ -17,6 +17,7 @@ from kinesic.cli.terminal import error_console, pressed_keys
 from kinesic.controller.learned_gains import Identification
 from kinesic.controller.play import pace_commands, play
 from kinesic.controller.servo_performance import RunRequest, catch_interrupts, perform_live
+from kinesic.controller.slow_moves import settings_near_people
 from kinesic.controller.soundtrack import open_speaker, sound, speak_along
 from kinesic.face.display import DisplayError
 from kinesic.face.show.controls import KEY_HELP
@@ -122,7 +123,8 @@ def perform_on_servos(
     """
     plan = performance.plan
     with speak_along(plan, warn) as voice:
-        servos = Servos(plan.setup.robot, ports, log=folder / "events.jsonl")
+        settings = settings_near_people(plan.setup)
+        servos = Servos(plan.setup.robot, ports, settings=settings, log=folder / "events.jsonl")
         if not quiet:
             click.echo(SERVO_KEY_HELP, err=True)
         with catch_interrupts() as interrupted, pressed_keys() as keys, _open_status_line(quiet) as status_line:

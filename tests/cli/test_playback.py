@@ -17,6 +17,7 @@ from kinesic.cli.screen.console import Console
 from kinesic.controller import soundtrack
 from kinesic.face.display import DisplayError
 from kinesic.hardware.supervisor.channel import Status
+from kinesic.hardware.supervisor.settings import DEFAULT_SETTINGS
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.speech.loudspeaker import SpeakerError
 
@@ -196,19 +197,19 @@ def servo_runs(monkeypatch) -> list[SimpleNamespace]:
     monkeypatch.setattr(playback, "catch_interrupts", catch_interrupts)
     monkeypatch.setattr(playback, "pressed_keys", pressed_keys)
     monkeypatch.setattr(playback, "perform_live", perform_live)
-    monkeypatch.setattr(playback, "Servos", lambda robot, ports, *, log: (robot, ports, log))
+    monkeypatch.setattr(playback, "Servos", lambda robot, ports, *, settings, log: (robot, ports, settings, log))
     monkeypatch.setattr(playback, "warn_of_lost_events", lambda notes: playback.warn(f"notes: {notes}"))
     return runs
 
 
 @pytest.mark.parametrize("quiet", [False, True])
 def test_servo_performance_writes_an_event_log_and_passes_statuses_to_the_listener(servo_runs, capsys, tmp_path, quiet):
-    performance = SimpleNamespace(plan=SimpleNamespace(setup=SimpleNamespace(robot="robot")))
+    performance = SimpleNamespace(plan=SimpleNamespace(setup=SimpleNamespace(robot="robot", policy=None)))
     heard: list[Status] = []
     run = playback.perform_on_servos(performance, {"left": Path("port")}, tmp_path, quiet=quiet, listener=heard.append)
     assert servo_runs == [run]
     assert (run.performance, run.request) == (performance, "stop")
-    assert run.servos == ("robot", {"left": Path("port")}, tmp_path / "events.jsonl")
+    assert run.servos == ("robot", {"left": Path("port")}, DEFAULT_SETTINGS, tmp_path / "events.jsonl")
     assert [status.waits for status in heard] == ["nothing", "consent"]
     captured = capsys.readouterr()
     help_lines = [] if quiet else [playback.SERVO_KEY_HELP]

@@ -23,6 +23,7 @@ from kinesic.cli.servos.ports import read_all_ports
 from kinesic.cli.servos.summary import print_learned_factors, warn_of_lost_events
 from kinesic.controller.learned_gains import Identification
 from kinesic.controller.servo_performance import BUS_DELAY
+from kinesic.controller.slow_moves import settings_near_people
 from kinesic.hardware.servos import Servos
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.heap import freeze_heap
@@ -176,7 +177,8 @@ def _open_sinks(
         real_time_sinks.append(RealTimeSink(RealTwin(robot, factors=factors), estimate=estimate, learner=learner))
     if "servos" in sinks:
         ports = read_all_ports(performers.ports, Manifest.of(robot).bauds)
-        open_servos = partial(Servos, robot, ports, log=Path("events.jsonl"))
+        settings = settings_near_people(planning.set_up())
+        open_servos = partial(Servos, robot, ports, settings=settings, log=Path("events.jsonl"))
         servo_sink = RealServos(
             open_servos, distances=CapsuleDistances(robot), min_clearance=robot.min_clearance, armed=armed
         )
