@@ -55,9 +55,11 @@ soak: .venv/.stamp-test
 	@$(BIN)/python -m tests.fuzz --seconds 300
 
 # Random blocks and merges, judged by independent code: GROUPS groups of 20 planned and 80 merged blocks, in JOBS processes.
+# NEAR=adult plans all gestures in all styles and 100 documents instead, and compares them with plans without a policy.
 # The journal out/campaign.jsonl lets an interrupted campaign go on.
 campaign: .venv/.stamp-test
-	@$(BIN)/python -m tests.campaign --groups $(or $(GROUPS),1000) --seed $(or $(SEED),1) --jobs $(or $(JOBS),1)
+	@$(BIN)/python -m tests.campaign --groups $(or $(GROUPS),1000) --seed $(or $(SEED),1) --jobs $(or $(JOBS),1) \
+		$(if $(NEAR),--near $(NEAR))
 
 # The notebooks in examples/notebooks, executed from the first cell to the last.
 notebooks: .venv/.stamp-test

@@ -1,6 +1,7 @@
 """Run a campaign of random blocks, or continue an interrupted one.
 
-Usage: `python -m tests.campaign --groups 1000 --seed 1 --jobs 2`. It exits with 1 if anything failed.
+Usage: `python -m tests.campaign --groups 1000 --seed 1 --jobs 2`. With `--near adult`, it plans all gestures in
+all styles and 100 documents near adults instead of random blocks. It exits with 1 if anything failed.
 """
 
 import argparse
@@ -11,6 +12,7 @@ from pathlib import Path
 
 from kinesic.tasks.cluster import cluster
 from kinesic.tasks.engine import Engine, Processes
+from tests.campaign.near_people import plan_near_people
 from tests.campaign.totals import Totals, run_campaign
 
 GROUPS_PER_REPORT = 20  # finished groups between two progress lines
@@ -34,6 +36,7 @@ def main() -> int:
     parser.add_argument("--only", type=int, help="run this group alone, without journal")
     parser.add_argument("--jobs", type=int, default=1, help="number of local processes")
     parser.add_argument("--cluster", default="", metavar="ADDRESS", help="dask scheduler, secured by its configuration")
+    parser.add_argument("--near", choices=("adult", "child"), help="plan all gestures and documents near this audience")
     parser.add_argument("--journal", type=Path, default=Path("out/campaign.jsonl"))
     options = parser.parse_args()
     numbers = range(options.groups) if options.only is None else [options.only]
@@ -46,6 +49,10 @@ def main() -> int:
             print(f"{totals.groups} of {len(numbers)} groups, {totals.failed} failures", flush=True)
 
     with engine_of(options.jobs, options.cluster) as engine:
+        if options.near is not None:
+            lines, failures = plan_near_people(options.near, engine, path)
+            print("\n".join((*lines, *failures)))
+            return min(1, len(failures))
         totals = run_campaign([(options.seed, number) for number in numbers], engine, path, report)
     print("\n".join((*totals.lines(), *totals.failures)))
     return min(1, totals.failed)

@@ -101,9 +101,9 @@ def bench_collisions(robot: str, count: int) -> list[Metric]:
     ]
 
 
-def compare_plans(blocks: Sequence[Block], setup: Setup) -> list[ComparedPlan]:
+def compare_plans(blocks: Sequence[Block], setup: Setup, *, near: Audience = POLICY_AUDIENCE) -> list[ComparedPlan]:
     """Plan blocks without and with contact limits, and measure both plans."""
-    policy = find_policy(POLICY_AUDIENCE)
+    policy = find_policy(near)
     assert policy is not None
     limited, contacts = replace(setup, policy=policy), MujocoContacts(setup.robot)
     compared = []
