@@ -36,3 +36,24 @@ def test_ros_example_publishes_the_positions_of_22_joints_on_a_topic(monkeypatch
     assert sent.pop() == "shutdown"
     assert len(sent) > 1000
     assert all(len(message.position) == len(message.name) == 22 for message in sent)
+
+
+def test_ros_launch_file_starts_rosbridge_and_then_the_controller_example(monkeypatch):
+    def record(**attributes):
+        return SimpleNamespace(**attributes)
+
+    actions = SimpleNamespace(
+        DeclareLaunchArgument=lambda name, default_value: name, ExecuteProcess=record, TimerAction=record
+    )
+    monkeypatch.setitem(sys.modules, "launch", SimpleNamespace(LaunchDescription=list))
+    monkeypatch.setitem(sys.modules, "launch.actions", actions)
+    monkeypatch.setitem(sys.modules, "launch.substitutions", SimpleNamespace(LaunchConfiguration=str.upper))
+    monkeypatch.setitem(sys.modules, "launch_ros.actions", SimpleNamespace(Node=record))
+    file = EXAMPLES[0].parent / "ros" / "perform.launch.py"
+    *arguments, bridge, timer = runpy.run_path(str(file))["generate_launch_description"]()
+    program, *values = timer.actions[0].cmd[1:]
+    assert arguments == ["document", "robot", "address", "controller"]
+    assert values == [name.upper() for name in arguments]
+    assert bridge.package == "rosbridge_server"
+    assert Path(program).name == "15_ros2_controller.py"
+    assert Path(program).is_file()
