@@ -3,7 +3,7 @@
 import difflib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property, lru_cache
+from functools import cache, cached_property, lru_cache
 from pathlib import Path
 
 from kinesic.bml.block import HandMode
@@ -53,16 +53,17 @@ class Lexicon:
         Raises:
             ConfigError: a file is missing or invalid.
         """
-        builtin = builtin_gestures()
         sources = [source for source in user_sources if source is not None]
+        if not sources:
+            return builtin_lexicon()
+        builtin = builtin_gestures()
         parts = [source if isinstance(source, LexiconPart) else read_part(source) for source in sources]
         user_part = join_parts(parts, {name: table for part in reversed(parts) for name, table in part.bodies.items()})
         bodies = {name: body_form(table) for name, table in {**builtin.bodies, **user_part.bodies}.items()}
         entries: tuple[LexiconEntry, ...] = (*(ParsedEntry(*entry) for entry in user_part.entries), *builtin.entries)
         names = (*user_part.synonyms, *user_part.meanings)
         lexicon = cls(entries, names, user_part.classes, bodies, user_part.captured)
-        problems = check_names(user_part.synonyms, user_part.classes, lexicon.forms_by_id) if sources else ()
-        for problem in problems:
+        for problem in check_names(user_part.synonyms, user_part.classes, lexicon.forms_by_id):
             files = [str(source) for source in sources if not isinstance(source, LexiconPart)]
             raise ConfigError(f"{', '.join(files) or 'gestures'}: {problem}")
         return lexicon
@@ -209,6 +210,16 @@ class Lexicon:
         why = "; ".join(filter(None, (stands, left_out)))
         posed = in_mode(form, named_gesture.name.hand if mode == "unspecified" else mode)
         return Match(posed, named_gesture.kind, f"substituted by {form.id}: {why}" if why else "")
+
+
+@cache
+def builtin_lexicon() -> Lexicon:
+    """Return the lexicon of kinesic's gestures alone, once per process.
+
+    Its look-up tables are thus built once, and caches keyed by a lexicon stay valid.
+    """
+    builtin = builtin_gestures()
+    return Lexicon(builtin.entries, bodies={name: body_form(table) for name, table in builtin.bodies.items()})
 
 
 @lru_cache(maxsize=FORM_CACHE_SIZE)  # keeps one object per gesture, by which other caches are keyed

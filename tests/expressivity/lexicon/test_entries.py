@@ -6,7 +6,7 @@ import pytest
 
 from kinesic.body.config import CONFIGS
 from kinesic.expressivity.lexicon.entries import FormsById, ParsedEntry, builtin_gestures
-from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.expressivity.lexicon.lexicon import Lexicon, builtin_lexicon
 from kinesic.expressivity.lexicon.toml_file import read_gestures
 
 
@@ -24,9 +24,15 @@ def plain_values(thing: object) -> object:
 @pytest.fixture
 def fresh_lexicon(monkeypatch):
     """Return a lexicon without parsed entries."""
-    builtin_gestures.cache_clear()
+    for cached in (builtin_gestures, builtin_lexicon):
+        cached.cache_clear()
     yield Lexicon.load()
-    builtin_gestures.cache_clear()
+    for cached in (builtin_gestures, builtin_lexicon):
+        cached.cache_clear()
+
+
+def test_lexicon_without_user_gestures_is_loaded_once():
+    assert Lexicon.load(None) is Lexicon.load()
 
 
 def parsed_names(lexicon: Lexicon) -> set[str]:
