@@ -15,7 +15,7 @@ PARAMETER_EFFECTS: Mapping[str, str] = {  # effect of each expressivity paramete
     "power": "acceleration of strokes: weak .. forceful",
     "tension": "curvature at key poses: loose .. tense",
     "repetition": "repeated strokes: once .. several times",
-    "activation": "number of accompanying movements: passive .. animated",
+    "activation": "size, speed, force and openness together: passive .. animated",
     "openness": "elbows: at the body .. away from it",
 }
 WEIGHT_EFFECTS: Mapping[str, tuple[str, str]] = {  # (range, effect) of each weight of a style

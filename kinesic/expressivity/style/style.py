@@ -44,14 +44,14 @@ class Expressivity:
         ValueError: a named parameter is outside its range.
     """
 
-    spatial: float = 0.0  # -1 tight .. 1 wide
-    temporal: float = 0.0  # -1 slow .. 1 fast
-    fluidity: float = 0.0  # -1 jerky .. 1 flowing
-    power: float = 0.0  # -1 weak .. 1 forceful
-    tension: float = 0.0  # -1 loose .. 1 tense
-    repetition: float = 0.0  # -1 single .. 1 repeated strokes
-    activation: float = 0.0  # -1 passive .. 1 animated: how much movement there is
-    openness: float = 0.0  # 0 elbows at the body .. 1 elbows away from it
+    spatial: float = 0.0  # size of movements: -1 tight .. 1 wide
+    temporal: float = 0.0  # duration of strokes and rate of the voice: -1 slow .. 1 fast
+    fluidity: float = 0.0  # transitions between movements: -1 jerky .. 1 flowing
+    power: float = 0.0  # acceleration of strokes: -1 weak .. 1 forceful
+    tension: float = 0.0  # curvature at key poses: -1 loose .. 1 tense
+    repetition: float = 0.0  # number of strokes: -1 single .. 1 repeated
+    activation: float = 0.0  # size, speed, force and openness together: -1 passive .. 1 animated
+    openness: float = 0.0  # elbows: 0 at the body .. 1 away from it
 
     def __post_init__(self) -> None:
         for name, (least, most) in EXPRESSIVITY_RANGES.items():
@@ -87,27 +87,27 @@ class Setting:
 class PartTable(msgspec.Struct, frozen=True, forbid_unknown_fields=True):
     """TOML table of the parameters that one modality overrides."""
 
-    spatial: float | None = None  # -1 tight .. 1 wide
-    temporal: float | None = None  # -1 slow .. 1 fast
-    fluidity: float | None = None  # -1 jerky .. 1 flowing
-    power: float | None = None  # -1 weak .. 1 forceful
-    tension: float | None = None  # -1 loose .. 1 tense
-    repetition: float | None = None  # -1 single .. 1 repeated strokes
-    activation: float | None = None  # -1 passive .. 1 animated
-    openness: float | None = None  # 0 elbows at the body .. 1 elbows away from it
+    spatial: float | None = None  # size of movements: -1 tight .. 1 wide
+    temporal: float | None = None  # duration of strokes and rate of the voice: -1 slow .. 1 fast
+    fluidity: float | None = None  # transitions between movements: -1 jerky .. 1 flowing
+    power: float | None = None  # acceleration of strokes: -1 weak .. 1 forceful
+    tension: float | None = None  # curvature at key poses: -1 loose .. 1 tense
+    repetition: float | None = None  # number of strokes: -1 single .. 1 repeated
+    activation: float | None = None  # size, speed, force and openness together: -1 passive .. 1 animated
+    openness: float | None = None  # elbows: 0 at the body .. 1 away from it
 
 
 class StyleTable(msgspec.Struct, forbid_unknown_fields=True):
     """TOML file of a style: common parameters, and exceptions for each modality."""
 
-    spatial: float  # -1 tight .. 1 wide
-    temporal: float  # -1 slow .. 1 fast
-    fluidity: float  # -1 jerky .. 1 flowing
-    power: float  # -1 weak .. 1 forceful
-    tension: float  # -1 loose .. 1 tense
-    repetition: float  # -1 single .. 1 repeated strokes
-    activation: float  # -1 passive .. 1 animated
-    openness: float  # 0 elbows at the body .. 1 elbows away from it
+    spatial: float  # size of movements: -1 tight .. 1 wide
+    temporal: float  # duration of strokes and rate of the voice: -1 slow .. 1 fast
+    fluidity: float  # transitions between movements: -1 jerky .. 1 flowing
+    power: float  # acceleration of strokes: -1 weak .. 1 forceful
+    tension: float  # curvature at key poses: -1 loose .. 1 tense
+    repetition: float  # number of strokes: -1 single .. 1 repeated
+    activation: float  # size, speed, force and openness together: -1 passive .. 1 animated
+    openness: float  # elbows: 0 at the body .. 1 away from it
     gesture: PartTable = PartTable()  # parameters that have other values for gestures
     head: PartTable = PartTable()  # parameters that have other values for the head
     torso: PartTable = PartTable()  # parameters that have other values for the torso
