@@ -52,7 +52,7 @@ class ConversationState:
     """State of a conversation between two events."""
 
     on: bool = False  # whether the conversation runs
-    amount: float = 1.0  # 0..1 amount of movement
+    amount: float = 1.0  # amount of movement, 0..1
     eyes: Place = (0.0, 0.0, EYE_HEIGHT)  # [m] position of the robot's eyes
     seed: int = 0  # seed of the random numbers
     draws: int = 0  # random numbers drawn so far

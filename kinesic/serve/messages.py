@@ -55,7 +55,7 @@ class ServoReport(Struct, frozen=True):
     Values are NaN for a servo that does not answer.
     """
 
-    state: ServoState  # `limp`, `arming`, `armed`, `releasing` or `ended`
+    state: ServoState  # state of the torque
     celsius: tuple[float, ...]  # (m,) [C] temperature of each servo
     load: tuple[float, ...]  # (m,) fraction of the current limit; positive in the direction of a growing angle
     volts: tuple[float, ...]  # (m,) [V] supply voltage of each servo
@@ -93,7 +93,7 @@ class BodyReport(Struct, frozen=True):
     hottest: float | None = None  # [C] highest temperature of all servos
     volts: float | None = None  # [V] lowest supply voltage of all servos
     faulty: bool = False  # whether a servo reports an error
-    servos: ServoReport | None = None  # None without servos
+    servos: ServoReport | None = None  # measurements of the servos; None without servos
 
     @classmethod
     def of(cls, time: float, planned: Floats, measured: Floats | None, health: ServoHealth | None) -> "BodyReport":
@@ -158,7 +158,7 @@ class Restyling:
 
     style: str | None
     changes: tuple[str, ...]  # changes of style parameters, NAME=VALUE
-    amount: float | None  # 0..1 amount of movement; None: unchanged
+    amount: float | None  # amount of movement, 0..1; None: unchanged
     block: str | None  # id of the block; None: all running and future blocks
     sender: int
 

@@ -33,14 +33,14 @@ class ConverseRequest(Struct, tag="converse", tag_field="do", forbid_unknown_fie
     """Request to begin or end a conversation with people."""
 
     on: bool = True  # whether the robot converses
-    amount: Fraction = 1.0  # 0..1 amount of movement
+    amount: Fraction = 1.0  # amount of movement, 0..1
     fillers: bool = False  # whether the robot says a short filler while an answer takes long
 
 
 class SeenPerson(Struct, forbid_unknown_fields=True):
     """Person in a `people` message."""
 
-    id: PersonId  # the same id for the same person
+    id: PersonId  # id of the person, the same in every report
     at: tuple[Coordinate, Coordinate, Coordinate]  # [m] position of the eyes: forward, left, up from the robot's base
     looks: bool = False  # whether the person looks at the robot
 
@@ -51,17 +51,17 @@ class PeopleReport(Struct, tag="people", tag_field="do", forbid_unknown_fields=T
     Send it 2 to 20 times a second.
     """
 
-    people: Annotated[tuple[SeenPerson, ...], Meta(max_length=MAX_PEOPLE)]  # a person missing for 1 s has left
+    people: Annotated[tuple[SeenPerson, ...], Meta(max_length=MAX_PEOPLE)]  # seen people; one missing for 1 s has left
     age: Age = 0.0  # [s] time since the measurement
 
 
 class HeardReport(Struct, tag="heard", tag_field="do", forbid_unknown_fields=True):
     """Report of a voice's start or end, or of recognised words."""
 
-    voice: bool | None = None  # whether a voice began or ended; without it only words are reported
+    voice: bool | None = None  # whether a voice began or ended; if missing, only words are reported
     text: HeardText | None = None  # all recognised words of the turn
     final: bool = False  # whether the recogniser will not change these words
-    who: PersonId | None = None  # id of the person; without it unknown
+    who: PersonId | None = None  # id of the person; if missing, the person is unknown
     age: Age = 0.0  # [s] time since the voice began or ended
 
 
@@ -74,7 +74,7 @@ class TurnReport(Struct, tag="turn", tag_field="do", forbid_unknown_fields=True)
 class SoundPart(Struct, tag="sound", tag_field="do", forbid_unknown_fields=True):
     """Part of a speech sound that the robot performs as its own."""
 
-    id: PersonId  # the same id for all parts of a sound
+    id: PersonId  # id of the sound, the same for all of its parts
     data: Annotated[bytes, Meta(max_length=MAX_SOUND_SIZE)]  # 16-bit little-endian samples of one channel, as base64
     rate: Annotated[int, Meta(ge=8000, le=48_000)] = 24_000  # [Hz] sample rate
     ends: bool = False  # whether this is the last part

@@ -84,16 +84,16 @@ class InterruptCommand(Struct, tag="interrupt", tag_field="do", forbid_unknown_f
     Speech fades out within 40 ms.
     """
 
-    block: str | None = None  # id of the block; without it all blocks
-    yields: bool = False  # whether the robot yields to a person: arms hold first, and `yielded` tells the heard text
+    block: str | None = None  # id of the block; if missing, all blocks are meant
+    yields: bool = False  # whether the robot yields to a person: arms hold first, and `yielded` contains the heard text
 
 
 class Restyle(Struct, tag="style", tag_field="do", forbid_unknown_fields=True):
     """Request to change the style of one block or all blocks."""
 
     style: str | None = None  # name of a style
-    set: tuple[str, ...] = ()  # NAME=VALUE, as in the option --set
-    amount: float | None = None  # 0..1 amount of movement; None: unchanged
+    set: tuple[str, ...] = ()  # changes of the style, each as NAME=VALUE
+    amount: float | None = None  # amount of movement, 0..1; None: unchanged
     block: str | None = None  # id of the only block to change
 
 
@@ -114,19 +114,19 @@ class Arm(Struct, tag="arm", tag_field="do", forbid_unknown_fields=True):
 
     token: str | None = None  # token, if the server requires one
     code: str | None = None  # confirmation code from the server
-    id: int = 0  # repeated in the answer; 0: no id
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class Disarm(Struct, tag="disarm", tag_field="do", forbid_unknown_fields=True):
     """Request to end all blocks, fold to rest and disable all torque."""
 
-    id: int = 0  # repeated in the answer; 0: no id
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class Enquiry(Struct, tag="status", tag_field="do", forbid_unknown_fields=True):
     """Request for the server status."""
 
-    id: int = 0  # repeated in the answer; 0: no id
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class Ping(Struct, tag="ping", tag_field="do", forbid_unknown_fields=True):

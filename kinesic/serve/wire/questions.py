@@ -24,15 +24,15 @@ class ReachQuestion(Struct, tag="reach", tag_field="do", forbid_unknown_fields=T
     side: Literal["left", "right"] = "right"  # arm of a hand or elbow
     part: Literal["hand", "elbow", "trunk", "gaze"] = "hand"  # body part that reaches, or looks at, the target
     posture: tuple[Angle, ...] | None = None  # [rad] start posture in joint order; None: rest
-    id: int = 0  # repeated in the answer; 0: no id
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class PlanQuestion(Struct, tag="plan", tag_field="do", forbid_unknown_fields=True):
     """Request for the plan of a document."""
 
     bml: str  # document
-    set: tuple[str, ...] = ()  # style changes NAME=VALUE, as in the option --set
-    id: int = 0  # repeated in the answer; 0: no id
+    set: tuple[str, ...] = ()  # changes of the style, each as NAME=VALUE
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class ExportQuestion(Struct, tag="export", tag_field="do", forbid_unknown_fields=True):
@@ -40,8 +40,8 @@ class ExportQuestion(Struct, tag="export", tag_field="do", forbid_unknown_fields
 
     bml: str  # document
     format: Format  # file format
-    set: tuple[str, ...] = ()  # style changes NAME=VALUE
-    id: int = 0  # repeated in the answer; 0: no id
+    set: tuple[str, ...] = ()  # changes of the style, each as NAME=VALUE
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class GestureQuestion(Struct, tag="gesture", tag_field="do", forbid_unknown_fields=True):
@@ -49,15 +49,15 @@ class GestureQuestion(Struct, tag="gesture", tag_field="do", forbid_unknown_fiel
 
     toml: str | None = None  # gesture file whose first gesture is planned
     lexeme: str | None = None  # id of a built-in gesture whose file is returned instead
-    set: tuple[str, ...] = ()  # style changes NAME=VALUE
-    id: int = 0  # repeated in the answer; 0: no id
+    set: tuple[str, ...] = ()  # changes of the style, each as NAME=VALUE
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class FindQuestion(Struct, tag="find", tag_field="do", forbid_unknown_fields=True):
     """Request for the gestures that match some words, the best first."""
 
     words: Annotated[str, Meta(max_length=200)]  # words for the meaning of a gesture, in English
-    id: int = 0  # repeated in the answer; 0: no id
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class AuthorQuestion(Struct, tag="author", tag_field="do", forbid_unknown_fields=True):
@@ -65,7 +65,7 @@ class AuthorQuestion(Struct, tag="author", tag_field="do", forbid_unknown_fields
 
     text: str  # text to be spoken, as in `kinesic say`
     style: str = ""  # name of a built-in style; empty: the server's style
-    id: int = 0  # repeated in the answer; 0: no id
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class AlternativesQuestion(Struct, tag="alternatives", tag_field="do", forbid_unknown_fields=True):
@@ -74,7 +74,7 @@ class AlternativesQuestion(Struct, tag="alternatives", tag_field="do", forbid_un
     text: str  # spoken text
     at: Annotated[int, Meta(ge=0, le=99_999)]  # position [characters] of the word in the text
     intent: Annotated[str, Meta(max_length=100)] = ""  # intent of the gesture that the word has now; empty: unknown
-    id: int = 0  # repeated in the answer; 0: no id
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class WatchRequest(Struct, tag="watch", tag_field="do", forbid_unknown_fields=True):
@@ -86,7 +86,7 @@ class WatchRequest(Struct, tag="watch", tag_field="do", forbid_unknown_fields=Tr
 class ServosQuestion(Struct, tag="servos", tag_field="do", forbid_unknown_fields=True):
     """Request for the list of servos, ordered as in `body` reports."""
 
-    id: int = 0  # repeated in the answer; 0: no id
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class SaveRequest(Struct, tag="save", tag_field="do", forbid_unknown_fields=True):
@@ -95,22 +95,22 @@ class SaveRequest(Struct, tag="save", tag_field="do", forbid_unknown_fields=True
     name: str  # file name without a folder
     text: str  # content of the file
     revision: Revision | None = None  # revision of the file that may be replaced; empty: no file, None: any file
-    id: int = 0  # repeated in the answer; 0: no id
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class OpenRequest(Struct, tag="open", tag_field="do", forbid_unknown_fields=True):
     """Request for a document of the folder, or for all document names."""
 
-    name: str | None = None  # file name; without it the answer lists all names
-    id: int = 0  # repeated in the answer; 0: no id
+    name: str | None = None  # file name; if missing, the answer lists all names
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class VersionsRequest(Struct, tag="versions", tag_field="do", forbid_unknown_fields=True):
     """Request for an earlier version of a document, or for the list."""
 
     name: str  # file name of the document
-    number: int | None = None  # number of the version; without it the answer lists all versions
-    id: int = 0  # repeated in the answer; 0: no id
+    number: int | None = None  # number of the version; if missing, the answer lists all versions
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class BackupRequest(Struct, tag="backup", tag_field="do", forbid_unknown_fields=True):
@@ -121,20 +121,20 @@ class BackupRequest(Struct, tag="backup", tag_field="do", forbid_unknown_fields=
     text: str | None = None  # text of the document; None discards the backup
     revision: Revision = ""  # revision of the saved file that was edited; empty without a saved file
     time: UnixTime | None = None  # time of the text by the client's clock; None: the server's time
-    id: int = 0  # repeated in the answer; 0: no id
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class BackupsRequest(Struct, tag="backups", tag_field="do", forbid_unknown_fields=True):
     """Request for one backup or for the list of backups."""
 
-    key: BackupKey | None = None  # key of one backup; without it the answer lists all backups
-    id: int = 0  # repeated in the answer; 0: no id
+    key: BackupKey | None = None  # key of one backup; if missing, the answer lists all backups
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 class StylesRequest(Struct, tag="styles", tag_field="do", forbid_unknown_fields=True):
     """Request for all styles: built-in ones and those of the folder."""
 
-    id: int = 0  # repeated in the answer; 0: no id
+    id: int = 0  # number that the answer repeats; 0: none
 
 
 BodyQuestion = ReachQuestion | WatchRequest | ServosQuestion
