@@ -66,10 +66,11 @@ class Distances(Protocol):
         The angles are (m, n) [rad].
         """
 
-    def gaps(self, angles: Floats) -> Floats:
+    def gaps(self, angles: Floats, *, exact_below: float = ...) -> Floats:
         """Compute the distance (m, p) [m] of each checked pair.
 
-        Pairs keep the order of `Robot.counted_pairs`; angles are (m, n) [rad].
+        Pairs keep the order of `Robot.counted_pairs`; angles are (m, n) [rad]. Distances of fingers above `exact_below`
+        [m] may be lower bounds.
         """
 
     def bounds(self, angles: Floats, turns: Floats) -> Floats:

@@ -13,7 +13,7 @@ from scipy.linalg import solveh_banded
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Side
 from kinesic.capture.clip import ArmPath
-from kinesic.capture.robot_motion import SAMPLE_RATE, arm_paths
+from kinesic.capture.robot_motion import SAMPLE_RATE, arm_path, arm_paths
 from kinesic.planning.setup import Setup
 
 MAX_ITERATIONS = 6  # largest number of Gauss-Newton steps, including rejected steps
@@ -88,15 +88,14 @@ def _find_jacobians(
     angles: Floats, active: Mapping[Side, _Arm], errors: Mapping[Side, Floats], setup: Setup
 ) -> Mapping[Side, Floats]:
     """Return each arm's error Jacobian (m, 6, k) by finite differences."""
-    jacobians = {side: np.empty((*errors[side].shape, len(arm.hinges))) for side, arm in active.items()}
-    for k in range(max(len(arm.hinges) for arm in active.values())):
-        moved = angles.copy()
-        moving = {side: arm for side, arm in active.items() if k < len(arm.hinges)}
-        for arm in moving.values():
-            moved[:, arm.hinges[k]] += DIFFERENCE_STEP
-        changed = arm_paths(setup.robot, moved)
-        for side, arm in moving.items():
-            jacobians[side][:, :, k] = (_errors(changed[side], arm.path) - errors[side]) / DIFFERENCE_STEP
+    jacobians = {}
+    for side, arm in active.items():
+        jacobians[side] = np.empty((*errors[side].shape, len(arm.hinges)))
+        for k, hinge in enumerate(arm.hinges):
+            moved = angles.copy()
+            moved[:, hinge] += DIFFERENCE_STEP
+            changed = _errors(arm_path(setup.robot, side, moved), arm.path)
+            jacobians[side][:, :, k] = (changed - errors[side]) / DIFFERENCE_STEP
     return jacobians
 
 

@@ -2,14 +2,13 @@
 
 import numpy as np
 
-from kinesic.body.arrays import Flags, Floats, find_runs, sealed
+from kinesic.body.arrays import Flags, Floats, find_runs
 from kinesic.body.chain import Chain
-from kinesic.body.reach import Reach
 from kinesic.capture.clip import ArmPath
 from kinesic.capture.resampling import low_pass
 from kinesic.capture.robot_motion import SAMPLE_RATE
 from kinesic.ik.arm.swivel import measure_swivels
-from kinesic.ik.solve import solve
+from kinesic.ik.solve import solve_path
 
 SWIVEL_CUTOFF = 3.0  # [Hz] cut-off frequency of the elbow's swivel, which is noisy on straight arms
 MIN_ELBOW_OFFSET = 0.04  # [arm lengths] elbow distance from the shoulder-wrist line below which swivel is undefined
@@ -85,15 +84,5 @@ def bridge_leaps(angles: Floats) -> tuple[Floats, int]:
 
 
 def _solve_all(chain: Chain, targets: Floats, swivels: Floats) -> Floats:
-    angles = np.empty((len(targets), len(chain.rest)))
-    posture = chain.rest
-    reaches = [
-        Reach(sealed(target), swivel=float(np.remainder(swivel + np.pi, 2.0 * np.pi) - np.pi))
-        for target, swivel in zip(targets, swivels, strict=True)
-    ]
-    for _ in range(SETTLING_STEPS):
-        posture = solve(chain, reaches[0], start=posture).angles
-    for k, reach in enumerate(reaches):
-        posture = solve(chain, reach, start=posture).angles
-        angles[k] = posture
-    return angles
+    turns = np.remainder(swivels + np.pi, 2.0 * np.pi) - np.pi
+    return solve_path(chain, targets, turns, start=chain.rest, settling=SETTLING_STEPS)

@@ -7,7 +7,7 @@ from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from kinesic.body.arrays import Flags, Floats, Indices, find_runs, sealed
 from kinesic.body.robot import SIDES, Robot, Side
-from kinesic.capture.robot_motion import SAMPLE_RATE, arm_paths
+from kinesic.capture.robot_motion import SAMPLE_RATE, arm_path
 from kinesic.planning.setup import Setup
 
 MAX_ROUNDS = 16  # largest number of correction rounds of a path
@@ -20,7 +20,7 @@ CORRECTION_MARGIN = 0.002  # [m] clearance beyond the required clearance at whic
 CORRECTION_WINDOW = 0.10  # [s] window of the maximum filter that holds a correction at full size
 CORRECTION_SMOOTHING = 0.06  # [s] standard deviation of the Gaussian filter on corrections
 FADE_TIME = 0.15  # [s] time over which corrections fade to zero at both ends of the motion
-SAMPLES_PER_GRADIENT = 5  # number of samples per computed gradient; must be shorter than `CORRECTION_WINDOW`
+SAMPLES_PER_GRADIENT = 8  # number of samples per computed gradient; must be shorter than `CORRECTION_WINDOW`
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,16 +58,15 @@ def clear_path(angles: Floats, setup: Setup, *, min_clearance: float, hinge_cost
     robot, cleared = setup.robot, angles.copy()
     fade = _fade(len(angles))[:, None]
     arms = [_Arm.of(robot, side) for side in SIDES]
-    is_near = setup.distances.clearance(cleared).distances < min_clearance
+    nearest = np.full((len(arms), len(angles)), np.inf)  # [m] smallest distance of each arm, where measured
+    measured = np.flatnonzero(setup.distances.clearance(cleared).distances < min_clearance)
     for _ in range(MAX_ROUNDS):
-        if not is_near.any():
+        if not measured.size:
             break
-        rows = np.flatnonzero(is_near)
-        gaps = setup.distances.gaps(cleared[rows])
+        gaps = setup.distances.gaps(cleared[measured], exact_below=min_clearance + CORRECTION_MARGIN)
         is_moved = np.zeros(len(angles), dtype=np.bool_)
-        for arm in arms:
-            distances = np.full(len(angles), np.inf)
-            distances[rows] = gaps[:, arm.is_own].min(axis=1, initial=np.inf)
+        for arm, distances in zip(arms, nearest, strict=True):
+            distances[measured] = gaps[:, arm.is_own].min(axis=1, initial=np.inf)
             chosen = _choose_samples(distances, min_clearance)
             if not chosen.size:
                 continue
@@ -77,9 +76,7 @@ def clear_path(angles: Floats, setup: Setup, *, min_clearance: float, hinge_cost
             corrected = np.clip(cleared[:, arm.hinges] + fade * _smooth(corrections), lower, upper)
             is_moved |= (corrected != cleared[:, arm.hinges]).any(axis=1)
             cleared[:, arm.hinges] = corrected
-        if not is_moved.any():
-            break
-        is_near[is_moved] = setup.distances.clearance(cleared[is_moved]).distances < min_clearance
+        measured = np.flatnonzero(is_moved)
         hinge_cost *= COST_GROWTH
     return sealed(cleared)
 
@@ -122,9 +119,10 @@ def _find_steps(
     moved = np.repeat(angles[:, None], hinges, axis=1)
     moved[:, np.arange(hinges), arm.hinges] += GRADIENT_STEP
     moved = moved.reshape(count * hinges, -1)
-    changed = setup.distances.gaps(moved)[:, arm.is_own].min(axis=1, initial=np.inf).reshape(count, hinges)
+    gaps = setup.distances.gaps(moved, exact_below=min_clearance + CORRECTION_MARGIN)
+    changed = gaps[:, arm.is_own].min(axis=1, initial=np.inf).reshape(count, hinges)
     gradients = (changed - distances[:, None]) / GRADIENT_STEP
-    before, after = (arm_paths(setup.robot, postures)[arm.side].wrist for postures in (angles, moved))
+    before, after = (arm_path(setup.robot, arm.side, postures).wrist for postures in (angles, moved))
     jacobians = (after.reshape(count, hinges, 3) - before[:, None]) / GRADIENT_STEP
     costs = jacobians @ np.swapaxes(jacobians, 1, 2) + hinge_cost**2 * np.eye(hinges)
     directions = np.linalg.solve(costs, gradients[:, :, None])[:, :, 0]

@@ -7,7 +7,7 @@ from kinesic.body.robot import SIDES, Robot, Side
 from kinesic.capture.arm_tracking import find_swivels
 from kinesic.capture.clip import ArmPath, BodyClip
 from kinesic.capture.reading.text import CaptureError
-from kinesic.capture.resampling import low_pass, resample, resample_times
+from kinesic.capture.resampling import low_pass, resample, resample_times, smooth_paths
 from kinesic.capture.retarget import unwrap_vectors
 from kinesic.expressivity.lexicon.gesture_motion import MAX_SAMPLES, GestureMotion, HandMotion
 
@@ -44,7 +44,7 @@ def gesture_motion(clip: BodyClip, robot: Robot, source: str) -> GestureMotion:
 def _hand_motion(clip: BodyClip, side: Side, robot: Robot, times: Floats) -> HandMotion:
     arm, hand = clip.arms[side], clip.hands.get(side)
     outward = np.array([1.0, 1.0 if side == "l" else -1.0, 1.0])
-    elbow, wrist = (low_pass(resample(clip.times, path, times)) for path in (arm.elbow, arm.wrist))
+    elbow, wrist = smooth_paths(clip.times, (arm.elbow, arm.wrist), times)
     swivels = low_pass(find_swivels(robot.arms[side], ArmPath(elbow, wrist))[:, None], SWIVEL_CUTOFF)[:, 0]
     position = outward * wrist + [0.0, clip.half_width, clip.upper_arm]
     pointing, palm, straight = None, None, None

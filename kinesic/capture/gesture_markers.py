@@ -6,7 +6,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.capture.clip import BodyClip
-from kinesic.capture.resampling import low_pass, resample, resample_times
+from kinesic.capture.resampling import resample_times, smooth_paths
 from kinesic.capture.robot_motion import SAMPLE_RATE
 from kinesic.expressivity.lexicon.captured_form import MARKER_NAMES
 
@@ -64,7 +64,7 @@ def find_markers(clip: BodyClip) -> Mapping[str, float]:
 
 def wrist_velocity(clip: BodyClip, times: Floats) -> Floats:
     """Return the velocity (m,) of the faster wrist [arm lengths/s]."""
-    wrists = [low_pass(resample(clip.times, arm.wrist, times)) for arm in clip.arms.values()]
+    wrists = smooth_paths(clip.times, [arm.wrist for arm in clip.arms.values()], times)
     speeds = [np.linalg.norm(np.gradient(wrist, 1.0 / SAMPLE_RATE, axis=0), axis=1) for wrist in wrists]
     velocity: Floats = np.max(speeds, axis=0)
     return velocity

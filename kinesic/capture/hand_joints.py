@@ -2,7 +2,6 @@
 
 import re
 from collections.abc import Mapping, Sequence
-from itertools import pairwise
 
 import numpy as np
 
@@ -93,17 +92,13 @@ def _measure_extension(positions: Mapping[str, Floats], wrist: str, names: Seque
     """
     if len(names) < MIN_JOINTS:
         return np.ones(len(positions[wrist]))
-    points = [positions[name] for name in (wrist, *names)]
-    bones = [b - a for a, b in pairwise(points)]
-    bones = [bone for bone in bones if float(np.linalg.norm(bone, axis=1).min()) > MIN_BONE]
-    bends = [_angles_between(a, b) for a, b in pairwise(bones)]
-    if not bends:
+    bones = np.diff([positions[name] for name in (wrist, *names)], axis=0)
+    squares = np.sum(bones * bones, axis=2)
+    is_bone = squares.min(axis=1) > MIN_BONE**2
+    bones, squares = bones[is_bone], squares[is_bone]
+    if len(bones) < MIN_JOINTS:
         return np.ones(len(positions[wrist]))
-    extension: Floats = np.clip(1.0 - np.mean(bends, axis=0) / FULL_BEND, 0.0, 1.0)
+    dots = np.sum(bones[1:] * bones[:-1], axis=2)
+    sines = np.sqrt(np.maximum(squares[1:] * squares[:-1] - dots**2, 0.0))
+    extension: Floats = np.clip(1.0 - np.arctan2(sines, dots).mean(axis=0) / FULL_BEND, 0.0, 1.0)
     return extension
-
-
-def _angles_between(first: Floats, second: Floats) -> Floats:
-    sines = np.linalg.norm(np.cross(first, second), axis=1)
-    angles: Floats = np.arctan2(sines, np.sum(first * second, axis=1))
-    return angles

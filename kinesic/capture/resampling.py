@@ -1,11 +1,12 @@
 """Resampling and low-pass filtering of captured samples."""
 
+from collections.abc import Sequence
 from functools import cache
 
 import numpy as np
 from scipy.interpolate import CubicSpline
 
-from kinesic.body.arrays import Floats
+from kinesic.body.arrays import Floats, sealed
 from kinesic.capture.robot_motion import SAMPLE_RATE
 
 CUTOFF_FREQUENCY = 6.0  # [Hz] default low-pass cut-off of captured motion, above gesture frequencies
@@ -25,6 +26,12 @@ def resample(times: Floats, values: Floats, new_times: Floats) -> Floats:
     curve = CubicSpline(times, values)
     sampled: Floats = curve(np.minimum(new_times, times[-1]))
     return sampled
+
+
+def smooth_paths(times: Floats, paths: Sequence[Floats], new_times: Floats) -> list[Floats]:
+    """Resample and low-pass filter several paths (m, 3) together."""
+    smoothed = low_pass(resample(times, np.concatenate(paths, axis=1), new_times))
+    return [sealed(path) for path in np.split(smoothed, len(paths), axis=1)]
 
 
 def low_pass(values: Floats, cutoff: float = CUTOFF_FREQUENCY) -> Floats:

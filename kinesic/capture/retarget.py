@@ -12,7 +12,7 @@ from kinesic.capture.arm_tracking import track_arm
 from kinesic.capture.clip import ArmPath, BodyClip, Clip, JointClip
 from kinesic.capture.derivatives import compute_time_stretch
 from kinesic.capture.reading.text import CaptureError
-from kinesic.capture.resampling import low_pass, resample, resample_times
+from kinesic.capture.resampling import resample, resample_times, smooth_paths
 from kinesic.capture.robot_motion import RobotMotion, arm_paths
 from kinesic.motion.keys import RANGE_MARGIN
 from kinesic.planning.setup import Setup
@@ -52,15 +52,15 @@ def _follow_body(clip: BodyClip, times: Floats, setup: Setup) -> RobotMotion:
     angles = np.tile(robot.skeleton.rest, (len(times), 1))
     notes = list(clip.guesses)
     arms = {}
-    for side, arm in clip.arms.items():
-        elbow, wrist = (low_pass(resample(clip.times, path, times)) for path in (arm.elbow, arm.wrist))
-        arms[side] = ArmPath(sealed(elbow), sealed(wrist))
+    paths = [path for arm in clip.arms.values() for path in (arm.elbow, arm.wrist)]
+    *paths, heads = smooth_paths(clip.times, [*paths, unwrap_vectors(clip.head)], times)
+    for k, side in enumerate(clip.arms):
+        arms[side] = ArmPath(*paths[2 * k : 2 * k + 2])
         chain = robot.arms[side]
         angles[:, list(chain.indices)], leaps = track_arm(chain, arms[side], robot.arm_length)
         if leaps:
             notes.append(f"{leaps} leaps of the {SIDE_NAMES[side]} arm bridged, where it cannot follow")
-    heads = low_pass(resample(clip.times, unwrap_vectors(clip.head), times))
-    turns = Rotation.from_rotvec(heads).as_euler(HEAD_AXES)
+    turns = Rotation.from_rotvec(heads.copy()).as_euler(HEAD_AXES)
     set_turn(robot, "neck", turns - compute_torso_turn(robot, "torso", angles), angles)
     fast = {side: arm for side, arm in arms.items() if _exceeds_limits(angles, side, setup)}
     angles = smooth_arms(angles, fast, setup) if fast else angles

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from kinesic.body.arrays import Floats, sealed
+from kinesic.body.arrays import Floats, seal_in_place, sealed
 
 AXIS_CHANNELS = ("XPos", "YPos", "ZPos")  # channels of a translation
 ROTATION_CHANNEL = "Quat"  # channel of a rotation vector
@@ -56,21 +56,37 @@ def joint_frames(skeleton: Sequence[CapturedJoint], motion: CapturedMotion) -> J
 
     A joint rotates by its own rotation and then by the motion's; its child lies at an offset in the rotated axes.
     """
+    count = len(motion.frames)
+    local = _local_rotations(skeleton, motion)
     positions: dict[str, Floats] = {}
-    rotations: dict[str | None, Floats] = {None: np.broadcast_to(np.eye(3), (len(motion.frames), 3, 3))}
-    for joint in skeleton:
-        offset = np.tile(joint.offset, (len(motion.frames), 1))
-        for axis, kind in enumerate(AXIS_CHANNELS):
-            if (joint.name, kind) in motion.columns:
-                offset[:, axis] += motion.frames[:, motion.columns[joint.name, kind]][:, 0]
-        rotation = _make_matrices(joint.turn)
-        if (joint.name, ROTATION_CHANNEL) in motion.columns:
-            rotation = rotation @ _make_matrices(motion.frames[:, motion.columns[joint.name, ROTATION_CHANNEL]])
+    rotations: dict[str | None, Floats] = {None: np.broadcast_to(np.eye(3), (count, 3, 3))}
+    for joint, rotation in zip(skeleton, local, strict=True):
+        offset = np.broadcast_to(joint.offset, (count, 3))
+        moved = [(axis, motion.columns.get((joint.name, kind))) for axis, kind in enumerate(AXIS_CHANNELS)]
+        for axis, column in moved:
+            if column is not None:
+                offset = offset + np.eye(3)[axis] * motion.frames[:, column]
         above = rotations[joint.parent]
         base = positions[joint.parent] if joint.parent else np.zeros(3)
-        positions[joint.name] = sealed(base + np.einsum("tij,tj->ti", above, offset))
-        rotations[joint.name] = sealed(above @ rotation)
+        positions[joint.name] = seal_in_place(base + np.einsum("tij,tj->ti", above, offset))
+        rotations[joint.name] = seal_in_place(above @ rotation)
     return JointFrames(positions, {name: rotation for name, rotation in rotations.items() if name})
+
+
+def _local_rotations(skeleton: Sequence[CapturedJoint], motion: CapturedMotion) -> Floats:
+    """Return each joint's rotation in its parent's axes (j, m, 3, 3).
+
+    All joints are converted together, which is much faster than one by one.
+    """
+    rotations = np.tile(
+        _make_matrices(np.array([joint.turn for joint in skeleton]))[:, None], (1, len(motion.frames), 1, 1)
+    )
+    columns = [motion.columns.get((joint.name, ROTATION_CHANNEL)) for joint in skeleton]
+    moving = [k for k, column in enumerate(columns) if column is not None]
+    if moving:
+        vectors = np.stack([motion.frames[:, column] for column in columns if column is not None])
+        rotations[moving] = rotations[moving] @ _make_matrices(vectors)
+    return rotations
 
 
 def select_ancestors(skeleton: Sequence[CapturedJoint], names: Collection[str]) -> tuple[CapturedJoint, ...]:
@@ -83,9 +99,6 @@ def select_ancestors(skeleton: Sequence[CapturedJoint], names: Collection[str]) 
 
 
 def _make_matrices(vectors: Floats) -> Floats:
-    """Convert rotation vectors (..., 3) to matrices (..., 3, 3).
-
-    SciPy does not accept read-only arrays.
-    """
-    matrices: Floats = Rotation.from_rotvec(vectors.copy()).as_matrix()
-    return matrices
+    """Convert rotation vectors (..., 3) to matrices (..., 3, 3)."""
+    matrices: Floats = Rotation.from_rotvec(vectors.reshape(-1, 3)).as_matrix()
+    return matrices.reshape(*vectors.shape, 3)

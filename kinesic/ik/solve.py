@@ -56,6 +56,28 @@ def solve(
     return Solution(*answer)
 
 
+def solve_path(chain: Chain, targets: Floats, swivels: Floats, *, start: Floats, settling: int) -> Floats:
+    """Solve successive hand targets, each from the solution of the previous one.
+
+    Args:
+        chain: the arm.
+        targets: (m, 3) [m] of the hand, in the frame of the chain's base.
+        swivels: (m,) [rad] of the elbow.
+        start: (k,) [rad] posture before the first target; clipped to the ranges.
+        settling: number of additional solutions of the first target, which settle redundant hinges.
+
+    Returns:
+        Angles (m, k) [rad] inside the ranges.
+
+    Raises:
+        ValueError: a shape is wrong or a number is not finite.
+    """
+    angles = np.empty((len(targets), len(chain.rest)))
+    targets, swivels, start = (np.ascontiguousarray(values, dtype=np.float64) for values in (targets, swivels, start))
+    arm_of(chain).solve_path(targets, swivels, start, settling, angles)
+    return angles
+
+
 def _solve_checked(chain: Chain, reach: Reach, start: Floats, rest: Floats | None, mobility: Floats | None) -> Solution:
     shape = (len(chain.rest),)
     start = as_floats("start", start, shape)

@@ -23,7 +23,7 @@ POSTURES_PER_BATCH = 512  # number of postures per call of the forward kinematic
 POSTURES_PER_WINDOW = 4096  # number of postures whose frames are in memory at the same time
 SAME_POSTURE_TOLERANCE = 1e-5  # [rad] grid to which angles are rounded to find equal postures
 FINGER_BALL_DISTANCE = 0.03  # [m] distance to the fingers' bounding ball up to which single fingers are always measured
-MAX_EXACT_FINGER_GAP = 0.13  # [m] finger distance up to which `gaps` is exact; larger ones are lower bounds
+MAX_EXACT_FINGER_GAP = 0.13  # [m] default finger distance up to which `gaps` is exact; larger ones are lower bounds
 
 
 class CapsuleDistances:
@@ -86,15 +86,16 @@ class CapsuleDistances:
         distances, pairs = self._find_nearest(angles, chosen)
         return self._named(distances[back], pairs[back])
 
-    def gaps(self, angles: Floats) -> Floats:
+    def gaps(self, angles: Floats, *, exact_below: float = MAX_EXACT_FINGER_GAP) -> Floats:
         """Measure the distances between the segments of every checked pair.
 
         Args:
             angles: (m, n) [rad] in joint order.
+            exact_below: [m] finger distance up to which values are exact; a small one is much faster.
 
         Returns:
             (m, p) [m] in the order of `Robot.counted_pairs`; infinite where a segment has no capsule. For fingers,
-            values above `MAX_EXACT_FINGER_GAP` are lower bounds.
+            larger values may be lower bounds.
         """
         gaps = np.full((self._counted, len(angles)), np.inf)
         if self._names:
@@ -103,7 +104,7 @@ class CapsuleDistances:
             placements = np.ascontiguousarray(frames.rotations), np.ascontiguousarray(frames.origins)
             _compile_pairs(self).gaps(*placements, pair_distances)
             self._measure_fingers(
-                pair_distances, (pair_distances < MAX_EXACT_FINGER_GAP) & self._hulled[:, None], frames, angles
+                pair_distances, (pair_distances < exact_below) & self._hulled[:, None], frames, angles
             )
             for pair, row in zip(self._of, pair_distances, strict=True):  # several times as fast as np.minimum.at
                 np.minimum(gaps[pair], row, out=gaps[pair])

@@ -11,7 +11,7 @@ from kinesic.capture.reading.bvh import read_bvh
 from kinesic.capture.reading.text import CaptureError
 from kinesic.capture.resampling import low_pass, resample_times
 from kinesic.capture.retarget import MAX_DURATION, retarget
-from kinesic.capture.robot_motion import arm_paths
+from kinesic.capture.robot_motion import arm_path, arm_paths
 from kinesic.ik.arm.swivel import swivel
 from kinesic.session.setup import set_up
 
@@ -141,3 +141,15 @@ def test_low_pass_filter_of_clips_keeps_1_hz_motion_and_removes_25_hz_noise():
     times = resample_times(np.array([0.0, 3.0]))
     slow, fast = np.sin(2 * np.pi * times)[:, None], np.sin(2 * np.pi * 25 * times)[:, None]
     assert low_pass(slow + 0.1 * fast)[50:250] == pytest.approx(slow[50:250], abs=0.01)
+
+
+@pytest.mark.parametrize("side", ["l", "r"])
+def test_path_of_one_arm_equals_the_forward_kinematics_of_the_whole_robot(robot, side):
+    angles = np.random.default_rng(3).uniform(robot.skeleton.lower, robot.skeleton.upper, (5, len(robot.skeleton.rest)))
+    frames, arm = robot.body_frames(angles), robot.arm(side)
+    base = robot.skeleton.segment(robot.skeleton.segments[robot.skeleton.segment(arm.segments[0])].parent)
+    path = arm_path(robot, side, angles)
+    for reached, segment in ((path.elbow, arm.elbow), (path.wrist, arm.wrist)):
+        offsets = frames.origins[:, segment] - frames.origins[:, arm.shoulder]
+        expected = np.einsum("tji,tj->ti", frames.rotations[:, base], offsets) / robot.arm_length
+        np.testing.assert_allclose(reached, expected, atol=1e-12)

@@ -6,7 +6,7 @@ from kinesic.body.arrays import Floats
 from kinesic.body.reach import Reach
 from kinesic.body.robot import Robot
 from kinesic.ik.arm.swivel import swivel
-from kinesic.ik.solve import Solution, as_floats, solve
+from kinesic.ik.solve import Solution, as_floats, solve, solve_path
 
 DEFAULT_ROBOT = Robot.load()
 LEFT_ARM = DEFAULT_ROBOT.arms["l"]  # chain of the left arm
@@ -211,3 +211,22 @@ def test_ik_input_arrays_of_wrong_shape_or_value_raise_clear_errors():
         as_floats("place", np.zeros(2), (3,))
     with pytest.raises(ValueError, match=r"place is \[inf, 0.0\]; every number must be finite"):
         as_floats("place", np.array([np.inf, 0.0]), (2,))
+
+
+def test_solved_path_equals_single_solutions_that_each_start_from_the_previous_one() -> None:
+    angles = default_rng(4).uniform(RIGHT_ARM.lower, RIGHT_ARM.upper, (6, len(RIGHT_ARM.rest)))
+    targets, swivels = np.array([RIGHT_ARM.hand(posture) for posture in angles]), np.linspace(-0.5, 1.0, 6)
+    posture, expected = RIGHT_ARM.rest, []
+    for k in (0, 0, 0, 1, 2, 3, 4, 5):  # the first target is solved three times
+        posture = solve(RIGHT_ARM, Reach(targets[k], swivel=float(swivels[k])), start=posture).angles
+        expected.append(posture)
+    solved = solve_path(RIGHT_ARM, targets, swivels, start=RIGHT_ARM.rest, settling=2)
+    np.testing.assert_array_equal(solved, expected[2:])
+
+
+def test_path_with_an_infinite_target_or_missing_swivels_is_rejected() -> None:
+    targets, swivels = np.tile(LEFT_ARM.hand(LEFT_ARM.rest), (3, 1)), np.zeros(3)
+    with pytest.raises(ValueError, match="finite"):
+        solve_path(LEFT_ARM, targets * [1.0, np.inf, 1.0], swivels, start=LEFT_ARM.rest, settling=0)
+    with pytest.raises(ValueError, match="shapes are targets"):
+        solve_path(LEFT_ARM, targets, swivels[:2], start=LEFT_ARM.rest, settling=0)

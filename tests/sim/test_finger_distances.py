@@ -37,15 +37,18 @@ def measure_all_pairs(posture):
 def test_distances_of_fingers_are_exact_when_near_and_lower_bounds_when_far():
     postures = random_postures(ROBOT.skeleton, 40, seed=5)
     gaps, nearest = DISTANCES.gaps(postures), DISTANCES.clearance(postures)
-    for posture, result, least in zip(postures, gaps, nearest.distances, strict=True):
+    coarse = DISTANCES.gaps(postures, exact_below=0.01)
+    for posture, result, rough, least in zip(postures, gaps, coarse, nearest.distances, strict=True):
         expected = np.array(list(measure_all_pairs(posture)))
-        near = expected < MAX_EXACT_FINGER_GAP
-        np.testing.assert_allclose(result[near], expected[near], atol=1e-9)
-        assert np.all(result <= expected + 1e-9)
+        for values, limit in ((result, MAX_EXACT_FINGER_GAP), (rough, 0.01)):
+            near = expected < limit
+            np.testing.assert_allclose(values[near], expected[near], atol=1e-9)
+            assert np.all(values <= expected + 1e-9)
         if expected.min() < FINGER_BALL_DISTANCE:
             assert least == pytest.approx(expected.min(), abs=1e-9)
         else:
             assert FINGER_BALL_DISTANCE <= least <= expected.min() + 1e-9
+    assert (coarse < gaps - 1e-9).any()
 
 
 @pytest.mark.parametrize("side", SIDES)

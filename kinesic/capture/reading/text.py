@@ -3,7 +3,6 @@
 from array import array
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
-from math import isfinite
 from pathlib import Path
 from typing import BinaryIO
 
@@ -102,9 +101,7 @@ def parse_numbers(words: Iterable[str], place: str) -> Floats:
         numbers = array("d", map(float, words))
     except (ValueError, OverflowError) as error:
         raise CaptureError(f"{place}: {error}") from None
-    values = seal_in_place(np.frombuffer(numbers))
-    is_moderate = isfinite(sum(numbers)) and -MAX_NUMBER <= min(numbers, default=0.0) <= max(numbers, default=0.0)
-    return values if is_moderate and max(numbers, default=0.0) <= MAX_NUMBER else check_numbers(values, place)
+    return check_numbers(seal_in_place(np.frombuffer(numbers)), place)
 
 
 def check_numbers(numbers: Floats, place: str) -> Floats:

@@ -192,6 +192,34 @@ void reach_many(const Arm& arm, Array<const double, nb::shape<-1, 3>> targets, A
     }
 }
 
+// Solves successive targets with swivels [rad], each from the angles of the previous one. The first target is solved
+// `settling` times before, from the start posture.
+void solve_path(const Arm& arm, Array<const double, nb::shape<-1, 3>> targets,
+                Array<const double, nb::shape<-1>> swivels, Array<const double, nb::shape<-1>> start, int settling,
+                Array<double, nb::shape<-1, -1>> angles) {
+    const int n = arm.linkage.hinges;
+    const size_t count = targets.shape(0);
+    if (int(start.shape(0)) != n || int(angles.shape(1)) != n || angles.shape(0) != count || swivels.shape(0) != count)
+        throw nb::value_error("shapes are targets (m, 3), swivels (m,), start (k,), angles (m, k)");
+    const auto finite = [](const double* first, size_t numbers) {
+        return std::all_of(first, first + numbers, [](double number) { return std::isfinite(number); });
+    };
+    if (!finite(targets.data(), 3 * count) || !finite(swivels.data(), count) || !finite(start.data(), n))
+        throw nb::value_error("targets, swivels and start must be finite");
+    nb::gil_scoped_release free;
+    Question question;
+    for (int k = 0; k < n; ++k) question.near[k] = arm.linkage.pivot[k].clipped(start.data()[k]);
+    std::copy_n(arm.rest, n, question.home);
+    std::copy_n(arm.mobility, n, question.mobility);
+    for (size_t i = 0; i < count; ++i) {
+        question.position = arm.seen(targets.data() + 3 * i);
+        question.swivel = swivels.data() + i;
+        for (int round = i == 0 ? settling : 0; round >= 0; --round)
+            std::copy_n(answer(arm.linkage, question, arm.rest, arm.mobility).angles, n, question.near);
+        std::copy_n(question.near, n, angles.data() + n * i);
+    }
+}
+
 // One tick of tracking, in place, too short to release Python's lock. Returns the residual [m].
 double track(const Arm& arm, nb::handle target, double pull, int parts, nb::handle angles) {
     double place[3], now[MAX_HINGES];
@@ -219,6 +247,7 @@ void bind_arm(nb::module_& module) {
              nb::arg("angles"), nb::arg("widest"))
         .def("reach", &reach)
         .def("reach_many", &reach_many)
+        .def("solve_path", &solve_path)
         .def("track", &track);
     bind_poses(arm);
     bind_keys(arm);
