@@ -7,6 +7,7 @@ from scipy.spatial.transform import Rotation
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.robot import SIDE_NAMES, Robot, Side
+from kinesic.capture.arm_proportions import fit_proportions
 from kinesic.capture.arm_smoothing import smooth_arms
 from kinesic.capture.arm_tracking import track_arm
 from kinesic.capture.clip import ArmPath, BodyClip, Clip, JointClip
@@ -51,18 +52,19 @@ def _follow_body(clip: BodyClip, times: Floats, setup: Setup) -> RobotMotion:
     robot = setup.robot
     angles = np.tile(robot.skeleton.rest, (len(times), 1))
     notes = list(clip.guesses)
-    arms = {}
+    arms, targets = {}, {}
     paths = [path for arm in clip.arms.values() for path in (arm.elbow, arm.wrist)]
     *paths, heads = smooth_paths(clip.times, [*paths, unwrap_vectors(clip.head)], times)
     for k, side in enumerate(clip.arms):
         arms[side] = ArmPath(*paths[2 * k : 2 * k + 2])
         chain = robot.arms[side]
-        angles[:, list(chain.indices)], leaps = track_arm(chain, arms[side], robot.arm_length)
+        targets[side] = fit_proportions(arms[side], chain, robot.arm_length)
+        angles[:, list(chain.indices)], leaps = track_arm(chain, targets[side], robot.arm_length)
         if leaps:
             notes.append(f"{leaps} leaps of the {SIDE_NAMES[side]} arm bridged, where it cannot follow")
     turns = Rotation.from_rotvec(heads.copy()).as_euler(HEAD_AXES)
     set_turn(robot, "neck", turns - compute_torso_turn(robot, "torso", angles), angles)
-    fast = {side: arm for side, arm in arms.items() if _exceeds_limits(angles, side, setup)}
+    fast = {side: arm for side, arm in targets.items() if _exceeds_limits(angles, side, setup)}
     angles = smooth_arms(angles, fast, setup) if fast else angles
     return RobotMotion(sealed(times), sealed(angles), _inside(angles, robot), arms, clip.syncs, tuple(notes))
 
