@@ -12,7 +12,7 @@ VERB_EXAMPLES: Mapping[str, tuple[str, ...]] = {
     "completion": ("kinesic completion bash >> ~/.bashrc", "kinesic completion fish"),
     "demo": ("kinesic demo", "kinesic demo --robot human --style joyful --out greeting"),
     "doctor": ("kinesic doctor",),
-    "export": ("kinesic export welcome --to mcap", "kinesic export welcome --to ros --robot g1.toml"),
+    "export": ("kinesic export welcome --to mcap", "kinesic export welcome --to lerobot --performed"),
     "face": ("kinesic face --emotion joy --out joy.png", "kinesic face --bml welcome --out face.webp"),
     "gestures find": (
         "kinesic gestures find weigh two things",

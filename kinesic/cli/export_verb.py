@@ -19,9 +19,9 @@ from kinesic.cli.options import force_option, implemented_by, planning_options
     "--to",
     "kind",
     required=True,
-    type=click.Choice(["mcap", "rerun", "ros", "json", "csv", "npz", "bvh"]),
-    help="mcap: for Foxglove (extra mcap); rerun: for the Rerun viewer (extra rerun); ros, json: ROS joint trajectory "
-    "as MCAP or JSON; csv, npz: joint angles; bvh: for animation programs.",
+    type=click.Choice(["mcap", "rerun", "lerobot", "ros", "json", "csv", "npz", "bvh"]),
+    help="mcap: for Foxglove (extra mcap); rerun: for the Rerun viewer (extra rerun); lerobot: a dataset folder (extra "
+    "store); ros, json: ROS joint trajectory as MCAP or JSON; csv, npz: joint angles; bvh: for animation programs.",
 )
 @click.option("--performed", is_flag=True, help="Also perform FILE in the twin, and export its measured joint states.")
 @click.option(

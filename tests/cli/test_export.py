@@ -38,7 +38,7 @@ def test_exported_recording_is_named_after_the_document(capsys):
     assert b"/measured/joint_states" in Path("nod.mcap").read_bytes()
 
 
-@pytest.mark.parametrize(("kind", "right"), [("mcap", "x.mcap"), ("rerun", "x.rrd")])
+@pytest.mark.parametrize(("kind", "right"), [("mcap", "x.mcap"), ("rerun", "x.rrd"), ("lerobot", "x")])
 def test_export_refuses_a_wrong_file_suffix_and_suggests_the_right_one(kind: str, right: str):
     with pytest.raises(ConfigError, match=f"name it {right}"):
         export("nod.bml", "--to", kind, "--out", "x.glb")
@@ -51,7 +51,9 @@ def test_export_writes_joint_trajectories_and_other_motion_files(capsys):
         assert Path(name).read_bytes().startswith(start)
         with pytest.raises(ConfigError, match=name):
             export("nod.bml", "--to", kind)
-    with pytest.raises(ConfigError, match="--performed needs --to mcap or rerun; --to csv writes the planned motion"):
+    with pytest.raises(
+        ConfigError, match="--performed needs --to mcap or rerun or lerobot; --to csv writes the planned motion"
+    ):
         export("nod.bml", "--to", "csv", "--performed")
 
 
@@ -77,6 +79,8 @@ def steps(monkeypatch) -> list[object]:
     monkeypatch.setattr(verb.ExportedMotion, "of_performance", lambda run: f"performed: {run}")
     monkeypatch.setattr(verb, "save_mcap", save("mcap"))
     monkeypatch.setattr(verb, "save_rerun", save("rerun"))
+    monkeypatch.setattr(verb, "save_lerobot", save("lerobot"))
+    monkeypatch.setattr(verb, "check_folder", lambda path, force: done.append(("check folder", path, force)))
     monkeypatch.setattr(verb, "error_console", lambda: "screen")
     monkeypatch.setattr(verb, "print_notices", lambda plan, screen: done.append((plan, screen)))
     return done
@@ -99,6 +103,13 @@ def test_planned_motion_is_exported_as_a_rerun_recording(steps, capsys, force):
         (PLAN_TEXT, "screen"),
     ]
     assert capsys.readouterr().out == "recording: nod.rrd\n"
+
+
+def test_dataset_for_lerobot_is_a_folder_named_after_the_document(steps, capsys):
+    assert verb.export_motion("nod.bml", Planning("upper22", "neutral", {}), "lerobot", True, None, False) == 0
+    assert steps[:2] == ["duckdb", ("check folder", Path("nod"), False)]
+    assert ("lerobot", [f"performed: run of {PLAN_TEXT}"], Path("nod"), False) in steps
+    assert capsys.readouterr().out == "dataset: nod\n"
 
 
 def test_exported_performed_motion_is_that_of_the_twin(steps):

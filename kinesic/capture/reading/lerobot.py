@@ -28,6 +28,7 @@ POSITION_FEATURES = ("action", "observation.state")  # columns with joint positi
 POSITION_SUFFIX = ".pos"  # suffix of the names of joint positions
 MAX_VALUES = 2_000_000  # largest number of frames x joints
 MEMORY_LIMIT = "400MB"  # largest memory of a query
+DEGREE_ROBOTS = "kinesic_"  # beginning of robot types whose positions are in degrees, as kinesic exports them
 MAX_RADIANS = 2.0 * np.pi  # [rad] any larger value makes all positions count as degrees
 
 
@@ -41,12 +42,14 @@ class _Dataset(msgspec.Struct):
     """Content of a dataset's description file."""
 
     features: dict[str, _Feature]
+    robot_type: str | None = None
 
 
 def read_lerobot(path: Path) -> JointClip:
     """Read the first episode of a data file of a LeRobot dataset.
 
-    Actions are preferred to measured states. The unit is not in the file: values beyond 2 pi count as degrees.
+    Actions are preferred to measured states. The unit is not in the file: values beyond 2 pi count as degrees, and all
+    values that kinesic has exported are degrees.
 
     Raises:
         CaptureError: DuckDB is missing, the file or its dataset's description is invalid, or no column has joints.
@@ -55,7 +58,7 @@ def read_lerobot(path: Path) -> JointClip:
         import duckdb  # noqa: PLC0415 - an extra
     except ModuleNotFoundError:
         raise CaptureError(f"{path}: .parquet needs DuckDB: {install_extra('store')}") from None
-    feature, names = _find_joints(path)
+    feature, names, is_exported = _find_joints(path)
     check_regular(path)
     settings: dict[str, str | bool | int | float | list[str]] = {
         "threads": "1",
@@ -75,16 +78,17 @@ def read_lerobot(path: Path) -> JointClip:
     times = check_numbers(np.array([time for time, _ in rows], dtype=np.float64), f"{path}: timestamp")
     check_times(times, str(path))
     values = check_numbers(np.array([values for _, values in rows], dtype=np.float64), f"{path}: {feature}")
-    in_degrees = bool(np.abs(values).max() > MAX_RADIANS)
+    in_degrees = is_exported or bool(np.abs(values).max() > MAX_RADIANS)
+    unit_guess = f"{feature} read as {'degrees' if in_degrees else 'radians'}; the dataset does not state its unit"
     guesses = (
         *([f"episode {episode}, the first of {episodes}"] if episodes > 1 else []),
-        f"{feature} read as {'degrees' if in_degrees else 'radians'}; the dataset does not state its unit",
+        *([] if is_exported else [unit_guess]),
     )
     return JointClip(sealed(times - times[0]), names, sealed(np.radians(values) if in_degrees else values), guesses)
 
 
-def _find_joints(path: Path) -> tuple[str, tuple[str, ...]]:
-    """Return the column with joint positions and the names of the joints.
+def _find_joints(path: Path) -> tuple[str, tuple[str, ...], bool]:
+    """Return the column with joint positions, the joint names, and whether kinesic wrote it.
 
     Raises:
         CaptureError: the dataset has no description, or no such column.
@@ -99,7 +103,7 @@ def _find_joints(path: Path) -> tuple[str, tuple[str, ...]]:
     for name in POSITION_FEATURES:
         joints = _joint_names(dataset.features, name)
         if joints:
-            return name, joints
+            return name, joints, (dataset.robot_type or "").startswith(DEGREE_ROBOTS)
     raise CaptureError(f"{description}: it names the joints of neither {' nor '.join(POSITION_FEATURES)}")
 
 
