@@ -32,6 +32,10 @@ the current *stage*, the *event* of this cycle, and *conditions*. A condition is
 or of the planner), a flag (which the supervisor remembers), or a combination of these. The row names the next stage,
 the actions that begin, and the flags that change.
 
+The tables use these words: the *manifest* lists the servos that the robot's file describes. A *goal* is the position
+that a servo should take. A *limp* servo has no torque. A *raised* limb may be away from the rest posture, so it could
+fall. An *interruption* is a period in which the arms could not follow the performance.
+
 The page is generated from `kinesic/hardware/supervisor/transitions.py`, which the supervisor executes. A test checks
 [every reachable state with every event and every
 observation](../benchmarks/proof.md#state-machine-of-the-supervisor).

@@ -23,7 +23,7 @@ class Observation:
     confirmed: bool = False  # a person has confirmed to let raised limbs fall
     interrupted: bool = False  # a long interruption has just ended or still lasts
     still: bool = True  # the performance or move has come to a stop (its time no longer advances)
-    reached: bool = False  # the present move has ended
+    reached: bool = False  # the current move has ended
     idle: bool = False  # the hold has lasted long enough to fold
     hopeless: bool = False  # a port has been gone for longer than the supervisor waits
     policy: Policy = "hold"  # reaction to an emergency stop

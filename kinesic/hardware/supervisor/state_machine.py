@@ -9,11 +9,11 @@ class Stage(Enum):
     """Operating stage of the supervisor, a state of its state machine."""
 
     CLOSED = "closed"  # no port is open
-    PROBE = "probe"  # servos are compared with the manifest
-    CONFIGURE = "configure"  # registers are set, without torque
-    LIMP = "limp"  # registers are set, torque is off
-    ARM = "arm"  # torque is switched on at the present positions, with low power first
-    HOLD = "hold"  # goals stand still
+    PROBE = "probe"  # the supervisor compares the servos with the manifest
+    CONFIGURE = "configure"  # the supervisor sets the registers, without torque
+    LIMP = "limp"  # the registers are set, and the torque is off
+    ARM = "arm"  # torque is switched on at the current positions, with low power first
+    HOLD = "hold"  # the goals do not change
     APPROACH = "approach"  # the robot moves to the current point of the performance
     ACTIVE = "active"  # performance time runs
     DEGRADED = "degraded"  # performance time decelerates to a stop
@@ -22,8 +22,8 @@ class Stage(Enum):
     RELEASE = "release"  # torque is switched off
     STOPPED = "stopped"  # emergency stop: the robot holds until a person resumes or ends the performance
     LOST = "lost"  # a port is gone; its servos stop by themselves
-    IDENTIFY = "identify"  # the servos behind a reopened port are identified
-    ADOPT = "adopt"  # servos with torque are taken over at their positions
+    IDENTIFY = "identify"  # the supervisor identifies the servos behind a reopened port
+    ADOPT = "adopt"  # the supervisor takes over servos with torque at their positions
 
     @property
     def runs(self) -> bool:
@@ -48,10 +48,10 @@ Event = Literal[
 Action = Literal[
     "check",  # compare the servos with the manifest
     "configure",  # set the registers
-    "arm",  # switch torque on at the present positions
+    "arm",  # switch torque on at the current positions
     "identify",  # identify the servos behind a reopened port
     "adopt",  # take over servos with torque at their positions
-    "hold",  # keep the present goals
+    "hold",  # keep the current goals
     "approach",  # move to the current point of the performance
     "follow",  # play the performance
     "slow",  # decelerate to a stop

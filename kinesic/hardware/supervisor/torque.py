@@ -34,7 +34,7 @@ def watchdog_counts(seconds: float) -> int:
 def energise(
     axes: Axes, places: Sequence[int], first: Snapshot, power: Ticks, *, watchdog: int, steps: int
 ) -> Procedure:
-    """Switch torque on at the present positions.
+    """Switch torque on at the current positions.
 
     The goal is set to the present position and read back, and power is ramped up.
 
