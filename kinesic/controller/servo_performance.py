@@ -18,6 +18,7 @@ import numpy as np
 from kinesic.body.arrays import Floats
 from kinesic.controller.feedforward import FeedForward
 from kinesic.controller.play import commands
+from kinesic.controller.servo_caps import compute_caps
 from kinesic.controller.watch.servos import ServoWatch
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.servos import Servos
@@ -63,6 +64,8 @@ def perform_live(
     watch = make_clearance_watch(plan)
     with ThreadPoolExecutor(1) as pool:
         try:
+            if setup.policy is not None:
+                servos.limit(compute_caps(setpoints, setup, pace=servos.settings.pace))
             for command in commands(plan.trajectory, times, setpoints):
                 servos.write(command)
         finally:

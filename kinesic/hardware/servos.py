@@ -22,12 +22,13 @@ from kinesic.body.servo import tracking_lags
 from kinesic.hardware.bus.telemetry import Telemetry
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.address import find_supervisor
+from kinesic.hardware.supervisor.caps import ServoCaps
 from kinesic.hardware.supervisor.channel import Channel, Status, map_memory, memory_file, memory_size
 from kinesic.hardware.supervisor.manifest import Manifest, Member, describe_raised_joints
 from kinesic.hardware.supervisor.notes import Note
 from kinesic.hardware.supervisor.settings import DEFAULT_SETTINGS, Policy, SupervisorOrder, SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
-from kinesic.hardware.supervisor.wiring_check import compute_bus_loads, explain_missing_watchdog
+from kinesic.hardware.supervisor.wiring_check import check_bus_loads, explain_missing_watchdog
 
 START_TIMEOUT = 30.0  # [s] time limit for the supervisor to become ready
 UNWATCHED_KIND = "no watchdog"  # kind of the event that servos have no bus watchdog
@@ -71,6 +72,7 @@ class Servos:
         octets = memory_size(self._joints)
         memory = memory_file(octets)
         self._channel = Channel(map_memory(memory, octets), self._joints)
+        self.settings = settings
         self._lock = Lock()  # another thread may read the state while one waits in `close`
         self._lags = tracking_lags(robot.drives)
         self._waiting: deque[tuple[float, Floats, Floats]] = deque()  # commands that did not fit into the channel
@@ -100,6 +102,10 @@ class Servos:
     def pid(self) -> int:
         """Process id of the supervisor."""
         return self._process.pid
+
+    def limit(self, caps: ServoCaps) -> None:
+        """Cap velocity and power of the servos from the next cycle on."""
+        self._channel.write_caps(caps)
 
     @property
     def running(self) -> bool:
@@ -274,21 +280,6 @@ def check_ports(robot: Robot, manifest: Manifest, ports: Mapping[str, str | Path
     if mismatched:
         required = ", ".join(f"{name}=PATH" for name in manifest.bauds)
         raise BusError(f"ports are given for {', '.join(ports) or 'no bus'}, but {robot.name} needs {required}")
-
-
-def check_bus_loads(manifest: Manifest, *, period: float) -> None:
-    """Check that each bus can serve all its servos every cycle.
-
-    Args:
-        manifest: servos of the robot.
-        period: [s] cycle period.
-
-    Raises:
-        BusError: a bus is too slow; one line per bus, with a remedy.
-    """
-    loads = compute_bus_loads(manifest, period=period)
-    if lines := [f"bus {load.bus} is too slow: {load.text}" for load in loads if not load.fits]:
-        raise BusError("\n".join(lines))
 
 
 def check_ports_free(ports: Iterable[str | Path], joints: int) -> None:

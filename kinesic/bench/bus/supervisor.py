@@ -16,11 +16,12 @@ from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.servo_map import MID_TICKS
 from kinesic.hardware.supervisor.channel import Channel, memory_size
+from kinesic.hardware.supervisor.context import SupervisorContext
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.supervisor.status import EventLog
-from kinesic.hardware.supervisor.supervisor import Supervisor, SupervisorContext
+from kinesic.hardware.supervisor.supervisor import Supervisor
 
 BUS_NAME = "bench"  # name of the only bus in the manifest
 JOINT_RANGE = 1.5  # [rad] range of each virtual servo's joint to either side

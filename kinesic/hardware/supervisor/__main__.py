@@ -22,10 +22,11 @@ from kinesic.hardware.bus.serial_wire import SerialWire
 from kinesic.hardware.protocol.wire import Wire
 from kinesic.hardware.supervisor.address import publish
 from kinesic.hardware.supervisor.channel import Channel, map_memory, memory_size
+from kinesic.hardware.supervisor.context import SupervisorContext
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.settings import SupervisorOrder
 from kinesic.hardware.supervisor.status import EventLog
-from kinesic.hardware.supervisor.supervisor import Supervisor, SupervisorContext
+from kinesic.hardware.supervisor.supervisor import Supervisor
 from kinesic.host import ENDING_SIGNALS
 
 REAL_TIME_PRIORITY = 20  # SCHED_FIFO priority of the supervisor, if the host grants it

@@ -9,18 +9,18 @@ import mmap
 import os
 import sys
 import tempfile
-import zlib
 from dataclasses import dataclass, field
 from math import nan
 from operator import attrgetter
 from typing import get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
 from kinesic.body.arrays import Floats, sealed
 from kinesic.hardware.bus.telemetry import Telemetry
+from kinesic.hardware.supervisor.caps import ServoCaps
 from kinesic.hardware.supervisor.notes import TEXT_SIZE, Note, join_notes, split_note
+from kinesic.hardware.supervisor.ring_rows import Rows, load_row, store_row
 from kinesic.hardware.supervisor.settings import Policy
 from kinesic.hardware.supervisor.state_machine import Awaited, Stage
 
@@ -28,6 +28,7 @@ COMMAND_CAPACITY = 16_384  # Largest number of commands in the ring buffer, more
 EVENT_CAPACITY = 512  # Largest number of events in the ring buffer
 STATUS_CAPACITY = 4096  # largest number of statuses in the ring buffer, more than half a minute at 100 Hz
 TELEMETRY_CAPACITY = 8  # Largest number of telemetry rows in the ring buffer
+CAP_CAPACITY = 4  # largest number of caps in the ring buffer
 MAX_TELEMETRY_SERVOS = 256  # Largest number of servos in a telemetry row
 MEMORY_NAME = "kinesic"  # name of the shared memory in /proc/PID/fd
 PACE_STEPS = 1000  # Resolution of the requested time scale, in steps from 0 to 1
@@ -47,6 +48,7 @@ _WORD_NAMES = (
     "noted",
     "cycles",
     "tellings",
+    "capped",
 )
 _WORD_OFFSETS = {name: place for place, name in enumerate(_WORD_NAMES)}  # word name -> index in the shared memory
 
@@ -79,9 +81,6 @@ class Status:
         return self.time + self.scale * (clock - self.clock)
 
 
-Rows = NDArray[np.void]
-
-
 class Channel:
     """Reader and writer of the memory shared by planner and supervisor."""
 
@@ -97,7 +96,9 @@ class Channel:
         start += self._events.nbytes
         self._ring: Rows = np.frombuffer(memory, self._commands, capacity, start)
         self._telemetry: Rows = np.frombuffer(memory, _TELEMETRY_DTYPE, TELEMETRY_CAPACITY, start + self._ring.nbytes)
-        self._taken = self._noted = self._seen = 0  # counts of rows that this side has read
+        start += self._ring.nbytes + self._telemetry.nbytes
+        self._caps: Rows = np.frombuffer(memory, _caps(joints), CAP_CAPACITY, start)
+        self._taken = self._noted = self._seen = self._capped = 0  # counts of rows that this side has read
 
     def word(self, name: str) -> int:
         """Read a counter or request word of the shared memory."""
@@ -131,7 +132,7 @@ class Channel:
         if self.room <= 0:
             return False
         number = self.word("written")
-        _store(self._ring, number % self.capacity, number + 1, time, goals, leads)
+        store_row(self._ring, number % self.capacity, number + 1, time, goals, leads)
         self.set("written", number + 1)
         return True
 
@@ -143,7 +144,7 @@ class Channel:
         """
         new_commands: list[tuple[float, Floats, Floats]] = []
         while self._taken < self.word("written") and len(new_commands) < most:
-            row = _load(self._ring, self._taken % self.capacity, self._taken + 1)
+            row = load_row(self._ring, self._taken % self.capacity, self._taken + 1)
             if row is None:
                 break
             new_commands.append((float(row["time"]), sealed(row["goals"]), sealed(row["leads"])))
@@ -152,18 +153,33 @@ class Channel:
             self.set("read", self._taken)
         return new_commands
 
+    def write_caps(self, caps: ServoCaps) -> None:
+        """Add caps of velocity and power, which replace earlier ones."""
+        number = self.word("capped")
+        store_row(self._caps, number % CAP_CAPACITY, number + 1, caps.velocities, caps.duties, caps.holding)
+        self.set("capped", number + 1)
+
+    def caps(self) -> ServoCaps | None:
+        """Return the latest caps if they are new, for the supervisor."""
+        number = self.word("capped")
+        row = load_row(self._caps, (number - 1) % CAP_CAPACITY, number) if number > self._capped else None
+        if row is None:
+            return None
+        self._capped = number
+        return ServoCaps(*(sealed(row[name]) for name in _CAP_VECTORS))
+
     def write_status(self, status: Status) -> None:
         """Add a supervisor status to the ring buffer."""
         number = self.word("cycles")
         words = STAGE_VALUES.index(status.stage), AWAITED_VALUES.index(status.waits)
-        _store(self._status, number % STATUS_CAPACITY, number + 1, *words, *_row(status))
+        store_row(self._status, number % STATUS_CAPACITY, number + 1, *words, *_row(status))
         self.set("cycles", number + 1)
 
     def status(self) -> Status:
         """Return the latest status."""
         for _ in range(READ_ATTEMPTS):
             number = self.word("cycles")
-            row = _load(self._status, (number - 1) % STATUS_CAPACITY, number)
+            row = load_row(self._status, (number - 1) % STATUS_CAPACITY, number)
             if row is not None:
                 return _status_of(row)
         return _CLOSED_STATUS
@@ -173,14 +189,14 @@ class Channel:
         number, count = self.word("tellings"), min(len(telemetry.celsius), MAX_TELEMETRY_SERVOS)
         quantities = np.zeros((_TELEMETRY_QUANTITIES, MAX_TELEMETRY_SERVOS), dtype=np.float32)
         quantities[:, :count] = telemetry.figures[:, :count]
-        _store(self._telemetry, number % TELEMETRY_CAPACITY, number + 1, telemetry.clock, count, quantities)
+        store_row(self._telemetry, number % TELEMETRY_CAPACITY, number + 1, telemetry.clock, count, quantities)
         self.set("tellings", number + 1)
 
     def telemetry(self) -> Telemetry:
         """Return the latest telemetry of all servos."""
         for _ in range(READ_ATTEMPTS):
             number = self.word("tellings")
-            row = _load(self._telemetry, (number - 1) % TELEMETRY_CAPACITY, number)
+            row = load_row(self._telemetry, (number - 1) % TELEMETRY_CAPACITY, number)
             if row is not None:
                 quantities = row["quantities"][:, : int(row["count"])].astype(np.float64)
                 return Telemetry(float(row["clock"]), *(sealed(figure) for figure in quantities))
@@ -191,7 +207,7 @@ class Channel:
         cycles, statuses = self.word("cycles"), []
         self._seen = max(self._seen, cycles - STATUS_CAPACITY)
         while self._seen < cycles:
-            row = _load(self._status, self._seen % STATUS_CAPACITY, self._seen + 1)
+            row = load_row(self._status, self._seen % STATUS_CAPACITY, self._seen + 1)
             if row is not None:
                 statuses.append(_status_of(row))
             self._seen += 1
@@ -201,14 +217,14 @@ class Channel:
         """Add a supervisor event to the ring buffer."""
         number, rows = self.word("noted"), split_note(note)
         for k, (kind, text) in enumerate(rows, number):
-            _store(self._events, k % EVENT_CAPACITY, k + 1, note.clock, note.servo, kind, text)
+            store_row(self._events, k % EVENT_CAPACITY, k + 1, note.clock, note.servo, kind, text)
         self.set("noted", number + len(rows))
 
     def notes(self) -> tuple[Note, ...]:
         """Return the events since the last call, of at most EVENT_CAPACITY rows."""
         noted = self.word("noted")
         first, self._noted = max(self._noted, noted - EVENT_CAPACITY), noted
-        rows = (_load(self._events, k % EVENT_CAPACITY, k + 1) for k in range(first, noted))
+        rows = (load_row(self._events, k % EVENT_CAPACITY, k + 1) for k in range(first, noted))
         return join_notes(row for row in rows if row is not None)
 
 
@@ -234,12 +250,17 @@ def _status_of(row: np.void) -> Status:
 _CLOSED_STATUS = Status()  # status before the first cycle
 _STATUS_VECTORS = ("angles", "setpoints", "taken")  # fields of a status with a value per joint
 _STATUS_NUMBERS = ("clock", "time", "scale", "energised", "hottest", "volts", "silent", "late", "faulty")
+_CAP_VECTORS = ("velocities", "duties", "holding")  # fields of caps, in their order
 _row = attrgetter(*_STATUS_NUMBERS, *_STATUS_VECTORS)
 
 
 def _command(joints: int) -> np.dtype[np.void]:
     vectors = [(name, "<f8", (joints,)) for name in ("goals", "leads")]
     return np.dtype([("number", "<u8"), ("time", "<f8"), *vectors, ("crc", "<u8")])
+
+
+def _caps(joints: int) -> np.dtype[np.void]:
+    return np.dtype([("number", "<u8"), *((name, "<f8", (joints,)) for name in _CAP_VECTORS), ("crc", "<u8")])
 
 
 def _status(joints: int) -> np.dtype[np.void]:
@@ -269,6 +290,7 @@ def memory_size(joints: int, capacity: int = COMMAND_CAPACITY) -> int:
         STATUS_CAPACITY * _status(joints).itemsize
         + EVENT_CAPACITY * _EVENT_DTYPE.itemsize
         + capacity * _command(joints).itemsize
+        + CAP_CAPACITY * _caps(joints).itemsize
     )
     return 8 * len(_WORD_NAMES) + rows + TELEMETRY_CAPACITY * _TELEMETRY_DTYPE.itemsize
 
@@ -287,17 +309,3 @@ def memory_file(octets: int) -> int:
 def map_memory(descriptor: int, octets: int) -> mmap.mmap:
     """Map a file descriptor's `octets` bytes as shared memory."""
     return mmap.mmap(descriptor, octets)
-
-
-def _store(rows: Rows, place: int, number: int, *values: object) -> None:
-    row = np.zeros(1, dtype=rows.dtype)
-    row[0] = (number, *values, 0)
-    row["crc"] = zlib.crc32(row.tobytes()[:-8])
-    rows[place] = row[0]
-
-
-def _load(rows: Rows, place: int, number: int) -> np.void | None:
-    """Copy a ring row, or return None while it is incomplete."""
-    row = rows[place].copy()
-    complete = number > 0 and int(row["number"]) == number and int(row["crc"]) == zlib.crc32(row.tobytes()[:-8])
-    return row if complete else None

@@ -20,9 +20,8 @@ class GoalSteering:
         self.player = Player(settings)
         self._manifest = manifest
         self._bounds = GoalBounds(*manifest.spans, manifest.velocities, MAX_LEAD_RATIO * manifest.full)
-        self._lag = settings.period / (
-            2 * manifest.velocities
-        )  # (m,) [s^2/tick] profile lag per squared velocity, see `ticks`
+        self._period = settings.period
+        self.set_profile_velocities(manifest.velocities)
         self._course: GoalCourse | None = None
         self._target: Floats = np.zeros(len(manifest.members))  # (m,) [ticks] positions that the goals approach
         self._given_up: Flags = np.zeros(
@@ -58,6 +57,10 @@ class GoalSteering:
             return False
         distance = np.abs(self._course.goals - self._target)
         return float(np.where(self._limp, 0.0, distance).max()) < 1.0
+
+    def set_profile_velocities(self, velocities: Floats) -> None:
+        """Set the profile velocities (m,) [ticks/s] of the servos, whose lag `ticks` compensates."""
+        self._lag = self._period / (2 * velocities)  # (m,) [s^2/tick] profile lag per squared velocity
 
     def hold(self) -> None:
         """Stop at the present goals until the next move begins."""

@@ -5,7 +5,7 @@ as well.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -154,6 +154,10 @@ class CommunicationMonitor:
         self.any_energised = self.all_energised = self.any_limp = False
         self.tripped = False  # whether a watchdog has stopped servos with torque
         self._fit = False  # whether all servos have torque and none has failed
+
+    def limit_power(self, duties: Floats) -> None:
+        """Let servos with capped duties (m,) count as stuck at a smaller position error."""
+        self._ratings = replace(self._ratings, full=sealed(duties * self._manifest.full))
 
     def look(self, snapshot: Snapshot, goals: Floats | None, seconds: float) -> None:
         """Update the states of all servos with the records of one cycle.

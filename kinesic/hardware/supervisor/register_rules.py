@@ -170,7 +170,11 @@ RAM_RULES = (
         why="setpoints already contain the feed-forward; if it were applied twice, the servo would overshoot",
     ),
     _rule("driven", Register.BUS_WATCHDOG, why="the watchdog is on while torque is on"),
-    _rule("driven", Register.GOAL_PWM, why="kinesic ramps it from 10 % to PWM_LIMIT when it switches torque on"),
+    _rule(
+        "driven",
+        Register.GOAL_PWM,
+        why="kinesic ramps it from 10 % to PWM_LIMIT, or near people to its cap, when it switches torque on",
+    ),
     _rule("left", Register.GOAL_CURRENT, Register.GOAL_VELOCITY, why="position mode does not use them"),
     _rule(
         "set",
@@ -178,7 +182,12 @@ RAM_RULES = (
         detail="0",
         why="with a profile, the servo would brake at every goal of a stream",
     ),
-    _rule("set", Register.PROFILE_VELOCITY, detail="the no-load velocity", why="a late goal causes no jump"),
+    _rule(
+        "set",
+        Register.PROFILE_VELOCITY,
+        detail="the no-load velocity, near people a cap",
+        why="a late goal causes no jump",
+    ),
     _rule(
         "driven",
         Register.GOAL_POSITION,

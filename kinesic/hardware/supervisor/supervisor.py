@@ -1,7 +1,6 @@
 """Main loop of the supervisor: bus cycles, reactions and status."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 from time import monotonic
 
 import numpy as np
@@ -9,9 +8,10 @@ import numpy as np
 from kinesic.hardware.bus.host import Punctuality
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.ticks import Ticks
-from kinesic.hardware.protocol.wire import BusError, Wire
+from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.axes import Axes, Snapshot
-from kinesic.hardware.supervisor.channel import Channel
+from kinesic.hardware.supervisor.caps import CapWriter
+from kinesic.hardware.supervisor.context import SupervisorContext
 from kinesic.hardware.supervisor.failures import FailureWatch, InterruptionWatch
 from kinesic.hardware.supervisor.goals import GoalSteering
 from kinesic.hardware.supervisor.identity import identify
@@ -23,7 +23,7 @@ from kinesic.hardware.supervisor.preflight import RegisterTable, configure, read
 from kinesic.hardware.supervisor.requests import Requests
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import MOVING_STAGES, Action, Event, Stage, SupervisorState
-from kinesic.hardware.supervisor.status import EventLog, StatusWriter
+from kinesic.hardware.supervisor.status import StatusWriter
 from kinesic.hardware.supervisor.torque import (
     POWER_RAMP_TIME,
     Procedure,
@@ -43,17 +43,6 @@ MIN_STEP_TIME = 1e-4  # [s] smallest time step between two cycles
 CHECK_CYCLES = 100  # Cycles after the start within which all servos must have answered
 
 
-@dataclass(frozen=True, eq=False)
-class SupervisorContext:
-    """Connections of a supervisor: wires, planner and log."""
-
-    opens: Callable[[str], Wire]  # opens the wire of a bus by its name, or raises BusError
-    channel: Channel  # channel to the planner
-    planner: Callable[[], bool]  # returns whether the planner is alive
-    journal: EventLog
-    announce: Callable[[], None] = lambda: None  # publishes the open ports, or raises BusError
-
-
 class Supervisor:
     """Control loop for all servos of a manifest."""
 
@@ -69,6 +58,7 @@ class Supervisor:
         self._steering, self._monitor = GoalSteering(manifest, settings), CommunicationMonitor(manifest, ())
         self._failures, self._interruptions = FailureWatch(manifest, self._note), InterruptionWatch(settings.startle)
         self._requests = Requests(context.channel, context.planner)
+        self._caps, self._brakes = CapWriter(manifest, ()), False  # whether a quick stop is in progress
         self._axes: Axes | None = None
         self._tables: tuple[RegisterTable, ...] = ()
         self._procedure: Procedure | None = None
@@ -100,6 +90,9 @@ class Supervisor:
         self._requests.look()
         self._take_commands()
         self._move(seconds)
+        self._caps.take(self._channel.caps(), self._monitor, self._steering)
+        if self._procedure is None:
+            self._caps.write(axes, self._monitor, seconds=seconds, braking=self._brakes)
         self._look(axes, self._goals(), seconds)
         if self._procedure is None and self._last is not None:
             keep_watchdogs(axes, self._last, self._watchdog)
@@ -140,6 +133,7 @@ class Supervisor:
         target = min(monitor.scale, self._host.pace) if stage is Stage.ACTIVE else float(stage in MOVING_STAGES)
         hurry = self._requests.alone or stage in (Stage.STOPPED, Stage.LOST)
         slow = self._settings.quick if hurry and not target else self._settings.slow
+        self._brakes = hurry and not target and not self._steering.player.still
         if stage is Stage.ACTIVE and self._requests.pace < target:
             target, slow = self._requests.pace, self._settings.wary
         refused = self._steering.move(seconds, monitor.present, target=target, slow=slow) & monitor.energised
@@ -266,27 +260,30 @@ class Supervisor:
             for change in configure(self._axes, self._tables):
                 self._note("configured", f"{change.register.name}: {change.before} -> {change.after}", change.servo)
             self._tables = read_manifest_tables(self._axes)
+            self._caps = CapWriter(self.manifest, self._tables)
             self._clock = self._axes.now()
 
     def _begin(self, action: Action) -> None:
         axes, last = self._axes, self._last
         if axes is None or last is None:
             return
-        power = np.array([table[Register.PWM_LIMIT] for table in self._tables], dtype=np.int64)
         self._steering.hold()
+        self._caps.forget()
         self._members = list(axes.all_places)
         if action == "arm":
             self._members = np.flatnonzero(self._monitor.limp).tolist()
             self._steering.take_back(self._members)
             steps = round(POWER_RAMP_TIME / self._settings.period)
-            self._procedure = energise(axes, self._members, last, power, watchdog=self._watchdog, steps=steps)
+            self._procedure = energise(
+                axes, self._members, last, self._caps.power, watchdog=self._watchdog, steps=steps
+            )
         elif action == "identify":
             self._procedure = identify(axes, self._tables, watchdog=self._watchdog)
         elif action == "adopt":
             earlier = self._steering.goals
             if earlier is None:
                 earlier = np.array([table[Register.GOAL_POSITION] for table in self._tables], dtype=np.float64)
-            self._procedure = adopt(axes, last, earlier, power, watchdog=self._watchdog)
+            self._procedure = adopt(axes, last, earlier, self._caps.power, watchdog=self._watchdog)
         else:
             self._procedure = release_torque(axes, tries=round(self._settings.hopeless / self._settings.period))
         self._proceed(first=True)

@@ -9,7 +9,7 @@ from kinesic.hardware.bus.dialect import SERVO_TURNAROUND, cycle_size
 from kinesic.hardware.protocol.models import MODELS_BY_NUMBER, UNREACHABLE_FIRMWARE
 from kinesic.hardware.protocol.packet import PACKET_OVERHEAD, STATUS_OVERHEAD
 from kinesic.hardware.protocol.registers import Register
-from kinesic.hardware.protocol.wire import BITS_PER_BYTE
+from kinesic.hardware.protocol.wire import BITS_PER_BYTE, BusError
 from kinesic.hardware.supervisor.axes import MAX_POLL_CYCLES
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 
@@ -147,3 +147,18 @@ def find_supply_faults(robot: Robot) -> tuple[str, ...]:
                 f"[supply] has {volts:g} V, but {name} takes {lowest:.1f}..{highest:.1f} V ({', '.join(hinges[name])})"
             )
     return tuple(lines)
+
+
+def check_bus_loads(manifest: Manifest, *, period: float) -> None:
+    """Check that each bus can serve all its servos every cycle.
+
+    Args:
+        manifest: servos of the robot.
+        period: [s] cycle period.
+
+    Raises:
+        BusError: a bus is too slow; one line per bus, with a remedy.
+    """
+    loads = compute_bus_loads(manifest, period=period)
+    if lines := [f"bus {load.bus} is too slow: {load.text}" for load in loads if not load.fits]:
+        raise BusError("\n".join(lines))

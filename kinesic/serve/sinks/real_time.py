@@ -13,6 +13,8 @@ from kinesic.body.command import COMMAND_RATE, Command, Sink
 from kinesic.body.robot import Robot
 from kinesic.controller.learned_gains import Identification
 from kinesic.controller.play import commands
+from kinesic.controller.servo_caps import compute_caps
+from kinesic.hardware.supervisor.caps import ServoCaps
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.motion.trajectory import Trajectory
@@ -30,6 +32,7 @@ TICK_TOLERANCE = 1e-6  # [ticks] rounding tolerance of command times
 SERVO_LOOKAHEAD = 0.7  # [s] time by which commands are sent ahead; the supervisor starts once it has 0.5 s of commands
 Face = Callable[[float], Mapping[str, float]]  # action units at a clock time [s]
 
+CAPPED_TICKS = 1000  # number of further commands for which caps are computed at once
 LOG_CAPACITY = 1000  # largest number of stored control cycles; a twin clears its record after as many commands
 
 
@@ -106,6 +109,18 @@ class ServoSink(Protocol):
         """
 
 
+@runtime_checkable
+class CappedSink(Protocol):
+    """Output (sink) whose servos accept caps of velocity and power."""
+
+    @property
+    def pace(self) -> float:
+        """Largest joint velocity [rad/s] of moves without commands."""
+
+    def limit(self, caps: ServoCaps, /) -> None:
+        """Cap velocity and power from now on."""
+
+
 class RealTwin:
     """Simulated robot for a server, with bounded memory for any run time."""
 
@@ -169,6 +184,8 @@ class RealTimeSink:
         self.lesson: Identification | None = None  # latest identification result
         self._feedforward, self._learner = AdaptiveFeedForward(estimate, delay=delay), learner
         self._next = 0  # tick of the next command
+        self._capped_motion: Trajectory | None = None  # motion of the present caps
+        self._capped_until = 0  # tick until which the present caps hold
 
     def follow(self, motion: Trajectory, now: float, setup: Setup, face: Face) -> None:
         """Send all commands due until a clock time [s] plus `ahead`."""
@@ -176,11 +193,24 @@ class RealTimeSink:
         if last < self._next:
             return
         self._learn()
+        self._limit(motion, now, setup, last)
         times = np.arange(self._next, last + 1) / COMMAND_RATE
         setpoints = self._feedforward.feedforward(setup, times).compute_setpoints(motion, times)
         for command in commands(motion, times, setpoints):
             self.sink.write(replace(command, face=face(command.time)))
         self._next = last + 1
+
+    def _limit(self, motion: Trajectory, now: float, setup: Setup, last: int) -> None:
+        """Send caps for a new motion, or for more of the same one, near people."""
+        if setup.policy is None or not isinstance(self.sink, CappedSink):
+            return
+        if motion is self._capped_motion and last <= self._capped_until:
+            return
+        first = floor(now * COMMAND_RATE)  # commands from now on may still be in the supervisor
+        self._capped_motion, self._capped_until = motion, last + CAPPED_TICKS
+        times = np.arange(first, self._capped_until + 1) / COMMAND_RATE
+        setpoints = self._feedforward.feedforward(setup, times).compute_setpoints(motion, times)
+        self.sink.limit(compute_caps(setpoints, setup, pace=self.sink.pace))
 
     def close(self) -> None:
         """Close the sink and its learner."""

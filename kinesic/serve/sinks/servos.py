@@ -11,6 +11,7 @@ from kinesic.body.dynamics import Distances
 from kinesic.controller.watch.servos import ServoWatch, WrittenPostures
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.servos import Servos
+from kinesic.hardware.supervisor.caps import ServoCaps
 from kinesic.hardware.supervisor.channel import Status
 from kinesic.hardware.supervisor.state_machine import POWERED_STAGES
 from kinesic.serve.messages import ServoHealth, ServoPlace, ServoReport, ServoState
@@ -45,6 +46,7 @@ class RealServos:
         self.servos, self.armed = open_servos(), armed
         self._opening = Lock()  # held while the servos are closed and reopened
         self._cycles: deque[Status] = deque(maxlen=LOG_CAPACITY)
+        self._caps: ServoCaps | None = None
         self._start_watch()
 
     def _start_watch(self) -> None:
@@ -56,6 +58,16 @@ class RealServos:
         if self.armed:
             self._written.add(command)
             self.servos.write(command)
+
+    @property
+    def pace(self) -> float:
+        """Largest joint velocity [rad/s] of the supervisor's own moves."""
+        return self.servos.settings.pace
+
+    def limit(self, caps: ServoCaps, /) -> None:
+        """Cap velocity and power of the servos, also after they are reopened."""
+        self._caps = caps
+        self.servos.limit(caps)
 
     def measurement(self) -> tuple[float, Floats] | None:
         """Return time [s] and angles [rad] of the last measurement.
@@ -139,6 +151,8 @@ class RealServos:
 
     def _reopen(self) -> None:
         self.servos = self._open_servos()
+        if self._caps is not None:
+            self.servos.limit(self._caps)
         self._start_watch()
 
     def time(self, clock: float, /) -> float | None:

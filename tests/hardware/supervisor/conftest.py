@@ -19,12 +19,13 @@ from kinesic.hardware.protocol.models import SERVO_MODELS
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.ticks import Ticks
 from kinesic.hardware.supervisor.channel import Channel, Status, memory_size
+from kinesic.hardware.supervisor.context import SupervisorContext
 from kinesic.hardware.supervisor.manifest import Manifest, Member
 from kinesic.hardware.supervisor.notes import Note
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.supervisor.status import EventLog
-from kinesic.hardware.supervisor.supervisor import Supervisor, SupervisorContext
+from kinesic.hardware.supervisor.supervisor import Supervisor
 from kinesic.hardware.virtual.faults import NO_FAULTS, FaultPlan, PlannedFault
 from kinesic.hardware.virtual.wiring import Cable, ServoFitting, describe_cables
 

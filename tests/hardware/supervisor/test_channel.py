@@ -4,6 +4,7 @@ import os
 import numpy as np
 import pytest
 
+from kinesic.hardware.supervisor.caps import ServoCaps
 from kinesic.hardware.supervisor.channel import (
     EVENT_CAPACITY,
     STATUS_CAPACITY,
@@ -131,3 +132,13 @@ def test_continuation_row_of_an_event_text_without_its_first_row_is_skipped(ends
         supervisor.note(Note(2.0, k, "silent", "short"))
     notes = planner.notes()
     assert [note.servo for note in notes] == list(range(EVENT_CAPACITY - 2))
+
+
+def test_channel_returns_the_newest_caps_once(ends):
+    planner, supervisor = ends
+    assert supervisor.caps() is None
+    for k in range(6):
+        planner.write_caps(ServoCaps(*(np.full(JOINTS, 10.0 * k + part) for part in range(3))))
+    caps = supervisor.caps()
+    assert [values[0] for values in (caps.velocities, caps.duties, caps.holding)] == [50.0, 51.0, 52.0]
+    assert supervisor.caps() is None

@@ -7,9 +7,10 @@ import pytest
 
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
+from kinesic.hardware.supervisor.context import SupervisorContext
 from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
-from kinesic.hardware.supervisor.supervisor import Supervisor, SupervisorContext
+from kinesic.hardware.supervisor.supervisor import Supervisor
 
 Make = Callable  # of a desk, see conftest
 PERIOD = 0.01

@@ -6,7 +6,9 @@ import numpy as np
 import pytest
 
 from kinesic.body.arrays import sealed
+from kinesic.body.impact_policy import find_policy
 from kinesic.controller.learned_gains import Identification
+from kinesic.hardware.supervisor.caps import ServoCaps
 from kinesic.motion.trajectory import KNOT_INTERVAL, Trajectory, stay
 from kinesic.planning.setup import Setup
 from kinesic.serve.sinks import real_time
@@ -208,3 +210,38 @@ def test_motion_change_with_a_step_in_angle_velocity_or_acceleration_is_detected
     assert is_steady(old, new, 1.0) == steady
     assert is_steady(new, old, 1.0) == steady
     assert is_steady(new, replace(new), 1.0)
+
+
+class CappedRecorder(Recorder):
+    """Sink that records caps and the number of commands before them."""
+
+    pace = 0.1
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.caps: list[tuple[int, ServoCaps]] = []
+
+    def limit(self, caps: ServoCaps, /) -> None:
+        self.caps.append((len(self.commands), caps))
+
+
+def test_sink_gets_caps_before_the_commands_of_each_new_motion_near_people(known: Setup):
+    near = replace(known, policy=find_policy("adult"))
+    sink, motion = RealTimeSink(CappedRecorder(), ahead=0.5), nod(known, 0.1)
+    for now in (0.0, 0.2):
+        sink.follow(motion, now, near, no_face)
+    sink.repeat_from(0.3)
+    sink.follow(stay(known.robot.skeleton.rest), 0.3, near, no_face)
+    (first, nodding), (later, still) = sink.sink.caps
+    assert (first, later) == (0, 71)
+    moving = int(np.abs(nodding.velocities - still.velocities).argmax())
+    assert nodding.velocities[moving] > 1.5 * still.velocities[moving]
+    far = 0.3 + real_time.CAPPED_TICKS / 100
+    sink.follow(sink._capped_motion, far + 0.1, near, no_face)
+    assert len(sink.sink.caps) == 3
+
+
+def test_sink_gets_no_caps_without_people(known: Setup):
+    sink = RealTimeSink(CappedRecorder())
+    sink.follow(nod(known, 0.1), 0.5, known, no_face)
+    assert sink.sink.caps == []

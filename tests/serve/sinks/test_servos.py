@@ -8,7 +8,9 @@ import pytest
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
 from kinesic.body.dynamics import Clearance
+from kinesic.hardware.supervisor.caps import ServoCaps
 from kinesic.hardware.supervisor.channel import Status
+from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.serve.sinks.servos import RealServos
 
@@ -88,3 +90,26 @@ def test_servos_are_slowed_or_stopped_depending_on_the_tracking_error(angle: flo
         servos.write(Command(k / 100, row, row, row, row))
         servos.time(100.0 + k / 100)
     assert (min(result.paces) < 1.0, result.stops > 0) == (slows, stops)
+
+
+class Capped(Told):
+    """Stub servos that record their caps."""
+
+    def __init__(self) -> None:
+        super().__init__(Status())
+        self.caps: list[ServoCaps] = []
+        self.running, self.settings = False, SupervisorSettings(pace=0.3)
+
+    def limit(self, caps: ServoCaps) -> None:
+        self.caps.append(caps)
+
+
+def test_servo_sink_keeps_its_caps_when_the_servos_are_reopened():
+    opened = [Capped(), Capped()]
+    made = iter(opened)
+    servos = RealServos(lambda: next(made), distances=Wall(), min_clearance=0.01)
+    caps = ServoCaps(np.zeros(1), np.zeros(1), np.zeros(1))
+    servos.limit(caps)
+    servos.revive()
+    assert [each.caps for each in opened] == [[caps], [caps]]
+    assert servos.pace == 0.3
