@@ -67,7 +67,7 @@ def test_gaze_is_checked_again_when_a_moved_person_may_be_followed():
     assert next_gaze_time(moved, 9.1) == pytest.approx(9.25)
 
 
-def test_look_at_a_person_after_a_look_away_begins_anew():
+def test_look_back_at_a_person_restarts_the_time_of_the_look():
     away = replace(LISTENING, look=Look(at(0), (14.0, 0.0), 0.0, "looks away"))
     state, look = request_look(away, 9.5)
     assert look is not None

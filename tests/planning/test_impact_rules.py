@@ -94,7 +94,7 @@ def test_slowest_of_several_excesses_counts_and_limits_never_rise_or_fall_below_
     np.testing.assert_allclose(slow_hinges(swing, np.full(HINGES, 9.0), huge, 0), 0.02)
 
 
-def test_contribution_is_the_part_of_a_hinge_in_the_velocity_of_the_point():
+def test_contribution_of_a_hinge_is_its_fraction_of_the_point_velocity():
     setup = near_person({}, weights=(2.0, -1.0, 0.5, 0.0))
     velocities = np.array([[1.0, 1.0, 1.0, 1.0], [0.0, 3.0, 1.0, 5.0]])
     parts = compute_contributions(np.zeros((2, HINGES)), velocities, np.zeros(2, dtype=int), setup)

@@ -89,7 +89,7 @@ def test_behaviour_without_free_hand_is_dropped_only_inside_the_overlap():
     assert drop_by_priority(frames(spans, waiting=("before", "after")), {"a"}, 0.5).keys() == {"b", "after"}
 
 
-def test_only_behaviours_that_lack_a_free_hand_are_dropped_with_an_overlap():
+def test_overlap_drops_only_behaviours_without_a_free_hand():
     result = frames(BEHAVIOUR_SPANS, waiting=("b",))
     other = replace(result, notices=())
     assert drop_by_priority(other, {"c"}).keys() == set()

@@ -141,7 +141,7 @@ def test_invalid_blocks_are_answered_and_disturb_no_client(server):
     assert undisturbed(seen(server))
 
 
-def test_block_is_reported_although_its_id_begins_with_the_id_of_another_block(server):
+def test_block_whose_id_extends_the_id_of_another_block_gets_its_feedback(server):
     with server.client() as client, server.client() as other:
         client.send(BLOCK.format("twin", NOD))
         assert "<predictionFeedback" in client.receive(20)

@@ -140,7 +140,7 @@ def test_gesture_collection_has_at_most_5000_files_and_200_megabytes(folder, tmp
         install_collection(folder, tmp_path / "library")
 
 
-def test_library_that_is_one_collection_is_found_and_not_removed(folder, tmp_path):
+def test_library_folder_that_is_itself_a_collection_is_found_but_not_removable(folder, tmp_path):
     assert find_collections(folder) == (folder,)
     with pytest.raises(ConfigError, match="no collection 'made'; it has none"):
         remove_collection("made", folder)

@@ -49,7 +49,7 @@ def test_merged_part_has_the_total_mass_at_the_common_centre_of_mass():
     assert [surface.dark for surface in both.surfaces] == [False, True]
 
 
-def test_merged_part_without_mass_is_at_its_first_part():
+def test_massless_merged_part_has_its_centre_at_its_first_part():
     massless = TREE.merge_parts((3,))
     assert (massless.mass, massless.centre.tolist()) == (0.0, [-2, 0, 0])
     light = TREE.merge_parts((0, 3))
