@@ -43,9 +43,15 @@ def test_garbage_collection_disabled_before_an_import_stays_disabled(watching):
 BLOCK = '<bml id="b"><gesture id="g" lexeme="beat" stroke="1"/></bml>'
 
 
-@pytest.mark.parametrize(
-    ("code", "late"),
-    [
+IMPORT_STAGES = {  # start -> (code, modules that must not be loaded after it), in the order of execution
+    "tools of a model": (
+        (
+            "import kinesic.cli.live.mcp, kinesic.mcp.server",
+            "scipy PIL kinesic.motion kinesic.bml.parse kinesic.expressivity.lexicon.lexicon kinesic.report",
+        ),
+    ),
+    "command line": (
+        ("import kinesic.cli.servos.simulate", "mujoco OpenGL kinesic.face.gl"),
         (
             f"import kinesic; kinesic.Performer(idle=0.0, variation=0.0).plan({BLOCK!r})",
             "scipy.interpolate scipy.optimize scipy.sparse casadi highspy urllib.request jinja2 PIL.Image",
@@ -55,19 +61,21 @@ BLOCK = '<bml id="b"><gesture id="g" lexeme="beat" stroke="1"/></bml>'
             "scipy.interpolate scipy.optimize scipy.sparse highspy jinja2 PIL.Image kinesic.face.render.portrait",
         ),
         ("import kinesic.face.render.portrait", "scipy.sparse scipy.spatial scipy.optimize"),
-        ("import kinesic.cli.servos.simulate", "mujoco OpenGL kinesic.face.gl"),
-        (
-            "import kinesic.cli.live.mcp, kinesic.mcp.server",
-            "scipy PIL kinesic.motion kinesic.bml.parse kinesic.expressivity.lexicon.lexicon kinesic.report",
-        ),
-    ],
-    ids=["a performer that plans", "a server that begins", "a portrait", "simulated servos", "tools of a model"],
-)
-def test_slowly_imported_modules_are_not_loaded_by_code_that_does_not_need_them(code, late):
-    """Checked in a separate process; each import takes longer than planning a gesture."""
-    code = f"{code}; import sys; print([name for name in {late.split()} if name in sys.modules])"
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
+    ),
+}
+
+
+@pytest.mark.parametrize("start", IMPORT_STAGES)
+def test_slowly_imported_modules_are_not_loaded_by_code_that_does_not_need_them(start):
+    """Checked in a separate process; each import takes longer than planning a gesture.
+
+    A stage also has the modules of the stages before it, none of which is in its list.
+    """
+    loaded = "print([name for name in {!r}.split() if name in sys.modules])"
+    lines = [f"{code}; {loaded.format(late)}" for code, late in IMPORT_STAGES[start]]
+    program = [sys.executable, "-c", "\n".join(("import sys", *lines))]
+    done = subprocess.run(program, capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines() == ["[]"] * len(lines)
 
 
 def test_scipy_signal_which_takes_half_a_second_is_imported_in_functions_only():
