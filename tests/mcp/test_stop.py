@@ -16,6 +16,7 @@ from .tool_servers import (
     PENDING_CALLS,
     StopTiming,
     children_of,
+    command_lines,
     find_server,
     http_server,
     is_running,
@@ -32,6 +33,7 @@ pytestmark = [
     pytest.mark.skipif(not Path("/proc/self/task").is_dir(), reason="needs the /proc of Linux"),
 ]
 
+TOKEN = "open-sesame-1234"
 FEW_STOPS = 3  # number of emergency stops in every run; `make soak` tests 100
 
 
@@ -43,16 +45,19 @@ def judge(timings: list[StopTiming]) -> None:
     assert latencies[len(latencies) // 2] <= MAX_STOP_LATENCY
 
 
-def test_mcp_server_on_stdio_performs_and_stops_at_once_and_ends_with_its_client(tmp_path: Path):
-    async def run() -> tuple[list[str], list[StopTiming], int]:
-        async with stdio_client(tmp_path) as client:
+def test_mcp_server_on_stdio_stops_at_once_hides_its_token_and_ends_with_its_client(tmp_path: Path):
+    async def run() -> tuple[list[str], list[StopTiming], int, list[bytes]]:
+        async with stdio_client(tmp_path, "--token", TOKEN) as client:
             calls = (("perform", {"document": STORY}), ("stop", {}), ("resume", {}))
             answers = [text_of(await client.call_tool(name, arguments)) for name, arguments in calls]
             timings = await time_stops(client, [client], count=FEW_STOPS)
-            return answers, timings, next(filter(None, map(find_server, children_of(os.getpid()))))
+            tools = next(filter(find_server, children_of(os.getpid())))
+            return answers, timings, find_server(tools), command_lines(tools)
 
-    answers, timings, server = asyncio.run(run())
+    answers, timings, server, lines = asyncio.run(run())
     wait_for(lambda: not is_running(server))
+    assert sum(b"\0serve\0" in line for line in lines) == 1
+    assert not [line for line in lines if TOKEN.encode() in line]
     assert json.loads(answers[0])["block"] == "story1"
     assert answers[1:] == ["stopped", "resumed"]
     assert threading.active_count() < 50

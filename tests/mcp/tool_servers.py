@@ -71,10 +71,10 @@ def _wait_until_open(address: str) -> None:
     raise AssertionError(f"nobody listens at {address}")
 
 
-def stdio_client(folder: Path) -> AbstractAsyncContextManager:
+def stdio_client(folder: Path, *options: str) -> AbstractAsyncContextManager:
     """Open a client that starts the server itself."""
     mcp = import_module("mcp")
-    return mcp.Client(mcp.StdioServerParameters(command=COMMAND[0], args=list(COMMAND[1:]), cwd=folder))
+    return mcp.Client(mcp.StdioServerParameters(command=COMMAND[0], args=[*COMMAND[1:], *options], cwd=folder))
 
 
 def http_client(url: str, *, mode: str = "legacy") -> AbstractAsyncContextManager:
@@ -131,6 +131,15 @@ def children_of(process: int) -> list[int]:
     """Return the child processes of a process."""
     tasks = Path(f"/proc/{process}/task").iterdir()
     return [int(child) for task in tasks for child in (task / "children").read_text().split()]
+
+
+def command_lines(pid: int) -> list[bytes]:
+    """Return the command lines of a process and of all its descendants."""
+    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
+    return [
+        Path(f"/proc/{pid}/cmdline").read_bytes(),
+        *(command_line for child in children for command_line in command_lines(int(child))),
+    ]
 
 
 def is_running(process: int) -> bool:

@@ -1,24 +1,19 @@
-import os
 import re
-import signal
 import socket
-import subprocess
 import sys
-from contextlib import contextmanager
 
 import pytest
 
 from kinesic.body.config import ConfigError
+from kinesic.cli import main
 from kinesic.cli.live.addresses import read_listen_address
 from kinesic.cli.live.serve import read_rules
-from kinesic.client import Client
 from kinesic.serve.server import Address
 from kinesic.serve.wire.quotas import DEFAULT_QUOTAS
 
 pytestmark = pytest.mark.realtime
 
 NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="{}"><head id="h" lexeme="NOD" start="0"/></bml>'
-SERVE = (sys.executable, "-m", "kinesic", "serve", "--voice", "durations")
 
 
 @pytest.mark.parametrize(
@@ -67,34 +62,37 @@ def test_server_address_that_is_read_and_printed_gives_the_same_text():
         assert str(read_listen_address(text, None)) == text
 
 
-def test_server_performs_blocks_from_standard_input_and_then_ends():
+@pytest.fixture
+def run_with_input(tmp_path, monkeypatch):
+    """Return a function that runs a verb with files as standard input and output, whose descriptors it uses."""
+
+    def run(text, *arguments):
+        (tmp_path / "input").write_text(text)
+        output = tmp_path / "output"
+        with (tmp_path / "input").open() as stdin, output.open("w") as stdout, monkeypatch.context() as patch:
+            patch.setattr(sys, "argv", ["kinesic", *arguments])
+            patch.setattr(sys, "stdin", stdin)
+            patch.setattr(sys, "stdout", stdout)
+            with pytest.raises(SystemExit) as end:
+                main()
+        assert not end.value.code
+        return output.read_text()
+
+    return run
+
+
+def test_server_performs_blocks_from_standard_input_and_then_ends(run_with_input, capsys):
     blocks = NOD.format("one") + "\0" + NOD.format("two").replace(" id", ' composition="APPEND" id', 1)
-    done = subprocess.run([*SERVE, "--listen", "none"], input=blocks, capture_output=True, text=True, check=True)
-    ends = re.findall(r'blockProgress[^>]* id="(\w+:\w+)"', done.stdout)
+    output = run_with_input(blocks, "serve", "--voice", "durations", "--listen", "none")
+    ends = re.findall(r'blockProgress[^>]* id="(\w+:\w+)"', output)
     assert ends == [f"{name}:{point}" for name in ("one", "two") for point in ("start", "relax", "end")]
-    assert all(line.startswith("<") for line in done.stdout.splitlines())
-    assert "reading standard input" in done.stderr
+    assert all(line.startswith("<") for line in output.splitlines())
+    assert "reading standard input" in capsys.readouterr().err
 
 
-def test_say_command_prints_the_words_of_standard_input_as_spoken():
-    say = [sys.executable, "-m", "kinesic", "say", "-", "--voice", "durations"]
-    done = subprocess.run(say, input="Hello, my friend! Look", capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["Hello,", "my", "friend!", "Look"]
-
-
-def test_server_requires_the_token_and_ends_cleanly_on_ctrl_c():
-    with _serving(KINESIC_TOKEN="t") as (process, port):
-        with pytest.raises(PermissionError):
-            Client(port=port, token="wrong")
-        with Client(port=port, token="t") as client:
-            client.send(NOD.format("cut"))
-            while 'id="cut:start"' not in client.receive(20):
-                pass
-            process.send_signal(signal.SIGINT)
-            rest = _until_closed(client)
-        assert "cut:end" in rest
-        assert "the server ends" in rest
-        assert process.wait(20) == 0
+def test_say_command_prints_the_words_of_standard_input_as_spoken(run_with_input):
+    output = run_with_input("Hello, my friend! Look", "say", "-", "--voice", "durations")
+    assert output.split() == ["Hello,", "my", "friend!", "Look"]
 
 
 def test_server_address_in_use_is_reported_in_one_line(kinesic):
@@ -103,29 +101,3 @@ def test_server_address_in_use_is_reported_in_one_line(kinesic):
         ended = kinesic("serve", "--voice", "durations", "--listen", address)
     assert ended.code == 2
     assert re.fullmatch(r"kinesic: .*address already in use.*\n", ended.err)
-
-
-@contextmanager
-def _serving(**environment):
-    """Run a server on a free port, and yield its process and port."""
-    with subprocess.Popen(
-        [*SERVE, "--listen", "127.0.0.1:0"],
-        stdin=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        env=os.environ | environment,
-    ) as process:
-        try:
-            yield process, int(re.search(r"listening at 127.0.0.1:(\d+)", process.stderr.readline())[1])
-        finally:
-            process.kill()
-
-
-def _until_closed(client):
-    messages = []
-    try:
-        while (message := client.receive(20)) is not None:
-            messages.append(message)
-    except ConnectionError:
-        pass
-    return "\n".join(messages)

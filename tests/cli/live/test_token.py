@@ -2,10 +2,11 @@
 
 import os
 import re
+import signal
 import subprocess
 import sys
 from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.util import find_spec
 from pathlib import Path
 
@@ -14,22 +15,15 @@ import pytest
 from kinesic.cli.live.token import _without_token
 from kinesic.client import Client
 
-from ...mcp.tool_servers import find_server, is_running, wait_for
+from ...mcp.tool_servers import command_lines, find_server, is_running, wait_for
 
 pytestmark = pytest.mark.realtime
 
 TOKEN = "open-sesame-1234"
+MAX_WAIT = 20.0  # [s] longest wait for a message or the end of the server
+NOD = '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="cut"><head id="h" lexeme="NOD" start="0"/></bml>'
 KINESIC = (sys.executable, "-m", "kinesic")
 needs_proc = pytest.mark.skipif(not Path("/proc/self/mem").exists(), reason="no /proc: arguments cannot be seen here")
-
-
-def command_lines(pid: int) -> list[bytes]:
-    """Return the command lines of a process and of all its descendants."""
-    children = Path(f"/proc/{pid}/task/{pid}/children").read_text().split()
-    return [
-        Path(f"/proc/{pid}/cmdline").read_bytes(),
-        *(command_line for child in children for command_line in command_lines(int(child))),
-    ]
 
 
 @contextmanager
@@ -80,7 +74,7 @@ TOKEN_SOURCES: Mapping[str, tuple[tuple[str, ...], dict[str, str]]] = {
     "source",
     ["argument", *(pytest.param(name, marks=pytest.mark.soak) for name in TOKEN_SOURCES if name != "argument")],
 )
-def test_server_requires_its_token_and_hides_it_from_the_process_list(source: str, token_file: Path):
+def test_server_requires_and_hides_its_token_and_ends_cleanly_on_ctrl_c(source: str, token_file: Path):
     options, environment = TOKEN_SOURCES[source]
     options = tuple(str(token_file) if option == "FILE" else option for option in options)
     serve = ("serve", "--voice", "durations", "--listen", "127.0.0.1:0", *options)
@@ -89,16 +83,34 @@ def test_server_requires_its_token_and_hides_it_from_the_process_list(source: st
         port = int(match[1])
         with pytest.raises(PermissionError):
             Client(port=port, token="wrong")
-        Client(port=port, token=TOKEN).close()
+        with Client(port=port, token=TOKEN) as client:
+            client.send(NOD)
+            while 'id="cut:start"' not in client.receive(MAX_WAIT):
+                pass
+            process.send_signal(signal.SIGINT)
+            rest = receive_until_closed(client)
+        assert process.wait(MAX_WAIT) == 0
     assert len(lines) > 1
     assert not [line for line in lines if TOKEN.encode() in line]
     assert TOKEN not in output
     assert ("--token-file FILE, or set KINESIC_TOKEN" in output) == ("argument" in source)
+    assert "cut:end" in rest
+    assert "the server ends" in rest
+
+
+def receive_until_closed(client: Client) -> str:
+    """Return all messages until the server ends the connection."""
+    messages: list[str] = []
+    with suppress(ConnectionError):
+        while (message := client.receive(MAX_WAIT)) is not None:
+            messages.append(message)
+    return "\n".join(messages)
 
 
 @needs_proc
 @pytest.mark.skipif(find_spec("mcp") is None, reason="the extra mcp is not installed")
-@pytest.mark.parametrize("source", ["argument", pytest.param("environment", marks=pytest.mark.soak)])
+@pytest.mark.soak  # tests/mcp/test_stop.py passes a token to the tools on standard streams
+@pytest.mark.parametrize("source", ["argument", "environment"])
 def test_mcp_server_hides_the_token_and_ends_its_robot_server_with_itself(source: str):
     options, environment = TOKEN_SOURCES[source]
     with running("mcp", "--http", "127.0.0.1:0", *options, until=r"tools at", **environment) as (process, _, output):
