@@ -72,18 +72,18 @@ def _agreement(chain: Chain, count: int, seed: int) -> int:
 
 @pytest.mark.parametrize("chain", [LEFT_ARM, RIGHT_ARM], ids=["left", "right"])
 def test_compiled_arm_solutions_equal_the_python_reference(chain: Chain) -> None:
-    assert _agreement(chain, 200, 21) >= 0.999 * 200
+    assert _agreement(chain, 80, 21) == 80
 
 
 def test_compiled_solutions_of_random_arms_equal_the_python_reference() -> None:
     random = default_rng(22)
-    assert sum(_agreement(random_arm(random), 8, seed) for seed in range(25)) >= 0.999 * 200
+    assert sum(_agreement(random_arm(random), 8, seed) for seed in range(12)) == 12 * 8
 
 
 def test_at_least_99_8_percent_of_feasible_targets_are_reached_within_100_um() -> None:
     random = default_rng(23)
     for chain in (LEFT_ARM, RIGHT_ARM, *(random_arm(random) for _ in range(8))):
-        count, precise = 200, 0
+        count, precise = 100, 0
         for _ in range(count):
             position = chain.hand(random.uniform(chain.lower, chain.upper))
             angles = solve(chain, Reach(position), start=chain.rest).angles

@@ -39,7 +39,7 @@ def _keys(chain: Chain, count: int, seed: int) -> list[Key]:
 @pytest.mark.parametrize("chain", ARM_CHAINS.values(), ids=ARM_CHAINS)
 @pytest.mark.parametrize("on_path", [True, False])
 def test_arm_keys_solved_in_one_kernel_call_equal_the_python_reference(chain: Chain, on_path: bool):
-    keys, path_start = _keys(chain, 12, seed=3), chain.rest + 0.05 if on_path else None
+    keys, path_start = _keys(chain, 9, seed=3), chain.rest + 0.05 if on_path else None
     one, two = (
         pose(chain, keys, REACH_LIMITS, start=chain.rest, path_start=path_start)
         for pose in (reference.pose_keys, pose_keys)

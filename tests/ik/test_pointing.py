@@ -61,7 +61,7 @@ def test_swivel_search_reports_the_direction_errors_of_the_posture_it_found():
 @pytest.mark.parametrize("max_swivel", [np.pi, 0.6])
 def test_compiled_elbow_swivel_search_equals_the_python_reference(side, max_swivel):
     random, swung, chain = default_rng(36), 0, ARM_CHAINS[side]
-    for k in range(18):
+    for k in range(9):
         held = _held(chain, random.uniform(chain.lower, chain.upper), palm=k % 3 != 1)
         reach = Reach(held.position, held.pointing if k % 3 else None, held.palm)
         rest = random.uniform(chain.lower - 0.1, chain.upper + 0.1) if k % 4 == 0 else None
@@ -72,7 +72,7 @@ def test_compiled_elbow_swivel_search_equals_the_python_reference(side, max_swiv
         assert np.array_equal(one.angles, two.angles)
         assert (one.residual, one.pointing_error, one.palm_error) == (two.residual, two.pointing_error, two.palm_error)
         swung += not np.array_equal(two.angles, solve(chain, reach, start=chain.rest, rest=rest).angles)
-    assert swung > 4
+    assert swung > 2
 
 
 def test_swivel_search_keeps_solutions_with_small_direction_errors():

@@ -38,7 +38,7 @@ def _check(chain: Chain, found: PoseSolution, position: Floats, rotation: Floats
 @pytest.mark.parametrize("side", ["l", "r"])
 def test_ik_reaches_hand_poses_of_random_postures(side):
     chain, random = ARM_CHAINS[side], default_rng(21)
-    for _ in range(200):
+    for _ in range(100):
         position, rotation = _pose(chain, random.uniform(chain.lower, chain.upper))
         solution = solve_pose(chain, position, rotation, start=chain.rest)
         _check(chain, solution, position, rotation)
@@ -73,7 +73,7 @@ def test_ik_reaches_hand_poses_with_joints_at_their_limits():
 def test_compiled_hand_pose_search_equals_the_python_reference(chain: Chain):
     """Expect angles within 1e-12 rad unless numerical descent refined the solution."""
     random = default_rng(42)
-    for k in range(8):
+    for k in range(4, 8):
         start, angles = random.uniform(chain.lower, chain.upper, (2, len(chain.rest)))
         position, rotation = _pose(chain, angles)
         asked = position * (1.5 if k == 7 else 1.0)

@@ -78,7 +78,7 @@ def random_problem(seed: int) -> KeyTimeProblem:
 
 def test_compiled_simplex_matches_highs():
     moved = 0
-    for seed in range(200):
+    for seed in range(80):
         problem = random_problem(seed)
         try:
             many = key_time_lp._solve_large(problem)
@@ -92,7 +92,7 @@ def test_compiled_simplex_matches_highs():
         assert all(float(plane.slopes @ few) <= plane.bound + 1e-7 for plane in problem.planes)
         assert few.min() >= problem.keys.requested_times[0] - problem.lead_in - 1e-7
         moved += not np.allclose(few, problem.keys.requested_times)
-    assert moved >= 100
+    assert moved >= 40
 
 
 def test_shift_cost_is_the_weighted_sum_of_key_time_shifts():

@@ -54,7 +54,7 @@ def test_parent_joint_compensates_a_clipped_joint_in_proportion_to_target_distan
 def test_ball_chain_with_joint_limits_reaches_most_feasible_targets(joints, least):
     chain, random, reached = _limited(joints), default_rng(40 + joints), []
     ground = Carrier.at_rest(chain)
-    for _ in range(24):
+    for _ in range(12):
         angles = random.uniform(-EULER_LIMITS, EULER_LIMITS, (joints, 3))
         wished = stance_of(chain, np.array([rotation_of(row, "xyz") for row in angles]), ground)
         relaxed = solve_ball_chain(chain, wished.points[-1], method="direct")
