@@ -1,11 +1,12 @@
 """Small test robots: an MJCF in T-pose, a URDF with hanging arms."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 
+from kinesic.sim.importer import hanging_pose
 from kinesic.sim.importer.convert import Mapped, import_humanoid
 from kinesic.sim.importer.load import load_robot_tree
 from kinesic.sim.importer.model_tree import Tree
@@ -100,6 +101,17 @@ def urdf() -> str:
             kind = "revolute" if range_ else "continuous"
             parts.append(joint(f"{name}_joint", parent, name, place, axis, rest, kind))
     return f'<?xml version="1.0"?><robot name="hanging">{"".join(parts)}</robot>'
+
+
+@pytest.fixture(autouse=True, scope="module")
+def random_starts() -> Iterator[None]:
+    """Limit the search for each hanging pose to one random start.
+
+    One start suffices for these simple arms, and the other nine take nine tenths of the time of an import.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(hanging_pose, "RANDOM_STARTS", 1)
+        yield
 
 
 @pytest.fixture(scope="session")

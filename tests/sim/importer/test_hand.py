@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,8 +12,7 @@ from kinesic.expressivity.hands.fingers import finger_joints, lacking_shapes, sh
 from kinesic.expressivity.lexicon.hand_shapes import FINGER_NAMES, hand_shapes
 from kinesic.session.plan import plan
 from kinesic.session.setup import set_up
-from kinesic.sim.importer import hanging_pose
-from kinesic.sim.importer.convert import Mapped, import_humanoid
+from kinesic.sim.importer.convert import import_humanoid
 
 PHALANX_LENGTH = 0.03
 
@@ -68,13 +66,6 @@ def ties() -> str:
     return f"<equality>{''.join(rows)}</equality>"
 
 
-def import_with_one_start(path: Path) -> Mapped:
-    """Import a robot with one random start for its hanging arms, which suffices for them."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(hanging_pose, "RANDOM_STARTS", 1)
-        return import_humanoid(path)
-
-
 @pytest.fixture(scope="module")
 def robots(written, puppets, tmp_path_factory):
     """Import each test robot: name -> conversion result and loaded robot."""
@@ -85,7 +76,7 @@ def robots(written, puppets, tmp_path_factory):
     }
     results = {}
     for name, text in texts.items():
-        mapped = import_with_one_start(written(f"{name}.xml", text))
+        mapped = import_humanoid(written(f"{name}.xml", text))
         path = tmp_path_factory.mktemp("hands") / f"{name}.toml"
         path.write_text(robot_text(mapped.file, heading=[], remarks=mapped.remarks), encoding="utf-8")
         results[name] = mapped, Robot.load(path)
@@ -169,7 +160,7 @@ def test_import_review_lists_found_fingers_and_omitted_parts(robots, written, pu
         ties().replace("0.7 0 0 0", "0.7 0.3 0 0")
         + '<tendon><fixed name="t"><joint joint="l_t1" coef="1"/></fixed></tendon>'
     )
-    odd = import_with_one_start(written("odd.xml", with_hands(puppets.puppet(), 5, flexions=3, ties=curved)))
+    odd = import_humanoid(written("odd.xml", with_hands(puppets.puppet(), 5, flexions=3, ties=curved)))
     said = " | ".join(odd.file.robot.imported.review)
     assert "l_t2 follows l_t1 linearly, but non-linearly in the file" in said
     assert "1 tendons are left out" in said
@@ -181,7 +172,7 @@ def test_urdf_mimic_joints_become_couplings(written, puppets):
         text = re.sub(rf'<joint name="{side}_(grip|mimic)_joint".*?</joint>', "", text, flags=re.DOTALL)
         text = re.sub(rf'<link name="{side}_(grip|mimic)">.*?</link>', "", text, flags=re.DOTALL)
         text = text.replace("</robot>", urdf_hand(side, y) + "</robot>")
-    mapped = import_with_one_start(written("mimic.urdf", text))
+    mapped = import_humanoid(written("mimic.urdf", text))
     led = {row.name: (row.driver, row.ratio, row.offset_deg) for row in mapped.file.coupling}
     assert set(led) == {f"{side}_{finger}_flexion2" for side in SIDES for finger in ("thumb", "index", "middle")}
     for name, (driver, ratio, offset) in led.items():
@@ -220,7 +211,7 @@ def urdf_hand(side: str, y: int) -> str:
 @pytest.mark.soak
 def test_import_of_fingers_is_deterministic(robots, written, puppets):
     mapped, _ = robots["four"]
-    again = import_with_one_start(written("four.xml", with_hands(puppets.puppet(), 4, flexions=2, spread=True)))
+    again = import_humanoid(written("four.xml", with_hands(puppets.puppet(), 4, flexions=2, spread=True)))
     texts = (robot_text(item.file, heading=[], remarks=item.remarks) for item in (mapped, replace(again)))
     assert len({re.sub(r"folder puppets\d+", "folder", text) for text in texts}) == 1
 

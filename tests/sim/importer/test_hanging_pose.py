@@ -13,6 +13,11 @@ from kinesic.sim.importer.zero_pose import HANGING_ARM, hang_arm
 ARM_SPLIT = Split(0, 3, 3)
 
 
+@pytest.fixture(autouse=True, scope="module")
+def random_starts() -> None:
+    """Keep the usual number of random starts."""
+
+
 @pytest.fixture
 def row(tee):
     names = [joint.name for joint in tee.joints]

@@ -7,7 +7,6 @@ import pytest
 
 from kinesic.body.robot import Robot
 from kinesic.body.robot_schema import robot_text
-from kinesic.sim.importer import hanging_pose
 from kinesic.sim.importer import mesh_reader as module
 from kinesic.sim.importer.convert import import_humanoid
 from kinesic.sim.importer.load import load_robot_tree
@@ -76,10 +75,7 @@ def written(folder: Path, text: str, name: str = "puppet.xml") -> Path:
 
 
 def imported(path: Path):
-    """Import a robot with one random start for its hanging arms, which suffices for them."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(hanging_pose, "RANDOM_STARTS", 1)
-        result = import_humanoid(path)
+    result = import_humanoid(path)
     target = path.with_suffix(".toml")
     target.write_text(robot_text(result.file, heading=[], remarks=result.remarks), encoding="utf-8")
     robot = Robot.load(target)

@@ -1,7 +1,6 @@
 """Robot files that were once imported incorrectly, or refused without the reason."""
 
 import os
-from collections.abc import Iterator
 from functools import cache
 from importlib.util import find_spec
 from pathlib import Path
@@ -12,7 +11,6 @@ import pytest
 from kinesic.body.config import ConfigError
 from kinesic.body.robot import Robot
 from kinesic.body.robot_file import robot_from_tables
-from kinesic.sim.importer import hanging_pose
 from kinesic.sim.importer.convert import Mapped, import_humanoid
 
 CORPUS_FOLDER = Path(os.environ.get("KINESIC_CORPUS", Path(__file__).parents[4] / "shared" / "corpus"))
@@ -20,17 +18,6 @@ CASE_FOLDER = CORPUS_FOLDER.parent / "cases" / "robots"
 ARM_WORDS = ("shoulder", "elbow", "wrist", "forearm", "yaw_drive")
 
 pytestmark = pytest.mark.skipif(not CASE_FOLDER.is_dir(), reason=f"no cases at {CASE_FOLDER} (KINESIC_CORPUS)")
-
-
-@pytest.fixture(autouse=True, scope="module")
-def _one_start() -> Iterator[None]:
-    """Limit the search for each hanging pose to one random start.
-
-    One start suffices for these simple arms.
-    """
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(hanging_pose, "RANDOM_STARTS", 1)
-        yield
 
 
 @cache

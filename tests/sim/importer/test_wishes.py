@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.sim.importer import hanging_pose
 from kinesic.sim.importer.arm import Split
 from kinesic.sim.importer.hinge_names import find_segment, list_hinge_names
 from kinesic.sim.importer.hinges import name_hinges
@@ -14,11 +13,6 @@ from kinesic.sim.importer.load import load_robot_tree
 from kinesic.sim.importer.mirror import Sides
 from kinesic.sim.importer.wishes import NO_WISHES, Wishes, read_wishes
 from kinesic.sim.importer.zero_pose import analyse_geometry
-
-
-@pytest.fixture(autouse=True)
-def _one_start(monkeypatch):
-    monkeypatch.setattr(hanging_pose, "RANDOM_STARTS", 1)
 
 
 def mapping(path, *texts):
