@@ -7,9 +7,10 @@ from typing import TypeVar
 
 T = TypeVar("T")
 
-MIN_MEASURED_TIME = 0.01  # [s] of processor time needed for a comparison
+MIN_MEASURED_TIME = 0.003  # [s] of processor time needed for a comparison
 MAX_INPUT_SIZE = 2**19  # largest input size
-MEASUREMENT_ROUNDS = 3
+MEASUREMENT_ROUNDS = 3  # measurements of the small input
+MAX_ROUNDS = 6  # most measurements of the large input, until one is clearly linear
 LINEAR_GROWTH_LIMIT = 3.4  # time ratio for doubled input: 2 if linear, more beyond a cache, 4 if quadratic
 STRICT_GROWTH_LIMIT = 2.7  # time ratio for doubled input that is clearly linear
 
@@ -35,7 +36,7 @@ def growth(
     rounds += [_seconds(work, small, times) for _ in range(MEASUREMENT_ROUNDS - len(rounds))]
     least = min(rounds)
     smallest = inf
-    for _ in range(MEASUREMENT_ROUNDS):
+    for _ in range(MAX_ROUNDS):
         smallest = min(smallest, sqrt(_seconds(work, large, times) / least))
         if smallest < STRICT_GROWTH_LIMIT:  # further rounds could only reduce it
             break

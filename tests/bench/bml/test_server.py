@@ -15,7 +15,7 @@ from kinesic.bench.bml.server import (
 
 pytestmark = pytest.mark.realtime
 
-ENDURANCE_SECONDS = 3.0  # [s] duration of the endurance run
+ENDURANCE_SECONDS = 1.5  # [s] duration of the endurance run
 
 
 @pytest.fixture(scope="module")

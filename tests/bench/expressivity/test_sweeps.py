@@ -4,8 +4,9 @@ import pytest
 
 from kinesic.bench.expressivity import sweeps
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.session.setup import set_up
 from kinesic.studies.sweep import series
-from kinesic.studies.sweep.series import MEASURE_OF, Series
+from kinesic.studies.sweep.series import MEASURE_OF, Series, sweep_parameter
 
 
 def test_expressivity_benchmark_covers_ten_gestures_of_at_least_six_categories():
@@ -24,6 +25,12 @@ def short_sweep():
         patch.setattr(series, "VALUE_COUNT", 3)
         yield
     sweeps.sweep_all.cache_clear()
+
+
+@pytest.fixture
+def short_power_sweep(short_sweep):
+    """Sweep one gesture over three values of power alone."""
+    return sweep_parameter("flat_surface", "power", set_up())
 
 
 @pytest.mark.soak
@@ -50,9 +57,9 @@ def test_effect_of_power_is_measured_only_for_gestures_whose_velocity_limits_all
     )
 
 
-def test_stroke_missing_from_a_performance_counts_as_an_error_of_300_ms(short_sweep):
-    power = next(series for series in sweeps.sweep_all() if series.parameter == "power")
-    metrics = {metric.name: metric for metric in sweeps.sweep_metrics("power", [_with(power, stroke_error=None)])}
+def test_stroke_missing_from_a_performance_counts_as_an_error_of_300_ms(short_power_sweep):
+    missed = _with(short_power_sweep, stroke_error=None)
+    metrics = {metric.name: metric for metric in sweeps.sweep_metrics("power", [missed])}
     assert metrics["expressivity.power_stroke"].value == pytest.approx(300.0)
     assert metrics["expressivity.power_stroke"].ok is False
     assert metrics["expressivity.power_stroke"].why == "flat_surface"

@@ -47,10 +47,11 @@ def test_hair_stays_outside_the_head(variant: Variant):
     mesh = load_head(variant)
     skin = mesh.positions[mesh.vertices("skin")] / (mesh.eyes[0, 1] - mesh.eyes[1, 1]) - HEAD_CENTRE
     far = np.linalg.norm(skin, axis=1)
-    spokes = locks(variant)[1] - HEAD_CENTRE
+    positions = locks(variant)[1][::5]
+    spokes = positions - HEAD_CENTRE
     away = np.linalg.norm(spokes, axis=1)
     nearest = (spokes / away[:, None] @ (skin / far[:, None]).T).argmax(axis=1)
-    high = locks(variant)[1][:, 2] > 0.0
+    high = positions[:, 2] > 0.0
     assert np.mean(away[high] > far[nearest][high] - 0.03) > 0.97
 
 

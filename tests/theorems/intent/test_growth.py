@@ -9,7 +9,7 @@ from kinesic.intent.fml.author import author_fml
 
 from ...growth import LINEAR_GROWTH_LIMIT, growth
 
-INITIAL_SIZE = 80  # number of text pieces or intents in the first measurement
+INITIAL_SIZE = 40  # number of text pieces or intents in the first measurement
 TEXT_PIECES = (
     "no ",
     "no, ",
