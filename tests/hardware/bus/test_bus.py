@@ -66,7 +66,7 @@ def test_virtual_servos_follow_their_goals(rig: Make):
     made = rig(7)
     made.energise()
     goals = MID_TICKS + np.arange(7) * 20
-    assert (np.abs(made.run(100, goals)[-1].positions - goals) <= 2).all()
+    assert (np.abs(made.run(40, goals)[-1].positions - goals) <= 2).all()
 
 
 def test_servo_goals_outside_of_one_turn_are_clipped(rig: Make):
@@ -141,7 +141,7 @@ def test_bus_with_a_single_servo_has_a_fresh_record_in_every_cycle(rig: Make):
 def test_servo_records_stay_fresh_although_one_reply_in_a_hundred_is_damaged(rig: Make, kind: str, count: int):
     made = rig(count, baud=4_000_000, faults=plan(kind, rate=0.01, start=0.2))
     made.energise()
-    cycles = made.run(200, np.full(count, MID_TICKS))
+    cycles = made.run(120, np.full(count, MID_TICKS))
     assert fresh_share(cycles) >= (0.985 if kind == "late" else 0.999)
     assert all((np.abs(cycle.positions - MID_TICKS) <= 2).all() for cycle in cycles[10:])
     assert np.quantile([cycle.duration for cycle in cycles], 0.99) < made.bus.period
@@ -154,7 +154,7 @@ def test_many_bus_faults_raise_no_error_and_give_no_false_servo_record(rig: Make
     faults = FaultPlan(tuple(PlannedFault(name, rate=0.05, start=0.2) for name in names), seed=2)
     made = rig(14, faults=faults)
     made.energise()
-    cycles = made.run(150, np.full(14, MID_TICKS))
+    cycles = made.run(100, np.full(14, MID_TICKS))
     assert all((np.abs(cycle.positions - MID_TICKS) <= 2).all() for cycle in cycles[30:])
     assert fresh_share(cycles) > 0.1
 
@@ -164,13 +164,13 @@ def test_silent_servo_does_not_delay_records_of_other_servos(rig: Make):
     made = rig(14)
     made.run(3)
     made.plant.servos[4].mute = True
-    cycles = made.run(200)
+    cycles = made.run(100)
     others = [np.delete(cycle.fresh, 4) for cycle in cycles]
     assert np.mean(others) >= 0.99
     assert kinds(cycles) == [("silent", 5)]
     assert np.quantile([cycle.duration for cycle in cycles], 0.99) < made.bus.period
     assert cycles[-1].silent.tolist() == [k == 4 for k in range(14)]
-    assert cycles[-1].ages[4] > 1.9
+    assert cycles[-1].ages[4] > 0.9
 
 
 def test_silent_servo_rejoins_common_queries_after_its_first_reply(rig: Make):
@@ -300,7 +300,7 @@ def test_newly_silent_servo_affects_records_of_other_servos_in_at_most_two_cycle
     made = rig(26, period=0.0108)
     made.run(5)
     made.plant.servos[2].mute = True
-    cycles = made.run(100)
+    cycles = made.run(40)
     others = [np.delete(cycle.fresh, 2) for cycle in cycles]
     assert all(fresh.all() for fresh in others[2:])
 

@@ -130,7 +130,7 @@ def _judge(model: str, case: FaultCase, seed: int) -> None:
     """Run a trial and check that no wrong position was accepted."""
     count = 14 if model == "sts3215" else 7
     case = replace(case, model=model)
-    result = run_trial(case, KinesicDriver, servos=count, baud=1_000_000, seed=seed, cycles=150)
+    result = run_trial(case, KinesicDriver, servos=count, baud=1_000_000, seed=seed, cycles=100)
     assert (result.exceptions, result.wrong) == (0, 0)
     assert bool(result.refused) == (case.name in ("duplicate id", "wrong model"))
 

@@ -8,12 +8,13 @@ from .drill import drill, random_strike
 
 FOLD_TIME = 3.5  # [s] from the end of a fault until a robot that holds has moved to rest
 SEEDS = {"kinesic": 11, "manual": 13}  # random seeds that draw a servo fault and a wire fault
+SAMPLED_CASES = {("manual", 13)}  # tested in every run
 
 
 @pytest.mark.parametrize(
     ("servos", "seed"),
     [
-        pytest.param(servos, seed, marks=[pytest.mark.soak] * (SEEDS[servos] != seed))
+        pytest.param(servos, seed, marks=[pytest.mark.soak] * ((servos, seed) not in SAMPLED_CASES))
         for servos in SEEDS
         for seed in SEEDS.values()
     ],

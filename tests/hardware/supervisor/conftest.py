@@ -33,7 +33,7 @@ from ..conftest import BUILDERS
 from .judged import Room
 
 PERIOD = 0.01
-QUICK_SETTINGS = SupervisorSettings(pace=3.0, patience=1.0)  # fast moves and a short wait for commands
+QUICK_SETTINGS = SupervisorSettings(pace=3.0, patience=0.5, slow=0.2)  # fast moves and short waits
 MODEL = "xm430_w350"
 GAINS = {
     MODEL: (800, 0),

@@ -22,7 +22,7 @@ def test_release_tool_switches_torque_off_on_all_servos(bench):
     assert table.energised == []
 
 
-@pytest.mark.parametrize("seed", range(5))
+@pytest.mark.parametrize("seed", range(2))
 @pytest.mark.parametrize("kind", ["corrupt", "lost", "drop", "noise"])
 @pytest.mark.parametrize("way", ["reply", "request"])
 def test_release_tool_reports_every_servo_that_may_keep_torque_after_wire_faults(

@@ -30,6 +30,7 @@ HERE = Path(__file__).parent
 ROOT = Path(__file__).parents[4]
 PATIENCE = 60.0  # [s] longest wait for any event on a loaded machine
 WATCHDOG = 0.2
+POLL_INTERVAL = 0.02  # [s] pause between two looks at logs and records, which are parsed each time
 SETTINGS = SupervisorSettings(watchdog=WATCHDOG, patient_watchdog=WATCHDOG, pace=3.0)
 SERVO_COUNT = 5  # number of servos of the small robot
 JOINTS = 4  # number of hinges of the small robot
@@ -118,7 +119,7 @@ class Rig:
         limit = time.monotonic() + PATIENCE
         while not until():
             assert time.monotonic() < limit, "waited in vain"
-            time.sleep(0.005)
+            time.sleep(POLL_INTERVAL)
 
     @staticmethod
     def kill(pid: int) -> float:

@@ -21,7 +21,7 @@ from kinesic.hardware.virtual.pty import PtyPort, serve_wires
 from kinesic.hardware.virtual.wiring import build_bus, describe_cables
 
 RECORDED_REGISTERS = (Register.TORQUE_ENABLE, Register.GOAL_POSITION, Register.BUS_WATCHDOG)
-RECORD_INTERVAL = 0.002  # [s] default time between two recorded lines
+RECORD_INTERVAL = 0.004  # [s] default time between two recorded lines
 
 
 def fault(kind: str, *figures: float) -> PlannedFault:

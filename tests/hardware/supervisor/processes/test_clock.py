@@ -13,7 +13,7 @@ from kinesic.body.robot import Robot
 from kinesic.hardware.supervisor.manifest import Manifest
 from kinesic.hardware.supervisor.state_machine import Stage
 
-pytestmark = pytest.mark.realtime
+pytestmark = [pytest.mark.realtime, pytest.mark.soak]  # every run: tests/hardware/test_clocks.py
 
 HERE = Path(__file__).parent
 CLOCK_JUMP = 3600  # [s] size of the clock jump

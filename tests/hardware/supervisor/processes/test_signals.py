@@ -68,6 +68,7 @@ def test_signal_to_an_idle_supervisor_releases_the_servos_before_it_ends(rig, nu
     assert rig.entered(Stage.CLOSED)
 
 
+@pytest.mark.soak
 def test_robot_with_a_suspended_planner_holds_until_a_resume_request(rig):
     planner = rig.planner()
     rig.wait(rig.raised)

@@ -39,6 +39,7 @@ def test_robot_holds_while_its_port_is_unplugged_and_continues_afterwards(rig):
     assert not record.torque[-1].any()
 
 
+@pytest.mark.soak
 def test_servo_that_reboots_rejoins_without_a_jump(rig):
     servos = rig.opened()
     rig.write(servos, 30.0)
@@ -72,6 +73,7 @@ def test_failed_servo_is_named_as_reason_of_the_stop(rig):
     assert not rig.record().torque[-1].any()
 
 
+@pytest.mark.soak
 def test_robot_waits_for_a_resume_request_after_a_long_port_loss(rig):
     servos = rig.opened()
     rig.write(servos, 30.0)

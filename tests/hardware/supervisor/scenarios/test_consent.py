@@ -77,7 +77,7 @@ def test_torque_off_stop_request_switches_torque_off_within_30_ms(desk: Make):
     assert not made.true(TORQUE).any()
 
 
-@pytest.mark.parametrize("ended", [False, True])
+@pytest.mark.parametrize("ended", [False, pytest.param(True, marks=pytest.mark.soak)])
 def test_robot_stopped_in_an_emergency_moves_to_rest_after_its_planner_dies(desk: Make, ended: bool):
     made = desk().active(4.0)
     made.run(0.5)
@@ -165,7 +165,7 @@ def test_commands_after_a_long_gap_need_a_resume_request(desk: Make):
     made.until(Stage.ACTIVE)
 
 
-@pytest.mark.parametrize(("slowly", "waits"), [(0.9, False), (3.0, True)])
+@pytest.mark.parametrize(("slowly", "waits"), [(0.9, False), pytest.param(3.0, True, marks=pytest.mark.soak)])
 def test_commands_slower_than_real_time_after_a_standstill_need_a_resume_request(
     desk: Make, slowly: float, waits: bool
 ):

@@ -18,6 +18,8 @@ REFUSED_FAULTS = {"duplicate id", "wrong model"}  # faults for which the supervi
 HELD_FAULTS = {"alert encoder"}  # faults after which the servo is not moved, as its position is unknown
 SOAK_FAULTS = {  # faults similar to others that are tested in every run, tested only by `make soak`
     "calm",
+    "corrupt 5%",
+    "late 5%",
     "truncate 5%",
     "duplicate 5%",
     "noise 5%",
@@ -40,7 +42,8 @@ def settings(count: int, baud: int) -> SupervisorSettings:
         watchdog=watchdog,
         patient_watchdog=watchdog,
         lead=10 * period,
-        patience=1.0,
+        patience=0.5,
+        slow=0.2,
         pace=3.0,
         hopeless=2.0,
     )

@@ -21,7 +21,7 @@ from ..conftest import PERIOD, Desk
 RAISED_ANGLES = {"shoulder_flexion": 70.0, "elbow_flexion": 60.0}  # [deg] hinge angles of raised arms
 RAISE_DURATION = 1.2  # [s] duration of the motion that raises the arms
 MAX_DROOP = 8.0  # [deg] largest distance of a held limb from its goal
-QUICK_SETTINGS = SupervisorSettings(patience=1.0, pace=1.5)  # fast moves and a short wait for commands
+QUICK_SETTINGS = SupervisorSettings(patience=0.5, pace=1.5, slow=0.2)  # fast moves and short waits
 OVERLOAD, ENCODER, VOLTAGE = (
     error.value for error in (HardwareError.OVERLOAD, HardwareError.ENCODER, HardwareError.VOLTAGE)
 )
@@ -138,7 +138,7 @@ def test_immovable_raised_arm_is_held_until_a_person_confirms(arms: Desk):
     arms.alive = False
     follow(arms, Stage.WAITING)
     assert hinges_up(arms) == {"l_shoulder_flexion", "l_elbow_flexion"}
-    arms.run(1.5)
+    arms.run(2 * arms.settings.patience)
     assert arms.stage is Stage.WAITING
     assert behind(arms) < MAX_DROOP
     arms.channel.set("confirm", 1)
