@@ -1,5 +1,7 @@
 """Tests of requested hand shapes, on hands with and without fingers."""
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -13,8 +15,11 @@ BML_TEMPLATE = '<bml id="b" xmlns="http://www.bml-initiative.org/bml/bml-1.0">{}
 FINGER_ROBOT = Robot.load("upper36")
 
 
+set_up_once = cache(set_up)
+
+
 def planned(inside: str, robot: str = "upper36"):
-    return plan(BML_TEMPLATE.format(inside), set_up(robot))
+    return plan(BML_TEMPLATE.format(inside), set_up_once(robot))
 
 
 def at_stroke(made, side: str):

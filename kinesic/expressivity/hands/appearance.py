@@ -80,9 +80,9 @@ def orientation_angle(a: StrokeAppearance, b: StrokeAppearance) -> float:
 def distinct(a: StrokeAppearance, b: StrokeAppearance) -> bool:
     """Return whether two gestures are visibly different."""
     return (
-        path_distance(a, b) >= MIN_PATH_DISTANCE
+        a.shapes != b.shapes
+        or path_distance(a, b) >= MIN_PATH_DISTANCE
         or orientation_angle(a, b) >= MIN_ORIENTATION_ANGLE
-        or a.shapes != b.shapes
     )
 
 
