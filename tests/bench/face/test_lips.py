@@ -36,11 +36,11 @@ def test_lips_close_in_time_for_plosives_and_open_at_their_bursts():
 
 @needs_voice
 def test_each_p_b_and_m_closes_the_lips_of_both_heads():
-    text = "My mother bought a big brown map. Happy people pump up a bumper, maybe."
+    text = "My mother bought a big brown map."
     utterance = Espeak().say(Script(text))
     for variant in ("female", "male"):
         closings = measure_talk(utterance, load_head(variant)).closings
-        assert len(closings) >= 16
+        assert len(closings) >= 6
         assert all(closing.shut is not None for closing in closings)
 
 
