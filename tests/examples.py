@@ -2,7 +2,7 @@
 
 from hypothesis import settings
 
-SAMPLE_FRACTION = 0.15  # fraction of the examples that runs outside the soak
+SAMPLE_FRACTION = 0.1  # fraction of the examples that runs outside the soak
 
 
 def examples(most: int, **others) -> settings:

@@ -97,7 +97,8 @@ def test_egl_driver_with_all_functions_needs_no_libgl(monkeypatch: pytest.Monkey
 DRAWING_PROGRAM = """
 import sys
 from kinesic.face.render.portrait import Portrait
-with Portrait(size=(32, 32)) as portrait:
+from kinesic.face.render.presets import DRAFT_PRESET
+with Portrait(size=(32, 32), preset=DRAFT_PRESET) as portrait:
     portrait.draw({})
 files = [str(getattr(module, "__file__", "")).partition("site-packages/")[2] for module in sys.modules.values()]
 print(*{each.partition("/")[0] for each in files if each.endswith(".so")})

@@ -75,7 +75,7 @@ def test_finger_postures_of_left_and_right_are_mirrored(known, counted):
     np.testing.assert_allclose(a[:, here], b[:, there], atol=1e-6)
 
 
-@pytest.mark.parametrize("robot", ["upper36", "human"])
+@pytest.mark.parametrize("robot", ["upper36", pytest.param("human", marks=pytest.mark.soak)])
 def test_wringing_hands_are_planned_without_notices(robot: str) -> None:
     """Plan crossing fingers, whose paths keep the required clearance."""
     planned = plan('<bml id="b"><gesture id="g" lexeme="nervous_wring"/></bml>', set_up(robot, voice="durations"))

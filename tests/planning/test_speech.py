@@ -37,6 +37,10 @@ GESTURE_MARKS = {"g1": "a", "g2": "b", "g3": "c"}  # gesture -> mark of its stro
 
 # runs a test with one voice, if the voice does not matter
 SILENT_VOICE = pytest.mark.parametrize("known", ["durations"], indirect=True)
+# runs a test with the other voice only in `make soak`
+MAINLY_SILENT_VOICE = pytest.mark.parametrize(
+    "known", ["durations", pytest.param("espeak", marks=pytest.mark.soak)], indirect=True
+)
 
 
 @cache
@@ -95,6 +99,7 @@ def test_speech_pauses_are_inserted_only_if_allowed(known: Setup):
     assert hurried(known, block='kinesic:pause="0.3"', speech='kinesic:pause="false"').utterances == without.utterances
 
 
+@MAINLY_SILENT_VOICE
 def test_speech_pauses_stay_within_their_requested_limit(known: Setup):
     planned = hurried(known, block='kinesic:pause="0.12"')
     assert pauses(planned)

@@ -156,7 +156,7 @@ def find_seeds(*, hanging, count):
 @pytest.mark.parametrize("name", TESTED_ROBOTS)
 def test_varied_standing_arm_postures_keep_limits_and_clearance(name):
     robot = TESTED_ROBOTS[name]
-    for seed in find_seeds(hanging=False, count=8):
+    for seed in find_seeds(hanging=False, count=4):
         setup = set_up(name, variation=1.0, seed=seed)
         rest, skeleton = setup.robot.skeleton.rest, robot.skeleton
         gaps, own_gaps = setup.distances.gaps(np.stack([rest, robot.skeleton.rest]))
@@ -176,16 +176,16 @@ def test_forearms_of_a_varied_standing_posture_rise_with_the_variation():
 
 
 def test_variation_turns_the_forearms_of_a_sad_standing_posture_by_less_than_30_degrees():
-    for seed in find_seeds(hanging=False, count=3):
+    own = set_up("human", style="sad").robot
+    for seed in find_seeds(hanging=False, count=2):
         body = set_up("human", style="sad", variation=1.0, seed=seed).robot
-        own = set_up("human", style="sad").robot
         offsets = [
             measure_arm(body, side, body.skeleton.rest) - measure_arm(own, side, own.skeleton.rest) for side in "lr"
         ]
         assert np.abs(np.array(offsets)[:, ARM_FEATURES.index("forearm_forward")]).max() < 30.0
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", range(4))
 def test_standing_trunk_and_head_of_a_seed_are_equal_on_two_robots(seed):
     bodies = [set_up(name, variation=1.0, seed=seed).robot for name in ("human", "upper36")]
     turns = [[*turn_angles(rest_turn(body, "torso")), *turn_angles(rest_head_turn(body))] for body in bodies]
@@ -195,7 +195,7 @@ def test_standing_trunk_and_head_of_a_seed_are_equal_on_two_robots(seed):
 @pytest.mark.parametrize("name", ["human", "upper36"])
 def test_shoulder_height_difference_of_a_varied_standing_posture_equals_the_random_draw(name):
     elevations, expected = [], []
-    for seed in find_seeds(hanging=True, count=6):
+    for seed in find_seeds(hanging=True, count=4):
         robot = set_up(name, variation=1.0, seed=seed).robot
         left, right = (robot.skeleton.rest_frames.origins[robot.arm(side).shoulder] for side in "lr")
         line = left - right
@@ -264,7 +264,7 @@ def test_ik_of_a_rest_gesture_starts_from_the_rest_posture_with_raised_shoulders
     assert raised == {f"{side}_sternoclavicular_abduct": pytest.approx(0.05) for side in "lr"}
 
 
-@pytest.mark.parametrize("lexeme", ["hush", "heart", "offer"])
+@pytest.mark.parametrize("lexeme", ["hush", pytest.param("heart", marks=pytest.mark.soak), "offer"])
 def test_hand_position_of_a_gesture_relative_to_the_trunk_does_not_depend_on_the_standing_lean(lexeme):
     wrists = {}
     for tilt in (0.0, 8.0):
