@@ -29,6 +29,7 @@ class EchoCanceller:
         partitions, frequencies = round(ECHO_TAIL * VOICE_RATE / FRAME_SIZE), FRAME_SIZE + 1
         self._played: Spectra = np.zeros((partitions, frequencies), np.complex128)  # newest partition first
         self._path: Spectra = np.zeros((partitions, frequencies), np.complex128)
+        self._powers = np.zeros((partitions, frequencies))  # power spectra of the partitions
         self._variance = np.full((partitions, frequencies), INITIAL_VARIANCE)
         self._noise = np.zeros(frequencies)
         self._last = np.zeros(FRAME_SIZE)
@@ -40,8 +41,10 @@ class EchoCanceller:
             heard: (512,) samples of the microphone at 16 kHz.
             played: (512,) samples of the loudspeaker in the same frame; their echo may come up to 0.25 s later.
         """
-        self._played = np.roll(self._played, 1, axis=0)
-        self._played[0] = np.fft.rfft(np.concatenate([self._last, played]))
+        spectrum = np.fft.rfft(np.concatenate([self._last, played]))
+        for rows, newest in ((self._played, spectrum), (self._powers, np.abs(spectrum) ** 2)):
+            rows[1:] = rows[:-1]
+            rows[0] = newest
         self._last = np.asarray(played, np.float64)
         if self._played.any():
             self._adapt(heard - self._echo())
@@ -56,11 +59,10 @@ class EchoCanceller:
         """Correct the estimated path by the residual (512,) of a frame."""
         spectrum = np.fft.rfft(np.concatenate([np.zeros(FRAME_SIZE), residual]))
         self._noise = NOISE_SMOOTHING * self._noise + (1.0 - NOISE_SMOOTHING) * np.abs(spectrum) ** 2
-        power = np.abs(self._played) ** 2
-        error_power = 0.5 * (power * self._variance).sum(axis=0) + self._noise + MIN_POWER
+        error_power = 0.5 * (self._powers * self._variance).sum(axis=0) + self._noise + MIN_POWER
         step = 0.5 * self._variance / error_power
         change = np.fft.irfft(step * np.conj(self._played) * spectrum, axis=1)
         change[:, FRAME_SIZE:] = 0.0  # a partition is one frame long
         self._path = FORGETTING_FACTOR * (self._path + np.fft.rfft(change, axis=1))
-        remaining = FORGETTING_FACTOR**2 * (1.0 - 0.5 * step * power) * self._variance
+        remaining = FORGETTING_FACTOR**2 * (1.0 - 0.5 * step * self._powers) * self._variance
         self._variance = remaining + (1.0 - FORGETTING_FACTOR**2) * np.abs(self._path) ** 2

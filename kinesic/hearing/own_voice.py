@@ -40,7 +40,7 @@ class OwnVoiceGate:
             frame: (512,) samples after the cancellation.
             echo: (512,) samples of the cancelled echo.
         """
-        power, echo_power = self._power(frame), self._power(echo)
+        power, echo_power = self._powers(frame, echo)
         self._echo = max(echo_power, ECHO_DECAY * self._echo)
         quietest = max(power, MIN_NOISE_POWER)
         self._noise = quietest if self._noise is None else min(NOISE_GROWTH * self._noise, quietest)
@@ -53,6 +53,8 @@ class OwnVoiceGate:
                 self._residual = min(self._residual * RESIDUAL_GROWTH, 1.0)
         return power > MIN_POWER_RATIO * expected
 
-    def _power(self, frame: Samples) -> float:
-        """Return the mean power of a frame in the voice band."""
-        return float(np.mean(np.abs(np.fft.rfft(frame, 2 * FRAME_SIZE)[self._band]) ** 2))
+    def _powers(self, *frames: Samples) -> list[float]:
+        """Return the mean power of each frame in the voice band."""
+        spectra = np.fft.rfft(np.stack(frames), 2 * FRAME_SIZE)[:, self._band]
+        powers: list[float] = np.mean(np.abs(spectra) ** 2, axis=1).tolist()
+        return powers

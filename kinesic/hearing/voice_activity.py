@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from functools import cache
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
 
 from kinesic.body.config import CONFIGS
 from kinesic.body.utterance import Samples
@@ -82,8 +82,8 @@ class VoiceDetector:
         for (kernel, bias), stride in zip(network.convolutions, CONVOLUTION_STRIDES, strict=True):
             padded = np.zeros((len(features) + 2, features.shape[1]), np.float32)
             padded[1:-1] = features
-            rows = [padded[first : first + 3].ravel() for first in range(0, len(features), stride)]
-            features = np.maximum(np.stack(rows) @ kernel + bias, 0.0)
+            rows = padded[_window_indices(len(features), stride, 3)]
+            features = np.maximum(rows.reshape(len(rows), -1) @ kernel + bias, 0.0)
         gates = np.concatenate([features[0], self._hidden]) @ network.recurrent + network.recurrent_bias
         opening, keeping, candidate, showing = np.split(gates, 4)
         self._cell = _sigmoid(keeping) * self._cell + _sigmoid(opening) * np.tanh(candidate)
@@ -95,8 +95,14 @@ class VoiceDetector:
         sound = np.concatenate([self._context, frame])
         self._context = frame[-CONTEXT_SIZE:]
         sound = np.concatenate([sound, sound[-2 : -CONTEXT_SIZE - 2 : -1]])  # reflected at its end
-        spectra = sliding_window_view(sound, WINDOW_SIZE)[::WINDOW_STEP] @ self._network.fourier
+        spectra = sound[_window_indices(FRAME_SIZE, WINDOW_STEP, WINDOW_SIZE)] @ self._network.fourier
         return np.asarray(np.hypot(spectra[:, :FREQUENCY_COUNT], spectra[:, FREQUENCY_COUNT:]))
+
+
+@cache
+def _window_indices(size: int, step: int, width: int) -> NDArray[np.intp]:
+    """Return the indices (m, width) of windows that start every `step` up to `size`."""
+    return np.arange(0, size, step)[:, None] + np.arange(width)
 
 
 def _sigmoid(value: Samples) -> Samples:
