@@ -2,6 +2,7 @@
 
 from asyncio import AbstractEventLoop, get_running_loop
 from collections.abc import Callable
+from functools import partial
 from threading import Lock, Thread
 
 import numpy as np
@@ -40,18 +41,25 @@ class PlayedSamples:
 def hear_people(session: Session, source: SampleSource) -> "HearingThread":
     """Begin a conversation that hears people, in a session.
 
-    The robot's own voice is removed from a source with the rate of the loudspeaker.
+    The robot is quiet while it hears a voice. Its own voice is removed from a source with the rate of the loudspeaker.
     """
     session.converse(ConverseRequest(), NO_CLIENT)
     played = None
     if session.speaker is not None and source.rate == SAMPLE_RATE:
         played = PlayedSamples(source.rate)
         session.speaker.monitor = played.add
-    listener = HearingThread(
-        source, get_running_loop(), lambda report: session.converse(report, NO_CLIENT), played=played
-    )
+    listener = HearingThread(source, get_running_loop(), partial(_react, session), played=played)
     listener.start()
     return listener
+
+
+def _react(session: Session, change: HeardChange) -> None:
+    """Mute the robot while a person speaks, and report the voice to its conversation."""
+    report = heard_report(change)
+    if report is not None and session.converses:
+        is_muted = bool(report.voice)
+        session.loop.change_sound(lambda effects: effects.duck(on=is_muted))
+        session.converse(report, NO_CLIENT)
 
 
 class HearingThread(Thread):
@@ -61,7 +69,7 @@ class HearingThread(Thread):
         self,
         source: SampleSource,
         loop: AbstractEventLoop,
-        report: Callable[[HeardReport], object],
+        report: Callable[[HeardChange], object],
         *,
         played: PlayedSamples | None = None,
     ) -> None:
@@ -70,7 +78,7 @@ class HearingThread(Thread):
         Args:
             source: samples of the microphone.
             loop: event loop in which `report` is called.
-            report: called with each start and end of a voice.
+            report: called with each change of a voice.
             played: samples of the robot's loudspeaker at the rate of the source; None: it is silent.
         """
         super().__init__(name="microphone", daemon=True)
@@ -83,9 +91,8 @@ class HearingThread(Thread):
         while not self._is_ended and len(samples := self._source.read(count)):
             played = None if self._played is None else self._played.take(len(samples))
             for change in ear.hear(samples, played):
-                message = heard_report(change)
-                if message is not None and not self._loop.is_closed():
-                    self._loop.call_soon_threadsafe(self._report, message)
+                if not self._loop.is_closed():
+                    self._loop.call_soon_threadsafe(self._report, change)
         self._source.close()
 
     def end(self) -> None:

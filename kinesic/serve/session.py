@@ -176,6 +176,11 @@ class Session:
                 self._request(request)
         return "" if obstacle is None else obstacle[1]
 
+    @property
+    def converses(self) -> bool:
+        """Whether a conversation runs."""
+        return self._conversation.owner is not None
+
     def _find_obstacle(self) -> tuple[str, str] | None:
         """Return rule and reason that prevent motion, or None."""
         if self._is_stopped:
@@ -230,7 +235,7 @@ class Session:
 
     async def fold(self) -> None:
         """End blocks and conversation, and wait until the robot is at rest."""
-        if self._conversation.owner is not None:
+        if self.converses:
             self._request(end_of_conversation(self.loop.stop_count))
         self.interrupt(None)
         while self.loop.is_alive() and (self._requests or not self.planner.is_free or not self.loop.is_settled()):

@@ -44,12 +44,21 @@ class HearingAll:
         return [HeardChange(decision, 1.0, 0.1 * self.count)]
 
 
-def listen(monkeypatch: pytest.MonkeyPatch, source: Noise, speaker: object) -> list[tuple[object, int]]:
-    """Run a listener to the end of its source, and return the messages to the session."""
+def listen(
+    monkeypatch: pytest.MonkeyPatch, source: Noise, speaker: object, *, converses: bool = True
+) -> list[tuple[object, int]]:
+    """Run a listener to the end of its source, and return the messages to the session and the mutes."""
     sent: list[tuple[object, int]] = []
+    effects = SimpleNamespace(duck=lambda on: sent.append(("duck", on)))
+    loop = SimpleNamespace(change_sound=lambda change: change(effects))
     monkeypatch.setattr(listening, "Ear", HearingAll)
     HearingAll.played = []
-    session = SimpleNamespace(speaker=speaker, converse=lambda message, sender: sent.append((message, sender)))
+    session = SimpleNamespace(
+        speaker=speaker,
+        loop=loop,
+        converses=converses,
+        converse=lambda message, sender: sent.append((message, sender)),
+    )
 
     async def run() -> None:
         listener = hear_people(session, source)
@@ -61,11 +70,17 @@ def listen(monkeypatch: pytest.MonkeyPatch, source: Noise, speaker: object) -> l
 
 def test_voices_in_a_microphone_become_messages_of_a_conversation_that_the_server_begins(monkeypatch):
     source = Noise(16_000)
-    sent = listen(monkeypatch, source, None)
+    sent = [item for item in listen(monkeypatch, source, None) if item[0] != "duck"]
     assert {sender for _, sender in sent} == {NO_CLIENT}
     assert isinstance(sent[0][0], ConverseRequest)
     assert [(message.voice, message.age) for message, _ in sent[1:]] == [(True, 0.1), (False, pytest.approx(0.3))]
     assert source.is_closed
+
+
+def test_robot_is_muted_while_a_person_speaks_in_a_conversation(monkeypatch):
+    sent = listen(monkeypatch, Noise(16_000), None)
+    assert [on for kind, on in sent if kind == "duck"] == [True, False]
+    assert len(listen(monkeypatch, Noise(16_000), None, converses=False)) == 1
 
 
 def test_listener_compares_the_microphone_with_the_sound_of_the_loudspeaker(monkeypatch):
