@@ -78,7 +78,7 @@ class GestureTable(StrictTable):
 
     id: str  # name for BML's `lexeme`
     keys: list[KeyTable] = []  # poses of the stroke; the last one is held
-    motion: MotionTable | None = None  # captured motion in place of keys
+    motion: MotionTable | None = None  # captured motion instead of keys
     meanings: list[str] = []  # words that describe the gesture, the most characteristic first
     says: str = ""  # movement and meaning in one line
     tempo: str = "neutral"  # `neutral`, `sudden` or `sustained`
