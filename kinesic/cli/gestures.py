@@ -112,16 +112,17 @@ def render_gestures(
             draw_gesture_sheet(gestures, setup.robot, temporary)
         else:
             stage("planning")
-            form = _find_gesture(lexeme, setup.lexicon).form
-            gesture, description = (
-                key_postures(form, plan_gesture(form, setup), MAX_POSTURES),
-                setup.lexicon.sense(form).says,
-            )
+            match = _find_gesture(lexeme, setup.lexicon)
+            form, description = match.form, setup.lexicon.sense(match.form).says
+            planned = plan_gesture(form, setup, setup.lexicon.named_hands(form))
+            gesture = key_postures(form, planned, MAX_POSTURES)
             if turntable:
                 _save_turntable(gesture, setup.robot, temporary, stage_progress(stage, "drawing"))
             else:
                 stage("drawing")
                 _draw_key_postures(gesture, setup.robot, temporary, description, drawn=picture.drawn)
+    if lexeme is not None and match.substitute:
+        click.echo(printable(f"{lexeme}: {match.substitute}"))
     click.echo(f"{'film' if turntable else 'picture'}: {out}")
     return 0
 

@@ -73,6 +73,21 @@ def test_gestures_render_writes_a_picture_of_one_gesture(kinesic, tmp_path):
     assert (tmp_path / "own.png").read_bytes().startswith(b"\x89PNG")
 
 
+def test_gesture_named_with_a_hand_is_drawn_with_that_hand_and_its_substitution_is_printed(kinesic, monkeypatch):
+    drawn = []
+
+    def draw(gesture, robot, path, description, **options):
+        drawn.append(gesture)
+        path.write_text(description)
+
+    monkeypatch.setattr(gestures, "_draw_key_postures", draw)
+    ended = kinesic("gestures", "render", "beat_mid_lf", "--out", "beat.svg")
+    assert ended.out.splitlines() == ['beat_mid_lf: substituted by beat: "mid" is left out', "picture: beat.svg"]
+    (gesture,) = drawn
+    assert (gesture.form.sides, set(gesture.paths)) == ({"l"}, {"l"})
+    assert len(gesture.postures) >= 2
+
+
 @pytest.mark.parametrize("arguments", [(), ("offer", "--all"), ("xyzzy",)])
 def test_gestures_render_refuses_invalid_arguments_and_writes_no_file(kinesic, tmp_path, arguments):
     ended = kinesic("gestures", "render", *arguments, "--out", "x.png")
