@@ -61,7 +61,12 @@ def run(bus: Bus, line: FrameLine, name: str, cycles: int, *, shift: int = 300) 
     return done
 
 
-@pytest.fixture(params=list(FAMILIES))
+SAMPLED_FAMILIES = {"sts3215", "ax12"}  # families with and without a sync read, tested in every run
+
+
+@pytest.fixture(
+    params=[pytest.param(name, marks=[pytest.mark.soak] * (name not in SAMPLED_FAMILIES)) for name in FAMILIES]
+)
 def name(request: pytest.FixtureRequest) -> str:
     """Return the name of a servo model of each family."""
     return str(request.param)

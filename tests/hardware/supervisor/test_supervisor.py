@@ -8,7 +8,6 @@ import pytest
 from kinesic.hardware.protocol.registers import Register
 from kinesic.hardware.protocol.wire import BusError
 from kinesic.hardware.supervisor.context import SupervisorContext
-from kinesic.hardware.supervisor.settings import SupervisorSettings
 from kinesic.hardware.supervisor.state_machine import Stage
 from kinesic.hardware.supervisor.supervisor import Supervisor
 
@@ -183,7 +182,7 @@ def test_random_commands_give_goals_in_range_without_jumps(desk: Make):
     made = desk()
     made.open()
     rng = np.random.default_rng(1)
-    for k in range(200):
+    for k in range(100):
         assert made.channel.write(k * PERIOD, rng.uniform(-4, 4, 4))
     made.channel.set("ended", 1)
     made.until(Stage.ACTIVE)
@@ -203,7 +202,7 @@ def test_random_commands_give_goals_in_range_without_jumps(desk: Make):
 
 
 def test_robot_without_commands_holds_then_moves_to_rest_and_restarts_with_new_commands(desk: Make):
-    made = desk(settings=SupervisorSettings(patience=1.0))
+    made = desk()
     made.open()
     for k in range(120):
         made.channel.write(k * PERIOD, made.goals(k * PERIOD, 3.0))
@@ -212,7 +211,7 @@ def test_robot_without_commands_holds_then_moves_to_rest_and_restarts_with_new_c
     assert made.status.time == pytest.approx(1.19, abs=1e-6)
     made.until(Stage.FOLD)
     made.until(Stage.HOLD)
-    made.run(1.5)
+    made.run(2 * made.settings.patience)
     assert made.stage is Stage.HOLD
     assert made.true(TORQUE).all()
     made.perform(2.0, begin=60.0)
@@ -287,3 +286,12 @@ def test_supervisor_writes_a_status_in_every_cycle(desk: Make):
     assert clocks == sorted(clocks)
     made.cycle()
     assert len(made.channel.history()) == 1
+
+
+def test_unwritable_event_log_is_reported_once_and_does_not_interrupt_the_performance(desk: Make):
+    made = desk()
+    made.log = made.log.with_name("missing") / "events.jsonl"
+    made.start()
+    made.active()
+    reported = [note.text for note in made.notes() if note.kind == "journal"]
+    assert reported == [f"{made.log}: No such file or directory; events are lost"]

@@ -113,6 +113,7 @@ def test_servos_of_a_suspended_supervisor_hold_with_torque_until_a_resume_reques
     rig.ends_at_rest()
 
 
+@pytest.mark.soak
 def test_full_disk_for_the_event_log_does_not_interrupt_the_servo_performance(rig):
     """/dev/full can be opened, but each write to it fails."""
     servos = Servos(rig.robot, rig.ports, settings=SETTINGS, log=Path("/dev/full"))

@@ -139,7 +139,7 @@ def test_jammed_limb_that_is_freed_moves_to_rest_only_after_its_servo_reboots(de
 
 def test_hot_servo_slows_the_performance_before_it_shuts_down(desk: Make):
     made = desk().active(10.0)
-    made.plant.servos[2].electronics.celsius = 67.0
+    made.plant.servos[2].electronics.celsius = 70.0
     made.expose(PlannedFault("overheat", (3,), value=3.0))
     scales = []
     while made.stage is Stage.ACTIVE:
@@ -152,7 +152,7 @@ def test_hot_servo_slows_the_performance_before_it_shuts_down(desk: Make):
     assert not made.true(Register.HARDWARE_ERROR_STATUS).any()
 
 
-@pytest.mark.parametrize("seconds", [0.05, pytest.param(0.4, marks=pytest.mark.soak), 2.0])
+@pytest.mark.parametrize("seconds", [0.05, pytest.param(0.4, marks=pytest.mark.soak), 1.2])
 def test_robot_holds_or_resumes_within_250_ms_of_the_return_of_a_lost_port_and_keeps_torque(desk: Make, seconds: float):
     made = desk().active(4.0)
     made.expose(PlannedFault("unplug", seconds=seconds))
