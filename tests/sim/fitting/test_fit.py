@@ -56,7 +56,7 @@ def true_value(unknown, factors):
 @pytest.fixture(scope="module")
 def worn():
     """Fit servo parameters to a log of simulated worn servos."""
-    return fit_factors(record_log(WORN_FACTORS, seconds=0.7, step=0.001), ROBOT, free=FREE_PARAMETERS)
+    return fit_factors(record_log(WORN_FACTORS, seconds=0.55, step=0.001), ROBOT, free=FREE_PARAMETERS)
 
 
 def test_identifiable_servo_parameters_are_recovered_within_five_percent(worn):

@@ -17,7 +17,7 @@ def known():
     return set_up()
 
 
-@pytest.mark.parametrize("seed", [20, 25])
+@pytest.mark.parametrize("seed", [20, pytest.param(25, marks=pytest.mark.soak)])
 def test_overloaded_blocks_keep_limits_and_report_shifts(seed, known):
     chance = random.Random(seed)
     manner = Expressivity(**{name: chance.choice(ends) for name, ends in EXPRESSIVITY_RANGES.items()})
