@@ -17,7 +17,7 @@ SOURCES := pyproject.toml build_backend.py $(wildcard requirements*.lock setup.p
 EXTRAS := speech face voice
 KEPT ?=
 OPENGL := libegl1 libgl1-mesa-dri libopengl0 libgl1
-SCREENS := xvfb chromium
+SCREENS := xvfb chromium chromium-headless-shell
 
 .DELETE_ON_ERROR:
 .PHONY: demo setup test test-rounding check soak campaign notebooks mutants mutants-studio bench docs tutorials reference wheels wheels-smoke first-report system-deps test-deps lock studio clean

@@ -5,7 +5,7 @@ It opens pages, moves the pointer and evaluates scripts.
 
 import shutil
 import subprocess
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from itertools import count
 from pathlib import Path
@@ -56,12 +56,16 @@ class Evaluated(msgspec.Struct):
     exceptionDetails: msgspec.Raw = EMPTY_REPLY  # noqa: N815 - the browser's name
 
 
-def find_binary() -> str | None:
+def find_binary(names: Sequence[str] = CHROMIUM_NAMES) -> str | None:
     """Return the path of an installed Chromium.
 
-    The result is None if none is installed.
+    Args:
+        names: names of the program, the preferred one first.
+
+    Returns:
+        None if none is installed.
     """
-    return next(filter(None, map(shutil.which, CHROMIUM_NAMES)), None)
+    return next(filter(None, map(shutil.which, names)), None)
 
 
 class Page:
@@ -124,17 +128,18 @@ class Page:
 class Browser(subprocess.Popen[bytes]):
     """Chromium process with additional flags that runs until `end`."""
 
-    def __init__(self, *flags: str, profile: Path | None = None) -> None:
+    def __init__(self, *flags: str, profile: Path | None = None, names: Sequence[str] = CHROMIUM_NAMES) -> None:
         """Start the browser.
 
         Args:
             flags: further command-line flags.
             profile: folder of the user's profile, kept afterwards; None for a temporary one.
+            names: names of the program, the preferred one first.
         """
         self._profile = TemporaryDirectory(prefix="kinesic-chromium-", ignore_cleanup_errors=True)
         folder = Path(self._profile.name) if profile is None else profile
         (folder / PORT_FILE).unlink(missing_ok=True)  # of a browser that was killed
-        command = [str(find_binary()), *CHROMIUM_FLAGS, f"--user-data-dir={folder}", *flags, "about:blank"]
+        command = [str(find_binary(names)), *CHROMIUM_FLAGS, f"--user-data-dir={folder}", *flags, "about:blank"]
         super().__init__(command, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         end = monotonic() + BROWSER_TIMEOUT
         while not (port_lines := _read_words(folder / PORT_FILE))[1:]:
