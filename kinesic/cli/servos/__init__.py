@@ -60,11 +60,14 @@ def _accept_robot() -> None:
 @click.option("--yes", is_flag=True, help="Do not ask; the robot is in its zero posture now.")
 @click.option("--seconds", type=click.FloatRange(min=0.0), help="Maximum duration in s (default: until Enter).")
 @click.option("--lerobot", multiple=True, metavar="NAME=FILE", help="Convert lerobot's JSON file of a bus. Repeatable.")
+@click.option(
+    "--pypot", type=click.Path(dir_okay=False, path_type=Path), help="Convert the configuration (JSON) of a Poppy."
+)
 @implemented_by("servos.calibrate:calibrate_robot", needs=SERVO_DRIVER)
 def _calibrate_robot() -> None:
     """Write ROBOT.calibration.toml while you move every hinge by hand.
 
-    No servo gets torque. With --lerobot, the calibration comes from files of lerobot, and no servo is needed.
+    No servo gets torque. With --lerobot or --pypot, the calibration comes from files, and no servo is needed.
     """
 
 

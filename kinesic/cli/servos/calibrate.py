@@ -40,6 +40,7 @@ from kinesic.hardware.tools.calibration import (
     measure_hinges,
 )
 from kinesic.hardware.tools.lerobot_calibration import convert_lerobot
+from kinesic.hardware.tools.pypot_configuration import convert_pypot
 
 PROMPT_LINES = 6  # number of terminal lines of prompt and heading
 DISPLAY_RATE = 8.0  # [Hz] redraws of the table
@@ -53,15 +54,17 @@ ENTER_KEYS = {"\n", "\r"}  # characters that the Enter key sends
 
 
 def calibrate_robot(
-    robot: str, ports: tuple[str, ...], yes: bool, seconds: float | None, lerobot: tuple[str, ...]
+    robot: str, ports: tuple[str, ...], yes: bool, seconds: float | None, lerobot: tuple[str, ...], pypot: Path | None
 ) -> int:
     """Write a robot's calibration.
 
-    It is measured while the robot is moved by hand, or converted from files of lerobot. No servo gets torque.
+    It is measured while the robot is moved by hand, or converted from files of lerobot or pypot. No servo gets torque.
     """
     uncalibrated = Robot.load(robot, calibrated=False)
-    if lerobot:
-        return _convert_files(robot, uncalibrated, lerobot)
+    if lerobot and pypot:
+        raise ConfigError("--lerobot and --pypot: give one of them")
+    if lerobot or pypot:
+        return _convert_files(robot, uncalibrated, lerobot, pypot)
     manifest = Manifest.of(uncalibrated)
     paths = read_all_ports(ports, manifest.bauds)
     is_interactive = not yes or seconds is None
@@ -85,12 +88,15 @@ def calibrate_robot(
     return 0
 
 
-def _convert_files(robot: str, uncalibrated: Robot, texts: tuple[str, ...]) -> int:
-    """Write the calibration of lerobot's files, which needs no servos."""
-    files = read_bus_paths(texts, [bus.name for bus in ServoMap.of(uncalibrated).buses], option="--lerobot")
+def _convert_files(robot: str, uncalibrated: Robot, texts: tuple[str, ...], pypot: Path | None) -> int:
+    """Write the calibration of files of lerobot or pypot, which needs no servos."""
     _prepare_folder(calibration_path(uncalibrated.path))
     earlier = read_calibration(uncalibrated.path, uncalibrated.name)
-    converted = convert_lerobot(files, uncalibrated, earlier)
+    if pypot is not None:
+        converted = convert_pypot(pypot, uncalibrated, earlier)
+    else:
+        files = read_bus_paths(texts, [bus.name for bus in ServoMap.of(uncalibrated).buses], option="--lerobot")
+        converted = convert_lerobot(files, uncalibrated, earlier)
     path = _write_calibration(converted, uncalibrated)
     load_robot(robot)
     click.echo(f"calibration: {path}")

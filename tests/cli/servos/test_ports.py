@@ -61,3 +61,7 @@ def test_calibration_files_of_lerobot_are_converted_without_servos(kinesic, tmp_
     assert (written["zero_ticks"]["l_elbow_flexion"], written["zero_ticks"]["r_elbow_flexion"]) == (1218, 1218)
     wrong = kinesic("servos", "calibrate", "--robot", "so101_pair", "--lerobot", "arm=a.json")
     assert "--lerobot arm=a.json: no bus arm" in wrong.err
+    both = kinesic("servos", "calibrate", "--robot", "so101_pair", *options, "--pypot", "a.json")
+    assert "--lerobot and --pypot: give one of them" in both.err
+    other = kinesic("servos", "calibrate", "--robot", "so101_pair", "--pypot", "a.json")
+    assert "so101_pair is no robot of pypot that kinesic knows" in other.err
