@@ -15,6 +15,7 @@ from kinesic.planning.clearance import Conditioner
 from kinesic.planning.plan import Plan, plan_block
 from kinesic.planning.setup import Setup
 from kinesic.planning.standing import standing_robot, vary_standing
+from kinesic.planning.timely_strokes import keep_strokes_in_time
 
 
 def plan_standing_block(block: Block, setup: Setup, *, conditioned: Conditioner = certify) -> Plan:
@@ -22,7 +23,7 @@ def plan_standing_block(block: Block, setup: Setup, *, conditioned: Conditioner 
 
     A hand before the body or an uneven stance can be in the way of a gesture. If gestures are dropped, the block is
     planned again with hanging arms, then in the even stance of the style, then upright. The plan that performs most is
-    returned.
+    returned. Near people, gestures whose strokes would be late are planned again with less amplitude or power.
 
     Args:
         block: to be planned.
@@ -32,6 +33,12 @@ def plan_standing_block(block: Block, setup: Setup, *, conditioned: Conditioner 
     Raises:
         BmlError: a `required` behaviour cannot be performed.
     """
+    best = _plan_in_stances(block, setup, conditioned)
+    return keep_strokes_in_time(best, lambda reduced: _plan_in_stances(reduced, setup, conditioned))
+
+
+def _plan_in_stances(block: Block, setup: Setup, conditioned: Conditioner) -> Plan:
+    """Plan a block in the stance in which the fewest behaviours are dropped."""
     style = BlockContext(block, setup.context).bearing
     standing = _take_posture(style, setup)
     best = plan_block(block, standing, conditioned=conditioned)
