@@ -3,7 +3,6 @@
 import ast
 import json
 import os
-import re
 import subprocess
 import sys
 from pathlib import Path
@@ -90,12 +89,3 @@ def test_missing_optional_package_is_reported_in_one_line_with_its_extra(package
     assert ended.returncode != 0
     assert ended.stderr.count("\n") == 1
     assert f'kinesic[{extra}]"' in ended.stderr
-
-
-def test_report_without_pillow_gives_the_reason_for_the_missing_film(tmp_path):
-    (tmp_path / "beat.bml").write_text('<bml id="b"><gesture id="g" lexeme="beat" stroke="0.6"/></bml>')
-    ended = run_without("PIL", tmp_path, ("perform", "beat.bml", "--out", "beat"))
-    assert ended.returncode == 0, ended.stderr
-    assert (tmp_path / "beat" / "report.html").is_file()
-    for film, extra in (("film", "film"), ("face", "face")):
-        assert re.search(rf'^{film}: none \(Pillow is not installed: .*kinesic\[{extra}\]"', ended.stdout, re.MULTILINE)

@@ -1,9 +1,8 @@
 """Films of a report, each drawn in a process of its own."""
 
-import subprocess
 import sys
 from collections.abc import Iterator
-from contextlib import suppress
+from contextlib import contextmanager, suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
@@ -55,12 +54,19 @@ def twin(seconds: float = 0.5) -> TwinFilm:
     return TwinFilm(ROBOT, np.array([0.0, seconds]), np.array([REST_POSTURE, 0.5 * REST_POSTURE]), SMALL_FILM)
 
 
-@pytest.fixture
-def processes(monkeypatch: pytest.MonkeyPatch) -> Iterator[FilmProcesses]:
-    """Return film processes prepared for the twin, which start quickly."""
+@contextmanager
+def quick_processes() -> Iterator[FilmProcesses]:
+    """Start film processes that are all prepared for the twin, without the skin of a face."""
     begin = films._process
-    monkeypatch.setattr(films, "_process", lambda kind: begin("twin"))
-    with film_processes() as begun:
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(films, "_process", lambda kind: begin("twin"))
+        with film_processes() as begun:
+            yield begun
+
+
+@pytest.fixture
+def processes() -> Iterator[FilmProcesses]:
+    with quick_processes() as begun:
         yield begun
 
 
@@ -74,11 +80,14 @@ def drawing() -> None:
 def drawn(drawing: None, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Drawn]:
     """Draw the twin's film after a successful and a failed face film."""
     results = {}
-    for name, units in (("with", {"12": 0.5, "26": 0.9}), ("without", {"99": 0.5})):
+    for name, units, start in (
+        ("with", {"12": 0.5, "26": 0.9}, film_processes),
+        ("without", {"99": 0.5}, quick_processes),
+    ):
         folder, shares = tmp_path_factory.mktemp(name), list[float]()
         film, portrait = folder / "film.webp", folder / "face.webp"
         job = replace(twin(), units=({},) * 6, after=portrait)
-        with film_processes() as begun:
+        with start() as begun:
             whys = draw_films({film: job, portrait: face(units)}, begun, shares.append)
         results[name] = Drawn(film, portrait, whys, shares)
     return results
@@ -167,13 +176,10 @@ def test_incomplete_face_film_is_ignored(tmp_path: Path) -> None:
     assert shades == [0, 1, 2], "each picture has the face of its own time"
 
 
-def test_preparation_of_a_twin_film_imports_the_film_module_in_advance() -> None:
-    code = (
-        "import sys; from kinesic.report.films import TwinFilm; before = 'kinesic.sim.film' in sys.modules;"
-        "TwinFilm.prepare(); print(before, 'kinesic.sim.film' in sys.modules)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
-    assert done.stdout.split() == ["False", "True"]
+def test_preparation_of_a_twin_film_imports_the_film_module_in_advance(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delitem(sys.modules, "kinesic.sim.film")
+    TwinFilm.prepare()
+    assert "kinesic.sim.film" in sys.modules
 
 
 def test_face_film_keeps_the_face_of_a_command_that_is_changed_later() -> None:

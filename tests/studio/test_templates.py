@@ -15,7 +15,7 @@ NAMES = ["empty", "greeting", "story", "explanation", "refusal", "dialogue"]
 MAX_STROKE_ERROR = 0.02  # [s] difference between the requested and the planned time of a stroke
 
 
-@pytest.fixture(scope="module", params=["upper22 auto", "upper22 durations", "upper36 auto", "upper36 durations"])
+@pytest.fixture(scope="module", params=["upper22 auto", "upper36 durations"])
 def performer(request: pytest.FixtureRequest) -> Performer:
     """Performer of a robot whose voice is the best installed one, or silent."""
     robot, voice = request.param.split()

@@ -3,12 +3,14 @@
 import json
 import os
 import re
+import sys
 
 import pytest
 from PIL import Image
 
 from kinesic.face.display import find_display_problem
 from kinesic.face.show.window import has_display
+from kinesic.files import late_pillow
 
 SMILE = (
     b'<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b"><speech id="s"><text>My mum.</text></speech>'
@@ -54,10 +56,15 @@ ctypes.CDLL = Loaded
 """
 
 
+def run_at_start(code, folder, monkeypatch):
+    """Run code at the start of the processes that draw films."""
+    (folder / "empty").mkdir()
+    (folder / "empty" / "sitecustomize.py").write_text(code)
+    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(folder / "empty"), os.environ.get("PYTHONPATH", "")]))
+
+
 def test_report_page_explains_a_missing_film_without_opengl(kinesic, smile, tmp_path, monkeypatch):
-    (tmp_path / "empty").mkdir()  # import path of the drawing process
-    (tmp_path / "empty" / "sitecustomize.py").write_text(WITHOUT_EGL)
-    monkeypatch.setenv("PYTHONPATH", os.pathsep.join([str(tmp_path / "empty"), os.environ.get("PYTHONPATH", "")]))
+    run_at_start(WITHOUT_EGL, tmp_path, monkeypatch)
     ended = kinesic("perform", smile, "--out", "there", "--voice", "durations", *SMALL_FILM)
     assert ended.code == 0, ended.err
     pattern = r"no OpenGL: libEGL\.so\.1( and libGL\.so\.1)? cannot be loaded; apt-get install libegl1 libgl1"
@@ -66,6 +73,21 @@ def test_report_page_explains_a_missing_film_without_opengl(kinesic, smile, tmp_
     reason = match[1]
     page = (tmp_path / "there" / "report.html").read_text()
     assert f"No film of the face: {reason}".replace("'", "&#39;") in page
+
+
+def test_report_without_pillow_gives_the_reason_for_the_missing_film(kinesic, tmp_path, monkeypatch):
+    for module in ("PIL", *(f"PIL.{name}" for name in ("Image", "ImageDraw", "ImageFilter", "ImageFont"))):
+        monkeypatch.setitem(sys.modules, module, None)  # cannot be imported
+    for module in (late_pillow.Image, late_pillow.ImageDraw, late_pillow.ImageFilter, late_pillow.ImageFont):
+        for name in [name for name in vars(module) if not name.startswith("_")]:
+            monkeypatch.delattr(module, name)  # imported by another test
+    run_at_start("import sys\nsys.modules['PIL'] = None\n", tmp_path, monkeypatch)
+    (tmp_path / "beat.bml").write_text('<bml id="b"><gesture id="g" lexeme="beat" stroke="0.6"/></bml>')
+    ended = kinesic("perform", "beat.bml", "--out", "beat")
+    assert ended.code == 0, ended.err
+    assert (tmp_path / "beat" / "report.html").is_file()
+    for film, extra in (("film", "film"), ("face", "face")):
+        assert re.search(rf'^{film}: none \(Pillow is not installed: .*kinesic\[{extra}\]"', ended.out, re.MULTILINE)
 
 
 def test_perform_on_the_face_without_a_display_only_warns(kinesic, smile, monkeypatch):
