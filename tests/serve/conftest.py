@@ -5,6 +5,7 @@ import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
+from functools import partial
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -19,10 +20,12 @@ from kinesic.client import Client
 from kinesic.motion.trajectory import stay
 from kinesic.planning.setup import Setup
 from kinesic.serve import loop as loop_module
-from kinesic.serve import messages
+from kinesic.serve import messages, planner_process
+from kinesic.serve import session as session_module
 from kinesic.serve.address import Address
 from kinesic.serve.messages import Clock, LoopProperties, LoopStart
 from kinesic.serve.planner import PlannerState
+from kinesic.serve.planner_process import Planner
 from kinesic.serve.server import Serving, open_serving, serve_until_done
 from kinesic.serve.sinks.real_time import RealTimeSink, RealTwin
 from kinesic.serve.tracks import NO_ACCOMPANIMENT, SoundAndFace
@@ -62,6 +65,7 @@ class Witness(RealTwin):
 
 MAX_WAIT = 30.0  # [s] longest wait for a message or condition
 OPENING_TIME = 60.0  # [s] longest wait for a server to open
+NO_SPARE_DELAY = 3600.0  # [s] start of a spare planner, after the end of all tests
 
 
 @dataclass
@@ -90,8 +94,12 @@ def running(
     folder: Path | None = None,
     make_setup: Callable[[], Setup] = set_up,
     more: Sequence[Sink] = (),
+    has_spare: bool = False,
 ) -> Iterator[Running]:
-    """Run a server on a free port, optionally with web files, a folder and sinks."""
+    """Run a server on a free port, optionally with web files, a folder and sinks.
+
+    Without a spare planner, which would warm up for nothing, a planner that dies is replaced by a new one.
+    """
     witness, ready, results = Witness(set_up().robot), threading.Event(), []
 
     async def serve() -> None:
@@ -113,9 +121,13 @@ def running(
             await serve_until_done(open_, enough, console=False)
 
     thread = threading.Thread(target=lambda: asyncio.run(serve()))
-    thread.start()
     try:
-        assert ready.wait(OPENING_TIME), "the server did not open"
+        with pytest.MonkeyPatch.context() as patch:
+            if not has_spare:
+                patch.setattr(session_module, "Planner", partial(Planner, spare_delay=NO_SPARE_DELAY))
+                patch.setattr(planner_process, "MAX_SPARE_DELAY", NO_SPARE_DELAY)
+            thread.start()
+            assert ready.wait(OPENING_TIME), "the server did not open"
         yield results[0]
     finally:
         if ready.wait(OPENING_TIME):  # a server that opens late would run until the end of all tests
@@ -131,7 +143,7 @@ def server() -> Iterator[Running]:
 
     It shares the package scope, so it runs during all tests that follow its first use.
     """
-    with running(Quotas(rate=1000.0, burst=1000)) as result:
+    with running(Quotas(rate=1000.0, burst=1000), has_spare=True) as result:
         yield result
 
 
