@@ -17,7 +17,8 @@ def test_sweep_prints_a_table_and_writes_results(kinesic, tmp_path):
     assert [row["value"] for row in json.loads(answer)] == [-1.0, 0.0]
 
 
-def test_sweep_with_option_json_prints_only_json_to_standard_output(kinesic):
+def test_sweep_with_option_json_prints_only_json_to_standard_output(kinesic, monkeypatch):
+    monkeypatch.setattr("kinesic.cli.sweep.draw_series", lambda series, path: path)
     ended = kinesic("sweep", "beat", "--parameter", "openness", "--values", "0.5", "--json", "--style", "calm")
     data = json.loads(ended.out)
     assert (data["gesture"], data["style"], data["stroke_s"]) == ("beat", "calm", 6.0)

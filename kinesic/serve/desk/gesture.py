@@ -155,7 +155,7 @@ def _check_distinct(setup: Setup, form: GestureForm) -> Mapping[str, Json]:
     }
 
 
-@lru_cache(maxsize=1)
+@lru_cache(maxsize=2)  # the style of the document, and the changed style of a gesture that is compared with it
 def _stroke_appearances(pace: Pace) -> Mapping[str, StrokeAppearance]:
     """Return the sampled hand motion of each built-in gesture's stroke, by id.
 

@@ -6,7 +6,9 @@ from dataclasses import replace
 import pytest
 
 from kinesic.body.config import ConfigError
+from kinesic.expressivity.hands.appearance import look
 from kinesic.expressivity.lexicon.lexicon import Lexicon
+from kinesic.serve.desk import gesture
 from kinesic.serve.desk.gesture import _checks, draft_gesture, gesture_text, plan_alone, read_gesture_file
 
 
@@ -46,7 +48,11 @@ def test_gesture_preview_contains_key_times_and_results_of_gesture_checks(upper2
     assert own["checks"][2]["ok"], "a gesture is not like itself"
 
 
-def test_gesture_passes_the_clearance_check_only_if_its_clearance_is_at_least_the_required_minimum(upper22_setup):
+def test_gesture_passes_the_clearance_check_only_if_its_clearance_is_at_least_the_required_minimum(
+    upper22_setup, monkeypatch
+):
+    beat = look(upper22_setup.lexicon.forms_by_id["beat"], upper22_setup.pace)
+    monkeypatch.setattr(gesture, "_stroke_appearances", lambda pace: {"beat": beat})  # a second for all gestures
     (form, *_), lexicon = read_gesture_file(gesture_text("conduit", upper22_setup.lexicon), upper22_setup)
     plan = plan_alone(form, replace(upper22_setup, lexicon=lexicon))
     for excess, is_clear in ((-1e-6, True), (0.0, True), (1e-6, False)):
