@@ -142,9 +142,14 @@ def _find_single_arm(tree: Tree, sides: Sides) -> dict[Side, tuple[int, ...]]:
 
 
 def _is_trunk(joint: Joint, middle: float) -> bool:
-    """Return whether a hinge turns the trunk, by its name or axis."""
-    is_central = abs(float(joint.anchor[1]) - middle) < MIN_ARM_OFFSET
-    return is_central and (abs(float(joint.axis[2])) > MIN_VERTICAL_COSINE or list_parts(joint.name)[-1:] == ["trunk"])
+    """Return whether a hinge on the midline turns the trunk, by its name or axis.
+
+    The shoulder of a single arm in front of the trunk may have the same axis, but is named after the arm.
+    """
+    if abs(float(joint.anchor[1]) - middle) >= MIN_ARM_OFFSET:
+        return False
+    part = list_parts(joint.name)[-1:]
+    return part == ["trunk"] or (part != ["arm"] and abs(float(joint.axis[2])) > MIN_VERTICAL_COSINE)
 
 
 def _find_midline(tree: Tree, sides: Sides) -> float:

@@ -166,6 +166,8 @@ def single(y=0.2, count=3, name="j", waist=(0.0, Z, "w"), base_y=0.0):
         ({"waist": (0.0, np.array([0, 0.44, 0.89]), "w")}, {"l": (0, 1, 2, 3)}),
         ({"waist": (0.06, Z, "w")}, {"l": (0, 1, 2, 3)}),
         ({"waist": (0.04, Z, "w")}, {"l": (1, 2, 3)}),
+        ({"waist": (0.0, Z, "arm_1_joint")}, {"l": (0, 1, 2, 3)}),
+        ({"waist": (0.0, Z, "arm_waist")}, {"l": (1, 2, 3)}),
     ],
 )
 def test_single_arm_begins_beside_the_midline_after_the_trunk(options, arm):
