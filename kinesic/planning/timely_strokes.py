@@ -15,24 +15,24 @@ MIN_GAIN = 0.05  # [s] smallest reduction of the largest latenesses, summed over
 
 @dataclass(frozen=True)
 class Reduction:
-    """Parameters of expressivity with which a gesture needs less velocity."""
+    """Parameter of expressivity with which a gesture needs less velocity."""
 
     spatial: float | None = None  # size of the gesture; None: unchanged
     power: float | None = None  # acceleration of its stroke; None: unchanged
 
     def apply(self, manner: Manner) -> Manner:
-        """Return the expressivity of a gesture with the reduced parameters."""
+        """Return the expressivity of a gesture with the reduced parameter."""
         spatial, power = (
             old if new is None else new for old, new in ((manner.spatial, self.spatial), (manner.power, self.power))
         )
         return replace(manner, spatial=spatial, power=power)
 
     def __str__(self) -> str:
-        """Return the parameters with their values."""
+        """Return the parameter with its value."""
         return " and ".join(f"{name} {value:g}" for name, value in vars(self).items() if value is not None)
 
 
-REDUCTIONS = (Reduction(spatial=-1.0), Reduction(power=-1.0), Reduction(spatial=-1.0, power=-1.0))  # in order of trial
+REDUCTIONS = (Reduction(spatial=-1.0), Reduction(power=-1.0))  # in the order in which they are tried
 
 
 def keep_strokes_in_time(plan: Plan, replan: Callable[[Block], Plan]) -> Plan:

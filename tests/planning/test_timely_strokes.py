@@ -75,9 +75,9 @@ def test_only_late_gestures_are_reduced_until_they_are_in_time(planned: Plan):
 
 
 def test_gesture_is_not_reduced_if_that_does_not_help(planned: Plan):
-    first, planner = late_plan(planned, 0.8), Planner(planned, 0.9, 0.79, 0.8)
+    first, planner = late_plan(planned, 0.8), Planner(planned, 0.9, 0.79)
     best = keep_strokes_in_time(first, planner)
-    assert planner.manners == [(-1.0, None), (None, -1.0), (-1.0, -1.0)]
+    assert planner.manners == [(-1.0, None), (None, -1.0)]
     assert best.syncs is first.syncs
     assert best.notices == ()
 
@@ -85,7 +85,7 @@ def test_gesture_is_not_reduced_if_that_does_not_help(planned: Plan):
 def test_smaller_gesture_that_is_dropped_is_no_improvement(planned: Plan):
     outcomes = {name: replace(outcome, kind="dropped") for name, outcome in planned.keyframes.outcomes.items()}
     nothing = replace(planned, keyframes=replace(planned.keyframes, outcomes=outcomes))
-    best = keep_strokes_in_time(late_plan(planned, 0.8), Planner(nothing, 0.0, 0.0, 0.0))
+    best = keep_strokes_in_time(late_plan(planned, 0.8), Planner(nothing, 0.0, 0.0))
     assert find_late_gestures(best) == {"g": pytest.approx(0.8)}
 
 

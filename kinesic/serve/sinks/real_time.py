@@ -193,12 +193,12 @@ class RealTimeSink:
         if last < self._next:
             return
         self._learn()
-        self._limit(motion, now, setup, last)
         times = np.arange(self._next, last + 1) / COMMAND_RATE
         setpoints = self._feedforward.feedforward(setup, times).compute_setpoints(motion, times)
         for command in commands(motion, times, setpoints):
             self.sink.write(replace(command, face=face(command.time)))
         self._next = last + 1
+        self._limit(motion, now, setup, last)  # after the commands, which an emergency stop must not delay
 
     def _limit(self, motion: Trajectory, now: float, setup: Setup, last: int) -> None:
         """Send caps for a new motion, or for more of the same one, near people."""
