@@ -48,6 +48,8 @@ export const newKey = (): string => [...crypto.getRandomValues(new Uint8Array(8)
 const byteText = (byte: number): string => byte.toString(16).padStart(2, "0");
 
 export class Backups {
+  /** Whether the folder has listed its backups; a lost connection gives only those of the browser. */
+  isFolderListed = false;
   private readonly storage = openStorage();
 
   constructor(private readonly wire: Wire) {}
@@ -78,6 +80,7 @@ export class Backups {
   /** List all backups, the newest first. */
   async list(): Promise<Backup[]> {
     const answer = await this.wire.ask("backups", {});
+    this.isFolderListed ||= answer?.told === "backups";
     const there = ((answer?.backups as Backup[] | undefined) ?? []).map((each) => ({
       ...each,
       time: 1000 * each.time,

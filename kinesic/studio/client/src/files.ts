@@ -61,9 +61,9 @@ export class Files {
   /** Open the document that this page is for; false if it is shown already. */
   async connected(): Promise<boolean> {
     this.saving.reconnected();
+    void this.recovery.offer();
     if (!this.isFirstConnection) return false;
     this.isFirstConnection = false;
-    void this.recovery.offer();
     const file = this.earlier?.file ?? this.about.document;
     return file !== null && !this.saving.unsaved && (await this.openFile(file));
   }

@@ -40,6 +40,8 @@ export function rememberAtEnd(present: () => Earlier): void {
 export class Recovery {
   private release: (() => void) | null = null; // of the lock of the edited document
   private offered: Backup | null = null;
+  private hasOffered = false; // whether the folder's backups were considered
+  private claimed = ""; // key of the document that this page edits
 
   constructor(
     private readonly backups: Backups,
@@ -57,6 +59,7 @@ export class Recovery {
   /** Tell other pages that this one edits the document with a key. */
   claim(key: string): void {
     this.release?.();
+    this.claimed = key;
     void navigator.locks?.request(
       LOCK + key,
       () =>
@@ -71,12 +74,14 @@ export class Recovery {
   async list(): Promise<Backup[]> {
     const locks = await navigator.locks?.query();
     const edited = new Set((locks?.held ?? []).map(({ name }) => name));
-    return (await this.backups.list()).filter(({ key }) => !edited.has(LOCK + key));
+    return (await this.backups.list()).filter(({ key }) => key !== this.claimed && !edited.has(LOCK + key));
   }
 
-  /** Offer the newest backup of a page that has ended. */
+  /** Offer the newest backup of a page that has ended, once the folder has listed its backups. */
   async offer(): Promise<void> {
+    if (this.hasOffered) return;
     const [newest, ...others] = await this.list();
+    this.hasOffered = this.backups.isFolderListed;
     if (!newest) return;
     this.offered = newest;
     const more = others.length ? ` ${others.length} more: Open …, Unsaved.` : "";

@@ -194,7 +194,7 @@ export class Studio {
       isMovedByHand: () => this.robot.isTorqueOff,
       show: (mode) => this.view.setMode(mode),
     });
-    this.wizard = new WizardPanel(this.robot.wire, log);
+    this.wizard = new WizardPanel(this.robot.wire, log, () => this.view.setMode("robot"));
     listen(listActions(this));
     new Tour(() => this.textMode.tabs.choose("words"));
     listenToPalette(

@@ -54,6 +54,33 @@ test("changes during a lost connection reach the folder when the server is back"
   assert.equal((await desk.answer("backup", { told: "backed_up" })).text, "<bml>1</bml>");
 });
 
+test("a backup is still offered if the connection was lost before the folder listed its backups", async () => {
+  const { window, desk } = open();
+  void desk.files.connected();
+  await settle();
+  sockets[0]?.close();
+  await settle();
+  assert.ok(element("recovery").hidden);
+  const reconnect = async () => {
+    mock.timers.tick(1000);
+    desk.socket = sockets.length - 1;
+    sockets.at(-1)?.open();
+    void desk.files.connected();
+    await settle();
+  };
+  await reconnect();
+  const left = { key: "k1", name: "left.bml", revision: "", time: 1 };
+  await desk.answer("backups", { told: "backups", backups: [left] });
+  await settle();
+  assert.ok(!element("recovery").hidden);
+  click(window, "recover-later");
+  sockets.at(-1)?.close();
+  await settle();
+  await reconnect();
+  assert.ok(!desk.read().some(({ do: verb }) => verb === "backups"), "it is offered once");
+  assert.ok(element("recovery").hidden);
+});
+
 test("typed words without gestures are unsaved, kept when another document opens, and restored", async () => {
   const { window, desk } = open();
   const typed = 'Tea -- and "coffee" --> today.';

@@ -10,7 +10,8 @@ import { load, sockets } from "./page.ts";
 function begin() {
   const window = load();
   const wire = new Wire({ state: () => {}, told: () => {}, feedback: () => {} }, null);
-  const panel = new WizardPanel(wire, () => {});
+  const shows = mock.fn();
+  const panel = new WizardPanel(wire, () => {}, shows);
   const server = sockets[0]!;
   server.open();
   server.read();
@@ -21,7 +22,7 @@ function begin() {
     assert.ok(found, label);
     return found;
   };
-  return { window, panel, server, press: (label: string) => button(label).click(), button };
+  return { window, panel, server, press: (label: string) => button(label).click(), button, shows };
 }
 
 const labels = (panel: WizardPanel) => panel.session.entries.map(({ label }) => label);
@@ -104,6 +105,33 @@ test("a state of the robot is shown and logged, other messages are not", () => {
   panel.hear({ told: "pong" });
   assert.equal(document.querySelector("#wizard-state")?.textContent, "listening, p1");
   assert.deepEqual(labels(panel), ["listening, p1"]);
+});
+
+test("the wizard's own person is shown as a person, and logged by id", () => {
+  const { panel } = begin();
+  panel.hear({ told: "conversing", state: "listening", who: "wizard" });
+  assert.equal(document.querySelector("#wizard-state")?.textContent, "listening, a person");
+  assert.deepEqual(labels(panel), ["listening, wizard"]);
+});
+
+test("an ended conversation releases the buttons of its states", () => {
+  const { panel, press, button, server } = begin();
+  press("Converse");
+  press("Think");
+  panel.hear({ told: "conversing", state: "thinking" });
+  assert.equal(button("Converse").getAttribute("aria-pressed"), "true");
+  panel.hear({ told: "conversing", state: "off" });
+  for (const label of ["Converse", "Think"]) assert.equal(button(label).getAttribute("aria-pressed"), "false");
+  server.read();
+  press("Converse");
+  assert.deepEqual(server.read(), [{ do: "converse", on: true }]);
+});
+
+test("each press lets the stage show the robot", () => {
+  const { press, shows } = begin();
+  press("Converse");
+  press("Nod");
+  assert.equal(shows.mock.callCount(), 2);
 });
 
 test("the table has a row for each entry, and quotes a label with a comma", () => {

@@ -8,7 +8,7 @@ export const PLACES: Readonly<Record<string, readonly [number, number, number]>>
   "right person": [1.2, -0.8, 1.5],
 };
 export const FILLERS = ["Hm.", "Well,", "Let me think."] as const;
-const PERSON = "wizard"; // id of the person whom the wizard reports
+export const PERSON = "wizard"; // id of the person whom the wizard reports
 
 export const converse = (on: boolean): Deed => ({ do: "converse", values: { on } });
 export const listen = (on: boolean): Deed => ({ do: "heard", values: { voice: on, who: PERSON } });

@@ -2,7 +2,7 @@
 import { byId, make, say as write } from "../dom.ts";
 import { openStorage } from "../remembered.ts";
 import type { Answer, Wire } from "../wire.ts";
-import { converse, FILLERS, linesOf, listen, lookAt, nod, PLACES, say, think, yieldTurn } from "./deeds.ts";
+import { converse, FILLERS, linesOf, listen, lookAt, nod, PERSON, PLACES, say, think, yieldTurn } from "./deeds.ts";
 import { type Deed, Session } from "./session.ts";
 
 const REPORT_PERIOD = 400; // [ms] between two reports of a person who stays
@@ -20,6 +20,8 @@ export class WizardPanel {
   constructor(
     private readonly wire: Wire,
     private readonly log: (text: string) => void,
+    /** Called with each press, so that the stage shows the robot instead of the plan. */
+    private readonly pressing: () => void = () => {},
   ) {
     const acts = byId("wizard-acts");
     this.addToggle(acts, "Converse", converse);
@@ -47,8 +49,10 @@ export class WizardPanel {
   /** Show and log a new state of the robot or the person whom it attends. */
   hear(answer: Answer): void {
     if (answer.told !== "conversing") return;
+    if (answer.state === "off") this.release();
     const words = [String(answer.state), answer.who === undefined ? "nobody" : String(answer.who)];
-    write(byId("wizard-state"), words.join(", "));
+    const shown = answer.who === PERSON ? `${answer.state}, a person` : words.join(", ");
+    write(byId("wizard-state"), shown);
     this.session.add(performance.now(), "state", words.join(", "));
     this.count();
   }
@@ -70,8 +74,16 @@ export class WizardPanel {
     place.append(button);
   }
 
+  /** Show all toggles as off, as a stop has ended the conversation. */
+  private release(): void {
+    this.pressed.clear();
+    for (const button of byId("wizard-acts").querySelectorAll("[aria-pressed]"))
+      button.setAttribute("aria-pressed", "false");
+  }
+
   private press(label: string, deeds: readonly Deed[]): void {
     this.session.add(performance.now(), "press", label, deeds);
+    this.pressing();
     this.send(deeds);
     this.count();
   }
