@@ -2,6 +2,7 @@
 
 import json
 from collections import Counter
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -22,12 +23,19 @@ from kinesic.bench.bml.expectations import (
 )
 from kinesic.bench.bml.parsing import judge_parsing, judge_references
 from kinesic.bench.bml.virtual_realizer import FeedbackLog, Realizer, ReceivedMessage, read_message
+from kinesic.planning.setup import Setup
 from kinesic.session.setup import set_up
 
 NOD_BLOCK = (
     '<bml xmlns="http://www.bml-initiative.org/bml/bml-1.0" id="b1"><head id="h" lexeme="NOD" start="1" end="2"/></bml>'
 )
 LAMP_GAZE = '<bml id="b2" composition="append"><gaze id="g" target="lamp" start="0" end="2"/></bml>'
+
+
+@cache
+def shared_setup() -> Setup:
+    """Return the setup of all scenarios, so that its limits are computed once."""
+    return set_up()
 
 
 def step(**fields: object) -> dict[str, object]:
@@ -111,7 +119,7 @@ def test_conformance_scenario_passes_or_gives_the_reason_of_its_failure(
     corpus: Path, steps: list[dict[str, object]], why: str
 ) -> None:
     scenarios = suite(corpus, "one/test", *steps)
-    (verdict,) = play_suite("suite", corpus / "suite", scenarios, set_up())
+    (verdict,) = play_suite("suite", corpus / "suite", scenarios, shared_setup())
     assert (verdict.suite, verdict.name) == ("suite", "one.test")
     assert why in verdict.why
     assert verdict.passed is (why == "")
@@ -119,14 +127,14 @@ def test_conformance_scenario_passes_or_gives_the_reason_of_its_failure(
 
 def test_document_without_behaviours_is_an_error_in_draft_1_but_not_in_bml_1_scenarios(corpus: Path) -> None:
     steps = [step(do="send", inline_block={}), step(do="sleep", seconds=1), step(check="exceptions", count=1)]
-    (verdict,) = play_suite("suite", corpus / "suite", suite(corpus, "draft1/test", *steps), set_up())
+    (verdict,) = play_suite("suite", corpus / "suite", suite(corpus, "draft1/test", *steps), shared_setup())
     assert verdict.passed
-    (verdict,) = play_suite("suite", corpus / "suite", suite(corpus, "bml-1/test", *steps), set_up())
+    (verdict,) = play_suite("suite", corpus / "suite", suite(corpus, "bml-1/test", *steps), shared_setup())
     assert verdict.why.startswith("0 exceptions")
 
 
 def test_only_gaze_targets_missing_from_the_setup_are_placed_in_front_of_the_robot() -> None:
-    setup = set_up()
+    setup = shared_setup()
     positions = place_targets([LAMP_GAZE.encode(), b"no bml", b'<bml><gaze target="user"/></bml>'], setup)
     assert set(positions) == {"lamp"}
     assert positions["lamp"][0] > 1.0
@@ -198,7 +206,7 @@ def test_xml_feedback_message_is_parsed() -> None:
 
 
 def test_realizer_answers_a_malformed_document_with_a_warning() -> None:
-    realizer = Realizer(set_up())
+    realizer = Realizer(shared_setup())
     realizer.send("<bml", source="f")
     (message,) = realizer.feedback.messages
     assert (message.kind, message.id) == ("warningFeedback", "block")
@@ -233,9 +241,9 @@ def test_empty_corpus_gives_null_metrics_except_for_built_in_draft_scenarios(cor
 
 def test_scenario_verdict_names_sync_points_at_wrong_times_and_missing_ones() -> None:
     content = '<gesture id="g" type="beat" stroke_start="2.0"/>'
-    assert judge_scenario(DraftScenario(content, {"g:strokeStart": 2.0}), set_up()) == ""
+    assert judge_scenario(DraftScenario(content, {"g:strokeStart": 2.0}), shared_setup()) == ""
     late = DraftScenario(content, {"g:strokeStart": 1.0, "h:stroke": 2.0})
-    assert judge_scenario(late, set_up()) == "g:strokeStart at 2.000 s, not at 1 s; h:stroke never, not at 2 s"
+    assert judge_scenario(late, shared_setup()) == "g:strokeStart at 2.000 s, not at 1 s; h:stroke never, not at 2 s"
 
 
 def test_all_bml_conformance_expectations_of_the_corpus_pass() -> None:

@@ -22,7 +22,7 @@ REFUSAL_REASONS = {
 
 
 @cache
-def run_driver(driver: str, case: str, cycles: int = 100) -> TrialResult:
+def run_driver(driver: str, case: str, cycles: int = 120) -> TrialResult:
     make_driver = {"kinesic": KinesicDriver, "sdk": SdkDriver}[driver]
     return run_trial(FAULT_CASES[case], make_driver, servos=7, baud=1_000_000, seed=1, cycles=cycles)
 

@@ -196,7 +196,7 @@ class Desk:
         self.open()
         self.perform(seconds)
         self.until(Stage.ACTIVE)
-        self.run(0.5)
+        self.run(0.3)
         assert self.stage is Stage.ACTIVE
         return self
 

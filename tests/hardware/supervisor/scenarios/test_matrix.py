@@ -43,7 +43,6 @@ def settings(count: int, baud: int) -> SupervisorSettings:
         patient_watchdog=watchdog,
         lead=10 * period,
         patience=0.5,
-        slow=0.2,
         pace=3.0,
         hopeless=2.0,
     )
