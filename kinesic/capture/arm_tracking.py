@@ -71,8 +71,16 @@ def bridge_leaps(angles: Floats) -> tuple[Floats, int]:
     is_bridged = np.zeros(len(angles), dtype=np.bool_)
     for k in np.flatnonzero(find_leaps(angles)):
         is_bridged[max(0, k - margin) : k + 2 + margin] = True
-    runs, bridged = find_runs(is_bridged), angles.copy()
-    for begin, end in runs:
+    return interpolate_runs(angles, is_bridged), len(find_runs(is_bridged))
+
+
+def interpolate_runs(angles: Floats, is_replaced: Flags) -> Floats:
+    """Replace runs of samples (m, k) by smooth rotations between their neighbours.
+
+    A run at an end of the motion takes the angles of its only neighbour.
+    """
+    bridged = angles.copy()
+    for begin, end in find_runs(is_replaced):
         before, after = angles[max(0, begin - 1)], angles[min(len(angles) - 1, end)]
         if begin == 0:
             before = after
@@ -80,7 +88,7 @@ def bridge_leaps(angles: Floats) -> tuple[Floats, int]:
             after = before
         u = (np.arange(begin, end) - begin + 1.0)[:, None] / (end - begin + 1.0)
         bridged[begin:end] = before + (after - before) * (u**3 * (10.0 - 15.0 * u + 6.0 * u**2))
-    return bridged, len(runs)
+    return bridged
 
 
 def _solve_all(chain: Chain, targets: Floats, swivels: Floats) -> Floats:

@@ -8,7 +8,7 @@ import numpy as np
 
 from kinesic.body.arrays import Floats
 from kinesic.body.robot import Side
-from kinesic.capture.clear_path import clear_path
+from kinesic.capture.clear_path import bridge_contacts, clear_path
 from kinesic.capture.clip import ArmPath, Clip
 from kinesic.capture.nearest import Course, NearestMotion, find_nearest
 from kinesic.capture.retarget import retarget
@@ -23,6 +23,7 @@ from kinesic.planning.setup import Setup
 MAX_DETOURS = 3  # largest number of self-collision avoidance rounds for one cost, with increasing clearance
 HINGE_COSTS = (0.1, 10.0)  # [arm lengths/rad] costs of hinge rotation, tried in turn: 0.1 keeps the wrist's path
 DETOUR_MARGIN = 0.002  # [m] clearance that the next round requires beyond the missing clearance
+BRIDGE_MARGINS = (0.1, 0.2, 0.4, 0.8, 1.6)  # [s] time left out around contacts that no detour avoids, tried in turn
 MIN_PATH = 0.1  # [arm lengths] extent of the wrist's path up to which a hand counts as still
 
 
@@ -76,6 +77,15 @@ class Certification:
         return save_motion(self.trajectory, self.setup.robot, Path(path), force=force)
 
 
+@dataclass(frozen=True, eq=False)
+class _Attempt:
+    """Nearest motion to angles that avoid contacts, with its clearance."""
+
+    angles: Floats  # (m, n) [rad] of the changed course
+    nearest: NearestMotion
+    clearance: float  # [m] smallest self-clearance of the nearest motion
+
+
 def judge_clip(clip: Clip, setup: Setup, source: str) -> tuple[RobotMotion, tuple[Violation, ...]]:
     """Retarget a clip, and find the limits that its motion violates.
 
@@ -124,21 +134,33 @@ def _find_clear(desired: RobotMotion, setup: Setup) -> tuple[NearestMotion, floa
 
     If no round reaches the required clearance, it is the motion with the largest one.
     """
-    course = Course.of(desired.angles, setup)
-    best: tuple[NearestMotion, float] | None = None
+    course, goal = Course.of(desired.angles, setup), setup.robot.min_clearance
+    best: _Attempt | None = None
     for hinge_cost in HINGE_COSTS:
-        required = setup.robot.min_clearance + LAG_RESERVE
+        required = goal + LAG_RESERVE
         for _ in range(MAX_DETOURS):
             angles = clear_path(course.angles, setup, min_clearance=required, hinge_cost=hinge_cost)
-            nearest = find_nearest(replace(course, angles=angles), setup, best[0].stretch if best else None)
-            clearance = float(scan_clearance(nearest.motion.trajectory, setup.distances)[1].distances.min())
-            if best is None or clearance > best[1]:
-                best = nearest, clearance
-            if clearance >= setup.robot.min_clearance:
-                return best
-            required += setup.robot.min_clearance - clearance + DETOUR_MARGIN
+            attempt = _try_angles(angles, course, setup, best)
+            if attempt.clearance >= goal:
+                return attempt.nearest, attempt.clearance
+            best = attempt if best is None or attempt.clearance > best.clearance else best
+            required += goal - attempt.clearance + DETOUR_MARGIN
     assert best is not None
-    return best
+    detour = best.angles
+    for margin in BRIDGE_MARGINS:
+        angles = bridge_contacts(detour, setup, min_clearance=goal + LAG_RESERVE, margin=margin)
+        attempt = _try_angles(angles, course, setup, best)
+        if attempt.clearance >= goal:
+            return attempt.nearest, attempt.clearance
+        best = attempt if attempt.clearance > best.clearance else best
+    return best.nearest, best.clearance
+
+
+def _try_angles(angles: Floats, course: Course, setup: Setup, best: _Attempt | None) -> _Attempt:
+    """Find the nearest motion to changed angles, with the time stretch of the best attempt."""
+    nearest = find_nearest(replace(course, angles=angles), setup, best.nearest.stretch if best else None)
+    clearance = float(scan_clearance(nearest.motion.trajectory, setup.distances)[1].distances.min())
+    return _Attempt(angles, nearest, clearance)
 
 
 def largest_limit_ratio(trajectory: Trajectory, setup: Setup) -> float:

@@ -7,6 +7,7 @@ from scipy.ndimage import gaussian_filter1d, maximum_filter1d
 
 from kinesic.body.arrays import Flags, Floats, Indices, find_runs, sealed
 from kinesic.body.robot import SIDES, Robot, Side
+from kinesic.capture.arm_tracking import interpolate_runs
 from kinesic.capture.robot_motion import SAMPLE_RATE, arm_path
 from kinesic.planning.setup import Setup
 
@@ -79,6 +80,31 @@ def clear_path(angles: Floats, setup: Setup, *, min_clearance: float, hinge_cost
         measured = np.flatnonzero(is_moved)
         hinge_cost *= COST_GROWTH
     return sealed(cleared)
+
+
+def bridge_contacts(angles: Floats, setup: Setup, *, min_clearance: float, margin: float) -> Floats:
+    """Leave out the parts of a motion in which an arm is too close to the body.
+
+    The arm moves smoothly from the posture before each part to the posture after it.
+
+    Args:
+        angles: (m, n) [rad] at `SAMPLE_RATE`.
+        setup: robot and distances.
+        min_clearance: [m] required distance.
+        margin: [s] time left out in addition before and after each part.
+
+    Returns:
+        (m, n) [rad] with the same first and last posture.
+    """
+    bridged, window = angles.copy(), 2 * round(margin * SAMPLE_RATE) + 1
+    gaps = setup.distances.gaps(angles, exact_below=min_clearance)
+    for side in SIDES:
+        arm = _Arm.of(setup.robot, side)
+        is_near = gaps[:, arm.is_own].min(axis=1, initial=np.inf) < min_clearance
+        is_left_out = maximum_filter1d(is_near, window)
+        is_left_out[[0, -1]] = False
+        bridged[:, arm.hinges] = interpolate_runs(angles[:, arm.hinges], is_left_out)
+    return sealed(bridged)
 
 
 def _fade(count: int) -> Floats:

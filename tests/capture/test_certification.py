@@ -9,7 +9,7 @@ import pytest
 from kinesic.bench.blocks import find_corpus
 from kinesic.body.arrays import sealed
 from kinesic.capture.certification import HINGE_COSTS, certify_clip, correlate, largest_limit_ratio, measure_distance
-from kinesic.capture.clear_path import clear_path
+from kinesic.capture.clear_path import bridge_contacts, clear_path
 from kinesic.capture.clip import ArmPath, BodyClip, JointClip
 from kinesic.capture.derivatives import compute_time_stretch, differentiate
 from kinesic.capture.nearest import Course
@@ -130,6 +130,22 @@ def test_collision_free_motion_gets_no_detour(known):
     angles = retarget(clip_of(reach(60)), known, "a").angles
     assert known.distances.clearance(angles).distances.min() > 0.012
     np.testing.assert_array_equal(clear_path(angles, known, min_clearance=0.012, hinge_cost=0.1), angles)
+
+
+def test_contact_of_one_arm_is_left_out_with_its_margin_and_the_other_arm_is_unchanged(known):
+    """Bridge a clip in which the right hand enters the belly and the left arm moves freely."""
+    angles = retarget(reach_towards([0.05, 0.45, -0.5], [0.0, -0.1, -0.5]), known, "a.bvh").angles.copy()
+    left, right = (list(known.robot.arm(side).joints) for side in "lr")
+    angles[:, left[-1]] += 0.1 * np.sin(np.arange(len(angles)) / 20.0)
+    is_near = known.distances.clearance(angles).distances < 0.012
+    first, last = np.flatnonzero(is_near)[[0, -1]]
+    bridged = bridge_contacts(angles, known, min_clearance=0.012, margin=0.1)
+    assert known.distances.clearance(bridged).distances.min() >= 0.012
+    kept = np.r_[: first - 10, last + 11 : len(angles)]
+    np.testing.assert_array_equal(bridged[kept], angles[kept])
+    np.testing.assert_array_equal(bridged[:, left], angles[:, left])
+    assert np.abs(np.diff(bridged[:, right], axis=0)).max() < 0.1
+    assert (np.abs(bridged - angles)[[first - 10, last + 10]].max(axis=1) > 0.0).all()
 
 
 def test_captured_motion_that_overloads_a_drive_by_coupled_loads_is_slowed(known):

@@ -35,12 +35,19 @@ class FakeCourse:
 
 
 def search_clear(monkeypatch, clearances):
-    """Return the detour calls, the stretches given, and the result for clearances of successive rounds."""
+    """Return the detour calls, the stretches given, and the result for clearances of successive rounds.
+
+    Calls with a cost are detours; those with a margin leave contacts out.
+    """
     calls, stretches, left = [], [], list(clearances)
 
     def clear(angles, setup, *, min_clearance, hinge_cost):
         calls.append((min_clearance, hinge_cost))
         return f"{angles} {len(calls)}"
+
+    def bridge(angles, setup, *, min_clearance, margin):
+        calls.append((min_clearance, f"{angles} without {margin:g} s"))
+        return f"{angles} bridged {margin:g}"
 
     def nearest(course, setup, stretch):
         stretches.append(stretch)
@@ -50,7 +57,8 @@ def search_clear(monkeypatch, clearances):
     def scan(trajectory, distances):
         return None, SimpleNamespace(distances=np.array([9.0, left.pop(0)]))
 
-    for name, fake in (("clear_path", clear), ("find_nearest", nearest), ("scan_clearance", scan)):
+    fakes = {"clear_path": clear, "bridge_contacts": bridge, "find_nearest": nearest, "scan_clearance": scan}
+    for name, fake in fakes.items():
         monkeypatch.setattr(certification, name, fake)
     monkeypatch.setattr(certification, "Course", FakeCourse)
     monkeypatch.setattr(certification, "LAG_RESERVE", 0.001)
@@ -70,12 +78,18 @@ def test_each_round_of_the_clearance_search_requires_the_missing_clearance_and_a
     assert found == ("wave 3", 0.0101)
 
 
-def test_clearance_search_takes_the_motion_with_most_clearance_after_three_rounds_of_both_costs(monkeypatch):
-    calls, stretches, found = search_clear(monkeypatch, [-0.01, 0.004, 0.002, -0.02, 0.004, 0.003])
-    assert [cost for _, cost in calls] == [0.1] * 3 + [10.0] * 3
+def test_contacts_that_no_detour_avoids_are_left_out_with_increasing_margin(monkeypatch):
+    calls, stretches, found = search_clear(monkeypatch, [-0.01, 0.004, 0.002, -0.02, 0.003, 0.001, 0.008, 0.011])
+    assert [cost for _, cost in calls[:6]] == [0.1] * 3 + [10.0] * 3
     assert calls[3][0] == calls[0][0]
-    assert stretches[3:] == ["stretch of wave 2"] * 3
-    assert found == ("wave 2", 0.004)
+    assert calls[6:] == [(0.011, "wave 2 without 0.1 s"), (0.011, "wave 2 without 0.2 s")]
+    assert stretches[3:7] == ["stretch of wave 2"] * 4
+    assert found == ("wave 2 bridged 0.2", 0.011)
+
+
+def test_clearance_search_takes_the_motion_with_most_clearance_if_all_rounds_fail(monkeypatch):
+    _, _, found = search_clear(monkeypatch, [-0.01, 0.004, 0.002, -0.02, 0.004, 0.003, 0.001, 0.006, 0.0, 0.0, 0.005])
+    assert found == ("wave 2 bridged 0.2", 0.006)
 
 
 def certified(*, stretch=1.0, slowest=1.0, wrist=0.0, notes=()):
