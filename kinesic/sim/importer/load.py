@@ -87,11 +87,22 @@ def load_robot_tree(path: Path) -> Tree:
         mujoco.set_mju_user_warning(None)
     data = mujoco.MjData(model)
     mujoco.mj_kinematics(model, data)
+    _check_places(model, data, path)
     follows = {name: urdf_joint.follows for name, urdf_joint in urdf.items() if urdf_joint.follows} or to_absolute(
         equalities.follows, model
     )
     tree = _tree(escape_surrogates(path.stem), model, data, urdf, follows, looks)
     return replace(tree, left_out=(*repairs, *shapes, *tree.left_out, *equalities.left_out))
+
+
+def _check_places(model: mujoco.MjModel, data: mujoco.MjData, path: Path) -> None:
+    """Raise an error if a body or shape has no finite position or rotation."""
+    places = ((data.xpos, data.xmat, range(model.nbody)), (data.geom_xpos, data.geom_xmat, model.geom_bodyid))
+    for positions, rotations, bodies in places:
+        valid = np.isfinite(positions).all(axis=1) & np.isfinite(rotations).all(axis=1)
+        if not valid.all():
+            name = model.body(int(bodies[int(np.argmin(valid))])).name
+            raise ConfigError(f"{path}: the position or rotation of {name or 'the world'} is not finite")
 
 
 def _ignore_warning(_: str) -> None:

@@ -53,6 +53,17 @@ def test_error_names_the_model_that_mujoco_cannot_build(tmp_path, monkeypatch):
         load.load_robot_tree(path)
 
 
+@pytest.mark.parametrize(
+    ("body", "shape"), [('pos="0 0 nan"', ""), ("", 'pos="nan 0 0"'), ('quat="nan 0 0 1"', ""), ("", 'euler="inf 0 0"')]
+)
+def test_body_or_shape_at_no_finite_place_is_refused_with_its_name(tmp_path, body, shape):
+    path = tmp_path / "one.urdf.xml"
+    bodies = f'<body name="arm" {body}><joint name="a"/><geom size="0.1" {shape}/></body>'
+    path.write_text(f"<mujoco><worldbody>{bodies}</worldbody></mujoco>", encoding="utf-8")
+    with pytest.raises(ConfigError, match=r"one\.urdf\.xml: the position or rotation of arm is not finite"):
+        load.load_robot_tree(path)
+
+
 def test_mujoco_specification_is_read_from_xml_text():
     root = ElementTree.fromstring(f"<mujoco>{BODIES}</mujoco>")
     spec = _read_spec(root, SimpleNamespace(models={}))
