@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, fields
-from functools import cached_property
+from functools import cached_property, lru_cache
 from itertools import combinations
 from pathlib import Path
 from typing import Literal
@@ -10,8 +10,9 @@ from typing import Literal
 import numpy as np
 
 from kinesic.body.arrays import Floats, sealed
+from kinesic.body.calibration import calibration_path
 from kinesic.body.chain import Chain, idealise
-from kinesic.body.config import locate_config
+from kinesic.body.config import CONFIGS, locate_config
 from kinesic.body.description import Description, Site
 from kinesic.body.html_view import NotebookView
 from kinesic.body.robot_file import read_description
@@ -78,6 +79,8 @@ class Robot(Description, NotebookView):
     def load(cls, name: str | Path = "upper22", *, calibrated: bool = True) -> "Robot":
         """Read a robot by its configured name or from a TOML file.
 
+        A robot of this package without a calibration is the same object at each call.
+
         Args:
             name: name or path.
             calibrated: apply its calibration, if there is one.
@@ -85,7 +88,10 @@ class Robot(Description, NotebookView):
         Raises:
             ConfigError: the robot is unknown, or its file is invalid.
         """
-        return cls.of(read_description(locate_config("robot", name), calibrated=calibrated))
+        path = locate_config("robot", name)
+        if path.parent == CONFIGS / "robots" and not (calibrated and calibration_path(path).exists()):
+            return _load_packaged(path)
+        return cls.of(read_description(path, calibrated=calibrated))
 
     @classmethod
     def of(cls, description: Description) -> "Robot":
@@ -243,3 +249,12 @@ class Robot(Description, NotebookView):
         excluded = {exclusion.pair for exclusion in self.exclusions}
         excluded |= {frozenset((name, parents[name] or "")) for name in self.bodies if name in parents}
         return tuple(pair for pair in combinations(self.bodies, 2) if frozenset(pair) not in excluded)
+
+
+@lru_cache(maxsize=8)
+def _load_packaged(path: Path) -> Robot:
+    """Read a robot of this package as described, once per process.
+
+    Caches keyed by a robot thus stay valid for all setups.
+    """
+    return Robot.of(read_description(path, calibrated=False))

@@ -19,6 +19,19 @@ def test_robot_is_loaded_by_name_or_file(robot: Robot, tmp_path: Path):
     assert Robot.load("upper22").skeleton.names == Robot.load(copy).skeleton.names == robot.skeleton.names
 
 
+def test_built_in_robot_is_loaded_once_until_it_has_a_calibration(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path))
+    robot = Robot.load("upper22")
+    assert Robot.load("upper22") is Robot.load("upper22", calibrated=False) is robot
+    assert Robot.load("upper36") is not robot
+    (tmp_path / "kinesic").mkdir()
+    hinge = robot.skeleton.names[0]
+    file = tmp_path / "kinesic" / "upper22.calibration.toml"
+    file.write_text(f'robot = "upper22"\n[zero_ticks]\n{hinge} = 2100\n')
+    assert Robot.load("upper22").calibration.zero_ticks == {hinge: 2100}
+    assert Robot.load("upper22", calibrated=False) is robot
+
+
 def test_unknown_robot_error_suggests_a_name():
     with pytest.raises(ConfigError, match=r"no robot uper22; did you mean upper22\? \(or give a \.toml file\)"):
         Robot.load("uper22")
