@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from kinesic.bench.bml import emergency_stop, flood
-from kinesic.bench.bml.emergency_stop import NO_FLOOD, StopDelay, flooding, measure_stops, stop_metrics
+from kinesic.bench.bml.emergency_stop import NO_FLOOD, StopDelay, flooding, measure_stops, stop_metrics, watched_server
 from kinesic.bench.bml.witnessed_server import GoalRecorder, read_goals
 from kinesic.body.command import Command
 from kinesic.client import Client
@@ -21,9 +21,10 @@ pytestmark = pytest.mark.realtime
 STOP_COUNT = 4  # every channel once
 
 
-@pytest.fixture
-def server(recorded_server):
-    return recorded_server
+@pytest.fixture(scope="module")
+def server():
+    with watched_server() as running:
+        yield running
 
 
 @pytest.fixture

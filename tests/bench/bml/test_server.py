@@ -7,13 +7,11 @@ from kinesic.bench.bml.server import (
     ENDURANCE_RATE,
     MAX_MEMORY_GROWTH,
     SMALL_BEHAVIOURS,
-    Server,
     _compute_memory_growth,
     measure_latencies,
     open_server,
     run_endurance,
 )
-from kinesic.client import Client
 
 pytestmark = pytest.mark.realtime
 
@@ -21,11 +19,9 @@ ENDURANCE_SECONDS = 1.5  # [s] duration of the endurance run
 
 
 @pytest.fixture(scope="module")
-def server(recorded_server):
-    """Return the shared server, resumed after the emergency stops of other tests."""
-    with Client(port=recorded_server.port) as client:
-        client.do("resume")
-    return Server(recorded_server.process, recorded_server.port)
+def server():
+    with open_server("--voice", "durations") as running:
+        yield running
 
 
 def test_server_benchmark_measures_feedback_and_command_latency_of_each_block(server, monkeypatch):
