@@ -26,7 +26,8 @@ SHAPE_SIZES: Mapping[str, Sequence[str]] = {  # tag of a URDF shape -> attribute
 }
 INERTIA_KEYS = ("ixx", "iyy", "izz", "ixy", "ixz", "iyz")  # order of MuJoCo's fullinertia
 REPLACEMENT_INERTIA = 1e-5  # [kg m^2] inertia that replaces one without a positive diagonal
-REPLACEMENT_MASS = 1e-3  # [kg] mass that replaces a negative or non-finite one
+MAX_LINK_MASS = 10_000.0  # [kg] largest plausible mass of a link
+REPLACEMENT_MASS = 1e-3  # [kg] mass that replaces one outside 0 to MAX_LINK_MASS
 
 
 def repair(root: Element) -> tuple[str, ...]:
@@ -71,7 +72,7 @@ def _repair_urdf_inertia(link: Element) -> Iterator[str]:
     mass, inertia = inertial.find("mass"), inertial.find("inertia")
     if mass is not None and not _is_mass(mass.get("value", "nan")):
         mass.set("value", str(REPLACEMENT_MASS))
-        yield f"the mass of {_name(link)} is replaced by {REPLACEMENT_MASS:g} kg: it is negative or not finite"
+        yield f"the mass of {_name(link)} is replaced by {REPLACEMENT_MASS:g} kg: it is not in 0..{MAX_LINK_MASS:g} kg"
     if inertia is not None:
         values = _numbers(" ".join(inertia.get(key, "0") for key in INERTIA_KEYS))
         if (sphere := _find_replacement(values)) is not None:
@@ -85,7 +86,7 @@ def _repair_mjcf_inertia(body: Element) -> Iterator[str]:
         return
     if not _is_mass(inertial.get("mass", "nan")):
         inertial.set("mass", str(REPLACEMENT_MASS))
-        yield f"the mass of {_name(body)} is replaced by {REPLACEMENT_MASS:g} kg: it is negative or not finite"
+        yield f"the mass of {_name(body)} is replaced by {REPLACEMENT_MASS:g} kg: it is not in 0..{MAX_LINK_MASS:g} kg"
     for key in ("fullinertia", "diaginertia"):
         values = _numbers(inertial.get(key, ""))
         if values and (sphere := _find_replacement(values)) is not None:
@@ -127,7 +128,7 @@ def _order_limits(joint: Element) -> Iterator[str]:
 
 def _is_mass(text: str) -> bool:
     values = _numbers(text)
-    return len(values) == 1 and np.isfinite(values[0]) and values[0] >= 0.0
+    return len(values) == 1 and 0.0 <= values[0] <= MAX_LINK_MASS
 
 
 def _numbers(text: str) -> list[float]:

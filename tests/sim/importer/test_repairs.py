@@ -109,7 +109,7 @@ def test_imported_joint_with_an_infinite_limit_counts_as_unlimited(tmp_path, upp
     assert (found.lower, found.upper) == ends
 
 
-@pytest.mark.parametrize("mass", ["-1", "nan", "inf", "heavy", "1 2", ""])
+@pytest.mark.parametrize("mass", ["-1", "nan", "inf", "heavy", "1 2", "", "10001", "1e308"])
 def test_mjcf_body_with_an_impossible_mass_gets_another_one_with_a_note(mass):
     root = ElementTree.fromstring(
         f'<mujoco><worldbody><body name="b"><inertial mass="{mass}" pos="0 0 0" diaginertia="1 1 1"/></body>'
