@@ -91,6 +91,7 @@ def test_chain_that_holds_after_a_failure_gets_only_the_power_that_holds_it():
     assert rig.write(braking=True)[PWM] == {0: FULL, 1: 177}
 
 
+@pytest.mark.parametrize("servos", ["kinesic"])  # the independent servos are of the X series
 @pytest.mark.parametrize("model", [MODEL, "sts3215", "scs0009", "ax12", "mx28"])
 def test_servos_of_each_family_are_capped_while_they_perform(crowd: Make, model: str):
     made: Desk = crowd(2, model=model)

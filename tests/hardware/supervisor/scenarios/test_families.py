@@ -22,6 +22,12 @@ QUICK_CASES = {"sts3215": {"mixed 6 x 2%", "reboot", "unplug", "duplicate id"}}
 QUICK_CASES |= {"mx28": {"alert overload"}, "ax12": {"mixed 6 x 2%"}, "scs0009": {"corrupt 5%"}}
 
 
+@pytest.fixture
+def servos() -> str:
+    """Return kinesic's virtual servos, because the independent ones are of the X series."""
+    return "kinesic"
+
+
 def struck(make: Make, case: FaultCase, model: str) -> None:
     """Run a whole performance of three servos under a fault."""
     built = FaultPlan(tuple(m for m in case.faults if m.kind in BUILD_KINDS), 1)
