@@ -20,7 +20,6 @@ from kinesic.body.arrays import Floats
 from kinesic.metrics.smoothness import spectral_arc_length
 from kinesic.studies.sweep.geometry import length
 
-RETURN_TIME = 1 / 3  # [s] a compared gesture ends this long after `relax`, as most captured clips do
 WINDOW_TIME = 2.7  # [s] length of windows cut from clips without sync points; the median gesture is as long
 MIN_WINDOW_TIME = 1.4  # [s] shortest compared window of a clip
 MIN_WINDOW_SPEED = 0.3  # [arm lengths/s] largest hand speed up to which a window contains no gesture
@@ -57,11 +56,13 @@ MEASURE_NAMES = tuple(field.name for field in fields(WholeBodyMeasures))
 def cut_clips(motion: BodyMotion) -> Iterator[BodyMotion]:
     """Yield a clip's gesture, or windows with motion if `relax` is missing.
 
-    A gesture ends `RETURN_TIME` after `relax`. Windows last `WINDOW_TIME`; those without motion are left out.
+    A gesture includes its return: in three of five captured sets `relax` marks the end of the return, so a cut there
+    would compare whole captured gestures with parts of others. Windows last `WINDOW_TIME`; those without motion are
+    left out.
     """
     begin, end = motion.syncs["start"], motion.syncs["end"]
     if "relax" in motion.syncs:
-        yield motion.clip(begin, min(end, motion.syncs["relax"] + RETURN_TIME))
+        yield motion.clip(begin, end)
         return
     count = max(1, int((end - begin) / WINDOW_TIME))
     for k in range(count):

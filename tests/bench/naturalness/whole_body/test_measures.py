@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 from kinesic.bench.naturalness.whole_body.measures import (
-    RETURN_TIME,
     cut_clips,
     elbow_angles,
     measure_whole_body,
@@ -65,10 +64,10 @@ def test_rotation_angles_are_exact_for_small_and_large_rotations(angle):
     assert rotation_angles(turn("x", angle)) == pytest.approx([angle], rel=1e-6)
 
 
-def test_gesture_clip_ends_a_fixed_return_time_after_relax():
+def test_gesture_clip_with_sync_points_is_one_clip_from_start_to_end():
     (gesture,) = cut_clips(make_body(swing=(0.0, 0.2)))
-    assert gesture.times[-1] == pytest.approx(1.5 + RETURN_TIME, abs=1 / 30)
-    assert gesture.syncs["end"] == pytest.approx(1.5 + RETURN_TIME)
+    assert (gesture.times[0], gesture.times[-1]) == pytest.approx((0.0, 2.5), abs=1 / 30)
+    assert gesture.syncs["end"] == pytest.approx(2.5)
 
 
 def test_clip_without_sync_points_is_cut_into_moving_windows():
