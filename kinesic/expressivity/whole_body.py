@@ -40,6 +40,7 @@ from kinesic.expressivity.turns import (
 
 MAX_TIME_FRACTION = 0.5  # largest fraction of a key interval that a head or trunk rotation may need
 DEPARTURE_TIME = 0.5  # [s] duration of the movement to the stroke if the document leaves no time
+MAX_RISE_TIME = 0.7  # [s] longest movement from upright to the first key, as of captured trunks and heads
 RETURN_TIME = 0.8  # [s] shortest duration of the movement back to upright after the hold
 LONG_PAUSE = 0.8  # [s] gap between gestures above which the head turns back to the listener
 WAITING_FRACTION = 0.3  # fraction of the rotation that the head keeps in a pause between gestures
@@ -287,7 +288,8 @@ def _join_courses(courses: Sequence[_Course], pace: Pace, chain: str) -> Layer:
             return_upright(previous)
             previous = None
         if previous is None:
-            add_key(course.start, UPRIGHT_TURN, course.manner, "retraction")
+            start = max(course.start, course.keys[0][0] - MAX_RISE_TIME)
+            add_key(start, UPRIGHT_TURN, course.manner, "retraction")
         else:
             waits = chain == "torso" and previous.leave <= course.keys[0][0] - MIN_TRUNK_TIME  # for held hands
             leave = previous.leave if waits else min(previous.leave, course.start)

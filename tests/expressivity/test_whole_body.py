@@ -15,7 +15,13 @@ from kinesic.expressivity.realise import make_keyframes
 from kinesic.expressivity.style.pace import Pace
 from kinesic.expressivity.style.style import NEUTRAL_EXPRESSIVITY, Style
 from kinesic.expressivity.turns import UPRIGHT_TURN, turn_angles, turn_at
-from kinesic.expressivity.whole_body import MAX_TIME_FRACTION, AccompaniedGesture, BodyDemands, accompany_gestures
+from kinesic.expressivity.whole_body import (
+    MAX_RISE_TIME,
+    MAX_TIME_FRACTION,
+    AccompaniedGesture,
+    BodyDemands,
+    accompany_gestures,
+)
 
 NOD_ANGLE, LEAN_TURN = radians(4), Turn(tilt=radians(6))
 BODY_FORM = BodyForm(head=Turn(roll=radians(5)), nod=NOD_ANGLE, trunk=LEAN_TURN)
@@ -44,7 +50,15 @@ def test_head_and_trunk_motion_follows_the_gesture_phases_of_the_hands(gesture, 
     assert turn_at(body_motion.head, 1.6) == Turn(tilt=NOD_ANGLE, roll=radians(5))
     assert turn_at(body_motion.head, 2.0) == Turn(roll=radians(5))
     assert body_motion.head[0].turn == body_motion.head[-1].turn == UPRIGHT_TURN
-    assert (body_motion.head[0].time, body_motion.head[-1].time) == (0.0, 3.0)
+    assert body_motion.head[-1].time == 3.0
+
+
+def test_head_and_trunk_wait_at_the_start_of_a_long_preparation(gesture, pace):
+    plain = BodyForm(trunk=LEAN_TURN, head=Turn(roll=radians(5)))
+    for ready, start in ((0.1, 0.0), (2.0, 2.6 - MAX_RISE_TIME)):
+        times = (ready, ready, ready + 0.6, ready + 0.6, ready + 1, ready + 2)
+        body_motion = accompany_gestures([gesture(plain, 0, *times)], BodyDemands(), pace)
+        assert body_motion.head[0].time == body_motion.torso[0].time == pytest.approx(start)
 
 
 def test_trunk_does_not_return_upright_between_close_gestures(gesture, pace):
@@ -173,7 +187,7 @@ def test_body_motion_weight_of_the_style_scales_accompanying_motion(perform, pha
 
 def test_head_accompanying_a_gesture_turns_once_and_holds_until_relax(gesture, pace):
     body_motion = accompany_gestures([gesture(BodyForm(head=Turn(roll=radians(5))))], BodyDemands(), pace)
-    assert [key.time for key in body_motion.head] == pytest.approx([0, 1.6, 2, 3])
+    assert [key.time for key in body_motion.head] == pytest.approx([1.6 - MAX_RISE_TIME, 1.6, 2, 3])
     assert [key.turn.roll for key in body_motion.head] == pytest.approx([0, radians(5), radians(5), 0])
     assert not any(key.turn.tilt or key.turn.torsion for key in body_motion.head)
 
@@ -183,14 +197,14 @@ def test_head_rises_before_the_stroke_and_nods_at_it(gesture, pace):
     tilts = {key.time: key.turn.tilt for key in body_motion.head}
     assert tilts[1.0] < 0.0
     assert tilts[1.6] == pytest.approx(NOD_ANGLE)
-    assert (tilts[0.0], tilts[2.0], tilts[3.0]) == pytest.approx((0.0, 0.0, 0.0))
+    assert (tilts[1.0 - MAX_RISE_TIME], tilts[2.0], tilts[3.0]) == pytest.approx((0.0, 0.0, 0.0))
 
 
 def test_trunk_accompanying_a_gesture_holds_until_the_hands_relax(gesture, pace):
     body_motion = accompany_gestures([gesture(BodyForm(trunk=LEAN_TURN))], BodyDemands(), pace)
     assert body_motion.head == ()
     assert [(key.time, key.turn) for key in body_motion.torso] == [
-        (0, UPRIGHT_TURN),
+        (1.6 - MAX_RISE_TIME, UPRIGHT_TURN),
         (1.6, LEAN_TURN),
         (2, LEAN_TURN),
         (3, UPRIGHT_TURN),
