@@ -12,6 +12,17 @@ from kinesic.capture.reading.text import CaptureError
 
 from ..ros_files import JOINT_STATE, JOINT_TRAJECTORY, joint_state, joint_trajectory, mcap, state_messages
 
+# Two joint states as serialised by rosbags 0.11.9 (serialize_cdr, types of ROS 2 Humble)
+ROSBAGS_STATES = [
+    bytes.fromhex(
+        f"000100000c000000{nanoseconds}050000006261736500000000020000000b0000006c6566745f656c626f770000050000006e65636b"
+        f"0000000002000000{positions}0200000000000000000000000000f83f000000000000000000000000"
+    )
+    for nanoseconds, positions in (
+        ("0065cd1d", "9a9999999999b93f9a9999999999c9bf"),
+        ("0092fe1e", "333333333333d33f9a9999999999d9bf"),
+    )
+]
 STATES = {"/joint_states": (JOINT_STATE, state_messages())}
 
 
@@ -22,6 +33,14 @@ def test_joint_states_of_an_mcap_file_are_read_by_name_and_time_stamp(compressio
     assert clip.times == pytest.approx(np.arange(40) / 50)
     assert clip.angles == pytest.approx(np.outer(np.arange(40), [0.01, 0.02]))
     assert clip.guesses == ()
+
+
+def test_joint_states_serialised_by_the_library_rosbags_are_read():
+    messages = [(0.0, ROSBAGS_STATES[0]), (0.1, ROSBAGS_STATES[1])]
+    clip = read_joint_mcap(mcap({"/joint_states": (JOINT_STATE, messages)}), "a.mcap")
+    assert clip.names == ("left_elbow", "neck")
+    assert clip.times == pytest.approx([0.0, 0.02])
+    assert clip.angles.tolist() == [[0.1, -0.2], [0.3, -0.4]]
 
 
 def test_log_times_of_ros_messages_replace_time_stamps_of_zero():
