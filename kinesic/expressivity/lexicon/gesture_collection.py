@@ -17,7 +17,7 @@ from kinesic.expressivity.lexicon.gesture_card import GestureCard, read_card
 from kinesic.expressivity.lexicon.gesture_motion import MAX_MOTION_FILE_SIZE
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.files.input_file import open_regular, read_inside
-from kinesic.files.output_folder import new_folder, remove_made_folder
+from kinesic.files.output_folder import MARKER_FILE, new_folder, remove_made_folder
 from kinesic.files.plain_name import is_device_name, plain_stem
 
 MAX_ARCHIVE_SIZE = 200_000_000  # [bytes] largest collection, packed and unpacked
@@ -114,12 +114,18 @@ def _read_folder(source: Path) -> Mapping[str, bytes]:
 def _read_archive(source: Path) -> Mapping[str, bytes]:
     """Read the files of a zip archive, limited in size and number.
 
+    The marker file of a folder that kinesic made is ignored.
+
     Raises:
         ConfigError: an entry leaves the folder, is a link, encrypted or too large, or has an unexpected name.
     """
     try:
         with open_regular(source) as file, ZipFile(file) as archive:
-            entries = [entry for entry in archive.infolist() if not entry.is_dir()]
+            entries = [
+                entry
+                for entry in archive.infolist()
+                if not entry.is_dir() and PurePosixPath(entry.filename).name != MARKER_FILE
+            ]
             _check_count(len(entries) - 1, sum(entry.file_size for entry in entries), source)
             return dict(_unpack(archive, entries, source))
     except OSError as error:

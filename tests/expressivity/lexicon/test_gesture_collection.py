@@ -53,6 +53,13 @@ def test_gesture_collection_is_installed_from_a_folder_or_zip_file_and_removed(f
         set_up("upper22", library=library)
 
 
+def test_zip_of_an_imported_folder_with_its_marker_file_is_installed(folder, tmp_path):
+    packed = archive(tmp_path / "a.zip", folder, top="mine/", **{"mine/.kinesic": b"made by kinesic"})
+    place, _, count = install_collection(packed, tmp_path / "library")
+    assert count == 1
+    assert (place / ".kinesic").read_bytes() != b"made by kinesic"
+
+
 def test_folder_not_created_by_kinesic_is_not_removed_as_a_gesture_collection(folder, tmp_path):
     with pytest.raises(ConfigError, match="not marked"):
         remove_collection("made", tmp_path)
