@@ -34,7 +34,7 @@ def plan_standing_block(block: Block, setup: Setup, *, conditioned: Conditioner 
         BmlError: a `required` behaviour cannot be performed.
     """
     best = _plan_in_stances(block, setup, conditioned)
-    return keep_strokes_in_time(best, lambda reduced: _plan_in_stances(reduced, setup, conditioned))
+    return keep_strokes_in_time(best, lambda reduced: plan_block(reduced, best.setup, conditioned=conditioned))
 
 
 def _plan_in_stances(block: Block, setup: Setup, conditioned: Conditioner) -> Plan:
