@@ -73,3 +73,10 @@ def test_invalid_transforms_are_ignored(message: object):
 def test_age_of_a_frame_counts_from_its_last_report():
     frames = tree(transform("a", "b", (0.0, 0.0, 0.0)), transform("a", "b", (0.0, 0.0, 0.0)))
     assert frames.age("a", 4.0) == 3.0
+
+
+def test_frames_beyond_the_largest_number_are_ignored_but_kept_ones_are_updated(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr("kinesic.hardware.ros.frames.MAX_FRAMES", 1)
+    frames = tree(*(transform(name, "root", (1.0, 0.0, 0.0)) for name in ("a", "b", "a")))
+    assert frames.age("b", 9.0) is None
+    assert frames.age("a", 9.0) == 7.0

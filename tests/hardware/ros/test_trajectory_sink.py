@@ -108,8 +108,9 @@ def test_topic_gets_the_trajectory_and_the_sink_waits_for_its_end(
 ):
     clock = Clock()
     perform(TrajectorySink(joints, address, sent_as="topic", sleep=clock.sleep), command)
-    (operation,) = robot.operations_of("publish")
-    assert operation["topic"] == "/joint_trajectory_controller/joint_trajectory"
+    (advertised,), (operation,) = (robot.operations_of(kind) for kind in ("advertise", "publish"))
+    assert advertised["topic"] == operation["topic"] == "/joint_trajectory_controller/joint_trajectory"
+    assert advertised["type"] == "trajectory_msgs/msg/JointTrajectory"
     assert times(operation["msg"])[-1] == pytest.approx(1.22)
     assert clock.time == pytest.approx(5.0 + 0.5 + 1.22)
 
