@@ -27,7 +27,7 @@ from kinesic.intent.reading.words import read_text
 from kinesic.intent.recorded import RecordedAudio
 from kinesic.intent.writing import write_block
 
-EARLY_STROKE_TIME = 1.6  # [s] time after the first word; gestures with earlier strokes start before the speech
+PREPARED_STROKE_TIME = 1.3  # [s] time from the start of a gesture to its stroke, at slowness 1
 GESTURE_LEAD_TIME = 0.4  # [s] from the start of an early gesture to the first word; a longer time delays the speech
 MIN_STROKE_DELAY = 0.55  # [s] shortest time from the first word to a reachable stroke
 REACH_TOLERANCE = 0.15  # [s] delays up to this are omitted to keep strokes on words
@@ -166,7 +166,7 @@ def plan_behaviours(
         memory=memory,
         reachable=partial(reachable, slowness=slowness_of(style)),
     )
-    behaviours = merge_directed(selection.behaviours, asked)
+    behaviours = merge_directed(selection.behaviours, asked, slowness=slowness_of(style))
     return passage, replace(selection, behaviours=behaviours, warnings=(*lacking, *spoken.warnings, *directed.warnings))
 
 
@@ -189,7 +189,11 @@ def reach_directed(behaviour: ChosenBehaviour, since: float = 0.0, *, slowness: 
 
 
 def merge_directed(
-    chosen: Sequence[ChosenBehaviour], directed: Sequence[ChosenBehaviour], since: float = 0.0
+    chosen: Sequence[ChosenBehaviour],
+    directed: Sequence[ChosenBehaviour],
+    since: float = 0.0,
+    *,
+    slowness: float = 1.0,
 ) -> tuple[ChosenBehaviour, ...]:
     """Merge chosen behaviours and those of stage directions by stroke time.
 
@@ -199,12 +203,13 @@ def merge_directed(
         chosen: behaviours that show intents.
         directed: behaviours that the text asks for.
         since: time of the first word [s].
+        slowness: factor on the duration of long strokes.
     """
     ordered = sorted([*chosen, *directed], key=lambda each: (each.intent.stroke.seconds, each.channel))
     first = next((behaviour for behaviour in ordered if behaviour.channel == "gesture"), None)
     is_on_word = first is not None and first.intent.word >= 0
     return tuple(
-        hurry_first_gesture(behaviour, since) if is_on_word and behaviour is first else behaviour
+        hurry_first_gesture(behaviour, since, slowness) if is_on_word and behaviour is first else behaviour
         for behaviour in ordered
     )
 
@@ -229,11 +234,13 @@ def reachable(intent: Intent, since: float = 0.0, *, slowness: float = 1.0) -> I
     return replace(intent, stroke=intent.stroke.later(delay))
 
 
-def hurry_first_gesture(behaviour: ChosenBehaviour, since: float = 0.0) -> ChosenBehaviour:
+def hurry_first_gesture(behaviour: ChosenBehaviour, since: float = 0.0, slowness: float = 1.0) -> ChosenBehaviour:
     """Start a gesture with an early stroke just before the first word.
 
-    The gesture then does not delay the speech. Other behaviours are returned unchanged.
+    The gesture then does not delay the speech. Other behaviours are returned unchanged: hands that have time to prepare
+    their stroke would otherwise wait motionless before it.
     """
-    if behaviour.channel != "gesture" or behaviour.intent.stroke.seconds > since + EARLY_STROKE_TIME:
+    needed = PREPARED_STROKE_TIME * slowness - GESTURE_LEAD_TIME
+    if behaviour.channel != "gesture" or behaviour.intent.stroke.seconds > since + needed:
         return behaviour
     return replace(behaviour, begin=f"{SPEECH_ID}:start-{GESTURE_LEAD_TIME:.2f}")

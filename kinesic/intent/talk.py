@@ -195,7 +195,7 @@ def next_part(
         memory=talk.memory,
         reachable=partial(reachable, since=since, slowness=slowness),
     )
-    behaviours = merge_directed(selection.behaviours, asked, since)
+    behaviours = merge_directed(selection.behaviours, asked, since, slowness=slowness)
     written = behaviours if revise is None else tuple(revise(behaviours, talk.memory.list_clips(since)))
     replaced = frozenset(id for id, behaviour in talk.shown if behaviour in selection.replaced)
     pause = TURN_PAUSE if ends else PART_PAUSE

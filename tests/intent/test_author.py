@@ -9,10 +9,10 @@ from kinesic.bml.parse import parse
 from kinesic.expressivity.lexicon.lexicon import Lexicon
 from kinesic.expressivity.style.style import Style
 from kinesic.intent.author import (
-    EARLY_STROKE_TIME,
     GESTURE_LEAD_TIME,
     MIN_STROKE_DELAY,
     MIN_WAVE_DELAY,
+    PREPARED_STROKE_TIME,
     author,
     hurry_first_gesture,
     merge_directed,
@@ -145,15 +145,20 @@ def test_behaviours_for_short_intents_have_a_minimum_duration(channel, lexeme, l
 
 
 def test_first_gesture_starts_just_before_the_first_word(lexicon):
-    gesture = next(each for each in chosen("Hello, my dear friend!", lexicon) if each.channel == "gesture")
-    assert gesture.begin == f"s:start-{GESTURE_LEAD_TIME:.2f}"
-    assert gesture.intent.stroke.seconds == pytest.approx(MIN_WAVE_DELAY)
     denial = next(each for each in chosen("No, I did not say it!", lexicon) if each.channel == "gesture")
+    assert denial.begin == f"s:start-{GESTURE_LEAD_TIME:.2f}"
     assert denial.intent.stroke.seconds >= MIN_STROKE_DELAY - 0.01
     later = chosen("No, I did not say that. There were three boxes.", lexicon)
     assert not next(each for each in later if each.lexeme == "count_three").begin  # it would show the number too soon
-    late = replace(gesture, begin="", intent=replace(gesture.intent, stroke=Moment("s:w9", EARLY_STROKE_TIME + 1.0)))
-    assert hurry_first_gesture(late) == late
+
+
+def test_first_gesture_with_time_to_prepare_does_not_start_before_the_speech(lexicon):
+    wave = next(each for each in chosen("Hello, my dear friend!", lexicon) if each.channel == "gesture")
+    assert (wave.begin, wave.intent.stroke.seconds) == ("", pytest.approx(MIN_WAVE_DELAY))
+    assert hurry_first_gesture(wave) == wave
+    late = replace(wave, intent=replace(wave.intent, stroke=Moment("s:w9", PREPARED_STROKE_TIME - 0.3)))
+    assert merge_directed([late], [])[0].begin == ""
+    assert merge_directed([late], [], slowness=1.5)[0].begin  # a slow style needs more time
 
 
 def test_only_the_first_of_two_early_gestures_starts_before_the_speech(lexicon):
@@ -162,7 +167,7 @@ def test_only_the_first_of_two_early_gestures_starts_before_the_speech(lexicon):
         for each in chosen("No, I did not say that. There were three boxes.", lexicon)
         if each.channel == "gesture"
     )
-    second = replace(second, intent=replace(second.intent, stroke=Moment("s:w4", EARLY_STROKE_TIME - 0.1)))
+    second = replace(second, intent=replace(second.intent, stroke=Moment("s:w4", PREPARED_STROKE_TIME - 0.5)))
     assert [bool(each.begin) for each in merge_directed((second, first), ())] == [True, False]
 
 
