@@ -15,8 +15,13 @@ A program controls a running `kinesic serve` by sending messages. This page list
 [wire protocol](wire-protocol.md) explains when to send them and what the server answers. The page is generated from
 the types that the server decodes.
 
-A message is a JSON object with the key `do`. It has at most {MAX_CONTROL_SIZE} bytes, but {{long}} may be as
-long as a document. If a key or value is unknown, the server refuses the message and names the place.
+A message is a JSON object of at most {MAX_CONTROL_SIZE} bytes, and its key `do` names the message. Only {{long}}
+may be as long as a document. If a key or a value is invalid, the server refuses the message and says where the error
+is.
+
+In the tables, a key with an empty default is optional. *None* means that the key is missing or `null`. With an `id`
+other than 0, the answer repeats this number, so that a client can match answers to its requests. A unit such as [m]
+precedes a meaning, and (m,) marks a list with one element for each of the m servos.
 
 """
 
@@ -33,7 +38,8 @@ def verb_of(message: type[msgspec.Struct]) -> str:
 
 def write_page() -> str:
     """Return the page with the keys of all messages."""
-    long = ", ".join(f"`{verb}`" for verb in sorted(LONG_VERBS))
+    *verbs, last = [f"`{verb}`" for verb in sorted(LONG_VERBS)]
+    long = f"{', '.join(verbs)} and {last}"
     lines = [HEAD.format(long=long) + "| message | effect |", "|---|---|"]
     for message in list_messages():
         lines.append(f"| [`{verb_of(message)}`](#{verb_of(message)}) | {_about(message)} |")
