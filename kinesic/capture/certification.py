@@ -157,7 +157,10 @@ def _find_clear(desired: RobotMotion, setup: Setup) -> tuple[NearestMotion, floa
 
 
 def _try_angles(angles: Floats, course: Course, setup: Setup, best: _Attempt | None) -> _Attempt:
-    """Find the nearest motion to changed angles, with the time stretch of the best attempt."""
+    """Find the nearest motion to changed angles.
+
+    It keeps the time stretch of the best attempt.
+    """
     nearest = find_nearest(replace(course, angles=angles), setup, best.nearest.stretch if best else None)
     clearance = float(scan_clearance(nearest.motion.trajectory, setup.distances)[1].distances.min())
     return _Attempt(angles, nearest, clearance)

@@ -83,7 +83,7 @@ def clear_path(angles: Floats, setup: Setup, *, min_clearance: float, hinge_cost
 
 
 def bridge_contacts(angles: Floats, setup: Setup, *, min_clearance: float, margin: float) -> Floats:
-    """Leave out the parts of a motion in which an arm is too close to the body.
+    """Replace motion parts that bring an arm too close to the body.
 
     The arm moves smoothly from the posture before each part to the posture after it.
 

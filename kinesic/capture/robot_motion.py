@@ -65,7 +65,10 @@ def arm_path(robot: Robot, side: Side, angles: Floats) -> ArmPath:
 
 @lru_cache(maxsize=16)
 def _compile_arm(robot: Robot, side: Side) -> tuple[kernel.MotionFrames, list[int]]:
-    """Pack the segments of one arm for the kernel, with the indices of their angles."""
+    """Pack the segments of one arm for the kernel.
+
+    The second value contains the indices of their angles.
+    """
     skeleton, frames, turning = robot.skeleton, kernel.MotionFrames(), list[int]()
     for parent, name in enumerate(robot.arm(side).segments, start=-1):
         _, origin, hinges = skeleton.steps[skeleton.segment(name)]

@@ -91,7 +91,7 @@ def _save(motion: ExportedMotion, kind: ExportKind, path: Path, *, force: bool) 
 
 
 def _name(kind: ExportKind) -> str:
-    """Return the name of what is written, for the user."""
+    """Return the displayed name of the written output."""
     if kind == "lerobot":
         return "dataset"
     return "recording" if kind in PACKAGE_NAMES else "motion"

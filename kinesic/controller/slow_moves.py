@@ -31,7 +31,7 @@ def settings_near_people(setup: Setup) -> SupervisorSettings:
 
 
 def largest_move_ratio(setup: Setup, *, pace: float, seed: int = 0) -> float:
-    """Return the largest ratio of a contact quantity to its limit in random moves.
+    """Return the largest contact quantity in random moves / its limit.
 
     The moves begin in random postures of the whole joint range.
 

@@ -101,7 +101,7 @@ class VoiceDetector:
 
 @cache
 def _window_indices(size: int, step: int, width: int) -> NDArray[np.intp]:
-    """Return the indices (m, width) of windows that start every `step` up to `size`."""
+    """Return the indices (m, width) of windows that start every `step`."""
     return np.arange(0, size, step)[:, None] + np.arange(width)
 
 

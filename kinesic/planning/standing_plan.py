@@ -38,7 +38,7 @@ def plan_standing_block(block: Block, setup: Setup, *, conditioned: Conditioner 
 
 
 def _plan_in_stances(block: Block, setup: Setup, conditioned: Conditioner) -> Plan:
-    """Plan a block in the stance in which the fewest behaviours are dropped."""
+    """Plan a block in the stance with the fewest dropped behaviours."""
     style = BlockContext(block, setup.context).bearing
     standing = _take_posture(style, setup)
     best = plan_block(block, standing, conditioned=conditioned)

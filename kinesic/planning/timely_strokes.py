@@ -1,4 +1,4 @@
-"""Smaller or weaker gestures near people, so that their strokes are not late.
+"""Smaller or weaker gestures near people, so that strokes are in time.
 
 A policy of contacts slows a gesture. If its stroke becomes late, less amplitude or less power is tried first.
 """
@@ -32,11 +32,11 @@ class Reduction:
         return " and ".join(f"{name} {value:g}" for name, value in vars(self).items() if value is not None)
 
 
-REDUCTIONS = (Reduction(spatial=-1.0), Reduction(power=-1.0))  # in the order in which they are tried
+TRIED_REDUCTIONS = (Reduction(spatial=-1.0), Reduction(power=-1.0))  # tried in this order
 
 
 def keep_strokes_in_time(plan: Plan, replan: Callable[[Block], Plan]) -> Plan:
-    """Replan a block with reduced gestures if a policy makes their strokes late.
+    """Replan a block with reduced gestures if their strokes are late.
 
     The plan with the least lateness is returned. A notice names each reduced gesture.
 
@@ -50,7 +50,7 @@ def keep_strokes_in_time(plan: Plan, replan: Callable[[Block], Plan]) -> Plan:
         return plan
     reduced: dict[str, Reduction] = {}
     causes = dict(late)  # lateness [s] of each gesture before it was reduced
-    for reduction in REDUCTIONS:
+    for reduction in TRIED_REDUCTIONS:
         attempt = reduced | dict.fromkeys(late, reduction)
         other = replan(_reduce(block, attempt))
         seconds += other.seconds
@@ -65,7 +65,7 @@ def keep_strokes_in_time(plan: Plan, replan: Callable[[Block], Plan]) -> Plan:
 
 
 def find_late_gestures(plan: Plan) -> dict[str, float]:
-    """Return the lateness [s] of each gesture with a stroke later than `MAX_LATENESS`."""
+    """Return the lateness [s] of gestures later than `MAX_LATENESS`."""
     return {name: lateness for name, lateness in _list_lateness(plan).items() if lateness > MAX_LATENESS}
 
 

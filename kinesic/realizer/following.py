@@ -86,7 +86,7 @@ def nod(scene: Scene, angle: float, now: float) -> Scene:
 
 
 def find_final_posture(motion: Trajectory, robot: Robot) -> tuple[Occupancy, ...]:
-    """Return the posture of head and trunk that a motion of unknown blocks holds.
+    """Return the head and trunk posture at the end of a motion.
 
     It counts as a followed gaze, so that the next gaze replaces it instead of adding to it.
     """

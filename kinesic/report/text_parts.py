@@ -46,7 +46,7 @@ class PerformedPart:
 def write_parts(
     folder: Path, done: Sequence[PerformedPart], setup: Setup, *, source: str, count: int
 ) -> dict[str, Json]:
-    """Write the summary of all parts performed so far.
+    """Write the summary of all performed parts.
 
     Args:
         folder: output folder with a folder for each part.

@@ -121,7 +121,7 @@ class Conversation:
         return ()
 
     def report_yielded(self, sound: ForeignSound, time: float) -> None:
-        """Send the client the heard duration of its sound at a time [s]."""
+        """Send the client the played duration of its sound [s]."""
         self._shared.tell(json_answer("yielded", sound=sound.id, at=sound.position(time)), self.owner)
 
     def _advance(self, events: list[ConversationEvent], now: float) -> tuple[PlannerWant, ...]:

@@ -21,7 +21,7 @@ class PendingBlock:
     end: float  # [s] clock time of the end
 
     def status(self, now: float) -> dict[str, object]:
-        """Return the name, and the seconds from a time [s] until start and end."""
+        """Return the name and the seconds until start and end."""
         starts_in, ends_in = (round(max(0.0, time - now), 3) for time in (self.start, self.end))
         return {"block": self.name, "starts_in": starts_in, "ends_in": ends_in}
 

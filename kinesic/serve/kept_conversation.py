@@ -1,4 +1,4 @@
-"""Conversation events that a new planner repeats after the previous planner has died."""
+"""Conversation events that a new planner process repeats."""
 
 from dataclasses import replace
 from math import inf

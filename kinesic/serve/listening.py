@@ -54,7 +54,7 @@ def hear_people(session: Session, source: SampleSource) -> "HearingThread":
 
 
 def _react(session: Session, change: HeardChange) -> None:
-    """Mute the robot while a person speaks, and report the voice to its conversation."""
+    """Mute the robot while a person speaks, and report the voice."""
     report = heard_report(change)
     if report is not None and session.converses:
         is_muted = bool(report.voice)

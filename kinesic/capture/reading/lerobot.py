@@ -88,7 +88,9 @@ def read_lerobot(path: Path) -> JointClip:
 
 
 def _find_joints(path: Path) -> tuple[str, tuple[str, ...], bool]:
-    """Return the column with joint positions, the joint names, and whether kinesic wrote it.
+    """Find the position column and the joint names.
+
+    The third value is whether kinesic wrote the dataset.
 
     Raises:
         CaptureError: the dataset has no description, or no such column.

@@ -89,7 +89,7 @@ def calibrate_robot(
 
 
 def _convert_files(robot: str, uncalibrated: Robot, texts: tuple[str, ...], pypot: Path | None) -> int:
-    """Write the calibration of files of lerobot or pypot, which needs no servos."""
+    """Write the calibration read from files of lerobot or pypot."""
     _prepare_folder(calibration_path(uncalibrated.path))
     earlier = read_calibration(uncalibrated.path, uncalibrated.name)
     if pypot is not None:

@@ -1,1 +1,1 @@
-"""ROS 2: joint commands to robots and reports of people, without a ROS installation."""
+"""ROS 2 over rosbridge: joint commands out, reports of people in."""

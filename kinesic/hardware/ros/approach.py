@@ -1,4 +1,4 @@
-"""Motion from the measured position of a robot to the first position of a performance."""
+"""Motion from the measured position to the start of a performance."""
 
 import math
 import time
@@ -48,7 +48,7 @@ def approach_duration(start: Floats, end: Floats) -> float:
     return max(MIN_APPROACH_DURATION, PEAK_RATIO * distance / APPROACH_VELOCITY)
 
 
-def approach(start: Floats, end: Floats, period: float) -> Sequence[tuple[float, Floats, Floats]]:
+def sample_approach(start: Floats, end: Floats, period: float) -> Sequence[tuple[float, Floats, Floats]]:
     """Return times [s], positions and velocities of a quintic motion between rests.
 
     Args:

@@ -61,7 +61,7 @@ class FrameTree:
         return sealed(np.array(axes) @ (point - origin))
 
     def _to_root(self, frame: str, point: Floats) -> tuple[Floats, str]:
-        """Return a point of a frame in its root, and the name of the root."""
+        """Return a point in the root of its frame, and the root."""
         for _ in range(MAX_DEPTH):
             transform = self._transforms.get(frame)
             if transform is None:

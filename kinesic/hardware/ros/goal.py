@@ -19,7 +19,7 @@ GOAL_ERRORS: Mapping[int, str] = {  # error code of the action -> meaning
 
 
 def perform_goal(bridge: Rosbridge, action: str, trajectory: Message, *, timeout: float) -> None:
-    """Send a trajectory as a goal and wait until the robot has performed it.
+    """Send a trajectory as a goal and wait for its completion.
 
     The goal is cancelled if the wait ends early, also by Ctrl-C.
 

@@ -6,7 +6,7 @@ from contextlib import ExitStack
 
 from kinesic.body.arrays import Floats
 from kinesic.body.command import Command
-from kinesic.hardware.ros.approach import STATE_TOPIC, approach, read_positions
+from kinesic.hardware.ros.approach import STATE_TOPIC, read_positions, sample_approach
 from kinesic.hardware.ros.joints import JOINT_STATE_TYPE, RosJoints, joint_state
 from kinesic.hardware.ros.rosbridge import DEFAULT_ADDRESS, Rosbridge
 
@@ -15,7 +15,7 @@ APPROACH_PERIOD = 0.01  # [s] between two positions of the approach
 
 
 class JointStateSink:
-    """Sink that publishes each command as a joint state, 100 times per second.
+    """Sink that publishes joint states 100 times per second.
 
     It waits for the time of each command, so a performance takes its duration. The robot first moves from its measured
     position to that of the first command.
@@ -65,7 +65,7 @@ class JointStateSink:
         positions, velocities = self._joints.positions(command.angles), self._joints.rates(command.velocities)
         if self._measured is not None:
             begin = self._now()
-            for place, point, rates in approach(self._measured, positions, APPROACH_PERIOD):
+            for place, point, rates in sample_approach(self._measured, positions, APPROACH_PERIOD):
                 self._publish(begin + place, point, rates)
             self._measured = None
         if self._start is None:
@@ -77,7 +77,7 @@ class JointStateSink:
         self._bridge.close()
 
     def _publish(self, due: float, positions: Floats, velocities: Floats) -> None:
-        """Publish positions at a time of the clock [s], and collect error messages."""
+        """Publish positions at a clock time [s], and read error messages."""
         self._sleep(max(0.0, due - self._now()))
         self._bridge.send("publish", topic=self._topic, msg=joint_state(self._joints.names, positions, velocities))
         self._bridge.receive(0.0)

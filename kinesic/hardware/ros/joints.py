@@ -13,12 +13,12 @@ from kinesic.hardware.ros.rosbridge import Message
 JOINT_STATE_TYPE = "sensor_msgs/msg/JointState"  # ROS type of positions at one time
 TRAJECTORY_TYPE = "trajectory_msgs/msg/JointTrajectory"  # ROS type of positions at many times
 NANOSECONDS_PER_SECOND = 1_000_000_000  # nanoseconds per second
-DECIMALS = 7  # decimal places of sent numbers [rad, rad/s, rad/s^2]
+SENT_DECIMALS = 7  # decimal places of sent numbers [rad, rad/s, rad/s^2]
 
 
 @dataclass(frozen=True, eq=False)
 class RosJoints:
-    """Joints in the order, with the names and zeros of the robot's own file."""
+    """Joints with the order, names and zeros of the robot's file."""
 
     robot: Robot
     names: tuple[str, ...]  # (j,) joint names in ROS
@@ -82,5 +82,5 @@ def duration(seconds: float) -> Message:
 
 
 def _numbers(values: Floats) -> list[float]:
-    rounded: list[float] = np.round(values, DECIMALS).tolist()
+    rounded: list[float] = np.round(values, SENT_DECIMALS).tolist()
     return rounded

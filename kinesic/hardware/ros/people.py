@@ -1,4 +1,4 @@
-"""Reports of people by ROS4HRI (REP 155), translated for a conversation of `kinesic serve`."""
+"""Reports of people from ROS4HRI (REP 155) for a conversation."""
 
 import time
 from collections.abc import Callable, Mapping, Sequence
@@ -32,7 +32,7 @@ MAX_TRACKED = 32  # largest number of persons and of voices
 MAX_DISTANCE = 50.0  # [m] farther persons are not reported
 MAX_ID_LENGTH = 64  # [characters] longest id
 MAX_TEXT_LENGTH = 2000  # [characters] longest forwarded text
-EXPRESSIONS: Mapping[str, str] = {  # expression of hri_msgs -> face lexeme
+FACE_LEXEMES: Mapping[str, str] = {  # expression of hri_msgs -> face lexeme
     **{name: name for name in ("neutral", "sad", "happy", "surprised", "disgusted", "scared", "embarrassed", "bored")},
     **dict.fromkeys(("angry", "furious", "annoyed"), "anger"),
     **dict.fromkeys(("pleading", "vulnerable"), "worry"),
@@ -57,7 +57,7 @@ class Bridge(Protocol):
         """Return the next operation, or None after a timeout [s]."""
 
 
-class Conversation(Protocol):
+class ConversationClient(Protocol):
     """Client of `kinesic serve`."""
 
     def send(self, bml: str) -> None:
@@ -80,7 +80,7 @@ class PeopleBridge:
     def __init__(
         self,
         bridge: Bridge,
-        robot: Conversation,
+        robot: ConversationClient,
         *,
         base_frame: str = "base_link",
         now: Callable[[], float] = time.monotonic,
@@ -105,7 +105,7 @@ class PeopleBridge:
             bridge.send("subscribe", topic=topic, type=type_name)
 
     def step(self, timeout: float = REPORT_PERIOD) -> None:
-        """Forward the next message of ROS, and report people when it is time.
+        """Forward the next ROS message, and report people every `REPORT_PERIOD`.
 
         Raises:
             ConfigError: the connection to ROS has ended.
@@ -139,7 +139,7 @@ class PeopleBridge:
                 self._show(str(message.get("expression")))
 
     def _follow(self, kind: str, members: tuple[str, ...]) -> None:
-        """Subscribe to topics of new persons or voices, and leave those of lost ones."""
+        """Update topic subscriptions for new and lost persons or voices."""
         before, self._tracked[kind] = self._tracked[kind], members
         for member in {*before} ^ {*members}:
             for name, type_name in MEMBER_TYPES[kind].items():
@@ -159,7 +159,7 @@ class PeopleBridge:
             self._robot.heard(voice=sounds, who=self._persons.get(voice, voice))
 
     def _hear_words(self, voice: str, speech: Mapping[str, object]) -> None:
-        """Forward recognised words; final ones replace incremental ones."""
+        """Forward recognised words, the final ones if there are any."""
         final, incremental = speech.get("final"), speech.get("incremental")
         text = final or incremental
         if isinstance(text, str) and text:
@@ -167,7 +167,7 @@ class PeopleBridge:
 
     def _show(self, expression: str) -> None:
         """Show an expression of hri_msgs until the next one."""
-        lexeme = EXPRESSIONS.get(expression)
+        lexeme = FACE_LEXEMES.get(expression)
         if lexeme is not None:
             self._documents += 1
             shift = f'<faceShift id="f" lexeme="{lexeme}" start="0"/>'

@@ -56,7 +56,7 @@ class Rosbridge:
             raise self._ended(error) from None
 
     def receive(self, timeout: float) -> Message | None:
-        """Return the next operation of the server, or None after a timeout [s].
+        """Return the next operation, or None after a timeout [s].
 
         Error messages of the server are also kept in `errors`.
 

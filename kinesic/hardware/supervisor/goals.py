@@ -59,7 +59,10 @@ class GoalSteering:
         return float(np.where(self._limp, 0.0, distance).max()) < 1.0
 
     def set_profile_velocities(self, velocities: Floats) -> None:
-        """Set the profile velocities (m,) [ticks/s] of the servos, whose lag `ticks` compensates."""
+        """Set the profile velocities (m,) [ticks/s] of the servos.
+
+        `ticks` compensates their lag.
+        """
         self._lag = self._period / (2 * velocities)  # (m,) [s^2/tick] profile lag per squared velocity
 
     def hold(self) -> None:

@@ -156,7 +156,7 @@ class CommunicationMonitor:
         self._fit = False  # whether all servos have torque and none has failed
 
     def limit_power(self, duties: Floats) -> None:
-        """Let servos with capped duties (m,) count as stuck at a smaller position error."""
+        """Scale the position error of a stuck servo by capped duties (m,)."""
         self._ratings = replace(self._ratings, full=sealed(duties * self._manifest.full))
 
     def look(self, snapshot: Snapshot, goals: Floats | None, seconds: float) -> None:

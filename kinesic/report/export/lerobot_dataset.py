@@ -26,7 +26,7 @@ DATA_FILE = "data/chunk-{chunk_index:03d}/file-{file_index:03d}.parquet"  # path
 EPISODE_FILE = "meta/episodes/chunk-000/file-000.parquet"
 TASK_FILE = "meta/tasks.parquet"
 ROBOT_TYPE = "kinesic_{}"  # type of the robot: tells readers that positions are in degrees
-QUANTILES: Mapping[str, float] = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
+STATISTIC_QUANTILES: Mapping[str, float] = {"q01": 0.01, "q10": 0.10, "q50": 0.50, "q90": 0.90, "q99": 0.99}
 SCALAR_COLUMNS: Mapping[str, str] = {  # columns with one number -> type
     "timestamp": "float32",
     "frame_index": "int64",
@@ -91,7 +91,7 @@ def _task(motion: ExportedMotion) -> str:
 
 
 def _frames(motion: ExportedMotion, episode: int, start: int, task: int) -> Columns:
-    """Return the columns of an episode whose first frame has the index `start`."""
+    """Return the columns of an episode with first frame index `start`."""
     step, joints = COMMAND_RATE // DATASET_RATE, motion.robot.source_joints
     times = motion.times[::step]
     count = len(times)
@@ -187,7 +187,7 @@ def _statistics(frames: Columns) -> Statistics:
             "mean": values.mean(axis=0),
             "std": values.std(axis=0),
         }
-        rows |= {key: np.quantile(values, ratio, axis=0) for key, ratio in QUANTILES.items()}
+        rows |= {key: np.quantile(values, ratio, axis=0) for key, ratio in STATISTIC_QUANTILES.items()}
         statistics[name] = {key: row.tolist() for key, row in rows.items()} | {"count": [len(values)]}
     return statistics
 

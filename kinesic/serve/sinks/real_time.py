@@ -201,7 +201,7 @@ class RealTimeSink:
         self._limit(motion, now, setup, last)  # after the commands, which an emergency stop must not delay
 
     def _limit(self, motion: Trajectory, now: float, setup: Setup, last: int) -> None:
-        """Send caps for a new motion, or for more of the same one, near people."""
+        """Send velocity and power caps of the next motion near people."""
         if setup.policy is None or not isinstance(self.sink, CappedSink):
             return
         if motion is self._capped_motion and last <= self._capped_until:

@@ -142,7 +142,7 @@ def _find_single_arm(tree: Tree, sides: Sides) -> dict[Side, tuple[int, ...]]:
 
 
 def _is_trunk(joint: Joint, middle: float) -> bool:
-    """Return whether a hinge on the midline turns the trunk, by its name or axis.
+    """Return whether a hinge on the midline turns the trunk.
 
     The shoulder of a single arm in front of the trunk may have the same axis, but is named after the arm.
     """

@@ -110,7 +110,7 @@ def _read_frame(node: Element) -> Floats:
 
 
 def _rotation(axis_and_angle: Floats) -> Floats:
-    """Convert an axis and an angle [deg] to a rotation matrix (3, 3)."""
+    """Convert an axis and an angle [deg] to a rotation matrix."""
     x, y, z = axis_and_angle[:3] / np.linalg.norm(axis_and_angle[:3])
     angle = np.radians(axis_and_angle[3])
     cross = np.array([[0.0, -z, y], [z, 0.0, -x], [-y, x, 0.0]])

@@ -96,7 +96,7 @@ def load_robot_tree(path: Path) -> Tree:
 
 
 def _check_places(model: mujoco.MjModel, data: mujoco.MjData, path: Path) -> None:
-    """Raise an error if a body or shape has no finite position or rotation."""
+    """Check that bodies and shapes have finite positions and rotations."""
     places = ((data.xpos, data.xmat, range(model.nbody)), (data.geom_xpos, data.geom_xmat, model.geom_bodyid))
     for positions, rotations, bodies in places:
         valid = np.isfinite(positions).all(axis=1) & np.isfinite(rotations).all(axis=1)

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from kinesic.body.config import ConfigError
-from kinesic.hardware.ros.approach import approach, approach_duration, read_positions
+from kinesic.hardware.ros.approach import approach_duration, read_positions, sample_approach
 from kinesic.hardware.ros.joints import RosJoints
 from kinesic.hardware.ros.rosbridge import Rosbridge
 
@@ -38,7 +38,7 @@ def test_position_that_is_no_finite_number_counts_as_missing(robot: Robot, addre
 
 
 def test_approach_begins_and_ends_at_rest_and_stays_below_its_velocity():
-    samples = approach(START, END, 0.01)
+    samples = sample_approach(START, END, 0.01)
     times, positions, velocities = (np.array(column) for column in zip(*samples, strict=True))
     assert positions[0].tolist() == START.tolist()
     assert positions[-1] == pytest.approx(END)

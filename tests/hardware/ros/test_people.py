@@ -7,7 +7,7 @@ import pytest
 from kinesic.bml.actions import Face
 from kinesic.client import Client
 from kinesic.expressivity.face.expressions import find_expression
-from kinesic.hardware.ros.people import EXPRESSIONS, PeopleBridge
+from kinesic.hardware.ros.people import FACE_LEXEMES, PeopleBridge
 
 from .test_frames import transform
 
@@ -139,8 +139,8 @@ def test_requested_expressions_become_faces_that_stay(scene: Scene):
 
 
 def test_each_expression_of_hri_msgs_has_a_known_face():
-    assert len(EXPRESSIONS) == 25
-    faces = {name: find_expression(Face((lexeme,))) for name, lexeme in EXPRESSIONS.items()}
+    assert len(FACE_LEXEMES) == 25
+    faces = {name: find_expression(Face((lexeme,))) for name, lexeme in FACE_LEXEMES.items()}
     assert [name for name, face in faces.items() if face.unknown or face.left_out] == []
     assert [name for name, face in faces.items() if not face.units] == ["neutral"]
 
