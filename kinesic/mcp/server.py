@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     from kinesic.planning.setup import Setup
 
 LONG_TEXT = 1500  # [characters] length, about 100 s, above which a text is streamed phrase by phrase
-SPEECH_BLOCK_ID = "said"  # id of the blocks that `write_text` writes
+SPEECH_BLOCK_ID = "said"  # id of the blocks that `write_text` writes, replaced before sending
 READ_ONLY_TOOL = ToolAnnotations(read_only_hint=True)  # annotations of tools that move nothing
 MOVING_TOOL = ToolAnnotations(read_only_hint=False, destructive_hint=False)  # annotations of tools that move the robot
 

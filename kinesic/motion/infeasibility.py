@@ -47,7 +47,7 @@ class Bottleneck:
 
 @dataclass(frozen=True, eq=False)
 class Infeasibility:
-    """Time deficit of a segment with its gradient, or an upper bound.
+    """Log of required / available time of a segment, or a bound.
 
     For a bound, the amount is the bound, slopes are 0, and no limit binds.
     """

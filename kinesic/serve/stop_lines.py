@@ -35,10 +35,10 @@ class MovableWire(ClientWire, Protocol):
 
 
 class StopLines:
-    """Thread that reads emergency-stop lines and executes each `stop` at once."""
+    """Thread that reads emergency-stop connections and executes each `stop` at once."""
 
     def __init__(self, emergency_stop: Callable[[], None], rules: Quotas) -> None:
-        """Create a reader without emergency-stop lines.
+        """Create a reader without emergency-stop connections.
 
         Args:
             emergency_stop: executes an emergency stop; called in the thread of the stop lines.
@@ -54,7 +54,7 @@ class StopLines:
         self._thread = Thread(target=self._run, name="stop lines", daemon=True)
 
     def open(self) -> None:
-        """Start the thread that reads all emergency-stop lines.
+        """Start the thread that reads all emergency-stop connections.
 
         Raises:
             RuntimeError: the thread could not be started or has ended at once.
@@ -65,7 +65,7 @@ class StopLines:
             raise RuntimeError("the thread that reads stop lines has ended at once; see the error above")
 
     def close(self) -> None:
-        """Close all emergency-stop lines and wait for their thread to end."""
+        """Close all emergency-stop connections and wait for their thread to end."""
         with self._changing:
             if self._is_running:
                 self._is_running = False

@@ -96,7 +96,7 @@ def is_aimed(action: Action) -> bool:
     return isinstance(action, Gaze | Pointing) and action.target is not None
 
 
-def test_corpus_expressivity_is_applied_to_behaviours():
+def test_expressivity_in_corpus_documents_overrides_the_style():
     folder = CORPUS_FOLDER / "greta" / "bml"
     if not folder.is_dir():
         pytest.skip(f"no corpus at {CORPUS_FOLDER}; KINESIC_CORPUS names another place")

@@ -75,7 +75,7 @@ def test_compiled_elbow_swivel_search_equals_the_python_reference(side, max_swiv
     assert swung > 2
 
 
-def test_swivel_search_keeps_solutions_with_small_direction_errors():
+def test_swivel_search_returns_the_ik_solution_unchanged_if_direction_errors_are_small():
     for reach in (Reach(np.array([0.25, 0.15, -0.05])), _held(LEFT_ARM, LEFT_ARM.rest, palm=True)):
         first, result = solve(LEFT_ARM, reach, start=LEFT_ARM.rest), best_swivel(LEFT_ARM, reach, start=LEFT_ARM.rest)
         assert result.angles.tobytes() == first.angles.tobytes()

@@ -58,7 +58,7 @@ def test_ik_reaches_targets_from_straight_or_limit_start_postures() -> None:
 
 
 @pytest.mark.parametrize("depth", list(SECTOR_DEPTHS))
-def test_recorded_gesture_space_sectors_are_reached_within_2_cm_without_the_torso(depth: str) -> None:
+def test_gesture_space_sectors_marked_as_reached_are_reached_within_2_cm_without_the_torso(depth: str) -> None:
     for row, up in zip(REACHED_SECTORS[depth], SECTOR_HEIGHTS, strict=True):
         for mark, out in zip(row, SECTOR_OFFSETS, strict=True):
             point = DEFAULT_ROBOT.gesture_origin + DEFAULT_ROBOT.arm_length * np.array([SECTOR_DEPTHS[depth], out, up])

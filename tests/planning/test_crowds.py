@@ -70,7 +70,9 @@ def test_reused_cutting_planes_save_a_fifth_of_the_segment_evaluations_of_overla
     assert 0 < taken < 0.8 * sum(measured)
 
 
-def test_block_of_many_overlapping_gestures_is_planned_within_budget(planned, monkeypatch, measured):
+def test_overlapping_gestures_beyond_the_planning_budget_are_dropped_and_the_work_is_bounded(
+    planned, monkeypatch, measured
+):
     monkeypatch.setattr(plan_module, "WORK_BUDGET", 0)
     monkeypatch.setattr(clashes, "SEARCH_BUDGET", 0)
     made, again = planned(OVERLAPPING_GESTURES), planned(OVERLAPPING_GESTURES)

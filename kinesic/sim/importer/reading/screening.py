@@ -8,7 +8,7 @@ import re
 from collections.abc import Iterable
 
 MAX_ELEMENTS = 100_000  # largest number of XML elements in all files, copies included
-MAX_DEPTH = 200  # deepest nesting of XML elements, includes expanded
+MAX_DEPTH = 200  # deepest nesting of XML elements, with includes expanded
 MAX_INCLUDE_DEPTH = 50  # deepest nesting of included files
 MAX_COPIES = 200  # largest number of copies of an element by nested <replicate> elements
 MAX_NAME_LENGTH = 200  # [characters] longest name or prefix, which every copy repeats
