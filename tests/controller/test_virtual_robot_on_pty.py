@@ -84,6 +84,7 @@ def test_twin_behind_a_port_follows_the_plan_sent_by_the_kinesic_driver(planned:
     followed(planned, clocks, at, np.array([row.angles for row in rows]))
 
 
+@pytest.mark.soak
 def test_twin_behind_a_port_follows_the_plan_sent_by_the_dynamixel_sdk(planned: Plan, port: Path):
     robot, times = planned.setup.robot, planned.command_times[:COMMAND_COUNT]
     wiring = ServoMap.of(robot)

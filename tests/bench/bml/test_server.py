@@ -31,6 +31,7 @@ def test_server_benchmark_measures_feedback_and_command_latency_of_each_block(se
     assert all(0.0 < delay.feedback <= delay.command for delay in delays)
 
 
+@pytest.mark.soak
 def test_server_loses_no_block_and_bounds_memory_growth_at_ten_blocks_per_second(server):
     run = run_endurance(server, ENDURANCE_SECONDS)
     assert run.sent == ENDURANCE_SECONDS * ENDURANCE_RATE

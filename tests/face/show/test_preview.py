@@ -110,6 +110,7 @@ def robot() -> Robot:
     return Robot.load("upper22")
 
 
+@pytest.mark.soak
 def test_preview_write_takes_less_than_a_fifth_of_a_drawing_and_returns_after_closing(drawable: None, robot: Robot):
     """Expect dropped pictures instead of delayed commands.
 
