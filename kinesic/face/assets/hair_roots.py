@@ -15,7 +15,7 @@ HEAD_CENTRE = np.array([-1.15, 0.0, 0.30])  # origin of directions to the skull,
 NEIGHBOUR_COUNT = 24  # number of skin vertices averaged for the skull radius in a direction
 SMOOTHING_ANGLE = 0.08  # [rad] standard deviation of the weights in the average of the skull radius
 MAX_EAR_SLOPE = 0.45  # slope at which hair rises over an ear and descends behind it
-FRONT_EAR_FACTOR = 3.0  # factor on MAX_EAR_SLOPE in front of an ear; the front edge of long hair then touches the cheek
+FRONT_EAR_FACTOR = 3.0  # factor on MAX_EAR_SLOPE in front of an ear, where hair descends more steeply
 EAR_REGION = (
     -1.75,
     -0.95,

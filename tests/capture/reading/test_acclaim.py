@@ -68,7 +68,7 @@ def test_acclaim_skeleton_is_found_by_its_subject_and_the_assumed_frame_rate_rep
     assert "frame rate taken as 120 Hz" in clip.guesses
 
 
-def test_only_acclaim_skeleton_in_a_folder_is_used_and_a_missing_skeleton_is_named_in_the_error(tmp_path):
+def test_single_acclaim_skeleton_of_a_folder_is_used_and_without_any_the_error_names_the_expected_file(tmp_path):
     (tmp_path / "walk.amc").write_bytes(acclaim_motion())
     with pytest.raises(CaptureError, match=r"walk.amc: no skeleton walk.asf beside it"):
         read_clip(tmp_path / "walk.amc")

@@ -54,7 +54,7 @@ MEASURE_NAMES = tuple(field.name for field in fields(WholeBodyMeasures))
 
 
 def cut_clips(motion: BodyMotion) -> Iterator[BodyMotion]:
-    """Yield a clip's gesture, or windows with motion if `relax` is missing.
+    """Yield a clip's whole gesture, or moving windows if `relax` is missing.
 
     A gesture includes its return: in three of five captured sets `relax` marks the end of the return, so a cut there
     would compare whole captured gestures with parts of others. Windows last `WINDOW_TIME`; those without motion are
