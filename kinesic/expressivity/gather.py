@@ -190,7 +190,7 @@ def _parts_to_fill(keyed_parts: frozenset[PartName], priorities: Priorities) -> 
 def _read_times(
     part: PartName, moments: Sequence[FrameMoment], times: Sequence[float], filled: Sequence[frozenset[PartName]]
 ) -> list[float]:
-    """Return the time [s] at which each frame samples a part's sequence.
+    """Return the time [s] of each frame for sampling a part's keys.
 
     It is the frame's own time where the part is filled, otherwise the time of its key, or of its last one where it has
     none. At the first and last frame it is the outermost key, so that rest stays rest.

@@ -48,7 +48,7 @@ class ComparedPlan:
 
 
 def bench() -> list[Metric]:
-    """Compare plans of gestures and documents, and measure collisions of both robots."""
+    """Compare plans without and with contact limits, and measure collisions."""
     metrics: list[Metric] = []
     for robot in COMPARED_ROBOTS:
         metrics += bench_gestures(robot, names_of("style"))

@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 from matplotlib import colormaps
 
-from kinesic.bench.metric import ALARM_COLOUR, INK_COLOUR, MAIN_COLOUR, Metric, picture
+from kinesic.bench.metric import CONTRAST_COLOUR, INK_COLOUR, MAIN_COLOUR, Metric, picture
 from kinesic.metrics.arrival import ENTRY_WINDOW
 from kinesic.session.setup import set_up
 from kinesic.studies.sweep.measures import MEASURE_FORMATS
@@ -149,7 +149,7 @@ def draw(all_series: Sequence[Series], path: Path) -> Path:
                 points = [(one.value, getattr(one.measures, measure.name)) for one in series.played]
                 curve = [(value, quantity.scale * result) for value, result in points if result is not None]
                 if curve:
-                    colour = MAIN_COLOUR if series.monotone else ALARM_COLOUR
+                    colour = MAIN_COLOUR if series.monotone else CONTRAST_COLOUR
                     axes.plot(*zip(*curve, strict=True), color=colour, linewidth=1.0, marker="o", markersize=2)
             axes.set_title(
                 f"{quantity.words}{f' [{quantity.unit}]' if quantity.unit else ''}",

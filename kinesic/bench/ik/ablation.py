@@ -19,7 +19,7 @@ from numpy.random import default_rng
 
 from kinesic.bench.ik.arms import draw_targets
 from kinesic.bench.metric import (
-    ALARM_COLOUR,
+    CONTRAST_COLOUR,
     INK_COLOUR,
     LABEL_SIZE,
     MAIN_COLOUR,
@@ -294,7 +294,7 @@ def _draw_line(axes: Axes, points: Sequence[Sequence[float]], colour: str, label
 
 
 def _finish_axes(axes: Axes, title: str) -> None:
-    axes.plot(DRAWN_TARGET[1], DRAWN_TARGET[2], "+", color=ALARM_COLOUR, markersize=14, zorder=5, label="target")
+    axes.plot(DRAWN_TARGET[1], DRAWN_TARGET[2], "+", color=CONTRAST_COLOUR, markersize=14, zorder=5, label="target")
     axes.set_title(title, fontsize=10, color=INK_COLOUR)
     axes.set_aspect("equal", adjustable="datalim")
     axes.invert_xaxis()

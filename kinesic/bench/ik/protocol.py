@@ -13,7 +13,7 @@ from numpy.random import default_rng
 
 from kinesic.bench.ik.arms import draw_targets
 from kinesic.bench.ik.tracking import LAP_DURATION, TRACKING_RATE, damped_least_squares, ellipse
-from kinesic.bench.metric import ALARM_COLOUR, INK_COLOUR, LABEL_SIZE, MAIN_COLOUR, Metric, label_axes, picture
+from kinesic.bench.metric import CONTRAST_COLOUR, INK_COLOUR, LABEL_SIZE, MAIN_COLOUR, Metric, label_axes, picture
 from kinesic.body.arrays import Floats, sealed
 from kinesic.body.chain import Chain
 from kinesic.body.reach import Reach
@@ -166,7 +166,7 @@ def _draw_distribution(
     if logarithmic:
         axes.set_xscale("log")
     if goal is not None:
-        axes.axvline(goal, color=ALARM_COLOUR, linewidth=0.8)
+        axes.axvline(goal, color=CONTRAST_COLOUR, linewidth=0.8)
     label_axes(axes, label, "fraction of targets", title=title)
     axes.grid(alpha=0.3)
 
@@ -178,7 +178,9 @@ def _draw_laps(axes: Axes, chain: Chain) -> None:
     plain = np.concatenate(damped_least_squares(chain, ellipse, steps, 2))
     times = np.arange(2 * steps) / TRACKING_RATE
     for hinge in range(1, 4):
-        axes.plot(times, np.degrees(plain[:, hinge]), color=ALARM_COLOUR, linewidth=0.8, label="damped least squares")
+        axes.plot(
+            times, np.degrees(plain[:, hinge]), color=CONTRAST_COLOUR, linewidth=0.8, label="damped least squares"
+        )
         axes.plot(times, np.degrees(ours[:, hinge]), color=MAIN_COLOUR, linewidth=1.2, label="tracker")
     axes.axvline(LAP_DURATION, color=INK_COLOUR, linewidth=0.5)
     axes.legend(*(entries[:2] for entries in axes.get_legend_handles_labels()), fontsize=LABEL_SIZE, frameon=False)

@@ -19,7 +19,7 @@ from matplotlib.ticker import FuncFormatter
 
 from kinesic.bench.ik.baselines import IK_METHODS, RESIDUAL_TOLERANCE, ChainRuns, Method, make_curved_chain, run_chain
 from kinesic.bench.metric import (
-    ALARM_COLOUR,
+    CONTRAST_COLOUR,
     INK_COLOUR,
     LABEL_SIZE,
     MAIN_COLOUR,
@@ -194,7 +194,9 @@ def draw(values: Mapping[str, float], path: Path) -> Path:
         drawn.suptitle(
             "Reach without limits: residual below 1/1000 of the chain's length, at most 300 iterations", fontsize=11
         )
-        diamond = axes[0, 0].plot([], [], "D", markerfacecolor="white", markeredgecolor=ALARM_COLOUR, linestyle="none")
+        diamond = axes[0, 0].plot(
+            [], [], "D", markerfacecolor="white", markeredgecolor=CONTRAST_COLOUR, linestyle="none"
+        )
         drawn.legend(diamond, ["printed in the thesis"], loc="outside lower right", fontsize=LABEL_SIZE, frameon=False)
     return path
 
@@ -210,7 +212,9 @@ def _draw_bars(axes: Axes, values: Mapping[str, float], bones: int, quantity: Qu
         value, thesis = values[table_name(method, bones, quantity)], thesis_value(method, bones, quantity)
         axes.barh(-row, value - begin, left=begin, height=0.66, color=_colour(method), zorder=2)
         if thesis is not None:
-            axes.plot(thesis, -row, "D", markersize=6, markerfacecolor="white", markeredgecolor=ALARM_COLOUR, zorder=4)
+            axes.plot(
+                thesis, -row, "D", markersize=6, markerfacecolor="white", markeredgecolor=CONTRAST_COLOUR, zorder=4
+            )
         metric = f"{value:.1f}" if is_count else f"{value:.2f}"
         axes.text(
             1.01, -row, metric, transform=axes.get_yaxis_transform(), va="center", fontsize=LABEL_SIZE, color=INK_COLOUR
