@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 MAIN_COLOUR = "#2b7a78"  # plot colour of kinesic's own results
 SECOND_COLOUR = "#d98e2b"  # plot colour of a second series
 OTHER_COLOUR = "#5b6fb5"  # plot colour of other libraries' results
-CONTRAST_COLOUR = "#b3261e"  # plot colour of violated limits
+CONTRAST_COLOUR = "#b3261e"  # plot colour of goals, targets and reference values
 INK_COLOUR = "#333333"  # plot colour of text and lines
 LABEL_SIZE = 8.5  # [pt] font size of axis labels
 
