@@ -28,7 +28,7 @@ class Rig:
 
     def __init__(self) -> None:
         manifest = manifest_of(2, 1_000_000)
-        self.writer = CapWriter(manifest, [{Register.PWM_LIMIT: FULL}, {Register.PWM_LIMIT: 700}])  # type: ignore[list-item]
+        self.writer = CapWriter(manifest, [{Register.PWM_LIMIT: FULL}, {Register.PWM_LIMIT: 700}])
         self.monitor = SimpleNamespace(
             energised=np.array([True, True]), holding_joints=frozenset[int](), limit_power=lambda duties: None
         )
@@ -36,12 +36,12 @@ class Rig:
         self.puts: list[tuple[Register, Mapping[int, int]]] = []
 
     def take(self, new: ServoCaps) -> None:
-        self.writer.take(new, self.monitor, self.steering)  # type: ignore[arg-type]
+        self.writer.take(new, self.monitor, self.steering)
 
     def write(self, *, braking: bool = False, seconds: float = 0.01) -> dict[Register, Mapping[int, int]]:
         axes = SimpleNamespace(put=lambda register, values: self.puts.append((register, values)))
         self.puts.clear()
-        self.writer.write(axes, self.monitor, seconds=seconds, braking=braking)  # type: ignore[arg-type]
+        self.writer.write(axes, self.monitor, seconds=seconds, braking=braking)
         return {register: values for register, values in self.puts if values}
 
 
